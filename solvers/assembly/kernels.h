@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The innermost loops: energy, internal force and tangent of a group of elements of one order and
+// one law, eight elements at a time.
+//
+// One source (kernels.cpp) is compiled for each instruction set; `best_kernels()` picks by the
+// processor at run time. Plain pointers and no Eigen here, so that no template of a library is
+// instantiated with instructions that the machine may lack.
+#pragma once
+
+#include <cstdint>
+
+namespace palpate {
+
+/// Elements in a packet.
+inline constexpr int kPacketSize = 8;
+
+/// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, compressed by columns.
+struct BlockTarget {
+  /// Position of the block's first stored value of its first column; −1: the block is not stored.
+  std::int32_t first = -1;
+  /// Stored values in the first column of the block's column of blocks; negative where the block
+  /// goes in transposed. The next columns are shorter by one each.
+  std::int32_t column_length = 0;
+};
+
+/// A group of elements. All arrays are packet by packet, the eight elements of a packet innermost;
+/// the last packet is filled up with copies of its last element that have no weight.
+struct ElementGroupView {
+  std::int32_t num_packets;
+  /// Point of each node [num_packets × nodes × 8].
+  const std::int32_t* nodes;
+  /// ∂N_a/∂X at each quadrature point [num_packets × points × nodes × 3 × 8], 1/m.
+  const double* gradients;
+  /// Weight times Jacobian [num_packets × points × 8], m³.
+  const double* weights;
+  /// Parameters of the law, [3] when homogeneous, else [num_packets × 3 × 8].
+  const double* parameters;
+  bool homogeneous;
+  /// Of each pair of nodes a ≤ b in the order 00 01 … 0n 11 … [num_packets × pairs × 8].
+  const BlockTarget* targets;
+};
+
+struct GroupResult {
+  /// J; infinite where the law is not defined because det F ≤ 0.
+  double energy;
+  /// Least det F over the quadrature points (1 for the linear law: it knows no finite strain).
+  double minimum_det_f;
+};
+
+struct Kernels {
+  const char* instruction_set;
+  /// Adds the internal force of the group to `force` [3 × num_points].
+  GroupResult (*residual)(const ElementGroupView&, const double* u, double* force);
+  /// As residual, and adds the tangent to `values`.
+  GroupResult (*tangent)(const ElementGroupView&, const double* u, double* force, double* values);
+  /// Least det F of each element over quadrature points and corners, [num_packets × 8].
+  void (*determinants)(const ElementGroupView&, const double* u, double* minimum_det_f);
+};
+
+/// Kernels for an element order (1, 2) and a law (its number), for this processor.
+[[nodiscard]] const Kernels& best_kernels(int order, int law);
+
+}  // namespace palpate

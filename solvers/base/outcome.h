@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a solve ended. Every solve ends with an Outcome and Flags; nothing downstream uses a bad
+// configuration unknowingly. The numbers are stored in files and shown in data arrays: keep them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace palpate {
+
+enum class Outcome : std::int32_t {
+  converged = 0,
+  not_converged = 1,
+  tangent_not_factorised = 2,
+  budget_used_up = 3,
+  aborted = 4,
+  invalid_scene = 5,
+};
+
+/// Properties of a configuration, as bits.
+namespace flags {
+using Flags = std::int32_t;
+/// det F ≤ 0 at a quadrature point or a vertex.
+inline constexpr Flags inverted = 1;
+/// The tangent at the solution has negative pivots.
+inline constexpr Flags unstable = 2;
+/// |h| exceeds the force limit: kept, not expanded.
+inline constexpr Flags beyond_force_limit = 4;
+inline constexpr Flags near_fold = 8;
+/// The number of negative pivots is not known (a neighbour's factor was used).
+inline constexpr Flags inertia_not_computed = 16;
+}  // namespace flags
+using flags::Flags;
+
+/// "converged", "not converged", …
+[[nodiscard]] std::string to_string(Outcome outcome);
+
+/// "inverted, unstable"; empty when no bit is set.
+[[nodiscard]] std::string flags_to_string(Flags flags);
+
+}  // namespace palpate

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "elements/tetrahedron.h"
+
+#include <array>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// Corners of the edge that each midside node divides.
+constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+
+/// Barycentric coordinate of the four points of degree 2: near one corner, and the other three.
+const double kNear = (5 + 3 * std::sqrt(5.0)) / 20;
+const double kFar = (5 - std::sqrt(5.0)) / 20;
+
+std::array<double, 4> barycentric(const Vec3& xi) {
+  return {1 - xi.sum(), xi[0], xi[1], xi[2]};
+}
+
+/// ∂λ_a/∂ξ.
+Vec3 barycentric_gradient(int a) {
+  if (a == 0) return Vec3::Constant(-1);
+  return Vec3::Unit(a - 1);
+}
+
+}  // namespace
+
+const std::vector<QuadraturePoint>& quadrature(ElementOrder order) {
+  static const std::vector<QuadraturePoint> one{{Vec3::Constant(0.25), 1.0 / 6}};
+  static const std::vector<QuadraturePoint> four{{{kFar, kFar, kFar}, 1.0 / 24},
+                                                 {{kNear, kFar, kFar}, 1.0 / 24},
+                                                 {{kFar, kNear, kFar}, 1.0 / 24},
+                                                 {{kFar, kFar, kNear}, 1.0 / 24}};
+  return order == ElementOrder::linear ? one : four;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(ElementOrder order, const Vec3& xi) {
+  Eigen::Matrix<double, Eigen::Dynamic, 3> gradients(nodes_per_cell(order), 3);
+  const auto lambda = barycentric(xi);
+  for (int a = 0; a < 4; ++a) {
+    const double factor = order == ElementOrder::linear ? 1 : 4 * lambda[a] - 1;
+    gradients.row(a) = factor * barycentric_gradient(a).transpose();
+  }
+  if (order == ElementOrder::quadratic) {
+    for (int e = 0; e < 6; ++e) {
+      const auto [a, b] = kEdges[e];
+      gradients.row(4 + e) =
+          4 * (lambda[a] * barycentric_gradient(b) + lambda[b] * barycentric_gradient(a)).transpose();
+    }
+  }
+  return gradients;
+}
+
+Eigen::VectorXd shape_values(ElementOrder order, const Vec3& xi) {
+  Eigen::VectorXd values(nodes_per_cell(order));
+  const auto lambda = barycentric(xi);
+  for (int a = 0; a < 4; ++a) {
+    values[a] = order == ElementOrder::linear ? lambda[a] : lambda[a] * (2 * lambda[a] - 1);
+  }
+  if (order == ElementOrder::quadratic) {
+    for (int e = 0; e < 6; ++e) values[4 + e] = 4 * lambda[kEdges[e][0]] * lambda[kEdges[e][1]];
+  }
+  return values;
+}
+
+CornerExtrapolation corner_extrapolation() {
+  return {(1 - kFar) / (kNear - kFar), -kFar / (kNear - kFar)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shape functions and quadrature of the linear (Tet4) and the quadratic (Tet10) tetrahedron on the
+// reference element with corners 0, e_x, e_y, e_z. Node order as in TetMesh.
+#pragma once
+
+#include <vector>
+
+#include "base/types.h"
+#include "mesh/tet_mesh.h"
+
+namespace palpate {
+
+struct QuadraturePoint {
+  /// Place in the reference element.
+  Vec3 xi;
+  /// Weight; those of an element sum to its reference volume 1/6.
+  double weight;
+};
+
+/// One point for Tet4, exact for its constant strain; the 4-point rule of degree 2 for Tet10
+/// (Keast 1986), in the order of the corners that the points lie near.
+[[nodiscard]] const std::vector<QuadraturePoint>& quadrature(ElementOrder order);
+
+/// ∂N_a/∂ξ at xi [nodes_per_cell × 3].
+[[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(ElementOrder order,
+                                                                       const Vec3& xi);
+
+/// N_a at xi [nodes_per_cell].
+[[nodiscard]] Eigen::VectorXd shape_values(ElementOrder order, const Vec3& xi);
+
+/// Value at corner i of the linear function with value f_q at the four points of the Tet10 rule is
+/// Σ f_q · (q == i ? own : other).
+struct CornerExtrapolation {
+  double own;
+  double other;
+};
+[[nodiscard]] CornerExtrapolation corner_extrapolation();
+
+}  // namespace palpate

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "linear/linear_solver.h"
+
+namespace palpate {
+
+/// MUMPS (SYM=2: LDLᵀ with 1×1 and 2×2 pivots) on MPI_COMM_SELF. Starts MPI if nobody has.
+[[nodiscard]] std::unique_ptr<LinearSolver> make_mumps_solver();
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body of tetrahedra, at rest.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/types.h"
+
+namespace palpate {
+
+enum class ElementOrder : int { linear = 1, quadratic = 2 };
+
+[[nodiscard]] constexpr int nodes_per_cell(ElementOrder order) {
+  return order == ElementOrder::linear ? 4 : 10;
+}
+
+/// Points and cells in VTK's node order (VTK_TETRA, VTK_QUADRATIC_TETRA: corners, then midside
+/// nodes of the edges 01 12 02 03 13 23).
+struct TetMesh {
+  ElementOrder order = ElementOrder::linear;
+  /// Position at rest [num_points], m. A point may belong to no cell; it is then no unknown.
+  std::vector<Vec3> points;
+  /// [num_cells × nodes_per_cell(order)], cell by cell.
+  std::vector<Index> cells;
+
+  [[nodiscard]] Index num_points() const { return static_cast<Index>(points.size()); }
+  [[nodiscard]] Index num_cells() const {
+    return static_cast<Index>(cells.size()) / nodes_per_cell(order);
+  }
+  [[nodiscard]] const Index* cell(Index c) const { return cells.data() + c * nodes_per_cell(order); }
+};
+
+/// Checks indices and coordinates, and turns cells whose corners are in left-handed order round.
+/// @throws InputError no cells, an index out of range, a coordinate that is not finite, a cell
+///   without volume (less than 1e-12 of the cube of its longest edge): it names the first such
+///   point or cell and how many there are.
+void check_and_orient(TetMesh& mesh);
+
+/// Points that belong to a cell [num_points].
+[[nodiscard]] std::vector<char> points_in_use(const TetMesh& mesh);
+
+/// Volume by the straight edges, m³.
+[[nodiscard]] double volume(const TetMesh& mesh);
+
+/// Triangles of the boundary, outward, corners only: faces that belong to one cell.
+[[nodiscard]] std::vector<std::array<Index, 3>> boundary_triangles(const TetMesh& mesh);
+
+/// Points on the boundary, midside nodes included [num_points].
+[[nodiscard]] std::vector<char> boundary_points(const TetMesh& mesh);
+
+}  // namespace palpate

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One configuration of a state space: an equilibrium of the body with the active site held at a
+// check-point [P07, 3.2.3].
+//
+// [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "base/outcome.h"
+#include "base/types.h"
+
+namespace palpate {
+
+/// Place on the grid around the rest position of a site, in steps of the grid: (0,0,0) is rest.
+using CheckPoint = std::array<std::int32_t, 3>;
+
+/// All of a configuration but its fields.
+struct ConfigurationSummary {
+  CheckPoint check_point{};
+  /// Which of the equilibria at this check-point, 0 the first.
+  std::int32_t level = 0;
+  /// The configuration whose state was the start of the transition to this one; rest is its own
+  /// parent.
+  CheckPoint parent{};
+  /// Displacement of the active site from rest t [3], m.
+  Vec3 t = Vec3::Zero();
+  /// Potential energy at equilibrium Π, J.
+  double energy = 0;
+  /// Force that holds the site, h = ∂Π/∂t [3], N.
+  Vec3 force = Vec3::Zero();
+  /// Haptic stiffness k = ∂h/∂t [3×3], symmetric, N/m.
+  Mat3 stiffness = Mat3::Zero();
+  Outcome outcome = Outcome::not_converged;
+  Flags flags = 0;
+  /// Largest nodal residual over the scene's force scale, without unit.
+  double residual = 0;
+  /// Least det F over quadrature points and vertices.
+  double minimum_det_f = 1;
+  std::int32_t negative_pivots = 0;
+  std::int32_t iterations = 0;
+  /// Time the transition took, s.
+  double seconds = 0;
+
+  /// Safe to interpolate: converged, and a force and a stiffness are there.
+  [[nodiscard]] bool usable() const { return outcome == Outcome::converged; }
+};
+
+struct Configuration : ConfigurationSummary {
+  /// Displacement u [3 × num_points], m; empty where only the summary was read.
+  Eigen::VectorXd u;
+  /// Sensitivity v = ∂u/∂t [3 × num_points, 3]; empty as u is.
+  Eigen::MatrixXd v;
+};
+
+/// The order in which configurations are kept: by check-point, then level.
+[[nodiscard]] inline bool operator<(const ConfigurationSummary& a, const ConfigurationSummary& b) {
+  return a.check_point != b.check_point ? a.check_point < b.check_point : a.level < b.level;
+}
+
+/// The active site and the grid around it.
+struct Site {
+  /// Point of the mesh.
+  Index active_node = 0;
+  /// Half the side of the box of check-points, m.
+  double half_width = 0;
+  /// Check-points along an axis; odd, so that rest is one of them.
+  std::int32_t resolution = 0;
+  /// Force limit of the device, N; 0 is none.
+  double force_limit = 0;
+
+  /// Distance of neighbouring check-points, m; 0 where rest is the only one.
+  [[nodiscard]] double spacing() const {
+    return resolution > 1 ? 2 * half_width / (resolution - 1) : 0;
+  }
+  [[nodiscard]] std::int32_t reach() const { return (resolution - 1) / 2; }
+};
+
+}  // namespace palpate

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tables of a state-space file, see state_space/state_space_file.h.
+#pragma once
+
+namespace palpate {
+
+// Columns of floating-point numbers have no type: with the type REAL, SQLite would store -0 as 0.
+// The key of a configuration has no column that SQLite makes up, so that files of different ranks
+// can be merged row by row.
+inline constexpr char kSchema[] = R"sql(
+CREATE TABLE scene (
+  scene_id         INTEGER PRIMARY KEY,
+  parent_scene_id  INTEGER,           -- the scene before its topology changed; NULL: none
+  hash             TEXT NOT NULL,     -- of mesh, materials and fixed points, hexadecimal
+  solver_tolerance,                   -- of the equilibria, relative
+  element_order    INTEGER NOT NULL,  -- 1: 4 nodes a tetrahedron, 2: 10
+  num_points       INTEGER NOT NULL,
+  num_cells        INTEGER NOT NULL,
+  points           BLOB NOT NULL,     -- float64 [num_points x 3], rest position, m
+  cells            BLOB NOT NULL,     -- int32 [num_cells x 4 or 10], nodes as in VTK
+  material_of_cell BLOB,              -- int32 [num_cells]; NULL: material 0 throughout
+  fixed            BLOB NOT NULL,     -- uint8 [num_points], 1: u = 0
+  touchable        BLOB NOT NULL      -- uint8 [num_points], 1: may be touched
+);
+CREATE TABLE material (
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  material    INTEGER NOT NULL,       -- index, from 0
+  law         INTEGER NOT NULL,       -- 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean,
+                                      -- 3 Mooney-Rivlin
+  parameter_0,                        -- lambda, or C10, Pa
+  parameter_1,                        -- mu, or C01, Pa
+  parameter_2,                        -- none, or kappa, Pa
+  PRIMARY KEY (scene_id, material)
+);
+CREATE TABLE site (
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  active_node INTEGER NOT NULL,       -- point of the mesh, from 0
+  half_width,                         -- of the box of check-points, m
+  resolution  INTEGER NOT NULL,       -- check-points along an axis
+  force_limit,                        -- N; 0: none
+  complete    INTEGER NOT NULL,       -- 1: nothing is left to find
+  PRIMARY KEY (scene_id, active_node)
+);
+CREATE TABLE configuration (
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  active_node INTEGER NOT NULL,
+  i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point; 0 0 0 is rest
+  level       INTEGER NOT NULL,       -- which of the equilibria at this check-point
+  parent_i INTEGER, parent_j INTEGER, parent_k INTEGER,        -- where the transition began
+  t_x, t_y, t_z,                      -- displacement of the active node, m
+  energy,                             -- J
+  force_x, force_y, force_z,          -- that holds the node, N
+  stiffness_xx, stiffness_xy, stiffness_xz,                    -- d force / d t, N/m
+  stiffness_yx, stiffness_yy, stiffness_yz,
+  stiffness_zx, stiffness_zy, stiffness_zz,
+  outcome     INTEGER NOT NULL,       -- 0 converged, 1 not converged, 2 tangent could not be
+                                      -- factorised, 3 budget used up, 4 aborted, 5 invalid scene
+  flags       INTEGER NOT NULL,       -- bits: 1 inverted, 2 unstable, 4 beyond the force limit,
+                                      -- 8 near a fold, 16 inertia not computed
+  residual,                           -- over the force scale of the scene
+  minimum_det_f,
+  negative_pivots INTEGER NOT NULL,
+  iterations  INTEGER NOT NULL,
+  seconds,
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
+                                      -- that of v
+  u           BLOB,                   -- float64 [num_points x 3], displacement, m
+  v           BLOB,                   -- float64 [3 x num_points x 3], du/dt_x, du/dt_y, du/dt_z
+  PRIMARY KEY (scene_id, active_node, i, j, k, level)
+);
+)sql";
+
+}  // namespace palpate

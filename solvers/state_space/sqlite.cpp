@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/sqlite.h"
+
+#include <sqlite3.h>
+
+#include <cctype>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate::sqlite {
+namespace {
+
+/// How long to wait for another program that has the file, ms: enough for it to finish a
+/// transaction, not a computation.
+constexpr int kBusyTimeout_ms = 500;
+
+std::string query_of(Access access) {
+  switch (access) {
+    case Access::read_only: return "mode=ro";
+    case Access::immutable: return "mode=ro&immutable=1";
+    case Access::read_write: return "mode=rw";
+    case Access::create: return "mode=rwc";
+  }
+  return {};
+}
+
+/// A path as an URI that SQLite opens.
+std::string to_uri(const std::filesystem::path& path, const std::string& query) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(path).string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalnum(byte) != 0 || std::strchr("/-_.~", c) != nullptr) {
+      uri += c;
+    } else {
+      char escaped[4];
+      std::snprintf(escaped, sizeof escaped, "%%%02X", byte);
+      uri += escaped;
+    }
+  }
+  return uri + '?' + query;
+}
+
+}  // namespace
+
+Database::Database(const std::filesystem::path& path, Access access) : path_(path) {
+  const int status = sqlite3_open_v2(
+      to_uri(path, query_of(access)).c_str(), &handle_,
+      SQLITE_OPEN_URI | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
+  const bool writes = access == Access::read_write || access == Access::create;
+  // SQLite falls back to reading where it may not write.
+  const bool denied =
+      status == SQLITE_OK && writes && sqlite3_db_readonly(handle_, "main") == 1;
+  if (status == SQLITE_OK && !denied) {
+    sqlite3_busy_timeout(handle_, kBusyTimeout_ms);
+    return;
+  }
+  try {
+    if (denied) {
+      throw BackendError('\'' + path.string() + "' cannot be written. Change the permissions of " +
+                         "the file and its folder, or give another file name.");
+    }
+    fail();
+  } catch (...) {
+    sqlite3_close(handle_);
+    throw;
+  }
+}
+
+Database::~Database() { sqlite3_close(handle_); }
+
+Database::Database(Database&& other) noexcept
+    : path_(std::move(other.path_)), handle_(std::exchange(other.handle_, nullptr)) {}
+
+Database& Database::operator=(Database&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(handle_, other.handle_);
+  return *this;
+}
+
+void Database::execute(const std::string& sql) const {
+  if (sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+}
+
+std::int64_t Database::integer(const std::string& sql) const {
+  Statement statement(*this, sql);
+  return statement.step() ? statement.take_integer() : 0;
+}
+
+std::string Database::text(const std::string& sql) const {
+  Statement statement(*this, sql);
+  return statement.step() ? statement.take_text() : std::string();
+}
+
+std::int64_t Database::changes() const { return sqlite3_changes64(handle_); }
+
+void Database::fail() const {
+  const std::string name = '\'' + path_.string() + '\'';
+  const std::string reason = handle_ != nullptr ? sqlite3_errmsg(handle_) : "out of memory";
+  const int system_error = handle_ != nullptr ? sqlite3_system_errno(handle_) : 0;
+  const std::string cause =
+      system_error != 0 ? reason + ": " + std::strerror(system_error) : reason;
+  switch (handle_ != nullptr ? sqlite3_errcode(handle_) & 0xff : SQLITE_NOMEM) {
+    case SQLITE_NOTADB:
+      throw InputError(name + " is not a Palpate state space, or its beginning is damaged (" +
+                       reason + "). Give another file name.");
+    case SQLITE_CORRUPT:
+      throw InputError(name + " is damaged (" + reason + "). Take a copy that is whole, or remove " +
+                       "the file and compute it again.");
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      throw BackendError(name + " is in use by another program that writes it. Wait until that " +
+                         "one ends, or give another file name.");
+    case SQLITE_FULL:
+      throw BackendError("There is no space left to write " + name + ". Free some and run again: " +
+                         "what was stored before is kept.");
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+      throw BackendError(name + " cannot be written (" + cause + "). Change the permissions of " +
+                         "the file and its folder, or give another file name.");
+    case SQLITE_CANTOPEN:
+      throw BackendError(name + " cannot be opened (" + cause + "). Check that its folder is " +
+                         "there and may be used.");
+    case SQLITE_NOMEM:
+      throw BackendError("Out of memory while using " + name + ". Close other programs.");
+    default:
+      throw BackendError(name + " cannot be read or written (" + cause + "). Check the disk and " +
+                         "its free space; what was stored before is kept.");
+  }
+}
+
+Statement::Statement(const Database& database, const std::string& sql) : database_(&database) {
+  check(sqlite3_prepare_v2(database.handle(), sql.c_str(), -1, &handle_, nullptr));
+}
+
+Statement::~Statement() { sqlite3_finalize(handle_); }
+
+Statement::Statement(Statement&& other) noexcept
+    : database_(other.database_),
+      handle_(std::exchange(other.handle_, nullptr)),
+      parameter_(other.parameter_),
+      column_(other.column_) {}
+
+void Statement::check(int status) const {
+  if (status != SQLITE_OK) database_->fail();
+}
+
+void Statement::bind(std::int64_t value) { check(sqlite3_bind_int64(handle_, ++parameter_, value)); }
+
+void Statement::bind(double value) { check(sqlite3_bind_double(handle_, ++parameter_, value)); }
+
+void Statement::bind(const std::string& value) {
+  check(sqlite3_bind_text(handle_, ++parameter_, value.data(), static_cast<int>(value.size()),
+                          SQLITE_TRANSIENT));
+}
+
+void Statement::bind(const void* data, std::size_t bytes) {
+  check(sqlite3_bind_blob64(handle_, ++parameter_, data, bytes, SQLITE_STATIC));
+}
+
+bool Statement::step() {
+  column_ = 0;
+  const int status = sqlite3_step(handle_);
+  if (status != SQLITE_ROW && status != SQLITE_DONE) database_->fail();
+  return status == SQLITE_ROW;
+}
+
+void Statement::run() {
+  try {
+    step();
+  } catch (...) {
+    reset();
+    throw;
+  }
+  reset();
+}
+
+void Statement::reset() {
+  sqlite3_reset(handle_);
+  parameter_ = 0;
+  column_ = 0;
+}
+
+std::int64_t Statement::take_integer() { return sqlite3_column_int64(handle_, column_++); }
+
+double Statement::take_double() {
+  const int column = column_++;
+  return sqlite3_column_type(handle_, column) == SQLITE_NULL
+             ? std::numeric_limits<double>::quiet_NaN()
+             : sqlite3_column_double(handle_, column);
+}
+
+std::string Statement::take_text() {
+  const int column = column_++;
+  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle_, column));
+  return text == nullptr
+             ? std::string()
+             : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column)));
+}
+
+Statement::Blob Statement::take_blob() {
+  const int column = column_++;
+  const void* data = sqlite3_column_blob(handle_, column);
+  return {data, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column))};
+}
+
+Transaction::Transaction(const Database& database) : database_(&database) {
+  database.execute("BEGIN IMMEDIATE");
+}
+
+Transaction::~Transaction() {
+  if (database_ != nullptr) {
+    sqlite3_exec(database_->handle(), "ROLLBACK", nullptr, nullptr, nullptr);
+  }
+}
+
+void Transaction::commit() {
+  database_->execute("COMMIT");
+  database_ = nullptr;
+}
+
+Attachment::Attachment(const Database& database, const std::filesystem::path& path)
+    : database_(&database) {
+  Statement attach(database, "ATTACH ? AS other");
+  attach.bind(to_uri(path, query_of(Access::read_only)));
+  attach.run();
+}
+
+Attachment::~Attachment() {
+  sqlite3_exec(database_->handle(), "DETACH other", nullptr, nullptr, nullptr);
+}
+
+}  // namespace palpate::sqlite

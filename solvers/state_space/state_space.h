@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A state space: the configurations of a scene, site by site [P07, 3.2].
+//
+// [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "assembly/scene.h"
+#include "state_space/configuration.h"
+
+namespace palpate {
+
+/// What was found around one active site.
+struct SiteSpace {
+  Site site;
+  /// The frontier was exhausted: a run has nothing to add.
+  bool complete = false;
+  /// In the order of operator<.
+  std::vector<Configuration> configurations;
+
+  /// The configuration at a check-point, or nullptr.
+  [[nodiscard]] const Configuration* find(const CheckPoint& check_point,
+                                          std::int32_t level = 0) const;
+};
+
+struct StateSpace {
+  Scene scene;
+  /// hash(scene).
+  std::string scene_hash;
+  /// Tolerance of the equilibria, without unit: see ConfigurationSummary::residual.
+  double solver_tolerance = 0;
+  /// By active node, ascending.
+  std::vector<SiteSpace> sites;
+
+  /// The space around an active node, or nullptr.
+  [[nodiscard]] const SiteSpace* find(Index active_node) const;
+};
+
+/// Brings sites and configurations into their order, for a space that was filled by hand.
+void sort(StateSpace& space);
+
+}  // namespace palpate

@@ -1,0 +1,577 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/state_space_file.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <system_error>
+
+#include "base/error.h"
+#include "state_space/schema.sql.h"
+#include "state_space/sqlite.h"
+
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "The blobs of a state space are little-endian and are written as they lie in memory."
+#endif
+
+namespace palpate {
+namespace fs = std::filesystem;
+using sqlite::Access;
+using sqlite::Database;
+using sqlite::Statement;
+using sqlite::Transaction;
+
+namespace {
+
+constexpr std::int64_t kApplicationId = 0x50616c70;
+
+/// Large pages suit large blobs: a configuration of 160 kB is 10 pages.
+constexpr int kPageSize = 16384;
+
+std::string quoted(const fs::path& path) { return '\'' + path.string() + '\''; }
+
+std::string number(double value) {
+  std::ostringstream text;
+  text.precision(17);
+  text << value;
+  return text.str();
+}
+
+/// Whether a writer may have left something to recover: SQLite's header marks the write-ahead log.
+bool needs_recovery(const fs::path& path) {
+  std::array<char, 20> header{};
+  std::ifstream(path, std::ios::binary).read(header.data(), header.size());
+  const auto left = [&](const char* suffix) { return fs::exists(path.string() + suffix); };
+  return header[18] == 2 || left("-wal") || left("-journal");
+}
+
+void check_is_there(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) {
+    throw InputError("There is no file " + quoted(path) + ". Check its name.");
+  }
+  if (status.type() == fs::file_type::none) {
+    throw BackendError(quoted(path) + " cannot be opened: " + error.message() +
+                       ". Change the permissions of its folder.");
+  }
+  if (status.type() != fs::file_type::regular) {
+    throw InputError(quoted(path) + " is no ordinary file. Give another file name.");
+  }
+  if (fs::file_size(path) == 0) {
+    throw InputError(quoted(path) + " is empty, not a state space. Remove it, or give another " +
+                     "file name.");
+  }
+}
+
+void check_identity(const Database& database) {
+  if (database.integer("PRAGMA application_id") != kApplicationId) {
+    throw InputError(quoted(database.path()) + " is an SQLite file of another program, not a " +
+                     "Palpate state space. Give another file name.");
+  }
+  const std::int64_t version = database.integer("PRAGMA user_version");
+  if (version != StateSpaceFile::schema_version) {
+    const bool newer = version > StateSpaceFile::schema_version;
+    throw InputError(quoted(database.path()) + " has version " + std::to_string(version) +
+                     " of the schema; this program knows version " +
+                     std::to_string(StateSpaceFile::schema_version) + ". " +
+                     (newer ? "Use a newer Palpate." : "Compute the state space again."));
+  }
+}
+
+/// Opens with the file locked for this program alone: then the log needs no shared memory, and
+/// works on network disks.
+Database open_exclusively(const fs::path& path) {
+  Database database(path, Access::read_write);
+  database.execute("PRAGMA locking_mode = EXCLUSIVE");
+  check_identity(database);
+  return database;
+}
+
+void to_single_file(const Database& database) {
+  if (database.text("PRAGMA journal_mode = DELETE") != "delete") {
+    throw BackendError("The log of " + quoted(database.path()) + " cannot be put into the file. " +
+                       "Nothing is lost: open it again when no other program uses it.");
+  }
+}
+
+Database open_to_read(const fs::path& path) {
+  check_is_there(path);
+  if (!needs_recovery(path)) {
+    Database database(path, Access::read_only);
+    check_identity(database);
+    return database;
+  }
+  try {
+    to_single_file(open_exclusively(path));
+  } catch (const BackendError& error) {
+    // A writer, alive or killed, has a log; without one the file is whole, wherever it lies.
+    if (fs::exists(path.string() + "-wal") || fs::exists(path.string() + "-journal")) {
+      throw BackendError(error.what() + std::string(" If a run that was killed left it behind, ") +
+                         "copy it, with the files beside it whose names begin with its own, to " +
+                         "where it can be written.");
+    }
+    Database database(path, Access::immutable);
+    check_identity(database);
+    return database;
+  }
+  return {path, Access::read_only};
+}
+
+template <class T>
+void bind_array(Statement& statement, const std::vector<T>& values) {
+  statement.bind(values.empty() ? nullptr : static_cast<const void*>(values.data()),
+                 values.size() * sizeof(T));
+}
+
+[[noreturn]] void throw_damaged(const Database& database, const std::string& what) {
+  throw InputError(quoted(database.path()) + " is damaged (" + what + "). Take a copy that is " +
+                   "whole, or remove the file and compute it again.");
+}
+
+template <class T>
+std::vector<T> take_array(Statement& statement, std::int64_t size, const Database& database,
+                          const char* what) {
+  const Statement::Blob blob = statement.take_blob();
+  if (size < 0 || blob.bytes != static_cast<std::size_t>(size) * sizeof(T)) {
+    throw_damaged(database, std::string(what) + " has another size than the body");
+  }
+  std::vector<T> values(static_cast<std::size_t>(size));
+  if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), blob.data, blob.bytes);
+  return values;
+}
+
+/// Calls visit for each number of a summary, in the order of the columns.
+template <class Summary, class Visit>
+void for_each_number(Summary& c, Visit&& visit) {
+  for (auto& x : c.check_point) visit(x);
+  visit(c.level);
+  for (auto& x : c.parent) visit(x);
+  for (int a = 0; a < 3; ++a) visit(c.t[a]);
+  visit(c.energy);
+  for (int a = 0; a < 3; ++a) visit(c.force[a]);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) visit(c.stiffness(a, b));
+  }
+  visit(c.outcome);
+  visit(c.flags);
+  visit(c.residual);
+  visit(c.minimum_det_f);
+  visit(c.negative_pivots);
+  visit(c.iterations);
+  visit(c.seconds);
+}
+
+constexpr char kSummaryColumns[] =
+    "i, j, k, level, parent_i, parent_j, parent_k, t_x, t_y, t_z, energy, force_x, force_y, "
+    "force_z, stiffness_xx, stiffness_xy, stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, "
+    "stiffness_zx, stiffness_zy, stiffness_zz, outcome, flags, residual, minimum_det_f, "
+    "negative_pivots, iterations, seconds";
+constexpr int kNumSummaryColumns = 30;
+
+constexpr char kAtKey[] =
+    " WHERE scene_id = 1 AND active_node = ? AND i = ? AND j = ? AND k = ? AND level = ?";
+
+struct BindNumber {
+  Statement& statement;
+  void operator()(double x) const { statement.bind(x); }
+  void operator()(std::int32_t x) const { statement.bind(std::int64_t{x}); }
+  void operator()(Outcome x) const { statement.bind(static_cast<std::int64_t>(x)); }
+};
+
+struct TakeNumber {
+  Statement& statement;
+  void operator()(double& x) const { x = statement.take_double(); }
+  void operator()(std::int32_t& x) const {
+    x = static_cast<std::int32_t>(statement.take_integer());
+  }
+  void operator()(Outcome& x) const { x = static_cast<Outcome>(statement.take_integer()); }
+};
+
+std::int64_t checksum(const void* u, std::size_t u_bytes, const void* v, std::size_t v_bytes) {
+  return static_cast<std::int64_t>(
+      XXH3_64bits_withSeed(v, v_bytes, XXH3_64bits_withSeed(u, u_bytes, 0)));
+}
+
+std::size_t num_bytes(Eigen::Index doubles) {
+  return static_cast<std::size_t>(doubles) * sizeof(double);
+}
+
+std::string describe(const CheckPoint& c) {
+  return '(' + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " + std::to_string(c[2]) +
+         ')';
+}
+
+void write_scene(const Database& database, const Scene& scene, double solver_tolerance) {
+  Statement insert(database,
+                   "INSERT INTO scene VALUES (1, NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  const TetMesh& mesh = scene.mesh;
+  insert.bind(hash(scene));
+  insert.bind(solver_tolerance);
+  insert.bind(static_cast<std::int64_t>(mesh.order));
+  insert.bind(std::int64_t{mesh.num_points()});
+  insert.bind(std::int64_t{mesh.num_cells()});
+  bind_array(insert, mesh.points);
+  bind_array(insert, mesh.cells);
+  bind_array(insert, scene.material_of_cell);
+  bind_array(insert, scene.fixed);
+  bind_array(insert, scene.touchable);
+  insert.run();
+  Statement insert_material(database, "INSERT INTO material VALUES (1, ?, ?, ?, ?, ?)");
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    insert_material.bind(static_cast<std::int64_t>(m));
+    insert_material.bind(static_cast<std::int64_t>(scene.materials[m].law));
+    for (double p : scene.materials[m].parameters) insert_material.bind(p);
+    insert_material.run();
+  }
+}
+
+}  // namespace
+
+struct StateSpaceFile::Impl {
+  explicit Impl(Database opened) : database(std::move(opened)) {
+    Statement select(database, "SELECT hash, solver_tolerance, num_points FROM scene WHERE "
+                               "scene_id = 1");
+    if (!select.step()) throw_damaged(database, "it holds no scene");
+    scene_hash = select.take_text();
+    solver_tolerance = select.take_double();
+    num_points = select.take_integer();
+  }
+
+  Database database;
+  bool writes = false;
+  std::string scene_hash;
+  double solver_tolerance = 0;
+  std::int64_t num_points = 0;
+  /// Prepared at the first use.
+  std::optional<Statement> insert;
+};
+
+StateSpaceFile::StateSpaceFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+StateSpaceFile::StateSpaceFile(StateSpaceFile&&) noexcept = default;
+StateSpaceFile& StateSpaceFile::operator=(StateSpaceFile&&) noexcept = default;
+
+StateSpaceFile::~StateSpaceFile() {
+  try {
+    if (impl_) close();
+  } catch (const std::exception&) {
+    // The log is left beside the file, and is taken up when it is opened again.
+  }
+}
+
+StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
+                                      double solver_tolerance) {
+  const fs::path folder = fs::absolute(path).parent_path();
+  if (!fs::is_directory(folder)) {
+    throw InputError("There is no folder " + quoted(folder) + ". Make it, or give another file " +
+                     "name.");
+  }
+  if (fs::exists(path)) {
+    throw InputError(quoted(path) + " is there already. Open it to append, or give another file " +
+                     "name.");
+  }
+  // Filled under another name, so that a run killed here leaves no half file under this one.
+  const fs::path part = path.string() + ".part";
+  std::error_code error;
+  fs::remove(part, error);
+  {
+    const Database database(part, Access::create);
+    database.execute("PRAGMA page_size = " + std::to_string(kPageSize));
+    database.execute("PRAGMA journal_mode = MEMORY");
+    Transaction transaction(database);
+    database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
+    database.execute("PRAGMA user_version = " + std::to_string(schema_version));
+    database.execute(kSchema);
+    write_scene(database, scene, solver_tolerance);
+    transaction.commit();
+  }
+  fs::rename(part, path, error);
+  if (error) {
+    throw BackendError(quoted(part) + " cannot be renamed to " + quoted(path) + ": " +
+                       error.message() + ". Check the permissions of the folder.");
+  }
+  return open_to_append(path, scene, solver_tolerance);
+}
+
+StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene& scene,
+                                              double solver_tolerance) {
+  check_is_there(path);
+  auto impl = std::make_unique<Impl>(open_exclusively(path));
+  const Database& database = impl->database;
+  const std::string wanted = hash(scene);
+  if (impl->scene_hash != wanted) {
+    throw InputError(quoted(path) + " holds the state space of another scene: its hash is " +
+                     impl->scene_hash + ", that of this scene (mesh, materials, fixed points) is " +
+                     wanted + ". Give another file name, or restore the scene it was made for.");
+  }
+  if (impl->solver_tolerance != solver_tolerance) {
+    throw InputError(quoted(path) + " was computed with the solver tolerance " +
+                     number(impl->solver_tolerance) + ", not " + number(solver_tolerance) +
+                     " (scene " + wanted + " in both). Give another file name, or that tolerance.");
+  }
+  if (database.text("PRAGMA journal_mode = WAL") != "wal") {
+    throw BackendError("A write-ahead log cannot be kept beside " + quoted(path) +
+                       ". Give a file name on another disk.");
+  }
+  // Safe against the death of the process, which is what a run has to survive; a commit then costs
+  // no wait for the disk.
+  database.execute("PRAGMA synchronous = NORMAL");
+  // What may be touched is no part of the hash, and may have changed since.
+  Statement update(database, "UPDATE scene SET touchable = ?1 WHERE touchable <> ?1");
+  bind_array(update, scene.touchable);
+  update.run();
+  impl->writes = true;
+  return StateSpaceFile(std::move(impl));
+}
+
+StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene& scene,
+                                              double solver_tolerance) {
+  return fs::exists(path) ? open_to_append(path, scene, solver_tolerance)
+                          : create(path, scene, solver_tolerance);
+}
+
+StateSpaceFile StateSpaceFile::open_read_only(const fs::path& path) {
+  return StateSpaceFile(std::make_unique<Impl>(open_to_read(path)));
+}
+
+void StateSpaceFile::close() {
+  const std::unique_ptr<Impl> impl = std::move(impl_);
+  impl->insert.reset();
+  if (impl->writes) to_single_file(impl->database);
+}
+
+const fs::path& StateSpaceFile::path() const { return impl_->database.path(); }
+const std::string& StateSpaceFile::scene_hash() const { return impl_->scene_hash; }
+double StateSpaceFile::solver_tolerance() const { return impl_->solver_tolerance; }
+
+Scene StateSpaceFile::read_scene() const {
+  const Database& database = impl_->database;
+  Statement select(database,
+                   "SELECT element_order, num_points, num_cells, points, cells, material_of_cell "
+                   "IS NULL, material_of_cell, fixed, touchable FROM scene WHERE scene_id = 1");
+  select.step();
+  Scene scene;
+  TetMesh& mesh = scene.mesh;
+  const std::int64_t order = select.take_integer();
+  if (order != 1 && order != 2) throw_damaged(database, "an unknown order of elements");
+  mesh.order = static_cast<ElementOrder>(order);
+  const std::int64_t num_points = select.take_integer();
+  const std::int64_t num_cells = select.take_integer();
+  mesh.points = take_array<Vec3>(select, num_points, database, "points");
+  mesh.cells =
+      take_array<Index>(select, num_cells * nodes_per_cell(mesh.order), database, "cells");
+  const bool uniform = select.take_integer() != 0;
+  scene.material_of_cell =
+      take_array<Index>(select, uniform ? 0 : num_cells, database, "material_of_cell");
+  scene.fixed = take_array<char>(select, num_points, database, "fixed");
+  scene.touchable = take_array<char>(select, num_points, database, "touchable");
+
+  Statement materials(database,
+                      "SELECT law, parameter_0, parameter_1, parameter_2 FROM material WHERE "
+                      "scene_id = 1 ORDER BY material");
+  while (materials.step()) {
+    Material material;
+    const std::int64_t law = materials.take_integer();
+    if (law < 0 || law >= num_laws) throw_damaged(database, "an unknown law");
+    material.law = static_cast<Law>(law);
+    for (double& p : material.parameters) p = materials.take_double();
+    scene.materials.push_back(material);
+  }
+  const auto known = static_cast<Index>(scene.materials.size());
+  const auto unknown = [&](Index m) { return m < 0 || m >= known; };
+  if (known == 0 || std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(),
+                                unknown)) {
+    throw_damaged(database, "a material is missing");
+  }
+  if (hash(scene) != impl_->scene_hash) {
+    throw_damaged(database, "the scene has not the hash it was stored with");
+  }
+  return scene;
+}
+
+void StateSpaceFile::add_site(const Site& site) {
+  for (const SiteSpace& there : read_sites()) {
+    const Site& other = there.site;
+    if (other.active_node != site.active_node) continue;
+    if (other.half_width == site.half_width && other.resolution == site.resolution &&
+        other.force_limit == site.force_limit) {
+      return;
+    }
+    const auto grid = [](const Site& s) {
+      return "half-width " + number(s.half_width) + " m, resolution " +
+             std::to_string(s.resolution) + ", force limit " + number(s.force_limit) + " N";
+    };
+    throw InputError(quoted(path()) + " holds active node " + std::to_string(site.active_node) +
+                     " with " + grid(other) + "; asked for was " + grid(site) +
+                     ". Give another file name, or those values.");
+  }
+  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, 0)");
+  insert.bind(std::int64_t{site.active_node});
+  insert.bind(site.half_width);
+  insert.bind(std::int64_t{site.resolution});
+  insert.bind(site.force_limit);
+  insert.run();
+}
+
+void StateSpaceFile::set_complete(Index active_node, bool complete) {
+  Statement update(impl_->database,
+                   "UPDATE site SET complete = ? WHERE scene_id = 1 AND active_node = ?");
+  update.bind(std::int64_t{complete});
+  update.bind(std::int64_t{active_node});
+  update.run();
+}
+
+std::vector<SiteSpace> StateSpaceFile::read_sites() const {
+  Statement select(impl_->database,
+                   "SELECT active_node, half_width, resolution, force_limit, complete FROM site "
+                   "WHERE scene_id = 1 ORDER BY active_node");
+  std::vector<SiteSpace> sites;
+  while (select.step()) {
+    SiteSpace& space = sites.emplace_back();
+    space.site.active_node = static_cast<Index>(select.take_integer());
+    space.site.half_width = select.take_double();
+    space.site.resolution = static_cast<std::int32_t>(select.take_integer());
+    space.site.force_limit = select.take_double();
+    space.complete = select.take_integer() != 0;
+  }
+  return sites;
+}
+
+void StateSpaceFile::add(Index active_node, const Configuration& configuration) {
+  const auto fits = [&](Eigen::Index size, std::int64_t columns) {
+    return size == 0 || size == 3 * columns * impl_->num_points;
+  };
+  if (!fits(configuration.u.size(), 1) || !fits(configuration.v.size(), 3)) {
+    throw InputError("Configuration " + describe(configuration.check_point) + " of active node " +
+                     std::to_string(active_node) + " has fields of another size than the " +
+                     std::to_string(impl_->num_points) + " points of the body.");
+  }
+  if (!impl_->insert) {
+    std::string parameters = "?1";
+    for (int c = 1; c < kNumSummaryColumns + 4; ++c) parameters += ", ?" + std::to_string(c + 1);
+    // Through the table of sites, so that nothing is stored for a site that is not there.
+    impl_->insert.emplace(impl_->database,
+                          "INSERT OR REPLACE INTO configuration (scene_id, active_node, " +
+                              std::string(kSummaryColumns) + ", checksum, u, v) SELECT 1, " +
+                              parameters + " FROM site WHERE scene_id = 1 AND active_node = ?1");
+  }
+  Statement& insert = *impl_->insert;
+  insert.bind(std::int64_t{active_node});
+  for_each_number(configuration, BindNumber{insert});
+  const auto& u = configuration.u;
+  const auto& v = configuration.v;
+  insert.bind(checksum(u.data(), num_bytes(u.size()), v.data(), num_bytes(v.size())));
+  insert.bind(u.size() == 0 ? nullptr : u.data(), num_bytes(u.size()));
+  insert.bind(v.size() == 0 ? nullptr : v.data(), num_bytes(v.size()));
+  insert.run();
+  if (impl_->database.changes() == 0) {
+    throw InputError(quoted(path()) + " has no site at active node " +
+                     std::to_string(active_node) + ". Add the site first.");
+  }
+}
+
+bool StateSpaceFile::contains(Index active_node, const CheckPoint& check_point,
+                              std::int32_t level) const {
+  Statement select(impl_->database, std::string("SELECT 1 FROM configuration") + kAtKey);
+  select.bind(std::int64_t{active_node});
+  for (std::int32_t x : check_point) select.bind(std::int64_t{x});
+  select.bind(std::int64_t{level});
+  return select.step();
+}
+
+std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) const {
+  Statement select(impl_->database,
+                   std::string("SELECT ") + kSummaryColumns +
+                       " FROM configuration WHERE scene_id = 1 AND active_node = ? ORDER BY i, j, "
+                       "k, level");
+  select.bind(std::int64_t{active_node});
+  std::vector<Configuration> configurations;
+  while (select.step()) {
+    for_each_number(configurations.emplace_back(), TakeNumber{select});
+  }
+  return configurations;
+}
+
+void StateSpaceFile::read_fields(Index active_node, Configuration& configuration) const {
+  const Database& database = impl_->database;
+  Statement select(database, std::string("SELECT checksum, u, v FROM configuration") + kAtKey);
+  select.bind(std::int64_t{active_node});
+  for (std::int32_t x : configuration.check_point) select.bind(std::int64_t{x});
+  select.bind(std::int64_t{configuration.level});
+  const std::string which = "configuration " + describe(configuration.check_point) +
+                            " of active node " + std::to_string(active_node);
+  if (!select.step()) throw InputError(quoted(path()) + " holds no " + which + '.');
+  const std::int64_t stored_checksum = select.take_integer();
+  const Statement::Blob u = select.take_blob();
+  const Statement::Blob v = select.take_blob();
+  const auto size = static_cast<std::size_t>(3 * impl_->num_points);
+  const auto fits = [&](const Statement::Blob& blob, std::size_t columns) {
+    return blob.bytes == 0 || blob.bytes == columns * size * sizeof(double);
+  };
+  if (!fits(u, 1) || !fits(v, 3) || checksum(u.data, u.bytes, v.data, v.bytes) != stored_checksum) {
+    throw_damaged(database, "the fields of " + which);
+  }
+  const auto rows = static_cast<Eigen::Index>(size);
+  configuration.u.resize(u.bytes == 0 ? 0 : rows);
+  configuration.v.resize(v.bytes == 0 ? 0 : rows, v.bytes == 0 ? 0 : 3);
+  if (u.bytes != 0) std::memcpy(configuration.u.data(), u.data, u.bytes);
+  if (v.bytes != 0) std::memcpy(configuration.v.data(), v.data, v.bytes);
+}
+
+StateSpace StateSpaceFile::read(bool with_fields) const {
+  StateSpace space;
+  space.scene = read_scene();
+  space.scene_hash = impl_->scene_hash;
+  space.solver_tolerance = impl_->solver_tolerance;
+  space.sites = read_sites();
+  for (SiteSpace& site : space.sites) {
+    const Index node = site.site.active_node;
+    site.configurations = read_summaries(node);
+    if (!with_fields) continue;
+    for (Configuration& configuration : site.configurations) read_fields(node, configuration);
+  }
+  return space;
+}
+
+void StateSpaceFile::merge(const std::vector<fs::path>& others) {
+  const Database& database = impl_->database;
+  for (const fs::path& other_path : others) {
+    std::vector<SiteSpace> sites;
+    {
+      // Opened by itself first: that checks it, and takes up the log of a rank that was killed.
+      const StateSpaceFile other = open_read_only(other_path);
+      if (other.scene_hash() != scene_hash() || other.solver_tolerance() != solver_tolerance()) {
+        throw InputError(quoted(other_path) + " cannot be merged into " + quoted(path()) +
+                         ": its scene has the hash " + other.scene_hash() + " and the tolerance " +
+                         number(other.solver_tolerance()) + ", here they are " + scene_hash() +
+                         " and " + number(solver_tolerance()) + ". Leave it out.");
+      }
+      sites = other.read_sites();
+    }
+    for (const SiteSpace& site : sites) add_site(site.site);
+
+    const sqlite::Attachment attachment(database, other_path);
+    for (const SiteSpace& site : sites) {
+      const std::string node = std::to_string(site.site.active_node);
+      Transaction transaction(database);
+      database.execute(
+          "DELETE FROM main.configuration AS here WHERE scene_id = 1 AND active_node = " + node +
+          " AND outcome <> 0 AND EXISTS (SELECT 1 FROM other.configuration AS there WHERE "
+          "there.scene_id = 1 AND there.active_node = here.active_node AND there.i = here.i AND "
+          "there.j = here.j AND there.k = here.k AND there.level = here.level AND there.outcome "
+          "= 0)");
+      database.execute(
+          "INSERT OR IGNORE INTO main.configuration SELECT * FROM other.configuration WHERE "
+          "scene_id = 1 AND active_node = " + node + " ORDER BY i, j, k, level");
+      transaction.commit();
+    }
+  }
+}
+
+}  // namespace palpate

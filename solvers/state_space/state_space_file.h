@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The durable form of a state space: an SQLite database, one file, usually named *.palpate.
+//
+// `PRAGMA application_id` is 0x50616c70 ("Palp"), `PRAGMA user_version` the version of the schema:
+//
+//   scene          one row: the body, where it is held, where it may be touched, its hash
+//   material       the different materials of the scene
+//   site           an active node and the grid around it; complete = 1 when nothing is left to find
+//   configuration  one row each: all of state_space/configuration.h; outcome and flags are those of
+//                  base/outcome.h
+//
+// schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
+// or uint8. scene_id is 1; it and parent_scene_id leave room for a body whose topology changes.
+// A NaN is a NULL. With Python (and NumPy):
+//
+//   import sqlite3, numpy
+//   file = sqlite3.connect("liver.palpate")
+//   rest = numpy.frombuffer(file.execute("SELECT points FROM scene").fetchone()[0]).reshape(-1, 3)
+//   for i, j, k, h, u in file.execute("SELECT i, j, k, force_x, u FROM configuration"):
+//       print((i, j, k), h, abs(numpy.frombuffer(u).reshape(-1, 3)).max())
+//
+// Durability. A writer keeps a write-ahead log beside the file ("-wal"): when add() returns, the
+// configuration outlives the death of the process at any instant, also by kill -9. A loss of power
+// may take the last ones, never the file. close() leaves the single file; the log of a writer that
+// was killed is taken up by the next one that opens the file. One writer at a time.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "state_space/state_space.h"
+
+namespace palpate {
+
+/// An open file. Not thread-safe: one object for each thread.
+///
+/// Every member throws InputError for a file that is damaged or no state space, and BackendError
+/// where the disk, its space, the permissions or another writer stand in the way.
+class StateSpaceFile {
+ public:
+  static constexpr int schema_version = 1;
+
+  /// Makes the file for a scene, open to append. It appears complete or not at all.
+  /// @throws InputError there is such a file, or its folder is missing.
+  [[nodiscard]] static StateSpaceFile create(const std::filesystem::path& path, const Scene& scene,
+                                             double solver_tolerance);
+
+  /// Opens a file to append.
+  /// @throws InputError it is missing, of another schema, or was made for another scene or
+  ///   tolerance.
+  [[nodiscard]] static StateSpaceFile open_to_append(const std::filesystem::path& path,
+                                                     const Scene& scene, double solver_tolerance);
+
+  /// open_to_append where there is a file, else create.
+  [[nodiscard]] static StateSpaceFile open_or_create(const std::filesystem::path& path,
+                                                     const Scene& scene, double solver_tolerance);
+
+  /// Opens a file to read, also where nothing may be written.
+  /// @throws InputError it is missing or of another schema.
+  [[nodiscard]] static StateSpaceFile open_read_only(const std::filesystem::path& path);
+
+  /// Closes without a word when something fails: call close() to know.
+  ~StateSpaceFile();
+  StateSpaceFile(StateSpaceFile&&) noexcept;
+  StateSpaceFile& operator=(StateSpaceFile&&) noexcept;
+
+  /// Puts everything into the single file. Nothing may be called afterwards.
+  void close();
+
+  [[nodiscard]] const std::filesystem::path& path() const;
+  [[nodiscard]] const std::string& scene_hash() const;
+  [[nodiscard]] double solver_tolerance() const;
+  /// @throws InputError also where the scene does not have the hash it is stored with.
+  [[nodiscard]] Scene read_scene() const;
+
+  /// Adds a site; nothing happens when it is there.
+  /// @throws InputError it is there with another grid or force limit.
+  void add_site(const Site& site);
+  void set_complete(Index active_node, bool complete);
+  /// The sites without configurations, by active node.
+  [[nodiscard]] std::vector<SiteSpace> read_sites() const;
+
+  /// Adds a configuration to a site, in place of one with the same check-point and level.
+  /// @throws InputError there is no such site, or u or v has a size that is not the body's; both
+  ///   may be empty.
+  void add(Index active_node, const Configuration& configuration);
+  [[nodiscard]] bool contains(Index active_node, const CheckPoint& check_point,
+                              std::int32_t level = 0) const;
+
+  /// All configurations of a site without u and v, in the order of operator<.
+  [[nodiscard]] std::vector<Configuration> read_summaries(Index active_node) const;
+  /// Fills in u and v.
+  void read_fields(Index active_node, Configuration& configuration) const;
+  /// Everything; without u and v unless `with_fields`.
+  [[nodiscard]] StateSpace read(bool with_fields) const;
+
+  /// Takes over sites and configurations of other files of the same scene, such as those of the
+  /// ranks of a run. What is here stays, except that a configuration that converged there replaces
+  /// one that did not converge here. The other files stay as they are; killed half-way, it can be
+  /// done again.
+  /// @throws InputError another scene or tolerance, or another grid of the same site.
+  void merge(const std::vector<std::filesystem::path>& others);
+
+ private:
+  struct Impl;
+  explicit StateSpaceFile(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/touch_space.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "state_space/pod.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+/// Gives w = step · v the unit of u; where there is no grid any length does.
+double step_of(const Site& site) { return site.spacing() > 0 ? site.spacing() : 1; }
+
+/// The rows of a field that belong to the surface, rounded to single precision.
+template <class Field, class Column>
+void gather(const Surface& surface, const Field& field, double factor, Column&& column) {
+  for (Index p = 0; p < surface.num_points(); ++p) {
+    column.template segment<3>(3 * p) =
+        (factor * field.template segment<3>(3 * Eigen::Index{surface.mesh_points[p]}))
+            .template cast<float>();
+  }
+}
+
+void check_fields(const Configuration& configuration, Index num_points, Index active_node) {
+  const Eigen::Index rows = 3 * Eigen::Index{num_points};
+  const CheckPoint& c = configuration.check_point;
+  const std::string which = "configuration (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) +
+                            ", " + std::to_string(c[2]) + ") of active node " +
+                            std::to_string(active_node);
+  if (configuration.u.size() != rows || configuration.v.rows() != rows ||
+      configuration.v.cols() != 3) {
+    throw InputError("The displacement and sensitivity of " + which +
+                     " are missing. Read the state space with its fields.");
+  }
+  if (!configuration.u.allFinite() || !configuration.v.allFinite()) {
+    throw InputError("The displacement or sensitivity of " + which +
+                     " is not finite, although it converged. Compute it again.");
+  }
+}
+
+/// Adds sites one by one to a touch space without any.
+class Builder {
+ public:
+  Builder(const Scene& scene, std::string scene_hash, double bound)
+      : mesh_(scene.mesh), surface_(make_surface(scene.mesh)), basis_(3 * surface_.num_points(), bound) {
+    space_.scene_hash = std::move(scene_hash);
+  }
+
+  /// @param fields_of Gives the configuration with its fields for an index.
+  template <class FieldsOf>
+  void add(const Site& site, std::vector<ConfigurationSummary> summaries, FieldsOf&& fields_of) {
+    if (site.active_node < 0 || site.active_node >= mesh_.num_points()) {
+      throw InputError("Active node " + std::to_string(site.active_node) + " is not one of the " +
+                       std::to_string(mesh_.num_points()) + " points of the body.");
+    }
+    std::vector<std::size_t> usable;
+    for (std::size_t c = 0; c < summaries.size(); ++c) {
+      if (summaries[c].usable()) usable.push_back(c);
+    }
+    const auto n = static_cast<Eigen::Index>(usable.size());
+    Eigen::MatrixXf snapshots(3 * Eigen::Index{surface_.num_points()}, 4 * n);
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const Configuration& configuration = fields_of(usable[c]);
+      check_fields(configuration, mesh_.num_points(), site.active_node);
+      gather(surface_, configuration.u, 1, snapshots.col(c));
+      for (int a = 0; a < 3; ++a) {
+        gather(surface_, configuration.v.col(a), step_of(site), snapshots.col(n + 3 * c + a));
+      }
+    }
+    const PodFit fit = basis_.extend(snapshots);
+    space_.largest_displacement = std::max(space_.largest_displacement, fit.largest_displacement);
+    space_.displacement_error = std::max(space_.displacement_error, fit.displacement_error);
+    space_.sensitivity_error = std::max(space_.sensitivity_error, fit.sensitivity_error);
+
+    TouchSite& added = space_.sites.emplace_back();
+    added.site = site;
+    added.rest_position = mesh_.points[site.active_node];
+    added.configurations = std::move(summaries);
+    const Eigen::Index rank = fit.coefficients.rows();
+    const auto total = static_cast<Eigen::Index>(added.configurations.size());
+    added.coefficients.setZero(rank, total);
+    added.coefficient_gradients.setZero(3 * rank, total);
+    const auto per_metre = static_cast<float>(1 / step_of(site));
+    for (Eigen::Index c = 0; c < n; ++c) {
+      const auto column = static_cast<Eigen::Index>(usable[c]);
+      added.coefficients.col(column) = fit.coefficients.col(c);
+      for (int a = 0; a < 3; ++a) {
+        added.coefficient_gradients.col(column).segment(a * rank, rank) =
+            per_metre * fit.coefficients.col(n + 3 * c + a);
+      }
+    }
+  }
+
+  /// Modes that came with later sites have the coefficient 0 at earlier ones.
+  TouchSpace finish() {
+    const Eigen::Index rank = basis_.modes().cols();
+    for (TouchSite& site : space_.sites) {
+      const Eigen::Index own = site.coefficients.rows();
+      const Eigen::Index total = site.coefficients.cols();
+      Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(rank, total);
+      Eigen::MatrixXf gradients = Eigen::MatrixXf::Zero(3 * rank, total);
+      coefficients.topRows(own) = site.coefficients;
+      for (int a = 0; a < 3; ++a) {
+        gradients.middleRows(a * rank, own) = site.coefficient_gradients.middleRows(a * own, own);
+      }
+      site.coefficients = std::move(coefficients);
+      site.coefficient_gradients = std::move(gradients);
+    }
+    space_.modes = basis_.modes();
+    space_.surface = std::move(surface_);
+    return std::move(space_);
+  }
+
+ private:
+  const TetMesh& mesh_;
+  Surface surface_;
+  PodBasis basis_;
+  TouchSpace space_;
+};
+
+std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>& configurations) {
+  return {configurations.begin(), configurations.end()};
+}
+
+}  // namespace
+
+const TouchSite* TouchSpace::find(Index active_node) const {
+  const auto found = std::lower_bound(
+      sites.begin(), sites.end(), active_node,
+      [](const TouchSite& site, Index node) { return site.site.active_node < node; });
+  return found != sites.end() && found->site.active_node == active_node ? &*found : nullptr;
+}
+
+TouchSpace make_touch_space(const StateSpace& space, double bound) {
+  Builder builder(space.scene, space.scene_hash, bound);
+  for (const SiteSpace& site : space.sites) {
+    builder.add(site.site, summaries_of(site.configurations),
+                [&](std::size_t c) -> const Configuration& { return site.configurations[c]; });
+  }
+  return builder.finish();
+}
+
+TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
+  const Scene scene = file.read_scene();
+  Builder builder(scene, file.scene_hash(), bound);
+  Configuration current;
+  for (const SiteSpace& site : file.read_sites()) {
+    const Index node = site.site.active_node;
+    std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(node));
+    const std::vector<ConfigurationSummary> keys = summaries;
+    builder.add(site.site, std::move(summaries), [&](std::size_t c) -> const Configuration& {
+      static_cast<ConfigurationSummary&>(current) = keys[c];
+      file.read_fields(node, current);
+      return current;
+    });
+  }
+  return builder.finish();
+}
+
+}  // namespace palpate
