@@ -13,7 +13,8 @@ using Triangle = std::array<Index, 3>;
 constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 
 std::uint64_t edge_key(Index a, Index b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint32_t>(std::max(a, b));
+  return static_cast<std::uint64_t>(std::min(a, b)) << 32 |
+         static_cast<std::uint32_t>(std::max(a, b));
 }
 
 std::vector<Triangle> split(const TetMesh& mesh, const std::vector<Triangle>& faces) {

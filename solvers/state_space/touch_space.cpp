@@ -44,13 +44,16 @@ void check_fields(const Configuration& configuration, Index num_points, Index ac
 class Builder {
  public:
   Builder(const Scene& scene, std::string scene_hash, double bound)
-      : mesh_(scene.mesh), surface_(make_surface(scene.mesh)), basis_(3 * surface_.num_points(), bound) {
+      : mesh_(scene.mesh),
+        surface_(make_surface(scene.mesh)),
+        basis_(3 * Eigen::Index{surface_.num_points()}, bound) {
     space_.scene_hash = std::move(scene_hash);
   }
 
   /// @param fields_of Gives the configuration with its fields for an index.
   template <class FieldsOf>
-  void add(const Site& site, std::vector<ConfigurationSummary> summaries, FieldsOf&& fields_of) {
+  void add(const Site& site, const std::vector<ConfigurationSummary>& summaries,
+           FieldsOf&& fields_of) {
     if (site.active_node < 0 || site.active_node >= mesh_.num_points()) {
       throw InputError("Active node " + std::to_string(site.active_node) + " is not one of the " +
                        std::to_string(mesh_.num_points()) + " points of the body.");
@@ -77,7 +80,7 @@ class Builder {
     TouchSite& added = space_.sites.emplace_back();
     added.site = site;
     added.rest_position = mesh_.points[site.active_node];
-    added.configurations = std::move(summaries);
+    added.configurations = summaries;
     const Eigen::Index rank = fit.coefficients.rows();
     const auto total = static_cast<Eigen::Index>(added.configurations.size());
     added.coefficients.setZero(rank, total);
@@ -148,10 +151,9 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   Configuration current;
   for (const SiteSpace& site : file.read_sites()) {
     const Index node = site.site.active_node;
-    std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(node));
-    const std::vector<ConfigurationSummary> keys = summaries;
-    builder.add(site.site, std::move(summaries), [&](std::size_t c) -> const Configuration& {
-      static_cast<ConfigurationSummary&>(current) = keys[c];
+    const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(node));
+    builder.add(site.site, summaries, [&](std::size_t c) -> const Configuration& {
+      static_cast<ConfigurationSummary&>(current) = summaries[c];
       file.read_fields(node, current);
       return current;
     });

@@ -20,9 +20,9 @@ struct TouchSite {
   Vec3 rest_position = Vec3::Zero();
   /// Everything but the fields, in the order of operator<.
   std::vector<ConfigurationSummary> configurations;
-  /// Surface displacement u ≈ modes · c [r × num_configurations]; 0 where it is not usable.
+  /// Surface displacement u ≈ modes · c [r × num_configurations], m; 0 where it is not usable.
   Eigen::MatrixXf coefficients;
-  /// Its gradient [3r × num_configurations], 1/m · m: ∂c/∂t_x, then ∂c/∂t_y, then ∂c/∂t_z.
+  /// Its gradient [3r × num_configurations], without unit: ∂c/∂t_x, then ∂c/∂t_y, then ∂c/∂t_z.
   Eigen::MatrixXf coefficient_gradients;
 };
 

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a scene to a state space: the engine that makes the transitions a frontier asks for, on all
+// ranks, and records what it finds.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "equilibrium/equilibrium.h"
+#include "exploration/frontier.h"
+#include "exploration/record.h"
+#include "schedule/communicator.h"
+#include "state_space/touch_space.h"
+
+namespace palpate {
+
+struct PrecomputeOptions {
+  /// Points that are touched; empty: all that the scene says are touchable.
+  std::vector<Index> active_nodes;
+  /// Half the side of the box of check-points, m.
+  double half_width = 0.01;
+  /// Check-points along an axis; odd.
+  int resolution = 7;
+  /// N; 0 is none.
+  double force_limit = 0;
+  /// Where the space is kept and resumed; empty: in memory alone.
+  std::filesystem::path file;
+  /// Largest error of the displacement that is carried for touching, as a share of the largest.
+  double touch_bound = kDefaultTouchBound;
+  EquilibriumOptions equilibrium;
+  /// Name of a linear solver; empty: the default.
+  std::string linear_solver;
+};
+
+/// @throws InputError a field out of its range, by name.
+void validate(const PrecomputeOptions& options);
+
+struct PrecomputeReport {
+  int num_ranks = 1;
+  Index num_points = 0;
+  Index num_cells = 0;
+  /// Unknowns with the active node eliminated.
+  Index num_unknowns = 0;
+  /// Configurations solved in this run, and taken from the file.
+  std::int64_t num_solved = 0;
+  std::int64_t num_reused = 0;
+  /// All of them by outcome, and by flag.
+  std::map<Outcome, std::int64_t> num_by_outcome;
+  std::map<Flags, std::int64_t> num_by_flag;
+  /// Check-points that no usable configuration within the force limit leads to.
+  std::int64_t num_not_reached = 0;
+  std::int64_t iterations = 0;
+  /// Wall time of the exploration, and of the POD and the rest that follows, s.
+  double exploration_seconds = 0;
+  double finishing_seconds = 0;
+  /// Of all ranks.
+  Work work;
+  /// The whole was explored, not aborted.
+  bool complete = false;
+};
+
+struct PrecomputeResult {
+  /// Whole on rank 0, empty elsewhere.
+  TouchSpace space;
+  /// The same on every rank.
+  PrecomputeReport report;
+};
+
+/// Called on every rank now and then with the share that is done; false ends the exploration, and
+/// what was found until then is kept.
+using Progress = std::function<bool(double)>;
+
+/// The flat space on a uniform grid around each active node.
+/// @param scene The same on every rank.
+/// @note Collective
+/// @throws InputError an active node that is fixed, inside the body or does not exist; an option
+///   out of its range; a file of another scene.
+[[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
+                                          Communicator& communicator, const Progress& progress);
+
+}  // namespace palpate

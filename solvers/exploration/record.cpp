@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/record.h"
+
+#include <map>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class MemoryRecord final : public Record {
+ public:
+  MemoryRecord(const Scene& scene, const std::vector<Site>& sites, double solver_tolerance,
+               Communicator& communicator)
+      : communicator_(communicator) {
+    space_.scene = scene;
+    space_.scene_hash = hash(scene);
+    space_.solver_tolerance = solver_tolerance;
+    for (const Site& site : sites) space_.sites.push_back({site, false, {}});
+    sort(space_);
+  }
+
+  [[nodiscard]] bool contains(Index, const CheckPoint&) const override { return false; }
+
+  [[nodiscard]] Configuration load(Index, const CheckPoint&) const override { return {}; }
+
+  void keep(Index, const Configuration&) override {}
+
+  void share(Index active_node, const Configuration& found) override {
+    for (SiteSpace& site : space_.sites) {
+      if (site.site.active_node == active_node) site.configurations.push_back(found);
+    }
+  }
+
+  [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
+    TouchSpace result;
+    agree(communicator_, [&] {
+      if (communicator_.rank() != 0) return;
+      for (SiteSpace& site : space_.sites) site.complete = complete;
+      sort(space_);
+      result = make_touch_space(space_, bound);
+    });
+    return result;
+  }
+
+ private:
+  Communicator& communicator_;
+  StateSpace space_;
+};
+
+class FileRecord final : public Record {
+ public:
+  FileRecord(const fs::path& path, const Scene& scene, const std::vector<Site>& sites,
+             double solver_tolerance, Communicator& communicator)
+      : path_(path), sites_(sites), communicator_(communicator) {
+    // Rank 0 first: where it fails, no other rank leaves a file behind.
+    agree(communicator_, [&] {
+      if (communicator_.rank() != 0) return;
+      file_ = StateSpaceFile::open_or_create(path_, scene, solver_tolerance);
+      take_over_rank_files();
+      for (const Site& site : sites_) {
+        file_->add_site(site);
+        for (Configuration& c : file_->read_summaries(site.active_node)) {
+          earlier_.emplace(std::pair(site.active_node, c.check_point), std::move(c));
+        }
+      }
+    });
+    agree(communicator_, [&] {
+      if (communicator_.rank() == 0) return;
+      file_ = StateSpaceFile::create(path_of_rank(communicator_.rank()), scene, solver_tolerance);
+      for (const Site& site : sites_) file_->add_site(site);
+    });
+  }
+
+  [[nodiscard]] bool contains(Index active_node, const CheckPoint& check_point) const override {
+    return earlier_.count({active_node, check_point}) != 0;
+  }
+
+  [[nodiscard]] Configuration load(Index active_node,
+                                   const CheckPoint& check_point) const override {
+    Configuration configuration = earlier_.at({active_node, check_point});
+    file_->read_fields(active_node, configuration);
+    return configuration;
+  }
+
+  void keep(Index active_node, const Configuration& found) override {
+    file_->add(active_node, found);
+  }
+
+  void share(Index, const Configuration&) override {}
+
+  [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
+    agree(communicator_, [&] {
+      if (communicator_.rank() != 0) file_->close();
+    });
+    TouchSpace result;
+    agree(communicator_, [&] {
+      if (communicator_.rank() != 0) return;
+      take_over_rank_files();
+      if (complete) {
+        for (const Site& site : sites_) file_->set_complete(site.active_node, true);
+      }
+      file_->close();
+      result = make_touch_space(StateSpaceFile::open_read_only(path_), bound);
+    });
+    return result;
+  }
+
+ private:
+  [[nodiscard]] fs::path path_of_rank(int rank) const {
+    return path_.string() + ".rank" + std::to_string(rank);
+  }
+
+  /// Merges what ranks of this or of an earlier, killed run have left, and removes their files.
+  void take_over_rank_files() {
+    std::vector<fs::path> files;
+    const std::string prefix = path_.filename().string() + ".rank";
+    const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      const std::string name = entry.path().filename().string();
+      if (name.size() > prefix.size() && name.compare(0, prefix.size(), prefix) == 0 &&
+          name.find_first_not_of("0123456789", prefix.size()) == std::string::npos) {
+        files.push_back(entry.path());
+      }
+    }
+    if (files.empty()) return;
+    file_->merge(files);
+    for (const fs::path& file : files) {
+      std::error_code error;
+      if (!fs::remove(file, error)) {
+        throw BackendError("The file " + file.string() + ", whose content is in " + path_.string() +
+                           " now, cannot be removed: " + error.message() + ". Remove it by hand.");
+      }
+    }
+  }
+
+  fs::path path_;
+  std::vector<Site> sites_;
+  Communicator& communicator_;
+  std::optional<StateSpaceFile> file_;
+  /// What the file held at the start, without fields; on rank 0.
+  std::map<std::pair<Index, CheckPoint>, Configuration> earlier_;
+};
+
+}  // namespace
+
+std::unique_ptr<Record> make_memory_record(const Scene& scene, const std::vector<Site>& sites,
+                                           double solver_tolerance, Communicator& communicator) {
+  return std::make_unique<MemoryRecord>(scene, sites, solver_tolerance, communicator);
+}
+
+std::unique_ptr<Record> make_file_record(const fs::path& path, const Scene& scene,
+                                         const std::vector<Site>& sites, double solver_tolerance,
+                                         Communicator& communicator) {
+  return std::make_unique<FileRecord>(path, scene, sites, solver_tolerance, communicator);
+}
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/communicator.h"
+
+#include <cstring>
+#include <exception>
+#include <string>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+class SerialCommunicator final : public Communicator {
+ public:
+  [[nodiscard]] int rank() const override { return 0; }
+  [[nodiscard]] int size() const override { return 1; }
+  [[nodiscard]] std::vector<Bytes> all_gather(const Bytes& mine) override { return {mine}; }
+};
+
+/// The kind of an error that was caught, then its message.
+constexpr char kInput = 'i';
+constexpr char kBackend = 'b';
+
+Bytes to_bytes(const std::string& text) {
+  Bytes bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
+}
+
+}  // namespace
+
+std::unique_ptr<Communicator> make_serial_communicator() {
+  return std::make_unique<SerialCommunicator>();
+}
+
+bool any(Communicator& communicator, bool mine) {
+  const auto all = communicator.all_gather(mine ? Bytes(1) : Bytes());
+  for (const Bytes& one : all) {
+    if (!one.empty()) return true;
+  }
+  return false;
+}
+
+void agree(Communicator& communicator, const std::function<void()>& body) {
+  std::string error;
+  try {
+    body();
+  } catch (const InputError& e) {
+    error = kInput + std::string(e.what());
+  } catch (const std::bad_alloc&) {
+    error = kBackend + std::string("Out of memory.");
+  } catch (const std::exception& e) {
+    error = kBackend + std::string(e.what());
+  }
+  for (const Bytes& bytes : communicator.all_gather(to_bytes(error))) {
+    if (bytes.empty()) continue;
+    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (text.front() == kInput) throw InputError(text.substr(1));
+    throw BackendError(text.substr(1));
+  }
+}
+
+}  // namespace palpate

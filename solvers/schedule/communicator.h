@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ranks of a run, and the few collective operations that an exploration needs.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace palpate {
+
+using Bytes = std::vector<std::byte>;
+
+class Communicator {
+ public:
+  virtual ~Communicator() = default;
+  Communicator(const Communicator&) = delete;
+  Communicator& operator=(const Communicator&) = delete;
+
+  [[nodiscard]] virtual int rank() const = 0;
+  [[nodiscard]] virtual int size() const = 0;
+
+  /// What each rank gave, by rank.
+  /// @note Collective
+  /// @throws BackendError more than 16 GiB in all.
+  [[nodiscard]] virtual std::vector<Bytes> all_gather(const Bytes& mine) = 0;
+
+ protected:
+  Communicator() = default;
+};
+
+/// One rank.
+[[nodiscard]] std::unique_ptr<Communicator> make_serial_communicator();
+
+/// True on every rank when it is true on one.
+/// @note Collective
+[[nodiscard]] bool any(Communicator& communicator, bool mine);
+
+/// Runs `body` on every rank, and when it throws on one or more, throws the error of the lowest of
+/// them, InputError or BackendError, on every rank: so that no rank waits for one that gave up.
+/// @note Collective
+void agree(Communicator& communicator, const std::function<void()>& body);
+
+}  // namespace palpate
