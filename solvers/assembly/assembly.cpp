@@ -157,7 +157,8 @@ void Assembly::Data::make_group(const Scene& scene, Law law, const std::vector<I
   group.homogeneous = std::all_of(cells.begin(), cells.end(),
                                   [&](Index c) { return material_of(scene, c) == first; });
   if (group.homogeneous) {
-    group.parameters.assign(first.parameters.begin(), first.parameters.end());
+    const auto constants = law_constants(first);
+    group.parameters.assign(constants.begin(), constants.end());
   } else {
     group.parameters.resize(num_places * 3);
   }
@@ -191,9 +192,9 @@ void Assembly::Data::make_group(const Scene& scene, Law law, const std::vector<I
       group.weights[at * kPacketSize + lane] = filling ? 0 : rule[q].weight * det;
     }
     if (!group.homogeneous) {
+      const auto constants = law_constants(material_of(scene, c));
       for (int i = 0; i < 3; ++i) {
-        group.parameters[(packet * 3 + i) * kPacketSize + lane] =
-            material_of(scene, c).parameters[i];
+        group.parameters[(packet * 3 + i) * kPacketSize + lane] = constants[i];
       }
     }
     if (place >= cells.size()) continue;  // the targets of the filling stay "not stored"

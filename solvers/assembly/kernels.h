@@ -33,7 +33,7 @@ struct ElementGroupView {
   const double* gradients;
   /// Weight times Jacobian [num_packets × points × 8], m³.
   const double* weights;
-  /// Parameters of the law, [3] when homogeneous, else [num_packets × 3 × 8].
+  /// Constants of the law (law_constants), [3] when homogeneous, else [num_packets × 3 × 8].
   const double* parameters;
   bool homogeneous;
   /// Of each pair of nodes a ≤ b in the order 00 01 … 0n 11 … [num_packets × pairs × 8].

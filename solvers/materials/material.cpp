@@ -34,10 +34,7 @@ Material make_isotropic(Law law, double youngs_modulus, double poissons_ratio) {
           "it must be a positive number of Pa.");
   require(poissons_ratio > -1 && poissons_ratio < 0.5, "Poisson's ratio", poissons_ratio,
           "a compressible law needs a value between -1 and 0.5, both excluded.");
-  const double lambda =
-      youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio));
-  const double mu = youngs_modulus / (2 * (1 + poissons_ratio));
-  return {law, {lambda, mu, 0}};
+  return {law, {youngs_modulus, poissons_ratio, 0}};
 }
 
 Material make_mooney_rivlin(double c10, double c01, double bulk_modulus) {
@@ -50,13 +47,20 @@ Material make_mooney_rivlin(double c10, double c01, double bulk_modulus) {
   return {Law::mooney_rivlin, {c10, c01, bulk_modulus}};
 }
 
+std::array<double, 3> law_constants(const Material& material) {
+  if (material.law == Law::mooney_rivlin) return material.parameters;
+  const double youngs_modulus = material.parameters[0];
+  const double nu = material.parameters[1];
+  return {youngs_modulus * nu / ((1 + nu) * (1 - 2 * nu)), youngs_modulus / (2 * (1 + nu)), 0};
+}
+
 double shear_modulus(const Material& material) {
-  const auto& p = material.parameters;
+  const auto p = law_constants(material);
   return material.law == Law::mooney_rivlin ? 2 * (p[0] + p[1]) : p[1];
 }
 
 double bulk_modulus(const Material& material) {
-  const auto& p = material.parameters;
+  const auto p = law_constants(material);
   return material.law == Law::mooney_rivlin ? p[2] : p[0] + 2.0 / 3 * p[1];
 }
 

@@ -31,7 +31,8 @@ inline constexpr int num_laws = 4;
 
 struct Material {
   Law law = Law::st_venant_kirchhoff;
-  /// (λ, μ, –) or for Mooney–Rivlin (C₁₀, C₀₁, κ), Pa.
+  /// As the user gave them: (Young's modulus Pa, Poisson's ratio, –) or for Mooney–Rivlin
+  /// (C₁₀, C₀₁, κ), Pa.
   std::array<double, 3> parameters{};
 
   bool operator==(const Material& other) const {
@@ -45,6 +46,9 @@ struct Material {
 
 /// @throws InputError C₁₀ + C₀₁ or κ not positive, or a value that is not finite.
 [[nodiscard]] Material make_mooney_rivlin(double c10, double c01, double bulk_modulus);
+
+/// The constants of the law's energy: (λ, μ, –) or for Mooney–Rivlin (C₁₀, C₀₁, κ), Pa.
+[[nodiscard]] std::array<double, 3> law_constants(const Material& material);
 
 /// Shear modulus at rest, Pa.
 [[nodiscard]] double shear_modulus(const Material& material);

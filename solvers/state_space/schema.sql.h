@@ -27,8 +27,8 @@ CREATE TABLE material (
   material    INTEGER NOT NULL,       -- index, from 0
   law         INTEGER NOT NULL,       -- 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean,
                                       -- 3 Mooney-Rivlin
-  parameter_0,                        -- lambda, or C10, Pa
-  parameter_1,                        -- mu, or C01, Pa
+  parameter_0,                        -- Young's modulus, or C10, Pa
+  parameter_1,                        -- Poisson's ratio, or C01, Pa
   parameter_2,                        -- none, or kappa, Pa
   PRIMARY KEY (scene_id, material)
 );
