@@ -52,19 +52,20 @@ TouchResult EnergyHermite::do_evaluate(std::int32_t first, const Vec3& s) const 
   const Basis by(s[1]);
   const Basis bz(s[2]);
 
-  // Along z [derivative][corner in x][corner in y][ab].
-  double along_z[3][2][2][9];
+  // Along z [derivative][corner in y][b][corner in x and a].
+  double along_z[3][2][3][6];
   for (int x = 0; x < 2; ++x) {
     for (int y = 0; y < 2; ++y) {
       const double* d = data_.data() + std::size_t{kHermiteData} *
                                            (first + x * grid().stride(0) + y * grid().stride(1));
       for (int order = 0; order < 3; ++order) {
         const double* w = bz.of[order];
-        double* sum = along_z[order][x][y];
-        for (int ab = 0; ab < 9; ++ab) {
-          sum[ab] = w[0] * d[ab] + w[1] * d[9 + ab] + w[2] * d[18 + ab] + w[3] * d[27 + ab] +
-                    w[4] * d[36 + ab] + w[5] * d[45 + ab];
+        double sum[9];
+        for (int i = 0; i < 9; ++i) {
+          sum[i] = w[0] * d[i] + w[1] * d[9 + i] + w[2] * d[18 + i] + w[3] * d[27 + i] +
+                   w[4] * d[36 + i] + w[5] * d[45 + i];
         }
+        for (int i = 0; i < 9; ++i) along_z[order][y][i / 3][3 * x + i % 3] = sum[i];
       }
     }
   }
@@ -72,14 +73,11 @@ TouchResult EnergyHermite::do_evaluate(std::int32_t first, const Vec3& s) const 
   double along_yz[6][6];
   for (int i = 0; i < 6; ++i) {
     const double* w = by.of[kYZ[i][0]];
-    for (int x = 0; x < 2; ++x) {
-      const double* low = along_z[kYZ[i][1]][x][0];
-      const double* high = along_z[kYZ[i][1]][x][1];
-      for (int a = 0; a < 3; ++a) {
-        along_yz[i][3 * x + a] = w[0] * low[3 * a] + w[1] * low[3 * a + 1] +
-                                 w[2] * low[3 * a + 2] + w[3] * high[3 * a] +
-                                 w[4] * high[3 * a + 1] + w[5] * high[3 * a + 2];
-      }
+    const auto& low = along_z[kYZ[i][1]][0];
+    const auto& high = along_z[kYZ[i][1]][1];
+    for (int a = 0; a < 6; ++a) {
+      along_yz[i][a] = w[0] * low[0][a] + w[1] * low[1][a] + w[2] * low[2][a] +
+                       w[3] * high[0][a] + w[4] * high[1][a] + w[5] * high[2][a];
     }
   }
   const auto along_x = [&](int order, int yz) {

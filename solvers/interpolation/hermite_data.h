@@ -21,7 +21,7 @@ namespace palpate {
 inline constexpr int kHermiteData = 27;
 
 /// Place of D^{abc} among the data of a node.
-[[nodiscard]] constexpr int hermite_index(int a, int b, int c) { return 9 * c + 3 * a + b; }
+[[nodiscard]] constexpr int hermite_index(int a, int b, int c) { return 9 * c + 3 * b + a; }
 
 /// D [num_nodes × 27], node by node; zero at nodes that are not usable.
 [[nodiscard]] std::vector<double> hermite_data(const CheckPointGrid& grid, const TouchSite& site);

@@ -43,12 +43,36 @@ std::string number(double value) {
   return text.str();
 }
 
-/// Whether a writer may have left something to recover: SQLite's header marks the write-ahead log.
-bool needs_recovery(const fs::path& path) {
-  std::array<char, 20> header{};
-  std::ifstream(path, std::ios::binary).read(header.data(), header.size());
-  const auto left = [&](const char* suffix) { return fs::exists(path.string() + suffix); };
-  return header[18] == 2 || left("-wal") || left("-journal");
+/// The first bytes of the file, as SQLite's file format defines them.
+struct FileHeader {
+  explicit FileHeader(const fs::path& path) {
+    std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(bytes.data()), bytes.size());
+  }
+  [[nodiscard]] std::uint64_t number(std::size_t at, std::size_t size) const {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < size; ++i) value = value << 8 | bytes[at + i];
+    return value;
+  }
+  [[nodiscard]] bool is_sqlite() const {
+    return std::memcmp(bytes.data(), "SQLite format 3", 16) == 0;
+  }
+  [[nodiscard]] bool has_write_ahead_log() const { return bytes[18] == 2; }
+  [[nodiscard]] std::uint64_t file_size() const {
+    const std::uint64_t page_size = number(16, 2) == 1 ? 65536 : number(16, 2);
+    return page_size * number(28, 4);
+  }
+
+  std::array<unsigned char, 100> bytes{};
+};
+
+/// A log beside the file: a writer is at work, or was killed.
+bool has_log(const fs::path& path) {
+  return fs::exists(path.string() + "-wal") || fs::exists(path.string() + "-journal");
+}
+
+[[noreturn]] void throw_damaged(const fs::path& path, const std::string& what) {
+  throw InputError(quoted(path) + " is damaged (" + what + "). Take a copy that is " +
+                   "whole, or remove the file and compute it again.");
 }
 
 void check_is_there(const fs::path& path) {
@@ -67,6 +91,11 @@ void check_is_there(const fs::path& path) {
   if (fs::file_size(path) == 0) {
     throw InputError(quoted(path) + " is empty, not a state space. Remove it, or give another " +
                      "file name.");
+  }
+  // SQLite would take the missing end of the last page as zeros.
+  const FileHeader header(path);
+  if (header.is_sqlite() && !has_log(path) && header.file_size() > fs::file_size(path)) {
+    throw_damaged(path, "its end is missing");
   }
 }
 
@@ -103,7 +132,7 @@ void to_single_file(const Database& database) {
 
 Database open_to_read(const fs::path& path) {
   check_is_there(path);
-  if (!needs_recovery(path)) {
+  if (!has_log(path) && !FileHeader(path).has_write_ahead_log()) {
     Database database(path, Access::read_only);
     check_identity(database);
     return database;
@@ -112,7 +141,7 @@ Database open_to_read(const fs::path& path) {
     to_single_file(open_exclusively(path));
   } catch (const BackendError& error) {
     // A writer, alive or killed, has a log; without one the file is whole, wherever it lies.
-    if (fs::exists(path.string() + "-wal") || fs::exists(path.string() + "-journal")) {
+    if (has_log(path)) {
       throw BackendError(error.what() + std::string(" If a run that was killed left it behind, ") +
                          "copy it, with the files beside it whose names begin with its own, to " +
                          "where it can be written.");
@@ -130,17 +159,12 @@ void bind_array(Statement& statement, const std::vector<T>& values) {
                  values.size() * sizeof(T));
 }
 
-[[noreturn]] void throw_damaged(const Database& database, const std::string& what) {
-  throw InputError(quoted(database.path()) + " is damaged (" + what + "). Take a copy that is " +
-                   "whole, or remove the file and compute it again.");
-}
-
 template <class T>
 std::vector<T> take_array(Statement& statement, std::int64_t size, const Database& database,
                           const char* what) {
   const Statement::Blob blob = statement.take_blob();
   if (size < 0 || blob.bytes != static_cast<std::size_t>(size) * sizeof(T)) {
-    throw_damaged(database, std::string(what) + " has another size than the body");
+    throw_damaged(database.path(), std::string(what) + " has another size than the body");
   }
   std::vector<T> values(static_cast<std::size_t>(size));
   if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), blob.data, blob.bytes);
@@ -238,7 +262,7 @@ struct StateSpaceFile::Impl {
   explicit Impl(Database opened) : database(std::move(opened)) {
     Statement select(database, "SELECT hash, solver_tolerance, num_points FROM scene WHERE "
                                "scene_id = 1");
-    if (!select.step()) throw_damaged(database, "it holds no scene");
+    if (!select.step()) throw_damaged(database.path(), "it holds no scene");
     scene_hash = select.take_text();
     solver_tolerance = select.take_double();
     num_points = select.take_integer();
@@ -359,7 +383,7 @@ Scene StateSpaceFile::read_scene() const {
   Scene scene;
   TetMesh& mesh = scene.mesh;
   const std::int64_t order = select.take_integer();
-  if (order != 1 && order != 2) throw_damaged(database, "an unknown order of elements");
+  if (order != 1 && order != 2) throw_damaged(database.path(), "an unknown order of elements");
   mesh.order = static_cast<ElementOrder>(order);
   const std::int64_t num_points = select.take_integer();
   const std::int64_t num_cells = select.take_integer();
@@ -378,7 +402,7 @@ Scene StateSpaceFile::read_scene() const {
   while (materials.step()) {
     Material material;
     const std::int64_t law = materials.take_integer();
-    if (law < 0 || law >= num_laws) throw_damaged(database, "an unknown law");
+    if (law < 0 || law >= num_laws) throw_damaged(database.path(), "an unknown law");
     material.law = static_cast<Law>(law);
     for (double& p : material.parameters) p = materials.take_double();
     scene.materials.push_back(material);
@@ -387,10 +411,10 @@ Scene StateSpaceFile::read_scene() const {
   const auto unknown = [&](Index m) { return m < 0 || m >= known; };
   if (known == 0 || std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(),
                                 unknown)) {
-    throw_damaged(database, "a material is missing");
+    throw_damaged(database.path(), "a material is missing");
   }
   if (hash(scene) != impl_->scene_hash) {
-    throw_damaged(database, "the scene has not the hash it was stored with");
+    throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
   return scene;
 }
@@ -515,7 +539,7 @@ void StateSpaceFile::read_fields(Index active_node, Configuration& configuration
     return blob.bytes == 0 || blob.bytes == columns * size * sizeof(double);
   };
   if (!fits(u, 1) || !fits(v, 3) || checksum(u.data, u.bytes, v.data, v.bytes) != stored_checksum) {
-    throw_damaged(database, "the fields of " + which);
+    throw_damaged(database.path(), "the fields of " + which);
   }
   const auto rows = static_cast<Eigen::Index>(size);
   configuration.u.resize(u.bytes == 0 ? 0 : rows);

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpatePrecomputeStateSpace.h"
+
+#include <chrono>
+#include <exception>
+#include <limits>
+
+#include "base/error.h"
+#include "exploration/precompute.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateScene.h"
+#include "vtkPalpateStateSpace.h"
+#include "vtkPalpateWholeBody.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+/// Progress is told this often at the most, s: each time ParaView handles its events.
+constexpr double ProgressInterval = 0.1;
+
+palpate::Index CheckedNode(vtkIdType node)
+{
+  if (node < 0 || node > std::numeric_limits<palpate::Index>::max())
+  {
+    throw palpate::InputError("Active node " + std::to_string(node) +
+      " does not exist: the points of the body are counted from 0.");
+  }
+  return static_cast<palpate::Index>(node);
+}
+
+void AddReport(
+  const palpate::PrecomputeReport& report, const std::string& fileName, vtkFieldData* fields)
+{
+  const auto add = [&](const char* name, double value)
+  {
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(name);
+    array->InsertNextValue(value);
+    fields->AddArray(array);
+  };
+  vtkNew<vtkStringArray> file;
+  file->SetName("FileName");
+  file->InsertNextValue(fileName);
+  fields->AddArray(file);
+
+  const palpate::Work& work = report.work;
+  const auto mean = [](double seconds, long count) { return count > 0 ? seconds / count : 0; };
+  add("Ranks", report.num_ranks);
+  add("Cells", report.num_cells);
+  add("Unknowns", report.num_unknowns);
+  add("Solved", static_cast<double>(report.num_solved));
+  add("Reused", static_cast<double>(report.num_reused));
+  add("NotReached", static_cast<double>(report.num_not_reached));
+  add("Complete", report.complete ? 1 : 0);
+  add("ExplorationSeconds", report.exploration_seconds);
+  add("FinishingSeconds", report.finishing_seconds);
+  add("AssemblySeconds", mean(work.assembly_seconds, work.assemblies));
+  add("FactorisationSeconds", mean(work.factorisation_seconds, work.factorisations));
+  add("SolveSeconds", mean(work.solve_seconds, work.right_hand_sides));
+  add("FloorSeconds", work.floor_seconds());
+}
+}
+
+vtkStandardNewMacro(vtkPalpatePrecomputeStateSpace);
+
+vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace() = default;
+vtkPalpatePrecomputeStateSpace::~vtkPalpatePrecomputeStateSpace() = default;
+
+void vtkPalpatePrecomputeStateSpace::AddActiveNode(vtkIdType node)
+{
+  this->ActiveNodes.push_back(node);
+  this->Modified();
+}
+
+void vtkPalpatePrecomputeStateSpace::ClearActiveNodes()
+{
+  this->ActiveNodes.clear();
+  this->Modified();
+}
+
+int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  return 1;
+}
+
+int vtkPalpatePrecomputeStateSpace::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
+  const auto compute = [&]
+  {
+    vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+    const auto communicator = vtkPalpateCommunicator(controller);
+    vtkPalpateNameBlocks(output);
+
+    vtkSmartPointer<vtkUnstructuredGrid> body;
+    palpate::agree(*communicator,
+      [&]
+      { body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]), controller); });
+    if (palpate::any(*communicator, body && vtkPalpatePassFailure(body, output)))
+    {
+      return;
+    }
+    const palpate::Scene scene = vtkPalpateShareScene(body, controller);
+
+    palpate::PrecomputeOptions options;
+    for (const vtkIdType node : this->ActiveNodes)
+    {
+      options.active_nodes.push_back(CheckedNode(node));
+    }
+    options.half_width = this->HalfWidth;
+    options.resolution = this->Resolution;
+    options.force_limit = this->ForceLimit;
+    options.file = this->FileName;
+    options.touch_bound = this->DisplacementBound;
+    options.equilibrium.tolerance = this->SolverTolerance;
+
+    using Clock = std::chrono::steady_clock;
+    const auto progress = [this, last = Clock::time_point()](double done) mutable
+    {
+      const Clock::time_point now = Clock::now();
+      if (std::chrono::duration<double>(now - last).count() >= ProgressInterval)
+      {
+        last = now;
+        this->UpdateProgress(done);
+      }
+      return this->GetAbortExecute() == 0;
+    };
+    const palpate::PrecomputeResult result =
+      palpate::precompute(scene, options, *communicator, progress);
+    if (communicator->rank() != 0)
+    {
+      return;
+    }
+    vtkPalpateFillCollection(scene, result.space, output);
+    if (vtkPolyData* configurations = vtkPalpateConfigurations(output))
+    {
+      AddReport(result.report, this->FileName, configurations->GetFieldData());
+      output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
+    }
+    if (!result.report.complete)
+    {
+      vtkWarningMacro("Aborted with " << result.report.num_solved + result.report.num_reused
+                                      << " configurations"
+                                      << (this->FileName.empty() ? "." : ", which are in "
+                                                                         + this->FileName +
+                                               ": the next run goes on from there."));
+    }
+  };
+
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  if (controller && controller->GetLocalProcessId() != 0)
+  {
+    // Every rank meets the same error; rank 0 reports it.
+    try
+    {
+      compute();
+    }
+    catch (const std::exception& error)
+    {
+      vtkPalpateMarkFailed(output, error.what());
+    }
+    return 1;
+  }
+  return vtkPalpateProduce(this, output, compute);
+}
+
+void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ActiveNodes:";
+  for (const vtkIdType node : this->ActiveNodes)
+  {
+    os << ' ' << node;
+  }
+  os << '\n'
+     << indent << "HalfWidth: " << this->HalfWidth << '\n'
+     << indent << "Resolution: " << this->Resolution << '\n'
+     << indent << "ForceLimit: " << this->ForceLimit << '\n'
+     << indent << "FileName: " << this->FileName << '\n'
+     << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
+     << indent << "DisplacementBound: " << this->DisplacementBound << '\n';
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpatePrecomputeStateSpace
+ * @brief the configurations of a body around its active nodes
+ *
+ * Input: a body with material and boundary (see vtkPalpateScene.h). Output: its state space (see
+ * vtkPalpateStateSpace.h), with these field arrays of the run on `Configurations`:
+ *
+ *   `FileName`, `Ranks`, `Cells`, `Unknowns` (with the active node eliminated)
+ *   `Solved`, `Reused`      configurations of this run, and those taken from the file
+ *   `NotReached`            check-points that no usable configuration leads to, or that an abort left
+ *   `Complete`              1 unless aborted
+ *   `ExplorationSeconds`, `FinishingSeconds`   wall time of the solves, and of what follows them
+ *   `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`   mean of one, in this run
+ *   `FloorSeconds`          of a configuration: one assembly, one factorisation, three solves
+ *
+ * Runs on all ranks of the global controller. The result is whole on rank 0 and empty elsewhere.
+ * An abort keeps what was found; with a FileName the next run goes on from there.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+
+class PALPATEFILTERS_EXPORT vtkPalpatePrecomputeStateSpace
+  : public vtkPartitionedDataSetCollectionAlgorithm
+{
+public:
+  static vtkPalpatePrecomputeStateSpace* New();
+  vtkTypeMacro(vtkPalpatePrecomputeStateSpace, vtkPartitionedDataSetCollectionAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Ids of the points of the input that are touched; none: all that are touchable.
+  void AddActiveNode(vtkIdType node);
+  void ClearActiveNodes();
+  ///@}
+  ///@{
+  /// Half the side of the box of check-points around each active node, m.
+  vtkSetMacro(HalfWidth, double);
+  vtkGetMacro(HalfWidth, double);
+  ///@}
+  ///@{
+  /// Check-points along an axis: odd, at least 3.
+  vtkSetMacro(Resolution, int);
+  vtkGetMacro(Resolution, int);
+  ///@}
+  ///@{
+  /// Force beyond which the space is not explored, N; 0 is none.
+  vtkSetMacro(ForceLimit, double);
+  vtkGetMacro(ForceLimit, double);
+  ///@}
+  ///@{
+  /// Where the space is kept (.palpate) and resumed; empty: in memory alone.
+  vtkSetStdStringFromCharMacro(FileName);
+  vtkGetCharFromStdStringMacro(FileName);
+  ///@}
+  ///@{
+  /// Largest residual of an equilibrium, as a share of the scene's force scale.
+  vtkSetMacro(SolverTolerance, double);
+  vtkGetMacro(SolverTolerance, double);
+  ///@}
+  ///@{
+  /// Largest error of the displacement that is carried for touching, as a share of the largest.
+  vtkSetMacro(DisplacementBound, double);
+  vtkGetMacro(DisplacementBound, double);
+  ///@}
+
+protected:
+  vtkPalpatePrecomputeStateSpace();
+  ~vtkPalpatePrecomputeStateSpace() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpatePrecomputeStateSpace(const vtkPalpatePrecomputeStateSpace&) = delete;
+  void operator=(const vtkPalpatePrecomputeStateSpace&) = delete;
+
+  std::vector<vtkIdType> ActiveNodes;
+  double HalfWidth = 0.01;
+  int Resolution = 7;
+  double ForceLimit = 0;
+  std::string FileName;
+  double SolverTolerance = 1e-10;
+  double DisplacementBound = 1e-3;
+};

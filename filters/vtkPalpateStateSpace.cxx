@@ -1,0 +1,481 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateStateSpace.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "state_space/state_space_file.h"
+#include "vtkCellArray.h"
+#include "vtkDataArray.h"
+#include "vtkDataSet.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkFloatArray.h"
+#include "vtkIdTypeArray.h"
+#include "vtkInformation.h"
+#include "vtkIntArray.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkPalpateScene.h"
+#include "vtkPartitionedDataSet.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+using palpate::CheckPoint;
+using palpate::ConfigurationSummary;
+using palpate::Index;
+using palpate::InputError;
+using palpate::TouchSite;
+using palpate::TouchSpace;
+
+constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations" };
+constexpr int BlockTag = 7402;
+
+/// Makes an array of doubles, ints, … and adds it to point or field data.
+template <class Array>
+Array* AddArray(vtkFieldData* data, const char* name, int components, vtkIdType tuples)
+{
+  vtkNew<Array> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(tuples);
+  data->AddArray(array);
+  return array;
+}
+
+void AddNumber(vtkFieldData* data, const char* name, double value)
+{
+  AddArray<vtkDoubleArray>(data, name, 1, 1)->SetValue(0, value);
+}
+
+vtkSmartPointer<vtkPolyData> SurfaceData(const TouchSpace& space)
+{
+  const palpate::Surface& surface = space.surface;
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(surface.num_points());
+  auto* meshPoints =
+    AddArray<vtkIdTypeArray>(data->GetPointData(), "MeshPoint", 1, surface.num_points());
+  auto* modes = AddArray<vtkFloatArray>(
+    data->GetPointData(), "Modes", 3 * space.num_modes(), surface.num_points());
+  for (Index p = 0; p < surface.num_points(); ++p)
+  {
+    points->SetPoint(p, surface.points[p].data());
+    meshPoints->SetValue(p, surface.mesh_points[p]);
+    for (Index m = 0; m < space.num_modes(); ++m)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        modes->SetTypedComponent(p, 3 * m + c, space.modes(3 * p + c, m));
+      }
+    }
+  }
+  vtkNew<vtkCellArray> triangles;
+  for (const auto& [a, b, c] : surface.triangles)
+  {
+    triangles->InsertNextCell({ a, b, c });
+  }
+  data->SetPoints(points);
+  data->SetPolys(triangles);
+  return data;
+}
+
+/// Calls visit(name, components, get) for every figure of a configuration that is a double;
+/// get(configuration) gives the first of them.
+template <class Visit>
+void ForEachDoubleArray(Visit&& visit)
+{
+  using C = ConfigurationSummary;
+  visit("Displacement", 3, [](auto& c) { return c.t.data(); });
+  visit("Force", 3, [](auto& c) { return c.force.data(); });
+  visit("Energy", 1, [](auto& c) { return &c.energy; });
+  visit("Stiffness", 9, [](auto& c) { return c.stiffness.data(); });  // symmetric
+  visit("Residual", 1, [](auto& c) { return &c.residual; });
+  visit("MinimumDetF", 1, [](auto& c) { return &c.minimum_det_f; });
+  visit("Seconds", 1, [](auto& c) { return &c.seconds; });
+  static_assert(sizeof(C::t) == 3 * sizeof(double) && sizeof(C::stiffness) == 9 * sizeof(double));
+}
+
+/// The same for the figures that are integers.
+template <class Visit>
+void ForEachIntArray(Visit&& visit)
+{
+  static_assert(sizeof(palpate::Outcome) == sizeof(int));
+  visit("CheckPoint", 3, [](auto& c) { return c.check_point.data(); });
+  visit("ParentCheckPoint", 3, [](auto& c) { return c.parent.data(); });
+  visit("Level", 1, [](auto& c) { return &c.level; });
+  visit("Flags", 1, [](auto& c) { return &c.flags; });
+  visit("NegativePivots", 1, [](auto& c) { return &c.negative_pivots; });
+  visit("Iterations", 1, [](auto& c) { return &c.iterations; });
+}
+
+vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
+{
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  std::vector<const ConfigurationSummary*> all;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> vertices;
+  vtkNew<vtkCellArray> transitions;
+  for (const TouchSite& site : space.sites)
+  {
+    std::map<CheckPoint, vtkIdType> idOf;
+    for (const ConfigurationSummary& c : site.configurations)
+    {
+      const palpate::Vec3 place = site.rest_position + c.t;
+      const vtkIdType id = points->InsertNextPoint(place.data());
+      vertices->InsertNextCell({ id });
+      idOf.emplace(c.check_point, id);
+      all.push_back(&c);
+    }
+    for (const ConfigurationSummary& c : site.configurations)
+    {
+      const auto parent = idOf.find(c.parent);
+      if (parent != idOf.end() && c.parent != c.check_point)
+      {
+        transitions->InsertNextCell({ parent->second, idOf.at(c.check_point) });
+      }
+    }
+  }
+  data->SetPoints(points);
+  data->SetVerts(vertices);
+  data->SetLines(transitions);
+
+  vtkPointData* arrays = data->GetPointData();
+  const auto count = static_cast<vtkIdType>(all.size());
+  ForEachDoubleArray(
+    [&](const char* name, int components, auto get)
+    {
+      auto* array = AddArray<vtkDoubleArray>(arrays, name, components, count);
+      for (vtkIdType i = 0; i < count; ++i)
+      {
+        array->SetTypedTuple(i, get(*all[i]));
+      }
+    });
+  ForEachIntArray(
+    [&](const char* name, int components, auto get)
+    {
+      auto* array = AddArray<vtkIntArray>(arrays, name, components, count);
+      for (vtkIdType i = 0; i < count; ++i)
+      {
+        array->SetTypedTuple(i, get(*all[i]));
+      }
+    });
+  auto* outcomes = AddArray<vtkIntArray>(arrays, "Outcome", 1, count);
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    outcomes->SetValue(i, static_cast<int>(all[i]->outcome));
+  }
+  const int modes = space.num_modes();
+  auto* nodes = AddArray<vtkIdTypeArray>(arrays, "ActiveNode", 1, count);
+  auto* coefficients = AddArray<vtkFloatArray>(arrays, "Coefficients", modes, count);
+  auto* gradients = AddArray<vtkFloatArray>(arrays, "CoefficientGradient", 3 * modes, count);
+  vtkIdType next = 0;
+  for (const TouchSite& site : space.sites)
+  {
+    for (Eigen::Index i = 0; i < site.coefficients.cols(); ++i, ++next)
+    {
+      nodes->SetValue(next, site.site.active_node);
+      if (modes > 0)
+      {
+        coefficients->SetTypedTuple(next, site.coefficients.col(i).data());
+        gradients->SetTypedTuple(next, site.coefficient_gradients.col(i).data());
+      }
+    }
+  }
+  arrays->SetActiveScalars("Energy");
+  return data;
+}
+
+void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
+{
+  vtkNew<vtkStringArray> hash;
+  hash->SetName("SceneHash");
+  hash->InsertNextValue(space.scene_hash);
+  fields->AddArray(hash);
+  AddArray<vtkIntArray>(fields, "SchemaVersion", 1, 1)
+    ->SetValue(0, palpate::StateSpaceFile::schema_version);
+  const auto count = static_cast<vtkIdType>(space.sites.size());
+  auto* nodes = AddArray<vtkIdTypeArray>(fields, "ActiveNodes", 1, count);
+  auto* halfWidths = AddArray<vtkDoubleArray>(fields, "HalfWidth", 1, count);
+  auto* resolutions = AddArray<vtkIntArray>(fields, "Resolution", 1, count);
+  auto* limits = AddArray<vtkDoubleArray>(fields, "ForceLimit", 1, count);
+  auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    const palpate::Site& site = space.sites[i].site;
+    nodes->SetValue(i, site.active_node);
+    halfWidths->SetValue(i, site.half_width);
+    resolutions->SetValue(i, site.resolution);
+    limits->SetValue(i, site.force_limit);
+    numbers->SetValue(i, static_cast<vtkIdType>(space.sites[i].configurations.size()));
+  }
+  AddNumber(fields, "LargestDisplacement", space.largest_displacement);
+  AddNumber(fields, "DisplacementError", space.displacement_error);
+  AddNumber(fields, "SensitivityError", space.sensitivity_error);
+}
+
+/// An array with a number of components.
+/// @throws InputError it is not there, or not of this shape.
+vtkDataArray* Required(vtkFieldData* data, const char* name, int components)
+{
+  vtkDataArray* array = data->GetArray(name);
+  if (!array)
+  {
+    throw InputError("The state space has no array " + std::string(name) +
+      ". Use the output of Precompute State Space or State Space Reader.");
+  }
+  if (array->GetNumberOfComponents() != components)
+  {
+    throw InputError("The array " + std::string(name) + " of the state space has " +
+      std::to_string(array->GetNumberOfComponents()) + " components instead of " +
+      std::to_string(components) + ". Compute the state space again.");
+  }
+  return array;
+}
+
+/// Number of components of an array that may have none.
+int Components(vtkFieldData* data, const char* name)
+{
+  vtkDataArray* array = data->GetArray(name);
+  return array && array->GetNumberOfTuples() > 0 ? array->GetNumberOfComponents() : 0;
+}
+
+void ReadSurface(vtkPolyData* data, TouchSpace& space)
+{
+  const vtkIdType count = data->GetNumberOfPoints();
+  vtkDataArray* meshPoints = Required(data->GetPointData(), "MeshPoint", 1);
+  const int modes = Components(data->GetPointData(), "Modes") / 3;
+  vtkDataArray* values = Required(data->GetPointData(), "Modes", 3 * modes);
+  palpate::Surface& surface = space.surface;
+  surface.points.resize(count);
+  surface.mesh_points.resize(count);
+  space.modes.resize(3 * count, modes);
+  for (vtkIdType p = 0; p < count; ++p)
+  {
+    data->GetPoint(p, surface.points[p].data());
+    surface.mesh_points[p] = static_cast<Index>(meshPoints->GetComponent(p, 0));
+    for (int m = 0; m < modes; ++m)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        space.modes(3 * p + c, m) = static_cast<float>(values->GetComponent(p, 3 * m + c));
+      }
+    }
+  }
+  vtkNew<vtkIdList> corners;
+  for (vtkIdType t = 0; t < data->GetNumberOfCells(); ++t)
+  {
+    data->GetCellPoints(t, corners);
+    if (corners->GetNumberOfIds() != 3)
+    {
+      throw InputError("Cell " + std::to_string(t) +
+        " of the Surface of the state space is no triangle. Compute the state space again.");
+    }
+    surface.triangles.push_back({ static_cast<Index>(corners->GetId(0)),
+      static_cast<Index>(corners->GetId(1)), static_cast<Index>(corners->GetId(2)) });
+  }
+}
+
+void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
+{
+  vtkPointData* arrays = data->GetPointData();
+  const vtkIdType count = data->GetNumberOfPoints();
+  std::vector<ConfigurationSummary> all(count);
+  ForEachDoubleArray(
+    [&](const char* name, int components, auto get)
+    {
+      vtkDataArray* array = Required(arrays, name, components);
+      for (vtkIdType i = 0; i < count; ++i)
+      {
+        array->GetTuple(i, get(all[i]));
+      }
+    });
+  ForEachIntArray(
+    [&](const char* name, int components, auto get)
+    {
+      vtkDataArray* array = Required(arrays, name, components);
+      for (vtkIdType i = 0; i < count; ++i)
+      {
+        for (int c = 0; c < components; ++c)
+        {
+          get(all[i])[c] = static_cast<int>(array->GetComponent(i, c));
+        }
+      }
+    });
+  vtkDataArray* outcomes = Required(arrays, "Outcome", 1);
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    all[i].outcome = static_cast<palpate::Outcome>(static_cast<int>(outcomes->GetComponent(i, 0)));
+  }
+
+  vtkFieldData* fields = data->GetFieldData();
+  if (auto* hash = vtkStringArray::SafeDownCast(fields->GetAbstractArray("SceneHash")))
+  {
+    space.scene_hash = hash->GetValue(0);
+  }
+  space.largest_displacement = Required(fields, "LargestDisplacement", 1)->GetComponent(0, 0);
+  space.displacement_error = Required(fields, "DisplacementError", 1)->GetComponent(0, 0);
+  space.sensitivity_error = Required(fields, "SensitivityError", 1)->GetComponent(0, 0);
+  vtkDataArray* sites = Required(fields, "ActiveNodes", 1);
+  vtkDataArray* halfWidths = Required(fields, "HalfWidth", 1);
+  vtkDataArray* resolutions = Required(fields, "Resolution", 1);
+  vtkDataArray* limits = Required(fields, "ForceLimit", 1);
+
+  vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
+  const int modes = space.num_modes();
+  vtkDataArray* coefficients = Required(arrays, "Coefficients", modes);
+  vtkDataArray* gradients = Required(arrays, "CoefficientGradient", 3 * modes);
+  for (vtkIdType s = 0; s < sites->GetNumberOfTuples(); ++s)
+  {
+    TouchSite& site = space.sites.emplace_back();
+    site.site.active_node = static_cast<Index>(sites->GetComponent(s, 0));
+    site.site.half_width = halfWidths->GetComponent(s, 0);
+    site.site.resolution = static_cast<int>(resolutions->GetComponent(s, 0));
+    site.site.force_limit = limits->GetComponent(s, 0);
+    std::vector<vtkIdType> ids;
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      if (static_cast<Index>(nodes->GetComponent(i, 0)) == site.site.active_node)
+      {
+        ids.push_back(i);
+      }
+    }
+    // A stock filter may have changed their order.
+    std::sort(
+      ids.begin(), ids.end(), [&](vtkIdType a, vtkIdType b) { return all[a] < all[b]; });
+    site.coefficients.resize(modes, static_cast<Eigen::Index>(ids.size()));
+    site.coefficient_gradients.resize(3 * modes, static_cast<Eigen::Index>(ids.size()));
+    for (std::size_t i = 0; i < ids.size(); ++i)
+    {
+      site.configurations.push_back(all[ids[i]]);
+      for (int m = 0; m < modes; ++m)
+      {
+        site.coefficients(m, i) = static_cast<float>(coefficients->GetComponent(ids[i], m));
+      }
+      for (int m = 0; m < 3 * modes; ++m)
+      {
+        site.coefficient_gradients(m, i) = static_cast<float>(gradients->GetComponent(ids[i], m));
+      }
+    }
+    if (const Index point = space.surface.find(site.site.active_node); point >= 0)
+    {
+      site.rest_position = space.surface.points[point];
+    }
+  }
+  std::sort(space.sites.begin(), space.sites.end(), [](const TouchSite& a, const TouchSite& b)
+    { return a.site.active_node < b.site.active_node; });
+}
+
+/// The block of a name on this rank that has points, else null.
+vtkPolyData* FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name)
+{
+  for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
+  {
+    const char* own = collection->HasMetaData(i)
+      ? collection->GetMetaData(i)->Get(vtkCompositeDataSet::NAME())
+      : nullptr;
+    if (!own || own != name)
+    {
+      continue;
+    }
+    for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
+    {
+      auto* data = vtkPolyData::SafeDownCast(collection->GetPartitionAsDataObject(i, p));
+      if (data && data->GetNumberOfPoints() > 0)
+      {
+        return data;
+      }
+    }
+  }
+  return nullptr;
+}
+
+/// The block on rank 0, whichever rank has it; null on the others, and where there is none.
+vtkSmartPointer<vtkPolyData> GatherBlock(vtkPartitionedDataSetCollection* collection,
+  const std::string& name, vtkMultiProcessController* controller)
+{
+  vtkSmartPointer<vtkPolyData> block = FindBlock(collection, name);
+  const int numberOfRanks = controller ? controller->GetNumberOfProcesses() : 1;
+  if (numberOfRanks == 1)
+  {
+    return block;
+  }
+  const int rank = controller->GetLocalProcessId();
+  const int mine = block ? rank : numberOfRanks;
+  int owner = numberOfRanks;
+  controller->AllReduce(&mine, &owner, 1, vtkCommunicator::MIN_OP);
+  if (owner != 0 && owner != numberOfRanks)
+  {
+    if (rank == owner)
+    {
+      controller->Send(block, 0, BlockTag);
+    }
+    else if (rank == 0)
+    {
+      block = vtkSmartPointer<vtkPolyData>::New();
+      controller->Receive(block, owner, BlockTag);
+    }
+  }
+  return rank == 0 ? block : nullptr;
+}
+}
+
+void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output)
+{
+  output->Initialize();
+  output->SetNumberOfPartitionedDataSets(3);
+  for (unsigned int i = 0; i < 3; ++i)
+  {
+    output->SetPartitionedDataSet(i, vtkNew<vtkPartitionedDataSet>());
+    output->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), BlockNames[i]);
+  }
+}
+
+void vtkPalpateFillCollection(const palpate::Scene& scene, const TouchSpace& space,
+  vtkPartitionedDataSetCollection* output)
+{
+  const auto configurations = ConfigurationData(space);
+  AddSpaceFields(space, configurations->GetFieldData());
+  output->SetPartition(0, 0, vtkPalpateGridFromScene(scene));
+  output->SetPartition(1, 0, SurfaceData(space));
+  output->SetPartition(2, 0, configurations);
+}
+
+vtkPolyData* vtkPalpateConfigurations(vtkPartitionedDataSetCollection* collection)
+{
+  return FindBlock(collection, BlockNames[2]);
+}
+
+TouchSpace vtkPalpateSpaceFromCollection(
+  vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
+{
+  const auto surface = GatherBlock(collection, BlockNames[1], controller);
+  const auto configurations = GatherBlock(collection, BlockNames[2], controller);
+  TouchSpace space;
+  if (controller && controller->GetLocalProcessId() != 0)
+  {
+    return space;
+  }
+  if (!surface || !configurations)
+  {
+    throw InputError("The input is no state space: it has no block Surface or no block "
+                     "Configurations with points. Use the output of Precompute State Space or of "
+                     "State Space Reader.");
+  }
+  ReadSurface(surface, space);
+  ReadConfigurations(configurations, space);
+  return space;
+}

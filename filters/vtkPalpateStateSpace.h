@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A state space as VTK's data: a vtkPartitionedDataSetCollection, complete for touching, that stock
+// filters, readers and writers understand.
+//
+//   `Body`            vtkUnstructuredGrid   the scene at rest, see vtkPalpateScene.h
+//   `Surface`         vtkPolyData           its surface at rest; point arrays
+//     `MeshPoint`                             id of the point in the body
+//     `Modes`                                 basis of the displacement, r modes: x y z of the first,
+//                                             then of the next, … [3r]
+//   `Configurations`  vtkPolyData           a vertex for each, at the displaced active node, and a
+//                                           line for each transition; point arrays
+//     `ActiveNode`                            id of the point in the body
+//     `CheckPoint`, `ParentCheckPoint`        place on the grid, in steps from rest [3]
+//     `Level`                                 which of the equilibria at the check-point
+//     `Displacement`                          of the active node, m [3]
+//     `Force`                                 that holds it, N [3]
+//     `Energy`                                J
+//     `Stiffness`                             ∂force/∂displacement, N/m [9]
+//     `Coefficients`                          of the modes [r]
+//     `CoefficientGradient`                   ∂/∂x of all, then ∂/∂y, ∂/∂z, 1/m [3r]
+//     `Outcome`, `Flags`                      see solvers/base/outcome.h
+//     `Residual`, `MinimumDetF`, `NegativePivots`, `Iterations`, `Seconds`
+//   Field arrays of `Configurations`: `SceneHash`, `SchemaVersion`, and for each active node
+//     `ActiveNodes`, `HalfWidth` (m), `Resolution`, `ForceLimit` (N), `NumberOfConfigurations`;
+//     `LargestDisplacement`, `DisplacementError`, `SensitivityError` (m, of the modes).
+#pragma once
+
+#include "PalpateFiltersModule.h"
+#include "state_space/touch_space.h"
+#include "vtkSmartPointer.h"
+
+class vtkFieldData;
+class vtkMultiProcessController;
+class vtkPartitionedDataSetCollection;
+class vtkPolyData;
+
+/// Names the three blocks of an empty collection, as every rank needs them.
+PALPATEFILTERS_EXPORT void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output);
+
+/// Fills the collection on the rank that has the space.
+PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(const palpate::Scene& scene,
+  const palpate::TouchSpace& space, vtkPartitionedDataSetCollection* output);
+
+/// The dataset of `Configurations`, null where there is none.
+PALPATEFILTERS_EXPORT vtkPolyData* vtkPalpateConfigurations(
+  vtkPartitionedDataSetCollection* collection);
+
+/// A space from a collection whose blocks may lie on any rank; whole on rank 0, empty elsewhere.
+/// @note Collective.
+/// @throws palpate::InputError on rank 0: a block or an array is missing or has another size.
+PALPATEFILTERS_EXPORT palpate::TouchSpace vtkPalpateSpaceFromCollection(
+  vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller);

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateStateSpaceReader
+ * @brief reads a state space from a .palpate file
+ *
+ * Output: as vtkPalpatePrecomputeStateSpace gives it, without the figures of the run. The file may
+ * be one that is not complete. Under MPI the result is whole on rank 0 and empty elsewhere.
+ */
+#pragma once
+
+#include <string>
+
+#include "PalpateFiltersModule.h"
+#include "vtkPartitionedDataSetCollectionAlgorithm.h"
+
+class PALPATEFILTERS_EXPORT vtkPalpateStateSpaceReader
+  : public vtkPartitionedDataSetCollectionAlgorithm
+{
+public:
+  static vtkPalpateStateSpaceReader* New();
+  vtkTypeMacro(vtkPalpateStateSpaceReader, vtkPartitionedDataSetCollectionAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// The file.
+  vtkSetStdStringFromCharMacro(FileName);
+  vtkGetCharFromStdStringMacro(FileName);
+  ///@}
+  ///@{
+  /// Largest error of the displacement that is carried for touching, as a share of the largest.
+  vtkSetMacro(DisplacementBound, double);
+  vtkGetMacro(DisplacementBound, double);
+  ///@}
+
+protected:
+  vtkPalpateStateSpaceReader();
+  ~vtkPalpateStateSpaceReader() override;
+
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateStateSpaceReader(const vtkPalpateStateSpaceReader&) = delete;
+  void operator=(const vtkPalpateStateSpaceReader&) = delete;
+
+  std::string FileName;
+  double DisplacementBound = 1e-3;
+};

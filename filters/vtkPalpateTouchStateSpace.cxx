@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateTouchStateSpace.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "interpolation/display_field.h"
+#include "interpolation/interpolator.h"
+#include "vtkCellArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkFloatArray.h"
+#include "vtkIdTypeArray.h"
+#include "vtkInformation.h"
+#include "vtkIntArray.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateStateSpace.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+
+namespace
+{
+using palpate::TouchSite;
+using palpate::TouchSpace;
+
+/// @throws palpate::InputError the node is not in the space; it says which are.
+const TouchSite& SiteOf(const TouchSpace& space, vtkIdType node)
+{
+  if (space.sites.empty())
+  {
+    throw palpate::InputError("The state space has no active node. Compute it again.");
+  }
+  if (node == -1)
+  {
+    return space.sites.front();
+  }
+  const auto site = std::find_if(space.sites.begin(), space.sites.end(),
+    [&](const TouchSite& candidate) { return candidate.site.active_node == node; });
+  if (site != space.sites.end())
+  {
+    return *site;
+  }
+  constexpr std::size_t mostNamed = 10;
+  std::string nodes;
+  for (std::size_t i = 0; i < std::min(mostNamed, space.sites.size()); ++i)
+  {
+    nodes += (i == 0 ? "" : ", ") + std::to_string(space.sites[i].site.active_node);
+  }
+  if (space.sites.size() > mostNamed)
+  {
+    nodes += ", …";
+  }
+  throw palpate::InputError("Active node " + std::to_string(node) +
+    " is not in the state space, which has " + std::to_string(space.sites.size()) + ": " + nodes +
+    ". Choose one of them, or compute the space for this one.");
+}
+
+void AddVector(vtkDataObject* output, const char* name, int components, const double* values)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->InsertNextTuple(values);
+  output->GetFieldData()->AddArray(array);
+}
+}
+
+struct vtkPalpateTouchStateSpace::Prepared
+{
+  vtkMTimeType InputTime = 0;
+  TouchSpace Space;
+  vtkNew<vtkCellArray> Triangles;
+  /// Made when they are first needed.
+  std::map<std::pair<vtkIdType, int>, std::unique_ptr<palpate::Interpolator>> Interpolators;
+  std::map<vtkIdType, palpate::DisplayField> Fields;
+};
+
+vtkStandardNewMacro(vtkPalpateTouchStateSpace);
+
+vtkPalpateTouchStateSpace::vtkPalpateTouchStateSpace() = default;
+vtkPalpateTouchStateSpace::~vtkPalpateTouchStateSpace() = default;
+
+int vtkPalpateTouchStateSpace::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPartitionedDataSetCollection");
+  return 1;
+}
+
+int vtkPalpateTouchStateSpace::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPolyData::GetData(outputVector);
+  return vtkPalpateProduce(this, output,
+    [&]
+    {
+      auto* input = vtkPartitionedDataSetCollection::GetData(inputVector[0]);
+      vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+      // On rank 0 alone where the source runs there: the others must not wait for it.
+      if (palpate::any(*vtkPalpateCommunicator(controller), vtkPalpatePassFailure(input, output)))
+      {
+        return;
+      }
+      if (!this->Cache || this->Cache->InputTime != input->GetMTime())
+      {
+        this->Cache.reset();
+        auto prepared = std::make_unique<Prepared>();
+        prepared->Space = vtkPalpateSpaceFromCollection(input, controller);
+        for (const auto& [a, b, c] : prepared->Space.surface.triangles)
+        {
+          prepared->Triangles->InsertNextCell({ a, b, c });
+        }
+        prepared->InputTime = input->GetMTime();
+        this->Cache = std::move(prepared);
+      }
+      if (controller && controller->GetLocalProcessId() != 0)
+      {
+        return;
+      }
+
+      const TouchSpace& space = this->Cache->Space;
+      const TouchSite& site = SiteOf(space, this->ActiveNode);
+      const vtkIdType node = site.site.active_node;
+      auto& interpolator = this->Cache->Interpolators[{ node, this->Interpolation }];
+      if (!interpolator)
+      {
+        interpolator =
+          palpate::make_interpolator(static_cast<palpate::Method>(this->Interpolation), site);
+      }
+      const palpate::DisplayField& field =
+        this->Cache->Fields.try_emplace(node, site).first->second;
+
+      const palpate::Vec3 t(this->Displacement);
+      const palpate::TouchResult touch = interpolator->evaluate(t);
+      Eigen::VectorXf coefficients(field.num_modes());
+      field.coefficients(t, coefficients.data());
+      const palpate::Index numberOfPoints = space.surface.num_points();
+      vtkNew<vtkFloatArray> displacement;
+      displacement->SetName("Displacement");
+      displacement->SetNumberOfComponents(3);
+      displacement->SetNumberOfTuples(numberOfPoints);
+      palpate::apply_modes(space.modes, coefficients.data(), displacement->GetPointer(0));
+      vtkNew<vtkPoints> points;
+      points->SetNumberOfPoints(numberOfPoints);
+      for (palpate::Index p = 0; p < numberOfPoints; ++p)
+      {
+        const float* u = displacement->GetPointer(3 * p);
+        const palpate::Vec3& x = space.surface.points[p];
+        points->SetPoint(p, x[0] + u[0], x[1] + u[1], x[2] + u[2]);
+      }
+      output->SetPoints(points);
+      output->SetPolys(this->Cache->Triangles);
+      output->GetPointData()->SetVectors(displacement);
+
+      AddVector(output, "Force", 3, touch.force.data());
+      AddVector(output, "Stiffness", 9, touch.stiffness.data());
+      AddVector(output, "Energy", 1, &touch.energy);
+      const palpate::Vec3 position = site.rest_position + t;
+      AddVector(output, "ActivePosition", 3, position.data());
+      vtkNew<vtkIntArray> found;
+      found->SetName("Found");
+      found->InsertNextValue(static_cast<int>(touch.found));
+      output->GetFieldData()->AddArray(found);
+      vtkNew<vtkIdTypeArray> active;
+      active->SetName("ActiveNode");
+      active->InsertNextValue(node);
+      output->GetFieldData()->AddArray(active);
+    });
+}
+
+void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ActiveNode: " << this->ActiveNode << '\n'
+     << indent << "Displacement: " << this->Displacement[0] << ' ' << this->Displacement[1] << ' '
+     << this->Displacement[2] << '\n'
+     << indent << "Interpolation: " << this->Interpolation << '\n';
+}

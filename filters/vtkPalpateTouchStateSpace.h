@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateTouchStateSpace
+ * @brief the force and the deformed surface when an active node is displaced
+ *
+ * Input: a state space (see vtkPalpateStateSpace.h). Output: the surface of the body, deformed, with
+ * the point array `Displacement` (m) and field arrays
+ *
+ *   `Force`      that holds the node, N; a hand feels its opposite
+ *   `Stiffness`  its derivative by the displacement, N/m, 9
+ *   `Energy`     J
+ *   `Found`      0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
+ *   `ActiveNode`, `ActivePosition` (m, displaced)
+ *
+ * What does not depend on the displacement is kept from one execution to the next. Under MPI the
+ * result is whole on rank 0 and empty elsewhere.
+ */
+#pragma once
+
+#include <memory>
+
+#include "PalpateFiltersModule.h"
+#include "vtkPolyDataAlgorithm.h"
+
+class PALPATEFILTERS_EXPORT vtkPalpateTouchStateSpace : public vtkPolyDataAlgorithm
+{
+public:
+  static vtkPalpateTouchStateSpace* New();
+  vtkTypeMacro(vtkPalpateTouchStateSpace, vtkPolyDataAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /// Numbers of palpate::Method.
+  enum InterpolationMethods
+  {
+    TRILINEAR = 0,
+    ENERGY_HERMITE = 4
+  };
+
+  ///@{
+  /// Id of the point of the body that is touched; -1: the first one of the space.
+  vtkSetMacro(ActiveNode, vtkIdType);
+  vtkGetMacro(ActiveNode, vtkIdType);
+  ///@}
+  ///@{
+  /// How far it is displaced from rest, m.
+  vtkSetVector3Macro(Displacement, double);
+  vtkGetVector3Macro(Displacement, double);
+  ///@}
+  ///@{
+  /// How the force is interpolated, see InterpolationMethods.
+  vtkSetMacro(Interpolation, int);
+  vtkGetMacro(Interpolation, int);
+  ///@}
+
+protected:
+  vtkPalpateTouchStateSpace();
+  ~vtkPalpateTouchStateSpace() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateTouchStateSpace(const vtkPalpateTouchStateSpace&) = delete;
+  void operator=(const vtkPalpateTouchStateSpace&) = delete;
+
+  struct Prepared;
+
+  vtkIdType ActiveNode = -1;
+  double Displacement[3] = { 0, 0, 0 };
+  int Interpolation = ENERGY_HERMITE;
+  /// The space as it is touched; made anew when the input changes.
+  std::unique_ptr<Prepared> Cache;
+};
