@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Names of tests follow the folders: tests/solvers/mesh gives solvers.mesh.<Suite>.<Test>.
+
+include(GoogleTest)
+find_package(GTest REQUIRED)
+
+if(PALPATE_WITH_MPI)
+  # Tests run side by side: bound to cores, the first ranks of all of them would share one.
+  set(palpate_mpiexec "${MPIEXEC_EXECUTABLE}" --oversubscribe --bind-to none)
+  execute_process(COMMAND id -u OUTPUT_VARIABLE uid OUTPUT_STRIP_TRAILING_WHITESPACE)
+  if(uid EQUAL 0)
+    list(APPEND palpate_mpiexec --allow-run-as-root)
+  endif()
+endif()
+
+set(palpate_test_environment
+  # The ranks are the parallelism.
+  OMP_NUM_THREADS=1
+  OPENBLAS_NUM_THREADS=1
+  # A program started without mpiexec would look up its host's name, 5 s where there is no DNS.
+  OMPI_MCA_ess_singleton_isolated=1)
+
+function(palpate_test_prefix result)
+  cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}/tests"
+    OUTPUT_VARIABLE prefix)
+  string(REPLACE "/" "." prefix "${prefix}")
+  set(${result} "${prefix}" PARENT_SCOPE)
+endfunction()
+
+#[[
+palpate_add_test(<part>
+  SOURCES <file>…
+  DEPENDS <part or imported target>…
+  [RANKS <n>…])
+
+Makes the GoogleTest program palpate_test_<part>. It sees PALPATE_SHARED_DATA (may be empty) and
+PALPATE_TEST_DATA (tests/data) as string macros, and includes headers relative to tests/. With
+RANKS the program is run as a whole, once for each number of ranks (without MPI: test by test), and
+SOURCES hold solvers/support/mpi_main.cpp, whose main() starts and ends MPI.
+]]
+function(palpate_add_test part)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS;RANKS")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "palpate_add_test(${part}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  palpate_resolve_targets(depends ${arg_DEPENDS})
+  palpate_test_prefix(prefix)
+
+  set(target palpate_test_${part})
+  add_executable(${target} ${arg_SOURCES})
+  target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
+  target_compile_definitions(${target} PRIVATE
+    "PALPATE_SHARED_DATA=\"${PALPATE_SHARED_DATA}\""
+    "PALPATE_TEST_DATA=\"${PROJECT_SOURCE_DIR}/tests/data\"")
+  target_link_libraries(${target} PRIVATE ${depends} palpate_warnings)
+
+  if(arg_RANKS AND PALPATE_WITH_MPI)
+    target_link_libraries(${target} PRIVATE GTest::gtest MPI::MPI_C)
+    target_compile_definitions(${target} PRIVATE PALPATE_WITH_MPI)
+    foreach(ranks IN LISTS arg_RANKS)
+      palpate_add_mpi_test("${prefix}.${ranks}_ranks" ${ranks} $<TARGET_FILE:${target}>)
+    endforeach()
+  else()
+    target_link_libraries(${target} PRIVATE GTest::gtest $<$<NOT:$<BOOL:${arg_RANKS}>>:GTest::gtest_main>)
+    gtest_discover_tests(${target}
+      TEST_PREFIX "${prefix}."
+      DISCOVERY_TIMEOUT 60
+      PROPERTIES ENVIRONMENT "${palpate_test_environment}")
+  endif()
+endfunction()
+
+#[[
+palpate_add_pvpython_test(<name> <script.py> [ARGS <arg>…] [RANKS <n>] [RENDERS])
+
+Runs a script of the current folder with pvpython, or with RANKS under mpiexec with pvbatch. The
+plugin is loaded when the script starts (PV_PLUGIN_PATH): `from paraview.simple import *` gives its
+proxies. The script finds the reference data in the environment variable PALPATE_SHARED_DATA (may
+be empty) and the sources' root in PALPATE_SOURCE_DIR. Its working folder is its own, and empty at
+the start. Exit code 77 means skipped. RENDERS gives it a display.
+]]
+function(palpate_add_pvpython_test name script)
+  cmake_parse_arguments(PARSE_ARGV 2 arg "RENDERS" "RANKS" "ARGS")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR
+      "palpate_add_pvpython_test(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  palpate_test_prefix(prefix)
+  set(test "${prefix}.${name}")
+
+  set(launcher
+    sh "${PROJECT_SOURCE_DIR}/cmake/in_empty_folder.sh" "${CMAKE_CURRENT_BINARY_DIR}/${name}")
+  set(locks "")
+  if(arg_RENDERS)
+    list(APPEND launcher xvfb-run -a)
+    # Two that start at once may pick the same display.
+    set(locks display)
+  endif()
+  if(arg_RANKS)
+    list(APPEND launcher ${palpate_mpiexec} -n ${arg_RANKS} $<TARGET_FILE:ParaView::pvbatch>)
+  else()
+    set(arg_RANKS 1)
+    list(APPEND launcher $<TARGET_FILE:ParaView::pvpython>)
+  endif()
+
+  add_test(NAME "${test}"
+    COMMAND ${launcher} "${CMAKE_CURRENT_SOURCE_DIR}/${script}" ${arg_ARGS})
+  set_tests_properties("${test}" PROPERTIES
+    PROCESSORS ${arg_RANKS}
+    RESOURCE_LOCK "${locks}"
+    SKIP_RETURN_CODE 77
+    TIMEOUT 600)
+  set_property(TEST "${test}" PROPERTY ENVIRONMENT
+    ${palpate_test_environment}
+    "PV_PLUGIN_PATH=${PALPATE_PLUGIN_BUILD_DIR}"
+    "PALPATE_SHARED_DATA=${PALPATE_SHARED_DATA}"
+    "PALPATE_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+endfunction()
+
+function(palpate_add_mpi_test test ranks)
+  add_test(NAME "${test}" COMMAND ${palpate_mpiexec} -n ${ranks} ${ARGN})
+  set_tests_properties("${test}" PROPERTIES PROCESSORS ${ranks})
+  set_property(TEST "${test}" PROPERTY ENVIRONMENT ${palpate_test_environment})
+endfunction()

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "base/error.h"
+#include "exploration/precompute.h"
+#include "solvers/support/block.h"
+#include "solvers/support/communicators.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool same_bits(const double* a, const double* b, std::size_t count) {
+  return std::memcmp(a, b, count * sizeof(double)) == 0;
+}
+
+/// What is touched is equal to the bit; the times are not compared.
+void expect_equal(const TouchSpace& a, const TouchSpace& b) {
+  EXPECT_EQ(a.scene_hash, b.scene_hash);
+  ASSERT_EQ(a.sites.size(), b.sites.size());
+  EXPECT_EQ(a.modes, b.modes);
+  for (std::size_t s = 0; s < a.sites.size(); ++s) {
+    const TouchSite& x = a.sites[s];
+    const TouchSite& y = b.sites[s];
+    EXPECT_EQ(x.coefficients, y.coefficients);
+    EXPECT_EQ(x.coefficient_gradients, y.coefficient_gradients);
+    ASSERT_EQ(x.configurations.size(), y.configurations.size());
+    for (std::size_t i = 0; i < x.configurations.size(); ++i) {
+      const ConfigurationSummary& c = x.configurations[i];
+      const ConfigurationSummary& d = y.configurations[i];
+      EXPECT_EQ(c.check_point, d.check_point);
+      EXPECT_EQ(c.parent, d.parent);
+      EXPECT_EQ(c.outcome, d.outcome);
+      EXPECT_EQ(c.flags, d.flags);
+      EXPECT_EQ(c.iterations, d.iterations);
+      EXPECT_TRUE(same_bits(c.force.data(), d.force.data(), 3));
+      EXPECT_TRUE(same_bits(c.stiffness.data(), d.stiffness.data(), 9));
+      EXPECT_TRUE(same_bits(&c.energy, &d.energy, 1));
+    }
+  }
+}
+
+class Precompute : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() /
+              ("palpate_precompute_" + std::to_string(world_->size()) + '_' + info->name());
+    if (world_->rank() == 0) {
+      fs::remove_all(folder_);
+      fs::create_directory(folder_);
+    }
+    agree(*world_, [] {});
+    options_.active_nodes = {block_.corner, block_.middle};
+    options_.half_width = 0.02;
+    options_.resolution = 5;
+  }
+
+  void TearDown() override {
+    agree(*world_, [] {});
+    if (world_->rank() == 0) fs::remove_all(folder_);
+  }
+
+  PrecomputeResult run(Communicator& communicator) const {
+    return precompute(block_.scene, options_, communicator, progress_);
+  }
+
+  std::unique_ptr<Communicator> world_ = test::make_world();
+  std::unique_ptr<Communicator> serial_ = make_serial_communicator();
+  test::Block block_ = test::make_block(Law::neo_hookean);
+  PrecomputeOptions options_;
+  Progress progress_;
+  fs::path folder_;
+};
+
+TEST_F(Precompute, SeveralRanksGiveTheSpaceOfOneToTheBit) {
+  const PrecomputeResult parallel = run(*world_);
+  EXPECT_EQ(parallel.report.num_solved, 250);
+  EXPECT_TRUE(parallel.report.complete);
+  EXPECT_EQ(parallel.report.num_ranks, world_->size());
+  if (world_->rank() == 0) {
+    const PrecomputeResult serial = run(*serial_);
+    EXPECT_GT(serial.space.num_modes(), 0);
+    expect_equal(parallel.space, serial.space);
+  } else {
+    EXPECT_TRUE(parallel.space.sites.empty());
+  }
+}
+
+TEST_F(Precompute, AFileGivesTheSpaceOfTheMemoryAndIsOneFile) {
+  const PrecomputeResult in_memory = run(*world_);
+  options_.file = folder_ / "a.palpate";
+  const PrecomputeResult in_file = run(*world_);
+  const PrecomputeResult again = run(*world_);
+  EXPECT_EQ(again.report.num_solved, 0);
+  EXPECT_EQ(again.report.num_reused, 250);
+  EXPECT_EQ(again.report.work.factorisations, 0);
+  if (world_->rank() == 0) {
+    expect_equal(in_file.space, in_memory.space);
+    expect_equal(again.space, in_memory.space);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  }
+}
+
+TEST_F(Precompute, RestIsACheckPointWithoutForce) {
+  const PrecomputeResult result = run(*world_);
+  for (const TouchSite& site : result.space.sites) {
+    const auto& c = site.configurations[site.configurations.size() / 2];
+    EXPECT_EQ(c.check_point, (CheckPoint{0, 0, 0}));
+    EXPECT_EQ(c.force.norm(), 0);
+    EXPECT_EQ(c.energy, 0);
+  }
+}
+
+TEST_F(Precompute, ConfigurationsAreThoseThatTheSolverFinds) {
+  const PrecomputeResult result = run(*world_);
+  if (world_->rank() != 0) return;
+  EquilibriumSolver solver(block_.scene, {});
+  for (const TouchSite& site : result.space.sites) {
+    solver.hold(hold_nodes({site.site.active_node}));
+    for (std::size_t i = 0; i < site.configurations.size(); i += 31) {
+      const ConfigurationSummary& c = site.configurations[i];
+      const Equilibrium straight = solver.solve(c.t, solver.rest());
+      ASSERT_EQ(straight.outcome, Outcome::converged);
+      // Two ways to the same equilibrium: equal to the solver's tolerance.
+      EXPECT_LE((straight.reaction - c.force).norm(), 1e-7 * (1e-3 + c.force.norm()));
+    }
+  }
+}
+
+TEST_F(Precompute, AnAbortKeepsWhatWasFoundAndTheNextRunGoesOnOnAnotherNumberOfRanks) {
+  options_.file = folder_ / "a.palpate";
+  progress_ = [](double done) { return done < 0.5; };
+  const PrecomputeResult part = run(*world_);
+  EXPECT_FALSE(part.report.complete);
+  EXPECT_GT(part.report.num_solved, 0);
+  EXPECT_LT(part.report.num_solved, 250);
+  progress_ = nullptr;
+  if (world_->rank() != 0) return;
+  EXPECT_FALSE(part.space.sites.empty());
+  const PrecomputeResult rest = run(*serial_);
+  EXPECT_GE(rest.report.num_reused, part.report.num_solved);
+  EXPECT_EQ(rest.report.num_solved + rest.report.num_reused, 250);
+  EXPECT_TRUE(rest.report.complete);
+  options_.file.clear();
+  expect_equal(rest.space, run(*serial_).space);
+}
+
+TEST_F(Precompute, ProgressGrowsToTheEnd) {
+  double last = 0;
+  progress_ = [&](double done) {
+    EXPECT_LE(done, 1);
+    last = std::max(last, done);
+    return true;
+  };
+  (void)run(*world_);
+  EXPECT_EQ(last, 1);
+}
+
+TEST_F(Precompute, AConfigurationBeyondTheForceLimitIsKeptAndNotExpanded) {
+  const PrecomputeResult all = run(*world_);
+  options_.force_limit = 0.1;
+  const PrecomputeResult limited = run(*world_);
+  EXPECT_LT(limited.report.num_solved, all.report.num_solved);
+  EXPECT_EQ(limited.report.num_solved + limited.report.num_not_reached, 250);
+  EXPECT_GT(limited.report.num_by_flag.at(flags::beyond_force_limit), 0);
+  for (const TouchSite& site : limited.space.sites) {
+    for (const ConfigurationSummary& c : site.configurations) {
+      EXPECT_EQ((c.flags & flags::beyond_force_limit) != 0, c.force.norm() > 0.1);
+    }
+  }
+}
+
+TEST_F(Precompute, ALinearSceneIsFactorisedOnceForEachActiveNodeAndRank) {
+  block_ = test::make_block(Law::linear);
+  options_.active_nodes = {block_.corner};
+  const PrecomputeResult result = run(*world_);
+  EXPECT_EQ(result.report.num_solved, 125);
+  EXPECT_EQ(result.report.iterations, 0);
+  EXPECT_EQ(result.report.work.factorisations, world_->size());
+  for (const TouchSite& site : result.space.sites) {
+    const ConfigurationSummary& rest = site.configurations[62];
+    for (const ConfigurationSummary& c : site.configurations) {
+      EXPECT_LE((c.force - rest.stiffness * c.t).norm(), 1e-9 * rest.stiffness.norm() * 0.02);
+    }
+  }
+}
+
+TEST_F(Precompute, WithoutActiveNodesAllTouchableOnesAreTaken) {
+  options_.active_nodes.clear();
+  options_.resolution = 3;
+  options_.half_width = 0.001;
+  std::fill(block_.scene.touchable.begin(), block_.scene.touchable.end(), 0);
+  block_.scene.touchable[block_.corner] = 1;
+  block_.scene.touchable[block_.middle] = 1;
+  EXPECT_EQ(run(*world_).report.num_solved, 2 * 27);
+  std::fill(block_.scene.touchable.begin(), block_.scene.touchable.end(), 0);
+  EXPECT_THROW((void)run(*world_), InputError);
+}
+
+TEST_F(Precompute, AFileOfAnotherSceneIsRefusedAndStaysAsItIs) {
+  options_.resolution = 3;
+  options_.file = folder_ / "a.palpate";
+  (void)run(*world_);
+  const auto size = fs::file_size(options_.file);
+  block_ = test::make_block(Law::st_venant_kirchhoff);
+  EXPECT_THROW((void)run(*world_), InputError);
+  EXPECT_EQ(fs::file_size(options_.file), size);
+  block_ = test::make_block(Law::neo_hookean);
+  EXPECT_EQ(run(*world_).report.num_reused, 54);
+}
+
+TEST_F(Precompute, BadOptionsAreOneClearError) {
+  const auto message = [this] {
+    try {
+      (void)run(*world_);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const PrecomputeOptions good = options_;
+  options_.half_width = 0;
+  EXPECT_NE(message().find("half-width"), std::string::npos);
+  options_ = good;
+  options_.resolution = 4;
+  EXPECT_NE(message().find("resolution"), std::string::npos);
+  options_ = good;
+  options_.resolution = 1;
+  EXPECT_NE(message().find("resolution"), std::string::npos);
+  options_ = good;
+  options_.force_limit = -1;
+  EXPECT_NE(message().find("force limit"), std::string::npos);
+  options_ = good;
+  options_.touch_bound = 2;
+  EXPECT_FALSE(message().empty());
+  options_ = good;
+  options_.equilibrium.tolerance = 0;
+  EXPECT_NE(message().find("tolerance"), std::string::npos);
+  options_ = good;
+  options_.active_nodes = {block_.scene.mesh.num_points()};
+  EXPECT_NE(message().find("does not exist"), std::string::npos);
+  options_ = good;
+  options_.active_nodes = {0};  // held at x = 0
+  EXPECT_NE(message().find("fixed"), std::string::npos);
+  const std::vector<char> surface = boundary_points(block_.scene.mesh);
+  options_.active_nodes = {
+      static_cast<Index>(std::find(surface.begin(), surface.end(), 0) - surface.begin())};
+  EXPECT_NE(message().find("inside"), std::string::npos);
+  options_ = good;
+  options_.file = folder_ / "missing" / "a.palpate";
+  EXPECT_FALSE(message().empty());
+}
+
+}  // namespace
+}  // namespace palpate
