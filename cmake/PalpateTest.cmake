@@ -65,7 +65,7 @@ function(palpate_add_test part)
     gtest_discover_tests(${target}
       TEST_PREFIX "${prefix}."
       DISCOVERY_TIMEOUT 60
-      PROPERTIES ENVIRONMENT "${palpate_test_environment}")
+      PROPERTIES TIMEOUT 300 ENVIRONMENT "${palpate_test_environment}")
   endif()
 endfunction()
 
@@ -118,6 +118,6 @@ endfunction()
 
 function(palpate_add_mpi_test test ranks)
   add_test(NAME "${test}" COMMAND ${palpate_mpiexec} -n ${ranks} ${ARGN})
-  set_tests_properties("${test}" PROPERTIES PROCESSORS ${ranks})
+  set_tests_properties("${test}" PROPERTIES PROCESSORS ${ranks} TIMEOUT 300)
   set_property(TEST "${test}" PROPERTY ENVIRONMENT ${palpate_test_environment})
 endfunction()

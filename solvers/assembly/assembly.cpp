@@ -252,7 +252,7 @@ double Assembly::mean_edge() const { return data_->mean_edge; }
 
 Assembly::Result Assembly::residual(const NodalVector& u, NodalVector& force) const {
   force.setZero(3 * data_->num_points);
-  Result total;
+  Result total{0, std::numeric_limits<double>::infinity()};
   for (const auto& group : data_->groups) {
     const GroupResult part = group.kernels->residual(group.view(), u.data(), force.data());
     total.energy += part.energy;
@@ -265,7 +265,7 @@ Assembly::Result Assembly::tangent(const NodalVector& u, NodalVector& force,
                                    std::vector<double>& values) const {
   force.setZero(3 * data_->num_points);
   values.assign(data_->pattern.num_values(), 0.0);
-  Result total;
+  Result total{0, std::numeric_limits<double>::infinity()};
   for (const auto& group : data_->groups) {
     const GroupResult part =
         group.kernels->tangent(group.view(), u.data(), force.data(), values.data());

@@ -57,9 +57,7 @@ class CheckPointGrid {
     return axis == 0 ? resolution_ * resolution_ : axis == 1 ? resolution_ : 1;
   }
   /// Place of a node's configuration in the site's list; −1: none is usable.
-  [[nodiscard]] std::int32_t configuration(std::int32_t node) const {
-    return configuration_[node];
-  }
+  [[nodiscard]] std::int32_t configuration(std::int32_t node) const { return configuration_[node]; }
   [[nodiscard]] bool usable(std::int32_t node) const { return configuration_[node] >= 0; }
 
  private:

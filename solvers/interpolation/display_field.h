@@ -4,7 +4,8 @@
 //   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)],   w trilinear over the corners i of the cell,
 //
 // exact where u is quadratic in t. In two steps: the coefficients of the modes, then the field. At
-// the edge of the space it goes on as the force does (interpolator.h): u(t₀) + v(t₀) Δ, v trilinear.
+// the edge of the space it goes on as the force does (interpolator.h): u(t₀) + v(t₀) Δ, v
+// trilinear.
 #pragma once
 
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Triquintic Hermite interpolation of the energy; the force is its exact gradient, the stiffness its
-// exact Hessian. On a cell of side H, with local coordinates s ∈ [0,1]³,
+// Triquintic Hermite interpolation of the energy; the force is its exact gradient, the stiffness
+// its exact Hessian. On a cell of side H, with local coordinates s ∈ [0,1]³,
 //
 //   Π   = Σ D^{abc} B_a(s_x) B_b(s_y) B_c(s_z),   a, b, c ∈ {0, 1, 2}, over the eight corners,
 //   h_x = (1/H) Σ D^{abc} B'_a B_b B_c,  …        k_xy = (1/H²) Σ D^{abc} B'_a B'_b B_c,  …

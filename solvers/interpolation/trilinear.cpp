@@ -8,31 +8,37 @@ Trilinear::Trilinear(const TouchSite& site)
   for (std::int32_t n = 0; n < grid().num_nodes(); ++n) {
     if (!grid().usable(n)) continue;
     const ConfigurationSummary& c = site.configurations[grid().configuration(n)];
-    nodes_[n] = {c.force, c.energy, c.stiffness};
+    nodes_[n].values << c.force, c.energy;
+    nodes_[n].stiffness = c.stiffness;
   }
 }
 
 TouchResult Trilinear::do_evaluate(std::int32_t first, const Vec3& s) const noexcept {
-  TouchResult result;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int bit[3] = {corner >> 2, (corner >> 1) & 1, corner & 1};
-    std::int32_t n = first;
-    double w[3];
-    double slope[3];
-    for (int k = 0; k < 3; ++k) {
-      n += bit[k] * grid().stride(k);
-      w[k] = bit[k] != 0 ? s[k] : 1 - s[k];
-      slope[k] = bit[k] != 0 ? 1 : -1;
-    }
-    const Node& node = nodes_[n];
-    const double weight = w[0] * w[1] * w[2];
-    result.energy += weight * node.energy;
-    result.force += weight * node.force;
-    result.stiffness.col(0) += slope[0] * w[1] * w[2] * node.force;
-    result.stiffness.col(1) += w[0] * slope[1] * w[2] * node.force;
-    result.stiffness.col(2) += w[0] * w[1] * slope[2] * node.force;
+  using Values = Eigen::Vector4d;
+  // So written a corner is met exactly.
+  const auto between = [](const Values& a, const Values& b, double at) -> Values {
+    return (1 - at) * a + at * b;
+  };
+  Values along_yz[2];
+  Values slope_y[2];
+  Values slope_z[2];
+  for (int x = 0; x < 2; ++x) {
+    const Node* low = nodes_.data() + first + x * grid().stride(0);
+    const Node* high = low + grid().stride(1);
+    const Values along_z[2] = {between(low[0].values, low[1].values, s[2]),
+                               between(high[0].values, high[1].values, s[2])};
+    along_yz[x] = between(along_z[0], along_z[1], s[1]);
+    slope_y[x] = along_z[1] - along_z[0];
+    slope_z[x] = between(low[1].values - low[0].values, high[1].values - high[0].values, s[1]);
   }
-  result.stiffness /= grid().spacing();
+  const Values values = between(along_yz[0], along_yz[1], s[0]);
+  const double per_spacing = 1 / grid().spacing();
+  TouchResult result;
+  result.force = values.head<3>();
+  result.energy = values[3];
+  result.stiffness << per_spacing * (along_yz[1] - along_yz[0]).head<3>(),
+      per_spacing * between(slope_y[0], slope_y[1], s[0]).head<3>(),
+      per_spacing * between(slope_z[0], slope_z[1], s[0]).head<3>();
   return result;
 }
 
@@ -47,8 +53,8 @@ TouchResult Trilinear::do_evaluate_border(std::int32_t first, const Vec3& s) con
       weight *= bit[k] != 0 ? s[k] : 1 - s[k];
     }
     const Node& node = nodes_[n];
-    result.energy += weight * node.energy;
-    result.force += weight * node.force;
+    result.force += weight * node.values.head<3>();
+    result.energy += weight * node.values[3];
     result.stiffness += weight * node.stiffness;
   }
   return result;
@@ -56,8 +62,8 @@ TouchResult Trilinear::do_evaluate_border(std::int32_t first, const Vec3& s) con
 
 TouchResult Trilinear::do_check_point(std::int32_t node) const noexcept {
   TouchResult result;
-  result.force = nodes_[node].force;
-  result.energy = nodes_[node].energy;
+  result.force = nodes_[node].values.head<3>();
+  result.energy = nodes_[node].values[3];
   result.stiffness = nodes_[node].stiffness;
   return result;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trilinear interpolation [P08, 4.1]: of the force, component by component, and of the energy.
 //
-// The stiffness is the exact gradient of the interpolated force, piecewise: it jumps at the sides of
-// a cell, and is not symmetrised. The interpolated force is not the gradient of an energy.
+// The stiffness is the exact gradient of the interpolated force, piecewise: it jumps at the sides
+// of a cell, and is not symmetrised. The interpolated force is not the gradient of an energy.
 //
-// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space Approximation,
-// EuroHaptics 2008.
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
+// Approximation, EuroHaptics 2008.
 #pragma once
 
 #include <vector>
@@ -20,8 +20,8 @@ class Trilinear final : public Interpolator {
 
  private:
   struct Node {
-    Vec3 force = Vec3::Zero();
-    double energy = 0;
+    /// Force, then energy: taken together.
+    Eigen::Vector4d values = Eigen::Vector4d::Zero();
     Mat3 stiffness = Mat3::Zero();
   };
 

@@ -2,13 +2,15 @@
 #include "linear/eigen_solver.h"
 
 #include <Eigen/SparseCholesky>
-#include <cmath>
-#include <limits>
 
 #include "base/error.h"
 
 namespace palpate {
 namespace {
+
+/// A pivot is null when elimination leaves less than this share of the diagonal: rounding leaves
+/// 1e-16 to 1e-15, a regular body far more.
+constexpr double kNullPivot = 1e-13;
 
 class EigenSolver final : public LinearSolver {
   using Matrix = Eigen::SparseMatrix<double, Eigen::ColMajor, Index>;
@@ -24,13 +26,14 @@ class EigenSolver final : public LinearSolver {
   FactorStatus factorise(const std::vector<double>& values) override {
     ldlt_.factorize(matrix(values));
     if (ldlt_.info() != Eigen::Success) return FactorStatus::singular;
-    const auto pivots = ldlt_.vectorD().array();
-    // Eigen gives up at a pivot of exactly zero only; one that is lost in rounding is as bad.
-    const double largest = pivots.abs().maxCoeff();
-    if (!std::isfinite(largest) ||
-        pivots.abs().minCoeff() <= 4 * std::numeric_limits<double>::epsilon() * largest) {
-      return FactorStatus::singular;
-    }
+    const Eigen::ArrayXd pivots = ldlt_.vectorD().array();
+    if (!pivots.allFinite()) return FactorStatus::singular;
+    // Eigen gives up at a pivot of exactly zero only; one that is lost in rounding is as bad. What
+    // rounding leaves is measured by the diagonal, so that the scale of a row has no part.
+    Eigen::VectorXd diagonal(pattern_.size);
+    for (Index c = 0; c < pattern_.size; ++c) diagonal[c] = values[pattern_.column_start[c]];
+    diagonal = ldlt_.permutationP() * diagonal;
+    if ((pivots.abs() <= kNullPivot * diagonal.array().abs()).any()) return FactorStatus::singular;
     negative_pivots_ = static_cast<int>((pivots < 0).count());
     return FactorStatus::ok;
   }

@@ -20,14 +20,17 @@ constexpr int kSingular = -10;
 constexpr int kWorkArrayTooSmall = -9;
 constexpr int kIntegerArrayTooSmall = -8;
 
+/// A pivot is null when its row is below this share of the matrix's norm, scaled to a unit diagonal.
+/// Rounding leaves 1e-16 to 1e-15 there; regular bodies, with a contrast of moduli of 1e6 too, have
+/// pivots above 1e-10.
+constexpr double kNullPivot = 1e-13;
+
 /// Share of additional workspace that is given up on, in percent of the estimate.
 constexpr int kMostWorkspacePercent = 2000;
 
-/// PORD gives the least factorisation time on bodies of a few thousand unknowns, METIS on large
-/// ones; the place of the change is not sharp.
-constexpr Index kLargestForPord = 50000;
-constexpr int kPord = 4;
-constexpr int kMetis = 5;
+/// METIS. PORD is faster by a sixth on bodies of a few thousand unknowns, but ends the process on
+/// some small graphs ("no valid number of stages in multisector").
+constexpr int kOrdering = 5;
 
 void start_mpi_if_needed() {
   int initialised = 0;
@@ -62,13 +65,15 @@ class MumpsSolver final : public LinearSolver {
     run(kInitialise, "start");
     for (int stream : {1, 2, 3}) icntl(stream) = -1;
     icntl(4) = 0;    // prints nothing
+    icntl(7) = kOrdering;
     icntl(6) = 0;    // no permutation by values: they are not known at the analysis
     icntl(8) = 1;    // scaling by the diagonal
     icntl(10) = 0;   // no iterative refinement: Newton is one
     icntl(12) = 1;   // usual ordering of a symmetric matrix
     icntl(13) = 1;   // the root is factorised by one process: inertia is exact
     icntl(14) = 30;  // workspace beyond the estimate, %
-    icntl(24) = 0;   // a null pivot is an error, not repaired
+    icntl(24) = 1;   // null pivots are counted: else rounding may hide a singular matrix
+    mumps_.cntl[2] = kNullPivot;
   }
 
   ~MumpsSolver() override {
@@ -99,7 +104,6 @@ class MumpsSolver final : public LinearSolver {
     mumps_.nnz = pattern.num_values();
     mumps_.irn = rows_.data();
     mumps_.jcn = columns_.data();
-    icntl(7) = pattern.size <= kLargestForPord ? kPord : kMetis;
     run(kAnalyse, "analyse the pattern of");
   }
 
@@ -109,7 +113,7 @@ class MumpsSolver final : public LinearSolver {
       mumps_.job = kFactorise;
       dmumps_c(&mumps_);
       const int error = mumps_.infog[0];
-      if (error >= 0) return FactorStatus::ok;
+      if (error >= 0) return mumps_.infog[27] > 0 ? FactorStatus::singular : FactorStatus::ok;
       if (error == kSingular) return FactorStatus::singular;
       const bool workspace = error == kWorkArrayTooSmall || error == kIntegerArrayTooSmall;
       if (!workspace || icntl(14) > kMostWorkspacePercent) fail("factorise");

@@ -148,8 +148,8 @@ PodFit PodBasis::extend(const MatrixXf& snapshots) {
   const double checked = moves ? fit.displacement_error : fit.sensitivity_error;
   if (checked > bound_ * scale) {
     throw BackendError("The basis of the surface displacement keeps " +
-                       std::to_string(checked / scale) + " of the bound " +
-                       std::to_string(bound_) + ". Give a larger bound.");
+                       std::to_string(checked / scale) + " of the bound " + std::to_string(bound_) +
+                       ". Give a larger bound.");
   }
   return fit;
 }

@@ -4,10 +4,10 @@
 //
 // The snapshots of a site are the columns of S = [u | w]: the displacements u of its n
 // configurations and w = H ∂u/∂t, 3n of them, with H the spacing of the grid so that both have one
-// unit. With the basis U [m × r] of earlier sites, R = S − U Uᵀ S is what is new. A randomized range
-// finder in blocks [HMT, 4.4] takes Q with R ≈ Q B, B = Qᵀ R; with B Bᵀ = W Λ Wᵀ the columns of Q W
-// are the POD modes of R, of which as few are appended as keep the bound. No matrix of m × m is
-// made, and one site's snapshots are in memory at a time.
+// unit. With the basis U [m × r] of earlier sites, R = S − U Uᵀ S is what is new. A randomized
+// range finder in blocks [HMT, 4.4] takes Q with R ≈ Q B, B = Qᵀ R; with B Bᵀ = W Λ Wᵀ the columns
+// of Q W are the POD modes of R, of which as few are appended as keep the bound. No matrix of m × m
+// is made, and one site's snapshots are in memory at a time.
 //
 // [HMT] Halko, Martinsson & Tropp, Finding Structure with Randomness, SIAM Review 53(2), 2011.
 #pragma once

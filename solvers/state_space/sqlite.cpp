@@ -52,8 +52,7 @@ Database::Database(const std::filesystem::path& path, Access access) : path_(pat
       SQLITE_OPEN_URI | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
   const bool writes = access == Access::read_write || access == Access::create;
   // SQLite falls back to reading where it may not write.
-  const bool denied =
-      status == SQLITE_OK && writes && sqlite3_db_readonly(handle_, "main") == 1;
+  const bool denied = status == SQLITE_OK && writes && sqlite3_db_readonly(handle_, "main") == 1;
   if (status == SQLITE_OK && !denied) {
     sqlite3_busy_timeout(handle_, kBusyTimeout_ms);
     return;
@@ -108,15 +107,16 @@ void Database::fail() const {
       throw InputError(name + " is not a Palpate state space, or its beginning is damaged (" +
                        reason + "). Give another file name.");
     case SQLITE_CORRUPT:
-      throw InputError(name + " is damaged (" + reason + "). Take a copy that is whole, or remove " +
+      throw InputError(name + " is damaged (" + reason +
+                       "). Take a copy that is whole, or remove " +
                        "the file and compute it again.");
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       throw BackendError(name + " is in use by another program that writes it. Wait until that " +
                          "one ends, or give another file name.");
     case SQLITE_FULL:
-      throw BackendError("There is no space left to write " + name + ". Free some and run again: " +
-                         "what was stored before is kept.");
+      throw BackendError("There is no space left to write " + name +
+                         ". Free some and run again: " + "what was stored before is kept.");
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
@@ -149,7 +149,9 @@ void Statement::check(int status) const {
   if (status != SQLITE_OK) database_->fail();
 }
 
-void Statement::bind(std::int64_t value) { check(sqlite3_bind_int64(handle_, ++parameter_, value)); }
+void Statement::bind(std::int64_t value) {
+  check(sqlite3_bind_int64(handle_, ++parameter_, value));
+}
 
 void Statement::bind(double value) { check(sqlite3_bind_double(handle_, ++parameter_, value)); }
 

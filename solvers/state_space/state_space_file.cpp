@@ -233,8 +233,7 @@ std::string describe(const CheckPoint& c) {
 }
 
 void write_scene(const Database& database, const Scene& scene, double solver_tolerance) {
-  Statement insert(database,
-                   "INSERT INTO scene VALUES (1, NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement insert(database, "INSERT INTO scene VALUES (1, NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const TetMesh& mesh = scene.mesh;
   insert.bind(hash(scene));
   insert.bind(solver_tolerance);
@@ -260,8 +259,9 @@ void write_scene(const Database& database, const Scene& scene, double solver_tol
 
 struct StateSpaceFile::Impl {
   explicit Impl(Database opened) : database(std::move(opened)) {
-    Statement select(database, "SELECT hash, solver_tolerance, num_points FROM scene WHERE "
-                               "scene_id = 1");
+    Statement select(database,
+                     "SELECT hash, solver_tolerance, num_points FROM scene WHERE "
+                     "scene_id = 1");
     if (!select.step()) throw_damaged(database.path(), "it holds no scene");
     scene_hash = select.take_text();
     solver_tolerance = select.take_double();
@@ -388,8 +388,7 @@ Scene StateSpaceFile::read_scene() const {
   const std::int64_t num_points = select.take_integer();
   const std::int64_t num_cells = select.take_integer();
   mesh.points = take_array<Vec3>(select, num_points, database, "points");
-  mesh.cells =
-      take_array<Index>(select, num_cells * nodes_per_cell(mesh.order), database, "cells");
+  mesh.cells = take_array<Index>(select, num_cells * nodes_per_cell(mesh.order), database, "cells");
   const bool uniform = select.take_integer() != 0;
   scene.material_of_cell =
       take_array<Index>(select, uniform ? 0 : num_cells, database, "material_of_cell");
@@ -409,8 +408,8 @@ Scene StateSpaceFile::read_scene() const {
   }
   const auto known = static_cast<Index>(scene.materials.size());
   const auto unknown = [&](Index m) { return m < 0 || m >= known; };
-  if (known == 0 || std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(),
-                                unknown)) {
+  if (known == 0 ||
+      std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(), unknown)) {
     throw_damaged(database.path(), "a material is missing");
   }
   if (hash(scene) != impl_->scene_hash) {
@@ -495,8 +494,8 @@ void StateSpaceFile::add(Index active_node, const Configuration& configuration) 
   insert.bind(v.size() == 0 ? nullptr : v.data(), num_bytes(v.size()));
   insert.run();
   if (impl_->database.changes() == 0) {
-    throw InputError(quoted(path()) + " has no site at active node " +
-                     std::to_string(active_node) + ". Add the site first.");
+    throw InputError(quoted(path()) + " has no site at active node " + std::to_string(active_node) +
+                     ". Add the site first.");
   }
 }
 
@@ -592,7 +591,8 @@ void StateSpaceFile::merge(const std::vector<fs::path>& others) {
           "= 0)");
       database.execute(
           "INSERT OR IGNORE INTO main.configuration SELECT * FROM other.configuration WHERE "
-          "scene_id = 1 AND active_node = " + node + " ORDER BY i, j, k, level");
+          "scene_id = 1 AND active_node = " +
+          node + " ORDER BY i, j, k, level");
       transaction.commit();
     }
   }

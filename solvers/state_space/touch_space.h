@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a state space is carried for touching: the surface alone, its displacement by a few modes,
-// and of each configuration what interpolation needs. A few hundred bytes a configuration.
+// What of a state space is carried for touching: the surface alone, its displacement by a few
+// modes, and of each configuration what interpolation needs. A few hundred bytes a configuration.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# What holds for every target: the language, the build type, where the products lie.
+
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_BINDIR}")
+
+# Reference data beside a checkout is picked up without being asked for.
+if(NOT PALPATE_SHARED_DATA AND IS_DIRECTORY "${PROJECT_SOURCE_DIR}/../shared/data")
+  cmake_path(ABSOLUTE_PATH PROJECT_SOURCE_DIR NORMALIZE OUTPUT_VARIABLE source)
+  cmake_path(GET source PARENT_PATH beside)
+  set(PALPATE_SHARED_DATA "${beside}/shared/data" CACHE PATH "" FORCE)
+endif()

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: BSD-3-Clause
+
+# Interface target with the warnings that every source of ours must be free of.
+add_library(palpate_warnings INTERFACE)
+target_compile_options(palpate_warnings INTERFACE -Wall -Wextra -Wshadow)
+
+#[[
+palpate_add_library(<part>
+  SOURCES <file>…
+  [DEPENDS <part or imported target>…]
+  [PRIVATE_DEPENDS <part or imported target>…])
+
+Makes the static, position-independent library palpate_<part> (alias palpate::<part>) of a folder
+of solvers/. A dependency without "::" is the name of another part. DEPENDS are those that the
+part's headers include.
+]]
+function(palpate_add_library part)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS")
+  if(arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "palpate_add_library(${part}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
+  endif()
+  palpate_resolve_targets(public ${arg_DEPENDS})
+  palpate_resolve_targets(private ${arg_PRIVATE_DEPENDS})
+
+  set(target palpate_${part})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(palpate::${part} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES
+    POSITION_INDEPENDENT_CODE ON
+    # The libraries end up inside the plugin: nothing of them is to be seen from outside.
+    CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/solvers>")
+  target_link_libraries(${target}
+    PUBLIC ${public}
+    PRIVATE ${private} "$<BUILD_INTERFACE:palpate_warnings>")
+endfunction()
+
+# Turns names of parts into targets and leaves imported targets as they are.
+function(palpate_resolve_targets result)
+  set(targets "")
+  foreach(name IN LISTS ARGN)
+    if(NOT name MATCHES "::")
+      set(name "palpate::${name}")
+    endif()
+    list(APPEND targets "${name}")
+  endforeach()
+  set(${result} "${targets}" PARENT_SCOPE)
+endfunction()

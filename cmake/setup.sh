@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Sourced by tests/run and examples/run: installs what is missing and builds.
+
+palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+# One line that says what cannot be had, and the end.
+palpate_fail() {
+  echo "palpate: $*" >&2
+  exit 1
+}
+
+# The packages that are listed and not installed.
+palpate_missing_packages() {
+  local package
+  for package in $(sed -e '/^#/d' -e '/^benchmarks/d' -e 's/^[a-z]* //' \
+    "$palpate_root/cmake/debian-packages.txt"); do
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
+      echo "$package"
+    fi
+  done
+}
+
+palpate_install_packages() {
+  command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+    palpate_fail "this script needs apt: it is made for Debian 12 (see cmake/debian-packages.txt)."
+  local missing
+  missing=$(palpate_missing_packages | paste -sd ' ')
+  [ -n "$missing" ] || return 0
+
+  local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600)
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || palpate_fail "root or sudo is needed to install: $missing"
+    apt=(sudo "${apt[@]}")
+  fi
+  echo "palpate: installing $missing"
+  local log
+  log=$(mktemp)
+  # A stale list or one dead source is no reason to stop: the installation tells.
+  "${apt[@]}" update >"$log" 2>&1 || true
+  "${apt[@]}" install -y --no-install-recommends $missing >>"$log" 2>&1 </dev/null ||
+    palpate_fail "apt could not install $missing:" \
+      "$(grep -m 1 -E '^(E:|W: Failed to fetch)' "$log") (log: $log)"
+  rm -f "$log"
+}
+
+# palpate_build <preset> [<target>…]
+palpate_build() {
+  local preset=$1
+  shift
+  # What is wrong goes to stderr.
+  cmake --preset "$preset" >/dev/null ||
+    palpate_fail "the preset $preset cannot be configured."
+  cmake --build --preset "$preset" ${@:+--target "$@"} ||
+    palpate_fail "the preset $preset cannot be built."
+}
+
+# The ranks are the parallelism: a threaded BLAS would only get in their way.
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateAssignMaterial
+ * @brief says what a body of tetrahedra, or a region of it, is made of
+ *
+ * Adds cell arrays to the body (see vtkPalpateScene.h): `Law` and the parameters of the laws that
+ * occur in it. Cells outside the region keep the material that they have; a cell that has none yet
+ * gets the Law -1. A parameter that the law of a cell does not use is 0 there.
+ */
+#pragma once
+
+#include <string>
+
+#include "PalpateFiltersModule.h"
+#include "vtkUnstructuredGridAlgorithm.h"
+
+class PALPATEFILTERS_EXPORT vtkPalpateAssignMaterial : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkPalpateAssignMaterial* New();
+  vtkTypeMacro(vtkPalpateAssignMaterial, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Number of a palpate::Law: 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean, 3 Mooney-Rivlin.
+  vtkSetMacro(Law, int);
+  vtkGetMacro(Law, int);
+  ///@}
+  ///@{
+  /// Pa, positive. Laws 0 to 2.
+  vtkSetMacro(YoungsModulus, double);
+  vtkGetMacro(YoungsModulus, double);
+  ///@}
+  ///@{
+  /// Between -1 and 0.5, both excluded. Laws 0 to 2.
+  vtkSetMacro(PoissonsRatio, double);
+  vtkGetMacro(PoissonsRatio, double);
+  ///@}
+  ///@{
+  /// Pa, not negative, not both 0. Law 3.
+  vtkSetMacro(C10, double);
+  vtkGetMacro(C10, double);
+  vtkSetMacro(C01, double);
+  vtkGetMacro(C01, double);
+  ///@}
+  ///@{
+  /// Pa, positive. Law 3.
+  vtkSetMacro(BulkModulus, double);
+  vtkGetMacro(BulkModulus, double);
+  ///@}
+  ///@{
+  /// Cell array that tells the regions apart; "None" or empty: the material is for the whole body.
+  vtkSetStdStringFromCharMacro(RegionArray);
+  vtkGetCharFromStdStringMacro(RegionArray);
+  ///@}
+  ///@{
+  /// Value of RegionArray in the cells that get the material.
+  vtkSetMacro(RegionValue, double);
+  vtkGetMacro(RegionValue, double);
+  ///@}
+
+protected:
+  vtkPalpateAssignMaterial() = default;
+  ~vtkPalpateAssignMaterial() override = default;
+
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateAssignMaterial(const vtkPalpateAssignMaterial&) = delete;
+  void operator=(const vtkPalpateAssignMaterial&) = delete;
+
+  // Soft tissue, liver-like; the Mooney-Rivlin parameters have the same moduli at rest.
+  int Law = 1;
+  double YoungsModulus = 10000;
+  double PoissonsRatio = 0.45;
+  double C10 = 1293.1;
+  double C01 = 431.03;
+  double BulkModulus = 33333;
+  std::string RegionArray = "None";
+  double RegionValue = 0;
+};

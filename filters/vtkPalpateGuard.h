@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The border between exceptions and VTK: an exception that escapes a VTK entry point kills
+// ParaView.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#include "vtkObject.h"
+#include "vtkSetGet.h"
+
+/// Calls `body()` and turns whatever it throws into exactly one error message of `self`.
+/// @returns 0 after an error; else what `body` returns, or 1 if it returns nothing.
+///
+/// In RequestData answer 1 all the same, with empty outputs: after a 0 the executive adds a second
+/// message of its own and runs the filter again at each render.
+template <class Body>
+int vtkPalpateGuard(vtkObject* self, Body&& body) noexcept
+{
+  const auto report = [self](const char* message) noexcept
+  {
+    try
+    {
+      vtkErrorWithObjectMacro(self, << message);
+    }
+    catch (...)
+    {
+      // There is not even the memory for a message.
+    }
+    return 0;
+  };
+  try
+  {
+    if constexpr (std::is_void_v<std::invoke_result_t<Body>>)
+    {
+      std::forward<Body>(body)();
+      return 1;
+    }
+    else
+    {
+      return std::forward<Body>(body)();
+    }
+  }
+  catch (const std::bad_alloc&)
+  {
+    return report("Out of memory. Use a smaller mesh or a coarser setting.");
+  }
+  catch (const std::exception& error)
+  {
+    return report(error.what());
+  }
+  catch (...)
+  {
+    return report("Unknown error.");
+  }
+}

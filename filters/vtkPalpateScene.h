@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A scene as VTK's data: an unstructured grid of VTK_TETRA or of VTK_QUADRATIC_TETRA whose arrays
+// say everything, so that stock filters, readers and writers can make, change and store it.
+//
+//   cell array `Law`                            number of a palpate::Law
+//   cell arrays `YoungsModulus` (Pa), `PoissonsRatio`
+//                                               where a cell is linear, St. Venant–Kirchhoff or
+//                                               neo-Hookean
+//   cell arrays `C10`, `C01`, `BulkModulus`     Pa, where a cell is Mooney–Rivlin
+//   point array `Fixed`                         not 0 where the point is held
+//   point array `Touchable`                     not 0 where the body may be touched; where there is
+//                                               no such array: corners on the surface, not fixed
+//
+// Ids of points and cells are the same in the grid and in the scene.
+#pragma once
+
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "assembly/scene.h"
+#include "vtkSmartPointer.h"
+
+class vtkDoubleArray;
+class vtkUnstructuredGrid;
+
+namespace vtkPalpateArray
+{
+inline constexpr const char* Law = "Law";
+inline constexpr const char* YoungsModulus = "YoungsModulus";
+inline constexpr const char* PoissonsRatio = "PoissonsRatio";
+inline constexpr const char* C10 = "C10";
+inline constexpr const char* C01 = "C01";
+inline constexpr const char* BulkModulus = "BulkModulus";
+inline constexpr const char* Fixed = "Fixed";
+inline constexpr const char* Touchable = "Touchable";
+inline constexpr const char* Displacement = "Displacement";
+}
+
+/// Value of `Law` where a cell has no material yet.
+constexpr int vtkPalpateNoLaw = -1;
+
+/// @throws palpate::InputError no cells, or cells that are not all VTK_TETRA or all
+/// VTK_QUADRATIC_TETRA: it names the first one.
+PALPATEFILTERS_EXPORT palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructuredGrid* grid);
+
+/// Points and cells as they are: palpate::check_and_orient looks at the geometry.
+/// @throws palpate::InputError as vtkPalpateElementOrder.
+PALPATEFILTERS_EXPORT palpate::TetMesh vtkPalpateMeshFromGrid(vtkUnstructuredGrid* grid);
+
+/// The corners on the surface that are not fixed [num_points]. Midside nodes are left out: what is
+/// touched is the surface that is displayed, whose vertices are the corners.
+PALPATEFILTERS_EXPORT std::vector<char> vtkPalpateTouchableSurface(
+  const palpate::TetMesh& mesh, const std::vector<char>& fixed);
+
+/// The scene, checked.
+/// @throws palpate::InputError what is wrong, where, and which filter mends it.
+PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid);
+
+/// The grid with all arrays above.
+PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
+  const palpate::Scene& scene);
+
+/// Adds a point array of 0 and 1.
+PALPATEFILTERS_EXPORT void vtkPalpateAddChoice(
+  vtkUnstructuredGrid* grid, const char* name, const std::vector<char>& chosen);
+
+/// A point array with three components.
+PALPATEFILTERS_EXPORT vtkSmartPointer<vtkDoubleArray> vtkPalpateNodalArray(
+  const char* name, const palpate::NodalVector& values);

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateSetBoundary.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "vtkImplicitFunction.h"
+#include "vtkInformation.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpatePointChoice.h"
+#include "vtkPalpateScene.h"
+#include "vtkPalpateWholeBody.h"
+#include "vtkSelection.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+using palpate::InputError;
+
+constexpr int FixedSelectionPort = 1;
+constexpr int TouchableSelectionPort = 2;
+
+/// How the fixed or the touchable points are chosen.
+struct Choice
+{
+  std::string Name; ///< "Fixed", "Touchable": the names of the properties start with it
+  int By;
+  vtkImplicitFunction* Region;
+  const std::string& Array;
+  vtkSelection* Selection;
+};
+
+std::vector<char> ChosenPoints(vtkUnstructuredGrid* body, const Choice& choice)
+{
+  switch (choice.By)
+  {
+    case vtkPalpateSetBoundary::REGION:
+      if (!choice.Region)
+      {
+        throw InputError(choice.Name + "By is Region, but " + choice.Name +
+          "Region is not set. Set it to a box, sphere, plane or cylinder.");
+      }
+      return vtkPalpatePointsOfRegion(body, choice.Region);
+    case vtkPalpateSetBoundary::ARRAY:
+      return vtkPalpatePointsOfArray(body, choice.Array, choice.Name + "Array");
+    case vtkPalpateSetBoundary::SELECTION:
+      if (!choice.Selection)
+      {
+        throw InputError(choice.Name + "By is Selection, but " + choice.Name +
+          "Selection is not set. Select points or cells of the body and press Copy Active "
+          "Selection.");
+      }
+      return vtkPalpatePointsOfSelection(body, choice.Selection);
+    default:
+      throw InputError(choice.Name + "By is " + std::to_string(choice.By) +
+        "; it must be 0 (Region), 1 (Array) or 2 (Selection).");
+  }
+}
+
+bool Any(const std::vector<char>& chosen)
+{
+  return std::find(chosen.begin(), chosen.end(), 1) != chosen.end();
+}
+}
+
+vtkStandardNewMacro(vtkPalpateSetBoundary);
+
+vtkPalpateSetBoundary::vtkPalpateSetBoundary()
+{
+  this->SetNumberOfInputPorts(3);
+}
+
+vtkPalpateSetBoundary::~vtkPalpateSetBoundary() = default;
+
+void vtkPalpateSetBoundary::SetFixedRegion(vtkImplicitFunction* region)
+{
+  if (this->FixedRegion != region)
+  {
+    this->FixedRegion = region;
+    this->Modified();
+  }
+}
+
+void vtkPalpateSetBoundary::SetTouchableRegion(vtkImplicitFunction* region)
+{
+  if (this->TouchableRegion != region)
+  {
+    this->TouchableRegion = region;
+    this->Modified();
+  }
+}
+
+void vtkPalpateSetBoundary::SetFixedSelectionConnection(vtkAlgorithmOutput* selection)
+{
+  this->SetInputConnection(FixedSelectionPort, selection);
+}
+
+void vtkPalpateSetBoundary::SetTouchableSelectionConnection(vtkAlgorithmOutput* selection)
+{
+  this->SetInputConnection(TouchableSelectionPort, selection);
+}
+
+vtkMTimeType vtkPalpateSetBoundary::GetMTime()
+{
+  vtkMTimeType time = this->Superclass::GetMTime();
+  for (vtkImplicitFunction* region : { this->FixedRegion.Get(), this->TouchableRegion.Get() })
+  {
+    time = region ? std::max(time, region->GetMTime()) : time;
+  }
+  return time;
+}
+
+int vtkPalpateSetBoundary::FillInputPortInformation(int port, vtkInformation* info)
+{
+  if (port == FixedSelectionPort || port == TouchableSelectionPort)
+  {
+    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkSelection");
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+    return 1;
+  }
+  return this->Superclass::FillInputPortInformation(port, info);
+}
+
+int vtkPalpateSetBoundary::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkUnstructuredGrid::GetData(outputVector);
+  return vtkPalpateProduce(this, output,
+    [&]
+    {
+      const auto body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]),
+        vtkMultiProcessController::GetGlobalController());
+      if (!body || vtkPalpatePassFailure(body, output))
+      {
+        return;
+      }
+      palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
+      palpate::check_and_orient(mesh);
+      const std::vector<char> used = palpate::points_in_use(mesh);
+
+      std::vector<char> fixed = ChosenPoints(body,
+        { "Fixed", this->FixedBy, this->FixedRegion, this->FixedArray,
+          vtkSelection::GetData(inputVector[FixedSelectionPort]) });
+      std::transform(fixed.begin(), fixed.end(), used.begin(), fixed.begin(),
+        [](char chosen, char inUse) { return static_cast<char>(chosen != 0 && inUse != 0); });
+      if (!Any(fixed))
+      {
+        throw InputError("No point of the body is fixed: it would float away. FixedBy is " +
+          std::string(this->FixedBy == REGION
+              ? "Region: move or enlarge FixedRegion so that it holds some points."
+              : this->FixedBy == ARRAY ? "Array: the array has to be 1 at some points."
+                                       : "Selection: select some points or cells of the body."));
+      }
+      if (fixed == used)
+      {
+        throw InputError("Every point of the body is fixed: nothing can move. Fix fewer points.");
+      }
+
+      std::vector<char> touchable = vtkPalpateTouchableSurface(mesh, fixed);
+      if (this->TouchableBy != SURFACE)
+      {
+        const std::vector<char> chosen = ChosenPoints(body,
+          { "Touchable", this->TouchableBy, this->TouchableRegion, this->TouchableArray,
+            vtkSelection::GetData(inputVector[TouchableSelectionPort]) });
+        std::transform(touchable.begin(), touchable.end(), chosen.begin(), touchable.begin(),
+          [](char surface, char here) { return static_cast<char>(surface != 0 && here != 0); });
+      }
+      if (!Any(touchable))
+      {
+        vtkWarningMacro("No point of the body may be touched: none of the chosen ones is a corner "
+                        "on its surface that is not fixed.");
+      }
+
+      output->ShallowCopy(body);
+      vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, fixed);
+      vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, touchable);
+    });
+}
+
+void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FixedBy: " << this->FixedBy << '\n'
+     << indent << "TouchableBy: " << this->TouchableBy << '\n'
+     << indent << "FixedArray: " << this->FixedArray << '\n'
+     << indent << "TouchableArray: " << this->TouchableArray << '\n';
+}

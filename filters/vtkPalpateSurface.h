@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A triangulated surface as plain arrays, and the steps that bring any vtkPolyData into that form.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "vtkPalpateExactPredicates.h"
+#include "vtkSmartPointer.h"
+#include "vtkType.h"
+
+class vtkPolyData;
+
+struct vtkPalpateSurface
+{
+  std::vector<vtkPalpatePoint> Points;             ///< coordinates, m
+  std::vector<std::array<vtkIdType, 3>> Triangles; ///< indices into Points
+
+  /// A side of a triangle, Low < High; Forward where the triangle runs through it from Low to High.
+  struct Side
+  {
+    vtkIdType Low, High, Triangle;
+    bool Forward;
+    bool SameEdge(const Side& other) const { return Low == other.Low && High == other.High; }
+  };
+};
+
+/// Points closer to each other than this fraction of the diagonal of the surface's bounding box are
+/// one: larger than the rounding of a coordinate in single precision, smaller than any feature.
+constexpr double vtkPalpateMergeTolerance = 1e-7;
+/// A triangle whose least height is below this fraction of the same diagonal has no area.
+constexpr double vtkPalpateHeightTolerance = 1e-9;
+
+/// Not normalised: its length is twice the area, m².
+PALPATEFILTERS_EXPORT vtkPalpatePoint vtkPalpateNormal(
+  const vtkPalpatePoint& a, const vtkPalpatePoint& b, const vtkPalpatePoint& c);
+
+/// Volume within a closed surface, m³; negative where its normals point inwards.
+PALPATEFILTERS_EXPORT double vtkPalpateVolume(const vtkPalpateSurface& surface);
+/// Sum of the triangles' areas, m².
+PALPATEFILTERS_EXPORT double vtkPalpateArea(const vtkPalpateSurface& surface);
+/// {xmin, xmax, ymin, ymax, zmin, zmax} of the points that triangles use, m.
+PALPATEFILTERS_EXPORT std::array<double, 6> vtkPalpateBounds(const vtkPalpateSurface& surface);
+/// Diagonal of the bounding box, m.
+PALPATEFILTERS_EXPORT double vtkPalpateDiagonal(const vtkPalpateSurface& surface);
+
+/// All sides, sorted so that those of one edge follow each other.
+PALPATEFILTERS_EXPORT std::vector<vtkPalpateSurface::Side> vtkPalpateSides(
+  const vtkPalpateSurface& surface);
+
+/// The triangles without an area, ascending.
+PALPATEFILTERS_EXPORT std::vector<vtkIdType> vtkPalpateFlatTriangles(
+  const vtkPalpateSurface& surface);
+
+/// The given triangles alone, with the points that they use.
+PALPATEFILTERS_EXPORT vtkPalpateSurface vtkPalpateSubset(
+  const vtkPalpateSurface& surface, const std::vector<vtkIdType>& triangles);
+/// Both, without merging points.
+PALPATEFILTERS_EXPORT void vtkPalpateAppend(
+  vtkPalpateSurface& surface, const vtkPalpateSurface& other);
+
+/// Triangles of all polygons and strips (vertices and lines are left aside), equal points merged,
+/// points that nothing uses and triangles without an area removed.
+/// @throws palpate::InputError where there is no triangle or a coordinate is not finite.
+PALPATEFILTERS_EXPORT vtkPalpateSurface vtkPalpateSurfaceFromPolyData(vtkPolyData* input);
+PALPATEFILTERS_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateSurfaceToPolyData(
+  const vtkPalpateSurface& surface);

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What keeps a surface from being the boundary of a body: counted and located.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "vtkPalpateSurface.h"
+
+struct vtkPalpateSurfaceFaults
+{
+  /// Values of the cell array `Fault` in the faults' data set.
+  enum Kind
+  {
+    OpenEdge,
+    NonManifoldEdge,
+    InconsistentEdge,
+    FlatTriangle,
+    IntersectingTriangle,
+    NumberOfKinds
+  };
+
+  using Pair = std::array<vtkIdType, 2>;
+  std::vector<Pair> OpenEdges;          ///< of one triangle alone: ids of the end points
+  std::vector<Pair> NonManifoldEdges;   ///< of three triangles or more
+  std::vector<Pair> InconsistentEdges;  ///< of two triangles whose normals point to opposite sides
+  std::vector<vtkIdType> FlatTriangles; ///< without an area: ids of the triangles
+  std::vector<Pair> IntersectingPairs;  ///< ids of the triangles, each pair once
+
+  bool None() const
+  {
+    return OpenEdges.empty() && NonManifoldEdges.empty() && InconsistentEdges.empty() &&
+      FlatTriangles.empty() && IntersectingPairs.empty();
+  }
+};
+
+PALPATEFILTERS_EXPORT vtkPalpateSurfaceFaults vtkPalpateCheckSurface(
+  const vtkPalpateSurface& surface);
+
+/// "2 open edges, near (…), (…); 3 pairs of triangles that cross each other, near (…)": how many of
+/// each kind, and where the first ones are, m. Empty without faults.
+PALPATEFILTERS_EXPORT std::string vtkPalpateDescribeFaults(
+  const vtkPalpateSurface& surface, const vtkPalpateSurfaceFaults& faults);
+
+/// The faults to look at: a line an edge, a triangle a triangle; the cell array `Fault` holds the
+/// kind, the field arrays `FaultName` and `FaultCount` say for each kind what it is and how many
+/// there are (of triangles that cross each other: the pairs).
+PALPATEFILTERS_EXPORT void vtkPalpateFaultsToPolyData(
+  const vtkPalpateSurface& surface, const vtkPalpateSurfaceFaults& faults, vtkPolyData* output);

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes a closed, consistently oriented surface without self-intersections of one that is not.
+// First what leaves every good triangle in place: triangles that lie on each other are removed,
+// normals made to agree, holes filled. Parts of the surface where that is not enough are sampled
+// anew (vtkPalpateSurfaceResample.h); the others stay as they are.
+#pragma once
+
+#include <string>
+
+#include "PalpateFiltersModule.h"
+#include "vtkPalpateSurface.h"
+#include "vtkPalpateSurfaceResample.h"
+
+struct vtkPalpateRepairOptions
+{
+  int Resolution = 80;         ///< grid points along the longest side of what is sampled anew
+  bool ResampleAll = false;    ///< go straight to sampling the whole surface anew
+  vtkPalpateProgress Progress; ///< may be empty
+};
+
+struct vtkPalpateRepairedSurface
+{
+  vtkPalpateSurface Surface;
+  std::string Report;     ///< what was done, for a person
+  bool Resampled = false; ///< whether all or a part was sampled anew
+};
+
+/// @throws palpate::InputError where no closed surface can be made.
+PALPATEFILTERS_EXPORT vtkPalpateRepairedSurface vtkPalpateRepairSurface(
+  const vtkPalpateSurface& surface, const vtkPalpateRepairOptions& options);

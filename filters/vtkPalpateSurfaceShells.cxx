@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateSurfaceShells.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "vtkMath.h"
+
+namespace
+{
+/// How often the surface winds around x (van Oosterom and Strackee, The Solid Angle of a Plane
+/// Triangle, 1983); 1 inside a closed surface with outward normals, 0 outside.
+double WindingNumber(const vtkPalpateSurface& surface, const vtkPalpatePoint& x)
+{
+  double angle = 0;
+  for (const auto& triangle : surface.Triangles)
+  {
+    double r[3][3], length[3];
+    for (int i = 0; i < 3; ++i)
+    {
+      for (int j = 0; j < 3; ++j)
+      {
+        r[i][j] = surface.Points[triangle[i]][j] - x[j];
+      }
+      length[i] = vtkMath::Norm(r[i]);
+    }
+    double cross[3];
+    vtkMath::Cross(r[1], r[2], cross);
+    const double numerator = vtkMath::Dot(r[0], cross);
+    const double denominator = length[0] * length[1] * length[2] +
+      vtkMath::Dot(r[0], r[1]) * length[2] + vtkMath::Dot(r[1], r[2]) * length[0] +
+      vtkMath::Dot(r[2], r[0]) * length[1];
+    angle += 2 * std::atan2(numerator, denominator);
+  }
+  return angle / (4 * vtkMath::Pi());
+}
+
+bool Inside(const std::array<double, 6>& bounds, const vtkPalpatePoint& x)
+{
+  return x[0] >= bounds[0] && x[0] <= bounds[1] && x[1] >= bounds[2] && x[1] <= bounds[3] &&
+    x[2] >= bounds[4] && x[2] <= bounds[5];
+}
+
+vtkPalpatePoint FirstCentre(const vtkPalpateSurface& surface)
+{
+  const auto& t = surface.Triangles[0];
+  vtkPalpatePoint centre;
+  for (int i = 0; i < 3; ++i)
+  {
+    centre[i] = (surface.Points[t[0]][i] + surface.Points[t[1]][i] + surface.Points[t[2]][i]) / 3;
+  }
+  return centre;
+}
+}
+
+std::vector<int> vtkPalpateConnectedParts(const vtkPalpateSurface& surface, int& count)
+{
+  // Union-find; a root is the least triangle of its part.
+  std::vector<vtkIdType> parent(surface.Triangles.size());
+  std::iota(parent.begin(), parent.end(), vtkIdType{ 0 });
+  const auto root = [&parent](vtkIdType i)
+  {
+    while (parent[i] != i)
+    {
+      i = parent[i] = parent[parent[i]];
+    }
+    return i;
+  };
+  const auto sides = vtkPalpateSides(surface);
+  for (std::size_t i = 1; i < sides.size(); ++i)
+  {
+    if (sides[i].SameEdge(sides[i - 1]))
+    {
+      const vtkIdType a = root(sides[i - 1].Triangle);
+      const vtkIdType b = root(sides[i].Triangle);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  std::vector<int> part(surface.Triangles.size());
+  count = 0;
+  for (std::size_t i = 0; i < part.size(); ++i)
+  {
+    const vtkIdType r = root(static_cast<vtkIdType>(i));
+    part[i] = r == static_cast<vtkIdType>(i) ? count++ : part[r];
+  }
+  return part;
+}
+
+vtkIdType vtkPalpateMakeConsistent(vtkPalpateSurface& surface)
+{
+  // Over edges of two triangles: there, and there alone, one side says what the other has to be.
+  struct Link
+  {
+    vtkIdType Triangle;
+    bool Agrees;
+  };
+  std::vector<std::vector<Link>> links(surface.Triangles.size());
+  const auto sides = vtkPalpateSides(surface);
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i)
+  {
+    const bool starts = i == 0 || !sides[i].SameEdge(sides[i - 1]);
+    const bool ends = i + 2 == sides.size() || !sides[i].SameEdge(sides[i + 2]);
+    if (starts && ends && sides[i].SameEdge(sides[i + 1]))
+    {
+      const bool agrees = sides[i].Forward != sides[i + 1].Forward;
+      links[sides[i].Triangle].push_back({ sides[i + 1].Triangle, agrees });
+      links[sides[i + 1].Triangle].push_back({ sides[i].Triangle, agrees });
+    }
+  }
+
+  vtkIdType turned = 0;
+  std::vector<char> seen(surface.Triangles.size(), 0), turn(surface.Triangles.size(), 0);
+  std::vector<vtkIdType> part;
+  for (std::size_t start = 0; start < surface.Triangles.size(); ++start)
+  {
+    if (seen[start])
+    {
+      continue;
+    }
+    seen[start] = 1;
+    part.assign(1, static_cast<vtkIdType>(start));
+    std::size_t to_turn = 0;
+    for (std::size_t i = 0; i < part.size(); ++i)
+    {
+      to_turn += turn[part[i]];
+      for (const Link& link : links[part[i]])
+      {
+        if (!seen[link.Triangle])
+        {
+          seen[link.Triangle] = 1;
+          turn[link.Triangle] = turn[part[i]] != !link.Agrees;
+          part.push_back(link.Triangle);
+        }
+      }
+    }
+    const bool minority = 2 * to_turn > part.size();
+    for (const vtkIdType id : part)
+    {
+      if (static_cast<bool>(turn[id]) != minority)
+      {
+        std::swap(surface.Triangles[id][1], surface.Triangles[id][2]);
+        ++turned;
+      }
+    }
+  }
+  return turned;
+}
+
+vtkPalpateShells vtkPalpateFindShells(const vtkPalpateSurface& surface)
+{
+  vtkPalpateShells shells;
+  int count = 0;
+  shells.OfTriangle = vtkPalpateConnectedParts(surface, count);
+
+  std::vector<std::vector<vtkIdType>> triangles(count);
+  for (std::size_t i = 0; i < surface.Triangles.size(); ++i)
+  {
+    triangles[shells.OfTriangle[i]].push_back(static_cast<vtkIdType>(i));
+  }
+  std::vector<vtkPalpateSurface> parts(count);
+  std::vector<std::array<double, 6>> bounds(count);
+  for (int i = 0; i < count; ++i)
+  {
+    parts[i] = vtkPalpateSubset(surface, triangles[i]);
+    bounds[i] = vtkPalpateBounds(parts[i]);
+    shells.Volume.push_back(vtkPalpateVolume(parts[i]));
+  }
+
+  // From the outside inwards: what is around a part is larger than it.
+  std::vector<int> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+    [&shells](int a, int b) { return std::abs(shells.Volume[a]) > std::abs(shells.Volume[b]); });
+  shells.IsCavity.assign(count, 0);
+  for (int i = 0; i < count; ++i)
+  {
+    const int inner = order[i];
+    const auto probe = FirstCentre(parts[inner]);
+    for (int j = i - 1; j >= 0; --j)
+    {
+      const int outer = order[j];
+      // Any level between 0 (outside) and ±1 (inside).
+      if (Inside(bounds[outer], probe) && std::abs(WindingNumber(parts[outer], probe)) > 0.5)
+      {
+        const bool same_sense = (shells.Volume[inner] > 0) == (shells.Volume[outer] > 0);
+        shells.IsCavity[inner] = !shells.IsCavity[outer] && !same_sense;
+        break;
+      }
+    }
+  }
+  return shells;
+}

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tests of state spaces share: a small scene, its space, and the space as numbers."""
+
+import numpy
+from paraview import servermanager
+from paraview.simple import AssignMaterial, PrecomputeStateSpace, SetBoundary
+from support import box_body, places, source
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+BLOCKS = ("Body", "Surface", "Configurations")
+# Figures of a run: no two are alike.
+TIMES = {"Seconds"}
+
+
+def scene(name="body", law="Neo-Hookean", quadratic=True):
+    """A box held at x = 0."""
+    body = source(box_body(quadratic=quadratic), name)
+    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law=law), FixedRegion="Plane")
+    boundary.FixedRegion.Origin = [0, 0, 0]
+    boundary.FixedRegion.Normal = [1, 0, 0]
+    return boundary
+
+
+def node_at(boundary, place):
+    boundary.UpdatePipeline()
+    distance = numpy.linalg.norm(places(servermanager.Fetch(boundary)) - place, axis=1)
+    assert distance.min() < 1e-9
+    return int(distance.argmin())
+
+
+def precompute(boundary, nodes, **settings):
+    settings = {"HalfWidth": 0.02, "Resolution": 5, **settings}
+    return PrecomputeStateSpace(Input=boundary, ActiveNodes=nodes, **settings)
+
+
+def fetch_space(proxy):
+    """The blocks by name, as they are on rank 0."""
+    proxy.UpdatePipeline()
+    collection = servermanager.Fetch(proxy, 0)
+    assert collection.IsA("vtkPartitionedDataSetCollection"), collection.GetClassName()
+    assert collection.GetNumberOfPartitionedDataSets() == len(BLOCKS)
+    for i, name in enumerate(BLOCKS):
+        assert collection.GetMetaData(i).Get(collection.NAME()) == name
+    return {name: collection.GetPartition(i, 0) for i, name in enumerate(BLOCKS)}
+
+
+def arrays_of(attributes):
+    arrays = [attributes.GetArray(i) for i in range(attributes.GetNumberOfArrays())]
+    return {array.GetName(): vtk_to_numpy(array) for array in arrays if array}
+
+
+def expect_same_space(a, b, tolerance=0):
+    """Every array of every block is equal, times of runs apart."""
+    for name in BLOCKS:
+        assert a[name].GetClassName() == b[name].GetClassName()
+        assert (places(a[name]) == places(b[name])).all()
+        assert a[name].GetNumberOfCells() == b[name].GetNumberOfCells()
+        for kind in ("GetPointData", "GetCellData"):
+            ours, theirs = (arrays_of(getattr(block[name], kind)()) for block in (a, b))
+            assert ours.keys() == theirs.keys(), (ours.keys(), theirs.keys())
+            for array in ours.keys() - TIMES:
+                assert numpy.allclose(ours[array], theirs[array], rtol=tolerance, atol=0), array
+    hashes = [block["Configurations"].GetFieldData().GetAbstractArray("SceneHash").GetValue(0)
+              for block in (a, b)]
+    assert hashes[0] == hashes[1]

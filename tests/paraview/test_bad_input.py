@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bad input gives one clear error, wherever it enters the road, and ParaView lives on."""
+
+import math
+
+import numpy
+from paraview.simple import (AssignMaterial, Calculator, IDSelectionSource, SetBoundary,
+                             SolveEquilibrium)
+from support import box_body, expect_error, expect_silence, fetch, field, grid_of, places, source
+from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import VTK_HEXAHEDRON, VTK_QUADRATIC_TETRA, VTK_TETRA
+
+LAWS_WITH_MODULUS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean")
+FAR_CORNER = (0.2, 0.1, 0.1)
+CUBE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+
+
+def node_at(grid, place):
+    return int(numpy.argmin(numpy.linalg.norm(places(grid) - place, axis=1)))
+
+
+def road(body, node, material=None, boundary=None, equilibrium=None):
+    """All three filters, fixed at x = 0."""
+    assigned = AssignMaterial(Input=body, **(material or {}))
+    held = SetBoundary(Input=assigned, FixedRegion="Plane")
+    held.FixedRegion.Origin = [0, 0, 0]
+    held.FixedRegion.Normal = [1, 0, 0]
+    for name, value in (boundary or {}).items():
+        setattr(held, name, value)
+    settings = {"ActiveNode": [node], "Displacement": [0.005, 0, 0], **(equilibrium or {})}
+    return SolveEquilibrium(Input=held, **settings)
+
+
+class BadInput:
+    """A good body, and the roads that lead from it or from a spoilt one to an error."""
+
+    def __init__(self):
+        self.grid = box_body(quadratic=False)
+        self.body = source(self.grid, "good")
+        self.node = node_at(self.grid, FAR_CORNER)
+
+    def fails(self, *words, **settings):
+        """The road with these settings ends with one error that has the words."""
+        last = road(settings.pop("body", self.body), settings.pop("node", self.node), **settings)
+        expect_error(lambda: fetch(last), *words)
+        assert fetch(last).GetNumberOfCells() == 0
+        self.good_run()
+
+    def good_run(self):
+        grid = expect_silence(lambda: fetch(road(self.body, self.node)))
+        assert field(grid, "Outcome")[0] == 0
+
+
+def spoilt(change):
+    """A copy of the good body, changed, as a source."""
+    grid = box_body(quadratic=False)
+    change(grid)
+    return source(grid, change.__name__)
+
+
+def test_no_cells(bad):
+    bad.fails("no cells", body=source(grid_of(CUBE, [], VTK_TETRA), "empty"))
+
+
+def test_other_cells(bad):
+    bad.fails("Cell 0", "vtkHexahedron",
+              body=source(grid_of(CUBE, [range(8)], VTK_HEXAHEDRON), "hexahedron"))
+
+    mixed = box_body((1, 1, 1))
+    corners = mixed.GetCell(0).GetPointIds()
+    mixed.InsertNextCell(VTK_TETRA, 4, [corners.GetId(i) for i in range(4)])
+    assert mixed.GetCellType(0) == VTK_QUADRATIC_TETRA
+    bad.fails("mixed", "Cell 6", "vtkTetra", body=source(mixed, "mixed"))
+
+
+def test_coordinate_not_finite(bad):
+    def not_a_number(grid):
+        grid.GetPoints().SetPoint(7, 0.1, math.nan, 0)
+
+    def infinite(grid):
+        grid.GetPoints().SetPoint(7, 0.1, math.inf, 0)
+
+    for change in (not_a_number, infinite):
+        bad.fails("Point 7", "not finite", body=spoilt(change))
+
+
+def test_cell_without_volume(bad):
+    def flat_cell(grid):
+        ids = grid.GetCell(3).GetPointIds()
+        grid.InsertNextCell(VTK_TETRA, 4, [ids.GetId(i) for i in (0, 1, 2, 2)])
+
+    last = box_body(quadratic=False).GetNumberOfCells()
+    bad.fails("no volume", f"cell {last}", body=spoilt(flat_cell))
+
+
+def test_left_handed_cells(bad):
+    """No error: such cells are turned round."""
+    grid = box_body(quadratic=False)
+    mirrored = grid_of(places(grid) * [1, 1, -1],
+                       [[grid.GetCell(c).GetPointId(i) for i in range(4)]
+                        for c in range(grid.GetNumberOfCells())], VTK_TETRA)
+    node = node_at(mirrored, (0.2, 0.1, -0.1))
+    result = expect_silence(lambda: fetch(road(source(mirrored, "mirrored"), node)))
+    straight = fetch(road(bad.body, bad.node))
+    assert numpy.allclose(field(result, "ReactionForce") * [1, 1, -1],
+                          field(straight, "ReactionForce"), rtol=1e-9, atol=1e-12)
+
+
+def test_material_out_of_range(bad):
+    for law in LAWS_WITH_MODULUS:
+        for value in (0.5, 0.7, -1, -2, math.nan):
+            bad.fails("Poisson's ratio", f"{value:g}",
+                      material={"Law": law, "PoissonsRatio": value})
+        for value in (-5, 0):
+            bad.fails("Young's modulus", f"{value:g}",
+                      material={"Law": law, "YoungsModulus": value})
+    mooney_rivlin = {"Law": "Mooney-Rivlin"}
+    bad.fails("C10", "-3", material={**mooney_rivlin, "C10": -3})
+    bad.fails("C01", "-4", material={**mooney_rivlin, "C01": -4})
+    bad.fails("C10 + C01", material={**mooney_rivlin, "C10": 0, "C01": 0})
+    bad.fails("bulk modulus", "-7", material={**mooney_rivlin, "BulkModulus": -7})
+
+
+def test_material_of_a_calculator(bad):
+    """Arrays may come from anywhere: the first cell that is wrong is named."""
+    material = AssignMaterial(Input=bad.body)
+    for array, value, words in (
+            ("YoungsModulus", "-1", ("cell 0", "Young's modulus")),
+            ("PoissonsRatio", "0.5", ("cell 0", "Poisson's ratio")),
+            ("Law", "7", ("Cell 0", "Law 7")),
+            ("Law", "3", ("cell 0", "C10", "Assign Material"))):
+        changed = Calculator(Input=material, AttributeType="Cell Data", ResultArrayName=array,
+                             Function=value)
+        boundary = SetBoundary(Input=changed, FixedRegion="Plane")
+        boundary.FixedRegion.Origin = [0, 0, 0]
+        expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNode=[bad.node])),
+                     *words)
+    bad.good_run()
+
+
+def test_missing_arrays(bad):
+    boundary = SetBoundary(Input=bad.body, FixedRegion="Plane")
+    boundary.FixedRegion.Origin = [0, 0, 0]
+    expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNode=[bad.node])),
+                 "no material", "Assign Material")
+    material = AssignMaterial(Input=bad.body)
+    expect_error(lambda: fetch(SolveEquilibrium(Input=material, ActiveNode=[bad.node])),
+                 "fixed", "Set Boundary")
+    bad.good_run()
+
+
+def test_region_of_material(bad):
+    bad.fails("RegionArray", "Nowhere", material={"RegionArray": "Nowhere"})
+
+    def with_part(grid):
+        part = vtkUnsignedCharArray()
+        part.SetName("Part")
+        for cell in range(grid.GetNumberOfCells()):
+            part.InsertNextValue(2 + cell % 2)
+        grid.GetCellData().AddArray(part)
+
+    body = spoilt(with_part)
+    bad.fails("RegionValue is 5", "2", "3", body=body,
+              material={"RegionArray": "Part", "RegionValue": 5})
+    bad.fails("Cell 1", "no material", body=body,
+              material={"RegionArray": "Part", "RegionValue": 2})
+
+
+def test_no_fixed_point(bad):
+    far = SetBoundary(Input=bad.body, FixedRegion="Sphere")
+    far.FixedRegion.Center = [9, 9, 9]
+    far.FixedRegion.Radius = 0.1
+    expect_error(lambda: fetch(far), "No point", "fixed", "FixedRegion")
+    far.FixedRegion.Center = [0, 0, 0]
+    far.FixedRegion.Radius = 10
+    expect_error(lambda: fetch(far), "Every point", "fixed")
+
+    nothing = IDSelectionSource(FieldType="POINT", IDs=[])
+    bad.fails("No point", "Selection", boundary={"FixedBy": "Selection",
+                                                 "FixedSelection": nothing})
+    bad.fails("FixedSelection", boundary={"FixedBy": "Selection"})
+    bad.fails("FixedArray", "None", boundary={"FixedBy": "Array"})
+    bad.fails("TouchableArray", "Nowhere", boundary={"TouchableBy": "Array",
+                                                     "TouchableArray": "Nowhere"})
+
+    def fixed_nowhere(grid):
+        for name, components in (("Zero", 1), ("Vector", 3)):
+            array = vtkDoubleArray()
+            array.SetName(name)
+            array.SetNumberOfComponents(components)
+            array.SetNumberOfTuples(grid.GetNumberOfPoints())
+            array.Fill(0)
+            grid.GetPointData().AddArray(array)
+
+    body = spoilt(fixed_nowhere)
+    bad.fails("No point", "Array", body=body, boundary={"FixedBy": "Array", "FixedArray": "Zero"})
+    bad.fails("FixedArray", "Vector", body=body,
+              boundary={"FixedBy": "Array", "FixedArray": "Vector"})
+
+
+def test_fixed_by_an_array_of_the_file(bad):
+    """An array Fixed that is 0 throughout, without SetBoundary."""
+    def fixed_zero(grid):
+        fixed = vtkUnsignedCharArray()
+        fixed.SetName("Fixed")
+        fixed.SetNumberOfTuples(grid.GetNumberOfPoints())
+        fixed.Fill(0)
+        grid.GetPointData().AddArray(fixed)
+
+    material = AssignMaterial(Input=spoilt(fixed_zero))
+    expect_error(lambda: fetch(SolveEquilibrium(Input=material, ActiveNode=[bad.node])),
+                 "No point", "fixed", "Set Boundary")
+    bad.good_run()
+
+
+def test_active_node(bad):
+    interior = node_at(bad.grid, (0.1, 0.05, 0.05))
+    bad.fails("inside", f"node {interior}", node=interior)
+    fixed = node_at(bad.grid, (0, 0, 0))
+    bad.fails("fixed", f"node {fixed}", node=fixed)
+    beyond = bad.grid.GetNumberOfPoints()
+    for node in (beyond, -1):
+        bad.fails("does not exist", f"node {node}", node=node)
+    bad.fails("twice", equilibrium={"ActiveNode": [bad.node] * 2, "Displacement": [0.01, 0, 0] * 2})
+    bad.fails("No active node", equilibrium={"ActiveNode": []})
+
+    def with_loose_point(grid):
+        grid.GetPoints().InsertNextPoint(1, 1, 1)
+
+    bad.fails("no cell", f"node {beyond}", body=spoilt(with_loose_point), node=beyond)
+
+
+def test_displacement_and_options(bad):
+    bad.fails("displacement", "6", equilibrium={"Displacement": [0.01, 0, 0] * 2})
+    bad.fails("displacement", "finite", equilibrium={"Displacement": [math.nan, 0, 0]})
+    bad.fails("tolerance", equilibrium={"Tolerance": 0})
+    bad.fails("max_iterations", equilibrium={"MaximumIterations": 0})
+    bad.fails("max_seconds", equilibrium={"MaximumSeconds": -1})
+    bad.fails("linear solver", "Abacus", equilibrium={"LinearSolver": "Abacus"})
+
+
+if __name__ == "__main__":
+    bad = BadInput()
+    bad.good_run()
+    for name, test in list(globals().items()):
+        if name.startswith("test_"):
+            test(bad)
+            print(name, "passed", flush=True)

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""SolveEquilibrium on a small body of the test's own."""
+
+import numpy
+from paraview.simple import AssignMaterial, SetBoundary, SolveEquilibrium
+from support import (Messages, box_body, expect_silence, fetch, field, message, places,
+                     point_array, source)
+
+CONVERGED, NOT_CONVERGED, _, BUDGET_USED_UP, ABORTED = range(5)
+
+
+def scene(name, law, quadratic=True):
+    """A box held at x = 0."""
+    body = source(box_body(quadratic=quadratic), name)
+    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law=law), FixedRegion="Plane")
+    boundary.FixedRegion.Origin = [0, 0, 0]
+    boundary.FixedRegion.Normal = [1, 0, 0]
+    return boundary
+
+
+def node_at(boundary, place):
+    distance = numpy.linalg.norm(places(fetch(boundary)) - place, axis=1)
+    assert distance.min() < 1e-9
+    return int(distance.argmin())
+
+
+def solve(boundary, nodes, displacements, **settings):
+    equilibrium = SolveEquilibrium(Input=boundary, ActiveNode=nodes,
+                                   Displacement=list(numpy.ravel(displacements)), **settings)
+    return expect_silence(lambda: fetch(equilibrium))
+
+
+def test_output():
+    boundary = scene("output", "Neo-Hookean")
+    node = node_at(boundary, [0.2, 0.1, 0.1])
+    before = fetch(boundary)
+    after = solve(boundary, [node], [0.01, 0.005, 0])
+    assert after.GetNumberOfCells() == before.GetNumberOfCells()
+    assert (places(after) == places(before)).all()
+    displacement = point_array(after, "Displacement")
+    assert (displacement[node] == [0.01, 0.005, 0]).all()
+    assert (displacement[point_array(after, "Fixed") == 1] == 0).all()
+    assert numpy.linalg.norm(displacement, axis=1).max() < 0.02
+    assert field(after, "ReactionForce").shape == (1, 3)
+    assert field(after, "HapticStiffness").shape == (1, 9)
+    assert field(after, "Outcome")[0] == CONVERGED
+    assert field(after, "Flags")[0] == 0
+    assert message(after) == ""
+    assert field(after, "Iterations")[0] > 0
+    assert 0 <= field(after, "Residual")[0] <= 1e-10
+    assert 0.3 < field(after, "MinimumDetF")[0] < 1
+    assert field(after, "NegativePivots")[0] == 0
+
+
+def test_linear_body():
+    """Force and energy are the linear and the quadratic form of the stiffness."""
+    for quadratic in (False, True):
+        boundary = scene(f"linear-{quadratic}", "Linear", quadratic)
+        nodes = [node_at(boundary, [0.2, 0.1, 0.1]), node_at(boundary, [0.1, 0, 0.1])]
+        t = numpy.array([0.01, 0.005, 0, -0.003, 0, 0.002])
+        grid = solve(boundary, nodes, t)
+        stiffness = field(grid, "HapticStiffness").reshape(6, 6)
+        force = field(grid, "ReactionForce").ravel()
+        assert field(grid, "ReactionForce").shape == (2, 3)
+        # Both come from the same factor: only rounding is between them.
+        assert numpy.allclose(stiffness, stiffness.T, rtol=1e-12, atol=0)
+        assert numpy.allclose(force, stiffness @ t, rtol=1e-8)
+        assert numpy.isclose(field(grid, "Energy")[0], t @ stiffness @ t / 2, rtol=1e-8)
+
+
+def test_derivatives():
+    """h is the gradient of the energy and k that of h, by central differences."""
+    boundary = scene("derivatives", "Mooney-Rivlin")
+    nodes = [node_at(boundary, [0.2, 0.1, 0.1]), node_at(boundary, [0.1, 0.1, 0])]
+    t = numpy.array([0.01, 0.005, 0, 0.002, 0.001, 0.001])
+    grid = solve(boundary, nodes, t)
+    force = field(grid, "ReactionForce").ravel()
+    stiffness = field(grid, "HapticStiffness").reshape(6, 6)
+    # Truncation is of the order of (step / 0.1 m)^2, rounding of 1e-10 * 0.01 m / step.
+    step = 1e-5
+    for axis in range(6):
+        forward, backward = (solve(boundary, nodes, t + sign * step * numpy.eye(6)[axis])
+                             for sign in (1, -1))
+        slope = (field(forward, "Energy")[0] - field(backward, "Energy")[0]) / (2 * step)
+        assert numpy.isclose(slope, force[axis], rtol=1e-5, atol=1e-6)
+        slope = (field(forward, "ReactionForce") - field(backward, "ReactionForce")) / (2 * step)
+        assert numpy.allclose(slope.ravel(), stiffness[axis], rtol=1e-5, atol=1e-4)
+
+
+def test_rest():
+    boundary = scene("rest", "St. Venant-Kirchhoff")
+    grid = solve(boundary, [node_at(boundary, [0.2, 0, 0])], [0, 0, 0])
+    assert (field(grid, "ReactionForce") == 0).all() and field(grid, "Energy")[0] == 0
+    assert (point_array(grid, "Displacement") == 0).all()
+    assert field(grid, "MinimumDetF")[0] == 1
+
+
+def test_linear_solvers():
+    """Each of those that were built in; the property offers no others."""
+    boundary = scene("linear-solvers", "Neo-Hookean")
+    node = node_at(boundary, [0.2, 0.1, 0.1])
+    names = SolveEquilibrium(Input=boundary).GetProperty("LinearSolver").Available
+    assert names[0] == "Automatic" and names[-1] == "Eigen LDLT", names
+    forces = [field(solve(boundary, [node], [0.01, 0.005, 0], LinearSolver=name),
+                    "ReactionForce") for name in names]
+    for force in forces:
+        assert numpy.allclose(force, forces[0], rtol=1e-8, atol=0)
+
+
+def unfinished(boundary, prepare=None, **settings):
+    """The solve ends early: a warning, no error, and a state from before."""
+    displacement = [0.01, 0.005, 0]
+    node = node_at(boundary, [0.2, 0.1, 0.1])
+    equilibrium = SolveEquilibrium(Input=boundary, ActiveNode=[node],
+                                   Displacement=displacement, **settings)
+    if prepare:
+        prepare(equilibrium.GetClientSideObject())
+    with Messages() as messages:
+        grid = fetch(equilibrium)
+    assert messages.errors == 0 and messages.warnings == 1, messages.text
+    assert message(grid) in messages.text and message(grid)
+    assert numpy.linalg.norm(point_array(grid, "Displacement")[node]) < numpy.linalg.norm(
+        displacement)
+    return field(grid, "Outcome")[0]
+
+
+def test_unfinished():
+    boundary = scene("unfinished", "Neo-Hookean")
+    assert unfinished(boundary, MaximumSeconds=1e-9) == BUDGET_USED_UP
+    assert unfinished(boundary, MaximumIterations=1, Tolerance=1e-14) == NOT_CONVERGED
+
+    assert unfinished(boundary, prepare=abort_at_progress) == ABORTED
+
+
+def abort_at_progress(algorithm):
+    return algorithm.AddObserver("ProgressEvent", lambda *_: algorithm.SetAbortExecute(1))
+
+
+def test_run_after_an_abort():
+    boundary = scene("abort", "Neo-Hookean")
+    equilibrium = SolveEquilibrium(Input=boundary, Displacement=[0.01, 0.005, 0],
+                                   ActiveNode=[node_at(boundary, [0.2, 0.1, 0.1])])
+    algorithm = equilibrium.GetClientSideObject()
+    observer = abort_at_progress(algorithm)
+    assert field(fetch(equilibrium), "Outcome")[0] == ABORTED
+    algorithm.RemoveObserver(observer)
+    equilibrium.Displacement = [0.005, 0, 0]
+    assert field(fetch(equilibrium), "Outcome")[0] == CONVERGED
+
+
+if __name__ == "__main__":
+    for name, test in list(globals().items()):
+        if name.startswith("test_"):
+            test()
+            print(name, "passed", flush=True)

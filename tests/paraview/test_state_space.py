@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""PrecomputeStateSpace, StateSpaceReader and TouchStateSpace on a small body of the test's own."""
+
+import os
+import sqlite3
+
+import numpy
+from paraview import servermanager
+from paraview.simple import (Calculator, OpenDataFile, PrecomputeStateSpace, SaveData,
+                             SolveEquilibrium, StateSpaceReader, TouchStateSpace)
+from state_space_support import arrays_of, expect_same_space, fetch_space, node_at, precompute, scene
+from support import Messages, expect_error, expect_silence, fetch, field, places, point_array
+
+CORNER, EDGE = [0.2, 0.1, 0.1], [0.1, 0, 0.1]
+NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)
+
+
+def test_every_property():
+    space = PrecomputeStateSpace(Input=scene("every"), ActiveNodes=[1, 2], HalfWidth=0.02,
+                                 Resolution=5, ForceLimit=3, FileName="every.palpate",
+                                 SolverTolerance=1e-9, DisplacementBound=1e-2)
+    assert list(space.ActiveNodes) == [1, 2]
+    assert (space.HalfWidth, space.Resolution, space.ForceLimit) == (0.02, 5, 3)
+    assert space.FileName == "every.palpate"
+    assert (space.SolverTolerance, space.DisplacementBound) == (1e-9, 1e-2)
+    reader = StateSpaceReader(FileName="every.palpate", DisplacementBound=1e-2)
+    assert reader.DisplacementBound == 1e-2
+    touch = TouchStateSpace(Input=reader, ActiveNode=2, Displacement=[1, 2, 3])
+    for method in ("Trilinear", "Energy Hermite"):
+        touch.Interpolation = method
+        assert touch.Interpolation == method
+    assert list(touch.Displacement) == [1, 2, 3] and touch.ActiveNode == 2
+
+
+def test_contents():
+    boundary = scene("contents")
+    nodes = [node_at(boundary, CORNER), node_at(boundary, EDGE)]
+    blocks = fetch_space(precompute(boundary, nodes))
+    body, surface, space = (blocks[name] for name in ("Body", "Surface", "Configurations"))
+    assert (places(body) == places(fetch(boundary))).all()
+    assert {"Fixed", "Touchable"} <= arrays_of(body.GetPointData()).keys()
+
+    assert space.GetNumberOfPoints() == space.GetNumberOfVerts() == 2 * 5 ** 3
+    assert space.GetNumberOfLines() == 2 * (5 ** 3 - 1)
+    arrays = arrays_of(space.GetPointData())
+    components = {name: 1 if array.ndim == 1 else array.shape[1] for name, array in arrays.items()}
+    modes = components["Coefficients"]
+    assert components == {
+        "ActiveNode": 1, "CheckPoint": 3, "ParentCheckPoint": 3, "Level": 1, "Displacement": 3,
+        "Force": 3, "Energy": 1, "Stiffness": 9, "Coefficients": modes,
+        "CoefficientGradient": 3 * modes, "Outcome": 1, "Flags": 1, "Residual": 1,
+        "MinimumDetF": 1, "NegativePivots": 1, "Iterations": 1, "Seconds": 1}
+    assert arrays_of(surface.GetPointData())["Modes"].shape[1] == 3 * modes
+    assert (arrays["Outcome"] == 0).all()
+    # A vertex is where the active node is displaced to.
+    at_rest = places(body)[arrays["ActiveNode"].astype(int)]
+    assert numpy.allclose(places(space), at_rest + arrays["Displacement"], rtol=0, atol=1e-15)
+    assert numpy.allclose(arrays["Displacement"], 0.01 * arrays["CheckPoint"], rtol=1e-14)
+    # The rest position is a check-point, without force.
+    rest = (arrays["CheckPoint"] == 0).all(axis=1)
+    assert rest.sum() == 2 and (arrays["Force"][rest] == 0).all()
+    # The modes give the displacement of the active nodes back, to their bound.
+    found = numpy.einsum("pmc,qm->qpc", arrays_of(surface.GetPointData())["Modes"].reshape(
+        surface.GetNumberOfPoints(), modes, 3), arrays["Coefficients"])
+    of_node = {int(m): i for i, m in enumerate(arrays_of(surface.GetPointData())["MeshPoint"])}
+    for q, node in enumerate(arrays["ActiveNode"]):
+        error = numpy.linalg.norm(found[q, of_node[int(node)]] - arrays["Displacement"][q])
+        assert error <= 1.01e-3 * field(space, "LargestDisplacement")[0]
+    assert field(space, "Solved")[0] == 250 and field(space, "Complete")[0] == 1
+    assert 0 < field(space, "FloorSeconds")[0] < field(space, "ExplorationSeconds")[0]
+
+
+def test_touch_against_exact_solves():
+    boundary = scene("exact")
+    node = node_at(boundary, CORNER)
+    space = precompute(boundary, [node])
+    touch = TouchStateSpace(Input=space, ActiveNode=node)
+    exact = SolveEquilibrium(Input=boundary, ActiveNode=[node])
+    rest = fetch_space(space)["Surface"]
+    mesh_points = point_array(rest, "MeshPoint")
+    errors = {"Trilinear": [], "Energy Hermite": []}
+    field_errors = []
+    for t in numpy.random.default_rng(5).uniform(-0.02, 0.02, (12, 3)):
+        exact.Displacement = touch.Displacement = list(t)
+        solution = fetch(exact)
+        force = field(solution, "ReactionForce")[0]
+        for method, errors_of_method in errors.items():
+            touch.Interpolation = method
+            result = fetch(touch)
+            assert field(result, "Found")[0] == INSIDE
+            error = numpy.linalg.norm(field(result, "Force")[0] - force)
+            errors_of_method.append(error / numpy.linalg.norm(force))
+        u = point_array(result, "Displacement")
+        assert numpy.allclose(places(result), places(rest) + u, rtol=0, atol=1e-7)
+        field_errors.append(
+            numpy.abs(u - point_array(solution, "Displacement")[mesh_points]).max())
+    print(f"mean relative force error: {numpy.mean(errors['Trilinear']):.1e} trilinear, "
+          f"{numpy.mean(errors['Energy Hermite']):.1e} energy Hermite; "
+          f"largest error of the surface {max(field_errors):.1e} m")
+    # Orders of magnitude, so that a wrong interpolation is noticed.
+    assert numpy.mean(errors["Trilinear"]) < 0.1
+    assert numpy.mean(errors["Energy Hermite"]) < 0.1 * numpy.mean(errors["Trilinear"])
+    assert max(field_errors) < 0.01 * 0.035
+
+
+def test_touch_is_exact_at_check_points_and_goes_on_outside():
+    boundary = scene("points")
+    node = node_at(boundary, CORNER)
+    space = precompute(boundary, [node])
+    arrays = arrays_of(fetch_space(space)["Configurations"].GetPointData())
+    touch = TouchStateSpace(Input=space)
+    for i in range(0, len(arrays["Energy"]), 17):
+        touch.Displacement = list(arrays["Displacement"][i])
+        result = fetch(touch)
+        assert numpy.allclose(field(result, "Force")[0], arrays["Force"][i], rtol=1e-9, atol=1e-12)
+        assert numpy.isclose(field(result, "Energy")[0], arrays["Energy"][i], rtol=1e-9)
+        assert field(result, "ActiveNode")[0] == node
+    touch.Displacement = [0.05, 0, 0]
+    assert field(fetch(touch), "Found")[0] == EXTRAPOLATED
+    assert numpy.isfinite(field(fetch(touch), "Force")).all()
+
+
+def test_forms_of_a_space():
+    """A file, its reader and the stock writer and reader give what the memory holds."""
+    boundary = scene("forms")
+    nodes = [node_at(boundary, CORNER), node_at(boundary, EDGE)]
+    in_memory = fetch_space(precompute(boundary, nodes))
+    kept = precompute(boundary, nodes, FileName="forms.palpate")
+    in_file = fetch_space(kept)
+    expect_same_space(in_memory, in_file)
+    assert not [name for name in os.listdir(".") if name.startswith("forms.palpate.")]
+
+    reader = StateSpaceReader(FileName="forms.palpate")
+    expect_same_space(in_file, fetch_space(reader))
+    opened = OpenDataFile(os.path.abspath("forms.palpate"))
+    expect_same_space(in_file, fetch_space(opened))
+
+    SaveData("forms.vtpc", proxy=kept)
+    stock = OpenDataFile(os.path.abspath("forms.vtpc"))
+    expect_same_space(in_file, fetch_space(stock))
+    forces = []
+    for source in (kept, reader, stock):
+        touch = TouchStateSpace(Input=source, ActiveNode=nodes[1], Displacement=[0.003, 0.002, -0.004])
+        result = fetch(touch)
+        assert field(result, "Found")[0] == INSIDE
+        forces.append(field(result, "Force")[0])
+    assert (forces[0] == forces[1]).all() and (forces[0] == forces[2]).all()
+
+    # A program without VTK reads it too.
+    file = sqlite3.connect("forms.palpate")
+    rest = numpy.frombuffer(file.execute("SELECT points FROM scene").fetchone()[0]).reshape(-1, 3)
+    assert (rest == places(in_file["Body"])).all()
+    assert file.execute("SELECT count(*) FROM configuration").fetchone() == (250,)
+
+
+def test_resume():
+    boundary = scene("resume")
+    nodes = [node_at(boundary, CORNER), node_at(boundary, EDGE)]
+    first = precompute(boundary, nodes[:1], FileName="resume.palpate")
+    assert field(fetch_space(first)["Configurations"], "Solved")[0] == 125
+    both = fetch_space(precompute(boundary, nodes, FileName="resume.palpate"))["Configurations"]
+    assert field(both, "Solved")[0] == field(both, "Reused")[0] == 125
+    # The body of a space is a scene: the same one.
+    reader = StateSpaceReader(FileName="resume.palpate")
+    from paraview.simple import ExtractBlock, MergeBlocks
+    body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
+    again = fetch_space(precompute(body, nodes, FileName="resume.palpate"))["Configurations"]
+    assert field(again, "Solved")[0] == 0
+
+
+def test_many_materials():
+    """A stock Calculator makes the stiffness vary from cell to cell."""
+    boundary = scene("graded")
+    graded = Calculator(Input=boundary, AttributeType="Cell Data", ResultArrayName="YoungsModulus",
+                        Function="YoungsModulus*(1+Law)")
+    node = node_at(boundary, CORNER)
+    ours, theirs = (fetch_space(precompute(s, [node], Resolution=3))["Configurations"]
+                    for s in (boundary, graded))
+    ratio = point_array(theirs, "Energy") / numpy.maximum(point_array(ours, "Energy"), 1e-30)
+    # Law is 2: three times as stiff everywhere, and so is the energy.
+    assert numpy.allclose(ratio[point_array(ours, "Energy") > 0], 3, rtol=1e-8)
+
+
+def test_bad_input():
+    boundary = scene("bad")
+    node = node_at(boundary, CORNER)
+
+    def run(**settings):
+        return lambda: precompute(boundary, [node], **settings).UpdatePipeline()
+
+    expect_error(run(Resolution=4), "resolution", "odd")
+    expect_error(run(HalfWidth=0), "half-width")
+    expect_error(run(ForceLimit=-1), "force limit")
+    expect_error(run(FileName="no/such/folder/a.palpate"), "no/such/folder")
+    expect_error(lambda: precompute(boundary, [node_at(boundary, [0, 0, 0])]).UpdatePipeline(),
+                 "fixed")
+    expect_error(lambda: precompute(boundary, [node_at(boundary, [0.1, 0.05, 0.05])])
+                 .UpdatePipeline(), "inside")
+    expect_error(lambda: precompute(boundary, [100000]).UpdatePipeline(), "100000", "not exist")
+
+    good = precompute(boundary, [node], Resolution=3, FileName="bad.palpate")
+    good.UpdatePipeline()
+    other = scene("bad-other", "St. Venant-Kirchhoff")
+    expect_error(lambda: precompute(other, [node], Resolution=3, FileName="bad.palpate")
+                 .UpdatePipeline(), "bad.palpate", "another scene")
+    expect_error(lambda: precompute(boundary, [node], Resolution=5, FileName="bad.palpate")
+                 .UpdatePipeline(), "bad.palpate")
+    expect_error(lambda: TouchStateSpace(Input=good, ActiveNode=3).UpdatePipeline(), "3",
+                 str(node))
+    expect_error(lambda: StateSpaceReader(FileName="missing.palpate").UpdatePipeline(),
+                 "missing.palpate")
+    with open("text.palpate", "w", encoding="utf-8") as text:
+        text.write("This is no state space." * 100)
+    expect_error(lambda: StateSpaceReader(FileName="text.palpate").UpdatePipeline(), "text.palpate")
+    expect_error(lambda: precompute(boundary, [node], FileName="text.palpate").UpdatePipeline(),
+                 "text.palpate")
+    with open("bad.palpate", "rb") as whole, open("cut.palpate", "wb") as part:
+        part.write(whole.read()[:30000])
+    expect_error(lambda: StateSpaceReader(FileName="cut.palpate").UpdatePipeline(), "cut.palpate")
+    # One cause, one message, also through several filters.
+    broken = precompute(boundary, [node], Resolution=4)
+    expect_error(lambda: TouchStateSpace(Input=broken).UpdatePipeline(), "resolution")
+    # And all is well afterwards.
+    expect_silence(lambda: fetch(TouchStateSpace(Input=good)))
+
+
+def test_failed_configurations_are_marked():
+    """A push that inverts cells of St. Venant-Kirchhoff converges, and is marked."""
+    boundary = scene("inverted", "St. Venant-Kirchhoff")
+    node = node_at(boundary, CORNER)
+    space = precompute(boundary, [node], HalfWidth=0.06, Resolution=3)
+    with Messages():
+        arrays = arrays_of(fetch_space(space)["Configurations"].GetPointData())
+    inverted = (arrays["Flags"] & 1) != 0
+    assert inverted.any() and not inverted.all()
+    assert (inverted == (arrays["MinimumDetF"] <= 0)).all()
+    touch = TouchStateSpace(Input=space)
+    worst = arrays["Displacement"][arrays["MinimumDetF"].argmin()]
+    touch.Displacement = list(0.5 * worst)
+    assert field(fetch(touch), "Found")[0] == MARKED
+
+
+for name, test in list(globals().items()):
+    if name.startswith("test_"):
+        print(name)
+        test()

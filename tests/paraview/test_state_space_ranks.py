@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Two ranks give the space of one to the bit, whole on rank 0; errors are met together."""
+
+import numpy
+from paraview import servermanager
+from paraview.simple import OpenDataFile, SaveData, StateSpaceReader, TouchStateSpace
+from state_space_support import expect_same_space, fetch_space, node_at, precompute, scene
+from support import Messages, field
+
+RANK = servermanager.vtkProcessModule.GetProcessModule().GetPartitionId()
+
+
+def fetch_touch(source, node):
+    touch = TouchStateSpace(Input=source, ActiveNode=node, Displacement=[0.003, 0.002, -0.004])
+    touch.UpdatePipeline()
+    return servermanager.Fetch(touch, 0)
+
+
+boundary = scene("ranks")
+node = node_at(boundary, [0.2, 0.1, 0.1])
+kept = precompute(boundary, [node], FileName="ranks.palpate")
+# pvbatch runs this script on rank 0 alone: the others follow.
+assert RANK == 0
+in_file = fetch_space(kept)
+assert field(in_file["Configurations"], "Ranks")[0] == 2
+assert field(in_file["Configurations"], "Solved")[0] == 125
+in_memory = fetch_space(precompute(boundary, [node]))
+expect_same_space(in_file, in_memory)
+reader = StateSpaceReader(FileName="ranks.palpate")
+expect_same_space(in_file, fetch_space(reader))
+SaveData("ranks.vtpc", proxy=kept)
+stock = OpenDataFile("ranks.vtpc")
+forces = [field(fetch_touch(source, node), "Force")[0] for source in (kept, reader, stock)]
+assert numpy.isfinite(forces[0]).all() and numpy.linalg.norm(forces[0]) > 0
+assert (forces[0] == forces[1]).all() and (forces[0] == forces[2]).all()
+
+for settings, word in (({"Resolution": 4}, "odd"), ({"FileName": "no/such/a.palpate"}, "no/such")):
+    with Messages() as messages:
+        precompute(boundary, [node], **settings).UpdatePipeline()
+    assert messages.errors == 1 and word in messages.text, messages.text
+print("two ranks equal one")
+numpy.save("forces.npy", forces[0])

@@ -1,0 +1,112 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes tests/data/laws.json: energy, stress and tangent of each law at chosen displacement gradients.
+
+    make_law_references.py <laws.json>
+
+Straight from the definitions of W in solvers/materials/material.h, in numbers of 120 digits, where
+cancellation does no harm and derivatives by finite differences keep 40 digits. Needs mpmath
+(Debian: python3-mpmath).
+"""
+
+import json
+import random
+import sys
+
+import mpmath
+from mpmath import mpf
+
+mpmath.mp.dps = 120
+STEP = mpf(10) ** -30  # leaves errors of about 1e-60 (truncation) and 1e-60 (rounding)
+
+COMPONENTS = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+LAWS = ["Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin"]
+# λ and μ, or C10, C01 and κ; Pa.
+CONSTANTS = {law: [2500.0, 1100.0, 0.0] for law in LAWS}
+CONSTANTS["Mooney-Rivlin"] = [370.0, 180.0, 3200.0]
+
+
+def energy(law, strain, constants):
+    """W as a function of the Green-Lagrange strain, or of sym H for the linear law."""
+    trace = strain[0, 0] + strain[1, 1] + strain[2, 2]
+    square = sum(strain[i, j] ** 2 for i in range(3) for j in range(3))
+    if law in ("Linear", "St. Venant-Kirchhoff"):
+        lam, mu, _ = constants
+        return lam / 2 * trace**2 + mu * square
+    c = mpmath.eye(3) + 2 * strain
+    i1 = c[0, 0] + c[1, 1] + c[2, 2]
+    i2 = (i1**2 - sum(c[i, j] ** 2 for i in range(3) for j in range(3))) / 2
+    det = (c[0, 0] * (c[1, 1] * c[2, 2] - c[1, 2] * c[2, 1])
+           - c[0, 1] * (c[1, 0] * c[2, 2] - c[1, 2] * c[2, 0])
+           + c[0, 2] * (c[1, 0] * c[2, 1] - c[1, 1] * c[2, 0]))
+    j = mpmath.sqrt(det)
+    if law == "Neo-Hookean":
+        lam, mu, _ = constants
+        return mu / 2 * (i1 - 3) - mu * mpmath.log(j) + lam / 2 * mpmath.log(j) ** 2
+    c10, c01, kappa = constants
+    return (c10 * (j ** (-mpf(2) / 3) * i1 - 3) + c01 * (j ** (-mpf(4) / 3) * i2 - 3)
+            + kappa / 2 * (j - 1) ** 2)
+
+
+def direction(m):
+    """Change of a symmetric tensor with its component m."""
+    i, j = COMPONENTS[m]
+    change = mpmath.zeros(3)
+    change[i, j] = change[j, i] = 1
+    return change
+
+
+def factor(m):
+    """A shear component stands in two places: a derivative along it counts twice."""
+    return mpf(1) if m < 3 else mpf(1) / 2
+
+
+def response(law, h, constants):
+    h = mpmath.matrix(h)
+    strain = (h + h.T + (mpmath.zeros(3) if law == "Linear" else h.T * h)) / 2
+
+    def w(change):
+        return energy(law, strain + change, constants)
+
+    stress = [factor(m) * (w(STEP * direction(m)) - w(-STEP * direction(m))) / (2 * STEP)
+              for m in range(6)]
+    tangent = []
+    for m in range(6):
+        for n in range(m + 1):
+            a, b = STEP * direction(m), STEP * direction(n)
+            tangent.append(factor(m) * factor(n)
+                           * (w(a + b) - w(a - b) - w(b - a) + w(-a - b)) / (4 * STEP**2))
+    return {"energy": float(w(mpmath.zeros(3))), "stress": [number(s) for s in stress],
+            "tangent": [number(d) for d in tangent]}
+
+
+def number(x):
+    """As a double; what differences leave of a zero is zero."""
+    return float(mpmath.chop(x, tol=mpf(10) ** -40))
+
+
+def gradients():
+    """Displacement gradients from tiny to large, all of det F between 0.3 and 2."""
+    rng = random.Random(3)
+    for size in (1e-12, 1e-8, 1e-6, 1e-4, 1e-2, 0.3):
+        for _ in range(2):
+            yield size, [[rng.uniform(-size, size) for _ in range(3)] for _ in range(3)]
+    for det in (0.3, 0.6, 1.0, 1.4, 2.0):
+        while True:
+            h = [[rng.uniform(-0.8, 0.8) for _ in range(3)] for _ in range(3)]
+            f = mpmath.eye(3) + mpmath.matrix(h)
+            if abs(mpmath.det(f) - det) < 0.05:
+                yield 1.0, h
+                break
+
+
+def main():
+    cases = [{"law": law, "size": size, "gradient": h, "constants": CONSTANTS[law],
+              **response(law, h, [mpf(p) for p in CONSTANTS[law]])}
+             for size, h in gradients() for law in LAWS]
+    with open(sys.argv[1], "w", encoding="utf-8") as out:
+        out.write("[\n" + ",\n".join(json.dumps(case) for case in cases) + "\n]\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The least det F of a quadratic displacement is where it should be: in the corners too.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "assembly/assembly.h"
+#include "elements/tetrahedron.h"
+#include "solvers/support/block.h"
+#include "solvers/support/laws.h"
+#include "solvers/support/random.h"
+
+namespace palpate::test {
+namespace {
+
+/// u_i = x · a_i x: F = I + 2 (a_i x) is exact on straight Tet10 cells.
+struct QuadraticField {
+  Mat3 a[3];
+
+  Vec3 u(const Vec3& x) const { return {x.dot(a[0] * x), x.dot(a[1] * x), x.dot(a[2] * x)}; }
+  double det_f(const Vec3& x) const {
+    Mat3 f = Mat3::Identity();
+    for (int i = 0; i < 3; ++i) f.row(i) += ((a[i] + a[i].transpose()) * x).transpose();
+    return f.determinant();
+  }
+};
+
+TEST(Determinant, IsTheLeastOverQuadraturePointsAndCorners) {
+  Random random(31);
+  int in_a_corner = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Scene scene = make_block(kNonlinearLaws[trial % 3]).scene;
+    const Assembly assembly(scene);
+    QuadraticField field;
+    for (Mat3& a : field.a) a = random.matrix(trial < 10 ? 1.0 : 4.0);  // 4: det F < 0 somewhere
+
+    NodalVector u(3 * scene.mesh.num_points());
+    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+      u.segment<3>(3 * p) = field.u(scene.mesh.points[p]);
+    }
+    double least = std::numeric_limits<double>::max();
+    double at_quadrature = least;
+    Index where = -1;
+    Index num_inverted = 0;
+    for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
+      const Index* cell = scene.mesh.cell(c);
+      double least_of_cell = std::numeric_limits<double>::max();
+      for (const auto& point : quadrature(ElementOrder::quadratic)) {
+        const Eigen::VectorXd n = shape_values(ElementOrder::linear, point.xi);
+        Vec3 x = Vec3::Zero();
+        for (int i = 0; i < 4; ++i) x += n[i] * scene.mesh.points[cell[i]];
+        least_of_cell = std::min(least_of_cell, field.det_f(x));
+      }
+      at_quadrature = std::min(at_quadrature, least_of_cell);
+      for (int i = 0; i < 4; ++i) {
+        least_of_cell = std::min(least_of_cell, field.det_f(scene.mesh.points[cell[i]]));
+      }
+      if (least_of_cell <= 0) ++num_inverted;
+      if (least_of_cell < least) {
+        least = least_of_cell;
+        where = c;
+      }
+    }
+    // Coordinates of 0.1 and gradients of order one: some ε.
+    const auto found = assembly.minimum_det_f(u);
+    EXPECT_NEAR(found.value, least, 1e-13);
+    EXPECT_EQ(found.num_inverted_cells, num_inverted);
+    NodalVector force;
+    EXPECT_NEAR(assembly.residual(u, force).minimum_det_f, at_quadrature, 1e-13);
+    if (least < at_quadrature) ++in_a_corner;
+    // A corner belongs to several cells, which see the same value but for rounding.
+    const auto has = [&](Index cell, Index p) {
+      return std::find(scene.mesh.cell(cell), scene.mesh.cell(cell) + 4, p) !=
+             scene.mesh.cell(cell) + 4;
+    };
+    bool touches = false;
+    for (int i = 0; i < 4; ++i) touches = touches || has(found.cell, scene.mesh.cell(where)[i]);
+    EXPECT_TRUE(touches) << "cell " << found.cell << " is far from cell " << where;
+  }
+  EXPECT_GT(in_a_corner, 10) << "this test would not notice corners that are left out";
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Step halving, budgets and aborting: what is left is the last equilibrium on the way.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "equilibrium/equilibrium.h"
+#include "solvers/equilibrium/soundness.h"
+#include "solvers/support/block.h"
+#include "solvers/support/laws.h"
+
+namespace palpate::test {
+namespace {
+
+/// Half of the block's length: more than one step can do.
+const Vec3 kHardPush(-0.05, 0, 0);
+
+class Budget : public testing::Test {
+ protected:
+  Equilibrium push(const EquilibriumOptions& options, const Vec3& t = kHardPush) {
+    EquilibriumSolver solver(block_.scene, options);
+    solver.hold(constraint_);
+    const Equilibrium rest = solver.rest();
+    const Equilibrium state = solver.solve(t, rest);
+    expect_sound(state, solver, constraint_);
+    if (state.outcome != Outcome::converged) {
+      // On the straight way from rest to t.
+      EXPECT_LT(state.t.norm(), t.norm());
+      EXPECT_LT((state.t - state.t.dot(t) / t.squaredNorm() * t).norm(), 1e-12);
+    }
+    return state;
+  }
+
+  Block block_ = make_block(Law::neo_hookean);
+  Constraint constraint_ = hold_nodes({block_.corner});
+};
+
+TEST_F(Budget, StepsAreHalvedWhereOneIsTooLong) {
+  EquilibriumOptions options;
+  const Equilibrium state = push(options);
+  EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.t, kHardPush);
+  EXPECT_GT(state.steps, 1);
+  options.max_halvings = 0;
+  const Equilibrium in_one = push(options);
+  EXPECT_EQ(in_one.outcome, Outcome::not_converged);
+  EXPECT_EQ(in_one.steps, 1);
+  EXPECT_EQ(in_one.t, Vec3::Zero());
+  EXPECT_EQ(in_one.u.norm(), 0);
+}
+
+TEST_F(Budget, Iterations) {
+  EquilibriumOptions options;
+  options.max_iterations = 1;
+  const Equilibrium state = push(options);
+  EXPECT_EQ(state.outcome, Outcome::not_converged);
+  EXPECT_NE(state.message.find("not converged"), std::string::npos) << state.message;
+}
+
+TEST_F(Budget, Steps) {
+  EquilibriumOptions options;
+  options.max_steps = 2;
+  const Equilibrium state = push(options);
+  EXPECT_EQ(state.outcome, Outcome::budget_used_up);
+  EXPECT_EQ(state.steps, 2);
+  EXPECT_NE(state.message.find("budget used up"), std::string::npos) << state.message;
+}
+
+TEST_F(Budget, Seconds) {
+  EquilibriumOptions options;
+  options.max_seconds = 1e-9;
+  const Equilibrium state = push(options);
+  EXPECT_EQ(state.outcome, Outcome::budget_used_up);
+  EXPECT_LE(state.iterations, 1);
+  options.max_seconds = 1000;
+  EXPECT_EQ(push(options).outcome, Outcome::converged);
+}
+
+TEST_F(Budget, AbortEndsASolveAtOnce) {
+  int calls = 0;
+  EquilibriumOptions options;
+  options.abort_requested = [&] { return ++calls > 0; };
+  const Equilibrium state = push(options);
+  EXPECT_EQ(state.outcome, Outcome::aborted);
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(state.iterations, 0);
+  EXPECT_EQ(state.u.norm(), 0);
+}
+
+TEST_F(Budget, AbortIsAskedBeforeEachIteration) {
+  int calls = 0;
+  EquilibriumOptions options;
+  options.abort_requested = [&] { return ++calls, false; };
+  const int iterations = push(options).iterations;
+  EXPECT_GE(calls, iterations);
+  for (int after : {1, iterations / 2, iterations - 1}) {
+    calls = 0;
+    options.abort_requested = [&] { return ++calls > after; };
+    EXPECT_EQ(push(options).outcome, Outcome::aborted);
+    EXPECT_EQ(calls, after + 1);
+  }
+}
+
+TEST_F(Budget, WhatIsLeftIsAStartForTheNext) {
+  EquilibriumOptions options;
+  options.max_steps = 2;
+  EquilibriumSolver hasty(block_.scene, options);
+  hasty.hold(constraint_);
+  Equilibrium part = hasty.solve(kHardPush, hasty.rest());
+  ASSERT_EQ(part.outcome, Outcome::budget_used_up);
+  ASSERT_GT(part.t.norm(), 0);
+  part.outcome = Outcome::converged;  // as far as it went
+  EquilibriumSolver patient(block_.scene, {});
+  patient.hold(constraint_);
+  const Equilibrium state = patient.solve(kHardPush, part);
+  EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.t, kHardPush);
+}
+
+TEST_F(Budget, AStartThatDidNotConvergeIsGivenBackWithItsReason) {
+  EquilibriumOptions options;
+  options.max_iterations = 1;
+  EquilibriumSolver solver(block_.scene, options);
+  solver.hold(constraint_);
+  const Equilibrium failed = solver.solve(kHardPush, solver.rest());
+  ASSERT_EQ(failed.outcome, Outcome::not_converged);
+  const Equilibrium next = solver.solve(0.01 * kHardPush, failed);
+  EXPECT_EQ(next.outcome, Outcome::not_converged);
+  EXPECT_EQ(next.t, failed.t);
+  EXPECT_FALSE(next.message.empty());
+}
+
+}  // namespace
+}  // namespace palpate::test

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A linear scene: one factorisation serves all, and force is stiffness × displacement.
+#include <gtest/gtest.h>
+
+#include "equilibrium/equilibrium.h"
+#include "solvers/equilibrium/soundness.h"
+#include "solvers/support/block.h"
+#include "solvers/support/laws.h"
+#include "solvers/support/orders.h"
+#include "solvers/support/random.h"
+
+namespace palpate::test {
+namespace {
+
+/// Rounding times a condition number of some 1e4.
+constexpr double kRounding = 1e-11;
+
+class LinearScene : public testing::TestWithParam<ElementOrder> {};
+INSTANTIATE_TEST_SUITE_P(Each, LinearScene, testing::ValuesIn(kOrders), name_of_order);
+
+TEST_P(LinearScene, ForceIsStiffnessTimesDisplacement) {
+  const Block block = make_block(Law::linear, {GetParam()});
+  const Constraint constraint = hold_nodes({block.corner});
+  EquilibriumSolver solver(block.scene, {});
+  solver.hold(constraint);
+  const Equilibrium rest = solver.rest();
+  Random random(61);
+  Equilibrium last = rest;
+  for (double size : {1e-12, 1e-6, 0.01, 1.0, 1e6}) {
+    for (int i = 0; i < 5; ++i) {
+      const Vec3 t = random.vector(3, size);
+      const Equilibrium from_rest = solver.solve(t, rest);
+      const Equilibrium from_last = solver.solve(t, last);
+      const Vec3 expected = rest.stiffness * t;
+      ASSERT_EQ(from_rest.outcome, Outcome::converged);
+      ASSERT_EQ(from_last.outcome, Outcome::converged);
+      EXPECT_LT((from_rest.reaction - expected).norm(), kRounding * expected.norm());
+      EXPECT_LT((from_rest.u - rest.v * t).norm(), kRounding * (rest.v * t).norm());
+      EXPECT_NEAR(from_rest.energy, expected.dot(t) / 2, kRounding * expected.norm() * t.norm());
+      EXPECT_EQ(from_rest.stiffness, rest.stiffness);
+      // A body that moves by 1e6 m and back keeps the rounding of 1e6 m.
+      const double scale = std::max(t.norm(), last.t.norm());
+      EXPECT_LT((from_last.reaction - expected).norm(),
+                kRounding * rest.stiffness.norm() * scale);
+      last = from_last;
+    }
+  }
+}
+
+TEST_P(LinearScene, OneFactorisationServesAll) {
+  const Block block = make_block(Law::linear, {GetParam()});
+  EquilibriumSolver solver(block.scene, {});
+  solver.hold(hold_nodes({block.corner}));
+  Equilibrium state = solver.rest();
+  const Work after_rest = solver.work();
+  EXPECT_EQ(after_rest.factorisations, 1);
+  Random random(62);
+  for (int i = 0; i < 50; ++i) state = solver.solve(random.vector(3, 0.05), state);
+  EXPECT_EQ(solver.work().factorisations, 1);
+  EXPECT_EQ(solver.work().analyses, 1);
+  EXPECT_EQ(solver.work().assemblies, after_rest.assemblies);
+  solver.hold(hold_nodes({block.middle}));
+  state = solver.rest();
+  for (int i = 0; i < 5; ++i) state = solver.solve(random.vector(3, 0.05), state);
+  EXPECT_EQ(solver.work().factorisations, 2) << "another constraint is another matrix";
+}
+
+TEST_P(LinearScene, ANonlinearCellMakesItNonlinear) {
+  Block block = make_block(Law::linear, {GetParam()});
+  block.scene.materials.push_back(make_material(Law::neo_hookean, 3000, 0.35));
+  block.scene.material_of_cell.assign(block.scene.mesh.num_cells(), 0);
+  block.scene.material_of_cell.back() = 1;
+  EquilibriumSolver solver(block.scene, {});
+  solver.hold(hold_nodes({block.corner}));
+  const Equilibrium rest = solver.rest();
+  const Equilibrium state = solver.solve(Vec3(0.01, 0, 0.01), rest);
+  EXPECT_EQ(state.outcome, Outcome::converged);
+  EXPECT_GT(solver.work().factorisations, 1);
+  EXPECT_GT((state.stiffness - rest.stiffness).norm(), 1e-6 * rest.stiffness.norm());
+  expect_sound(state, solver, hold_nodes({block.corner}));
+}
+
+}  // namespace
+}  // namespace palpate::test

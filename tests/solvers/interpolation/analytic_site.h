@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sites whose configurations come from energies with known derivatives.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "state_space/touch_space.h"
+
+namespace palpate::test {
+
+struct Sample {
+  double energy = 0;
+  Vec3 force = Vec3::Zero();
+  Mat3 stiffness = Mat3::Zero();
+};
+using Energy = std::function<Sample(const Vec3&)>;
+
+inline constexpr double kHalfWidth = 0.012;
+
+/// Scales the formulas: they are of the order of 1 within the box, J and N/m as they come.
+inline constexpr double kUnit = 0.01;
+
+/// e^q with q = w·x + ½ x·A x and x = t/kUnit: smooth, unsymmetric, stiffening.
+inline Sample exponential(const Vec3& t) {
+  const Vec3 w(0.3, -0.2, 0.4);
+  Mat3 a;
+  a << 0.6, 0.1, -0.2, 0.1, 0.5, 0.15, -0.2, 0.15, 0.8;
+  const Vec3 x = t / kUnit;
+  const Vec3 g = w + a * x;
+  const double e = std::exp(w.dot(x) + 0.5 * x.dot(a * x));
+  return {e, e * g / kUnit, e * (g * g.transpose() + a) / (kUnit * kUnit)};
+}
+
+/// x^a y^b z^c with (x, y, z) = t/kUnit.
+inline Energy monomial(int a, int b, int c) {
+  return [a, b, c](const Vec3& t) {
+    const int order[3] = {a, b, c};
+    double f[3][3];
+    for (int k = 0; k < 3; ++k) {
+      const double x = t[k] / kUnit;
+      const int n = order[k];
+      f[k][0] = std::pow(x, n);
+      f[k][1] = n > 0 ? n * std::pow(x, n - 1) : 0;
+      f[k][2] = n > 1 ? n * (n - 1) * std::pow(x, n - 2) : 0;
+    }
+    Sample s;
+    s.energy = f[0][0] * f[1][0] * f[2][0];
+    for (int i = 0; i < 3; ++i) {
+      int d[3] = {0, 0, 0};
+      ++d[i];
+      s.force[i] = f[0][d[0]] * f[1][d[1]] * f[2][d[2]] / kUnit;
+      for (int j = 0; j < 3; ++j) {
+        int dd[3] = {d[0], d[1], d[2]};
+        ++dd[j];
+        s.stiffness(i, j) = f[0][dd[0]] * f[1][dd[1]] * f[2][dd[2]] / (kUnit * kUnit);
+      }
+    }
+    return s;
+  };
+}
+
+inline TouchSite analytic_site(const Energy& energy, std::int32_t resolution = 7) {
+  TouchSite site;
+  site.site.active_node = 4;
+  site.site.half_width = kHalfWidth;
+  site.site.resolution = resolution;
+  const std::int32_t r = site.site.reach();
+  for (std::int32_t i = -r; i <= r; ++i) {
+    for (std::int32_t j = -r; j <= r; ++j) {
+      for (std::int32_t k = -r; k <= r; ++k) {
+        ConfigurationSummary& c = site.configurations.emplace_back();
+        c.check_point = {i, j, k};
+        c.t = site.site.spacing() * Vec3(i, j, k);
+        const Sample s = energy(c.t);
+        c.energy = s.energy;
+        c.force = s.force;
+        c.stiffness = s.stiffness;
+        c.outcome = Outcome::converged;
+      }
+    }
+  }
+  return site;
+}
+
+inline ConfigurationSummary& at(TouchSite& site, const CheckPoint& check_point) {
+  for (ConfigurationSummary& c : site.configurations) {
+    if (c.check_point == check_point) return c;
+  }
+  throw std::logic_error("no such check-point");
+}
+
+/// Displacements within a box, the same in every run.
+class RandomPoints {
+ public:
+  explicit RandomPoints(double half_width = kHalfWidth, unsigned seed = 5)
+      : uniform_(-half_width, half_width), random_(seed) {}
+  Vec3 operator()() {
+    const double x = uniform_(random_);
+    const double y = uniform_(random_);
+    return {x, y, uniform_(random_)};
+  }
+
+ private:
+  std::uniform_real_distribution<double> uniform_;
+  std::mt19937 random_;
+};
+
+}  // namespace palpate::test

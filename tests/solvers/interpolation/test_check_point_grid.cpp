@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/check_point_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "solvers/interpolation/analytic_site.h"
+
+namespace palpate {
+namespace {
+
+using test::analytic_site;
+using test::at;
+using test::exponential;
+using Place = CheckPointGrid::Place;
+
+TEST(CheckPointGrid, LocatesWithinTheBoxAndOnItsBorder) {
+  const TouchSite site = analytic_site(exponential);
+  const CheckPointGrid grid(site);
+  const double h = grid.spacing();
+  const auto inside = grid.locate(h * Vec3(0.25, -1.5, 2.75));
+  EXPECT_EQ(inside.place, Place::cell);
+  EXPECT_EQ(inside.node, grid.node(3, 1, 5));
+  EXPECT_LT((inside.s - Vec3(0.25, 0.5, 0.75)).norm(), 1e-12);
+  EXPECT_TRUE(inside.offset.isZero(0));
+  for (const ConfigurationSummary& c : site.configurations) {
+    EXPECT_EQ(grid.locate(c.t).place, Place::cell);
+  }
+  const auto outside = grid.locate(h * Vec3(0.25, -4, 3.5));
+  EXPECT_EQ(outside.place, Place::beside_cell);
+  EXPECT_LT((outside.offset - h * Vec3(0, -1, 0.5)).norm(), 1e-15);
+  EXPECT_EQ(outside.s, Vec3(outside.s.x(), 0, 1));
+}
+
+TEST(CheckPointGrid, CellsThatLackACornerGiveTheNearestUsableCheckPoint) {
+  TouchSite site = analytic_site(exponential);
+  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(site, {0, 0, 2}).stiffness(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  const CheckPointGrid grid(site);
+  const double h = grid.spacing();
+  const auto near_corner = grid.locate(h * Vec3(0.2, 0.3, 0.9));
+  EXPECT_EQ(near_corner.place, Place::check_point);
+  EXPECT_EQ(near_corner.node, grid.node(3, 3, 4));
+  EXPECT_LT((near_corner.offset - h * Vec3(0.2, 0.3, -0.1)).norm(), 1e-15);
+  const auto near_failed = grid.locate(h * Vec3(0.9, 0.9, 0.9));
+  EXPECT_EQ(near_failed.place, Place::check_point);
+  EXPECT_TRUE(grid.usable(near_failed.node));
+  EXPECT_LE(near_failed.offset.norm(), 1.2 * h);
+  // A side that a complete cell shares belongs to that.
+  const auto on_side = grid.locate(h * Vec3(0, 0.5, 0.5));
+  EXPECT_EQ(on_side.place, Place::cell);
+  EXPECT_EQ(on_side.node, grid.node(2, 3, 3));
+  EXPECT_EQ(on_side.s.x(), 1);
+}
+
+TEST(CheckPointGrid, MarksCells) {
+  for (Flags flag : {flags::inverted, flags::unstable, flags::near_fold}) {
+    TouchSite site = analytic_site(exponential);
+    at(site, {1, 1, 1}).flags = flag | flags::beyond_force_limit;
+    const CheckPointGrid grid(site);
+    EXPECT_TRUE(grid.locate(grid.spacing() * Vec3(1.9, 0.1, 0.5)).marked);
+    EXPECT_FALSE(grid.locate(grid.spacing() * Vec3(2.1, 0.1, 0.5)).marked);
+  }
+  TouchSite site = analytic_site(exponential);
+  at(site, {1, 1, 1}).flags = flags::beyond_force_limit | flags::inertia_not_computed;
+  EXPECT_FALSE(CheckPointGrid(site).locate(Vec3(0.005, 0.005, 0.005)).marked);
+}
+
+TEST(CheckPointGrid, TakesTheFirstUsableLevel) {
+  TouchSite site = analytic_site(exponential, 3);
+  ConfigurationSummary second = at(site, {0, 0, 0});
+  second.level = 1;
+  second.energy = 77;
+  const auto place = site.configurations.begin() + 14;
+  site.configurations.insert(place, second);
+  const CheckPointGrid grid(site);
+  EXPECT_EQ(grid.configuration(grid.node(1, 1, 1)), 13);
+  site.configurations[13].outcome = Outcome::not_converged;
+  const CheckPointGrid other(site);
+  EXPECT_EQ(other.configuration(grid.node(1, 1, 1)), 14);
+}
+
+TEST(CheckPointGrid, OneCheckPoint) {
+  TouchSite site = analytic_site(exponential, 1);
+  const CheckPointGrid grid(site);
+  const auto found = grid.locate(Vec3(0.01, 0, 0));
+  EXPECT_EQ(found.place, Place::check_point);
+  EXPECT_EQ(found.offset, Vec3(0.01, 0, 0));
+  site.configurations[0].outcome = Outcome::aborted;
+  EXPECT_EQ(CheckPointGrid(site).locate(Vec3::Zero()).place, Place::nowhere);
+}
+
+TEST(CheckPointGrid, RefusesBadGrids) {
+  const TouchSite good = analytic_site(exponential, 3);
+  for (std::int32_t resolution : {0, -3, 2, 4, 100001}) {
+    TouchSite site = good;
+    site.site.resolution = resolution;
+    EXPECT_THROW((void)CheckPointGrid(site), InputError) << resolution;
+  }
+  for (double half_width : {0.0, -0.01, std::numeric_limits<double>::quiet_NaN(),
+                            std::numeric_limits<double>::infinity(), 0.011}) {
+    TouchSite site = good;
+    site.site.half_width = half_width;
+    EXPECT_THROW((void)CheckPointGrid(site), InputError) << half_width;
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/display_field.h"
+
+#include <gtest/gtest.h>
+
+#include "solvers/interpolation/analytic_site.h"
+
+namespace palpate {
+namespace {
+
+using test::analytic_site;
+using test::at;
+using test::exponential;
+using test::kHalfWidth;
+
+constexpr int kModes = 5;
+
+/// Coefficients quadratic in t, of the order of 1e-2.
+struct Quadratic {
+  Eigen::Matrix<double, kModes, 3> linear = Eigen::Matrix<double, kModes, 3>::Random();
+  Eigen::Matrix<double, kModes, 9> second = Eigen::Matrix<double, kModes, 9>::Random();
+
+  [[nodiscard]] Mat3 hessian(int m) const {
+    const Eigen::Matrix<double, 9, 1> row = second.row(m).transpose();
+    const Mat3 a = 40 * Eigen::Map<const Mat3>(row.data());
+    return 0.5 * (a + a.transpose());
+  }
+  [[nodiscard]] Eigen::VectorXd value(const Vec3& t) const {
+    Eigen::VectorXd c = linear * t;
+    for (int m = 0; m < kModes; ++m) c[m] += 0.5 * t.dot(hessian(m) * t);
+    return c;
+  }
+  [[nodiscard]] Eigen::MatrixXd gradient(const Vec3& t) const {
+    Eigen::MatrixXd g = linear;
+    for (int m = 0; m < kModes; ++m) g.row(m) += (hessian(m) * t).transpose();
+    return g;
+  }
+};
+
+TouchSite quadratic_site(const Quadratic& field) {
+  TouchSite site = analytic_site(exponential);
+  const auto n = static_cast<Eigen::Index>(site.configurations.size());
+  site.coefficients.resize(kModes, n);
+  site.coefficient_gradients.resize(3 * kModes, n);
+  for (Eigen::Index c = 0; c < n; ++c) {
+    const Vec3& t = site.configurations[c].t;
+    site.coefficients.col(c) = field.value(t).cast<float>();
+    const Eigen::MatrixXf g = field.gradient(t).cast<float>();
+    for (int a = 0; a < 3; ++a) {
+      site.coefficient_gradients.col(c).segment(a * kModes, kModes) = g.col(a);
+    }
+  }
+  return site;
+}
+
+/// Coefficients are kept in single precision.
+constexpr double kSingle = 1e-8;
+
+TEST(DisplayField, IsExactForQuadraticFields) {
+  const Quadratic quadratic;
+  const DisplayField field(quadratic_site(quadratic));
+  ASSERT_EQ(field.num_modes(), kModes);
+  test::RandomPoints points;
+  Eigen::VectorXf c(kModes);
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 t = points();
+    EXPECT_EQ(field.coefficients(t, c.data()), Found::inside);
+    EXPECT_LT((c.cast<double>() - quadratic.value(t)).norm(), kSingle);
+  }
+}
+
+TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
+  const Quadratic quadratic;
+  TouchSite site = quadratic_site(quadratic);
+  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(site, {-1, -1, -1}).flags = flags::unstable;
+  const DisplayField field(site);
+  const auto interpolator = make_interpolator(Method::energy_hermite, site);
+  Eigen::VectorXf c(kModes);
+
+  const Vec3 border(0.003, -kHalfWidth, 0.001);
+  const Vec3 offset(0, -0.004, 0);
+  EXPECT_EQ(field.coefficients(border + offset, c.data()), Found::extrapolated);
+  EXPECT_LT(
+      (c.cast<double>() - quadratic.value(border) - quadratic.gradient(border) * offset).norm(),
+      kSingle);
+
+  const Vec3 nearest = at(site, {2, 1, 1}).t;
+  const Vec3 step(-0.001, 0.0005, 0);
+  EXPECT_EQ(field.coefficients(nearest + step, c.data()), Found::extrapolated);
+  EXPECT_LT(
+      (c.cast<double>() - quadratic.value(nearest) - quadratic.gradient(nearest) * step).norm(),
+      kSingle);
+
+  test::RandomPoints points(1.5 * kHalfWidth);
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 t = points();
+    EXPECT_EQ(field.coefficients(t, c.data()), interpolator->evaluate(t).found);
+    EXPECT_TRUE(c.allFinite());
+  }
+  EXPECT_EQ(field.coefficients(Vec3::Constant(std::nan("")), c.data()), Found::no);
+  EXPECT_TRUE(c.isZero(0));
+}
+
+TEST(DisplayField, SiteWithoutModes) {
+  TouchSite site = analytic_site(exponential, 3);
+  site.coefficients.resize(0, 27);
+  site.coefficient_gradients.resize(0, 27);
+  const DisplayField field(site);
+  EXPECT_EQ(field.coefficients(Vec3::Zero(), nullptr), Found::inside);
+}
+
+TEST(ApplyModes, IsTheProductInBothPrecisions) {
+  for (Eigen::Index rows : {0, 3, 511, 512, 513, 2400}) {
+    const Eigen::MatrixXf modes = Eigen::MatrixXf::Random(rows, 40);
+    const Eigen::VectorXf c = Eigen::VectorXf::Random(40);
+    Eigen::VectorXf single(rows);
+    Eigen::VectorXd twice(rows);
+    apply_modes(modes, c.data(), single.data());
+    apply_modes(modes, c.data(), twice.data());
+    const Eigen::VectorXf expected = modes * c;
+    EXPECT_LE((single - expected).cwiseAbs().sum(), 1e-5F * static_cast<float>(rows));
+    EXPECT_EQ(single.cast<double>(), twice);
+  }
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "interpolation/hermite_data.h"
+#include "interpolation/interpolator.h"
+#include "solvers/interpolation/analytic_site.h"
+
+namespace palpate {
+namespace {
+
+using test::analytic_site;
+using test::at;
+using test::exponential;
+using test::kHalfWidth;
+using test::kUnit;
+using test::monomial;
+
+std::unique_ptr<Interpolator> hermite(const TouchSite& site) {
+  return make_interpolator(Method::energy_hermite, site);
+}
+
+/// A space with a hole and a missing corner, so that every kind of stencil is in use.
+TouchSite holed_site() {
+  TouchSite site = analytic_site(exponential);
+  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(site, {3, 3, 3}).outcome = Outcome::not_converged;
+  at(site, {-3, -1, 2}).outcome = Outcome::not_converged;
+  return site;
+}
+
+TEST(EnergyHermite, ForceIsTheGradientOfTheEnergy) {
+  const auto interpolator = hermite(holed_site());
+  const double step = 1e-6;
+  test::RandomPoints points;
+  int inside = 0;
+  for (int i = 0; i < 500; ++i) {
+    const Vec3 t = points();
+    const TouchResult r = interpolator->evaluate(t);
+    if (r.found != Found::inside) continue;
+    ++inside;
+    EXPECT_EQ(r.stiffness, r.stiffness.transpose());
+    for (int a = 0; a < 3; ++a) {
+      const Vec3 d = step * Vec3::Unit(a);
+      const TouchResult high = interpolator->evaluate(t + d);
+      const TouchResult low = interpolator->evaluate(t - d);
+      if (high.found != Found::inside || low.found != Found::inside) continue;
+      EXPECT_NEAR((high.energy - low.energy) / (2 * step), r.force[a], 1e-6 * r.force.norm());
+      EXPECT_LT(((high.force - low.force) / (2 * step) - r.stiffness.col(a)).norm(),
+                1e-5 * r.stiffness.norm());
+    }
+  }
+  EXPECT_GT(inside, 300);
+}
+
+TEST(EnergyHermite, EnergyForceAndStiffnessAreContinuousAcrossCells) {
+  const auto interpolator = hermite(holed_site());
+  const double h = 2 * kHalfWidth / 6;
+  test::RandomPoints points;
+  int checked = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Vec3 t = points();
+    const int axis = i % 3;
+    t[axis] = h * (i % 5 - 2);
+    // From the cells of both sides, at the same place to rounding.
+    const Vec3 d = 1e-13 * Vec3::Unit(axis);
+    const TouchResult a = interpolator->evaluate(t - d);
+    const TouchResult b = interpolator->evaluate(t + d);
+    if (a.found != Found::inside || b.found != Found::inside) continue;
+    ++checked;
+    EXPECT_NEAR(a.energy, b.energy, 1e-10 * std::abs(a.energy));
+    EXPECT_LT((a.force - b.force).norm(), 1e-9 * a.force.norm());
+    EXPECT_LT((a.stiffness - b.stiffness).norm(), 1e-8 * a.stiffness.norm());
+  }
+  EXPECT_GT(checked, 500);
+}
+
+// Fifth-degree polynomials piece by piece: three Gauss points on each side of a cell's width are
+// exact for the work along a line parallel to an axis.
+TEST(EnergyHermite, NoWorkAroundAClosedLoop) {
+  const auto interpolator = hermite(analytic_site(exponential));
+  const double h = 2 * kHalfWidth / 6;
+  const double gauss[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)};
+  const double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+  double size = 0;
+  const auto work = [&](Vec3 from, int axis, int cells) {
+    double sum = 0;
+    for (int cell = 0; cell < std::abs(cells); ++cell) {
+      const double step = cells > 0 ? h : -h;
+      for (int g = 0; g < 3; ++g) {
+        const TouchResult r = interpolator->evaluate(from + gauss[g] * step * Vec3::Unit(axis));
+        sum += weight[g] * step * r.force[axis];
+        size += weight[g] * h * std::abs(r.force[axis]);
+      }
+      from[axis] += step;
+    }
+    return sum;
+  };
+  const Vec3 start = h * Vec3(-2, -1, 0.3);
+  const double loop = work(start, 0, 4) + work(start + h * Vec3(4, 0, 0), 1, 3) +
+                      work(start + h * Vec3(4, 3, 0), 0, -4) +
+                      work(start + h * Vec3(0, 3, 0), 1, -3);
+  EXPECT_LT(std::abs(loop), 1e-14 * size);
+}
+
+double largest_force_error(const Interpolator& interpolator, const test::Energy& energy,
+                           double half_width = kHalfWidth) {
+  test::RandomPoints points(half_width);
+  double error = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 t = points();
+    error = std::max(error, (interpolator.evaluate(t).force - energy(t).force).norm());
+  }
+  return error;
+}
+
+// The differences are exact up to degree 4 along their axis, the basis up to 5.
+TEST(EnergyHermite, ReproducesTheMonomialsItShould) {
+  for (int a = 0; a <= 6; ++a) {
+    for (int b = 0; b <= 6; ++b) {
+      for (int c = 0; c <= 6; ++c) {
+        const int most = std::max({a, b, c});
+        const bool exact = most <= 4 || (most == 5 && a + b + c <= 6);
+        if (!exact && a + b + c > 8) continue;
+        const test::Energy energy = monomial(a, b, c);
+        const double scale = energy(Vec3::Constant(kHalfWidth)).force.norm() + 1;
+        for (std::int32_t resolution : {5, 7}) {
+          const double error =
+              largest_force_error(*hermite(analytic_site(energy, resolution)), energy) / scale;
+          if (exact) {
+            EXPECT_LT(error, 1e-11) << a << b << c << " with " << resolution;
+          } else {
+            EXPECT_GT(error, 1e-8) << a << b << c << " with " << resolution;
+          }
+        }
+      }
+    }
+  }
+}
+
+// Beside holes and with few points the differences lose degrees, but keep what those left can give:
+// quadratic and, with three in a row, cubic energies.
+TEST(EnergyHermite, ReproducesCubicEnergiesFromThreePointsInARow) {
+  for (int a = 0; a <= 3; ++a) {
+    for (int b = 0; a + b <= 3; ++b) {
+      const test::Energy energy = monomial(a, b, 3 - a - b);
+      const double scale = energy(Vec3::Constant(kHalfWidth)).force.norm() + 1;
+      EXPECT_LT(largest_force_error(*hermite(analytic_site(energy, 3)), energy) / scale, 1e-12);
+      TouchSite holed = analytic_site(energy);
+      at(holed, {0, 0, 0}).outcome = Outcome::not_converged;
+      at(holed, {2, -1, 1}).outcome = Outcome::not_converged;
+      const auto interpolator = hermite(holed);
+      test::RandomPoints points;
+      for (int i = 0; i < 300; ++i) {
+        const Vec3 t = points();
+        const TouchResult r = interpolator->evaluate(t);
+        if (r.found != Found::inside) continue;
+        EXPECT_LT((r.force - energy(t).force).norm() / scale, 1e-11) << a << b;
+      }
+    }
+  }
+}
+
+/// Root mean square of the force's error over that of the force.
+double relative_error(const Interpolator& interpolator, double half_width) {
+  test::RandomPoints points(half_width);
+  double error = 0;
+  double size = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 t = points();
+    const Vec3 force = exponential(t).force;
+    error += (interpolator.evaluate(t).force - force).squaredNorm();
+    size += force.squaredNorm();
+  }
+  return std::sqrt(error / size);
+}
+
+// In the middle of the box, where the differences are central: the basis gives the force to the
+// fifth order; the mixed derivatives, by differences of the fourth, keep that.
+TEST(EnergyHermite, ConvergesFasterThanTrilinear) {
+  std::vector<double> error;
+  std::vector<double> linear_error;
+  for (std::int32_t resolution : {9, 17, 33}) {
+    const TouchSite site = analytic_site(exponential, resolution);
+    error.push_back(relative_error(*hermite(site), 0.5 * kHalfWidth));
+    linear_error.push_back(
+        relative_error(*make_interpolator(Method::trilinear, site), 0.5 * kHalfWidth));
+  }
+  for (int i = 0; i < 2; ++i) {
+    const double order = std::log2(error[i] / error[i + 1]);
+    RecordProperty("order_" + std::to_string(i), std::to_string(order));
+    EXPECT_GT(order, 4.7);
+    EXPECT_NEAR(std::log2(linear_error[i] / linear_error[i + 1]), 2, 0.1);
+  }
+  const TouchSite seven = analytic_site(exponential, 7);
+  const double ratio = relative_error(*make_interpolator(Method::trilinear, seven), kHalfWidth) /
+                       relative_error(*hermite(seven), kHalfWidth);
+  RecordProperty("trilinear_over_hermite", std::to_string(ratio));
+  EXPECT_GT(ratio, 30);
+}
+
+TEST(EnergyHermite, MixedDerivativesVanishWithoutNeighbours) {
+  const TouchSite one = analytic_site(exponential, 1);
+  const std::vector<double> d = hermite_data(CheckPointGrid(one), one);
+  ASSERT_EQ(d.size(), 27U);
+  EXPECT_EQ(d[hermite_index(0, 0, 0)], one.configurations[0].energy);
+  EXPECT_EQ(d[hermite_index(1, 1, 1)], 0);
+  EXPECT_EQ(d[hermite_index(2, 2, 2)], 0);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What holds for every method.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "interpolation/interpolator.h"
+#include "solvers/interpolation/analytic_site.h"
+
+namespace palpate {
+namespace {
+
+using test::analytic_site;
+using test::at;
+using test::exponential;
+using test::kHalfWidth;
+
+class AnyMethod : public testing::TestWithParam<Method> {
+ protected:
+  [[nodiscard]] static std::unique_ptr<Interpolator> make(const TouchSite& site) {
+    return make_interpolator(GetParam(), site);
+  }
+};
+
+bool is_finite(const TouchResult& r) {
+  return std::isfinite(r.energy) && r.force.allFinite() && r.stiffness.allFinite();
+}
+
+TEST_P(AnyMethod, IsExactAtTheCheckPoints) {
+  const TouchSite site = analytic_site(exponential);
+  const auto interpolator = make(site);
+  for (const ConfigurationSummary& c : site.configurations) {
+    const TouchResult r = interpolator->evaluate(c.t);
+    EXPECT_EQ(r.found, Found::inside);
+    EXPECT_NEAR(r.energy, c.energy, 1e-13 * std::abs(c.energy));
+    EXPECT_LT((r.force - c.force).norm(), 1e-12 * (1 + c.force.norm()));
+  }
+}
+
+TEST_P(AnyMethod, RestGivesTheStoredForce) {
+  TouchSite site = analytic_site([](const Vec3& t) {
+    test::Sample s = exponential(t);
+    s.force = 100 * t;
+    s.energy = 50 * t.squaredNorm();
+    return s;
+  });
+  at(site, {0, 0, 0}).force.setZero();
+  EXPECT_TRUE(make(site)->evaluate(Vec3::Zero()).force.isZero(0));
+}
+
+TEST_P(AnyMethod, StiffnessIsTheGradientOfTheForce) {
+  const auto interpolator = make(analytic_site(exponential));
+  const double step = 1e-7;
+  test::RandomPoints points;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 t = points();
+    const TouchResult r = interpolator->evaluate(t);
+    for (int a = 0; a < 3; ++a) {
+      const Vec3 d = step * Vec3::Unit(a);
+      const Vec3 slope =
+          (interpolator->evaluate(t + d).force - interpolator->evaluate(t - d).force) / (2 * step);
+      EXPECT_LT((slope - r.stiffness.col(a)).norm(), 1e-6 * (1 + r.stiffness.norm()));
+    }
+  }
+}
+
+TEST_P(AnyMethod, ForceIsContinuousEverywhereButBesideHoles) {
+  const auto interpolator = make(analytic_site(exponential));
+  const double h = 2 * kHalfWidth / 6;
+  test::RandomPoints points(1.6 * kHalfWidth);
+  for (int i = 0; i < 500; ++i) {
+    Vec3 t = points();
+    const int axis = i % 3;
+    t[axis] = h * (i % 7 - 3);  // a side of cells, the border of the box for ±3
+    const Vec3 d = 1e-10 * Vec3::Unit(axis);
+    const TouchResult before = interpolator->evaluate(t - d);
+    const TouchResult after = interpolator->evaluate(t + d);
+    const double jump = 4e-10 * (before.stiffness.norm() + after.stiffness.norm());
+    EXPECT_LT((after.force - before.force).norm(), jump + 1e-9 * before.force.norm());
+    EXPECT_NEAR(after.energy, before.energy,
+                4e-10 * before.force.norm() + 1e-9 * std::abs(before.energy));
+  }
+}
+
+TEST_P(AnyMethod, OutsideTheForceFollowsTheStiffness) {
+  const auto interpolator = make(analytic_site(exponential));
+  const Vec3 border(kHalfWidth, 0.003, -0.001);
+  const TouchResult at_border = interpolator->evaluate(border);
+  EXPECT_EQ(at_border.found, Found::inside);
+  const TouchResult out = interpolator->evaluate(border + Vec3(0.004, 0, 0));
+  EXPECT_EQ(out.found, Found::extrapolated);
+  EXPECT_LT((out.force - at_border.force - out.stiffness * Vec3(0.004, 0, 0)).norm(), 1e-9);
+  EXPECT_GT((out.stiffness * Vec3(0.004, 0, 0)).x(), 0);
+}
+
+TEST_P(AnyMethod, BesideAHoleTaylorOfTheNearestCheckPoint) {
+  TouchSite site = analytic_site(exponential);
+  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(site, {1, 1, 1}).force.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto interpolator = make(site);
+  const ConfigurationSummary& nearest = at(site, {2, 1, 1});
+  const Vec3 offset(-0.001, 0.0005, 0.0003);
+  const TouchResult r = interpolator->evaluate(nearest.t + offset);
+  EXPECT_EQ(r.found, Found::extrapolated);
+  EXPECT_LT((r.force - nearest.force - nearest.stiffness * offset).norm(), 1e-9);
+  EXPECT_NEAR(
+      r.energy,
+      nearest.energy + nearest.force.dot(offset) + 0.5 * offset.dot(nearest.stiffness * offset),
+      1e-12);
+  test::RandomPoints points(2 * kHalfWidth);
+  for (int i = 0; i < 2000; ++i) EXPECT_TRUE(is_finite(interpolator->evaluate(points())));
+}
+
+// Configurations that were never computed: beyond the force limit nothing is expanded.
+TEST_P(AnyMethod, MissingCheckPointsAreLikeFailedOnes) {
+  TouchSite site = analytic_site(exponential);
+  TouchSite failed = site;
+  site.configurations.clear();
+  for (ConfigurationSummary& c : failed.configurations) {
+    if (c.t.norm() < 0.01) {
+      site.configurations.push_back(c);
+    } else {
+      c.outcome = Outcome::budget_used_up;
+    }
+  }
+  const auto a = make(site);
+  const auto b = make(failed);
+  test::RandomPoints points(1.5 * kHalfWidth);
+  int inside = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 t = points();
+    const TouchResult r = a->evaluate(t);
+    EXPECT_EQ(r.found, b->evaluate(t).found);
+    EXPECT_EQ(r.force, b->evaluate(t).force);
+    EXPECT_TRUE(is_finite(r));
+    inside += r.found == Found::inside ? 1 : 0;
+  }
+  EXPECT_GT(inside, 20);
+}
+
+TEST_P(AnyMethod, MarkedRegionIsInterpolatedAndSaidSo) {
+  TouchSite site = analytic_site(exponential);
+  const TouchResult plain = make(site)->evaluate(Vec3(0.005, 0.005, 0.005));
+  at(site, {1, 1, 1}).flags = flags::inverted;
+  const TouchResult marked = make(site)->evaluate(Vec3(0.005, 0.005, 0.005));
+  EXPECT_EQ(plain.found, Found::inside);
+  EXPECT_EQ(marked.found, Found::marked);
+  EXPECT_EQ(plain.force, marked.force);
+}
+
+TEST_P(AnyMethod, SmallGrids) {
+  const TouchSite one = analytic_site(exponential, 1);
+  const TouchResult r = make(one)->evaluate(Vec3(0.001, 0, 0));
+  EXPECT_EQ(r.found, Found::extrapolated);
+  EXPECT_LT(
+      (r.force - one.configurations[0].force - one.configurations[0].stiffness * Vec3(0.001, 0, 0))
+          .norm(),
+      1e-9);
+  const TouchSite three = analytic_site(exponential, 3);
+  const auto interpolator = make(three);
+  for (const ConfigurationSummary& c : three.configurations) {
+    EXPECT_LT((interpolator->evaluate(c.t).force - c.force).norm(), 1e-12 * c.force.norm());
+  }
+}
+
+TEST_P(AnyMethod, BadInputFindsNothing) {
+  const auto interpolator = make(analytic_site(exponential));
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const Vec3& t : {Vec3(nan, 0, 0), Vec3(0, infinity, 0), Vec3(0, 0, -infinity)}) {
+    const TouchResult r = interpolator->evaluate(t);
+    EXPECT_EQ(r.found, Found::no);
+    EXPECT_TRUE(r.force.isZero(0));
+  }
+  for (double far : {1.0, 1e10, 1e100, 1e150, 1e200, 1e307}) {
+    const TouchResult r = interpolator->evaluate(Vec3(far, -far, far));
+    EXPECT_TRUE(is_finite(r)) << far;
+  }
+}
+
+TEST_P(AnyMethod, NothingUsableFindsNothing) {
+  TouchSite site = analytic_site(exponential, 3);
+  for (ConfigurationSummary& c : site.configurations) c.outcome = Outcome::not_converged;
+  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).found, Found::no);
+  site.configurations.clear();
+  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).found, Found::no);
+}
+
+TEST_P(AnyMethod, OutlivesItsSite) {
+  auto site = std::make_unique<TouchSite>(analytic_site(exponential));
+  const auto interpolator = make(*site);
+  const TouchResult before = interpolator->evaluate(Vec3(0.001, 0.002, 0.003));
+  site.reset();
+  EXPECT_EQ(interpolator->evaluate(Vec3(0.001, 0.002, 0.003)).force, before.force);
+}
+
+INSTANTIATE_TEST_SUITE_P(, AnyMethod, testing::Values(Method::trilinear, Method::energy_hermite),
+                         [](const auto& method) {
+                           return method.param == Method::trilinear ? "Trilinear" : "EnergyHermite";
+                         });
+
+TEST(Trilinear, ReproducesTrilinearForcesAndItsStiffnessIsNotSymmetrised) {
+  TouchSite site = analytic_site(exponential);
+  Mat3 a;
+  a << 1, 2, 3, 4, 5, 6, 7, 8, 10;
+  const auto force = [&](const Vec3& t) {
+    return Vec3(a * t + 1e4 * t.x() * t.y() * t.z() * Vec3(1, -1, 2));
+  };
+  for (ConfigurationSummary& c : site.configurations) c.force = force(c.t);
+  const auto interpolator = make_interpolator(Method::trilinear, site);
+  test::RandomPoints points;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 t = points();
+    EXPECT_LT((interpolator->evaluate(t).force - force(t)).norm(), 1e-15);
+  }
+  EXPECT_LT((interpolator->evaluate(Vec3::Zero()).stiffness - a).norm(), 1e-12);
+}
+
+TEST(MakeInterpolator, RefusesMethodsThatAreNotThere) {
+  EXPECT_THROW((void)make_interpolator(static_cast<Method>(1), analytic_site(exponential, 3)),
+               InputError);
+  EXPECT_EQ(to_string(Method::energy_hermite), "Energy Hermite");
+}
+
+}  // namespace
+}  // namespace palpate

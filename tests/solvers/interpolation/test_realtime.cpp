@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The calls of the servo loop allocate nothing.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <utility>
+
+#include "interpolation/display_field.h"
+#include "solvers/interpolation/analytic_site.h"
+
+// Counts every allocation of the program, those of Eigen too, which are none of operator new.
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PALPATE_COUNTS_ALLOCATIONS
+namespace {
+std::atomic<long> num_allocations{0};
+}  // namespace
+
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* malloc(std::size_t size) noexcept {
+  ++num_allocations;
+  return __libc_malloc(size);
+}
+#endif
+
+namespace palpate {
+namespace {
+
+TEST(Realtime, EvaluationAllocatesNothing) {
+  TouchSite site = test::analytic_site(test::exponential);
+  test::at(site, {1, 0, 1}).outcome = Outcome::not_converged;
+  site.coefficients = Eigen::MatrixXf::Random(40, 343);
+  site.coefficient_gradients = Eigen::MatrixXf::Random(120, 343);
+  const auto trilinear = make_interpolator(Method::trilinear, site);
+  const auto hermite = make_interpolator(Method::energy_hermite, site);
+  const DisplayField field(site);
+  const Eigen::MatrixXf modes = Eigen::MatrixXf::Random(600, 40);
+  std::vector<float> coefficients(40);
+  std::vector<float> single(600);
+  std::vector<double> twice(600);
+  test::RandomPoints points(2 * test::kHalfWidth);
+
+  static_assert(noexcept(hermite->evaluate(std::declval<const Vec3&>())));
+  static_assert(noexcept(field.coefficients(std::declval<const Vec3&>(), nullptr)));
+#ifdef PALPATE_COUNTS_ALLOCATIONS
+  const long before = num_allocations;
+  ASSERT_GT(before, 0) << "allocations are not counted";
+#endif
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 t = points();
+    (void)trilinear->evaluate(t);
+    (void)hermite->evaluate(t);
+    field.coefficients(t, coefficients.data());
+    apply_modes(modes, coefficients.data(), single.data());
+    apply_modes(modes, coefficients.data(), twice.data());
+  }
+#ifdef PALPATE_COUNTS_ALLOCATIONS
+  EXPECT_EQ(num_allocations, before);
+#else
+  GTEST_SKIP() << "allocations cannot be counted here";
+#endif
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <cmath>
+#include <vector>
+
+#include "solvers/materials/point.h"
+#include "solvers/support/finite_difference.h"
+#include "solvers/support/laws.h"
+#include "solvers/support/random.h"
+
+namespace palpate::test {
+namespace {
+
+/// A law is some hundred operations; det F as small as 0.3 and stretches near 3 amplify their
+/// rounding by about a hundred.
+constexpr double kRounding = 1e-12;
+/// Steps of 1e-2 of the least stretch, extrapolated to O(h⁶), leave 1e-11 of the derivative.
+constexpr double kDifference = 1e-9;
+
+class Laws : public testing::TestWithParam<Law> {
+ protected:
+  Material material() const { return make_material(GetParam(), 3000, 0.35); }
+
+  /// Displacement gradients with det F from 0.3 to 2 and stretches that differ by a factor of up
+  /// to e^1.2.
+  static std::vector<Mat3> gradients() {
+    Random random(5);
+    std::vector<Mat3> all;
+    for (double det_f : {0.3, 0.5, 0.8, 1.0, 1.3, 1.7, 2.0}) {
+      for (int i = 0; i < 3; ++i) {
+        all.push_back(random.deformation_gradient(det_f, 0.6) - Mat3::Identity());
+      }
+    }
+    return all;
+  }
+
+  static double step(const Mat3& h) {
+    return 0.01 * Eigen::JacobiSVD<Mat3>(Mat3::Identity() + h).singularValues().minCoeff();
+  }
+};
+
+class NonlinearLaws : public Laws {};
+
+INSTANTIATE_TEST_SUITE_P(Each, Laws, testing::ValuesIn(kLaws), name_of_law);
+INSTANTIATE_TEST_SUITE_P(Each, NonlinearLaws, testing::ValuesIn(kNonlinearLaws), name_of_law);
+
+TEST_P(Laws, StressIsTheDerivativeOfTheEnergy) {
+  for (const Mat3& h : gradients()) {
+    const Mat3 p = first_piola(material(), h);
+    const double scale = std::max(p.norm(), shear_modulus(material()));
+    for (int i = 0; i < 9; ++i) {
+      const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
+      const double expected = derivative(
+          [&](double s) { return respond(material(), h + s * direction).energy; }, step(h));
+      EXPECT_NEAR(p.reshaped()[i], expected, kDifference * scale) << "det F "
+          << (Mat3::Identity() + h).determinant() << ", component " << i;
+    }
+  }
+}
+
+TEST_P(Laws, TangentIsTheDerivativeOfTheStress) {
+  for (const Mat3& h : gradients()) {
+    const Mat9 a = first_piola_tangent(material(), h);
+    for (int i = 0; i < 9; ++i) {
+      const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
+      const Mat3 expected = derivative(
+          [&](double s) { return first_piola(material(), h + s * direction); }, step(h));
+      EXPECT_LT((a.col(i) - Vec9(expected.reshaped())).norm(), kDifference * a.norm())
+          << "det F " << (Mat3::Identity() + h).determinant() << ", component " << i;
+    }
+  }
+}
+
+TEST_P(Laws, WithoutTangentTheRestIsTheSame) {
+  for (const Mat3& h : gradients()) {
+    const Response<double> full = respond(material(), h);
+    Kinematics<double> k;
+    for (int i = 0; i < 9; ++i) k.h[i / 3][i % 3] = h(i / 3, i % 3);
+    k.update();
+    const auto constants = law_constants(material());
+    const double p[3] = {constants[0], constants[1], constants[2]};
+    Response<double> part;
+    with_law(GetParam(),
+             [&](auto law) { LawOf<decltype(law)::value>::template evaluate<false>(k, p, part); });
+    EXPECT_NEAR(part.energy, full.energy, kRounding * std::abs(full.energy));
+    for (int m = 0; m < 6; ++m) EXPECT_NEAR(part.s[m], full.s[m], kRounding * stress(full).norm());
+  }
+}
+
+TEST_P(Laws, APacketIsEightNumbers) {
+  // Another material in every lane.
+  const auto stiffer = [this](int lane) {
+    Material result = material();
+    result.parameters[0] *= 1 + 0.1 * lane;
+    return result;
+  };
+  const auto all = gradients();
+  for (std::size_t first = 0; first + 8 <= all.size(); first += 8) {
+    Kinematics<Packet> k;
+    Packet p[3];
+    for (int lane = 0; lane < 8; ++lane) {
+      for (int i = 0; i < 9; ++i) {
+        k.h[i / 3][i % 3].lanes[lane] = all[first + lane](i / 3, i % 3);
+      }
+      for (int i = 0; i < 3; ++i) p[i].lanes[lane] = law_constants(stiffer(lane))[i];
+    }
+    k.update();
+    Response<Packet> r;
+    with_law(GetParam(),
+             [&](auto law) { LawOf<decltype(law)::value>::template evaluate<true>(k, p, r); });
+    for (int lane = 0; lane < 8; ++lane) {
+      const Response<double> one = respond(stiffer(lane), all[first + lane]);
+      EXPECT_NEAR(r.energy[lane], one.energy, kRounding * std::abs(one.energy));
+      for (int m = 0; m < 6; ++m) {
+        EXPECT_NEAR(r.s[m][lane], one.s[m], kRounding * stress(one).norm());
+      }
+      for (int m = 0; m < 21; ++m) {
+        EXPECT_NEAR(r.d[m][lane], one.d[m], kRounding * tangent(one).norm());
+      }
+    }
+  }
+}
+
+TEST_P(Laws, AreIsotropic) {
+  Random random(6);
+  for (const Mat3& h : gradients()) {
+    const Mat3 q = random.rotation();
+    const Response<double> before = respond(material(), h);
+    const Response<double> after = respond(material(), q.transpose() * h * q);
+    EXPECT_NEAR(after.energy, before.energy, kRounding * before.energy);
+    EXPECT_LT((stress(after) - q.transpose() * stress(before) * q).norm(),
+              kRounding * tangent(before).norm());
+  }
+}
+
+TEST_P(NonlinearLaws, ARotationOfTheBodyChangesNeitherEnergyNorStress) {
+  Random random(7);
+  for (const Mat3& h : gradients()) {
+    const Mat3 q = random.rotation();
+    const Response<double> before = respond(material(), h);
+    const Response<double> after =
+        respond(material(), q * (Mat3::Identity() + h) - Mat3::Identity());
+    EXPECT_NEAR(after.energy, before.energy, kRounding * before.energy);
+    EXPECT_LT((stress(after) - stress(before)).norm(), kRounding * tangent(before).norm());
+    EXPECT_LT((tangent(after) - tangent(before)).norm(), kRounding * tangent(before).norm());
+  }
+}
+
+TEST_P(NonlinearLaws, ARotatedBodyIsAtRest) {
+  Random random(8);
+  for (int i = 0; i < 20; ++i) {
+    const Response<double> r = respond(material(), random.rotation() - Mat3::Identity());
+    // F − I and FᵀF − I are wrong by some ε.
+    EXPECT_NEAR(r.energy, 0, 1e-14 * bulk_modulus(material()));
+    EXPECT_LT(stress(r).norm(), 1e-14 * bulk_modulus(material()));
+  }
+}
+
+TEST_P(Laws, AtRestAllAreTheLinearLaw) {
+  const Response<double> at_rest = respond(material(), Mat3::Zero());
+  EXPECT_EQ(at_rest.energy, 0);
+  EXPECT_EQ(stress(at_rest), Mat3::Zero());
+  const Mat6 linear = tangent(respond(make_material(Law::linear, 3000, 0.35), Mat3::Zero()));
+  EXPECT_LT((tangent(at_rest) - linear).norm(), 1e-14 * linear.norm());
+}
+
+TEST_P(Laws, TheLinearTangentIsThatOfLame) {
+  const double lambda = bulk_modulus(material()) - 2.0 / 3 * shear_modulus(material());
+  const double mu = shear_modulus(material());
+  const Mat6 d = tangent(respond(material(), Mat3::Zero()));
+  for (int m = 0; m < 6; ++m) {
+    for (int n = 0; n < 6; ++n) {
+      double expected = m < 3 && n < 3 ? lambda : 0;
+      if (m == n) expected += m < 3 ? 2 * mu : mu;
+      EXPECT_NEAR(d(m, n), expected, 1e-14 * (lambda + 2 * mu)) << m << n;
+    }
+  }
+}
+
+// E → 0 with H: the energy is that of the linear law but for terms of third order.
+TEST_P(NonlinearLaws, SmallStrainIsThatOfTheLinearLaw) {
+  Random random(9);
+  const Material linear = make_material(Law::linear, 3000, 0.35);
+  for (int i = 0; i < 10; ++i) {
+    const Mat3 h = random.matrix(1e-7);
+    const double expected = respond(linear, h).energy;
+    EXPECT_NEAR(respond(material(), h).energy, expected, 1e-5 * expected);
+    EXPECT_LT((first_piola(material(), h) - first_piola(linear, h)).norm(),
+              1e-5 * first_piola(linear, h).norm());
+  }
+}
+
+TEST_P(NonlinearLaws, FlatteningCostsMoreAndMoreWhereThereIsABarrier) {
+  double last = 0;
+  for (double height : {0.5, 1e-1, 1e-3, 1e-6, 1e-12}) {
+    const double energy =
+        respond(material(), Vec3(0, 0, height - 1).asDiagonal().toDenseMatrix()).energy;
+    if (has_inversion_barrier(GetParam())) {
+      EXPECT_GT(energy, last);
+    }
+    EXPECT_TRUE(std::isfinite(energy));
+    last = energy;
+  }
+  const double least_that_bars = 10 * shear_modulus(material());
+  EXPECT_EQ(last > least_that_bars, has_inversion_barrier(GetParam()));
+}
+
+TEST(Log1pRemainder, KeepsItsDigits) {
+  for (double sign : {-1.0, 1.0}) {
+    for (double x : {1e-300, 1e-150, 1e-12, 1e-8}) {
+      // The next term of x²/2 − x³/3 + x⁴/4 is below 1e-16 of the first.
+      EXPECT_NEAR(baseline::log1p_remainder(sign * x), x * x * (0.5 - sign * x / 3),
+                  1e-15 * x * x);
+    }
+    for (double x : {1e-3, 0.01, 0.0499999, 0.05, 0.0500001, 0.1, 0.9}) {
+      // 64-bit mantissa: from 1e-3 on, the subtraction leaves 16 digits.
+      const long double reference = sign * x - std::log1p(static_cast<long double>(sign * x));
+      EXPECT_NEAR(baseline::log1p_remainder(sign * x), static_cast<double>(reference),
+                  1e-14 * static_cast<double>(reference))
+          << sign * x;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test

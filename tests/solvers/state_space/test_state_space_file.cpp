@@ -1,0 +1,562 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/state_space_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+#include "base/error.h"
+#include "solvers/state_space/example_space.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using test::example_configuration;
+using test::example_site;
+using test::for_each_check_point;
+
+constexpr double kTolerance = 1e-8;
+
+template <class T>
+bool same_bits(const T& a, const T& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() &&
+         (a.size() == 0 || std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0);
+}
+
+void expect_same_summary(const ConfigurationSummary& a, const ConfigurationSummary& b) {
+  EXPECT_EQ(a.check_point, b.check_point);
+  EXPECT_EQ(a.level, b.level);
+  EXPECT_EQ(a.parent, b.parent);
+  EXPECT_TRUE(same_bits(a.t, b.t));
+  EXPECT_EQ(std::memcmp(&a.energy, &b.energy, sizeof a.energy), 0);
+  EXPECT_TRUE(same_bits(a.force, b.force));
+  EXPECT_TRUE(same_bits(a.stiffness, b.stiffness));
+  EXPECT_EQ(a.outcome, b.outcome);
+  EXPECT_EQ(a.flags, b.flags);
+  EXPECT_EQ(a.residual, b.residual);
+  EXPECT_EQ(a.minimum_det_f, b.minimum_det_f);
+  EXPECT_EQ(a.negative_pivots, b.negative_pivots);
+  EXPECT_EQ(a.iterations, b.iterations);
+  EXPECT_EQ(a.seconds, b.seconds);
+}
+
+void expect_same(const Configuration& a, const Configuration& b) {
+  expect_same_summary(a, b);
+  EXPECT_TRUE(same_bits(a.u, b.u));
+  EXPECT_TRUE(same_bits(a.v, b.v));
+}
+
+/// The message of the Error that `body` throws.
+template <class Error>
+std::string message_of(const std::function<void()>& body) {
+  try {
+    body();
+  } catch (const Error& error) {
+    return error.what();
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "another error: " << error.what();
+    return {};
+  }
+  ADD_FAILURE() << "no error";
+  return {};
+}
+
+void expect_mentions(const std::string& message, const std::vector<std::string>& words) {
+  for (const std::string& word : words) {
+    EXPECT_NE(message.find(word), std::string::npos) << word << " is not in: " << message;
+  }
+}
+
+class StateSpaceFileTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+    path_ = folder_ / "space of a cube%20?#.palpate";
+  }
+  void TearDown() override {
+    fs::permissions(folder_, fs::perms::owner_all, fs::perm_options::add);
+    fs::remove_all(folder_);
+  }
+
+  [[nodiscard]] StateSpaceFile create() const {
+    StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
+    file.add_site(site_);
+    return file;
+  }
+  void create_full(const fs::path& path, const Site& site) const {
+    StateSpaceFile file = StateSpaceFile::create(path, scene_, kTolerance);
+    file.add_site(site);
+    for_each_check_point(site, [&](const CheckPoint& c) {
+      file.add(site.active_node, example_configuration(scene_, site, c));
+    });
+    file.close();
+  }
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      names.push_back(entry.path().filename().string());
+    }
+    return names;
+  }
+  void poke(std::streamoff offset, const std::string& bytes) const {
+    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(offset);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  }
+
+  fs::path folder_;
+  fs::path path_;
+  const Scene scene_ = test::cube_scene();
+  const Site site_ = example_site(8, 3);
+};
+
+TEST_F(StateSpaceFileTest, RoundTripIsExact) {
+  Configuration odd = example_configuration(scene_, site_, {-1, 0, 1});
+  odd.energy = -0.0;
+  odd.stiffness = Mat3::Random();
+  odd.force = Vec3(1.0 / 3, 1e-320, -7);
+  odd.flags = flags::inverted | flags::beyond_force_limit;
+  odd.negative_pivots = 2;
+  odd.u[4] = -0.0;
+  odd.u[5] = std::numeric_limits<double>::quiet_NaN();
+  Configuration failed = example_configuration(scene_, site_, {1, 1, 1});
+  failed.outcome = Outcome::not_converged;
+  failed.residual = std::numeric_limits<double>::infinity();
+  failed.energy = std::numeric_limits<double>::quiet_NaN();
+  failed.u.resize(0);
+  failed.v.resize(0, 0);
+  const Configuration rest = example_configuration(scene_, site_, {0, 0, 0});
+  Configuration other_level = rest;
+  other_level.level = 1;
+  {
+    StateSpaceFile file = create();
+    for (const Configuration& c : {other_level, failed, rest, odd}) {
+      file.add(site_.active_node, c);
+    }
+    file.set_complete(site_.active_node, true);
+    file.close();
+  }
+  EXPECT_EQ(files().size(), 1U) << "something is left beside the file";
+
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  const StateSpace space = file.read(true);
+  EXPECT_EQ(space.scene_hash, hash(scene_));
+  EXPECT_EQ(hash(space.scene), hash(scene_));
+  EXPECT_EQ(space.scene.touchable, scene_.touchable);
+  EXPECT_EQ(space.scene.fixed, scene_.fixed);
+  EXPECT_EQ(space.scene.materials, scene_.materials);
+  EXPECT_EQ(space.scene.mesh.points, scene_.mesh.points);
+  EXPECT_EQ(space.solver_tolerance, kTolerance);
+  ASSERT_EQ(space.sites.size(), 1U);
+  EXPECT_TRUE(space.sites[0].complete);
+  EXPECT_EQ(space.sites[0].site.half_width, site_.half_width);
+  EXPECT_EQ(space.sites[0].site.force_limit, site_.force_limit);
+  const auto& read = space.sites[0].configurations;
+  ASSERT_EQ(read.size(), 4U);
+  EXPECT_TRUE(std::is_sorted(read.begin(), read.end()));
+  expect_same(read[0], odd);
+  expect_same(read[1], rest);
+  expect_same(read[2], other_level);
+  EXPECT_TRUE(std::isnan(read[3].energy));
+  EXPECT_EQ(read[3].residual, failed.residual);
+  EXPECT_EQ(read[3].u.size(), 0);
+  EXPECT_EQ(read[3].v.size(), 0);
+
+  EXPECT_TRUE(file.contains(site_.active_node, {-1, 0, 1}));
+  EXPECT_TRUE(file.contains(site_.active_node, {0, 0, 0}, 1));
+  EXPECT_FALSE(file.contains(site_.active_node, {0, 0, 1}));
+  EXPECT_FALSE(file.contains(9, {0, 0, 0}));
+  const std::vector<Configuration> summaries = file.read_summaries(site_.active_node);
+  ASSERT_EQ(summaries.size(), 4U);
+  expect_same_summary(summaries[0], odd);
+  EXPECT_EQ(summaries[0].u.size(), 0);
+}
+
+TEST_F(StateSpaceFileTest, BodyOfOneMaterialWithoutCellArray) {
+  Scene scene = scene_;
+  scene.material_of_cell.clear();
+  scene.materials.resize(1);
+  scene.materials[0].parameters[2] = -0.0;
+  StateSpaceFile::create(path_, scene, kTolerance).close();
+  const Scene read = StateSpaceFile::open_read_only(path_).read_scene();
+  EXPECT_TRUE(read.material_of_cell.empty());
+  EXPECT_EQ(hash(read), hash(scene));
+}
+
+TEST_F(StateSpaceFileTest, AppendsAndReplaces) {
+  create().close();
+  Scene touched = scene_;
+  touched.touchable[0] = 1 - touched.touchable[0];
+  StateSpaceFile file = StateSpaceFile::open_or_create(path_, touched, kTolerance);
+  file.add_site(site_);
+  Configuration c = example_configuration(scene_, site_, {0, 0, 1});
+  c.outcome = Outcome::budget_used_up;
+  file.add(site_.active_node, c);
+  c.outcome = Outcome::converged;
+  file.add(site_.active_node, c);
+  const std::vector<Configuration> summaries = file.read_summaries(site_.active_node);
+  ASSERT_EQ(summaries.size(), 1U);
+  EXPECT_TRUE(summaries[0].usable());
+  EXPECT_EQ(file.read_scene().touchable, touched.touchable);
+}
+
+TEST_F(StateSpaceFileTest, RefusesWhatDoesNotFit) {
+  StateSpaceFile file = create();
+  const Configuration c = example_configuration(scene_, site_, {0, 0, 0});
+  expect_mentions(message_of<InputError>([&] { file.add(5, c); }), {"no site", "5"});
+  Configuration wrong_size = c;
+  wrong_size.u.resize(7);
+  EXPECT_THROW(file.add(site_.active_node, wrong_size), InputError);
+  Site other_grid = site_;
+  other_grid.resolution = 9;
+  expect_mentions(message_of<InputError>([&] { file.add_site(other_grid); }),
+                  {"resolution 3", "resolution 9"});
+  file.add(site_.active_node, c);
+  EXPECT_EQ(file.read_summaries(site_.active_node).size(), 1U);
+  Configuration missing = example_configuration(scene_, site_, {1, 1, 1});
+  EXPECT_THROW(file.read_fields(site_.active_node, missing), InputError);
+}
+
+TEST_F(StateSpaceFileTest, RefusesAnotherSceneAndTolerance) {
+  create().close();
+  Scene other = scene_;
+  other.materials[0].parameters[0] *= 1.0000001;
+  expect_mentions(message_of<InputError>(
+                      [&] { (void)StateSpaceFile::open_to_append(path_, other, kTolerance); }),
+                  {hash(scene_), hash(other), path_.filename().string()});
+  expect_mentions(
+      message_of<InputError>([&] { (void)StateSpaceFile::open_to_append(path_, scene_, 1e-6); }),
+      {"1e-08", "9.9999999999999995e-07"});
+  expect_mentions(
+      message_of<InputError>([&] { (void)StateSpaceFile::create(path_, scene_, kTolerance); }),
+      {"already"});
+  EXPECT_EQ(files().size(), 1U);
+}
+
+TEST_F(StateSpaceFileTest, RefusesOtherFiles) {
+  const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
+  const auto append = [&] { (void)StateSpaceFile::open_to_append(path_, scene_, kTolerance); };
+  for (const std::function<void()>& f :
+       {std::function<void()>(open), std::function<void()>(append)}) {
+    expect_mentions(message_of<InputError>(f), {"no file"});
+    std::ofstream(path_) << "";
+    expect_mentions(message_of<InputError>(f), {"empty"});
+    std::ofstream(path_) << std::string(5000, 'x');
+    expect_mentions(message_of<InputError>(f), {"not a Palpate state space"});
+    std::ofstream(path_) << "short";
+    expect_mentions(message_of<InputError>(f), {"not a Palpate state space"});
+    fs::remove(path_);
+    fs::create_directory(path_);
+    expect_mentions(message_of<InputError>(f), {"no ordinary file"});
+    fs::remove(path_);
+  }
+  path_ = folder_ / "no such folder" / "x.palpate";
+  expect_mentions(
+      message_of<InputError>([&] { (void)StateSpaceFile::create(path_, scene_, kTolerance); }),
+      {"no folder"});
+}
+
+TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
+  create().close();
+  poke(68, std::string("\0\0\0\1", 4));  // application_id
+  std::ifstream before(path_, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(before), {}};
+  for (const std::function<void()>& f :
+       {std::function<void()>([&] { (void)StateSpaceFile::open_read_only(path_); }),
+        std::function<void()>(
+            [&] { (void)StateSpaceFile::open_to_append(path_, scene_, kTolerance); })}) {
+    expect_mentions(message_of<InputError>(f), {"another program"});
+    std::ifstream after(path_, std::ios::binary);
+    EXPECT_TRUE(bytes == std::string(std::istreambuf_iterator<char>(after), {}));
+  }
+}
+
+TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
+  create().close();
+  const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
+  poke(60, std::string("\0\0\0\2", 4));  // user_version
+  expect_mentions(message_of<InputError>(open), {"version 2", "newer"});
+  poke(60, std::string("\0\0\0\0", 4));
+  expect_mentions(message_of<InputError>(open), {"version 0", "again"});
+}
+
+TEST_F(StateSpaceFileTest, SaysThatATruncatedFileIsDamaged) {
+  create_full(path_, site_);
+  const auto whole = fs::file_size(path_);
+  for (const auto size : {whole - 1, whole - 20000, whole / 2, whole / 16, std::uintmax_t{20000},
+                          std::uintmax_t{1000}, std::uintmax_t{100}}) {
+    fs::resize_file(path_, size);
+    const auto read = [&] { (void)StateSpaceFile::open_read_only(path_).read(true); };
+    EXPECT_THROW(read(), InputError) << size;
+    const auto append = [&] { (void)StateSpaceFile::open_to_append(path_, scene_, kTolerance); };
+    EXPECT_THROW(append(), InputError) << size;
+  }
+}
+
+TEST_F(StateSpaceFileTest, NoticesDamageAnywhere) {
+  create_full(path_, site_);
+  const StateSpace whole = StateSpaceFile::open_read_only(path_).read(true);
+  const fs::path copy = folder_ / "copy.palpate";
+  fs::copy(path_, copy);
+  const auto size = static_cast<std::streamoff>(fs::file_size(path_));
+  int noticed = 0;
+  constexpr int kTrials = 40;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    fs::copy(copy, path_, fs::copy_options::overwrite_existing);
+    poke(100 + (size - 600) * trial / kTrials, std::string(400, '\xd7'));
+    try {
+      const StateSpace space = StateSpaceFile::open_read_only(path_).read(true);
+      // What is read in silence must be right: only unused space was hit.
+      ASSERT_EQ(space.sites.size(), 1U);
+      ASSERT_EQ(space.sites[0].configurations.size(), whole.sites[0].configurations.size());
+      for (std::size_t c = 0; c < whole.sites[0].configurations.size(); ++c) {
+        expect_same(space.sites[0].configurations[c], whole.sites[0].configurations[c]);
+      }
+    } catch (const InputError& error) {
+      expect_mentions(error.what(), {path_.filename().string()});
+      ++noticed;
+    }
+  }
+  EXPECT_GT(noticed, kTrials / 2);
+}
+
+// Everything whose add() returned is there after the writer was killed at a random instant.
+TEST_F(StateSpaceFileTest, SurvivesKill9) {
+  const Site site = example_site(8, 7);
+  std::vector<CheckPoint> check_points;
+  for_each_check_point(site, [&](const CheckPoint& c) { check_points.push_back(c); });
+  std::size_t present = 0;
+  for (int round = 0; round < 6 && present < check_points.size(); ++round) {
+    std::array<int, 2> channel{};
+    ASSERT_EQ(pipe(channel.data()), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      StateSpaceFile file = StateSpaceFile::open_or_create(path_, scene_, kTolerance);
+      file.add_site(site);
+      for (std::size_t i = present; i < check_points.size(); ++i) {
+        file.add(site.active_node, example_configuration(scene_, site, check_points[i]));
+        if (write(channel[1], &i, sizeof i) != sizeof i) _exit(1);
+      }
+      _exit(0);
+    }
+    close(channel[1]);
+    std::size_t last = present;
+    const std::size_t until = present + 3 + 15 * static_cast<std::size_t>(round);
+    while (last + 1 < until && ::read(channel[0], &last, sizeof last) == sizeof last) {
+    }
+    kill(child, SIGKILL);
+    while (::read(channel[0], &last, sizeof last) == sizeof last) {
+    }
+    waitpid(child, nullptr, 0);
+    close(channel[0]);
+
+    const StateSpace space = StateSpaceFile::open_read_only(path_).read(true);
+    ASSERT_EQ(space.sites.size(), 1U);
+    const auto& configurations = space.sites[0].configurations;
+    ASSERT_GE(configurations.size(), last + 1);
+    for (std::size_t i = 0; i < configurations.size(); ++i) {
+      expect_same(configurations[i], example_configuration(scene_, site, check_points[i]));
+    }
+    present = configurations.size();
+    EXPECT_EQ(files().size(), 1U) << "the log is not taken up";
+  }
+  EXPECT_GT(present, 100U);
+}
+
+TEST_F(StateSpaceFileTest, OneWriterAtATime) {
+  const StateSpaceFile writer = create();
+  expect_mentions(message_of<BackendError>(
+                      [&] { (void)StateSpaceFile::open_to_append(path_, scene_, kTolerance); }),
+                  {"in use"});
+  expect_mentions(message_of<BackendError>([&] { (void)StateSpaceFile::open_read_only(path_); }),
+                  {"in use"});
+}
+
+TEST_F(StateSpaceFileTest, MergesFilesOfRanks) {
+  std::vector<fs::path> ranks;
+  std::vector<Configuration> all;
+  const Site second = example_site(26, 3);
+  for (int rank = 0; rank < 3; ++rank) {
+    ranks.push_back(folder_ / ("rank" + std::to_string(rank)));
+    StateSpaceFile file = StateSpaceFile::create(ranks.back(), scene_, kTolerance);
+    file.add_site(rank == 2 ? second : site_);
+    int i = 0;
+    for_each_check_point(site_, [&](const CheckPoint& c) {
+      Configuration configuration = example_configuration(scene_, rank == 2 ? second : site_, c);
+      configuration.seconds = rank;
+      // One is in both; another converged in the second file alone.
+      if (c == CheckPoint{1, 1, 0} && rank == 0) configuration.outcome = Outcome::budget_used_up;
+      const bool shared = c == CheckPoint{0, 0, 0} || c == CheckPoint{1, 1, 0};
+      if (rank == 2 || shared || i++ % 2 == rank) {
+        file.add(rank == 2 ? second.active_node : site_.active_node, configuration);
+      }
+    });
+    file.close();
+  }
+  StateSpaceFile file = create();
+  for (int again = 0; again < 2; ++again) {
+    file.merge(ranks);
+    const StateSpace space = file.read(true);
+    ASSERT_EQ(space.sites.size(), 2U);
+    for (const SiteSpace& site : space.sites) {
+      ASSERT_EQ(site.configurations.size(), 27U);
+      for (const Configuration& c : site.configurations) {
+        Configuration expected = example_configuration(scene_, site.site, c.check_point);
+        expected.seconds = c.seconds;
+        expect_same(c, expected);
+      }
+    }
+    EXPECT_EQ(space.find(8)->find({0, 0, 0})->seconds, 0);
+    EXPECT_EQ(space.find(8)->find({1, 1, 0})->seconds, 1);
+  }
+  file.close();
+  EXPECT_EQ(files().size(), 4U);
+}
+
+TEST_F(StateSpaceFileTest, MergesNoOtherScene) {
+  StateSpaceFile file = create();
+  const fs::path other = folder_ / "other";
+  StateSpaceFile::create(other, test::cube_scene(1), kTolerance).close();
+  expect_mentions(message_of<InputError>([&] { file.merge({other}); }), {file.scene_hash()});
+  fs::remove(other);
+  create_full(other, example_site(8, 5));
+  expect_mentions(message_of<InputError>([&] { file.merge({other}); }), {"resolution"});
+  EXPECT_THROW(file.merge({folder_ / "none"}), InputError);
+  EXPECT_TRUE(file.read_summaries(8).empty());
+}
+
+/// Runs `body` in a process without the rights of root, and gives its exit code.
+int in_child(const std::function<int()>& body) {
+  const pid_t child = fork();
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (geteuid() == 0 && (setegid(kNobody) != 0 || seteuid(kNobody) != 0)) _exit(100);
+    int code = 101;
+    try {
+      code = body();
+    } catch (const std::exception&) {
+    }
+    _exit(code);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(StateSpaceFileTest, ReadsWhereNothingMayBeWritten) {
+  create_full(path_, site_);
+  fs::permissions(path_, fs::perms(0444));
+  fs::permissions(folder_, fs::perms(0555));
+  EXPECT_EQ(in_child([&] {
+              const StateSpace space = StateSpaceFile::open_read_only(path_).read(true);
+              return space.sites[0].configurations.size() == 27 ? 0 : 1;
+            }),
+            0);
+  // As root or not, an error that names the file when it is to be written.
+  EXPECT_EQ(in_child([&] {
+              try {
+                (void)StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+              } catch (const BackendError& error) {
+                return std::strstr(error.what(), "cannot be written") != nullptr ? 0 : 1;
+              }
+              return 2;
+            }),
+            0);
+  EXPECT_EQ(in_child([&] {
+              try {
+                (void)StateSpaceFile::create(folder_ / "new", scene_, kTolerance);
+              } catch (const BackendError&) {
+                return 0;
+              }
+              return 2;
+            }),
+            0);
+}
+
+TEST_F(StateSpaceFileTest, SaysThatALogCannotBeTakenUp) {
+  const pid_t child = fork();
+  if (child == 0) {
+    StateSpaceFile file = create();
+    file.add(site_.active_node, example_configuration(scene_, site_, {0, 0, 0}));
+    raise(SIGKILL);
+  }
+  waitpid(child, nullptr, 0);
+  ASSERT_EQ(files().size(), 2U);
+  for (const std::string& name : files()) fs::permissions(folder_ / name, fs::perms(0444));
+  fs::permissions(folder_, fs::perms(0555));
+  EXPECT_EQ(in_child([&] {
+              try {
+                (void)StateSpaceFile::open_read_only(path_);
+              } catch (const BackendError& error) {
+                return std::strstr(error.what(), "killed") != nullptr ? 0 : 1;
+              }
+              return 2;
+            }),
+            0);
+}
+
+TEST_F(StateSpaceFileTest, KeepsWhatItHasWhenTheDiskIsFull) {
+  create_full(path_, site_);
+  const auto size = fs::file_size(path_);
+  const Site site = example_site(26, 5);
+  // A limit on the size of files stands for a full disk.
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{size, size};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    int code = 2;
+    try {
+      StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+      file.add_site(site);
+      for_each_check_point(site, [&](const CheckPoint& c) {
+        file.add(site.active_node, example_configuration(scene_, site, c));
+      });
+    } catch (const BackendError&) {
+      code = 0;
+    }
+    _exit(code);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  const StateSpace space = StateSpaceFile::open_read_only(path_).read(true);
+  ASSERT_EQ(space.sites.size(), 2U);
+  EXPECT_EQ(space.sites[0].configurations.size(), 27U);
+}
+
+TEST_F(StateSpaceFileTest, IsReadByPython) {
+  if (std::system("python3 -c 'import sqlite3' 2>/dev/null") != 0) GTEST_SKIP() << "no python3";
+  create_full(path_, site_);
+  const fs::path script = folder_ / "read.py";
+  std::ofstream(script) << R"(
+import array, sqlite3, sys
+file = sqlite3.connect(sys.argv[1])
+assert file.execute("PRAGMA application_id").fetchone()[0] == 0x50616c70
+points = array.array("d", file.execute("SELECT points FROM scene").fetchone()[0])
+count = 0
+for i, j, k, fx, u, v in file.execute("SELECT i, j, k, force_x, u, v FROM configuration"):
+    assert abs(fx - 100 * i * 0.012) < 1e-12
+    assert len(array.array("d", u)) == len(points)
+    assert len(array.array("d", v)) == 3 * len(points)
+    count += 1
+assert count == 27, count
+)";
+  const std::string command = "python3 '" + script.string() + "' '" + path_.string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace palpate

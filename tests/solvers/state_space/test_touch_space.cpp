@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/touch_space.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+#include "base/error.h"
+#include "solvers/state_space/example_space.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+using test::cube_scene;
+using test::example_site;
+using test::example_space;
+
+Eigen::VectorXd on_surface(const Surface& surface, const Eigen::VectorXd& field) {
+  Eigen::VectorXd result(3 * surface.num_points());
+  for (Index p = 0; p < surface.num_points(); ++p) {
+    result.segment<3>(3 * p) = field.segment<3>(3 * surface.mesh_points[p]);
+  }
+  return result;
+}
+
+double largest(const Eigen::VectorXd& field) {
+  double result = 0;
+  for (Eigen::Index i = 0; i < field.size(); i += 3) {
+    result = std::max(result, field.segment<3>(i).norm());
+  }
+  return result;
+}
+
+TEST(TouchSpace, KeepsItsBoundOfTheWholeSpace) {
+  const Scene scene = cube_scene(3);
+  const StateSpace space = example_space(scene, {example_site(63), example_site(47, 3)});
+  const TouchSpace touch = make_touch_space(space, 1e-3);
+  EXPECT_EQ(touch.scene_hash, space.scene_hash);
+  ASSERT_EQ(touch.sites.size(), 2U);
+  EXPECT_LT(touch.num_modes(), 40);
+
+  double displacement = 0;
+  double displacement_error = 0;
+  double sensitivity_error = 0;
+  for (const SiteSpace& from : space.sites) {
+    const TouchSite* site = touch.find(from.site.active_node);
+    ASSERT_NE(site, nullptr);
+    EXPECT_EQ(site->rest_position, scene.mesh.points[from.site.active_node]);
+    ASSERT_EQ(site->configurations.size(), from.configurations.size());
+    for (std::size_t i = 0; i < from.configurations.size(); ++i) {
+      const Configuration& c = from.configurations[i];
+      EXPECT_EQ(site->configurations[i].check_point, c.check_point);
+      EXPECT_EQ(site->configurations[i].force, c.force);
+      const auto column = static_cast<Eigen::Index>(i);
+      const Eigen::VectorXd u = on_surface(touch.surface, c.u);
+      const Eigen::VectorXd modal_u = (touch.modes * site->coefficients.col(column)).cast<double>();
+      displacement = std::max(displacement, largest(u));
+      displacement_error = std::max(displacement_error, largest(u - modal_u));
+      for (int a = 0; a < 3; ++a) {
+        const Eigen::VectorXd v = on_surface(touch.surface, c.v.col(a));
+        const Eigen::VectorXd modal_v =
+            (touch.modes * site->coefficient_gradients.col(column).segment(a * touch.num_modes(),
+                                                                           touch.num_modes()))
+                .cast<double>();
+        sensitivity_error = std::max(sensitivity_error, from.site.spacing() * largest(v - modal_v));
+      }
+    }
+  }
+  EXPECT_NEAR(touch.largest_displacement, displacement, 1e-6 * displacement);
+  EXPECT_LE(displacement_error, 1e-3 * displacement);
+  EXPECT_LE(displacement_error, touch.displacement_error);
+  EXPECT_LE(touch.displacement_error, 1e-3 * touch.largest_displacement);
+  EXPECT_LE(sensitivity_error, touch.sensitivity_error);
+  EXPECT_LE(sensitivity_error, 2e-2 * displacement);
+}
+
+TEST(TouchSpace, FromAFileEqualsFromMemory) {
+  const Scene scene = cube_scene();
+  const StateSpace space = example_space(scene, {example_site(8, 3), example_site(26, 3)});
+  std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
+  const std::filesystem::path folder = mkdtemp(pattern.data());
+  const std::filesystem::path path = folder / "space.palpate";
+  StateSpaceFile file = StateSpaceFile::create(path, scene, space.solver_tolerance);
+  for (const SiteSpace& site : space.sites) {
+    file.add_site(site.site);
+    for (const Configuration& c : site.configurations) file.add(site.site.active_node, c);
+  }
+  const TouchSpace a = make_touch_space(space);
+  const TouchSpace b = make_touch_space(file);
+  EXPECT_EQ(a.modes, b.modes);
+  EXPECT_EQ(a.scene_hash, b.scene_hash);
+  ASSERT_EQ(b.sites.size(), 2U);
+  EXPECT_EQ(a.sites[1].coefficients, b.sites[1].coefficients);
+  EXPECT_EQ(a.sites[1].coefficient_gradients, b.sites[1].coefficient_gradients);
+  EXPECT_EQ(a.sites[1].configurations.size(), b.sites[1].configurations.size());
+  file.close();
+  std::filesystem::remove_all(folder);
+}
+
+TEST(TouchSpace, ConfigurationsThatFailedNeedNoFields) {
+  const Scene scene = cube_scene();
+  StateSpace space = example_space(scene, {example_site(8, 3)});
+  Configuration& failed = space.sites[0].configurations[2];
+  failed.outcome = Outcome::not_converged;
+  failed.u.resize(0);
+  failed.v.resize(0, 0);
+  const TouchSpace touch = make_touch_space(space);
+  EXPECT_EQ(touch.sites[0].configurations.size(), 27U);
+  EXPECT_TRUE(touch.sites[0].coefficients.col(2).isZero(0));
+  EXPECT_FALSE(touch.sites[0].coefficients.col(3).isZero(0));
+}
+
+TEST(TouchSpace, RestAloneAndNothingUsable) {
+  const Scene scene = cube_scene();
+  StateSpace space = example_space(scene, {example_site(8, 1)});
+  TouchSpace touch = make_touch_space(space);
+  EXPECT_EQ(touch.num_modes(), 3);
+  EXPECT_TRUE(touch.sites[0].coefficients.isZero(1e-12F));
+  EXPECT_FALSE(touch.sites[0].coefficient_gradients.isZero(1e-3F));
+  space.sites[0].configurations[0].outcome = Outcome::aborted;
+  touch = make_touch_space(space);
+  EXPECT_EQ(touch.num_modes(), 0);
+  EXPECT_EQ(touch.sites[0].coefficients.cols(), 1);
+  space.sites.clear();
+  EXPECT_TRUE(make_touch_space(space).sites.empty());
+}
+
+TEST(TouchSpace, RefusesMissingAndBrokenFields) {
+  const Scene scene = cube_scene();
+  const StateSpace whole = example_space(scene, {example_site(8, 3)});
+  StateSpace space = whole;
+  space.sites[0].configurations[5].v.resize(0, 0);
+  EXPECT_THROW((void)make_touch_space(space), InputError);
+  space = whole;
+  space.sites[0].configurations[5].u[7] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)make_touch_space(space), InputError);
+  space = whole;
+  space.sites[0].site.active_node = scene.mesh.num_points();
+  EXPECT_THROW((void)make_touch_space(space), InputError);
+  EXPECT_THROW((void)make_touch_space(whole, 0), InputError);
+}
+
+}  // namespace
+}  // namespace palpate
