@@ -98,6 +98,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
+  // Nobody else takes back the abort of an earlier run.
+  this->SetAbortExecute(0);
   const auto compute = [&]
   {
     vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
@@ -151,11 +153,13 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
     if (!result.report.complete)
     {
-      vtkWarningMacro("Aborted with " << result.report.num_solved + result.report.num_reused
-                                      << " configurations"
-                                      << (this->FileName.empty() ? "." : ", which are in "
-                                                                         + this->FileName +
-                                               ": the next run goes on from there."));
+      std::string kept = "in memory alone.";
+      if (!this->FileName.empty())
+      {
+        kept = "in " + this->FileName + ": the next run goes on from there.";
+      }
+      vtkWarningMacro("Aborted. " << result.report.num_solved + result.report.num_reused
+                                  << " configurations were found; they are " << kept);
     }
   };
 

@@ -6,8 +6,8 @@ import os
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (AppendDatasets, Box, Calculator, Clip, Cylinder, ExtractSurface,
-                             Sphere, STLReader, TetrahedralizeSurface)
+from paraview.simple import (AppendDatasets, Box, Clip, Cylinder, ExtractSurface,
+                             ProgrammableFilter, Sphere, STLReader, TetrahedralizeSurface)
 from support import cell_array, expect_error, expect_silence, fetch, places
 from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, VTK_TETRA
 
@@ -132,8 +132,13 @@ def check_errors():
     grid = good(body, math.pi / 12, 0.2)  # a sphere of few facets
     assert "filled holes" in repair_report(grid)
 
-    spoilt = Calculator(Input=Sphere(), CoordinateResults=1, ReplaceInvalidResults=0,
-                        Function="iHat*coordsX/(coordsX-coordsX)+jHat*coordsY+kHat*coordsZ")
+    spoilt = ProgrammableFilter(Input=Sphere(), Script="""
+import numpy
+points = numpy.array(inputs[0].Points)
+points[3] = numpy.nan
+output.ShallowCopy(inputs[0].VTKObject)
+output.Points = points
+""")
     expect_error(lambda: fetch(TetrahedralizeSurface(Input=spoilt)), "not finite")
     good(TetrahedralizeSurface(Input=Box()), 1)
 

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The seed's problem: how long its state space takes, beside the least it could take.
+
+Sample run, on one core:
+  PV_PLUGIN_PATH=build/lib/paraview-5.11/plugins/Palpate OPENBLAS_NUM_THREADS=1 \\
+    xvfb-run -a pvbatch tests/benchmark/seed_problem.py path/to/liver_seed.vtu
+
+A liver of 978 Tet10 with 5094 unknowns, St. Venant-Kirchhoff, node 197 on 7 x 7 x 7 check-points of
+half-width 12 mm. The floor is one assembly, one factorisation and three solves a configuration, as
+measured in the same run.
+"""
+
+import argparse
+
+from paraview import servermanager
+from paraview.simple import AssignMaterial, PrecomputeStateSpace, XMLUnstructuredGridReader
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+OUTCOMES = ("converged", "not converged", "tangent not factorised", "budget used up")
+
+parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+parser.add_argument("body", help="the .vtu file with the point arrays Fixed and Touchable")
+parser.add_argument("--half-width", type=float, default=0.012, help="m")
+parser.add_argument("--law", default="St. Venant-Kirchhoff")
+parser.add_argument("--file", default="", help=".palpate file; none: in memory")
+arguments = parser.parse_args()
+
+body = XMLUnstructuredGridReader(FileName=[arguments.body])
+scene = AssignMaterial(Input=body, Law=arguments.law)
+space = PrecomputeStateSpace(Input=scene, ActiveNodes=[197], HalfWidth=arguments.half_width,
+                             Resolution=7, FileName=arguments.file)
+space.UpdatePipeline()
+configurations = servermanager.Fetch(space, 0).GetPartition(2, 0)
+
+
+def figure(name):
+    return configurations.GetFieldData().GetArray(name).GetValue(0)
+
+
+def count(name, value):
+    return (vtk_to_numpy(configurations.GetPointData().GetArray(name)) & value == value).sum()
+
+
+outcomes = vtk_to_numpy(configurations.GetPointData().GetArray("Outcome"))
+solved = figure("Solved")
+floor = figure("FloorSeconds")
+each = figure("ExplorationSeconds") * figure("Ranks") / solved
+print(f"unknowns                {figure('Unknowns'):.0f}")
+print(f"configurations          {solved:.0f}")
+for outcome, name in enumerate(OUTCOMES):
+    print(f"  {name:22}{(outcomes == outcome).sum()}")
+print(f"  inverted              {count('Flags', 1)}")
+print(f"ranks                   {figure('Ranks'):.0f}")
+print(f"exploration             {figure('ExplorationSeconds'):.2f} s")
+print(f"modes and output        {figure('FinishingSeconds'):.2f} s")
+print(f"a configuration         {1e3 * each:.1f} ms")
+print(f"floor of one            {1e3 * floor:.1f} ms = {1e3 * figure('AssemblySeconds'):.2f} assembly"
+      f" + {1e3 * figure('FactorisationSeconds'):.2f} factorisation"
+      f" + 3 x {1e3 * figure('SolveSeconds'):.2f} solve")
+print(f"ratio                   {each / floor:.2f}")
