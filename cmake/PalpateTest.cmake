@@ -64,6 +64,7 @@ function(palpate_add_test part)
     target_link_libraries(${target} PRIVATE GTest::gtest $<$<NOT:$<BOOL:${arg_RANKS}>>:GTest::gtest_main>)
     gtest_discover_tests(${target}
       TEST_PREFIX "${prefix}."
+      NO_PRETTY_VALUES
       DISCOVERY_TIMEOUT 60
       PROPERTIES TIMEOUT 300 ENVIRONMENT "${palpate_test_environment}")
   endif()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Sourced by tests/run and examples/run: installs what is missing and builds.
+# Sourced by tests/run and examples/run: installs what is missing and builds. Gives palpate_root and
+# palpate_cores.
 
 palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -12,8 +13,7 @@ palpate_fail() {
 # The packages that are listed and not installed.
 palpate_missing_packages() {
   local package
-  for package in $(sed -e '/^#/d' -e '/^benchmarks/d' -e 's/^[a-z]* //' \
-    "$palpate_root/cmake/debian-packages.txt"); do
+  for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt"); do
     if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
       echo "$package"
     fi
@@ -54,5 +54,7 @@ palpate_build() {
     palpate_fail "the preset $preset cannot be built."
 }
 
+# Asked before OMP_NUM_THREADS is set, which nproc heeds.
+palpate_cores=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
 # The ranks are the parallelism: a threaded BLAS would only get in their way.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1

@@ -180,7 +180,7 @@ def draw(scene, touch, displacements, half_width, folder):
     rest = np.array(field(output(touch), "ActivePosition"))
     pictures.picture_rest(stage, rest, half_width, os.path.join(folder, "rest.png"))
     forces = {name: force_of(displacement) for name, displacement in displacements.items()}
-    scale = 0.25 * stage.size / max(map(np.linalg.norm, forces.values()))
+    scale = 0.35 * stage.size / max(map(np.linalg.norm, forces.values()))
     for name, displacement in displacements.items():
         force = force_of(displacement)
         # An arrow into the body ends at the node: else it would be hidden.

@@ -5,7 +5,7 @@ from paraview.simple import *
 
 SIZE = [1200, 900]  # pixels
 # The viewer stands in front of the organ, to its right and above.
-VIEW_FROM = np.array((-0.8, 0.75, 1.0))
+VIEW_FROM = np.array((-0.55, 1.05, 0.75))
 TISSUE, HELD, HAND, INK = (0.80, 0.52, 0.46), (0.20, 0.33, 0.55), (0.05, 0.55, 0.25), (0.1,) * 3
 SCALE = ((0.95, 0.87, 0.80), (0.93, 0.55, 0.32), (0.60, 0.05, 0.20))  # from none to most
 
@@ -51,6 +51,22 @@ class Stage:
                       ScaleArray=["POINTS", "Fixed"], ScaleFactor=0.02 * self.size)
         self.show(balls, HELD)
 
+    def show_touched(self, touch, largest):
+        """The deformed surface, coloured by its displacement from 0 to `largest` m."""
+        smooth = GenerateSurfaceNormals(Input=touch, FeatureAngle=180)
+        display = self.show(smooth)
+        ColorBy(display, ("POINTS", "Displacement", "Magnitude"))
+        colours = GetColorTransferFunction("Displacement")
+        colours.ColorSpace = "Lab"
+        colours.RGBPoints = [value for x, colour in zip((0, 0.5, 1), SCALE)
+                             for value in (x * largest, *colour)]
+        bar = GetScalarBar(colours, self.view)
+        bar.Title, bar.ComponentTitle = "Displacement (m)", ""
+        bar.TitleColor = bar.LabelColor = INK
+        bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.3f", "%.4f"
+        bar.WindowLocation, bar.ScalarBarLength = "Lower Right Corner", 0.3
+        display.SetScalarBarVisibility(self.view, True)
+
     def write(self, text):
         self.show(Text(Text=text), Color=INK, FontSize=24, WindowLocation="Upper Left Corner")
 
@@ -81,20 +97,7 @@ def picture_touch(stage, touch, name, position, displacement, force, arrow, path
     stage.clear()
     stage.show(stage.scene, INK, Representation="Wireframe", Opacity=0.12)
     stage.show_held()
-    smooth = GenerateSurfaceNormals(Input=touch, FeatureAngle=180)
-    display = stage.show(smooth)
-    ColorBy(display, ("POINTS", "Displacement", "Magnitude"))
-    colours = GetColorTransferFunction("Displacement")
-    colours.ColorSpace = "Lab"
-    colours.RGBPoints = [value for x, colour in zip((0, 0.5, 1), SCALE)
-                         for value in (x * np.linalg.norm(displacement), *colour)]
-    bar = GetScalarBar(colours, stage.view)
-    bar.Title, bar.ComponentTitle = "Displacement (m)", ""
-    bar.TitleColor = bar.LabelColor = INK
-    bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.3f", "%.4f"
-    bar.WindowLocation, bar.ScalarBarLength = "Lower Right Corner", 0.3
-    display.SetScalarBarVisibility(stage.view, True)
-
+    stage.show_touched(touch, np.linalg.norm(displacement))
     stage.show(Sphere(Center=position, Radius=0.012 * stage.size), HAND)
     show_arrow(stage, *arrow)
     stage.write(f"{name}: {1e3 * np.linalg.norm(displacement):.1f} mm, "
@@ -105,9 +108,9 @@ def picture_touch(stage, touch, name, position, displacement, force, arrow, path
 def show_arrow(stage, start, along):
     length = np.linalg.norm(along)
     x, y, z = along / length
-    thick = 0.01 * stage.size / length
+    thick = 0.007 * stage.size / length
     arrow = Transform(Input=Arrow(ShaftRadius=thick, TipRadius=2.5 * thick,
-                                  TipLength=min(7 * thick, 0.6), TipResolution=24,
+                                  TipLength=min(6 * thick, 0.5), TipResolution=24,
                                   ShaftResolution=24))
     # Not the position and the like of the display: several ranks that draw together miss them.
     arrow.Transform.Translate = list(start)

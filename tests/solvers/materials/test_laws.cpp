@@ -148,6 +148,23 @@ TEST_P(NonlinearLaws, ARotationOfTheBodyChangesNeitherEnergyNorStress) {
   }
 }
 
+// A part that turns far and strains little, as in bending. F is known to some ε, so the strain to
+// ε/strain of it; energy and stress must not lose more than that.
+TEST_P(NonlinearLaws, ASmallStrainThatIsRotatedKeepsItsDigits) {
+  Random random(10);
+  for (double size : {1e-2, 1e-4, 1e-6}) {
+    for (int i = 0; i < 10; ++i) {
+      const Mat3 q = random.rotation();
+      const Mat3 h = random.matrix(size);
+      const Response<double> alone = respond(material(), h);
+      const Response<double> rotated = respond(material(), (q - Mat3::Identity()) + q * h);
+      const double tolerance = 1e-14 / size;
+      EXPECT_NEAR(rotated.energy, alone.energy, tolerance * alone.energy) << size;
+      EXPECT_LT((stress(rotated) - stress(alone)).norm(), tolerance * stress(alone).norm()) << size;
+    }
+  }
+}
+
 TEST_P(NonlinearLaws, ARotatedBodyIsAtRest) {
   Random random(8);
   for (int i = 0; i < 20; ++i) {

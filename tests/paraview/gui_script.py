@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs inside ParaView's window before gui_menus.xml is played; test_gui.py reads what it prints."""
+
+import os
+
+from paraview import servermanager
+from paraview.simple import *
+
+liver = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver")
+LoadState(os.path.join(liver, "liver.pvsm"), data_directory=liver)
+SaveScreenshot("gui.png", GetActiveView(), ImageResolution=[800, 600])
+touch = FindSource("Touch State Space")
+print("state: points", touch.GetDataInformation().GetNumberOfPoints(), flush=True)
+print("state: force", touch.FieldData["Force"].GetRange(-1)[1], flush=True)
+
+# What the clicks start from: points enough for a body, few enough for a space of all of them.
+SetActiveSource(Sphere(Radius=0.1, ThetaResolution=6, PhiResolution=6))
+known = {name for name, _ in GetSources()}
+
+
+def notice_new_sources(*_):
+    for (name, _), proxy in GetSources().items():
+        if name not in known:
+            known.add(name)
+            print("created", proxy.GetXMLName(), flush=True)
+
+
+servermanager.ProxyManager().SMProxyManager.AddObserver("RegisterEvent", notice_new_sources)

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The plugin in ParaView's window: the example's state loads and is drawn, and the filters stand in
+the menu Palpate, from where a surface becomes a touched body by clicks alone."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+from support import SKIPPED
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+TIME_OUT = 400  # s; a dialog that nobody answers would last for ever
+FILTERS = ["TetrahedralizeSurface", "AssignMaterial", "SetBoundary", "PrecomputeStateSpace",
+           "TouchStateSpace"]
+
+
+def share_drawn(path):
+    """The share of the pixels that are not white."""
+    reader = vtkPNGReader()
+    reader.SetFileName(path)
+    reader.Update()
+    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
+    return (pixels.min(axis=1) < 240).mean()
+
+
+paraview = shutil.which("paraview")
+if paraview is None:
+    sys.exit(SKIPPED)
+command = [paraview, "--disable-registry", "--script", os.path.join(HERE, "gui_script.py"),
+           "--test-directory", ".", "--test-script", os.path.join(HERE, "gui_menus.xml"), "--exit"]
+run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                     errors="replace", timeout=TIME_OUT, check=False)
+print(run.stdout)
+assert run.returncode == 0, run.returncode
+lines = run.stdout.splitlines()
+assert not any("ERR|" in line or "Traceback" in line for line in lines)
+
+values = {key: float(value) for key, value in
+          (line[len("state: "):].split() for line in lines if line.startswith("state: "))}
+assert values["points"] > 500, values
+assert 0.1 < values["force"] < 100, values
+assert 0.1 < share_drawn("gui.png") < 0.7, share_drawn("gui.png")
+
+created = [line.split()[1] for line in lines if line.startswith("created ")]
+assert [name for name in created if name in FILTERS] == FILTERS, created
