@@ -92,7 +92,9 @@ function(palpate_add_pvpython_test name script)
     sh "${PROJECT_SOURCE_DIR}/cmake/in_empty_folder.sh" "${CMAKE_CURRENT_BINARY_DIR}/${name}")
   set(locks "")
   if(arg_RENDERS)
-    list(APPEND launcher xvfb-run -a)
+    # The X server shall not start anew when it has no client: one rank that leaves it would cut off
+    # another one that is just coming.
+    list(APPEND launcher xvfb-run -a -s "-noreset -screen 0 1280x1024x24")
     # Two that start at once may pick the same display.
     set(locks display)
   endif()

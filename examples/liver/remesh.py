@@ -8,6 +8,8 @@ neighbours, and the vertices spread evenly over the surface as it was (Botsch & 
 Approach to Multiresolution Modeling, SGP 2004). No step changes the topology. Sharp edges are
 rounded off; the volume is kept.
 """
+import math
+
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
 from vtkmodules.vtkCommonCore import mutable, vtkPoints
@@ -71,11 +73,16 @@ def volume(points, corners):
     return np.einsum("ij,ij->", points[corners[:, 0]], triangle_normals(points, corners)) / 3
 
 
+def dot(u, v):
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+
+
 class _Mesh:
     """Triangles that can be changed one by one. `around[v]` are the triangles at the vertex v."""
 
     def __init__(self, points, corners):
-        self.points = list(points)
+        # Tuples of numbers: for three of them arrays are slow.
+        self.points = [tuple(point) for point in points.tolist()]
         self.triangles = {}
         self.around = [set() for _ in self.points]
         self.next = 0
@@ -106,15 +113,19 @@ class _Mesh:
     def neighbours(self, vertex):
         return {v for t in self.around[vertex] for v in self.triangles[t]} - {vertex}
 
+    def middle(self, a, b):
+        return tuple((p + q) / 2 for p, q in zip(self.points[a], self.points[b]))
+
     def length(self, a, b):
-        d = self.points[a] - self.points[b]
-        return float(np.sqrt(d @ d))
+        return math.dist(self.points[a], self.points[b])
 
     def normal(self, a, b, c):
         """The direction of a triangle; zero where it has no area."""
-        n = np.cross(self.points[b] - self.points[a], self.points[c] - self.points[a])
-        size = np.sqrt(n @ n)
-        return n / size if size > 0 else n
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = self.points[a], self.points[b], self.points[c]
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        size = math.sqrt(x * x + y * y + z * z)
+        return (x / size, y / size, z / size) if size > 0 else (0.0, 0.0, 0.0)
 
     def beside(self, a, b):
         """The two triangles at an edge, each with its third corner: the one that runs from a to b,
@@ -132,7 +143,7 @@ class _Mesh:
             if self.length(a, b) > longest:
                 t0, c, t1, d = self.beside(a, b)
                 middle = len(self.points)
-                self.points.append((self.points[a] + self.points[b]) / 2)
+                self.points.append(self.middle(a, b))
                 self.around.append(set())
                 self.remove(t0)
                 self.remove(t1)
@@ -153,8 +164,8 @@ class _Mesh:
         old_a, old_b = self.points[a], self.points[b]
         changed = self.around[a] ^ self.around[b]
         before = [self.normal(*self.triangles[t]) for t in changed]
-        self.points[a] = self.points[b] = (old_a + old_b) / 2
-        folds = any(n @ self.normal(*self.triangles[t]) < 0.5 for n, t in zip(before, changed))
+        self.points[a] = self.points[b] = self.middle(a, b)
+        folds = any(dot(n, self.normal(*self.triangles[t])) < 0.5 for n, t in zip(before, changed))
         if folds or any(self.length(a, v) > longest for v in (ring_a | ring_b) - {a, b}):
             self.points[a], self.points[b] = old_a, old_b
             return
@@ -176,9 +187,9 @@ class _Mesh:
             then = sum((n + change - 6) ** 2 for n, change in zip(counts, (-1, -1, 1, 1)))
             if then >= now or min(counts[:2]) <= 3 or self.around[c] & self.around[d]:
                 continue
-            old = self.normal(a, b, c) + self.normal(b, a, d)
+            old = [self.normal(a, b, c), self.normal(b, a, d)]
             new = ((c, a, d), (d, b, c))
-            if all(self.normal(*triangle) @ old > 1 for triangle in new):
+            if all(sum(dot(n, self.normal(*triangle)) for n in old) > 1 for triangle in new):
                 self.remove(t0)
                 self.remove(t1)
                 for triangle in new:
@@ -187,12 +198,18 @@ class _Mesh:
     def spread_vertices(self, nearest):
         """Each vertex to the middle of its neighbours, then back onto the surface as it was."""
         points, corners = np.array(self.points), np.array(list(self.triangles.values()))
+        # In a closed surface each neighbour of a vertex follows it in exactly one triangle.
+        total, count = np.zeros_like(points), np.zeros((len(points), 1))
+        for k in range(3):
+            np.add.at(total, corners[:, k], points[corners[:, (k + 1) % 3]])
+            np.add.at(count, corners[:, k], 1)
         normals = vertex_normals(points, corners)
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        middles = total / np.maximum(count, 1)
+        across = np.einsum("ij,ij->i", normals, points - middles)
+        wanted = (middles + across[:, None] * normals).tolist()
         closest, cell, part, distance = [0.0] * 3, mutable(0), mutable(0), mutable(0.0)
         for v, triangles in enumerate(self.around):
             if triangles:
-                middle = points[sorted(self.neighbours(v))].mean(axis=0)
-                n = normals[v] / max(np.linalg.norm(normals[v]), 1e-300)
-                wanted = middle + n * (n @ (points[v] - middle))
-                nearest.FindClosestPoint(wanted, closest, cell, part, distance)
-                self.points[v] = np.array(closest)
+                nearest.FindClosestPoint(wanted[v], closest, cell, part, distance)
+                self.points[v] = tuple(closest)

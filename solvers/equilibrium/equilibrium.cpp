@@ -189,6 +189,12 @@ void EquilibriumSolver::Impl::hold(const Constraint& constraint) {
   if (constraint.points.empty()) {
     throw InputError("No active node was given. Name a point that is not fixed.");
   }
+  const auto& sites = constraint.site_of_point;
+  if (sites.size() != constraint.points.size() ||
+      std::any_of(sites.begin(), sites.end(),
+                  [&](Index site) { return site < 0 || site >= constraint.num_sites; })) {
+    throw InputError("A constraint needs one site of 0 … num_sites − 1 for each of its points.");
+  }
   for (std::size_t i = 0; i < constraint.points.size(); ++i) {
     const Index point = constraint.points[i];
     if (point < 0 || point >= assembly_.num_points()) {
@@ -446,11 +452,9 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
                      std::to_string(t.size()) + " were given.");
   }
   if (!t.allFinite()) throw InputError("The displacement is not finite.");
+  if (start.outcome != Outcome::converged) return start;
   Equilibrium state = start;
   state.iterations = state.steps = 0;
-  state.seconds = 0;
-  state.message.clear();
-  if (start.outcome != Outcome::converged) return state;
 
   double way = 0;  // from start.t to t
   double stride = 1;
@@ -503,9 +507,8 @@ void EquilibriumSolver::Impl::explain(Equilibrium& state, const Eigen::VectorXd&
     const Index corner = state.minimum_det_f_cell;
     text << state.num_inverted_cells << " cells are inverted, the worst is cell " << corner
          << " with det F = " << state.minimum_det_f
-         << ". Displace less, refine the mesh there, or choose a law that resists inversion "
-            "(Neo-Hookean). ";
-  } else if (state.outcome == Outcome::not_converged) {
+         << ". Displace less or refine the mesh there. ";
+  } else if (state.outcome == Outcome::not_converged && way > 0) {
     text << "The least det F is " << state.minimum_det_f << " in cell "
          << state.minimum_det_f_cell << ". Displace less or refine the mesh there. ";
   }

@@ -36,8 +36,6 @@ struct Kinematics {
   T e[6];
   /// J − 1.
   T j;
-  /// Second invariant of H (not of its symmetric part), det H, ½ H:H.
-  T second, third, half_norm;
 
   void update() {
     for (int m = 0; m < 6; ++m) {
@@ -48,15 +46,18 @@ struct Kinematics {
     const T minor_xy = h[0][0] * h[1][1] - h[0][1] * h[1][0];
     const T minor_xz = h[0][0] * h[2][2] - h[0][2] * h[2][0];
     const T minor_yz = h[1][1] * h[2][2] - h[1][2] * h[2][1];
-    second = minor_xy + minor_xz + minor_yz;
-    third = h[0][0] * minor_yz - h[0][1] * (h[1][0] * h[2][2] - h[1][2] * h[2][0]) +
-            h[0][2] * (h[1][0] * h[2][1] - h[1][1] * h[2][0]);
-    j = h[0][0] + h[1][1] + h[2][2] + second + third;
-    T norm = 0.0;
-    for (int r = 0; r < 3; ++r) {
-      for (int c = 0; c < 3; ++c) norm += h[r][c] * h[r][c];
-    }
-    half_norm = 0.5 * norm;
+    const T third = h[0][0] * minor_yz - h[0][1] * (h[1][0] * h[2][2] - h[1][2] * h[2][0]) +
+                    h[0][2] * (h[1][0] * h[2][1] - h[1][1] * h[2][0]);
+    j = h[0][0] + h[1][1] + h[2][2] + minor_xy + minor_xz + minor_yz + third;
+  }
+
+  /// tr E − (J − 1), which is of second order in the strain, from terms that are: with the
+  /// invariants of E, (1 + j)² = det(I + 2E) = 1 + 2 I + 4 II + 8 III. A rotation has no part in it.
+  [[nodiscard]] T trace_without_volume() const {
+    const T minors = e[0] * e[1] - e[5] * e[5] + e[0] * e[2] - e[4] * e[4] + e[1] * e[2] - e[3] * e[3];
+    const T det = e[0] * (e[1] * e[2] - e[3] * e[3]) - e[5] * (e[5] * e[2] - e[3] * e[4]) +
+                  e[4] * (e[5] * e[3] - e[1] * e[4]);
+    return 0.5 * j * j - 2.0 * minors - 4.0 * det;
   }
 };
 
@@ -202,9 +203,9 @@ struct LawOf<Law::neo_hookean> {
     const T lambda = p[0];
     const T mu = p[1];
     const T log_j = map(k.j, [](double j) { return std::log1p(j); });
-    // ½(I₁ − 3) − ln J = (tr E − j) + (j − ln(1 + j)), and tr E − j = ½ H:H − II(H) − det H.
+    // ½(I₁ − 3) − ln J = (tr E − j) + (j − ln(1 + j)).
     const T remainder = map(k.j, [](double j) { return log1p_remainder(j); });
-    out.energy = mu * (k.half_norm - k.second - k.third + remainder) + 0.5 * lambda * log_j * log_j;
+    out.energy = mu * (k.trace_without_volume() + remainder) + 0.5 * lambda * log_j * log_j;
     T ci[6];
     T ci_e[6];
     inverse_c(k, ci);
@@ -238,9 +239,9 @@ struct LawOf<Law::mooney_rivlin> {
     const T i1_3 = 2.0 * tr;                                // I₁ − 3
     const T i2_3 = 4.0 * tr + 2.0 * (tr * tr - trace(e2));  // I₂ − 3
     // The terms of first order in the strain cancel in Ī₁ − 3 and Ī₂ − 3. With
-    // q = tr E − (J − 1) = ½ H:H − II(H) − det H and x³ = J they are gone before they are computed:
+    // q = tr E − j and x³ = J they are gone before they are computed:
     //   2aj + 3(a − 1) = (x − 1)² (2x + 1)/x²,  4bj + 3(b − 1) = −(x − 1)² (3x² + 2x + 1)/x⁴.
-    const T q = k.half_norm - k.second - k.third;
+    const T q = k.trace_without_volume();
     const T x_1_squared = x_1 * x_1;
     const T first_invariant = a * (2.0 * q + x_1_squared * (2.0 * x + 1.0));
     const T second_invariant = b * (4.0 * q + 2.0 * (tr * tr - trace(e2)) -

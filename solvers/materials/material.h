@@ -23,8 +23,8 @@ inline constexpr int num_laws = 4;
 /// 'Linear', 'St. Venant-Kirchhoff', 'Neo-Hookean', 'Mooney-Rivlin'.
 [[nodiscard]] std::string to_string(Law law);
 
-/// True where W grows without bound as det F → 0 and is not defined beyond, so that no equilibrium
-/// is inverted at a quadrature point.
+/// True where W is not defined for det F ≤ 0 and its energy counts as infinite there, so that no
+/// equilibrium is inverted at a quadrature point.
 [[nodiscard]] constexpr bool has_inversion_barrier(Law law) {
   return law == Law::neo_hookean || law == Law::mooney_rivlin;
 }

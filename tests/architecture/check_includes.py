@@ -29,6 +29,7 @@ LIBRARIES = [
     ("hidapi", r"(hidapi/)?hidapi\w*\.h"),
     ("Eigen", r"(unsupported/)?Eigen/.+"),
     ("GoogleTest", r"g(test|mock)/.+"),
+    ("Google Benchmark", r"benchmark/.+"),
     ("JSON", r"nlohmann/json(_fwd)?\.hpp"),
     # VTK's own that look like vtkSM…, and the one filter of ParaView's VTK extensions: it knows the
     # queries of Find Data, which VTK's selections do not.
