@@ -13,12 +13,9 @@ if(PALPATE_WITH_MPI)
   endif()
 endif()
 
-set(palpate_test_environment
-  # The ranks are the parallelism.
-  OMP_NUM_THREADS=1
-  OPENBLAS_NUM_THREADS=1
-  # A program started without mpiexec would look up its host's name, 5 s where there is no DNS.
-  OMPI_MCA_ess_singleton_isolated=1)
+# For every test at once: gtest_discover_tests() takes no list as the value of a property.
+set_property(DIRECTORY "${PROJECT_SOURCE_DIR}" APPEND PROPERTY
+  TEST_INCLUDE_FILES "${CMAKE_CURRENT_LIST_DIR}/PalpateTestEnvironment.cmake")
 
 function(palpate_test_prefix result)
   cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}/tests"
@@ -61,12 +58,13 @@ function(palpate_add_test part)
       palpate_add_mpi_test("${prefix}.${ranks}_ranks" ${ranks} $<TARGET_FILE:${target}>)
     endforeach()
   else()
-    target_link_libraries(${target} PRIVATE GTest::gtest $<$<NOT:$<BOOL:${arg_RANKS}>>:GTest::gtest_main>)
+    target_link_libraries(${target} PRIVATE
+      GTest::gtest $<$<NOT:$<BOOL:${arg_RANKS}>>:GTest::gtest_main>)
     gtest_discover_tests(${target}
       TEST_PREFIX "${prefix}."
       NO_PRETTY_VALUES
       DISCOVERY_TIMEOUT 60
-      PROPERTIES TIMEOUT 300 ENVIRONMENT "${palpate_test_environment}")
+      PROPERTIES TIMEOUT 300)
   endif()
 endfunction()
 
@@ -113,7 +111,6 @@ function(palpate_add_pvpython_test name script)
     SKIP_RETURN_CODE 77
     TIMEOUT 600)
   set_property(TEST "${test}" PROPERTY ENVIRONMENT
-    ${palpate_test_environment}
     "PV_PLUGIN_PATH=${PALPATE_PLUGIN_BUILD_DIR}"
     "PALPATE_SHARED_DATA=${PALPATE_SHARED_DATA}"
     "PALPATE_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
@@ -122,5 +119,4 @@ endfunction()
 function(palpate_add_mpi_test test ranks)
   add_test(NAME "${test}" COMMAND ${palpate_mpiexec} -n ${ranks} ${ARGN})
   set_tests_properties("${test}" PROPERTIES PROCESSORS ${ranks} TIMEOUT 300)
-  set_property(TEST "${test}" PROPERTY ENVIRONMENT ${palpate_test_environment})
 endfunction()

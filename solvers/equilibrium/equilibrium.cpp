@@ -18,6 +18,8 @@ constexpr double kSufficientDecrease = 1e-4;
 /// Energies that differ by less than this share are equal but for rounding; the residual decides.
 constexpr double kEnergyRounding = 1e-11;
 constexpr int kMaxBacktracks = 15;
+/// A factor is not judged by how the residual shrinks before this many iterations.
+constexpr int kIterationsBeforeJudging = 6;
 /// The force scale does not fall below that of a displacement of this share of the mean edge.
 constexpr double kLeastDisplacement = 1e-3;
 
@@ -46,6 +48,51 @@ std::string describe(const Vec3& p) {
   return text.str();
 }
 
+/// Approximates K⁻¹ by a factor and the last steps: limited-memory BFGS (Nocedal & Wright,
+/// algorithm 7.4) whose initial matrix is the inverse of the tangent elsewhere (Matthies & Strang,
+/// 1979). Each update costs a few products of vectors, a factorisation as much as thirty solves.
+class QuasiNewton {
+ public:
+  using Solve = std::function<void(Eigen::Ref<Eigen::MatrixXd>)>;
+
+  void clear() { pairs_.clear(); }
+
+  /// @param step Change of the unknowns. @param change Change of the residual.
+  void update(Eigen::VectorXd step, Eigen::VectorXd change) {
+    const double curvature = step.dot(change);
+    // Only a pair of positive curvature keeps the approximation positive definite.
+    if (curvature <= kLeastCurvature * step.norm() * change.norm()) return;
+    if (pairs_.size() == kMaxPairs) pairs_.erase(pairs_.begin());
+    pairs_.push_back({std::move(step), std::move(change), 1 / curvature});
+  }
+
+  /// −K⁻¹ r, approximately.
+  [[nodiscard]] Eigen::VectorXd direction(const Eigen::VectorXd& r, const Solve& solve) const {
+    Eigen::VectorXd d = -r;
+    std::vector<double> alpha(pairs_.size());
+    for (std::size_t i = pairs_.size(); i-- > 0;) {
+      alpha[i] = pairs_[i].inverse_curvature * pairs_[i].step.dot(d);
+      d -= alpha[i] * pairs_[i].change;
+    }
+    solve(d);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const double beta = pairs_[i].inverse_curvature * pairs_[i].change.dot(d);
+      d += (alpha[i] - beta) * pairs_[i].step;
+    }
+    return d;
+  }
+
+ private:
+  static constexpr std::size_t kMaxPairs = 20;
+  static constexpr double kLeastCurvature = 1e-8;
+  struct Pair {
+    Eigen::VectorXd step;
+    Eigen::VectorXd change;
+    double inverse_curvature;
+  };
+  std::vector<Pair> pairs_;
+};
+
 }  // namespace
 
 Constraint hold_nodes(const std::vector<Index>& nodes) {
@@ -65,8 +112,8 @@ void validate(const EquilibriumOptions& options) {
   require(options.max_halvings >= 0, "max_halvings must not be negative.");
   require(options.max_steps >= 1, "max_steps must be at least 1.");
   require(options.max_seconds >= 0, "max_seconds must not be negative.");
-  require(options.chord_contraction >= 0 && options.chord_contraction < 1,
-          "chord_contraction must be at least 0 and less than 1.");
+  require(options.contraction >= 0 && options.contraction < 1,
+          "contraction must be at least 0 and less than 1.");
 }
 
 double Work::floor_seconds() const {
@@ -96,14 +143,14 @@ class EquilibriumSolver::Impl {
       : options_(std::move(options)),
         points_(scene.mesh.points),
         assembly_(checked_assembly(scene)),
-        linear_(std::move(solver)) {
+        work_{std::move(solver), {}} {
     validate(options_);
     const SymmetricPattern& pattern = assembly_.pattern();
     {
-      const Timer timer(work_.analysis_seconds);
-      linear_->analyse(pattern);
+      const Timer timer(spent_.analysis_seconds);
+      work_.solver->analyse(pattern);
     }
-    ++work_.analyses;
+    ++spent_.analyses;
     assemble(NodalVector::Zero(3 * assembly_.num_points()));
     double sum = 0;
     for (Index c = 0; c < pattern.size; ++c) sum += values_[pattern.column_start[c]];
@@ -115,9 +162,19 @@ class EquilibriumSolver::Impl {
   Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start);
 
   const Assembly& assembly() const { return assembly_; }
-  const Work& work() const { return work_; }
+  const Work& work() const { return spent_; }
 
  private:
+  /// A factor, and the displacement whose tangent it is of; empty: none.
+  struct Factor {
+    std::unique_ptr<LinearSolver> solver;
+    NodalVector u;
+
+    [[nodiscard]] bool is_of(const NodalVector& other) const {
+      return u.size() == other.size() && u == other;
+    }
+  };
+
   enum class Search { full_step, shortened, failed };
 
   /// A value of the pattern that couples an unknown that is held with one that is not.
@@ -141,8 +198,10 @@ class EquilibriumSolver::Impl {
 
   Assembly::Result evaluate(const NodalVector& u);
   void assemble(const NodalVector& u);
-  FactorStatus factorise(const NodalVector& u);
-  void solve_linear(Eigen::Ref<Eigen::MatrixXd> columns);
+  FactorStatus factorise(const NodalVector& u, Factor& factor);
+  void solve_linear(Factor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
+  /// A factor of the tangent at the start of a step; null where that is singular.
+  Factor* factor_at_start(const Equilibrium& start);
 
   /// The residual's components that must vanish, by unknown; zero for those that are held.
   void gather_residual(Eigen::VectorXd& r) const;
@@ -150,10 +209,10 @@ class EquilibriumSolver::Impl {
   [[nodiscard]] double force_scale(const Eigen::VectorXd& t) const;
 
   /// Newton from u, whose sites are at t already, to equilibrium.
-  Outcome correct(const Eigen::VectorXd& t, Equilibrium& state);
+  Outcome correct(const Equilibrium& start, Equilibrium& state);
   /// Moves u along `step` as far as the energy falls; r and the energy follow.
   Search search(const Eigen::VectorXd& step, double slope, NodalVector& u, Eigen::VectorXd& r,
-              double& energy);
+                double& energy, double& length);
   /// v, k, reaction, inertia and det F at an equilibrium.
   Outcome complete(Equilibrium& state);
   [[nodiscard]] Outcome interruption() const;
@@ -162,8 +221,11 @@ class EquilibriumSolver::Impl {
   EquilibriumOptions options_;
   std::vector<Vec3> points_;
   Assembly assembly_;
-  std::unique_ptr<LinearSolver> linear_;
-  Work work_;
+  /// Of the start of the present step, which many steps may share.
+  Factor at_start_;
+  /// Of where the present step is, in the end of its solution.
+  Factor work_;
+  Work spent_;
   double mean_diagonal_ = 0;
 
   Constraint constraint_;
@@ -216,6 +278,8 @@ void EquilibriumSolver::Impl::hold(const Constraint& constraint) {
   couplings_.clear();
   held_.clear();
   factor_for_good_ = false;
+  at_start_.u.resize(0);
+  work_.u.resize(0);
   const SymmetricPattern& pattern = assembly_.pattern();
   for (Index c = 0; c < pattern.size; ++c) {
     for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
@@ -234,19 +298,20 @@ void EquilibriumSolver::Impl::hold(const Constraint& constraint) {
 }
 
 Assembly::Result EquilibriumSolver::Impl::evaluate(const NodalVector& u) {
-  const Timer timer(work_.residual_seconds);
-  ++work_.residuals;
+  const Timer timer(spent_.residual_seconds);
+  ++spent_.residuals;
   return assembly_.residual(u, force_);
 }
 
 void EquilibriumSolver::Impl::assemble(const NodalVector& u) {
-  const Timer timer(work_.assembly_seconds);
-  ++work_.assemblies;
+  const Timer timer(spent_.assembly_seconds);
+  ++spent_.assemblies;
   assembly_.tangent(u, force_, values_);
 }
 
-FactorStatus EquilibriumSolver::Impl::factorise(const NodalVector& u) {
+FactorStatus EquilibriumSolver::Impl::factorise(const NodalVector& u, Factor& factor) {
   if (factor_for_good_) return FactorStatus::ok;
+  factor.u.resize(0);
   assemble(u);
   const Index d = 3 * constraint_.num_sites;
   k_ia_.setZero(assembly_.pattern().size, d);
@@ -259,17 +324,36 @@ FactorStatus EquilibriumSolver::Impl::factorise(const NodalVector& u) {
     k_aa_(h.parameter_a, h.parameter_b) += value;
     if (!h.diagonal) k_aa_(h.parameter_b, h.parameter_a) += value;
   }
-  const Timer timer(work_.factorisation_seconds);
-  ++work_.factorisations;
-  const FactorStatus status = linear_->factorise(values_);
+  const Timer timer(spent_.factorisation_seconds);
+  ++spent_.factorisations;
+  const FactorStatus status = factor.solver->factorise(values_);
+  if (status == FactorStatus::ok) factor.u = u;
   factor_for_good_ = status == FactorStatus::ok && assembly_.is_linear();
   return status;
 }
 
-void EquilibriumSolver::Impl::solve_linear(Eigen::Ref<Eigen::MatrixXd> columns) {
-  const Timer timer(work_.solve_seconds);
-  work_.right_hand_sides += columns.cols();
-  linear_->solve(columns);
+EquilibriumSolver::Impl::Factor* EquilibriumSolver::Impl::factor_at_start(
+    const Equilibrium& start) {
+  if (assembly_.is_linear()) {
+    return factorise(start.u, work_) == FactorStatus::ok ? &work_ : nullptr;
+  }
+  if (at_start_.is_of(start.u)) return &at_start_;
+  // Often a step starts where the last one ended.
+  std::swap(at_start_, work_);
+  if (work_.solver == nullptr) {
+    work_.solver = make_linear_solver(at_start_.solver->name());
+    const Timer timer(spent_.analysis_seconds);
+    ++spent_.analyses;
+    work_.solver->analyse(assembly_.pattern());
+  }
+  if (at_start_.is_of(start.u)) return &at_start_;
+  return factorise(start.u, at_start_) == FactorStatus::ok ? &at_start_ : nullptr;
+}
+
+void EquilibriumSolver::Impl::solve_linear(Factor& factor, Eigen::Ref<Eigen::MatrixXd> columns) {
+  const Timer timer(spent_.solve_seconds);
+  spent_.right_hand_sides += columns.cols();
+  factor.solver->solve(columns);
 }
 
 void EquilibriumSolver::Impl::gather_residual(Eigen::VectorXd& r) const {
@@ -305,7 +389,7 @@ Outcome EquilibriumSolver::Impl::interruption() const {
 EquilibriumSolver::Impl::Search EquilibriumSolver::Impl::search(const Eigen::VectorXd& step,
                                                                 double slope, NodalVector& u,
                                                                 Eigen::VectorXd& r,
-                                                                double& energy) {
+                                                                double& energy, double& length) {
   const auto& unknown_of_point = assembly_.unknown_of_point();
   const double old_norm = r.lpNorm<Eigen::Infinity>();
   NodalVector direction = NodalVector::Zero(u.size());
@@ -316,7 +400,7 @@ EquilibriumSolver::Impl::Search EquilibriumSolver::Impl::search(const Eigen::Vec
   }
   NodalVector trial;
   Eigen::VectorXd trial_r;
-  double length = 1;
+  length = 1;
   for (int i = 0; i < kMaxBacktracks; ++i) {
     trial = u + length * direction;
     const double trial_energy = evaluate(trial).energy;
@@ -342,14 +426,18 @@ EquilibriumSolver::Impl::Search EquilibriumSolver::Impl::search(const Eigen::Vec
   return Search::failed;
 }
 
-Outcome EquilibriumSolver::Impl::correct(const Eigen::VectorXd& t, Equilibrium& state) {
-  const double scale = force_scale(t);
+Outcome EquilibriumSolver::Impl::correct(const Equilibrium& start, Equilibrium& state) {
+  const double scale = force_scale(state.t);
   Eigen::VectorXd r;
   double energy = evaluate(state.u).energy;
   gather_residual(r);
   if (!std::isfinite(energy)) return Outcome::not_converged;  // the predictor inverts a cell
-  bool factor_is_current = factor_for_good_;
-  bool have_factor = factor_for_good_;
+  Factor* factor = nullptr;
+  QuasiNewton quasi_newton;
+  bool fresh = false;        // the factor is of the tangent at state.u
+  bool refactorise = false;  // the factor does not serve any more
+  double norm_at_factor = 0;
+  int since_factor = 0;
   for (int iteration = 0;; ++iteration) {
     const double norm = r.lpNorm<Eigen::Infinity>();
     state.residual = norm / scale;
@@ -360,40 +448,51 @@ Outcome EquilibriumSolver::Impl::correct(const Eigen::VectorXd& t, Equilibrium& 
     const Outcome interrupted = interruption();
     if (interrupted != Outcome::converged) return interrupted;
 
-    if (!have_factor) {
-      if (factorise(state.u) != FactorStatus::ok) return Outcome::tangent_not_factorised;
-      have_factor = factor_is_current = true;
+    if (factor == nullptr) {
+      factor = factor_at_start(start);
+      refactorise = factor == nullptr;
+      norm_at_factor = norm;
+    }
+    if (refactorise) {
+      if (factorise(state.u, work_) != FactorStatus::ok) return Outcome::tangent_not_factorised;
+      factor = &work_;
+      quasi_newton.clear();
+      fresh = true;
+      refactorise = false;
+      norm_at_factor = norm;
+      since_factor = 0;
     }
     ++state.iterations;
-    Eigen::VectorXd step = -r;
-    solve_linear(step);
+    ++since_factor;
+    Eigen::VectorXd step =
+        quasi_newton.direction(r, [&](auto columns) { solve_linear(*factor, columns); });
     double slope = step.dot(r);
     if (slope > 0) {
       // The tangent is indefinite: along the opposite direction the energy falls.
       step = -step;
       slope = -slope;
     }
-    switch (search(step, slope, state.u, r, energy)) {
-      case Search::failed:
-        if (factor_is_current) return Outcome::not_converged;
-        have_factor = false;
-        break;
-      case Search::shortened:
-        have_factor = false;
-        break;
-      case Search::full_step:
-        have_factor = r.lpNorm<Eigen::Infinity>() <= options_.chord_contraction * norm;
-        break;
+    const Eigen::VectorXd old_r = r;
+    double length = 0;
+    const Search result = search(step, slope, state.u, r, energy, length);
+    if (result == Search::failed) {
+      if (fresh) return Outcome::not_converged;
+      refactorise = true;
+    } else {
+      quasi_newton.update(length * step, r - old_r);
+      const double mean_contraction =
+          std::pow(r.lpNorm<Eigen::Infinity>() / norm_at_factor, 1.0 / since_factor);
+      refactorise = since_factor >= kIterationsBeforeJudging &&
+                    mean_contraction > options_.contraction;
     }
-    factor_is_current = factor_for_good_;
-    have_factor = have_factor || factor_for_good_;
+    fresh = false;
   }
 }
 
 Outcome EquilibriumSolver::Impl::complete(Equilibrium& state) {
-  if (factorise(state.u) != FactorStatus::ok) return Outcome::tangent_not_factorised;
+  if (factorise(state.u, work_) != FactorStatus::ok) return Outcome::tangent_not_factorised;
   Eigen::MatrixXd v_i = -k_ia_;
-  solve_linear(v_i);
+  solve_linear(work_, v_i);
   state.stiffness = k_aa_ + k_ia_.transpose() * v_i;
   state.stiffness = 0.5 * (state.stiffness + state.stiffness.transpose()).eval();
 
@@ -415,7 +514,7 @@ Outcome EquilibriumSolver::Impl::complete(Equilibrium& state) {
   }
   if (!state.v.allFinite() || !state.stiffness.allFinite()) return Outcome::tangent_not_factorised;
 
-  state.negative_pivots = linear_->negative_pivots();
+  state.negative_pivots = work_.solver->negative_pivots();
   const Assembly::Determinant least = assembly_.minimum_det_f(state.u);
   state.minimum_det_f = least.value;
   state.minimum_det_f_cell = least.cell;
@@ -471,7 +570,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     next.u += state.v * (next.t - state.t);
     place_sites(next.t, next.u);
     ++next.steps;
-    Outcome outcome = correct(next.t, next);
+    Outcome outcome = correct(state, next);
     if (outcome == Outcome::converged) outcome = complete(next);
     if (outcome == Outcome::converged) {
       state = std::move(next);

@@ -13,9 +13,11 @@
 //
 // and h = ∂Π/∂t, k = ∂²Π/∂t².
 //
-// A step goes from one equilibrium to the next: predictor u + v Δt, corrector Newton with a line
-// search on the energy; a factor serves for further iterations while they contract. Where that
-// fails the step is halved.
+// A step goes from one equilibrium to the next: predictor u + v Δt, corrector quasi-Newton (BFGS
+// updates of the factor at the start of the step) with a line search on the energy. Where that
+// contracts too slowly the tangent is factorised anew, where it fails the step is halved. One more
+// factor, at the solution, gives v, k and the inertia. Steps from one start share its factor: solve
+// them one after the other.
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
 #pragma once
@@ -48,7 +50,7 @@ struct EquilibriumOptions {
   /// the mean diagonal of the tangent at rest times the larger of |t| and a thousandth of the mean
   /// edge. 1e-10 leaves the reaction with a relative error far below 1e-8.
   double tolerance = 1e-10;
-  /// Iterations of one step, chord iterations included.
+  /// Iterations of one step.
   int max_iterations = 60;
   /// A step may be halved this often: 1/256 of the way.
   int max_halvings = 8;
@@ -56,9 +58,9 @@ struct EquilibriumOptions {
   int max_steps = 600;
   /// Time for one solve, s; 0 is no bound.
   double max_seconds = 0;
-  /// A factor is used again while the residual shrinks to at most this share in an iteration. A
-  /// factorisation costs about as much as twenty-five chord iterations.
-  double chord_contraction = 0.5;
+  /// A factor serves as long as the residual shrinks to at most this share an iteration, in the
+  /// mean since it was made. A factorisation costs about as much as twenty-five iterations.
+  double contraction = 0.5;
   /// Asked before each iteration; true ends the solve with Outcome::aborted.
   std::function<bool()> abort_requested;
 };

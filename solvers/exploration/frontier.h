@@ -27,7 +27,8 @@ class Frontier {
   Frontier& operator=(const Frontier&) = delete;
 
   /// The next transitions, independent of each other; empty when there is nothing left. All starts
-  /// are targets of the batch before this one.
+  /// are targets of the batch before this one. Transitions from one start follow each other, since
+  /// they share a factor.
   [[nodiscard]] virtual std::vector<Transition> next() = 0;
 
   /// Tells what was found for a transition of the last batch.

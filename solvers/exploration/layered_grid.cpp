@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -27,6 +28,11 @@ std::int64_t detour(const CheckPoint& p, const CheckPoint& target, std::int64_t 
     sum += off * off;
   }
   return sum;
+}
+
+std::pair<Index, CheckPoint> first_start(const Transition& transition) {
+  return {transition.active_node,
+          transition.starts.empty() ? transition.target : transition.starts.front()};
 }
 
 }  // namespace
@@ -60,6 +66,11 @@ std::vector<Transition> LayeredGrid::next() {
       layer_ = -1;
     }
   }
+  // The order of the targets within those of one start stays.
+  std::stable_sort(transitions.begin(), transitions.end(),
+                   [](const Transition& a, const Transition& b) {
+                     return first_start(a) < first_start(b);
+                   });
   return transitions;
 }
 

@@ -169,11 +169,7 @@ class Engine {
       const std::vector<Transition> batch = frontier.next();
       if (batch.empty()) return true;
       const std::vector<char> known = find_known(batch);
-      std::vector<int> owners;
-      int next_rank = 0;
-      for (const char is_known : known) {
-        owners.push_back(is_known != 0 ? 0 : next_rank++ % communicator_.size());
-      }
+      const std::vector<int> owners = share_out(known);
       const std::vector<Bytes> results =
           run_batch(communicator_, owners, [&](std::int64_t i) -> Bytes {
             if (known[i] != 0) return to_bytes(record_.load(batch[i].active_node, batch[i].target));
@@ -200,6 +196,18 @@ class Engine {
     std::vector<char> known;
     for (const std::byte one : of_rank_0) known.push_back(std::to_integer<char>(one));
     return known;
+  }
+
+  /// What is known is loaded by rank 0; of the others each rank solves a run of neighbours.
+  [[nodiscard]] std::vector<int> share_out(const std::vector<char>& known) const {
+    const std::int64_t num_unknown = std::count(known.begin(), known.end(), 0);
+    std::vector<int> owners;
+    std::int64_t next = 0;
+    for (const char is_known : known) {
+      owners.push_back(
+          is_known != 0 ? 0 : static_cast<int>(next++ * communicator_.size() / num_unknown));
+    }
+    return owners;
   }
 
   /// Solves a transition and keeps the result; empty when it was aborted.

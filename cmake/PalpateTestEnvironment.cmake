@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Read by ctest itself: the environment of every test.
+
+# The ranks are the parallelism.
+set(ENV{OMP_NUM_THREADS} 1)
+set(ENV{OPENBLAS_NUM_THREADS} 1)
+# A program started without mpiexec would look up its host's name, 5 s where there is no DNS.
+set(ENV{OMPI_MCA_ess_singleton_isolated} 1)
