@@ -9,6 +9,7 @@ Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run 
 The results go to the folder `out`: the state space (.palpate), table.md and table.csv, and pictures.
 """
 import argparse
+import glob
 import os
 import sys
 import time
@@ -27,6 +28,7 @@ from remesh import arrays, remesh, triangle_normals, vertex_normals
 LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin")
 # Where a doctor palpates: y is up, z to the front, the right lobe at x < 0.
 IN_FRONT = np.array((-0.4, 0.4, 1.0))
+LARGEST = 5.0  # m; a surface that is wider is not in m
 
 
 class Arguments(argparse.ArgumentParser):
@@ -82,34 +84,46 @@ def read_surface(args):
         reader = update(OpenDataFile(args.surface))
     except RuntimeError:
         raise Failure(f"ParaView cannot read {args.surface}.")
-    if args.scale == 1.0:
-        return reader
-    scaled = Transform(Input=reader)
-    scaled.Transform.Scale = [args.scale] * 3
-    return update(scaled)
+    if not output(reader).IsA("vtkPolyData"):
+        raise Failure(f"{args.surface} holds no surface (vtkPolyData), but a "
+                      f"{output(reader).GetClassName()}.")
+    if args.scale != 1.0:
+        reader = Transform(Input=reader)
+        reader.Transform.Scale = [args.scale] * 3
+        update(reader)
+    size = np.ptp(np.reshape(reader.GetDataInformation().GetBounds(), (3, 2)), axis=1).max()
+    if size > LARGEST:
+        raise Failure(f"{args.surface} is {size:.3g} m wide. If it is in mm, add --scale 0.001.")
+    return reader
 
 
 def make_body(surface, args):
-    """2. Quadratic tetrahedra, about as many as asked for. Answers with them and the surface that
-    they fill."""
+    """2. Quadratic tetrahedra, about as many as asked for."""
     # The surface as it is at first: fewer triangles would hide its faults.
     whole = update(TetrahedralizeSurface(Input=surface, PreserveSurface=1,
                                          RepairSurface=args.repair))
     clean = boundary(output(whole))
     path = os.path.join(args.output, "surface.vtp")
     if args.elements == 0:
-        return tetrahedralize(save_surface(clean, path), args), clean
+        return tetrahedralize(save_surface(clean, path), args)
     area = np.linalg.norm(triangle_normals(*arrays(clean)), axis=1).sum()
     # A first guess from organs, then corrected by what comes out.
     length = (3.4 * area / args.elements) ** 0.5
-    for _ in range(4):
-        body = tetrahedralize(save_surface(remesh(clean, length), path), args)
+    for last in (False, False, False, False, True):
+        try:
+            body = tetrahedralize(save_surface(remesh(clean, length), path), args)
+        except Failure as failure:
+            if last:
+                raise Failure(f"with triangles of {length:.2g} m: {failure} Or ask for more "
+                              "--elements.")
+            # Triangles that are too large for a thin part of the organ cross each other there.
+            length *= 0.8
+            continue
         excess = output(body).GetNumberOfCells() / args.elements
-        if 0.9 < excess < 1.1:
-            break
+        if last or 0.9 < excess < 1.1:
+            return body
         # Between a square and a cube: most of the tetrahedra stand on the surface.
         length *= excess ** 0.4
-    return body, clean
 
 
 def tetrahedralize(surface, args):
@@ -146,8 +160,10 @@ def precompute(scene, nodes, half_width, args):
     organ = os.path.basename(args.surface) if args.surface else "liver"
     law = args.law.lower().replace(". ", "-").replace(" ", "-")
     file_name = os.path.join(args.output, f"{organ}_{law}_{args.resolution}.palpate")
-    if args.fresh and os.path.exists(file_name):
-        os.remove(file_name)
+    if args.fresh:
+        # With what a run that was killed has left beside it.
+        for path in glob.glob(glob.escape(file_name) + "*"):
+            os.remove(path)
     try:
         return update(PrecomputeStateSpace(Input=scene, ActiveNodes=nodes, HalfWidth=half_width,
                                            Resolution=args.resolution, FileName=file_name))
@@ -203,7 +219,7 @@ def main():
 
     surface = read_surface(args)
     start = time.monotonic()
-    body, clean = make_body(surface, args)
+    body = make_body(surface, args)
     meshing_seconds = time.monotonic() - start
     scene = make_scene(body, args)
     nodes, half_width = choose_active_nodes(scene, args)
