@@ -50,10 +50,21 @@ std::vector<char> vtkPalpatePointsOfArray(
     throw palpate::InputError(property + " is '" + name +
       "', but the body has no point array of that name with one number a point. Choose another.");
   }
-  std::vector<char> chosen(static_cast<std::size_t>(body->GetNumberOfPoints()), 0);
+  return vtkPalpateChosenPoints(array);
+}
+
+std::vector<char> vtkPalpateChosenPoints(vtkDataArray* array)
+{
+  std::vector<char> chosen(static_cast<std::size_t>(array->GetNumberOfTuples()), 0);
   for (std::size_t point = 0; point < chosen.size(); ++point)
   {
-    chosen[point] = array->GetComponent(static_cast<vtkIdType>(point), 0) != 0;
+    const double value = array->GetComponent(static_cast<vtkIdType>(point), 0);
+    if (std::isnan(value))
+    {
+      throw palpate::InputError("The array " + std::string(array->GetName()) +
+        " is not a number at point " + std::to_string(point) + ". Give every point 0 or 1.");
+    }
+    chosen[point] = value != 0;
   }
   return chosen;
 }

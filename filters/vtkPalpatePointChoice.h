@@ -7,6 +7,7 @@
 
 #include "PalpateFiltersModule.h"
 
+class vtkDataArray;
 class vtkImplicitFunction;
 class vtkSelection;
 class vtkUnstructuredGrid;
@@ -16,6 +17,10 @@ PALPATEFILTERS_EXPORT std::vector<char> vtkPalpatePointsOfRegion(
   vtkUnstructuredGrid* body, vtkImplicitFunction* region);
 
 /// Where the array is not 0.
+/// @throws palpate::InputError a value that is not a number.
+PALPATEFILTERS_EXPORT std::vector<char> vtkPalpateChosenPoints(vtkDataArray* array);
+
+/// The same by name.
 /// @throws palpate::InputError no point array of that name with one component; `property` is the
 /// name of the property that holds it.
 PALPATEFILTERS_EXPORT std::vector<char> vtkPalpatePointsOfArray(

@@ -20,7 +20,6 @@
 #include "vtkPalpateWholeBody.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPolyData.h"
-#include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
@@ -38,8 +37,30 @@ palpate::Index CheckedNode(vtkIdType node)
   return static_cast<palpate::Index>(node);
 }
 
-void AddReport(
-  const palpate::PrecomputeReport& report, const std::string& fileName, vtkFieldData* fields)
+/// Counts of the configurations that are not as they should be; empty when all are.
+std::string Doubts(const palpate::PrecomputeReport& report)
+{
+  std::string text;
+  const auto add = [&](std::int64_t count, const std::string& what)
+  { text += (text.empty() ? "" : ", ") + std::to_string(count) + ' ' + what; };
+  for (const auto& [outcome, count] : report.num_by_outcome)
+  {
+    if (outcome != palpate::Outcome::converged)
+    {
+      add(count, palpate::to_string(outcome));
+    }
+  }
+  for (const auto& [flag, count] : report.num_by_flag)
+  {
+    if (flag != palpate::flags::beyond_force_limit)
+    {
+      add(count, palpate::flags_to_string(flag));
+    }
+  }
+  return text;
+}
+
+void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
 {
   const auto add = [&](const char* name, double value)
   {
@@ -48,11 +69,6 @@ void AddReport(
     array->InsertNextValue(value);
     fields->AddArray(array);
   };
-  vtkNew<vtkStringArray> file;
-  file->SetName("FileName");
-  file->InsertNextValue(fileName);
-  fields->AddArray(file);
-
   const palpate::Work& work = report.work;
   const auto mean = [](double seconds, long count) { return count > 0 ? seconds / count : 0; };
   add("Ranks", report.num_ranks);
@@ -61,7 +77,6 @@ void AddReport(
   add("Solved", static_cast<double>(report.num_solved));
   add("Reused", static_cast<double>(report.num_reused));
   add("NotReached", static_cast<double>(report.num_not_reached));
-  add("Complete", report.complete ? 1 : 0);
   add("ExplorationSeconds", report.exploration_seconds);
   add("FinishingSeconds", report.finishing_seconds);
   add("AssemblySeconds", mean(work.assembly_seconds, work.assemblies));
@@ -127,6 +142,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.file = this->FileName;
     options.touch_bound = this->DisplacementBound;
     options.equilibrium.tolerance = this->SolverTolerance;
+    options.equilibrium.max_seconds = this->MaximumSeconds;
 
     using Clock = std::chrono::steady_clock;
     const auto progress = [this, last = Clock::time_point()](double done) mutable
@@ -148,8 +164,15 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     vtkPalpateFillCollection(scene, result.space, output);
     if (vtkPolyData* configurations = vtkPalpateConfigurations(output))
     {
-      AddReport(result.report, this->FileName, configurations->GetFieldData());
+      vtkPalpateAddFile(
+        this->FileName, result.report.complete, configurations->GetFieldData());
+      AddReport(result.report, configurations->GetFieldData());
       output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
+    }
+    if (const std::string doubts = Doubts(result.report); !doubts.empty())
+    {
+      vtkWarningMacro("Configurations that are marked: " << doubts
+                      << ". Touching near them gives Found = 2 (extrapolated) or 3 (marked).");
     }
     if (!result.report.complete)
     {
@@ -194,5 +217,6 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ForceLimit: " << this->ForceLimit << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
+     << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
      << indent << "DisplacementBound: " << this->DisplacementBound << '\n';
 }

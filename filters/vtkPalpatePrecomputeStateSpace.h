@@ -64,6 +64,11 @@ public:
   vtkGetMacro(SolverTolerance, double);
   ///@}
   ///@{
+  /// Time for one solve, s; 0 is no bound.
+  vtkSetMacro(MaximumSeconds, double);
+  vtkGetMacro(MaximumSeconds, double);
+  ///@}
+  ///@{
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
   vtkSetMacro(DisplacementBound, double);
   vtkGetMacro(DisplacementBound, double);
@@ -86,5 +91,6 @@ private:
   double ForceLimit = 0;
   std::string FileName;
   double SolverTolerance = 1e-10;
+  double MaximumSeconds = 0;
   double DisplacementBound = 1e-3;
 };

@@ -17,6 +17,7 @@
 #include "vtkDoubleArray.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPalpatePointChoice.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkUnsignedCharArray.h"
@@ -141,16 +142,6 @@ void ReadMaterials(vtkUnstructuredGrid* grid, palpate::Scene& scene)
     }
     scene.material_of_cell.push_back(found->second);
   }
-}
-
-std::vector<char> ReadChoice(vtkDataArray* array)
-{
-  std::vector<char> chosen(static_cast<std::size_t>(array->GetNumberOfTuples()), 0);
-  for (std::size_t point = 0; point < chosen.size(); ++point)
-  {
-    chosen[point] = array->GetComponent(static_cast<vtkIdType>(point), 0) != 0;
-  }
-  return chosen;
 }
 
 void AddMaterials(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
@@ -287,10 +278,10 @@ palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid)
     throw InputError("No point of the body is fixed: the point array Fixed is missing. Apply Set "
                      "Boundary to it.");
   }
-  scene.fixed = ReadChoice(fixed);
+  scene.fixed = vtkPalpateChosenPoints(fixed);
   vtkDataArray* touchable = ScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
   scene.touchable =
-    touchable ? ReadChoice(touchable) : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
+    touchable ? vtkPalpateChosenPoints(touchable) : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
   palpate::check(scene);
   return scene;
 }

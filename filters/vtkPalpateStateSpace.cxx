@@ -12,7 +12,6 @@
 #include "state_space/state_space_file.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
-#include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
@@ -68,8 +67,10 @@ vtkSmartPointer<vtkPolyData> SurfaceData(const TouchSpace& space)
   points->SetNumberOfPoints(surface.num_points());
   auto* meshPoints =
     AddArray<vtkIdTypeArray>(data->GetPointData(), "MeshPoint", 1, surface.num_points());
-  auto* modes = AddArray<vtkFloatArray>(
-    data->GetPointData(), "Modes", 3 * space.num_modes(), surface.num_points());
+  // VTK has no arrays without components.
+  auto* modes = space.num_modes() == 0 ? nullptr
+                                       : AddArray<vtkFloatArray>(data->GetPointData(), "Modes",
+                                           3 * space.num_modes(), surface.num_points());
   for (Index p = 0; p < surface.num_points(); ++p)
   {
     points->SetPoint(p, surface.points[p].data());
@@ -97,7 +98,6 @@ vtkSmartPointer<vtkPolyData> SurfaceData(const TouchSpace& space)
 template <class Visit>
 void ForEachDoubleArray(Visit&& visit)
 {
-  using C = ConfigurationSummary;
   visit("Displacement", 3, [](auto& c) { return c.t.data(); });
   visit("Force", 3, [](auto& c) { return c.force.data(); });
   visit("Energy", 1, [](auto& c) { return &c.energy; });
@@ -105,7 +105,6 @@ void ForEachDoubleArray(Visit&& visit)
   visit("Residual", 1, [](auto& c) { return &c.residual; });
   visit("MinimumDetF", 1, [](auto& c) { return &c.minimum_det_f; });
   visit("Seconds", 1, [](auto& c) { return &c.seconds; });
-  static_assert(sizeof(C::t) == 3 * sizeof(double) && sizeof(C::stiffness) == 9 * sizeof(double));
 }
 
 /// The same for the figures that are integers.
@@ -180,8 +179,13 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   }
   const int modes = space.num_modes();
   auto* nodes = AddArray<vtkIdTypeArray>(arrays, "ActiveNode", 1, count);
-  auto* coefficients = AddArray<vtkFloatArray>(arrays, "Coefficients", modes, count);
-  auto* gradients = AddArray<vtkFloatArray>(arrays, "CoefficientGradient", 3 * modes, count);
+  vtkFloatArray* coefficients = nullptr;
+  vtkFloatArray* gradients = nullptr;
+  if (modes > 0)
+  {
+    coefficients = AddArray<vtkFloatArray>(arrays, "Coefficients", modes, count);
+    gradients = AddArray<vtkFloatArray>(arrays, "CoefficientGradient", 3 * modes, count);
+  }
   vtkIdType next = 0;
   for (const TouchSite& site : space.sites)
   {
@@ -246,19 +250,20 @@ vtkDataArray* Required(vtkFieldData* data, const char* name, int components)
   return array;
 }
 
-/// Number of components of an array that may have none.
-int Components(vtkFieldData* data, const char* name)
+/// Number of modes: where there are none, there is no array.
+int NumberOfModes(vtkFieldData* data)
 {
-  vtkDataArray* array = data->GetArray(name);
-  return array && array->GetNumberOfTuples() > 0 ? array->GetNumberOfComponents() : 0;
+  vtkDataArray* array = data->GetArray("Modes");
+  return array ? array->GetNumberOfComponents() / 3 : 0;
 }
 
 void ReadSurface(vtkPolyData* data, TouchSpace& space)
 {
   const vtkIdType count = data->GetNumberOfPoints();
   vtkDataArray* meshPoints = Required(data->GetPointData(), "MeshPoint", 1);
-  const int modes = Components(data->GetPointData(), "Modes") / 3;
-  vtkDataArray* values = Required(data->GetPointData(), "Modes", 3 * modes);
+  const int modes = NumberOfModes(data->GetPointData());
+  vtkDataArray* values =
+    modes > 0 ? Required(data->GetPointData(), "Modes", 3 * modes) : nullptr;
   palpate::Surface& surface = space.surface;
   surface.points.resize(count);
   surface.mesh_points.resize(count);
@@ -336,8 +341,9 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
   const int modes = space.num_modes();
-  vtkDataArray* coefficients = Required(arrays, "Coefficients", modes);
-  vtkDataArray* gradients = Required(arrays, "CoefficientGradient", 3 * modes);
+  vtkDataArray* coefficients = modes > 0 ? Required(arrays, "Coefficients", modes) : nullptr;
+  vtkDataArray* gradients =
+    modes > 0 ? Required(arrays, "CoefficientGradient", 3 * modes) : nullptr;
   for (vtkIdType s = 0; s < sites->GetNumberOfTuples(); ++s)
   {
     TouchSite& site = space.sites.emplace_back();
@@ -452,6 +458,15 @@ void vtkPalpateFillCollection(const palpate::Scene& scene, const TouchSpace& spa
   output->SetPartition(0, 0, vtkPalpateGridFromScene(scene));
   output->SetPartition(1, 0, SurfaceData(space));
   output->SetPartition(2, 0, configurations);
+}
+
+void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData* fields)
+{
+  vtkNew<vtkStringArray> file;
+  file->SetName("FileName");
+  file->InsertNextValue(fileName);
+  fields->AddArray(file);
+  AddArray<vtkIntArray>(fields, "Complete", 1, 1)->SetValue(0, complete ? 1 : 0);
 }
 
 vtkPolyData* vtkPalpateConfigurations(vtkPartitionedDataSetCollection* collection)

@@ -25,6 +25,8 @@
 //     `LargestDisplacement`, `DisplacementError`, `SensitivityError` (m, of the modes).
 #pragma once
 
+#include <string>
+
 #include "PalpateFiltersModule.h"
 #include "state_space/touch_space.h"
 #include "vtkSmartPointer.h"
@@ -40,6 +42,10 @@ PALPATEFILTERS_EXPORT void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection*
 /// Fills the collection on the rank that has the space.
 PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(const palpate::Scene& scene,
   const palpate::TouchSpace& space, vtkPartitionedDataSetCollection* output);
+
+/// Adds the field arrays `FileName` and `Complete` (1: nothing is left to find).
+PALPATEFILTERS_EXPORT void vtkPalpateAddFile(
+  const std::string& fileName, bool complete, vtkFieldData* fields);
 
 /// The dataset of `Configurations`, null where there is none.
 PALPATEFILTERS_EXPORT vtkPolyData* vtkPalpateConfigurations(

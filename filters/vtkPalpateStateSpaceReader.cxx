@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateStateSpaceReader.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
@@ -43,6 +45,10 @@ int vtkPalpateStateSpaceReader::RequestData(
         file.read_scene(), palpate::make_touch_space(file, this->DisplacementBound), output);
       if (vtkPolyData* configurations = vtkPalpateConfigurations(output))
       {
+        const auto sites = file.read_sites();
+        const bool complete = std::all_of(
+          sites.begin(), sites.end(), [](const auto& site) { return site.complete; });
+        vtkPalpateAddFile(this->FileName, complete, configurations->GetFieldData());
         output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
       }
     });

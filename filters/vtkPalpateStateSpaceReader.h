@@ -3,8 +3,8 @@
  * @class vtkPalpateStateSpaceReader
  * @brief reads a state space from a .palpate file
  *
- * Output: as vtkPalpatePrecomputeStateSpace gives it, without the figures of the run. The file may
- * be one that is not complete. Under MPI the result is whole on rank 0 and empty elsewhere.
+ * Output: as vtkPalpatePrecomputeStateSpace gives it, without the figures of the run but `FileName`
+ * and `Complete`. The file may be one that is not complete. Under MPI the result is whole on rank 0 and empty elsewhere.
  */
 #pragma once
 

@@ -216,8 +216,8 @@ std::string ToText(vtkDataObject* data)
 {
   vtkNew<Writer> writer;
   writer->SetInputData(data);
-  writer->SetDataModeToAppended();
-  writer->EncodeAppendedDataOff();
+  // Not appended: recent releases of Expat make VTK's reader refuse that.
+  writer->SetDataModeToBinary();
   writer->SetCompressorTypeToNone();
   writer->WriteToOutputStringOn();
   writer->Write();

@@ -104,12 +104,13 @@ int vtkPalpateTouchStateSpace::RequestData(
     {
       auto* input = vtkPartitionedDataSetCollection::GetData(inputVector[0]);
       vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-      // On rank 0 alone where the source runs there: the others must not wait for it.
-      if (palpate::any(*vtkPalpateCommunicator(controller), vtkPalpatePassFailure(input, output)))
+      // Decided together: where rank 0 alone meets an error, the others must not wait for it.
+      const auto ranks = vtkPalpateCommunicator(controller);
+      if (palpate::any(*ranks, vtkPalpatePassFailure(input, output)))
       {
         return;
       }
-      if (!this->Cache || this->Cache->InputTime != input->GetMTime())
+      if (palpate::any(*ranks, !this->Cache || this->Cache->InputTime != input->GetMTime()))
       {
         this->Cache.reset();
         auto prepared = std::make_unique<Prepared>();
@@ -142,6 +143,10 @@ int vtkPalpateTouchStateSpace::RequestData(
       const palpate::TouchResult touch = interpolator->evaluate(t);
       Eigen::VectorXf coefficients(field.num_modes());
       field.coefficients(t, coefficients.data());
+      if (touch.found == palpate::Found::no || !coefficients.allFinite())
+      {
+        coefficients.setZero();
+      }
       const palpate::Index numberOfPoints = space.surface.num_points();
       vtkNew<vtkFloatArray> displacement;
       displacement->SetName("Displacement");

@@ -109,6 +109,7 @@ def main():
     writer = vtkXMLPolyDataWriter()
     writer.SetInputData(make_surface())
     writer.SetFileName(sys.argv[1])
+    writer.SetDataModeToBinary()  # recent releases of Expat make readers refuse appended data
     if not writer.Write():
         sys.exit(f"make_surface.py: cannot write {sys.argv[1]}.")
 

@@ -61,6 +61,7 @@ def save_surface(surface, path):
     writer = vtkXMLPolyDataWriter()
     writer.SetInputData(surface)
     writer.SetFileName(path)
+    writer.SetDataModeToBinary()  # recent releases of Expat make readers refuse appended data
     if not writer.Write():
         raise Failure(f"cannot write {path}.")
     return update(OpenDataFile(path))

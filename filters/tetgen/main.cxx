@@ -453,8 +453,8 @@ void WriteGrid(vtkUnstructuredGrid* grid, int file)
 {
   vtkNew<vtkXMLUnstructuredGridWriter> writer;
   writer->SetInputData(grid);
-  writer->SetDataModeToAppended();
-  writer->EncodeAppendedDataOff();
+  // Not appended: recent releases of Expat make VTK's reader refuse that.
+  writer->SetDataModeToBinary();
   writer->SetCompressorTypeToNone();
   writer->WriteToOutputStringOn();
   writer->Write();

@@ -583,10 +583,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     failure = outcome;
     const bool hopeless = outcome == Outcome::aborted || outcome == Outcome::budget_used_up;
     stride = 0.5 * (next_way - way);
-    if (hopeless || stride < least_stride) {
-      state.residual = next.residual;
-      break;
-    }
+    if (hopeless || stride < least_stride) break;
   }
   state.outcome = way < 1 ? failure : Outcome::converged;
   state.seconds = seconds_since(start_);

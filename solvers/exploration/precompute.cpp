@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "exploration/layered_grid.h"
 #include "schedule/batch.h"
+#include "state_space/pod.h"
 
 namespace palpate {
 namespace {
@@ -219,13 +220,18 @@ class Engine {
       held_node_ = site.active_node;
     }
     const Configuration found =
-        transition.starts.empty()
-            ? to_configuration(solver_.rest(), site, transition, transition.target)
-            : reach(site, transition);
+        transition.starts.empty() ? rest(site, transition) : reach(site, transition);
     if (found.outcome == Outcome::aborted) return {};
     record_.keep(site.active_node, found);
     monitor_.solved_one();
     return to_bytes(found);
+  }
+
+  /// @throws InputError the body is not held.
+  Configuration rest(const Site& site, const Transition& transition) {
+    Equilibrium e = solver_.rest();
+    if (e.outcome != Outcome::converged) throw InputError(e.message);
+    return to_configuration(std::move(e), site, transition, transition.target);
   }
 
   /// Tries one start after the other.
@@ -305,13 +311,19 @@ void validate(const PrecomputeOptions& options) {
     throw InputError("The half-width is " + std::to_string(options.half_width) +
                      "; it must be a positive length in m.");
   }
-  if (options.resolution < 3 || options.resolution % 2 == 0) {
+  if (options.resolution < 3 || options.resolution % 2 == 0 ||
+      options.resolution > kLargestResolution) {
     throw InputError("The resolution is " + std::to_string(options.resolution) +
-                     "; it must be odd and at least 3, so that the rest position is a check-point.");
+                     "; it must be odd, so that the rest position is a check-point, and from 3 to " +
+                     std::to_string(kLargestResolution) + '.');
   }
   if (!(std::isfinite(options.force_limit) && options.force_limit >= 0)) {
     throw InputError("The force limit is " + std::to_string(options.force_limit) +
                      "; it must be a force in N, or 0 for none.");
+  }
+  if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
+    throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +
+                     "; it must be a share from 0.00001 to below 1.");
   }
   validate(options.equilibrium);
 }

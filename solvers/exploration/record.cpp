@@ -61,6 +61,10 @@ class FileRecord final : public Record {
     // Rank 0 first: where it fails, no other rank leaves a file behind.
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
+      if (const auto left = files_of_ranks(); !left.empty() && !fs::exists(path_)) {
+        throw InputError("The file " + path_.string() + " is gone, but " + left.front().string() +
+                         " of its last run is there. Remove that too, or give another file name.");
+      }
       file_ = StateSpaceFile::open_or_create(path_, scene, solver_tolerance);
       take_over_rank_files();
       for (const Site& site : sites_) {
@@ -116,18 +120,25 @@ class FileRecord final : public Record {
     return path_.string() + ".rank" + std::to_string(rank);
   }
 
-  /// Merges what ranks of this or of an earlier, killed run have left, and removes their files.
-  void take_over_rank_files() {
+  /// What ranks of this or of an earlier, killed run have left.
+  [[nodiscard]] std::vector<fs::path> files_of_ranks() const {
     std::vector<fs::path> files;
     const std::string prefix = path_.filename().string() + ".rank";
     const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
-    for (const auto& entry : fs::directory_iterator(folder)) {
+    std::error_code missing;  // StateSpaceFile says so
+    for (const auto& entry : fs::directory_iterator(folder, missing)) {
       const std::string name = entry.path().filename().string();
       if (name.size() > prefix.size() && name.compare(0, prefix.size(), prefix) == 0 &&
           name.find_first_not_of("0123456789", prefix.size()) == std::string::npos) {
         files.push_back(entry.path());
       }
     }
+    return files;
+  }
+
+  /// Merges them and removes them.
+  void take_over_rank_files() {
+    const std::vector<fs::path> files = files_of_ranks();
     if (files.empty()) return;
     file_->merge(files);
     for (const fs::path& file : files) {

@@ -20,9 +20,6 @@ constexpr double kOffCheckPoint = 1e-4;
 
 constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
 
-/// More points on an axis would overflow the number of a node.
-constexpr std::int32_t kMostPoints = 1001;
-
 bool has_finite_data(const ConfigurationSummary& c) {
   return c.usable() && std::isfinite(c.energy) && c.force.allFinite() && c.stiffness.allFinite();
 }
@@ -32,10 +29,10 @@ bool has_finite_data(const ConfigurationSummary& c) {
 CheckPointGrid::CheckPointGrid(const TouchSite& site) {
   const Site& s = site.site;
   const std::string which = "The site at active node " + std::to_string(s.active_node);
-  if (s.resolution < 1 || s.resolution % 2 == 0 || s.resolution > kMostPoints) {
+  if (s.resolution < 1 || s.resolution % 2 == 0 || s.resolution > kLargestResolution) {
     throw InputError(which + " has " + std::to_string(s.resolution) +
                      " check-points an axis; it takes an odd number up to " +
-                     std::to_string(kMostPoints) + '.');
+                     std::to_string(kLargestResolution) + '.');
   }
   if (s.resolution > 1 && !(s.half_width > 0 && std::isfinite(s.half_width))) {
     throw InputError(which + " has a half-width of " + std::to_string(s.half_width) +

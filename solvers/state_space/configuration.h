@@ -59,6 +59,9 @@ struct Configuration : ConfigurationSummary {
   return a.check_point != b.check_point ? a.check_point < b.check_point : a.level < b.level;
 }
 
+/// Check-points along an axis at the most: more would overflow the number of a node of the grid.
+inline constexpr std::int32_t kLargestResolution = 1001;
+
 /// The active site and the grid around it.
 struct Site {
   /// Point of the mesh.

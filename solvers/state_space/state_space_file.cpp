@@ -302,8 +302,14 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
   }
   // Filled under another name, so that a run killed here leaves no half file under this one.
   const fs::path part = path.string() + ".part";
+  // What SQLite left beside a file that was removed would be taken for a log of the new one.
   std::error_code error;
   fs::remove(part, error);
+  for (const fs::path& file : {path, part}) {
+    for (const char* suffix : {"-wal", "-shm", "-journal"}) {
+      fs::remove(file.string() + suffix, error);
+    }
+  }
   {
     const Database database(part, Access::create);
     database.execute("PRAGMA page_size = " + std::to_string(kPageSize));

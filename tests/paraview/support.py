@@ -5,7 +5,7 @@ import itertools
 
 import numpy
 from paraview import servermanager
-from paraview.simple import XMLUnstructuredGridReader
+from paraview.simple import PVTrivialProducer, XMLUnstructuredGridReader
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkPoints, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, VTK_TETRA, vtkUnstructuredGrid
@@ -56,8 +56,16 @@ def source(grid, name):
     writer = vtkXMLUnstructuredGridWriter()
     writer.SetFileName(name + ".vtu")
     writer.SetInputData(grid)
+    writer.SetDataModeToBinary()  # recent releases of Expat make readers refuse appended data
     assert writer.Write() == 1
     return XMLUnstructuredGridReader(FileName=[name + ".vtu"])
+
+
+def produce(grid):
+    """The grid as a source of the pipeline, without a file: where the format has no word for it."""
+    producer = PVTrivialProducer()
+    producer.GetClientSideObject().SetOutput(grid)
+    return producer
 
 
 def fetch(proxy):

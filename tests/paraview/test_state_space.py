@@ -6,10 +6,12 @@ import sqlite3
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (Calculator, OpenDataFile, PrecomputeStateSpace, SaveData,
-                             SolveEquilibrium, StateSpaceReader, TouchStateSpace)
+from paraview.simple import (AppendDatasets, AssignMaterial, Calculator, OpenDataFile,
+                             PrecomputeStateSpace, SaveData, SolveEquilibrium, StateSpaceReader,
+                             TouchStateSpace, Transform)
 from state_space_support import arrays_of, expect_same_space, fetch_space, node_at, precompute, scene
-from support import Messages, expect_error, expect_silence, fetch, field, places, point_array
+from support import (Messages, box_body, expect_error, expect_silence, fetch, field, places,
+                     point_array, source)
 
 CORNER, EDGE = [0.2, 0.1, 0.1], [0.1, 0, 0.1]
 NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)
@@ -18,11 +20,12 @@ NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)
 def test_every_property():
     space = PrecomputeStateSpace(Input=scene("every"), ActiveNodes=[1, 2], HalfWidth=0.02,
                                  Resolution=5, ForceLimit=3, FileName="every.palpate",
-                                 SolverTolerance=1e-9, DisplacementBound=1e-2)
+                                 SolverTolerance=1e-9, MaximumSeconds=60, DisplacementBound=1e-2)
     assert list(space.ActiveNodes) == [1, 2]
     assert (space.HalfWidth, space.Resolution, space.ForceLimit) == (0.02, 5, 3)
     assert space.FileName == "every.palpate"
     assert (space.SolverTolerance, space.DisplacementBound) == (1e-9, 1e-2)
+    assert space.MaximumSeconds == 60
     reader = StateSpaceReader(FileName="every.palpate", DisplacementBound=1e-2)
     assert reader.DisplacementBound == 1e-2
     touch = TouchStateSpace(Input=reader, ActiveNode=2, Displacement=[1, 2, 3])
@@ -118,6 +121,8 @@ def test_touch_is_exact_at_check_points_and_goes_on_outside():
     touch.Displacement = [0.05, 0, 0]
     assert field(fetch(touch), "Found")[0] == EXTRAPOLATED
     assert numpy.isfinite(field(fetch(touch), "Force")).all()
+    touch.Displacement = [1e200, 0, 0]
+    assert numpy.isfinite(places(fetch(touch))).all()
 
 
 def test_forms_of_a_space():
@@ -132,15 +137,18 @@ def test_forms_of_a_space():
 
     reader = StateSpaceReader(FileName="forms.palpate")
     expect_same_space(in_file, fetch_space(reader))
+    read = fetch_space(reader)["Configurations"].GetFieldData()
+    assert read.GetAbstractArray("FileName").GetValue(0) == "forms.palpate"
+    assert read.GetArray("Complete").GetValue(0) == 1
     opened = OpenDataFile(os.path.abspath("forms.palpate"))
     expect_same_space(in_file, fetch_space(opened))
 
-    SaveData("forms.vtpc", proxy=kept)
+    SaveData("forms.vtpc", proxy=kept, DataMode="Binary")
     stock = OpenDataFile(os.path.abspath("forms.vtpc"))
     expect_same_space(in_file, fetch_space(stock))
     forces = []
-    for source in (kept, reader, stock):
-        touch = TouchStateSpace(Input=source, ActiveNode=nodes[1], Displacement=[0.003, 0.002, -0.004])
+    for space in (kept, reader, stock):
+        touch = TouchStateSpace(Input=space, ActiveNode=nodes[1], Displacement=[0.003, 0.002, -0.004])
         result = fetch(touch)
         assert field(result, "Found")[0] == INSIDE
         forces.append(field(result, "Force")[0])
@@ -189,7 +197,9 @@ def test_bad_input():
         return lambda: precompute(boundary, [node], **settings).UpdatePipeline()
 
     expect_error(run(Resolution=4), "resolution", "odd")
+    expect_error(run(Resolution=1003), "resolution", "1001")
     expect_error(run(HalfWidth=0), "half-width")
+    expect_error(run(DisplacementBound=1), "displacement bound")
     expect_error(run(ForceLimit=-1), "force limit")
     expect_error(run(FileName="no/such/folder/a.palpate"), "no/such/folder")
     expect_error(lambda: precompute(boundary, [node_at(boundary, [0, 0, 0])]).UpdatePipeline(),
@@ -217,6 +227,14 @@ def test_bad_input():
     with open("bad.palpate", "rb") as whole, open("cut.palpate", "wb") as part:
         part.write(whole.read()[:30000])
     expect_error(lambda: StateSpaceReader(FileName="cut.palpate").UpdatePipeline(), "cut.palpate")
+    # A piece that nothing holds, in a body that is held.
+    pieces = AppendDatasets(Input=[source(box_body(), "held"), Transform(
+        Input=source(box_body(), "floating"))])
+    pieces.Input[1].Transform.Translate = [1, 0, 0]
+    held = Calculator(Input=AssignMaterial(Input=pieces), ResultArrayName="Fixed",
+                      Function="coordsX<0.001")
+    expect_error(lambda: precompute(held, [node], FileName="pieces.palpate").UpdatePipeline(),
+                 "not held")
     # One cause, one message, also through several filters.
     broken = precompute(boundary, [node], Resolution=4)
     expect_error(lambda: TouchStateSpace(Input=broken).UpdatePipeline(), "resolution")

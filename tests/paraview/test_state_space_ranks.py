@@ -3,7 +3,8 @@
 
 import numpy
 from paraview import servermanager
-from paraview.simple import OpenDataFile, SaveData, StateSpaceReader, TouchStateSpace
+from paraview.simple import (GroupDatasets, OpenDataFile, SaveData, Sphere, StateSpaceReader,
+                             TouchStateSpace)
 from state_space_support import expect_same_space, fetch_space, node_at, precompute, scene
 from support import Messages, field
 
@@ -28,7 +29,7 @@ in_memory = fetch_space(precompute(boundary, [node]))
 expect_same_space(in_file, in_memory)
 reader = StateSpaceReader(FileName="ranks.palpate")
 expect_same_space(in_file, fetch_space(reader))
-SaveData("ranks.vtpc", proxy=kept)
+SaveData("ranks.vtpc", proxy=kept, DataMode="Binary")
 stock = OpenDataFile("ranks.vtpc")
 forces = [field(fetch_touch(source, node), "Force")[0] for source in (kept, reader, stock)]
 assert numpy.isfinite(forces[0]).all() and numpy.linalg.norm(forces[0]) > 0
@@ -38,5 +39,14 @@ for settings, word in (({"Resolution": 4}, "odd"), ({"FileName": "no/such/a.palp
     with Messages() as messages:
         precompute(boundary, [node], **settings).UpdatePipeline()
     assert messages.errors == 1 and word in messages.text, messages.text
+# An input that is no state space is an error on rank 0; the others do not wait for it.
+group = GroupDatasets(Input=[Sphere()])
+group.OutputType = "Partitioned Dataset Collection"
+touch = TouchStateSpace(Input=group)
+for x in (0.001, 0.002):
+    touch.Displacement = [x, 0, 0]
+    with Messages() as messages:
+        touch.UpdatePipeline()
+    assert messages.errors == 1 and "no state space" in messages.text, messages.text
 print("two ranks equal one")
 numpy.save("forces.npy", forces[0])

@@ -216,6 +216,26 @@ TEST_F(Precompute, AFileOfAnotherSceneIsRefusedAndStaysAsItIs) {
   EXPECT_EQ(run(*world_).report.num_reused, 54);
 }
 
+TEST_F(Precompute, WhatAKilledRunLeftOfARemovedFileIsNotTakenForIts) {
+  options_.resolution = 3;
+  options_.file = folder_ / "a.palpate";
+  agree(*world_, [&] {
+    if (world_->rank() != 0) return;
+    // A log beside a file that somebody removed: the new file is not to be mixed with it.
+    std::ofstream(options_.file.string() + "-wal") << std::string(100000, 'x');
+  });
+  EXPECT_EQ(run(*world_).report.num_solved, 54);
+  EXPECT_EQ(run(*world_).report.num_reused, 54);
+  agree(*world_, [&] {
+    if (world_->rank() == 0) fs::rename(options_.file, options_.file.string() + ".rank7");
+  });
+  EXPECT_THROW((void)run(*world_), InputError);
+  if (world_->rank() == 0) {
+    EXPECT_FALSE(fs::exists(options_.file));
+    EXPECT_TRUE(fs::exists(options_.file.string() + ".rank7"));
+  }
+}
+
 TEST_F(Precompute, BadOptionsAreOneClearError) {
   const auto message = [this] {
     try {
