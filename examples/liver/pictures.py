@@ -6,7 +6,8 @@ from paraview.simple import *
 SIZE = [1200, 900]  # pixels
 # The viewer stands in front of the organ, to its right and above.
 VIEW_FROM = np.array((-0.55, 1.05, 0.75))
-TISSUE, HELD, HAND, INK = (0.80, 0.52, 0.46), (0.20, 0.33, 0.55), (0.05, 0.55, 0.25), (0.1,) * 3
+TISSUE, HELD, HAND = (0.80, 0.52, 0.46), (0.20, 0.33, 0.55), (0.05, 0.55, 0.25)
+INK, PALE = (0.1,) * 3, (0.75,) * 3
 SCALE = ((0.95, 0.87, 0.80), (0.93, 0.55, 0.32), (0.60, 0.05, 0.20))  # from none to most
 
 
@@ -95,7 +96,8 @@ def picture_touch(stage, touch, name, position, displacement, force, arrow, path
     arrow: where it starts and how far it goes, m
     """
     stage.clear()
-    stage.show(stage.scene, INK, Representation="Wireframe", Opacity=0.12)
+    # Pale, not translucent: several ranks would exchange it, which recent releases of Expat prevent.
+    stage.show(stage.scene, PALE, Representation="Wireframe")
     stage.show_held()
     stage.show_touched(touch, np.linalg.norm(displacement))
     stage.show(Sphere(Center=position, Radius=0.012 * stage.size), HAND)

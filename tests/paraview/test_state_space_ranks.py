@@ -41,7 +41,7 @@ for settings, word in (({"Resolution": 4}, "odd"), ({"FileName": "no/such/a.palp
     assert messages.errors == 1 and word in messages.text, messages.text
 # An input that is no state space is an error on rank 0; the others do not wait for it.
 group = GroupDatasets(Input=[Sphere()])
-group.OutputType = "Partitioned Dataset Collection"
+group.OutputType = "vtkPartitionedDataSetCollection"
 touch = TouchStateSpace(Input=group)
 for x in (0.001, 0.002):
     touch.Displacement = [x, 0, 0]
