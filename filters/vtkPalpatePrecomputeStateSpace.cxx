@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <exception>
+#include <filesystem>
 #include <limits>
+#include <sstream>
 
 #include "base/error.h"
 #include "exploration/precompute.h"
@@ -35,6 +37,26 @@ palpate::Index CheckedNode(vtkIdType node)
       " does not exist: the points of the body are counted from 0.");
   }
   return static_cast<palpate::Index>(node);
+}
+
+/// All that a state space depends on.
+std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptions& options)
+{
+  std::ostringstream text;
+  text << std::hexfloat << palpate::hash(scene) << ' ' << options.half_width << ' '
+       << options.resolution << ' ' << options.force_limit << ' ' << options.touch_bound << ' '
+       << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
+       << options.file << " nodes";
+  for (const palpate::Index node : options.active_nodes)
+  {
+    text << ' ' << node;
+  }
+  text << " touchable ";
+  for (const char touchable : scene.touchable)
+  {
+    text << (touchable != 0 ? '1' : '0');
+  }
+  return text.str();
 }
 
 /// Counts of the configurations that are not as they should be; empty when all are.
@@ -144,6 +166,16 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.equilibrium.tolerance = this->SolverTolerance;
     options.equilibrium.max_seconds = this->MaximumSeconds;
 
+    const std::string of = Describe(scene, options);
+    const bool fileIsThere =
+      this->FileName.empty() || std::filesystem::exists(this->FileName);
+    if (!palpate::any(*communicator, of != this->LastOf || !fileIsThere))
+    {
+      output->ShallowCopy(this->Last);
+      return;
+    }
+    this->LastOf.clear();
+
     using Clock = std::chrono::steady_clock;
     const auto progress = [this, last = Clock::time_point()](double done) mutable
     {
@@ -157,8 +189,17 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     };
     const palpate::PrecomputeResult result =
       palpate::precompute(scene, options, *communicator, progress);
+    const auto keep = [&]
+    {
+      if (result.report.complete)
+      {
+        this->LastOf = of;
+        this->Last->ShallowCopy(output);
+      }
+    };
     if (communicator->rank() != 0)
     {
+      keep();
       return;
     }
     vtkPalpateFillCollection(scene, result.space, output);
@@ -169,6 +210,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       AddReport(result.report, configurations->GetFieldData());
       output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
     }
+    keep();
     if (const std::string doubts = Doubts(result.report); !doubts.empty())
     {
       vtkWarningMacro("Configurations that are marked: " << doubts

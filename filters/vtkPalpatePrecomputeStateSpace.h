@@ -23,6 +23,8 @@
 #include <vector>
 
 #include "PalpateFiltersModule.h"
+#include "vtkNew.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 
 class PALPATEFILTERS_EXPORT vtkPalpatePrecomputeStateSpace
@@ -93,4 +95,9 @@ private:
   double SolverTolerance = 1e-10;
   double MaximumSeconds = 0;
   double DisplacementBound = 1e-3;
+
+  /// The last complete result and what it is of: the filter is also run again where a filter before
+  /// it was, though it gave the same body, as when another view of that body asks for ghost cells.
+  std::string LastOf;
+  vtkNew<vtkPartitionedDataSetCollection> Last;
 };

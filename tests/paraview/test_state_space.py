@@ -176,6 +176,25 @@ def test_resume():
     assert field(again, "Solved")[0] == 0
 
 
+def test_the_same_body_again_is_not_solved_again():
+    boundary = scene("again")
+    space = precompute(boundary, [node_at(boundary, CORNER)], Resolution=3)
+
+    def seconds():
+        return field(fetch_space(space)["Configurations"], "ExplorationSeconds")[0]
+
+    first = seconds()
+    boundary.FixedRegion.Normal = [2, 0, 0]  # the same plane
+    assert seconds() == first
+    space.HalfWidth = 0.01
+    second = seconds()
+    assert second != first
+    boundary.FixedRegion.Origin = [0.01, 0, 0]
+    boundary.FixedRegion.Normal = [1, 0, 0.1]
+    space.HalfWidth = 0.02
+    assert seconds() != second
+
+
 def test_many_materials():
     """A stock Calculator makes the stiffness vary from cell to cell."""
     boundary = scene("graded")
