@@ -43,9 +43,8 @@ const TouchSite& SiteOf(const TouchSpace& space, vtkIdType node)
   {
     return space.sites.front();
   }
-  const auto site = std::find_if(space.sites.begin(), space.sites.end(),
-    [&](const TouchSite& candidate) { return candidate.site.active_node == node; });
-  if (site != space.sites.end())
+  const auto index = static_cast<palpate::Index>(node);
+  if (const TouchSite* site = space.find(index); site && index == node)
   {
     return *site;
   }

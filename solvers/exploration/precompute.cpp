@@ -361,7 +361,6 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options
   result.space = record->finish(report.complete, options.touch_bound);
   report.finishing_seconds = seconds_since(finish_start);
   report.num_ranks = communicator.size();
-  report.num_points = scene.mesh.num_points();
   report.num_cells = scene.mesh.num_cells();
   report.num_unknowns = solver->assembly().pattern().size - 3;
   report.num_not_reached = frontier.num_expected() - report.num_solved - report.num_reused;

@@ -39,7 +39,6 @@ void validate(const PrecomputeOptions& options);
 
 struct PrecomputeReport {
   int num_ranks = 1;
-  Index num_points = 0;
   Index num_cells = 0;
   /// Unknowns with the active node eliminated.
   Index num_unknowns = 0;

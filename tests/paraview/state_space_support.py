@@ -1,31 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests of state spaces share: a small scene, its space, and the space as numbers."""
+"""What the tests of state spaces share: a small space, and the space as numbers."""
 
 import numpy
 from paraview import servermanager
-from paraview.simple import AssignMaterial, PrecomputeStateSpace, SetBoundary
-from support import box_body, places, source
+from paraview.simple import PrecomputeStateSpace
+from support import places
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 BLOCKS = ("Body", "Surface", "Configurations")
 # Figures of a run: no two are alike.
 TIMES = {"Seconds"}
-
-
-def scene(name="body", law="Neo-Hookean", quadratic=True):
-    """A box held at x = 0."""
-    body = source(box_body(quadratic=quadratic), name)
-    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law=law), FixedRegion="Plane")
-    boundary.FixedRegion.Origin = [0, 0, 0]
-    boundary.FixedRegion.Normal = [1, 0, 0]
-    return boundary
-
-
-def node_at(boundary, place):
-    boundary.UpdatePipeline()
-    distance = numpy.linalg.norm(places(servermanager.Fetch(boundary)) - place, axis=1)
-    assert distance.min() < 1e-9
-    return int(distance.argmin())
 
 
 def precompute(boundary, nodes, **settings):

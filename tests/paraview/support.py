@@ -5,7 +5,8 @@ import itertools
 
 import numpy
 from paraview import servermanager
-from paraview.simple import PVTrivialProducer, XMLUnstructuredGridReader
+from paraview.simple import (AssignMaterial, PVTrivialProducer, SetBoundary,
+                             XMLUnstructuredGridReader)
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkPoints, vtkStringOutputWindow
 from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, VTK_TETRA, vtkUnstructuredGrid
@@ -91,6 +92,21 @@ def field(grid, name):
 
 def message(grid):
     return grid.GetFieldData().GetAbstractArray("Message").GetValue(0)
+
+
+def scene(name="body", law="Neo-Hookean", quadratic=True):
+    """A box held at x = 0."""
+    body = source(box_body(quadratic=quadratic), name)
+    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law=law), FixedRegion="Plane")
+    boundary.FixedRegion.Origin = [0, 0, 0]
+    boundary.FixedRegion.Normal = [1, 0, 0]
+    return boundary
+
+
+def node_at(boundary, place):
+    distance = numpy.linalg.norm(places(fetch(boundary)) - place, axis=1)
+    assert distance.min() < 1e-9
+    return int(distance.argmin())
 
 
 class Messages:

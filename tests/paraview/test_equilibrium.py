@@ -2,26 +2,11 @@
 """SolveEquilibrium on a small body of the test's own."""
 
 import numpy
-from paraview.simple import AssignMaterial, SetBoundary, SolveEquilibrium
-from support import (Messages, box_body, expect_silence, fetch, field, message, places,
-                     point_array, source)
+from paraview.simple import SolveEquilibrium
+from support import (Messages, expect_silence, fetch, field, message, node_at, places, point_array,
+                     scene)
 
 CONVERGED, NOT_CONVERGED, _, BUDGET_USED_UP, ABORTED = range(5)
-
-
-def scene(name, law, quadratic=True):
-    """A box held at x = 0."""
-    body = source(box_body(quadratic=quadratic), name)
-    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law=law), FixedRegion="Plane")
-    boundary.FixedRegion.Origin = [0, 0, 0]
-    boundary.FixedRegion.Normal = [1, 0, 0]
-    return boundary
-
-
-def node_at(boundary, place):
-    distance = numpy.linalg.norm(places(fetch(boundary)) - place, axis=1)
-    assert distance.min() < 1e-9
-    return int(distance.argmin())
 
 
 def solve(boundary, nodes, displacements, **settings):

@@ -9,9 +9,9 @@ from paraview import servermanager
 from paraview.simple import (AppendDatasets, AssignMaterial, Calculator, OpenDataFile,
                              PrecomputeStateSpace, SaveData, SolveEquilibrium, StateSpaceReader,
                              TouchStateSpace, Transform)
-from state_space_support import arrays_of, expect_same_space, fetch_space, node_at, precompute, scene
-from support import (Messages, box_body, expect_error, expect_silence, fetch, field, places,
-                     point_array, source)
+from state_space_support import arrays_of, expect_same_space, fetch_space, precompute
+from support import (Messages, box_body, expect_error, expect_silence, fetch, field, node_at, places,
+                     point_array, scene, source)
 
 CORNER, EDGE = [0.2, 0.1, 0.1], [0.1, 0, 0.1]
 NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)

@@ -5,8 +5,8 @@ import numpy
 from paraview import servermanager
 from paraview.simple import (GroupDatasets, OpenDataFile, SaveData, Sphere, StateSpaceReader,
                              TouchStateSpace)
-from state_space_support import expect_same_space, fetch_space, node_at, precompute, scene
-from support import Messages, field
+from state_space_support import expect_same_space, fetch_space, precompute
+from support import Messages, field, node_at, scene
 
 RANK = servermanager.vtkProcessModule.GetProcessModule().GetPartitionId()
 
