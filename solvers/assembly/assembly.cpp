@@ -3,9 +3,13 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "assembly/kernels.h"
 #include "base/error.h"
@@ -14,7 +18,10 @@
 namespace palpate {
 namespace {
 
-/// The elements of one law, laid out for the kernels.
+/// Pairs of corners of a tetrahedron, each with itself too.
+constexpr int kCornerPairs = 10;
+
+/// The elements of one law of energy and one formulation, laid out for the kernels.
 struct ElementGroup {
   const Kernels* kernels = nullptr;
   /// Cell of each place [num_packets × 8]; the filling repeats the last cell.
@@ -26,6 +33,11 @@ struct ElementGroup {
   std::vector<double> parameters;
   bool homogeneous = true;
   std::vector<BlockTarget> targets;
+  // Of mixed elements, else empty.
+  std::vector<Index> pressures;
+  double pressure_scale = 0;
+  std::vector<BlockTarget> coupling_targets;
+  std::vector<Index> pressure_targets;
 
   [[nodiscard]] ElementGroupView view() const {
     return {static_cast<std::int32_t>(cells.size()) / kPacketSize,
@@ -34,7 +46,11 @@ struct ElementGroup {
             weights.data(),
             parameters.data(),
             homogeneous,
-            targets.data()};
+            targets.data(),
+            pressures.data(),
+            pressure_scale,
+            coupling_targets.data(),
+            pressure_targets.data()};
   }
 };
 
@@ -42,49 +58,86 @@ const Material& material_of(const Scene& scene, Index cell) {
   return scene.materials[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell]];
 }
 
-/// Blocks of the lower triangle, each node's ascending list of nodes ≥ itself.
-std::vector<std::vector<Index>> lower_neighbours(const TetMesh& mesh,
-                                                 const std::vector<Index>& node_of_point,
-                                                 Index num_nodes) {
-  std::vector<std::vector<Index>> rows(num_nodes);
-  const int npc = nodes_per_cell(mesh.order);
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    for (int a = 0; a < npc; ++a) {
-      const Index column = node_of_point[mesh.cell(c)[a]];
-      if (column < 0) continue;
-      for (int b = 0; b < npc; ++b) {
-        const Index row = node_of_point[mesh.cell(c)[b]];
-        if (row >= column) rows[column].push_back(row);
-      }
-    }
+bool is_mixed(const Scene& scene, Index cell) {
+  return material_of(scene, cell).formulation == Formulation::mixed;
+}
+
+const Kernels& kernels_of(const Material& material, ElementOrder order) {
+  return best_kernels(static_cast<int>(order), static_cast<int>(law_of_energy(material.law)),
+                      static_cast<int>(material.formulation));
+}
+
+/// What the kernels take of a material: its constants, and of a mixed one the two compliances.
+std::vector<double> kernel_parameters(const Material& material, ElementOrder order) {
+  const auto constants = law_constants(material);
+  std::vector<double> parameters(constants.begin(), constants.end());
+  parameters.resize(kernels_of(material, order).num_constants);
+  if (material.formulation == Formulation::mixed) {
+    parameters.push_back(volumetric_compliance(material));
+    parameters.push_back(1 / (2 * shear_modulus(material)));
   }
-  for (auto& list : rows) {
+  return parameters;
+}
+
+void sort_and_make_unique(std::vector<std::vector<Index>>& lists) {
+  for (auto& list : lists) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
     list.shrink_to_fit();
   }
-  return rows;
 }
 
-SymmetricPattern make_pattern(const std::vector<std::vector<Index>>& rows) {
+Index place_in(const std::vector<Index>& list, Index value) {
+  return static_cast<Index>(std::lower_bound(list.begin(), list.end(), value) - list.begin());
+}
+
+/// Who is coupled with whom in the lower triangle, by number of node and of pressure unknown.
+struct Couplings {
+  /// Of each node the nodes ≥ itself, ascending.
+  std::vector<std::vector<Index>> nodes;
+  /// Of each node the pressures, ascending.
+  std::vector<std::vector<Index>> pressures_of_node;
+  /// Of each pressure the pressures ≥ itself, ascending.
+  std::vector<std::vector<Index>> pressures;
+
+  [[nodiscard]] Index column_length(Index node) const {
+    return static_cast<Index>(3 * nodes[node].size() + pressures_of_node[node].size());
+  }
+};
+
+SymmetricPattern make_pattern(const Couplings& couplings) {
   SymmetricPattern pattern;
-  pattern.size = 3 * static_cast<Index>(rows.size());
+  const auto num_nodes = static_cast<Index>(couplings.nodes.size());
+  pattern.size = 3 * num_nodes + static_cast<Index>(couplings.pressures.size());
   std::int64_t num_values = 0;
-  for (const auto& list : rows) num_values += 9 * static_cast<std::int64_t>(list.size()) - 3;
+  for (Index node = 0; node < num_nodes; ++node) {
+    num_values += 3 * static_cast<std::int64_t>(couplings.column_length(node)) - 3;
+  }
+  for (const auto& list : couplings.pressures) num_values += static_cast<std::int64_t>(list.size());
   if (num_values > std::numeric_limits<Index>::max()) {
     throw InputError("The tangent of this body would have " + std::to_string(num_values) +
                      " values; at most 2147483647 can be stored. Use a coarser mesh.");
   }
   pattern.column_start.reserve(pattern.size + 1);
   pattern.row.reserve(num_values);
-  pattern.column_start.push_back(0);
-  for (Index node = 0; node < static_cast<Index>(rows.size()); ++node) {
+  const auto end_column = [&] {
+    pattern.column_start.push_back(static_cast<Index>(pattern.row.size()));
+  };
+  end_column();
+  for (Index node = 0; node < num_nodes; ++node) {
     for (int c = 0; c < 3; ++c) {
-      for (Index other : rows[node]) {
+      for (Index other : couplings.nodes[node]) {
         for (int r = other == node ? c : 0; r < 3; ++r) pattern.row.push_back(3 * other + r);
       }
-      pattern.column_start.push_back(static_cast<Index>(pattern.row.size()));
+      for (Index pressure : couplings.pressures_of_node[node]) {
+        pattern.row.push_back(3 * num_nodes + pressure);
+      }
+      end_column();
     }
+  }
+  for (const auto& list : couplings.pressures) {
+    for (Index other : list) pattern.row.push_back(3 * num_nodes + other);
+    end_column();
   }
   return pattern;
 }
@@ -94,48 +147,166 @@ SymmetricPattern make_pattern(const std::vector<std::vector<Index>>& rows) {
 struct Assembly::Data {
   Index num_points = 0;
   Index num_cells = 0;
+  Index num_pressures = 0;
+  double pressure_scale = 0;
   bool linear = true;
   double mean_edge = 0;
   std::vector<Index> unknown_of_point;
+  std::vector<Index> state_of_unknown;
+  std::vector<Index> multipliers;
   SymmetricPattern pattern;
   std::vector<ElementGroup> groups;
 
-  void number_unknowns(const Scene& scene);
-  void make_group(const Scene& scene, Law law, const std::vector<Index>& cells,
-                  const std::vector<std::vector<Index>>& rows);
+  // While it is made:
+
+  Index num_nodes = 0;
+  /// Pressure of each corner of each mixed cell, −1 for the others [num_cells × 4]; empty without.
+  std::vector<Index> pressure_of_corner;
+  /// Number of a pressure among the unknown ones, −1: it is none [num_pressures].
+  std::vector<Index> unknown_of_pressure;
+
+  void number_nodes(const Scene& scene);
+  void number_pressures(const Scene& scene);
+  [[nodiscard]] Couplings find_couplings(const TetMesh& mesh) const;
+  void make_group(const Scene& scene, const std::vector<Index>& cells, const Couplings& couplings);
+  [[nodiscard]] Index node_of(Index point) const {
+    return unknown_of_point[point] < 0 ? -1 : unknown_of_point[point] / 3;
+  }
   [[nodiscard]] BlockTarget target_of(Index point_a, Index point_b,
-                                      const std::vector<std::vector<Index>>& rows) const;
+                                      const Couplings& couplings) const;
+  [[nodiscard]] BlockTarget coupling_target_of(Index point, Index pressure,
+                                               const Couplings& couplings) const;
+  [[nodiscard]] Index pressure_target_of(Index a, Index b, const Couplings& couplings) const;
 };
 
-void Assembly::Data::number_unknowns(const Scene& scene) {
+void Assembly::Data::number_nodes(const Scene& scene) {
   const std::vector<char> used = points_in_use(scene.mesh);
   unknown_of_point.assign(scene.mesh.points.size(), -1);
-  Index next = 0;
   for (Index p = 0; p < scene.mesh.num_points(); ++p) {
     if (used[p] == 0 || scene.fixed[p] != 0) continue;
-    unknown_of_point[p] = next;
-    next += 3;
+    unknown_of_point[p] = 3 * num_nodes++;
+    for (Index i = 0; i < 3; ++i) state_of_unknown.push_back(3 * p + i);
   }
 }
 
+void Assembly::Data::number_pressures(const Scene& scene) {
+  double softest = std::numeric_limits<double>::infinity();
+  double stiffest = 0;
+  for (const Material& material : scene.materials) {
+    if (material.formulation != Formulation::mixed) continue;
+    softest = std::min(softest, shear_modulus(material));
+    stiffest = std::max(stiffest, shear_modulus(material));
+  }
+  if (stiffest == 0) return;
+  // A power of two: a pressure that is scaled and scaled back is the same to the bit.
+  pressure_scale = std::ldexp(1.0, std::ilogb(stiffest / mean_edge));
+  const TetMesh& mesh = scene.mesh;
+  pressure_of_corner.assign(4 * static_cast<std::size_t>(mesh.num_cells()), -1);
+  std::map<std::tuple<Index, Law, int>, Index> numbers;
+  std::vector<char> felt;
+  std::vector<char> incompressible;
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    if (!is_mixed(scene, c)) continue;
+    const Material& material = material_of(scene, c);
+    const int decade = static_cast<int>(std::log10(shear_modulus(material) / softest));
+    const Index* cell = mesh.cell(c);
+    const bool has_free_point =
+        std::any_of(cell, cell + nodes_per_cell(mesh.order),
+                    [&](Index point) { return unknown_of_point[point] >= 0; });
+    for (int a = 0; a < 4; ++a) {
+      const auto [entry, is_new] =
+          numbers.try_emplace({cell[a], law_of_energy(material.law), decade}, num_pressures);
+      if (is_new) {
+        ++num_pressures;
+        felt.push_back(0);
+        incompressible.push_back(1);
+      }
+      pressure_of_corner[4 * c + a] = entry->second;
+      felt[entry->second] |= has_free_point ? 1 : 0;
+      incompressible[entry->second] &= volumetric_compliance(material) == 0 ? 1 : 0;
+    }
+  }
+  unknown_of_pressure.assign(num_pressures, -1);
+  Index next = 0;
+  for (Index j = 0; j < num_pressures; ++j) {
+    if (felt[j] == 0) continue;
+    unknown_of_pressure[j] = next++;
+    if (incompressible[j] != 0) multipliers.push_back(static_cast<Index>(state_of_unknown.size()));
+    state_of_unknown.push_back(3 * num_points + j);
+  }
+}
+
+Couplings Assembly::Data::find_couplings(const TetMesh& mesh) const {
+  Couplings couplings;
+  couplings.nodes.resize(num_nodes);
+  couplings.pressures_of_node.resize(num_nodes);
+  couplings.pressures.resize(state_of_unknown.size() - 3 * static_cast<std::size_t>(num_nodes));
+  const int npc = nodes_per_cell(mesh.order);
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    const Index* cell = mesh.cell(c);
+    std::array<Index, 4> pressures{-1, -1, -1, -1};
+    for (int a = 0; a < 4 && !pressure_of_corner.empty(); ++a) {
+      const Index pressure = pressure_of_corner[4 * c + a];
+      if (pressure >= 0) pressures[a] = unknown_of_pressure[pressure];
+    }
+    for (int a = 0; a < npc; ++a) {
+      const Index column = node_of(cell[a]);
+      if (column < 0) continue;
+      for (int b = 0; b < npc; ++b) {
+        const Index row = node_of(cell[b]);
+        if (row >= column) couplings.nodes[column].push_back(row);
+      }
+      for (Index pressure : pressures) {
+        if (pressure >= 0) couplings.pressures_of_node[column].push_back(pressure);
+      }
+    }
+    for (Index column : pressures) {
+      for (Index row : pressures) {
+        if (column >= 0 && row >= column) couplings.pressures[column].push_back(row);
+      }
+    }
+  }
+  sort_and_make_unique(couplings.nodes);
+  sort_and_make_unique(couplings.pressures_of_node);
+  sort_and_make_unique(couplings.pressures);
+  return couplings;
+}
+
 BlockTarget Assembly::Data::target_of(Index point_a, Index point_b,
-                                      const std::vector<std::vector<Index>>& rows) const {
-  const Index a = unknown_of_point[point_a] / 3;
-  const Index b = unknown_of_point[point_b] / 3;
-  if (unknown_of_point[point_a] < 0 || unknown_of_point[point_b] < 0) return {};
+                                      const Couplings& couplings) const {
+  const Index a = node_of(point_a);
+  const Index b = node_of(point_b);
+  if (a < 0 || b < 0) return {};
   // The kernel's block has a's rows and b's columns; what is stored has row ≥ column.
   const Index row = std::max(a, b);
   const Index column = std::min(a, b);
-  const auto& list = rows[column];
-  const Index place =
-      static_cast<Index>(std::lower_bound(list.begin(), list.end(), row) - list.begin());
-  const Index length = 3 * static_cast<Index>(list.size());
-  return {pattern.column_start[3 * column] + 3 * place, a < b ? -length : length};
+  const Index length = couplings.column_length(column);
+  return {pattern.column_start[3 * column] + 3 * place_in(couplings.nodes[column], row),
+          a < b ? -length : length};
 }
 
-void Assembly::Data::make_group(const Scene& scene, Law law, const std::vector<Index>& cells,
-                                const std::vector<std::vector<Index>>& rows) {
+BlockTarget Assembly::Data::coupling_target_of(Index point, Index pressure,
+                                               const Couplings& couplings) const {
+  const Index column = node_of(point);
+  const Index row = unknown_of_pressure[pressure];
+  if (column < 0 || row < 0) return {};
+  const auto above = static_cast<Index>(3 * couplings.nodes[column].size());
+  return {pattern.column_start[3 * column] + above +
+              place_in(couplings.pressures_of_node[column], row),
+          couplings.column_length(column)};
+}
+
+Index Assembly::Data::pressure_target_of(Index a, Index b, const Couplings& couplings) const {
+  const auto [column, row] = std::minmax(unknown_of_pressure[a], unknown_of_pressure[b]);
+  if (column < 0) return -1;
+  return pattern.column_start[3 * num_nodes + column] + place_in(couplings.pressures[column], row);
+}
+
+void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& cells,
+                                const Couplings& couplings) {
   const TetMesh& mesh = scene.mesh;
+  const Material& first = material_of(scene, cells.front());
+  const bool mixed = first.formulation == Formulation::mixed;
   const int npc = nodes_per_cell(mesh.order);
   const int num_pairs = npc * (npc + 1) / 2;
   const auto& rule = quadrature(mesh.order);
@@ -143,7 +314,7 @@ void Assembly::Data::make_group(const Scene& scene, Law law, const std::vector<I
   for (const auto& point : rule) reference.push_back(shape_gradients(mesh.order, point.xi));
 
   ElementGroup& group = groups.emplace_back();
-  group.kernels = &best_kernels(static_cast<int>(mesh.order), static_cast<int>(law));
+  group.kernels = &kernels_of(first, mesh.order);
   group.num_cells = static_cast<Index>(cells.size());
   group.cells = cells;
   while (group.cells.size() % kPacketSize != 0) group.cells.push_back(cells.back());
@@ -152,16 +323,18 @@ void Assembly::Data::make_group(const Scene& scene, Law law, const std::vector<I
   group.gradients.resize(num_places * rule.size() * npc * 3);
   group.weights.resize(num_places * rule.size());
   group.targets.resize(num_places * num_pairs);
+  if (mixed) {
+    group.pressure_scale = pressure_scale;
+    group.pressures.resize(num_places * 4);
+    group.coupling_targets.resize(num_places * npc * 4);
+    group.pressure_targets.assign(num_places * kCornerPairs, -1);
+  }
 
-  const Material& first = material_of(scene, cells.front());
   group.homogeneous = std::all_of(cells.begin(), cells.end(),
                                   [&](Index c) { return material_of(scene, c) == first; });
-  if (group.homogeneous) {
-    const auto constants = law_constants(first);
-    group.parameters.assign(constants.begin(), constants.end());
-  } else {
-    group.parameters.resize(num_places * 3);
-  }
+  group.parameters = kernel_parameters(first, mesh.order);
+  const std::size_t num_parameters = group.parameters.size();
+  if (!group.homogeneous) group.parameters.resize(num_places * num_parameters);
 
   for (std::size_t place = 0; place < num_places; ++place) {
     const std::size_t packet = place / kPacketSize;
@@ -192,17 +365,36 @@ void Assembly::Data::make_group(const Scene& scene, Law law, const std::vector<I
       group.weights[at * kPacketSize + lane] = filling ? 0 : rule[q].weight * det;
     }
     if (!group.homogeneous) {
-      const auto constants = law_constants(material_of(scene, c));
-      for (int i = 0; i < 3; ++i) {
-        group.parameters[(packet * 3 + i) * kPacketSize + lane] = constants[i];
+      const auto parameters = kernel_parameters(material_of(scene, c), mesh.order);
+      for (std::size_t i = 0; i < num_parameters; ++i) {
+        group.parameters[(packet * num_parameters + i) * kPacketSize + lane] = parameters[i];
       }
+    }
+    const Index* pressures =
+        mixed ? pressure_of_corner.data() + 4 * static_cast<std::size_t>(c) : nullptr;
+    for (int a = 0; a < 4 && mixed; ++a) {
+      group.pressures[(packet * 4 + a) * kPacketSize + lane] = 3 * num_points + pressures[a];
     }
     if (place >= cells.size()) continue;  // the targets of the filling stay "not stored"
     int pair = 0;
     for (int a = 0; a < npc; ++a) {
       for (int b = a; b < npc; ++b, ++pair) {
         group.targets[(packet * num_pairs + pair) * kPacketSize + lane] =
-            target_of(cell[a], cell[b], rows);
+            target_of(cell[a], cell[b], couplings);
+      }
+    }
+    if (!mixed) continue;
+    for (int a = 0; a < npc; ++a) {
+      for (int b = 0; b < 4; ++b) {
+        group.coupling_targets[(packet * npc * 4 + a * 4 + b) * kPacketSize + lane] =
+            coupling_target_of(cell[a], pressures[b], couplings);
+      }
+    }
+    pair = 0;
+    for (int a = 0; a < 4; ++a) {
+      for (int b = a; b < 4; ++b, ++pair) {
+        group.pressure_targets[(packet * kCornerPairs + pair) * kPacketSize + lane] =
+            pressure_target_of(pressures[a], pressures[b], couplings);
       }
     }
   }
@@ -212,20 +404,12 @@ Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
   const TetMesh& mesh = scene.mesh;
   data_->num_points = mesh.num_points();
   data_->num_cells = mesh.num_cells();
-  data_->number_unknowns(scene);
-
-  std::vector<Index> node_of_point(mesh.points.size(), -1);
-  Index num_nodes = 0;
-  for (Index p = 0; p < mesh.num_points(); ++p) {
-    if (data_->unknown_of_point[p] >= 0) node_of_point[p] = num_nodes++;
-  }
-  const auto rows = lower_neighbours(mesh, node_of_point, num_nodes);
-  data_->pattern = make_pattern(rows);
-
-  std::map<Law, std::vector<Index>> cells_of_law;
+  // Cells of one group share a kernel.
+  std::map<std::pair<Law, Formulation>, std::vector<Index>> cells_of_group;
   double edges = 0;
   for (Index c = 0; c < mesh.num_cells(); ++c) {
-    cells_of_law[material_of(scene, c).law].push_back(c);
+    const Material& material = material_of(scene, c);
+    cells_of_group[{law_of_energy(material.law), material.formulation}].push_back(c);
     for (int a = 0; a < 4; ++a) {
       for (int b = a + 1; b < 4; ++b) {
         edges += (mesh.points[mesh.cell(c)[a]] - mesh.points[mesh.cell(c)[b]]).norm();
@@ -233,10 +417,16 @@ Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
     }
   }
   data_->mean_edge = edges / (6.0 * mesh.num_cells());
-  for (const auto& [law, cells] : cells_of_law) {
-    data_->linear = data_->linear && law == Law::linear;
-    data_->make_group(scene, law, cells, rows);
+  data_->number_nodes(scene);
+  data_->number_pressures(scene);
+  const Couplings couplings = data_->find_couplings(mesh);
+  data_->pattern = make_pattern(couplings);
+  for (const auto& [kind, cells] : cells_of_group) {
+    data_->linear = data_->linear && kind.first == Law::linear;
+    data_->make_group(scene, cells, couplings);
   }
+  data_->pressure_of_corner = {};
+  data_->unknown_of_pressure = {};
 }
 
 Assembly::~Assembly() = default;
@@ -245,48 +435,63 @@ Assembly& Assembly::operator=(Assembly&&) noexcept = default;
 
 Index Assembly::num_points() const { return data_->num_points; }
 Index Assembly::num_cells() const { return data_->num_cells; }
+Index Assembly::num_pressures() const { return data_->num_pressures; }
+Index Assembly::state_size() const { return 3 * data_->num_points + data_->num_pressures; }
+double Assembly::pressure_scale() const { return data_->pressure_scale; }
+const std::vector<Index>& Assembly::state_of_unknown() const { return data_->state_of_unknown; }
+Index Assembly::num_unknown_pressures() const {
+  return data_->pattern.size - 3 * data_->num_nodes;
+}
+const std::vector<Index>& Assembly::multipliers() const { return data_->multipliers; }
 bool Assembly::is_linear() const { return data_->linear; }
 const std::vector<Index>& Assembly::unknown_of_point() const { return data_->unknown_of_point; }
 const SymmetricPattern& Assembly::pattern() const { return data_->pattern; }
 double Assembly::mean_edge() const { return data_->mean_edge; }
 
-Assembly::Result Assembly::residual(const NodalVector& u, NodalVector& force) const {
-  force.setZero(3 * data_->num_points);
+Assembly::Result Assembly::residual(const NodalVector& state, NodalVector& force) const {
+  force.setZero(state_size());
   Result total{0, std::numeric_limits<double>::infinity()};
   for (const auto& group : data_->groups) {
-    const GroupResult part = group.kernels->residual(group.view(), u.data(), force.data());
+    const GroupResult part = group.kernels->residual(group.view(), state.data(), force.data());
     total.energy += part.energy;
     total.minimum_det_f = std::min(total.minimum_det_f, part.minimum_det_f);
   }
   return total;
 }
 
-Assembly::Result Assembly::tangent(const NodalVector& u, NodalVector& force,
+Assembly::Result Assembly::tangent(const NodalVector& state, NodalVector& force,
                                    std::vector<double>& values) const {
-  force.setZero(3 * data_->num_points);
+  force.setZero(state_size());
   values.assign(data_->pattern.num_values(), 0.0);
   Result total{0, std::numeric_limits<double>::infinity()};
   for (const auto& group : data_->groups) {
     const GroupResult part =
-        group.kernels->tangent(group.view(), u.data(), force.data(), values.data());
+        group.kernels->tangent(group.view(), state.data(), force.data(), values.data());
     total.energy += part.energy;
     total.minimum_det_f = std::min(total.minimum_det_f, part.minimum_det_f);
   }
   return total;
 }
 
-Assembly::Determinant Assembly::minimum_det_f(const NodalVector& u) const {
-  Determinant least{std::numeric_limits<double>::max(), -1, 0};
-  std::vector<double> determinants;
+std::vector<double> Assembly::minimum_det_f_of_cells(const NodalVector& state) const {
+  std::vector<double> of_cells(data_->num_cells);
+  std::vector<double> of_group;
   for (const auto& group : data_->groups) {
-    determinants.resize(group.cells.size());
-    group.kernels->determinants(group.view(), u.data(), determinants.data());
-    for (Index i = 0; i < group.num_cells; ++i) {
-      if (determinants[i] <= 0) ++least.num_inverted_cells;
-      if (determinants[i] < least.value) {
-        least.value = determinants[i];
-        least.cell = group.cells[i];
-      }
+    of_group.resize(group.cells.size());
+    group.kernels->determinants(group.view(), state.data(), of_group.data());
+    for (Index i = 0; i < group.num_cells; ++i) of_cells[group.cells[i]] = of_group[i];
+  }
+  return of_cells;
+}
+
+Assembly::Determinant Assembly::minimum_det_f(const NodalVector& state) const {
+  Determinant least{std::numeric_limits<double>::max(), -1, 0};
+  const std::vector<double> of_cells = minimum_det_f_of_cells(state);
+  for (Index c = 0; c < data_->num_cells; ++c) {
+    if (of_cells[c] <= 0) ++least.num_inverted_cells;
+    if (of_cells[c] < least.value) {
+      least.value = of_cells[c];
+      least.cell = c;
     }
   }
   return least;

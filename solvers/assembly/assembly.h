@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The discrete body: energy, internal force and tangent stiffness as functions of the nodal
-// displacement u.
+// The discrete body: energy, internal force and tangent stiffness as functions of its state x, which
+// is the nodal displacement u and, where there are mixed materials, the pressures p at the corners of
+// their cells.
 //
-//   Π(u) = Σ_q w_q W(∇u),   f(u) = ∂Π/∂u,   K(u) = ∂²Π/∂u²
+//   Π(x) = Σ_q w_q W(∇u, p),   f(x) = ∂Π/∂x,   K(x) = ∂²Π/∂x²
+//
+// A pressure is kept as a length, p = s p̂ with one scale s for the body, so that all unknowns, and
+// all their residuals, are of one kind. Cells share the pressure at a corner when they are of one
+// law and their shear moduli lie in one decade, counted from the softest: at an interface of very
+// different materials the pressure jumps.
 //
 // Unknowns are the components of the points that belong to a cell and are not fixed, three
-// together. K is symmetric: its lower triangle is kept, compressed by columns, on a pattern that
-// never changes.
+// together, then the pressures. K is symmetric: its lower triangle is kept, compressed by columns,
+// on a pattern that never changes.
 #pragma once
 
 #include <memory>
@@ -38,11 +44,23 @@ class Assembly {
 
   [[nodiscard]] Index num_points() const;
   [[nodiscard]] Index num_cells() const;
+  /// 0 for a body without mixed materials.
+  [[nodiscard]] Index num_pressures() const;
+  /// Length of a state: 3 num_points + num_pressures.
+  [[nodiscard]] Index state_size() const;
+  /// s, Pa/m; 0 for a body without mixed materials.
+  [[nodiscard]] double pressure_scale() const;
   /// Every material is linear: K does not depend on u.
   [[nodiscard]] bool is_linear() const;
   /// Number of the first of the three unknowns of a point, −1 for a fixed or unused one
   /// [num_points].
   [[nodiscard]] const std::vector<Index>& unknown_of_point() const;
+  /// Place of each unknown in the state [pattern().size]; the pressures come last. A pressure that
+  /// no free point feels is no unknown: it stays 0.
+  [[nodiscard]] const std::vector<Index>& state_of_unknown() const;
+  [[nodiscard]] Index num_unknown_pressures() const;
+  /// The unknown pressures of incompressible materials, which no compliance of their own bounds.
+  [[nodiscard]] const std::vector<Index>& multipliers() const;
   [[nodiscard]] const SymmetricPattern& pattern() const;
   /// Mean length of the edges between corners, m.
   [[nodiscard]] double mean_edge() const;
@@ -54,11 +72,12 @@ class Assembly {
     double minimum_det_f = 1;
   };
 
-  /// Energy, and the internal force f(u) of every point [3 × num_points], N.
-  Result residual(const NodalVector& u, NodalVector& force) const;
+  /// Energy, and f(x) [state_size], N: the internal force of every point, then for each pressure
+  /// how far its volume is from what it should be.
+  Result residual(const NodalVector& state, NodalVector& force) const;
 
-  /// As residual, and the values of K(u) on pattern(), N/m.
-  Result tangent(const NodalVector& u, NodalVector& force, std::vector<double>& values) const;
+  /// As residual, and the values of K(x) on pattern(), N/m.
+  Result tangent(const NodalVector& state, NodalVector& force, std::vector<double>& values) const;
 
   struct Determinant {
     double value = 1;
@@ -69,7 +88,10 @@ class Assembly {
   };
 
   /// Least det F over quadrature points and corners of all cells.
-  [[nodiscard]] Determinant minimum_det_f(const NodalVector& u) const;
+  /// @param state The displacement [3 × num_points] is enough.
+  [[nodiscard]] Determinant minimum_det_f(const NodalVector& state) const;
+  /// The same cell by cell [num_cells].
+  [[nodiscard]] std::vector<double> minimum_det_f_of_cells(const NodalVector& state) const;
 
  private:
   struct Data;

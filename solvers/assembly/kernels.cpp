@@ -3,6 +3,7 @@
 #include "assembly/kernels.h"
 
 #include <limits>
+#include <utility>
 
 #include "base/packet.h"
 #include "materials/laws.h"
@@ -19,38 +20,55 @@ template <>
 struct Element<1> {
   static constexpr int nodes = 4;
   static constexpr int points = 1;
+  /// Barycentric coordinate of a corner at a quadrature point.
+  static constexpr double barycentric(int, int) { return 0.25; }
 };
 
 template <>
 struct Element<2> {
   static constexpr int nodes = 10;
   static constexpr int points = 4;
+  /// Near the corner of the same number; a and b below.
+  static constexpr double barycentric(int point, int corner) {
+    return point == corner ? 0.58541019662496845 : 0.13819660112501052;
+  }
   /// See corner_extrapolation() in elements/tetrahedron.h: (1 − b)/(a − b) and −b/(a − b) with
   /// a = (5 + 3√5)/20, b = (5 − √5)/20.
   static constexpr double corner_own = 1.9270509831248424;
   static constexpr double corner_other = -0.30901699437494745;
 };
 
-template <int Order, Law L>
+/// Mixed elements have a continuous, linear pressure. That of Tet10 is stable (Taylor & Hood 1973).
+/// That of Tet4 is not by itself: what is left of p beside its mean over the element is resisted as
+/// by a compliance 1/(2μ) (Dohrmann & Bochev 2004), which keeps the energy a function with
+/// a stationary point and the tangent symmetric:
+///
+///   Π = ∫ W_rest + p g − p²/(2κ̂) dV − ∫ (p − p̄)²/(4μ) dV  (the last one for Tet4 alone)
+template <int Order, Law L, Formulation Form>
 class Group {
+  static constexpr bool kMixed = Form == Formulation::mixed;
+  static constexpr int kConstants = kNumConstants<L>;
+  static constexpr int kParameters = kConstants + (kMixed ? 2 : 0);
+  static constexpr int kCornerPairs = 10;
   static constexpr int kNodes = Element<Order>::nodes;
   static constexpr int kPoints = Element<Order>::points;
   static constexpr int kPairs = kNodes * (kNodes + 1) / 2;
 
  public:
-  static GroupResult residual(const ElementGroupView& group, const double* u, double* force) {
-    return run<false>(group, u, force, nullptr);
+  static GroupResult residual(const ElementGroupView& group, const double* state, double* force) {
+    return run<false>(group, state, force, nullptr);
   }
 
-  static GroupResult tangent(const ElementGroupView& group, const double* u, double* force,
+  static GroupResult tangent(const ElementGroupView& group, const double* state, double* force,
                              double* values) {
-    return run<true>(group, u, force, values);
+    return run<true>(group, state, force, values);
   }
 
-  static void determinants(const ElementGroupView& group, const double* u, double* minimum_det_f) {
+  static void determinants(const ElementGroupView& group, const double* state,
+                           double* minimum_det_f) {
     for (std::int32_t p = 0; p < group.num_packets; ++p) {
       Packet ue[kNodes][3];
-      gather(group, p, u, ue);
+      gather(group, p, state, ue);
       Kinematics<Packet> at[kPoints];
       Packet least = std::numeric_limits<double>::max();
       for (int q = 0; q < kPoints; ++q) {
@@ -80,18 +98,21 @@ class Group {
 
  private:
   template <bool WithTangent>
-  static GroupResult run(const ElementGroupView& group, const double* u, double* force,
+  static GroupResult run(const ElementGroupView& group, const double* state, double* force,
                          double* values) {
     Packet energy = 0.0;
     Packet least = std::numeric_limits<double>::max();
     for (std::int32_t p = 0; p < group.num_packets; ++p) {
-      Packet parameters[3];
-      for (int i = 0; i < 3; ++i) {
-        parameters[i] = group.homogeneous ? Packet(group.parameters[i])
-                                          : Packet::load(group.parameters + (p * 3 + i) * kLanes);
+      Packet parameters[kParameters];
+      for (int i = 0; i < kParameters; ++i) {
+        parameters[i] = group.homogeneous
+                            ? Packet(group.parameters[i])
+                            : Packet::load(group.parameters + (p * kParameters + i) * kLanes);
       }
+      Packet constants[kConstants];
+      for (int i = 0; i < kConstants; ++i) constants[i] = parameters[i];
       Packet ue[kNodes][3];
-      gather(group, p, u, ue);
+      gather(group, p, state, ue);
       Packet fe[kNodes][3];
       for (auto& row : fe) row[0] = row[1] = row[2] = 0.0;
       [[maybe_unused]] Packet ke[WithTangent ? kPairs : 1][9];
@@ -100,6 +121,8 @@ class Group {
           for (Packet& value : block) value = 0.0;
         }
       }
+      [[maybe_unused]] Pressures<kMixed, WithTangent> pressures;
+      if constexpr (kMixed) gather_pressures(group, p, state, pressures);
       for (int q = 0; q < kPoints; ++q) {
         const double* gradients = gradients_at(group, p, q);
         const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kLanes);
@@ -112,13 +135,23 @@ class Group {
           k.j = max(k.j, Packet(std::numeric_limits<double>::epsilon() - 1.0));
         }
         Response<Packet> r;
-        LawOf<L>::template evaluate<WithTangent>(k, parameters, r);
+        LawOf<L>::template evaluate<WithTangent>(k, constants, r);
+        if constexpr (kMixed) {
+          Response<Packet> volume;
+          VolumeOf<L>::template evaluate<WithTangent>(k, volume);
+          add_volume(group, q, k, volume, weight, gradients, pressures, r);
+        }
         energy += weight * r.energy;
         add_force(k, r, weight, gradients, fe);
         if constexpr (WithTangent) add_tangent(k, r, weight, gradients, ke);
       }
       scatter_force(group, p, fe, force);
       if constexpr (WithTangent) scatter_tangent(group, p, ke, values);
+      if constexpr (kMixed) {
+        energy += add_compliance(group, p, parameters[kConstants], parameters[kConstants + 1],
+                                 pressures);
+        scatter_pressures(group, p, pressures, force, values);
+      }
     }
     GroupResult result{0, 1};
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -137,12 +170,12 @@ class Group {
     return group.gradients + static_cast<std::int64_t>(p * kPoints + q) * kNodes * 3 * kLanes;
   }
 
-  static void gather(const ElementGroupView& group, std::int32_t p, const double* u,
+  static void gather(const ElementGroupView& group, std::int32_t p, const double* state,
                      Packet (&ue)[kNodes][3]) {
     const std::int32_t* nodes = group.nodes + p * kNodes * kLanes;
     for (int a = 0; a < kNodes; ++a) {
       for (int lane = 0; lane < kLanes; ++lane) {
-        const double* at = u + 3 * static_cast<std::int64_t>(nodes[a * kLanes + lane]);
+        const double* at = state + 3 * static_cast<std::int64_t>(nodes[a * kLanes + lane]);
         for (int i = 0; i < 3; ++i) ue[a][i].lanes[lane] = at[i];
       }
     }
@@ -164,6 +197,142 @@ class Group {
   static Packet f(const Kinematics<Packet>& k, int i, int j) {
     if constexpr (L == Law::linear) return i == j ? 1.0 : 0.0;
     return i == j ? 1.0 + k.h[i][j] : k.h[i][j];
+  }
+
+  /// What the elements of a packet have to do with their pressures p̂ at the corners.
+  template <bool Mixed, bool WithTangent>
+  struct Pressures {};
+
+  template <bool WithTangent>
+  struct Pressures<true, WithTangent> {
+    Packet p[4];
+    /// ∂Π/∂p̂_b.
+    Packet force[4];
+    /// ∂²Π/∂u_a∂p̂_b.
+    Packet coupling[WithTangent ? kNodes : 1][4][3];
+    /// ∂²Π/∂p̂_a∂p̂_b.
+    Packet block[WithTangent ? kCornerPairs : 1];
+  };
+
+  template <bool WithTangent>
+  static void gather_pressures(const ElementGroupView& group, std::int32_t p, const double* state,
+                               Pressures<true, WithTangent>& out) {
+    const std::int32_t* at = group.pressures + static_cast<std::int64_t>(p) * 4 * kLanes;
+    for (int b = 0; b < 4; ++b) {
+      double of_lanes[kLanes];
+      for (int lane = 0; lane < kLanes; ++lane) of_lanes[lane] = state[at[b * kLanes + lane]];
+      out.p[b] = Packet::load(of_lanes);
+      out.force[b] = 0.0;
+    }
+    for (auto& row : out.coupling) {
+      for (auto& vector : row) vector[0] = vector[1] = vector[2] = 0.0;
+    }
+  }
+
+  /// The term p g at a quadrature point: adds its part to the response, to the force on the
+  /// pressures and to the coupling.
+  template <bool WithTangent>
+  static void add_volume(const ElementGroupView& group, int q, const Kinematics<Packet>& k,
+                         const Response<Packet>& volume, Packet weight, const double* gradients,
+                         Pressures<true, WithTangent>& pressures, Response<Packet>& r) {
+    const Packet scale = group.pressure_scale;
+    Packet pressure = 0.0;
+    for (int b = 0; b < 4; ++b) {
+      pressure += Element<Order>::barycentric(q, b) * pressures.p[b];
+      pressures.force[b] += Element<Order>::barycentric(q, b) * scale * weight * volume.energy;
+    }
+    pressure *= scale;
+    r.energy += pressure * volume.energy;
+    for (int m = 0; m < 6; ++m) r.s[m] += pressure * volume.s[m];
+    if constexpr (WithTangent) {
+      for (int m = 0; m < 21; ++m) r.d[m] += pressure * volume.d[m];
+      Packet change[3][3];  // s w ∂g/∂F
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          change[i][j] = scale * weight *
+                         (f(k, i, 0) * volume.s[kSymmetric[0][j]] +
+                          f(k, i, 1) * volume.s[kSymmetric[1][j]] +
+                          f(k, i, 2) * volume.s[kSymmetric[2][j]]);
+        }
+      }
+      for (int a = 0; a < kNodes; ++a) {
+        Packet g[3];
+        for (int j = 0; j < 3; ++j) g[j] = Packet::load(gradients + (a * 3 + j) * kLanes);
+        for (int i = 0; i < 3; ++i) {
+          const Packet at_node = change[i][0] * g[0] + change[i][1] * g[1] + change[i][2] * g[2];
+          for (int b = 0; b < 4; ++b) {
+            pressures.coupling[a][b][i] += Element<Order>::barycentric(q, b) * at_node;
+          }
+        }
+      }
+    }
+  }
+
+  /// The terms of second order in p, which are the same for every u. The linear pressures of an
+  /// element have the mass V (1 + δ_ab)/20, their means V/16.
+  template <bool WithTangent>
+  static Packet add_compliance(const ElementGroupView& group, std::int32_t p, Packet compliance,
+                               Packet stabilisation, Pressures<true, WithTangent>& pressures) {
+    Packet volume = 0.0;
+    for (int q = 0; q < kPoints; ++q) {
+      volume += Packet::load(group.weights + (p * kPoints + q) * kLanes);
+    }
+    volume *= group.pressure_scale * group.pressure_scale;
+    const Packet mass = Order == 1 ? compliance + stabilisation : compliance;
+    const Packet mean = Order == 1 ? stabilisation : Packet(0.0);
+    const Packet off_diagonal = volume * ((1.0 / 20) * mass - (1.0 / 16) * mean);
+    const Packet diagonal = volume * ((2.0 / 20) * mass - (1.0 / 16) * mean);
+    Packet energy = 0.0;
+    for (int a = 0; a < 4; ++a) {
+      Packet sum = 0.0;
+      for (int b = 0; b < 4; ++b) {
+        sum += (a == b ? diagonal : off_diagonal) * pressures.p[b];
+        if constexpr (WithTangent) {
+          if (a <= b) pressures.block[corner_pair(a, b)] = -(a == b ? diagonal : off_diagonal);
+        }
+      }
+      pressures.force[a] -= sum;
+      energy -= 0.5 * pressures.p[a] * sum;
+    }
+    return energy;
+  }
+
+  static constexpr int corner_pair(int a, int b) { return a * 4 - a * (a - 1) / 2 + b - a; }
+
+  template <bool WithTangent>
+  static void scatter_pressures(const ElementGroupView& group, std::int32_t p,
+                                const Pressures<true, WithTangent>& pressures, double* force,
+                                [[maybe_unused]] double* values) {
+    const std::int64_t packet = p;
+    const std::int32_t* at = group.pressures + packet * 4 * kLanes;
+    for (int b = 0; b < 4; ++b) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        force[at[b * kLanes + lane]] += pressures.force[b][lane];
+      }
+    }
+    if constexpr (WithTangent) {
+      const BlockTarget* targets = group.coupling_targets + packet * kNodes * 4 * kLanes;
+      for (int a = 0; a < kNodes; ++a) {
+        for (int b = 0; b < 4; ++b) {
+          for (int lane = 0; lane < kLanes; ++lane) {
+            const BlockTarget target = targets[(a * 4 + b) * kLanes + lane];
+            if (target.first < 0) continue;
+            double* value = values + target.first;
+            for (int c = 0; c < 3; ++c) {
+              *value += pressures.coupling[a][b][c][lane];
+              value += target.column_length - 1 - c;
+            }
+          }
+        }
+      }
+      const std::int32_t* positions = group.pressure_targets + packet * kCornerPairs * kLanes;
+      for (int pair_of = 0; pair_of < kCornerPairs; ++pair_of) {
+        for (int lane = 0; lane < kLanes; ++lane) {
+          const std::int32_t position = positions[pair_of * kLanes + lane];
+          if (position >= 0) values[position] += pressures.block[pair_of][lane];
+        }
+      }
+    }
   }
 
   /// f_a += w P ∇N_a.
@@ -291,10 +460,32 @@ class Group {
   }
 };
 
-template <int Order, Law L>
+template <int Order, Law L, Formulation Form>
 constexpr Kernels make(const char* name) {
-  return {name, &Group<Order, L>::residual, &Group<Order, L>::tangent,
-          &Group<Order, L>::determinants};
+  using G = Group<Order, L, Form>;
+  return {name, kNumConstants<L>, &G::residual, &G::tangent, &G::determinants};
+}
+
+constexpr int kNumLawsOfEnergy = 6;
+
+/// [formulation][law]
+struct Table {
+  Kernels entries[2][kNumLawsOfEnergy];
+};
+
+template <int Order, Formulation Form, int... Laws>
+void fill(Kernels (&row)[kNumLawsOfEnergy], const char* name,
+          std::integer_sequence<int, Laws...> /*laws*/) {
+  ((row[Laws] = make<Order, static_cast<Law>(Laws), Form>(name)), ...);
+}
+
+template <int Order>
+Table make_table(const char* name) {
+  constexpr auto laws = std::make_integer_sequence<int, kNumLawsOfEnergy>();
+  Table table;
+  fill<Order, Formulation::displacement>(table.entries[0], name, laws);
+  fill<Order, Formulation::mixed>(table.entries[1], name, laws);
+  return table;
 }
 
 }  // namespace
@@ -302,14 +493,11 @@ constexpr Kernels make(const char* name) {
 #define PALPATE_STRING_(x) #x
 #define PALPATE_STRING(x) PALPATE_STRING_(x)
 
-const Kernels& kernels(int order, int law) {
+const Kernels& kernels(int order, int law, int formulation) {
   constexpr const char* name = PALPATE_STRING(PALPATE_INSTRUCTION_SET);
-  static const Kernels table[2][num_laws] = {
-      {make<1, Law::linear>(name), make<1, Law::st_venant_kirchhoff>(name),
-       make<1, Law::neo_hookean>(name), make<1, Law::mooney_rivlin>(name)},
-      {make<2, Law::linear>(name), make<2, Law::st_venant_kirchhoff>(name),
-       make<2, Law::neo_hookean>(name), make<2, Law::mooney_rivlin>(name)}};
-  return table[order - 1][law];
+  static const Table linear = make_table<1>(name);
+  static const Table quadratic = make_table<2>(name);
+  return (order == 1 ? linear : quadratic).entries[formulation][law];
 }
 
 }  // namespace palpate::PALPATE_INSTRUCTION_SET

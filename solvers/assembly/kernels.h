@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The innermost loops: energy, internal force and tangent of a group of elements of one order and
-// one law, eight elements at a time.
+// The innermost loops: energy, internal force and tangent of a group of elements of one order, one
+// law and one formulation, eight elements at a time.
+//
+// The state x is the displacement of every point [3 × num_points] and behind it the pressures of
+// the mixed elements, scaled to a length: p = s p̂.
 //
 // One source (kernels.cpp) is compiled for each instruction set; `best_kernels()` picks by the
 // processor at run time. Plain pointers and no Eigen here, so that no template of a library is
@@ -14,7 +17,8 @@ namespace palpate {
 /// Elements in a packet.
 inline constexpr int kPacketSize = 8;
 
-/// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, compressed by columns.
+/// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, compressed by columns; or the
+/// 1 × 3 block of a pressure and a node, whose row is below all of the nodes.
 struct BlockTarget {
   /// Position of the block's first stored value of its first column; −1: the block is not stored.
   std::int32_t first = -1;
@@ -33,11 +37,24 @@ struct ElementGroupView {
   const double* gradients;
   /// Weight times Jacobian [num_packets × points × 8], m³.
   const double* weights;
-  /// Constants of the law (law_constants), [3] when homogeneous, else [num_packets × 3 × 8].
+  /// Constants of the law (law_constants), and of mixed elements 1/κ̂ and then 1/(2μ), n in all:
+  /// [n] when homogeneous, else [num_packets × n × 8].
   const double* parameters;
   bool homogeneous;
   /// Of each pair of nodes a ≤ b in the order 00 01 … 0n 11 … [num_packets × pairs × 8].
   const BlockTarget* targets;
+
+  // Of mixed elements, else null.
+
+  /// Place of the pressure of each corner in the state [num_packets × 4 × 8].
+  const std::int32_t* pressures;
+  /// s, Pa/m.
+  double pressure_scale;
+  /// Of each node and each corner's pressure [num_packets × nodes × 4 × 8].
+  const BlockTarget* coupling_targets;
+  /// Of each pair of corners a ≤ b in the order 00 01 02 03 11 … [num_packets × 10 × 8]: position of
+  /// the value, −1: it is not stored.
+  const std::int32_t* pressure_targets;
 };
 
 struct GroupResult {
@@ -49,15 +66,19 @@ struct GroupResult {
 
 struct Kernels {
   const char* instruction_set;
-  /// Adds the internal force of the group to `force` [3 × num_points].
-  GroupResult (*residual)(const ElementGroupView&, const double* u, double* force);
+  /// Of the law of energy.
+  int num_constants;
+  /// Adds the derivative of the energy of the group by the state to `force` [as the state].
+  GroupResult (*residual)(const ElementGroupView&, const double* state, double* force);
   /// As residual, and adds the tangent to `values`.
-  GroupResult (*tangent)(const ElementGroupView&, const double* u, double* force, double* values);
+  GroupResult (*tangent)(const ElementGroupView&, const double* state, double* force,
+                         double* values);
   /// Least det F of each element over quadrature points and corners, [num_packets × 8].
-  void (*determinants)(const ElementGroupView&, const double* u, double* minimum_det_f);
+  void (*determinants)(const ElementGroupView&, const double* state, double* minimum_det_f);
 };
 
-/// Kernels for an element order (1, 2) and a law (its number), for this processor.
-[[nodiscard]] const Kernels& best_kernels(int order, int law);
+/// Kernels for an element order (1, 2), a law of energy and a formulation (their numbers), for this
+/// processor.
+[[nodiscard]] const Kernels& best_kernels(int order, int law, int formulation);
 
 }  // namespace palpate

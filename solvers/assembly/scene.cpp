@@ -67,6 +67,7 @@ std::string hash(const Scene& scene) {
     const Material& material =
         scene.materials[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[c]];
     add_number(static_cast<std::int64_t>(material.law));
+    add_number(static_cast<std::int64_t>(material.formulation));
     add(material.parameters.data(), sizeof material.parameters);
   }
   for (char fixed : scene.fixed) add_number(fixed != 0 ? 1 : 0);

@@ -1,75 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Energy, stress and tangent of each law at one point, for a scalar type T that is double or a
-// Packet of them.
+// Packet of them; strain and symmetric tensors as in materials/kinematics.h.
 //
-//   H = ∇u,  F = I + H,  J = det F,  E = ½(H + Hᵀ + HᵀH),  C = I + 2E
 //   S = ∂W/∂E,  D = ∂S/∂E                       second Piola–Kirchhoff stress and its tangent
 //   P = F S,    A = ∂P/∂F: A_iJkL = δ_ik S_JL + F_iM D_MJNL F_kN
 //
 // The linear law has no S of its own: P = σ(sym H) and a constant A.
 //
-// E and J − 1 are computed from H, never as differences of numbers near one, and W and S in forms
-// without cancellation, so that small displacements keep their digits.
-//
-// Symmetric tensors are six components in the order xx yy zz yz xz xy. D is stored as the lower
-// triangle of the 6 × 6 matrix ∂S_m/∂E_n of tensor components (no factor 2 on shear).
+// W and S are computed in forms without cancellation, so that small displacements keep their digits.
 #pragma once
 
-#include "base/packet.h"
+#include <cmath>
+
+#include "materials/kinematics.h"
 #include "materials/material.h"
 
 namespace palpate::PALPATE_INSTRUCTION_SET {
-
-/// Component of a symmetric tensor at row i, column j.
-inline constexpr int kSymmetric[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
-/// Row and column of each component.
-inline constexpr int kRow[6] = {0, 1, 2, 1, 0, 0};
-inline constexpr int kColumn[6] = {0, 1, 2, 2, 2, 1};
-
-/// Place of (m, n), m ≥ n, in the lower triangle of a 6 × 6 matrix.
-constexpr int lower(int m, int n) { return m >= n ? m * (m + 1) / 2 + n : n * (n + 1) / 2 + m; }
-
-template <class T>
-struct Kinematics {
-  T h[3][3];
-  /// Green–Lagrange strain.
-  T e[6];
-  /// J − 1.
-  T j;
-
-  void update() {
-    for (int m = 0; m < 6; ++m) {
-      const int r = kRow[m];
-      const int c = kColumn[m];
-      e[m] = 0.5 * (h[r][c] + h[c][r] + h[0][r] * h[0][c] + h[1][r] * h[1][c] + h[2][r] * h[2][c]);
-    }
-    const T minor_xy = h[0][0] * h[1][1] - h[0][1] * h[1][0];
-    const T minor_xz = h[0][0] * h[2][2] - h[0][2] * h[2][0];
-    const T minor_yz = h[1][1] * h[2][2] - h[1][2] * h[2][1];
-    const T third = h[0][0] * minor_yz - h[0][1] * (h[1][0] * h[2][2] - h[1][2] * h[2][0]) +
-                    h[0][2] * (h[1][0] * h[2][1] - h[1][1] * h[2][0]);
-    j = h[0][0] + h[1][1] + h[2][2] + minor_xy + minor_xz + minor_yz + third;
-  }
-
-  /// tr E − (J − 1), which is of second order in the strain, from terms that are: with the
-  /// invariants of E, (1 + j)² = det(I + 2E) = 1 + 2 I + 4 II + 8 III. A rotation has no part in it.
-  [[nodiscard]] T trace_without_volume() const {
-    const T minors = e[0] * e[1] - e[5] * e[5] + e[0] * e[2] - e[4] * e[4] + e[1] * e[2] - e[3] * e[3];
-    const T det = e[0] * (e[1] * e[2] - e[3] * e[3]) - e[5] * (e[5] * e[2] - e[3] * e[4]) +
-                  e[4] * (e[5] * e[3] - e[1] * e[4]);
-    return 0.5 * j * j - 2.0 * minors - 4.0 * det;
-  }
-};
-
-template <class T>
-struct Response {
-  /// J/m³.
-  T energy;
-  /// Pa.
-  T s[6];
-  /// Pa; lower triangle of 6 × 6.
-  T d[21];
-};
 
 /// x − log1p(x), to full relative precision near 0.
 inline double log1p_remainder(double x) {
@@ -79,79 +25,13 @@ inline double log1p_remainder(double x) {
   return x * x * sum;
 }
 
-// Symmetric tensors ----------------------------------------------------------------------------
+// The laws: evaluate<WithTangent>(kinematics, constants, response) ----------------------------
 
-/// C⁻¹ from E and J − 1; det C = J².
-template <class T>
-void inverse_c(const Kinematics<T>& k, T (&ci)[6]) {
-  T c[6];
-  for (int m = 0; m < 6; ++m) c[m] = 2.0 * k.e[m] + (m < 3 ? 1.0 : 0.0);
-  const T det = (1.0 + k.j) * (1.0 + k.j);
-  const T scale = 1.0 / det;
-  ci[0] = scale * (c[1] * c[2] - c[3] * c[3]);
-  ci[1] = scale * (c[0] * c[2] - c[4] * c[4]);
-  ci[2] = scale * (c[0] * c[1] - c[5] * c[5]);
-  ci[3] = scale * (c[4] * c[5] - c[0] * c[3]);
-  ci[4] = scale * (c[3] * c[5] - c[1] * c[4]);
-  ci[5] = scale * (c[3] * c[4] - c[2] * c[5]);
-}
-
-/// x y for commuting symmetric x, y (the product is symmetric).
-template <class T>
-void product(const T (&x)[6], const T (&y)[6], T (&out)[6]) {
-  for (int m = 0; m < 6; ++m) {
-    const int r = kRow[m];
-    const int c = kColumn[m];
-    out[m] = x[kSymmetric[r][0]] * y[kSymmetric[0][c]] + x[kSymmetric[r][1]] * y[kSymmetric[1][c]] +
-             x[kSymmetric[r][2]] * y[kSymmetric[2][c]];
-  }
-}
-
-template <class T>
-T trace(const T (&x)[6]) {
-  return x[0] + x[1] + x[2];
-}
-
-/// d += a x⊗x.
-template <class T>
-void add_square(T a, const T (&x)[6], T (&d)[21]) {
-  for (int m = 0; m < 6; ++m) {
-    const T ax = a * x[m];
-    for (int n = 0; n <= m; ++n) d[lower(m, n)] += ax * x[n];
-  }
-}
-
-/// d += a (x⊗y + y⊗x).
-template <class T>
-void add_symmetric(T a, const T (&x)[6], const T (&y)[6], T (&d)[21]) {
-  for (int m = 0; m < 6; ++m) {
-    for (int n = 0; n <= m; ++n) d[lower(m, n)] += a * (x[m] * y[n] + y[m] * x[n]);
-  }
-}
-
-/// d += a 𝕀_x with (𝕀_x)_IJKL = ½(x_IK x_JL + x_IL x_JK); −2 𝕀_{C⁻¹} is ∂C⁻¹/∂E.
-template <class T>
-void add_identity_of(T a, const T (&x)[6], T (&d)[21]) {
-  const T half = 0.5 * a;
-  for (int m = 0; m < 6; ++m) {
-    const int i = kRow[m];
-    const int j = kColumn[m];
-    for (int n = 0; n <= m; ++n) {
-      const int k = kRow[n];
-      const int l = kColumn[n];
-      d[lower(m, n)] += half * (x[kSymmetric[i][k]] * x[kSymmetric[j][l]] +
-                                x[kSymmetric[i][l]] * x[kSymmetric[j][k]]);
-    }
-  }
-}
-
-/// d += a 𝕀, the identity on symmetric tensors: 1 on the normal, ½ on the shear components.
-template <class T>
-void add_identity(T a, T (&d)[21]) {
-  for (int m = 0; m < 6; ++m) d[lower(m, m)] += m < 3 ? a : 0.5 * a;
-}
-
-// The laws: evaluate<WithTangent>(kinematics, parameters, response) ---------------------------
+/// Number of the law's constants, the first of law_constants().
+template <Law L>
+inline constexpr int kNumConstants = L == Law::mooney_rivlin_polynomial ? 1 + num_polynomial_terms
+                                     : L == Law::mooney_rivlin || L == Law::fung ? 3
+                                                                                 : 2;
 
 template <Law L>
 struct LawOf;
@@ -160,7 +40,7 @@ struct LawOf;
 template <>
 struct LawOf<Law::linear> {
   template <bool WithTangent, class T>
-  static void evaluate(const Kinematics<T>& k, const T (&p)[3], Response<T>& out) {
+  static void evaluate(const Kinematics<T>& k, const T (&p)[2], Response<T>& out) {
     T strain[6];
     for (int m = 0; m < 6; ++m) strain[m] = 0.5 * (k.h[kRow[m]][kColumn[m]] + k.h[kColumn[m]][kRow[m]]);
     quadratic<WithTangent>(strain, p, out);
@@ -168,7 +48,7 @@ struct LawOf<Law::linear> {
 
   /// λ/2 (tr x)² + μ x:x and its derivatives.
   template <bool WithTangent, class T>
-  static void quadratic(const T (&x)[6], const T (&p)[3], Response<T>& out) {
+  static void quadratic(const T (&x)[6], const T (&p)[2], Response<T>& out) {
     const T tr = trace(x);
     T norm = 0.0;
     for (int m = 0; m < 6; ++m) {
@@ -190,7 +70,7 @@ struct LawOf<Law::linear> {
 template <>
 struct LawOf<Law::st_venant_kirchhoff> {
   template <bool WithTangent, class T>
-  static void evaluate(const Kinematics<T>& k, const T (&p)[3], Response<T>& out) {
+  static void evaluate(const Kinematics<T>& k, const T (&p)[2], Response<T>& out) {
     LawOf<Law::linear>::quadratic<WithTangent>(k.e, p, out);
   }
 };
@@ -199,7 +79,7 @@ struct LawOf<Law::st_venant_kirchhoff> {
 template <>
 struct LawOf<Law::neo_hookean> {
   template <bool WithTangent, class T>
-  static void evaluate(const Kinematics<T>& k, const T (&p)[3], Response<T>& out) {
+  static void evaluate(const Kinematics<T>& k, const T (&p)[2], Response<T>& out) {
     const T lambda = p[0];
     const T mu = p[1];
     const T log_j = map(k.j, [](double j) { return std::log1p(j); });
@@ -219,67 +99,234 @@ struct LawOf<Law::neo_hookean> {
   }
 };
 
-/// With a = J^(−2/3), b = a², dev X = X − ⅓ tr X I and e = tr E:
-///   S = 4 C₁₀ a C⁻¹ dev E + 2 C₀₁ b C⁻¹ dev[(2 + 4e) E − 4E²] + κ (J − 1) J C⁻¹.
-template <>
-struct LawOf<Law::mooney_rivlin> {
-  template <bool WithTangent, class T>
-  static void evaluate(const Kinematics<T>& k, const T (&p)[3], Response<T>& out) {
-    const T c10 = p[0];
-    const T c01 = p[1];
-    const T kappa = p[2];
+/// Ī₁ − 3 and Ī₂ − 3, and what they share with their derivatives.
+template <class T>
+struct IsochoricInvariants {
+  /// J^(−2/3) and its square.
+  T a;
+  T b;
+  /// tr E and E².
+  T tr;
+  T e2[6];
+  /// C⁻¹.
+  T ci[6];
+  /// Ī₁ − 3.
+  T first;
+  /// Ī₂ − 3.
+  T second;
+
+  [[gnu::always_inline]] explicit IsochoricInvariants(const Kinematics<T>& k) {
     // J^(1/3) − 1 to full relative precision, and a, b.
     const T x_1 = map(k.j, [](double j) { return std::expm1(std::log1p(j) / 3); });
     const T x = 1.0 + x_1;
-    const T a = 1.0 / (x * x);
-    const T b = a * a;
-    const T tr = trace(k.e);
-    T e2[6];
+    a = 1.0 / (x * x);
+    b = a * a;
+    tr = trace(k.e);
     product(k.e, k.e, e2);
-    const T i1_3 = 2.0 * tr;                                // I₁ − 3
-    const T i2_3 = 4.0 * tr + 2.0 * (tr * tr - trace(e2));  // I₂ − 3
+    inverse_c(k, ci);
     // The terms of first order in the strain cancel in Ī₁ − 3 and Ī₂ − 3. With
     // q = tr E − j and x³ = J they are gone before they are computed:
     //   2aj + 3(a − 1) = (x − 1)² (2x + 1)/x²,  4bj + 3(b − 1) = −(x − 1)² (3x² + 2x + 1)/x⁴.
     const T q = k.trace_without_volume();
     const T x_1_squared = x_1 * x_1;
-    const T first_invariant = a * (2.0 * q + x_1_squared * (2.0 * x + 1.0));
-    const T second_invariant = b * (4.0 * q + 2.0 * (tr * tr - trace(e2)) -
-                                    x_1_squared * (3.0 * x * x + 2.0 * x + 1.0));
-    out.energy = c10 * first_invariant + c01 * second_invariant + 0.5 * kappa * k.j * k.j;
-    T ci[6];
-    inverse_c(k, ci);
+    first = a * (2.0 * q + x_1_squared * (2.0 * x + 1.0));
+    second = b * (4.0 * q + 2.0 * (tr * tr - trace(e2)) -
+                  x_1_squared * (3.0 * x * x + 2.0 * x + 1.0));
+  }
+
+  /// ∂Ī₁/∂E = 4 a C⁻¹ dev E.
+  void first_gradient(const Kinematics<T>& k, T (&out)[6]) const {
     T y[6];
-    const T second_factor = 2.0 * c01 * b;
-    for (int m = 0; m < 6; ++m) {
-      y[m] = (4.0 * c10 * a + second_factor * (2.0 + 4.0 * tr)) * k.e[m] -
-             4.0 * second_factor * e2[m];
-    }
+    for (int m = 0; m < 6; ++m) y[m] = 4.0 * a * k.e[m];
+    deviator_times_inverse(y, out);
+  }
+
+  /// ∂Ī₂/∂E = 2 b C⁻¹ dev[(2 + 4 tr E) E − 4 E²].
+  void second_gradient(const Kinematics<T>& k, T (&out)[6]) const {
+    T y[6];
+    for (int m = 0; m < 6; ++m) y[m] = 2.0 * b * ((2.0 + 4.0 * tr) * k.e[m] - 4.0 * e2[m]);
+    deviator_times_inverse(y, out);
+  }
+
+  /// C⁻¹ dev y, dev y = y − ⅓ tr y I.
+  void deviator_times_inverse(T (&y)[6], T (&out)[6]) const {
     const T mean = (1.0 / 3) * trace(y);
     for (int m = 0; m < 3; ++m) y[m] -= mean;
-    product(ci, y, out.s);
-    const T pressure = kappa * k.j * (1.0 + k.j);
-    for (int m = 0; m < 6; ++m) out.s[m] += pressure * ci[m];
+    product(ci, y, out);
+  }
+};
+
+/// Stress and tangent of f₁ Ī₁ + f₂ Ī₂ + κ/2 (J − 1)² with constants f₁, f₂:
+///   S = C⁻¹ dev[(4 f₁ a + 2 f₂ b (2 + 4 tr E)) E − 8 f₂ b E²] + κ (J − 1) J C⁻¹.
+/// Inlined by force: passed through memory, the invariants would cost Mooney–Rivlin a fifth.
+template <bool WithTangent, class T>
+[[gnu::always_inline]] inline void respond_linearly(const Kinematics<T>& k,
+                                                    const IsochoricInvariants<T>& i, T f_1, T f_2,
+                                                    T kappa, Response<T>& out) {
+  T y[6];
+  const T second_factor = 2.0 * f_2 * i.b;
+  for (int m = 0; m < 6; ++m) {
+    y[m] = (4.0 * f_1 * i.a + second_factor * (2.0 + 4.0 * i.tr)) * k.e[m] -
+           4.0 * second_factor * i.e2[m];
+  }
+  i.deviator_times_inverse(y, out.s);
+  const T pressure = kappa * k.j * (1.0 + k.j);
+  for (int m = 0; m < 6; ++m) out.s[m] += pressure * i.ci[m];
+  if constexpr (WithTangent) {
+    const T i1 = 3.0 + 2.0 * i.tr;
+    const T i2 = 3.0 + 4.0 * i.tr + 2.0 * (i.tr * i.tr - trace(i.e2));
+    const T first = 2.0 * f_1 * i.a;
+    T one[6];
+    T m2[6];  // ½ ∂I₂/∂E = I₁ I − C
+    for (int m = 0; m < 6; ++m) {
+      one[m] = m < 3 ? 1.0 : 0.0;
+      m2[m] = one[m] * (i1 - 1.0) - 2.0 * k.e[m];
+    }
+    for (T& component : out.d) component = 0.0;
+    add_symmetric(T((-2.0 / 3) * first), one, i.ci, out.d);
+    add_symmetric(T((-4.0 / 3) * second_factor), m2, i.ci, out.d);
+    add_square(T(2.0 * second_factor), one, out.d);
+    add_identity(T(-2.0 * second_factor), out.d);
+    add_square(T((2.0 / 9) * first * i1 + (8.0 / 9) * second_factor * i2 +
+                 kappa * (1.0 + 2.0 * k.j) * (1.0 + k.j)),
+               i.ci, out.d);
+    add_identity_of(T((2.0 / 3) * first * i1 + (4.0 / 3) * second_factor * i2 - 2.0 * pressure),
+                    i.ci, out.d);
+  }
+}
+
+template <>
+struct LawOf<Law::mooney_rivlin> {
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, const T (&p)[3], Response<T>& out) {
+    const IsochoricInvariants<T> i(k);
+    out.energy = p[0] * i.first + p[1] * i.second + 0.5 * p[2] * k.j * k.j;
+    respond_linearly<WithTangent>(k, i, p[0], p[1], p[2], out);
+  }
+};
+
+/// With x = Ī₁ − 3, y = Ī₂ − 3 and f(x, y) the sum: S as that of f_x Ī₁ + f_y Ī₂, and D with
+/// f_xx ∂x⊗∂x + f_xy (∂x⊗∂y + ∂y⊗∂x) + f_yy ∂y⊗∂y besides.
+template <>
+struct LawOf<Law::mooney_rivlin_polynomial> {
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, const T (&p)[10], Response<T>& out) {
+    const IsochoricInvariants<T> i(k);
+    const T& kappa = p[0];
+    const T& c10 = p[1];
+    const T& c01 = p[2];
+    const T& c20 = p[3];
+    const T& c11 = p[4];
+    const T& c02 = p[5];
+    const T& c30 = p[6];
+    const T& c21 = p[7];
+    const T& c12 = p[8];
+    const T& c03 = p[9];
+    const T& x = i.first;
+    const T& y = i.second;
+    out.energy = x * (c10 + x * (c20 + x * c30) + y * (c11 + x * c21 + y * c12)) +
+                 y * (c01 + y * (c02 + y * c03)) + 0.5 * kappa * k.j * k.j;
+    const T f_x = c10 + x * (2.0 * c20 + 3.0 * c30 * x) + y * (c11 + 2.0 * c21 * x + c12 * y);
+    const T f_y = c01 + y * (2.0 * c02 + 3.0 * c03 * y) + x * (c11 + 2.0 * c12 * y + c21 * x);
+    respond_linearly<WithTangent>(k, i, f_x, f_y, kappa, out);
     if constexpr (WithTangent) {
-      const T i1 = 3.0 + i1_3;
-      const T i2 = 3.0 + i2_3;
-      const T first = 2.0 * c10 * a;
-      T one[6];
-      T m2[6];  // ½ ∂I₂/∂E = I₁ I − C
-      for (int m = 0; m < 6; ++m) {
-        one[m] = m < 3 ? 1.0 : 0.0;
-        m2[m] = one[m] * (i1 - 1.0) - 2.0 * k.e[m];
-      }
+      T dx[6];
+      T dy[6];
+      i.first_gradient(k, dx);
+      i.second_gradient(k, dy);
+      add_square(T(2.0 * (c20 + 3.0 * c30 * x + c21 * y)), dx, out.d);
+      add_symmetric(T(c11 + 2.0 * (c21 * x + c12 * y)), dx, dy, out.d);
+      add_square(T(2.0 * (c02 + c12 * x + 3.0 * c03 * y)), dy, out.d);
+    }
+  }
+};
+
+template <>
+struct LawOf<Law::fung> {
+  /// Beyond this exponent, which no equilibrium reaches, the exponential goes on as its parabola:
+  /// a trial state far out has an energy that is large and finite, and so have its derivatives.
+  static constexpr double largest_exponent = 200;
+
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, const T (&p)[3], Response<T>& out) {
+    const IsochoricInvariants<T> i(k);
+    const T half_mu = 0.5 * p[0];
+    const T& b = p[1];
+    const T& kappa = p[2];
+    const T x = min(i.first, T(largest_exponent / b));
+    const T beyond = i.first - x;
+    const T power = map(T(b * x), [](double y) { return std::exp(y); });
+    // (exp(y) − 1)/y, so that a small b costs no digits.
+    const T mean_power = map(T(b * x), [](double y) { return y == 0 ? 1 : std::expm1(y) / y; });
+    out.energy = half_mu * (x * mean_power + power * beyond * (1.0 + 0.5 * b * beyond)) +
+                 0.5 * kappa * k.j * k.j;
+    const T f_x = half_mu * power * (1.0 + b * beyond);
+    respond_linearly<WithTangent>(k, i, f_x, T(0.0), kappa, out);
+    if constexpr (WithTangent) {
+      T dx[6];
+      i.first_gradient(k, dx);
+      add_square(T(half_mu * b * power), dx, out.d);
+    }
+  }
+};
+
+// The measure g of the change of volume: energy is g, s is ∂g/∂E, d is ∂²g/∂E² ------------------
+
+template <Law L>
+struct VolumeOf {
+  /// g = J − 1.
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, Response<T>& out) {
+    out.energy = k.j;
+    T ci[6];
+    inverse_c(k, ci);
+    const T j = 1.0 + k.j;
+    for (int m = 0; m < 6; ++m) out.s[m] = j * ci[m];
+    if constexpr (WithTangent) {
       for (T& component : out.d) component = 0.0;
-      add_symmetric(T((-2.0 / 3) * first), one, ci, out.d);
-      add_symmetric(T((-4.0 / 3) * second_factor), m2, ci, out.d);
-      add_square(T(2.0 * second_factor), one, out.d);
-      add_identity(T(-2.0 * second_factor), out.d);
-      add_square(T((2.0 / 9) * first * i1 + (8.0 / 9) * second_factor * i2 +
-                   kappa * (1.0 + 2.0 * k.j) * (1.0 + k.j)),
-                 ci, out.d);
-      add_identity_of(T((2.0 / 3) * first * i1 + (4.0 / 3) * second_factor * i2 - 2.0 * pressure),
-                      ci, out.d);
+      add_square(j, ci, out.d);
+      add_identity_of(T(-2.0 * j), ci, out.d);
+    }
+  }
+};
+
+/// g = tr ε.
+template <>
+struct VolumeOf<Law::linear> {
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, Response<T>& out) {
+    of_trace<WithTangent>(T(k.h[0][0] + k.h[1][1] + k.h[2][2]), out);
+  }
+
+  template <bool WithTangent, class T>
+  static void of_trace(T g, Response<T>& out) {
+    out.energy = g;
+    for (int m = 0; m < 6; ++m) out.s[m] = m < 3 ? 1.0 : 0.0;
+    if constexpr (WithTangent) {
+      for (T& component : out.d) component = 0.0;
+    }
+  }
+};
+
+/// g = tr E.
+template <>
+struct VolumeOf<Law::st_venant_kirchhoff> {
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, Response<T>& out) {
+    VolumeOf<Law::linear>::of_trace<WithTangent>(trace(k.e), out);
+  }
+};
+
+/// g = ln J.
+template <>
+struct VolumeOf<Law::neo_hookean> {
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, Response<T>& out) {
+    out.energy = map(k.j, [](double j) { return std::log1p(j); });
+    inverse_c(k, out.s);
+    if constexpr (WithTangent) {
+      for (T& component : out.d) component = 0.0;
+      add_identity_of(T(-2.0), out.s, out.d);
     }
   }
 };

@@ -15,14 +15,14 @@
 namespace palpate {
 
 namespace baseline {
-const Kernels& kernels(int order, int law);
+const Kernels& kernels(int order, int law, int formulation);
 }
 #if defined(__x86_64__)
 namespace avx2 {
-const Kernels& kernels(int order, int law);
+const Kernels& kernels(int order, int law, int formulation);
 }
 namespace avx512 {
-const Kernels& kernels(int order, int law);
+const Kernels& kernels(int order, int law, int formulation);
 }
 #endif
 
@@ -35,12 +35,13 @@ constexpr double kRounding = 1e-13;
 /// Elements with arbitrary numbers in the place of a mesh: the kernels do not care.
 class Elements {
  public:
-  Elements(int order, bool homogeneous) : homogeneous_(homogeneous) {
+  Elements(int order, int num_constants, Formulation formulation, bool homogeneous)
+      : mixed_(formulation == Formulation::mixed), homogeneous_(homogeneous) {
     const int num_nodes = order == 1 ? 4 : 10;
     const int num_points = order == 1 ? 1 : 4;
     const int num_pairs = num_nodes * (num_nodes + 1) / 2;
     Random random(41);
-    u_ = random.vector(3 * kPoints, 0.05);
+    u_ = random.vector(3 * kPoints + kPressures, 0.05);
     for (int i = 0; i < kPackets * num_nodes * kPacketSize; ++i) {
       nodes_.push_back(static_cast<std::int32_t>(random.uniform(0, kPoints)));
     }
@@ -50,7 +51,8 @@ class Elements {
       gradients_.push_back(random.uniform(-1, 1));
     }
     for (int i = 0; i < num_weights; ++i) weights_.push_back(random.uniform(0, 1));
-    for (int i = 0; i < (homogeneous ? 3 : kPackets * 3 * kPacketSize); ++i) {
+    const int num_parameters = num_constants + (mixed_ ? 2 : 0);
+    for (int i = 0; i < num_parameters * (homogeneous ? 1 : kPackets * kPacketSize); ++i) {
       parameters_.push_back(random.uniform(1, 2));
     }
     // Ten values a block, in columns of a length of five; some transposed, some not stored.
@@ -58,6 +60,18 @@ class Elements {
       const int kind = i % 5;
       targets_.push_back(kind == 0 ? BlockTarget{} : BlockTarget{10 * i, kind == 1 ? -5 : 5});
       num_values_ = 10 * (i + 1);
+    }
+    if (!mixed_) return;
+    for (int i = 0; i < kPackets * 4 * kPacketSize; ++i) {
+      pressures_.push_back(3 * kPoints + static_cast<std::int32_t>(random.uniform(0, kPressures)));
+    }
+    for (int i = 0; i < kPackets * num_nodes * 4 * kPacketSize; ++i) {
+      coupling_targets_.push_back(
+          i % 7 == 0 ? BlockTarget{} : BlockTarget{static_cast<std::int32_t>(num_values_), 5});
+      num_values_ += 10;
+    }
+    for (int i = 0; i < kPackets * 10 * kPacketSize; ++i) {
+      pressure_targets_.push_back(i % 3 == 0 ? -1 : static_cast<std::int32_t>(num_values_++));
     }
   }
 
@@ -69,10 +83,11 @@ class Elements {
   Results run(const Kernels& kernels) const {
     const ElementGroupView view{kPackets,         nodes_.data(),    gradients_.data(),
                                 weights_.data(),  parameters_.data(), homogeneous_,
-                                targets_.data()};
+                                targets_.data(),  pressures_.data(),  1.5,
+                                coupling_targets_.data(), pressure_targets_.data()};
     Results r;
-    r.force.resize(3 * kPoints);
-    r.force_of_tangent.resize(3 * kPoints);
+    r.force.resize(u_.size());
+    r.force_of_tangent.resize(u_.size());
     r.values.resize(num_values_);
     r.determinants.resize(kPackets * kPacketSize);
     r.residual = kernels.residual(view, u_.data(), r.force.data());
@@ -84,11 +99,14 @@ class Elements {
  private:
   static constexpr int kPackets = 3;
   static constexpr int kPoints = 40;
+  static constexpr int kPressures = 20;
+  bool mixed_;
   bool homogeneous_;
   Eigen::VectorXd u_;
   std::vector<std::int32_t> nodes_;
   std::vector<double> gradients_, weights_, parameters_;
-  std::vector<BlockTarget> targets_;
+  std::vector<BlockTarget> targets_, coupling_targets_;
+  std::vector<std::int32_t> pressures_, pressure_targets_;
   std::size_t num_values_ = 0;
 };
 
@@ -101,28 +119,38 @@ void expect_equal(const std::vector<double>& a, const std::vector<double>& b, co
   }
 }
 
-using Source = const Kernels& (*)(int, int);
+using Source = const Kernels& (*)(int, int, int);
+
+void expect_equal_kernels(const Kernels& reference, const Kernels& kernels,
+                          const Elements& elements) {
+  const auto expected = elements.run(reference);
+  const auto found = elements.run(kernels);
+  ASSERT_TRUE(std::isfinite(expected.residual.energy)) << "the test's elements are inverted";
+  const double energy = expected.residual.energy;
+  ASSERT_NE(energy, 0);
+  EXPECT_NEAR(found.residual.energy, energy, kRounding * std::abs(energy));
+  EXPECT_NEAR(found.tangent.energy, energy, kRounding * std::abs(energy));
+  EXPECT_NEAR(found.residual.minimum_det_f, expected.residual.minimum_det_f, kRounding);
+  EXPECT_NEAR(found.tangent.minimum_det_f, expected.residual.minimum_det_f, kRounding);
+  expect_equal(expected.force, found.force, "force");
+  expect_equal(expected.force, found.force_of_tangent, "force of the tangent");
+  expect_equal(expected.values, found.values, "tangent");
+  expect_equal(expected.determinants, found.determinants, "det F");
+}
 
 void expect_equal_kernels(Source source) {
   for (int order : {1, 2}) {
     for (Law law : kLaws) {
-      for (bool homogeneous : {true, false}) {
-        SCOPED_TRACE("order " + std::to_string(order) + ", " + to_string(law));
-        const Elements elements(order, homogeneous);
-        const auto expected = elements.run(baseline::kernels(order, static_cast<int>(law)));
-        const auto found = elements.run(source(order, static_cast<int>(law)));
-        ASSERT_TRUE(std::isfinite(expected.residual.energy)) << "the test's elements are inverted";
-        ASSERT_GT(expected.residual.energy, 0);
-        EXPECT_NEAR(found.residual.energy, expected.residual.energy,
-                    kRounding * expected.residual.energy);
-        EXPECT_NEAR(found.tangent.energy, expected.residual.energy,
-                    kRounding * expected.residual.energy);
-        EXPECT_NEAR(found.residual.minimum_det_f, expected.residual.minimum_det_f, kRounding);
-        EXPECT_NEAR(found.tangent.minimum_det_f, expected.residual.minimum_det_f, kRounding);
-        expect_equal(expected.force, found.force, "force");
-        expect_equal(expected.force, found.force_of_tangent, "force of the tangent");
-        expect_equal(expected.values, found.values, "tangent");
-        expect_equal(expected.determinants, found.determinants, "det F");
+      for (Formulation formulation : {Formulation::displacement, Formulation::mixed}) {
+        for (bool homogeneous : {true, false}) {
+          SCOPED_TRACE("order " + std::to_string(order) + ", " + to_string(law) +
+                       (formulation == Formulation::mixed ? ", mixed" : ""));
+          const auto number = static_cast<int>(law);
+          const auto form = static_cast<int>(formulation);
+          const Kernels& reference = baseline::kernels(order, number, form);
+          expect_equal_kernels(reference, source(order, number, form),
+                               {order, reference.num_constants, formulation, homogeneous});
+        }
       }
     }
   }
@@ -133,18 +161,18 @@ TEST(InstructionSets, Baseline) { expect_equal_kernels(baseline::kernels); }
 #if defined(__x86_64__)
 TEST(InstructionSets, Avx2) {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) GTEST_SKIP();
-  EXPECT_STREQ(avx2::kernels(1, 0).instruction_set, "avx2");
+  EXPECT_STREQ(avx2::kernels(1, 0, 0).instruction_set, "avx2");
   expect_equal_kernels(avx2::kernels);
 }
 
 TEST(InstructionSets, Avx512) {
   if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx512dq")) GTEST_SKIP();
-  EXPECT_STREQ(avx512::kernels(1, 0).instruction_set, "avx512");
+  EXPECT_STREQ(avx512::kernels(1, 0, 0).instruction_set, "avx512");
   expect_equal_kernels(avx512::kernels);
 }
 
 TEST(InstructionSets, TheBestOneIsTaken) {
-  const std::string best = best_kernels(1, 0).instruction_set;
+  const std::string best = best_kernels(1, 0, 0).instruction_set;
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
     EXPECT_EQ(best, "avx512");
   } else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {

@@ -97,6 +97,12 @@ TEST(HashOfScene, IsOfWhatDecidesTheEquilibria) {
   other.materials[0].parameters[0] *= 1.0000001;
   EXPECT_NE(hash(other), original) << "a parameter";
   other = scene;
+  other.materials[0].parameters.back() = 1;
+  EXPECT_NE(hash(other), original) << "the last parameter";
+  other = scene;
+  other.materials[0].formulation = Formulation::mixed;
+  EXPECT_NE(hash(other), original) << "the formulation";
+  other = scene;
   other.materials[0].law = Law::st_venant_kirchhoff;
   EXPECT_NE(hash(other), original) << "the law";
   other = scene;

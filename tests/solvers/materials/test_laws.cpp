@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <cmath>
 #include <vector>
 
@@ -37,7 +37,18 @@ class Laws : public testing::TestWithParam<Law> {
   }
 
   static double step(const Mat3& h) {
-    return 0.01 * Eigen::JacobiSVD<Mat3>(Mat3::Identity() + h).singularValues().minCoeff();
+    // The norm is at least the inverse of the least stretch.
+    return 0.01 / (Mat3::Identity() + h).inverse().norm();
+  }
+
+  static void expect_lane(const Response<Packet>& all, int lane, const Response<double>& one) {
+    EXPECT_NEAR(all.energy[lane], one.energy, kRounding * std::abs(one.energy));
+    for (int m = 0; m < 6; ++m) {
+      EXPECT_NEAR(all.s[m][lane], one.s[m], kRounding * stress(one).norm());
+    }
+    for (int m = 0; m < 21; ++m) {
+      EXPECT_NEAR(all.d[m][lane], one.d[m], kRounding * tangent(one).norm());
+    }
   }
 };
 
@@ -73,17 +84,56 @@ TEST_P(Laws, TangentIsTheDerivativeOfTheStress) {
   }
 }
 
+TEST_P(Laws, TheChangeOfVolumeHasItsDerivatives) {
+  const Law law = GetParam();
+  for (const Mat3& h : gradients()) {
+    const Mat3 p = first_piola(law, volume_response(law, h), h);
+    const Mat9 a = first_piola_tangent(law, volume_response(law, h), h);
+    const double first_scale = std::max(p.norm(), 1.0);
+    const double second_scale = std::max(a.norm(), 1.0);
+    for (int i = 0; i < 9; ++i) {
+      const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
+      const double first = derivative(
+          [&](double s) { return volume_response(law, h + s * direction).energy; }, step(h));
+      EXPECT_NEAR(p.reshaped()[i], first, kDifference * first_scale) << "component " << i;
+      const Mat3 second = derivative(
+          [&](double s) {
+            const Mat3 at = h + s * direction;
+            return first_piola(law, volume_response(law, at), at);
+          },
+          step(h));
+      EXPECT_LT((a.col(i) - Vec9(second.reshaped())).norm(), kDifference * second_scale)
+          << "component " << i;
+    }
+  }
+}
+
+// W = W_rest + κ̂/2 g²: what the two formulations have in common.
+TEST_P(Laws, EnergyIsThatOfTheMixedFormulationWithItsPressure) {
+  const Material whole = material();
+  const Material mixed = with_formulation(whole, Formulation::mixed);
+  const double modulus = 1 / volumetric_compliance(whole);
+  EXPECT_NEAR(volumetric_compliance(mixed), 1 / modulus, 1e-15 / modulus);
+  for (const Mat3& h : gradients()) {
+    const Response<double> w = respond(whole, h);
+    const Response<double> rest = respond(mixed, h);
+    const Response<double> g = volume_response(GetParam(), h);
+    EXPECT_NEAR(rest.energy + 0.5 * modulus * g.energy * g.energy, w.energy,
+                kRounding * std::abs(w.energy));
+    const Mat3 s = stress(rest) + modulus * g.energy * stress(g);
+    EXPECT_LT((s - stress(w)).norm(), kRounding * tangent(w).norm());
+    Mat6 d = tangent(rest) + modulus * g.energy * tangent(g);
+    for (int m = 0; m < 6; ++m) {
+      for (int n = 0; n < 6; ++n) d(m, n) += modulus * g.s[m] * g.s[n];
+    }
+    EXPECT_LT((d - tangent(w)).norm(), kRounding * tangent(w).norm());
+  }
+}
+
 TEST_P(Laws, WithoutTangentTheRestIsTheSame) {
   for (const Mat3& h : gradients()) {
     const Response<double> full = respond(material(), h);
-    Kinematics<double> k;
-    for (int i = 0; i < 9; ++i) k.h[i / 3][i % 3] = h(i / 3, i % 3);
-    k.update();
-    const auto constants = law_constants(material());
-    const double p[3] = {constants[0], constants[1], constants[2]};
-    Response<double> part;
-    with_law(GetParam(),
-             [&](auto law) { LawOf<decltype(law)::value>::template evaluate<false>(k, p, part); });
+    const Response<double> part = respond<false>(GetParam(), law_constants(material()), h);
     EXPECT_NEAR(part.energy, full.energy, kRounding * std::abs(full.energy));
     for (int m = 0; m < 6; ++m) EXPECT_NEAR(part.s[m], full.s[m], kRounding * stress(full).norm());
   }
@@ -99,26 +149,27 @@ TEST_P(Laws, APacketIsEightNumbers) {
   const auto all = gradients();
   for (std::size_t first = 0; first + 8 <= all.size(); first += 8) {
     Kinematics<Packet> k;
-    Packet p[3];
     for (int lane = 0; lane < 8; ++lane) {
       for (int i = 0; i < 9; ++i) {
         k.h[i / 3][i % 3].lanes[lane] = all[first + lane](i / 3, i % 3);
       }
-      for (int i = 0; i < 3; ++i) p[i].lanes[lane] = law_constants(stiffer(lane))[i];
     }
     k.update();
     Response<Packet> r;
-    with_law(GetParam(),
-             [&](auto law) { LawOf<decltype(law)::value>::template evaluate<true>(k, p, r); });
+    Response<Packet> volume;
+    with_law(GetParam(), [&](auto law) {
+      constexpr Law kLaw = decltype(law)::value;
+      Packet p[kNumConstants<kLaw>];
+      for (int lane = 0; lane < 8; ++lane) {
+        const Constants constants = law_constants(stiffer(lane));
+        for (int i = 0; i < kNumConstants<kLaw>; ++i) p[i].lanes[lane] = constants[i];
+      }
+      LawOf<kLaw>::template evaluate<true>(k, p, r);
+      VolumeOf<kLaw>::template evaluate<true>(k, volume);
+    });
     for (int lane = 0; lane < 8; ++lane) {
-      const Response<double> one = respond(stiffer(lane), all[first + lane]);
-      EXPECT_NEAR(r.energy[lane], one.energy, kRounding * std::abs(one.energy));
-      for (int m = 0; m < 6; ++m) {
-        EXPECT_NEAR(r.s[m][lane], one.s[m], kRounding * stress(one).norm());
-      }
-      for (int m = 0; m < 21; ++m) {
-        EXPECT_NEAR(r.d[m][lane], one.d[m], kRounding * tangent(one).norm());
-      }
+      expect_lane(r, lane, respond(stiffer(lane), all[first + lane]));
+      expect_lane(volume, lane, volume_response(GetParam(), all[first + lane]));
     }
   }
 }
@@ -222,6 +273,91 @@ TEST_P(NonlinearLaws, FlatteningCostsMoreAndMoreWhereThereIsABarrier) {
   }
   const double least_that_bars = 10 * shear_modulus(material());
   EXPECT_EQ(last > least_that_bars, has_inversion_barrier(GetParam()));
+}
+
+void expect_close(const Response<double>& r, const Response<double>& expected, double tolerance) {
+  EXPECT_NEAR(r.energy, expected.energy, tolerance * expected.energy);
+  EXPECT_LT((stress(r) - stress(expected)).norm(), tolerance * stress(expected).norm());
+  EXPECT_LT((tangent(r) - tangent(expected)).norm(), tolerance * tangent(expected).norm());
+}
+
+/// Strains from tiny to large.
+std::vector<Mat3> gradients_of_any_size() {
+  Random random(11);
+  std::vector<Mat3> all;
+  for (double size : {1e-12, 1e-6, 1e-2, 0.3}) all.push_back(random.matrix(size));
+  for (double det_f : {0.4, 1.0, 2.0}) {
+    all.push_back(random.deformation_gradient(det_f, 0.6) - Mat3::Identity());
+  }
+  return all;
+}
+
+TEST(Polynomial, OfFirstDegreeIsMooneyRivlin) {
+  for (const Mat3& h : gradients_of_any_size()) {
+    const Material polynomial =
+        palpate::make_material(Law::mooney_rivlin_polynomial, {3200, 370, 180});
+    expect_close(respond(polynomial, h), respond(make_mooney_rivlin(370, 180, 3200), h), 1e-15);
+  }
+}
+
+TEST(Polynomial, EachCoefficientIsThatOfItsPowers) {
+  for (const Mat3& h : gradients_of_any_size()) {
+    const double x = respond(Law::mooney_rivlin, {1, 0, 0}, h).energy;
+    const double y = respond(Law::mooney_rivlin, {0, 1, 0}, h).energy;
+    for (int i = 0; i < num_polynomial_terms; ++i) {
+      const auto [r, s] = polynomial_powers[i];
+      Constants constants{};
+      constants[1 + i] = 7;
+      const double expected = 7 * std::pow(x, r) * std::pow(y, s);
+      EXPECT_NEAR(respond(Law::mooney_rivlin_polynomial, constants, h).energy, expected,
+                  1e-14 * std::abs(expected))
+          << r << s;
+    }
+  }
+}
+
+TEST(Fung, WithASmallExponentIsNeoHookean) {
+  for (const Mat3& h : gradients_of_any_size()) {
+    for (double exponent : {1e-18, 1e-150, 1e-300}) {
+      expect_close(respond(Law::fung, {1100, exponent, 3200}, h),
+                   respond(make_mooney_rivlin(550, 0, 3200), h), 1e-15);
+    }
+  }
+}
+
+// A trial state of a solver can be anywhere.
+TEST(Fung, IsFiniteAndGrowsHoweverFarOut) {
+  for (double exponent : {1e-3, 1.0, 50.0, 1e4}) {
+    double last = 0;
+    for (double stretch : {1.5, 3.0, 10.0, 100.0, 1e4}) {
+      const Vec3 f(stretch, 1 / stretch, 1);
+      const Response<double> r = respond(Law::fung, {1100, exponent, 3200},
+                                         f.asDiagonal().toDenseMatrix() - Mat3::Identity());
+      EXPECT_TRUE(std::isfinite(r.energy));
+      EXPECT_TRUE(stress(r).allFinite());
+      EXPECT_TRUE(tangent(r).allFinite());
+      EXPECT_GT(r.energy, last) << exponent << ' ' << stretch;
+      last = r.energy;
+    }
+  }
+}
+
+TEST(Fung, BeyondTheLargestExponentEnergyStressAndTangentStillBelongTogether) {
+  const Material material = palpate::make_material(Law::fung, {3000, 0.35, 50});
+  for (double stretch : {3.0, 4.0}) {  // exponents of 300 and 700
+    const Mat3 h = Vec3(stretch, 1, 1 / stretch).asDiagonal().toDenseMatrix() - Mat3::Identity();
+    const Mat3 p = first_piola(material, h);
+    const Mat9 a = first_piola_tangent(material, h);
+    for (int i = 0; i < 9; ++i) {
+      const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
+      const double energy = derivative(
+          [&](double s) { return respond(material, h + s * direction).energy; }, 1e-3);
+      EXPECT_NEAR(p.reshaped()[i], energy, 1e-8 * p.norm());
+      const Mat3 change = derivative(
+          [&](double s) { return first_piola(material, h + s * direction); }, 1e-3);
+      EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), 1e-8 * a.norm());
+    }
+  }
 }
 
 TEST(Log1pRemainder, KeepsItsDigits) {
