@@ -2,9 +2,10 @@
 #include "linear/linear_solver.h"
 
 #include "base/error.h"
-#include "linear/eigen_solver.h"
+#include "linear/direct_solver.h"
+#include "linear/eigen_backend.h"
 #ifdef PALPATE_WITH_MUMPS
-#include "linear/mumps_solver.h"
+#include "linear/mumps_backend.h"
 #endif
 
 namespace palpate {
@@ -23,9 +24,9 @@ std::unique_ptr<LinearSolver> make_linear_solver() {
 
 std::unique_ptr<LinearSolver> make_linear_solver(const std::string& name) {
 #ifdef PALPATE_WITH_MUMPS
-  if (name == "MUMPS") return make_mumps_solver();
+  if (name == "MUMPS") return std::make_unique<DirectSolver>(make_mumps_backend());
 #endif
-  if (name == "Eigen LDLT") return make_eigen_solver();
+  if (name == "Eigen LDLT") return std::make_unique<DirectSolver>(make_eigen_backend());
   throw InputError("There is no linear solver '" + name + "' in this build.");
 }
 

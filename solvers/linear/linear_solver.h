@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Direct solution of symmetric systems with one pattern and many sets of values: analyse once,
 // factorise often, solve for several right-hand sides.
+//
+// The unit of the values has no part: for a matrix that is larger by a power of two, the solutions
+// are smaller by it, bit for bit, and everything else is the same.
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -14,7 +18,7 @@ namespace palpate {
 
 enum class FactorStatus {
   ok,
-  /// A pivot is zero: the matrix is singular to working precision.
+  /// The matrix is singular to working precision, or holds something that is no number.
   singular,
 };
 
@@ -27,9 +31,19 @@ class LinearSolver {
   /// "MUMPS", "Eigen LDLT".
   [[nodiscard]] virtual const char* name() const = 0;
 
+  /// Takes 1×1 and 2×2 pivots as the values ask for: good for saddle points, [A B; Bᵀ −C] with
+  /// C = 0 too. A solver that does not takes definite matrices, and indefinite ones with luck.
+  [[nodiscard]] virtual bool pivots() const = 0;
+
   /// Ordering and symbolic factorisation. The pattern is copied where it is needed.
   /// @throws BackendError the library failed, e.g. out of memory.
   virtual void analyse(const SymmetricPattern& pattern) = 0;
+
+  /// A second solver, of the same kind and ranks, for the pattern of this one, which is not ordered
+  /// anew. It has no factor yet; its factors are those of this one bit for bit (with several ranks:
+  /// but for rounding).
+  /// @throws BackendError as analyse.
+  [[nodiscard]] virtual std::unique_ptr<LinearSolver> another() const = 0;
 
   /// Numeric factorisation of the matrix with these values on the analysed pattern.
   /// @throws BackendError the library failed for another reason than the matrix.
@@ -40,6 +54,10 @@ class LinearSolver {
 
   /// Of the last factor: the number of negative eigenvalues of the matrix (Sylvester).
   [[nodiscard]] virtual int negative_pivots() const = 0;
+
+  /// Of the last factor: the bytes of its numbers, on all ranks together. The library's indices and
+  /// work space, a third to two thirds of it, come on top.
+  [[nodiscard]] virtual std::int64_t factor_bytes() const = 0;
 
  protected:
   LinearSolver() = default;

@@ -17,10 +17,9 @@ namespace {
 /// tetrahedron is 0.12, of a bad but usable one 1e-4; rounding of coordinates gives 1e-15.
 constexpr double kLeastRelativeVolume = 1e-12;
 
-/// Corners of the faces, outward in VTK's node order.
-constexpr int kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-/// The three midside nodes of each face.
-constexpr int kFaceMidsides[4][3] = {{4, 5, 6}, {4, 8, 7}, {5, 9, 8}, {6, 7, 9}};
+/// The nodes of each face, outward in VTK's node order: corners a b c, midsides ab, bc, ca.
+constexpr int kFaces[4][6] = {
+    {0, 2, 1, 6, 5, 4}, {0, 1, 3, 4, 8, 7}, {1, 2, 3, 5, 9, 8}, {0, 3, 2, 7, 9, 6}};
 
 double signed_volume(const TetMesh& mesh, const Index* cell) {
   const Vec3& p = mesh.points[cell[0]];
@@ -50,27 +49,6 @@ struct FaceHash {
     return h ^ (h >> 29);
   }
 };
-
-/// Calls f(cell, face) for every face that belongs to one cell, in the order of cells and faces.
-template <class F>
-void for_each_boundary_face(const TetMesh& mesh, F&& f) {
-  std::unordered_map<FaceKey, int, FaceHash> uses;
-  uses.reserve(static_cast<std::size_t>(mesh.num_cells()) * 3);
-  const auto key_of = [&](Index c, int face) {
-    const Index* cell = mesh.cell(c);
-    FaceKey key{{cell[kFaces[face][0]], cell[kFaces[face][1]], cell[kFaces[face][2]]}};
-    std::sort(key.sorted.begin(), key.sorted.end());
-    return key;
-  };
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    for (int face = 0; face < 4; ++face) ++uses[key_of(c, face)];
-  }
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    for (int face = 0; face < 4; ++face) {
-      if (uses.at(key_of(c, face)) == 1) f(c, face);
-    }
-  }
-}
 
 std::string describe(const Vec3& p) {
   std::ostringstream text;
@@ -134,24 +112,42 @@ double volume(const TetMesh& mesh) {
   return sum;
 }
 
-std::vector<std::array<Index, 3>> boundary_triangles(const TetMesh& mesh) {
-  std::vector<std::array<Index, 3>> triangles;
-  for_each_boundary_face(mesh, [&](Index c, int face) {
+std::vector<Index> boundary_faces(const TetMesh& mesh) {
+  std::unordered_map<FaceKey, int, FaceHash> uses;
+  uses.reserve(static_cast<std::size_t>(mesh.num_cells()) * 3);
+  const auto key_of = [&](Index c, int face) {
     const Index* cell = mesh.cell(c);
-    triangles.push_back({cell[kFaces[face][0]], cell[kFaces[face][1]], cell[kFaces[face][2]]});
-  });
+    FaceKey key{{cell[kFaces[face][0]], cell[kFaces[face][1]], cell[kFaces[face][2]]}};
+    std::sort(key.sorted.begin(), key.sorted.end());
+    return key;
+  };
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    for (int face = 0; face < 4; ++face) ++uses[key_of(c, face)];
+  }
+  std::vector<Index> faces;
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    for (int face = 0; face < 4; ++face) {
+      if (uses.at(key_of(c, face)) != 1) continue;
+      for (int a = 0; a < nodes_per_face(mesh.order); ++a) {
+        faces.push_back(mesh.cell(c)[kFaces[face][a]]);
+      }
+    }
+  }
+  return faces;
+}
+
+std::vector<std::array<Index, 3>> boundary_triangles(const TetMesh& mesh) {
+  const std::vector<Index> faces = boundary_faces(mesh);
+  std::vector<std::array<Index, 3>> triangles;
+  for (std::size_t i = 0; i < faces.size(); i += nodes_per_face(mesh.order)) {
+    triangles.push_back({faces[i], faces[i + 1], faces[i + 2]});
+  }
   return triangles;
 }
 
 std::vector<char> boundary_points(const TetMesh& mesh) {
   std::vector<char> on_boundary(mesh.points.size(), 0);
-  for_each_boundary_face(mesh, [&](Index c, int face) {
-    const Index* cell = mesh.cell(c);
-    for (int a : kFaces[face]) on_boundary[cell[a]] = 1;
-    if (mesh.order == ElementOrder::quadratic) {
-      for (int a : kFaceMidsides[face]) on_boundary[cell[a]] = 1;
-    }
-  });
+  for (const Index p : boundary_faces(mesh)) on_boundary[p] = 1;
   return on_boundary;
 }
 

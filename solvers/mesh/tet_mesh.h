@@ -15,6 +15,10 @@ enum class ElementOrder : int { linear = 1, quadratic = 2 };
   return order == ElementOrder::linear ? 4 : 10;
 }
 
+[[nodiscard]] constexpr int nodes_per_face(ElementOrder order) {
+  return order == ElementOrder::linear ? 3 : 6;
+}
+
 /// Points and cells in VTK's node order (VTK_TETRA, VTK_QUADRATIC_TETRA: corners, then midside
 /// nodes of the edges 01 12 02 03 13 23).
 struct TetMesh {
@@ -43,7 +47,11 @@ void check_and_orient(TetMesh& mesh);
 /// Volume by the straight edges, m³.
 [[nodiscard]] double volume(const TetMesh& mesh);
 
-/// Triangles of the boundary, outward, corners only: faces that belong to one cell.
+/// Faces of the boundary [num_faces × nodes_per_face(order)], outward, face by face: those that
+/// belong to one cell. Corners a b c, then the midside nodes of ab, bc, ca.
+[[nodiscard]] std::vector<Index> boundary_faces(const TetMesh& mesh);
+
+/// The same, corners only.
 [[nodiscard]] std::vector<std::array<Index, 3>> boundary_triangles(const TetMesh& mesh);
 
 /// Points on the boundary, midside nodes included [num_points].

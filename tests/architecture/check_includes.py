@@ -22,6 +22,7 @@ IGNORED = re.compile(r"build.*|out|\.git|__pycache__")
 # Outside libraries by the form of the name in an #include; the first that matches counts.
 LIBRARIES = [
     ("MUMPS", r"[sdcz]?mumps_\w+\.h"),
+    ("METIS", r"metis\.h"),
     ("MPI", r"mpi\.h"),
     ("SQLite", r"sqlite3\w*\.h"),
     ("xxHash", r"xxh\w+\.h"),
@@ -53,7 +54,7 @@ def solver_units():
     """The parts of solvers/ in order: each may include those before it."""
     wrapped = {
         "assembly": {"xxHash"},  # the hash of a scene
-        "linear": {"MUMPS", "MPI", "POSIX"},
+        "linear": {"MUMPS", "METIS", "MPI", "POSIX"},
         "state_space": {"SQLite", "xxHash", "POSIX"},
         "schedule": {"MPI"},
     }

@@ -42,6 +42,7 @@ TEST_F(Budget, StepsAreHalvedWhereOneIsTooLong) {
   EXPECT_EQ(state.t, kHardPush);
   EXPECT_GT(state.steps, 1);
   options.max_halvings = 0;
+  options.follow_folds = false;
   const Equilibrium in_one = push(options);
   EXPECT_EQ(in_one.outcome, Outcome::not_converged);
   EXPECT_EQ(in_one.steps, 1);
@@ -52,6 +53,7 @@ TEST_F(Budget, StepsAreHalvedWhereOneIsTooLong) {
 TEST_F(Budget, Iterations) {
   EquilibriumOptions options;
   options.max_iterations = 1;
+  options.follow_folds = false;
   const Equilibrium state = push(options);
   EXPECT_EQ(state.outcome, Outcome::not_converged);
   EXPECT_NE(state.message.find("not converged"), std::string::npos) << state.message;
@@ -120,6 +122,7 @@ TEST_F(Budget, WhatIsLeftIsAStartForTheNext) {
 TEST_F(Budget, AStartThatDidNotConvergeIsGivenBackWithItsReason) {
   EquilibriumOptions options;
   options.max_iterations = 1;
+  options.follow_folds = false;
   EquilibriumSolver solver(block_.scene, options);
   solver.hold(constraint_);
   const Equilibrium failed = solver.solve(kHardPush, solver.rest());

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,56 +11,14 @@
 #include <utility>
 
 #include "base/error.h"
-#include "solvers/support/block.h"
-#include "solvers/support/box_mesh.h"
-#include "solvers/support/laws.h"
+#include "solvers/linear/systems.h"
 #include "solvers/support/random.h"
-#include "solvers/support/tangent.h"
 
 namespace palpate::test {
 namespace {
 
 /// Backward stable solves of well conditioned systems: ε times the condition number, below 1e4.
 constexpr double kRounding = 1e-11;
-
-struct System {
-  SymmetricPattern pattern;
-  std::vector<double> values;
-
-  [[nodiscard]] Eigen::MatrixXd matrix() const { return dense(pattern, values); }
-  /// The matrix of which the diagonal is larger by `shift`.
-  [[nodiscard]] std::vector<double> shifted(double shift) const {
-    std::vector<double> result = values;
-    for (Index c = 0; c < pattern.size; ++c) result[pattern.column_start[c]] += shift;
-    return result;
-  }
-  /// D A D.
-  [[nodiscard]] std::vector<double> scaled(const Eigen::VectorXd& d) const {
-    std::vector<double> result = values;
-    for (Index c = 0; c < pattern.size; ++c) {
-      for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
-        result[i] *= d[c] * d[pattern.row[i]];
-      }
-    }
-    return result;
-  }
-};
-
-/// The tangent at rest of a small body, in units in which it is of order one.
-System body(const Scene& scene) {
-  const Assembly assembly(scene);
-  NodalVector force;
-  System system{assembly.pattern(), {}};
-  assembly.tangent(NodalVector::Zero(3 * assembly.num_points()), force, system.values);
-  double largest = 0;
-  for (double value : system.values) largest = std::max(largest, std::abs(value));
-  for (double& value : system.values) value /= largest;
-  return system;
-}
-
-System block() {
-  return body(make_block(Law::neo_hookean, {ElementOrder::linear, {3, 3, 2}}).scene);
-}
 
 class Solver : public testing::TestWithParam<std::string> {
  protected:
@@ -249,6 +206,26 @@ TEST_P(Solver, TheUnitOfTheValuesHasNoPart) {
   }
 }
 
+// Units that are powers of two change nothing but the exponents.
+TEST_P(Solver, PowersOfTwoScaleExactly) {
+  const System system = block();
+  const auto solver = make();
+  solver->analyse(system.pattern);
+  const Eigen::VectorXd b = random_.vector(system.pattern.size, 1);
+  ASSERT_EQ(solver->factorise(system.shifted(-0.2)), FactorStatus::ok);
+  Eigen::VectorXd x = b;
+  solver->solve(x);
+  for (int exponent : {1, 2, -3, 40, -301}) {
+    std::vector<double> values = system.shifted(-0.2);
+    for (double& value : values) value = std::ldexp(value, exponent);
+    ASSERT_EQ(solver->factorise(values), FactorStatus::ok) << exponent;
+    Eigen::VectorXd column = b;
+    solver->solve(column);
+    for (double& value : column) value = std::ldexp(value, exponent);
+    EXPECT_EQ(column, x) << exponent;
+  }
+}
+
 // Moduli and sizes of cells that differ: the diagonal spans some decades, the matrix is as regular
 // as the one it is scaled from.
 TEST_P(Solver, BadlyScaledRowsAreNoSingularMatrix) {
@@ -277,6 +254,72 @@ TEST_P(Solver, ThreeUnknowns) {
   Eigen::VectorXd column = dense(pattern, {4, 1, 0, 3, 1, -2}) * Vec3(1, 2, 3);
   solver->solve(column);
   EXPECT_LT((column - Vec3(1, 2, 3)).norm(), 1e-14);
+}
+
+TEST_P(Solver, AnotherHasTheSameFactor) {
+  const System system = block();
+  const auto solver = make();
+  solver->analyse(system.pattern);
+  const auto another = solver->another();
+  const auto third = another->another();
+  EXPECT_EQ(another->name(), solver->name());
+  const Eigen::VectorXd b = random_.vector(system.pattern.size, 1);
+  const std::vector<double> values = system.shifted(-0.3);
+  std::vector<Eigen::VectorXd> x;
+  for (LinearSolver* each : {solver.get(), another.get(), third.get()}) {
+    ASSERT_EQ(each->factorise(values), FactorStatus::ok);
+    x.push_back(b);
+    each->solve(x.back());
+    EXPECT_EQ(x.back(), x.front()) << "not bit for bit";
+    EXPECT_EQ(each->negative_pivots(), solver->negative_pivots());
+    EXPECT_EQ(each->factor_bytes(), solver->factor_bytes());
+  }
+}
+
+TEST_P(Solver, AnotherOutlivesTheFirst) {
+  const System system = block();
+  auto solver = make();
+  solver->analyse(system.pattern);
+  const auto another = solver->another();
+  ASSERT_EQ(solver->factorise(system.values), FactorStatus::ok);
+  solver.reset();
+  ASSERT_EQ(another->factorise(system.values), FactorStatus::ok);
+  const Eigen::VectorXd x = random_.vector(system.pattern.size, 1);
+  Eigen::VectorXd column = system.matrix() * x;
+  another->solve(column);
+  EXPECT_LT((column - x).norm(), kRounding * x.norm());
+}
+
+TEST_P(Solver, AnotherOfNoPatternIsFresh) {
+  const auto solver = make()->another();
+  const System system = block();
+  solver->analyse(system.pattern);
+  EXPECT_EQ(solver->factorise(system.values), FactorStatus::ok);
+}
+
+TEST_P(Solver, KnowsTheSizeOfItsFactor) {
+  const System system = block();
+  const auto solver = make();
+  solver->analyse(system.pattern);
+  ASSERT_EQ(solver->factorise(system.values), FactorStatus::ok);
+  // At least the matrix, at most a dense triangle, and the diagonal on its own; MUMPS counts the
+  // square of a front.
+  const std::int64_t size = system.pattern.size;
+  EXPECT_GE(solver->factor_bytes(), 8 * system.pattern.num_values());
+  EXPECT_LE(solver->factor_bytes(), 8 * (size * size + size));
+}
+
+TEST_P(Solver, NoUnknownsAtAll) {
+  const auto solver = make();
+  solver->analyse({0, {0}, {}});
+  const auto another = solver->another();
+  for (LinearSolver* each : {solver.get(), another.get()}) {
+    EXPECT_EQ(each->factorise({}), FactorStatus::ok);
+    EXPECT_EQ(each->negative_pivots(), 0);
+    EXPECT_EQ(each->factor_bytes(), 0);
+    Eigen::MatrixXd none(0, 3);
+    each->solve(none);
+  }
 }
 
 TEST_P(Solver, MayLiveBesideOthers) {

@@ -164,6 +164,20 @@ TEST_P(AnyOrder, TheBoundaryIsClosedAndFacesOutward) {
   EXPECT_LT(area.norm(), kRounding * 100);
 }
 
+TEST_P(AnyOrder, FacesHaveTheirMidsideNodesInOrder) {
+  const TetMesh mesh = box();
+  const auto faces = boundary_faces(mesh);
+  const int size = nodes_per_face(mesh.order);
+  EXPECT_EQ(faces.size(), boundary_triangles(mesh).size() * size);
+  if (mesh.order == ElementOrder::linear) return;
+  for (std::size_t i = 0; i < faces.size(); i += size) {
+    for (int e = 0; e < 3; ++e) {
+      const Vec3 ends = mesh.points[faces[i + e]] + mesh.points[faces[i + (e + 1) % 3]];
+      EXPECT_LT((mesh.points[faces[i + 3 + e]] - ends / 2).norm(), kRounding);
+    }
+  }
+}
+
 TEST_P(AnyOrder, BoundaryPointsAreThoseOnTheFacesOfTheBox) {
   const TetMesh mesh = box();
   const auto on_boundary = boundary_points(mesh);

@@ -15,6 +15,15 @@ constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 /// The six orders of the axes: a tetrahedron each, along the diagonal of the brick (Kuhn).
 constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
 
+Vec3 wave(const Vec3& p, const Vec3& size) {
+  const double x = p.x() / size.x();
+  const double y = p.y() / size.y();
+  const double z = p.z() / size.z();
+  return Vec3(std::sin(3 * y + 2 * z + 1), std::sin(2 * z - 3 * x), std::cos(2 * x + 3 * y - 1));
+}
+
+}  // namespace
+
 TetMesh with_midside_nodes(const TetMesh& linear) {
   TetMesh mesh;
   mesh.order = ElementOrder::quadratic;
@@ -32,15 +41,6 @@ TetMesh with_midside_nodes(const TetMesh& linear) {
   }
   return mesh;
 }
-
-Vec3 wave(const Vec3& p, const Vec3& size) {
-  const double x = p.x() / size.x();
-  const double y = p.y() / size.y();
-  const double z = p.z() / size.z();
-  return Vec3(std::sin(3 * y + 2 * z + 1), std::sin(2 * z - 3 * x), std::cos(2 * x + 3 * y - 1));
-}
-
-}  // namespace
 
 TetMesh make_box(ElementOrder order, std::array<int, 3> cells, const Vec3& size) {
   TetMesh mesh;

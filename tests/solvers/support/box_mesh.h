@@ -13,6 +13,9 @@ namespace palpate::test {
 /// with the midside nodes in the middle of the edges. Corners come first, x fastest.
 [[nodiscard]] TetMesh make_box(ElementOrder order, std::array<int, 3> cells, const Vec3& size);
 
+/// A mesh of Tet4 as one of Tet10, with midside nodes in the middle of the edges.
+[[nodiscard]] TetMesh with_midside_nodes(const TetMesh& linear);
+
 using Map = std::function<Vec3(const Vec3&)>;
 
 /// Moves the corners by the map and puts midside nodes into the middle of the edges again.

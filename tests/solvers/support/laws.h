@@ -20,10 +20,15 @@ inline void PrintTo(Law law, std::ostream* out) { *out << to_string(law); }
 
 namespace palpate::test {
 
-inline constexpr Law kLaws[] = {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean,
-                                Law::mooney_rivlin};
+/// Those that have a displacement formulation.
+inline constexpr Law kLaws[] = {Law::linear,        Law::st_venant_kirchhoff,
+                                Law::neo_hookean,   Law::mooney_rivlin,
+                                Law::mooney_rivlin_polynomial, Law::fung};
 inline constexpr Law kNonlinearLaws[] = {Law::st_venant_kirchhoff, Law::neo_hookean,
-                                         Law::mooney_rivlin};
+                                         Law::mooney_rivlin, Law::mooney_rivlin_polynomial,
+                                         Law::fung};
+inline constexpr Law kIncompressibleLaws[] = {Law::neo_hookean_incompressible,
+                                              Law::mooney_rivlin_incompressible};
 
 /// Letters only, as names of tests are.
 inline std::string letters(std::string text) {
@@ -37,11 +42,22 @@ inline std::string name_of_law(const testing::TestParamInfo<Law>& info) {
   return letters(to_string(info.param));
 }
 
-/// A material of the law with these moduli at rest; Mooney–Rivlin with C₁₀ twice C₀₁.
+/// A material of the law with these moduli at rest; an incompressible one has no use for Poisson's
+/// ratio. Those of Mooney–Rivlin's kind have C₁₀ twice C₀₁.
 inline Material make_material(Law law, double youngs_modulus, double poissons_ratio) {
-  if (law != Law::mooney_rivlin) return make_isotropic(law, youngs_modulus, poissons_ratio);
+  if (is_incompressible(law)) poissons_ratio = 0.5;
   const double mu = youngs_modulus / (2 * (1 + poissons_ratio));
-  return make_mooney_rivlin(mu / 3, mu / 6, youngs_modulus / (3 * (1 - 2 * poissons_ratio)));
+  const double kappa = youngs_modulus / (3 * (1 - 2 * poissons_ratio));
+  switch (law) {
+    case Law::mooney_rivlin: return make_mooney_rivlin(mu / 3, mu / 6, kappa);
+    case Law::mooney_rivlin_polynomial:
+      return palpate::make_material(law, {kappa, mu / 3, mu / 6, mu / 10, mu / 20, mu / 40,
+                                          mu / 60, mu / 80, mu / 70, mu / 90});
+    case Law::fung: return palpate::make_material(law, {youngs_modulus, poissons_ratio, 1.5});
+    case Law::neo_hookean_incompressible: return palpate::make_material(law, {youngs_modulus});
+    case Law::mooney_rivlin_incompressible: return palpate::make_material(law, {mu / 3, mu / 6});
+    default: return make_isotropic(law, youngs_modulus, poissons_ratio);
+  }
 }
 
 }  // namespace palpate::test

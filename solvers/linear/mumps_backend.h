@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "linear/linear_solver.h"
+#include "linear/backend.h"
 
 namespace palpate {
 
 /// MUMPS (SYM=2: LDLᵀ with 1×1 and 2×2 pivots) on MPI_COMM_SELF. Starts MPI if nobody has.
-[[nodiscard]] std::unique_ptr<LinearSolver> make_mumps_solver();
+[[nodiscard]] std::unique_ptr<Backend> make_mumps_backend();
 
 }  // namespace palpate

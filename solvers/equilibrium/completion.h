@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Between the state that the solvers work on and the figures of an Equilibrium.
+#pragma once
+
+#include "equilibrium/held_body.h"
+#include "equilibrium/state.h"
+
+namespace palpate {
+
+/// The state x = (u, p̂) of an equilibrium.
+[[nodiscard]] NodalVector state_of(const HeldBody& body, const Equilibrium& equilibrium);
+/// ∂x/∂t [state_size × 3 num_sites].
+[[nodiscard]] Eigen::MatrixXd sensitivity_of(const HeldBody& body, const Equilibrium& equilibrium);
+
+/// Factorises the tangent at an equilibrium x, whose sites are at equilibrium.t, and fills in what
+/// follows from it: u, v, p, reaction, stiffness, energy, inertia, det F and their flags.
+/// @returns Outcome::tangent_not_factorised where there is no tangent, else converged.
+[[nodiscard]] Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium);
+
+}  // namespace palpate

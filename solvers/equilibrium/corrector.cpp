@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "equilibrium/corrector.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "equilibrium/quasi_newton.h"
+
+namespace palpate {
+namespace {
+
+/// Sufficient decrease, as usual (Nocedal & Wright, 3.4).
+constexpr double kSufficientDecrease = 1e-4;
+/// Energies that differ by less than this share are equal but for rounding; the residual decides.
+constexpr double kEnergyRounding = 1e-11;
+constexpr int kMaxBacktracks = 15;
+/// A factor is not judged by how the residual shrinks before this many iterations.
+constexpr int kIterationsBeforeJudging = 6;
+
+/// A state on the way, with what is known of it.
+struct Iterate {
+  NodalVector state;
+  Eigen::VectorXd r;
+  double energy = 0;
+  /// HeldBody::norm of r.
+  double norm = 0;
+};
+
+bool evaluate(HeldBody& body, Iterate& iterate) {
+  iterate.energy = body.evaluate(iterate.state);
+  if (!std::isfinite(iterate.energy)) return false;
+  body.residual(iterate.r);
+  iterate.norm = body.norm(iterate.r);
+  return std::isfinite(iterate.norm);
+}
+
+/// Whether a trial at `length` of the step is good enough; if not, `length` becomes what to try next.
+bool accept_by_energy(const Iterate& old, const Iterate& trial, double slope, double& length) {
+  const double change = trial.energy - old.energy;
+  if (change <= kSufficientDecrease * length * slope) return true;
+  const bool level =
+      std::abs(change) <= kEnergyRounding * (std::abs(old.energy) + std::abs(trial.energy));
+  if (level && trial.norm < old.norm) return true;
+  // Minimum of the parabola through the energy, its slope and the trial energy.
+  const double best = -slope * length * length / (2 * (change - slope * length));
+  length = std::clamp(best, 0.1 * length, 0.5 * length);
+  return false;
+}
+
+bool accept_by_residual(const HeldBody& body, const Iterate& old, const Iterate& trial,
+                        double& length) {
+  if (body.euclidean_norm(trial.r) <=
+      (1 - kSufficientDecrease * length) * body.euclidean_norm(old.r)) {
+    return true;
+  }
+  length *= 0.5;
+  return false;
+}
+
+/// Moves along `step` until it is good enough.
+/// @returns the length of the step; 0 where none is.
+double search(HeldBody& body, const Eigen::VectorXd& step, double slope, Iterate& iterate) {
+  const NodalVector direction = body.as_state(step);
+  Iterate trial;
+  double length = 1;
+  for (int i = 0; i < kMaxBacktracks; ++i) {
+    trial.state = iterate.state + length * direction;
+    if (!evaluate(body, trial)) {
+      length *= 0.25;
+      continue;
+    }
+    const double tried = length;
+    const bool accepted = body.is_saddle() ? accept_by_residual(body, iterate, trial, length)
+                                           : accept_by_energy(iterate, trial, slope, length);
+    if (!accepted) continue;
+    std::swap(iterate, trial);
+    return tried;
+  }
+  return 0;
+}
+
+}  // namespace
+
+Correction correct(HeldBody& body, const EquilibriumOptions& options,
+                   const Interruption& interruption, const NodalVector& start,
+                   const Eigen::VectorXd& t, NodalVector& state) {
+  Correction result;
+  const auto end = [&result](Outcome outcome) {
+    result.outcome = outcome;
+    return result;
+  };
+  const double scale = body.displacement_scale(t);
+  Iterate iterate;
+  iterate.state = state;
+  if (!evaluate(body, iterate)) return end(Outcome::not_converged);  // the predictor inverts a cell
+  const auto quasi_newton = body.is_saddle() ? make_broyden() : make_bfgs();
+  TangentFactor* factor = nullptr;
+  bool fresh = false;  // the factor is of the tangent at the iterate
+  double norm_at_factor = 0;
+  int since_factor = 0;
+  const auto use = [&](TangentFactor* other) {
+    factor = other;
+    quasi_newton->clear();
+    norm_at_factor = iterate.norm;
+    since_factor = 0;
+  };
+  for (;;) {
+    result.residual = iterate.norm / scale;
+    if (result.residual <= options.tolerance) {
+      state = iterate.state;
+      return end(Outcome::converged);
+    }
+    if (result.iterations == options.max_iterations) return end(Outcome::not_converged);
+    const Outcome interrupted = interruption();
+    if (interrupted != Outcome::converged) return end(interrupted);
+
+    if (result.iterations == 0) {
+      use(body.find_factor(start));
+      if (factor == nullptr) use(body.factorise(start));
+    }
+    if (factor == nullptr) {
+      use(body.factorise(iterate.state));
+      if (factor == nullptr) return end(Outcome::tangent_not_factorised);
+      fresh = true;
+    }
+    ++result.iterations;
+    ++since_factor;
+    Eigen::VectorXd step =
+        quasi_newton->direction(iterate.r, [&](auto columns) { body.solve(*factor, columns); });
+    double slope = step.dot(iterate.r);
+    if (slope > 0 && !body.is_saddle()) {
+      // The tangent is indefinite: along the opposite direction the energy falls.
+      step = -step;
+      slope = -slope;
+    }
+    const Eigen::VectorXd old_r = iterate.r;
+    const double length = step.allFinite() ? search(body, step, slope, iterate) : 0;
+    if (length == 0) {
+      if (fresh) return end(Outcome::not_converged);
+      factor = nullptr;
+    } else {
+      quasi_newton->update(length * step, iterate.r - old_r);
+      const double mean_contraction =
+          std::pow(iterate.norm / norm_at_factor, 1.0 / since_factor);
+      if (since_factor >= kIterationsBeforeJudging && mean_contraction > options.contraction) {
+        factor = nullptr;
+      }
+    }
+    fresh = false;
+  }
+}
+
+}  // namespace palpate

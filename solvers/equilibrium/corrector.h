@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a predicted state to the equilibrium near it, the sites held.
+#pragma once
+
+#include <functional>
+
+#include "base/outcome.h"
+#include "equilibrium/held_body.h"
+#include "equilibrium/options.h"
+
+namespace palpate {
+
+/// Outcome::converged as long as there is no reason to stop.
+using Interruption = std::function<Outcome()>;
+
+struct Correction {
+  Outcome outcome = Outcome::not_converged;
+  /// Largest component of the residual, see EquilibriumOptions::tolerance.
+  double residual = 0;
+  int iterations = 0;
+};
+
+/// Quasi-Newton from `state`, whose sites are at t, with the factor at `start` as long as that
+/// contracts, and line search: on the energy, which is a minimum at a stable equilibrium, or with
+/// pressures, where it is a saddle, on the norm of the residual. A trial state that inverts a cell
+/// of a law with a barrier has infinite energy and is drawn back.
+[[nodiscard]] Correction correct(HeldBody& body, const EquilibriumOptions& options,
+                                 const Interruption& interruption, const NodalVector& start,
+                                 const Eigen::VectorXd& t, NodalVector& state);
+
+}  // namespace palpate

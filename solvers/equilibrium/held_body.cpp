@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "equilibrium/held_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "base/error.h"
+#include "linear/condition.h"
+
+namespace palpate {
+namespace {
+
+/// The displacement scale does not fall below this share of the mean edge.
+constexpr double kLeastDisplacement = 1e-3;
+/// Kinds of unknowns that have no parameter.
+constexpr Index kFree = -1;
+constexpr Index kIdle = -2;
+
+Eigen::VectorXd row_norms(const SymmetricPattern& pattern, const std::vector<double>& values) {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(pattern.size);
+  for (Index c = 0; c < pattern.size; ++c) {
+    for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
+      squares[c] += values[i] * values[i];
+      if (pattern.row[i] != c) squares[pattern.row[i]] += values[i] * values[i];
+    }
+  }
+  return squares.cwiseSqrt();
+}
+
+std::string describe(const Vec3& p) {
+  std::ostringstream text;
+  text << '(' << p.x() << ", " << p.y() << ", " << p.z() << ") m";
+  return text.str();
+}
+
+}  // namespace
+
+HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors)
+    : mesh_(scene.mesh),
+      fixed_(scene.fixed),
+      assembly_(scene),
+      kept_factors_(static_cast<std::size_t>(kept_factors)) {
+  const SymmetricPattern& pattern = assembly_.pattern();
+  if (!assembly_.multipliers().empty() && !solver->pivots()) {
+    throw InputError(std::string("The linear solver ") + solver->name() +
+                     " cannot solve for an incompressible law, whose tangent is indefinite. Use "
+                     "MUMPS, or a law with a bulk modulus.");
+  }
+  {
+    const Timer timer(work_.analysis_seconds);
+    ++work_.analyses;
+    solver->analyse(pattern);
+  }
+  factors_.reserve(kept_factors_);  // so that pointers to them stay good
+  factors_.push_back({std::move(solver), {}});
+  assemble(NodalVector::Zero(assembly_.state_size()));
+  double sum = 0;
+  const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
+  for (Index c = 0; c < num_displacements; ++c) sum += values_[pattern.column_start[c]];
+  mean_diagonal_ = sum / num_displacements;
+  unit_ = std::ldexp(1.0, std::ilogb(mean_diagonal_));
+  inverse_row_norm_ = row_norms(pattern, values_).cwiseInverse();
+}
+
+std::vector<char> HeldBody::find_idle_multipliers() const {
+  const SymmetricPattern& pattern = assembly_.pattern();
+  std::vector<char> idle(pattern.size, 0);
+  for (Index unknown : assembly_.multipliers()) idle[unknown] = 1;
+  for (Index c = 0; c < pattern.size - assembly_.num_unknown_pressures(); ++c) {
+    if (parameter_of_unknown_[c] != kFree) continue;
+    for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
+      idle[pattern.row[i]] = 0;
+    }
+  }
+  return idle;
+}
+
+void HeldBody::hold(const Constraint& constraint) {
+  const auto& unknown_of_point = assembly_.unknown_of_point();
+  const SymmetricPattern& pattern = assembly_.pattern();
+  std::vector<Index> parameters(pattern.size, kFree);
+  if (constraint.points.empty()) {
+    throw InputError("No active node was given. Name a point that is not fixed.");
+  }
+  const auto& sites = constraint.site_of_point;
+  if (sites.size() != constraint.points.size() ||
+      std::any_of(sites.begin(), sites.end(),
+                  [&](Index site) { return site < 0 || site >= constraint.num_sites; })) {
+    throw InputError("A constraint needs one site of 0 … num_sites − 1 for each of its points.");
+  }
+  for (std::size_t i = 0; i < constraint.points.size(); ++i) {
+    const Index point = constraint.points[i];
+    if (point < 0 || point >= assembly_.num_points()) {
+      throw InputError("Active node " + std::to_string(point) + " does not exist: the body has " +
+                       std::to_string(assembly_.num_points()) + " points, counted from 0.");
+    }
+    const Index unknown = unknown_of_point[point];
+    if (unknown < 0) {
+      throw InputError("Active node " + std::to_string(point) + " at " +
+                       describe(mesh_.points[point]) +
+                       " is fixed or belongs to no cell, so it cannot be moved. Choose another.");
+    }
+    if (parameters[unknown] >= 0) {
+      throw InputError("Active node " + std::to_string(point) + " is named twice.");
+    }
+    for (int c = 0; c < 3; ++c) parameters[unknown + c] = 3 * constraint.site_of_point[i] + c;
+  }
+  constraint_ = constraint;
+  parameter_of_unknown_ = std::move(parameters);
+  const std::vector<char> idle = find_idle_multipliers();
+  for (Index unknown = 0; unknown < pattern.size; ++unknown) {
+    if (idle[unknown] != 0) parameter_of_unknown_[unknown] = kIdle;
+  }
+  couplings_.clear();
+  held_.clear();
+  idle_.clear();
+  idle_diagonal_.clear();
+  for (TangentFactor& factor : factors_) factor.state.resize(0);
+  for (Index c = 0; c < pattern.size; ++c) {
+    for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
+      const Index row = pattern.row[i];
+      const Index of_row = parameter_of_unknown_[row];
+      const Index of_column = parameter_of_unknown_[c];
+      if (of_row == kIdle || of_column == kIdle) {
+        (row == c ? idle_diagonal_ : idle_).push_back(i);
+      } else if (of_row >= 0 && of_column >= 0) {
+        held_.push_back({i, of_row, of_column, row == c});
+      } else if (of_row >= 0) {
+        couplings_.push_back({i, c, of_row});
+      } else if (of_column >= 0) {
+        couplings_.push_back({i, row, of_column});
+      }
+    }
+  }
+}
+
+double HeldBody::displacement_scale(const Eigen::VectorXd& t) const {
+  return std::max(t.lpNorm<Eigen::Infinity>(), kLeastDisplacement * assembly_.mean_edge());
+}
+
+double HeldBody::norm(const Eigen::VectorXd& r) const {
+  return r.cwiseProduct(inverse_row_norm_).lpNorm<Eigen::Infinity>();
+}
+
+double HeldBody::euclidean_norm(const Eigen::VectorXd& r) const {
+  return r.cwiseProduct(inverse_row_norm_).norm();
+}
+
+double HeldBody::evaluate(const NodalVector& state) {
+  const Timer timer(work_.residual_seconds);
+  ++work_.residuals;
+  return assembly_.residual(state, force_).energy;
+}
+
+void HeldBody::residual(Eigen::VectorXd& r) const {
+  const auto& state_of_unknown = assembly_.state_of_unknown();
+  r.resize(assembly_.pattern().size);
+  for (Index i = 0; i < r.size(); ++i) {
+    r[i] = parameter_of_unknown_[i] >= 0 ? 0 : force_[state_of_unknown[i]];
+  }
+}
+
+Eigen::VectorXd HeldBody::reaction() const {
+  Eigen::VectorXd h = Eigen::VectorXd::Zero(num_parameters());
+  for (std::size_t i = 0; i < constraint_.points.size(); ++i) {
+    h.segment<3>(3 * constraint_.site_of_point[i]) += force_.segment<3>(3 * constraint_.points[i]);
+  }
+  return h;
+}
+
+void HeldBody::place_sites(const Eigen::VectorXd& t, NodalVector& state) const {
+  for (std::size_t i = 0; i < constraint_.points.size(); ++i) {
+    state.segment<3>(3 * constraint_.points[i]) = t.segment<3>(3 * constraint_.site_of_point[i]);
+  }
+}
+
+NodalVector HeldBody::as_state(const Eigen::VectorXd& unknowns) const {
+  const auto& state_of_unknown = assembly_.state_of_unknown();
+  NodalVector state = NodalVector::Zero(assembly_.state_size());
+  for (Index i = 0; i < unknowns.size(); ++i) state[state_of_unknown[i]] = unknowns[i];
+  return state;
+}
+
+void HeldBody::assemble(const NodalVector& state) {
+  const Timer timer(work_.assembly_seconds);
+  ++work_.assemblies;
+  assembly_.tangent(state, force_, values_);
+}
+
+TangentFactor* HeldBody::find_factor(const NodalVector& state) {
+  const auto found = std::find_if(factors_.begin(), factors_.end(), [&](const TangentFactor& f) {
+    return f.state.size() > 0 && (assembly_.is_linear() || f.state == state);
+  });
+  if (found == factors_.end()) return nullptr;
+  found->last_use = ++uses_;
+  return &*found;
+}
+
+void HeldBody::forget(const NodalVector& state) {
+  if (assembly_.is_linear()) return;  // its factor is that of all states
+  if (TangentFactor* factor = find_factor(state)) factor->state.resize(0);
+}
+
+TangentFactor& HeldBody::factor_to_replace() {
+  const auto empty = std::find_if(factors_.begin(), factors_.end(),
+                                  [](const TangentFactor& f) { return f.state.size() == 0; });
+  if (empty != factors_.end()) return *empty;
+  if (factors_.size() < kept_factors_) {
+    const Timer timer(work_.analysis_seconds);
+    factors_.push_back({factors_.front().solver->another(), {}});
+    return factors_.back();
+  }
+  return *std::min_element(factors_.begin(), factors_.end(),
+                           [this](const TangentFactor& a, const TangentFactor& b) {
+                             const bool a_is_old = a.made <= uses_before_solve_;
+                             const bool b_is_old = b.made <= uses_before_solve_;
+                             return a_is_old != b_is_old ? b_is_old : a.last_use < b.last_use;
+                           });
+}
+
+TangentFactor* HeldBody::factorise(const NodalVector& state) {
+  if (assembly_.is_linear()) {
+    if (TangentFactor* factor = find_factor(state)) return factor;
+  }
+  TangentFactor& factor = factor_to_replace();
+  factor.state.resize(0);
+  assemble(state);
+  k_ia_.setZero(assembly_.pattern().size, num_parameters());
+  k_aa_.setZero(num_parameters(), num_parameters());
+  for (const Coupling& c : couplings_) {
+    k_ia_(c.unknown, c.parameter) += std::exchange(values_[c.position], 0.0);
+  }
+  for (const Held& h : held_) {
+    const double value = std::exchange(values_[h.position], h.diagonal ? mean_diagonal_ : 0.0);
+    k_aa_(h.parameter_a, h.parameter_b) += value;
+    if (!h.diagonal) k_aa_(h.parameter_b, h.parameter_a) += value;
+  }
+  for (Index position : idle_) values_[position] = 0;
+  // Negative, as every pressure's: the count of negative pivots stays right.
+  for (Index position : idle_diagonal_) values_[position] = -mean_diagonal_;
+  Eigen::Map<Eigen::VectorXd>(values_.data(), static_cast<Eigen::Index>(values_.size())) /= unit_;
+  const Timer timer(work_.factorisation_seconds);
+  ++work_.factorisations;
+  if (factor.solver->factorise(values_) != FactorStatus::ok) return nullptr;
+  factor.state = state;
+  factor.made = factor.last_use = ++uses_;
+  return &factor;
+}
+
+void HeldBody::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns) {
+  const Timer timer(work_.solve_seconds);
+  work_.right_hand_sides += columns.cols();
+  columns /= unit_;
+  factor.solver->solve(columns);
+}
+
+int HeldBody::negative_pivots(const TangentFactor& factor) const {
+  return factor.solver->negative_pivots() - assembly_.num_unknown_pressures();
+}
+
+double HeldBody::condition(TangentFactor& factor) const {
+  return condition_estimate(assembly_.pattern(), values_, *factor.solver);
+}
+
+}  // namespace palpate

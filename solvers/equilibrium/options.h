@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+
+namespace palpate {
+
+struct EquilibriumOptions {
+  /// A solve has converged when no component of the residual exceeds this share of what the node
+  /// would take to be displaced by t: the norm of its row of the tangent at rest times the larger of
+  /// |t| and a thousandth of the mean edge. 1e-10 leaves the reaction with a relative error far below
+  /// 1e-8.
+  double tolerance = 1e-10;
+  /// Iterations of one step.
+  int max_iterations = 60;
+  /// A step may be halved this often: 1/256 of the way.
+  int max_halvings = 8;
+  /// Steps of one solve, failed ones included.
+  int max_steps = 600;
+  /// Time for one solve, s; 0 is no bound. A factorisation is not interrupted.
+  double max_seconds = 0;
+  /// A factor serves as long as the residual shrinks to at most this share an iteration, in the
+  /// mean since it was made. A factorisation costs about as much as twenty-five iterations.
+  double contraction = 0.5;
+  /// Where a step fails however small it is, as at a fold, follow the equilibrium path on to where it
+  /// reaches t, round the folds. If that fails, or without it, the body jumps to the equilibrium that
+  /// the energy falls to, if there is one.
+  bool follow_folds = true;
+  /// Factors of tangents that are kept, those of the states that were used last; at least 2. Solves
+  /// that start from a state whose factor is kept save its factorisation.
+  int kept_factors = 2;
+  /// Asked before each iteration; true ends the solve with Outcome::aborted.
+  std::function<bool()> abort_requested;
+};
+
+/// @throws InputError a field out of its range, by name.
+void validate(const EquilibriumOptions& options);
+
+}  // namespace palpate

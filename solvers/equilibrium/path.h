@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The equilibrium path of a body whose sites are moved along a straight way t(λ) = t₀ + λ (t₁ − t₀),
+// also where it turns back: at a fold λ falls on, and the equilibria between two folds are not
+// stable while the sites are held.
+//
+// The unknowns are (x_i, λ); a step of the length of the arc leads along the tangent of the path and
+// is corrected in the plane across it (Riks 1979; Crisfield 1981), by two solves with a factor of
+// K_ii instead of one of the bordered matrix:
+//
+//   K_ii w = −K_ia (t₁ − t₀),   K_ii y = −r,   δx = y + δλ w,   δλ from the plane
+#pragma once
+
+#include <vector>
+
+#include "equilibrium/corrector.h"
+#include "equilibrium/state.h"
+
+namespace palpate {
+
+struct PathOptions {
+  /// Share of the way that the first step takes.
+  double first_step = 1.0 / 16;
+  /// No step is longer than this many times the first one.
+  double largest_step = 2;
+  /// Points of the path at most.
+  int max_points = 400;
+};
+
+/// @throws InputError a field out of its range, by name.
+void validate(const PathOptions& options);
+
+/// An equilibrium on the path.
+struct PathPoint {
+  /// λ.
+  double way = 0;
+  /// Π, J.
+  double energy = 0;
+  /// h [3 × num_sites], N.
+  Eigen::VectorXd reaction;
+  double minimum_det_f = 1;
+  /// Of K_ii: 0 where the equilibrium is stable while the sites are held.
+  int negative_pivots = 0;
+};
+
+struct Path {
+  /// From the start on.
+  std::vector<PathPoint> points;
+  /// Where λ begins to fall; those where it begins to rise again are between them.
+  std::vector<Fold> folds;
+  /// The last equilibrium: at t₁ when the outcome is converged.
+  Equilibrium end;
+};
+
+/// Follows the path from `start` towards `target` [3 × num_sites] until it reaches it.
+[[nodiscard]] Path follow_path(HeldBody& body, const EquilibriumOptions& options,
+                               const PathOptions& path_options, const Interruption& interruption,
+                               const Equilibrium& start, const Eigen::VectorXd& target);
+
+}  // namespace palpate

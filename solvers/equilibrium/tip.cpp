@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "equilibrium/tip.h"
+
+#include <map>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+std::string place(const Vec3& x) {
+  std::ostringstream text;
+  text << " at (" << x.x() << ", " << x.y() << ", " << x.z() << ") m";
+  return text.str();
+}
+
+std::string length(double metres) {
+  std::ostringstream text;
+  text << metres << " m";
+  return text.str();
+}
+
+}  // namespace
+
+Tip::Tip(const Scene& scene, double radius)
+    : radius_(radius),
+      points_(scene.mesh.points),
+      fixed_(scene.fixed),
+      used_(points_in_use(scene.mesh)),
+      patches_(scene.mesh) {}
+
+Constraint Tip::hold(const std::vector<Index>& nodes) const {
+  if (nodes.empty()) throw InputError("No active node is given. Name a point on the surface.");
+  Constraint constraint;
+  std::map<Index, Index> node_of_point;
+  for (const Index node : nodes) {
+    for (const Index point : patch(node)) {
+      const auto [other, is_new] = node_of_point.emplace(point, node);
+      if (!is_new && other->second == node) {
+        throw InputError("Active node " + std::to_string(node) + " is named twice.");
+      }
+      if (!is_new) {
+        throw InputError("The tips at the active nodes " + std::to_string(other->second) + " and " +
+                         std::to_string(node) + ", of radius " + length(radius_) +
+                         ", share point " + std::to_string(point) + place(points_[point]) +
+                         ". Choose nodes that are farther apart, or a smaller tip radius.");
+      }
+      constraint.points.push_back(point);
+      constraint.site_of_point.push_back(constraint.num_sites);
+    }
+    ++constraint.num_sites;
+  }
+  return constraint;
+}
+
+std::vector<Index> Tip::patch(Index node) const {
+  const std::string name = "Active node " + std::to_string(node);
+  if (node < 0 || node >= static_cast<Index>(points_.size())) {
+    throw InputError(name + " does not exist: the body has " + std::to_string(points_.size()) +
+                     " points, counted from 0.");
+  }
+  if (used_[node] == 0) {
+    throw InputError(name + place(points_[node]) +
+                     " belongs to no cell, so that nothing moves with it. Choose another.");
+  }
+  if (!patches_.on_surface(node)) {
+    throw InputError(name + place(points_[node]) + " lies inside the body, where nothing can touch "
+                     "it. Choose a point on the surface.");
+  }
+  if (fixed_[node] != 0) {
+    throw InputError(name + place(points_[node]) +
+                     " is fixed, so that it cannot be moved. Choose another.");
+  }
+  std::vector<Index> points = patches_.around(node, radius_);
+  for (const Index point : points) {
+    if (fixed_[point] == 0) continue;
+    throw InputError("The tip of radius " + length(radius_) + " at active node " +
+                     std::to_string(node) + place(points_[node]) + " reaches point " +
+                     std::to_string(point) + place(points_[point]) +
+                     ", which is fixed. Choose a node that is farther from the fixed points, or a "
+                     "smaller tip radius.");
+  }
+  return points;
+}
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a solver has done, by number and by time.
+#pragma once
+
+#include <chrono>
+
+namespace palpate {
+
+/// Work done so far. A configuration cannot cost less than one assembly, one factorisation and
+/// three solves, unless it does without its own tangent: `floor_seconds`.
+struct Work {
+  long residuals = 0, assemblies = 0, analyses = 0, factorisations = 0, right_hand_sides = 0;
+  double residual_seconds = 0, assembly_seconds = 0, analysis_seconds = 0,
+         factorisation_seconds = 0, solve_seconds = 0;
+
+  /// Mean of one assembly + one factorisation + three solves, s; 0 before any was done.
+  [[nodiscard]] double floor_seconds() const;
+  Work& operator+=(const Work& other);
+};
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Adds the time of its scope to a sum.
+class Timer {
+ public:
+  explicit Timer(double& sum) : sum_(sum), start_(Clock::now()) {}
+  ~Timer() { sum_ += seconds_since(start_); }
+  Timer(const Timer&) = delete;
+  Timer& operator=(const Timer&) = delete;
+
+ private:
+  double& sum_;
+  Clock::time_point start_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What all solvers have in common: scaling, and the verdict on a matrix.
+#pragma once
+
+#include "linear/backend.h"
+#include "linear/linear_solver.h"
+#include "linear/scaling.h"
+
+namespace palpate {
+
+class DirectSolver final : public LinearSolver {
+ public:
+  explicit DirectSolver(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
+
+  [[nodiscard]] const char* name() const override { return backend_->name(); }
+  [[nodiscard]] bool pivots() const override { return backend_->pivots(); }
+  void analyse(const SymmetricPattern& pattern) override;
+  [[nodiscard]] std::unique_ptr<LinearSolver> another() const override;
+  [[nodiscard]] FactorStatus factorise(const std::vector<double>& values) override;
+  void solve(Eigen::Ref<Eigen::MatrixXd> columns) override;
+  [[nodiscard]] int negative_pivots() const override { return negative_pivots_; }
+  [[nodiscard]] std::int64_t factor_bytes() const override {
+    return pattern_->size == 0 ? 0 : backend_->factor_bytes();
+  }
+
+ private:
+  std::unique_ptr<Backend> backend_;
+  std::shared_ptr<const SymmetricPattern> pattern_;
+  Scaling scaling_;
+  int negative_pivots_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/mumps_backend.h"
+
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "linear/mumps_team.h"
+#include "linear/ordering.h"
+
+namespace palpate {
+namespace {
+
+/// MUMPS errors (INFOG(1)) that we meet with sense.
+constexpr int kSingular = -10;
+constexpr int kWorkArrayTooSmall = -9;
+constexpr int kIntegerArrayTooSmall = -8;
+
+/// Share of additional workspace that is given up on, in percent of the estimate.
+constexpr int kMostWorkspacePercent = 2000;
+
+void start_mpi_if_needed() {
+  int initialised = 0;
+  MPI_Initialized(&initialised);
+  if (initialised != 0) return;
+  int provided = 0;
+  if (MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided) != MPI_SUCCESS) {
+    throw BackendError("MPI, which MUMPS needs, could not be started.");
+  }
+  std::atexit([] {
+    int finalised = 0;
+    MPI_Finalized(&finalised);
+    if (finalised == 0) MPI_Finalize();
+  });
+}
+
+/// The ranks are the parallelism: threads of the BLAS under each would fight for the cores.
+void keep_blas_to_one_thread() {
+  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) {
+    reinterpret_cast<void (*)(int)>(set_threads)(1);
+  }
+}
+
+/// What the factors of one pattern share.
+struct Plan {
+  MUMPS_INT size = 0;
+  /// Of each value, counted from 1.
+  std::vector<MUMPS_INT> rows;
+  std::vector<MUMPS_INT> columns;
+  /// Place of each unknown in the order of elimination, counted from 1.
+  std::vector<MUMPS_INT> order;
+};
+
+Plan make_plan(const SymmetricPattern& pattern) {
+  Plan plan;
+  plan.size = pattern.size;
+  plan.rows.reserve(pattern.num_values());
+  plan.columns.reserve(pattern.num_values());
+  for (Index c = 0; c < pattern.size; ++c) {
+    for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
+      plan.rows.push_back(pattern.row[i] + 1);
+      plan.columns.push_back(c + 1);
+    }
+  }
+  for (Index place : nested_dissection(pattern)) plan.order.push_back(place + 1);
+  return plan;
+}
+
+class MumpsBackend final : public Backend {
+ public:
+  explicit MumpsBackend(std::shared_ptr<MumpsTeam> team)
+      : team_(std::move(team)), instance_(team_->new_instance()) {
+    keep_blas_to_one_thread();
+    mumps_.par = 1;
+    mumps_.sym = 2;
+    run(kInitialise, "start");
+    for (int stream : {1, 2, 3}) icntl(stream) = -1;
+    icntl(4) = 0;    // prints nothing
+    icntl(7) = 1;    // the order is given
+    icntl(6) = 0;    // no permutation by values: they are not known at the analysis
+    icntl(8) = 0;    // no scaling: the matrix comes scaled
+    icntl(10) = 0;   // no iterative refinement: Newton is one
+    icntl(12) = 1;   // usual ordering of a symmetric matrix
+    icntl(13) = 1;   // the root is factorised by one process: inertia is exact
+    icntl(14) = 30;  // workspace beyond the estimate, %
+    icntl(24) = 0;   // small pivots are not replaced: whoever calls judges them
+  }
+
+  ~MumpsBackend() override { team_->run(kTerminate, instance_, mumps_); }
+
+  MumpsBackend(const MumpsBackend&) = delete;
+  MumpsBackend& operator=(const MumpsBackend&) = delete;
+
+  [[nodiscard]] const char* name() const override { return "MUMPS"; }
+  [[nodiscard]] bool pivots() const override { return true; }
+
+  void analyse(std::shared_ptr<const SymmetricPattern> pattern) override {
+    analyse(std::make_shared<const Plan>(make_plan(*pattern)));
+  }
+
+  [[nodiscard]] std::unique_ptr<Backend> another() const override {
+    auto other = std::make_unique<MumpsBackend>(team_);
+    if (plan_ != nullptr) other->analyse(plan_);
+    return other;
+  }
+
+  Pivots factorise(const std::vector<double>& values) override {
+    mumps_.a = const_cast<double*>(values.data());  // NOLINT: read only, but the interface is C
+    for (;;) {
+      team_->run(kFactorise, instance_, mumps_);
+      const int error = mumps_.infog[0];
+      // RINFOG(19), RINFOG(21): the least and the greatest pivot; INFOG(12): negative ones.
+      if (error >= 0) return {mumps_.rinfog[18], mumps_.rinfog[20], mumps_.infog[11]};
+      if (error == kSingular) return {};
+      const bool workspace = error == kWorkArrayTooSmall || error == kIntegerArrayTooSmall;
+      if (!workspace || icntl(14) > kMostWorkspacePercent) fail("factorise");
+      icntl(14) *= 2;
+    }
+  }
+
+  void solve(Eigen::Ref<Eigen::MatrixXd> columns) override {
+    mumps_.rhs = columns.data();
+    mumps_.nrhs = static_cast<MUMPS_INT>(columns.cols());
+    mumps_.lrhs = static_cast<MUMPS_INT>(columns.outerStride());
+    icntl(27) = mumps_.nrhs;
+    run(kSolve, "solve with");
+  }
+
+  [[nodiscard]] std::int64_t factor_bytes() const override {
+    const std::int64_t entries = mumps_.infog[28];  // INFOG(29); below zero it counts millions
+    return (entries < 0 ? -1'000'000 * entries : entries) *
+           static_cast<std::int64_t>(sizeof(double));
+  }
+
+ private:
+  MUMPS_INT& icntl(int number) { return mumps_.icntl[number - 1]; }
+
+  void analyse(std::shared_ptr<const Plan> plan) {
+    plan_ = std::move(plan);
+    mumps_.n = plan_->size;
+    mumps_.nnz = static_cast<MUMPS_INT8>(plan_->rows.size());
+    // Read only, but the interface is C.
+    mumps_.irn = const_cast<MUMPS_INT*>(plan_->rows.data());         // NOLINT
+    mumps_.jcn = const_cast<MUMPS_INT*>(plan_->columns.data());      // NOLINT
+    mumps_.perm_in = const_cast<MUMPS_INT*>(plan_->order.data());    // NOLINT
+    run(kAnalyse, "analyse the pattern of");
+  }
+
+  void run(MumpsJob job, const char* what) {
+    team_->run(job, instance_, mumps_);
+    if (mumps_.infog[0] < 0) fail(what);
+  }
+
+  [[noreturn]] void fail(const char* what) const {
+    throw BackendError("MUMPS could not " + std::string(what) + " a matrix of " +
+                       std::to_string(mumps_.n) + " unknowns: INFOG(1) = " +
+                       std::to_string(mumps_.infog[0]) + ", INFOG(2) = " +
+                       std::to_string(mumps_.infog[1]) +
+                       (mumps_.infog[0] == -13 ? " (out of memory)." : "."));
+  }
+
+  std::shared_ptr<MumpsTeam> team_;
+  int instance_;
+  DMUMPS_STRUC_C mumps_{};
+  std::shared_ptr<const Plan> plan_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_mumps_backend() {
+  start_mpi_if_needed();
+  return make_mumps_backend(std::make_shared<MumpsTeam>(MPI_COMM_SELF));
+}
+
+std::unique_ptr<Backend> make_mumps_backend(std::shared_ptr<MumpsTeam> team) {
+  return std::make_unique<MumpsBackend>(std::move(team));
+}
+
+}  // namespace palpate

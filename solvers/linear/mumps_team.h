@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Ranks that run the jobs of MUMPS together. Rank 0 decides; the others wait for its word.
+#pragma once
+
+#include <dmumps_c.h>
+#include <mpi.h>
+
+#include <memory>
+
+namespace palpate {
+
+/// Jobs of the MUMPS interface.
+enum MumpsJob { kInitialise = -1, kTerminate = -2, kAnalyse = 1, kFactorise = 2, kSolve = 3 };
+
+class MumpsTeam {
+ public:
+  /// @note Collective; the communicator is duplicated, unless it is MPI_COMM_SELF.
+  explicit MumpsTeam(MPI_Comm comm);
+  /// Rank 0 releases the others.
+  ~MumpsTeam();
+  MumpsTeam(const MumpsTeam&) = delete;
+  MumpsTeam& operator=(const MumpsTeam&) = delete;
+
+  /// On rank 0: a number for one more instance of MUMPS.
+  [[nodiscard]] int new_instance() { return num_instances_++; }
+  /// On rank 0: runs a job of an instance on all ranks, with its control parameters.
+  void run(MumpsJob job, int instance, DMUMPS_STRUC_C& mumps);
+
+  /// On the other ranks: does what rank 0 says until it releases them.
+  void serve();
+
+ private:
+  struct Order;
+  void send(const Order& order);
+  [[nodiscard]] Order receive();
+
+  MPI_Comm comm_ = MPI_COMM_SELF;
+  int rank_ = 0;
+  int size_ = 1;
+  int num_instances_ = 0;
+};
+
+/// As make_mumps_backend(), for rank 0 of a team.
+class Backend;
+[[nodiscard]] std::unique_ptr<Backend> make_mumps_backend(std::shared_ptr<MumpsTeam> team);
+
+}  // namespace palpate

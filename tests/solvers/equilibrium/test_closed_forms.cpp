@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Homogeneous states against formulas written here, from the invariants, apart from those of the
+// program: uniaxial and equibiaxial stretch with free sides, and simple shear.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "equilibrium/equilibrium.h"
+#include "solvers/equilibrium/options.h"
+#include "solvers/support/block.h"
+#include "solvers/support/bodies.h"
+#include "solvers/support/box_mesh.h"
+#include "solvers/support/deformation.h"
+#include "solvers/support/laws.h"
+#include "solvers/support/orders.h"
+
+namespace palpate::test {
+namespace {
+
+/// Relative error of forces, energy and pressure; of displacements in shares of the body's size.
+constexpr double kAccuracy = 1e-8;
+/// Change of volume of an incompressible body, relative.
+constexpr double kVolume = 1e-10;
+const Vec3 kSize(0.1, 0.08, 0.06);
+constexpr double kYoungsModulus = 3000;
+
+/// Energy per volume and first Piola–Kirchhoff stress at F. `pressure` is that of an incompressible
+/// body; other laws have no use for it.
+struct Point {
+  double energy = 0;
+  Mat3 stress;
+};
+
+Point evaluate(const Material& material, const Mat3& f, double pressure) {
+  const auto& q = material.parameters;
+  const Mat3 identity = Mat3::Identity();
+  Point point;
+  const double young = q[0];
+  const double poisson = q[1];
+  const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const double mu = young / (2 * (1 + poisson));
+  if (material.law == Law::linear || material.law == Law::st_venant_kirchhoff) {
+    const bool linear = material.law == Law::linear;
+    const Mat3 h = f - identity;
+    const Mat3 strain = linear ? Mat3((h + h.transpose()) / 2)
+                               : Mat3((h + h.transpose() + h.transpose() * h) / 2);
+    const Mat3 stress = lambda * strain.trace() * identity + 2 * mu * strain;
+    point.energy = strain.cwiseProduct(stress).sum() / 2;
+    point.stress = linear ? stress : Mat3(f * stress);
+    return point;
+  }
+  const double j = f.determinant();
+  const Mat3 inverse_transpose = f.inverse().transpose();
+  const Mat3 c = f.transpose() * f;
+  const double i1 = c.trace();
+  const double i2 = (i1 * i1 - (c * c).trace()) / 2;
+  if (material.law == Law::neo_hookean) {
+    const double log_j = std::log(j);
+    point.energy = mu / 2 * (i1 - 3) - mu * log_j + lambda / 2 * log_j * log_j;
+    point.stress = mu * (f - inverse_transpose) + lambda * log_j * inverse_transpose;
+    return point;
+  }
+  const double first = std::pow(j, -2.0 / 3) * i1 - 3;
+  const double second = std::pow(j, -4.0 / 3) * i2 - 3;
+  double by_first = 0;
+  double by_second = 0;
+  double by_volume = 0;
+  const auto add_polynomial = [&](int r, int s, double coefficient) {
+    point.energy += coefficient * std::pow(first, r) * std::pow(second, s);
+    if (r > 0) by_first += coefficient * r * std::pow(first, r - 1) * std::pow(second, s);
+    if (s > 0) by_second += coefficient * s * std::pow(first, r) * std::pow(second, s - 1);
+  };
+  const auto add_bulk = [&](double kappa) {
+    point.energy += kappa / 2 * (j - 1) * (j - 1);
+    by_volume += kappa * (j - 1);
+  };
+  switch (material.law) {
+    case Law::mooney_rivlin:
+      add_polynomial(1, 0, q[0]);
+      add_polynomial(0, 1, q[1]);
+      add_bulk(q[2]);
+      break;
+    case Law::mooney_rivlin_polynomial: {
+      constexpr int kPowers[9][2] = {{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2},
+                                     {3, 0}, {2, 1}, {1, 2}, {0, 3}};
+      for (int i = 0; i < 9; ++i) add_polynomial(kPowers[i][0], kPowers[i][1], q[1 + i]);
+      add_bulk(q[0]);
+      break;
+    }
+    case Law::fung: {
+      const double b = q[2];
+      point.energy = mu / (2 * b) * (std::exp(b * first) - 1);
+      by_first = mu / 2 * std::exp(b * first);
+      add_bulk(young / (3 * (1 - 2 * poisson)));
+      break;
+    }
+    case Law::neo_hookean_incompressible:
+      add_polynomial(1, 0, young / 6);
+      by_volume = pressure;
+      break;
+    default:
+      add_polynomial(1, 0, q[0]);
+      add_polynomial(0, 1, q[1]);
+      by_volume = pressure;
+      break;
+  }
+  point.stress = by_first * std::pow(j, -2.0 / 3) * (2 * f - 2.0 / 3 * i1 * inverse_transpose) +
+                 by_second * std::pow(j, -4.0 / 3) *
+                     (2 * (i1 * f - f * c) - 4.0 / 3 * i2 * inverse_transpose) +
+                 by_volume * j * inverse_transpose;
+  return point;
+}
+
+/// p = κ̂ g of a mixed compressible material.
+double pressure_of(const Material& material, const Mat3& f) {
+  const auto& q = material.parameters;
+  const double lambda = q[0] * q[1] / ((1 + q[1]) * (1 - 2 * q[1]));
+  switch (material.law) {
+    case Law::linear: return lambda * (f.trace() - 3);
+    case Law::st_venant_kirchhoff: return lambda * ((f.transpose() * f).trace() - 3) / 2;
+    case Law::neo_hookean: return lambda * std::log(f.determinant());
+    case Law::mooney_rivlin: return q[2] * (f.determinant() - 1);
+    case Law::mooney_rivlin_polynomial: return q[0] * (f.determinant() - 1);
+    default: return q[0] / (3 * (1 - 2 * q[1])) * (f.determinant() - 1);
+  }
+}
+
+/// Where f is zero, between two places where it has opposite signs.
+double root(const std::function<double(double)>& f, double low, double high) {
+  const bool rises = f(high) > 0;
+  EXPECT_NE(f(low) > 0, rises) << "no root";
+  for (int i = 0; i < 200; ++i) {
+    const double middle = (low + high) / 2;
+    ((f(middle) > 0) == rises ? high : low) = middle;
+  }
+  return (low + high) / 2;
+}
+
+enum class Mode { uniaxial, equibiaxial, shear };
+
+struct State {
+  Mat3 f;
+  double pressure = 0;
+  Point point;
+};
+
+/// The deformation gradient with these sides free, or as it stands in shear.
+State closed_form(const Material& material, Mode mode, double amount) {
+  State state;
+  const auto gradient = [&](double side) {
+    Mat3 f = Mat3::Identity();
+    switch (mode) {
+      case Mode::uniaxial: f.diagonal() = Vec3(amount, side, side); break;
+      case Mode::equibiaxial: f.diagonal() = Vec3(amount, amount, side); break;
+      case Mode::shear: f(0, 1) = amount; break;
+    }
+    return f;
+  };
+  if (is_incompressible(material.law)) {
+    const double side = mode == Mode::uniaxial ? 1 / std::sqrt(amount) : 1 / (amount * amount);
+    state.f = gradient(side);
+    // The third direction is free of stress, which is linear in p.
+    const double without = evaluate(material, state.f, 0).stress(2, 2);
+    const double with_one = evaluate(material, state.f, 1).stress(2, 2);
+    state.pressure = -without / (with_one - without);
+  } else {
+    const double side =
+        mode == Mode::shear
+            ? 1
+            : root([&](double s) { return evaluate(material, gradient(s), 0).stress(2, 2); }, 0.3,
+                   2);
+    state.f = gradient(side);
+    state.pressure = pressure_of(material, state.f);
+  }
+  state.point = evaluate(material, state.f, state.pressure);
+  return state;
+}
+
+struct Named {
+  const char* name;
+  Material material;
+};
+
+/// Each law as its Poisson's ratio makes it, and the two formulations near the limit.
+std::vector<Named> materials() {
+  return {{"Linear", make_material(Law::linear, kYoungsModulus, 0.3)},
+          {"StVenantKirchhoff", make_material(Law::st_venant_kirchhoff, kYoungsModulus, 0.3)},
+          {"NeoHookean", make_material(Law::neo_hookean, kYoungsModulus, 0.3)},
+          {"MooneyRivlin", make_material(Law::mooney_rivlin, kYoungsModulus, 0.3)},
+          {"Polynomial", make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.3)},
+          {"Fung", make_material(Law::fung, kYoungsModulus, 0.3)},
+          {"NeoHookeanIncompressible",
+           make_material(Law::neo_hookean_incompressible, kYoungsModulus, 0.5)},
+          {"MooneyRivlinIncompressible",
+           make_material(Law::mooney_rivlin_incompressible, kYoungsModulus, 0.5)},
+          {"NearlyIncompressibleLinear", make_material(Law::linear, kYoungsModulus, 0.4999)},
+          {"NearlyIncompressibleStVenantKirchhoff",
+           make_material(Law::st_venant_kirchhoff, kYoungsModulus, 0.4999)},
+          {"NearlyIncompressibleNeoHookean",
+           make_material(Law::neo_hookean, kYoungsModulus, 0.4999)},
+          {"NearlyIncompressibleMooneyRivlin",
+           make_material(Law::mooney_rivlin, kYoungsModulus, 0.4999)},
+          {"NearlyIncompressiblePolynomial",
+           make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.4999)},
+          {"NearlyIncompressibleFung", make_material(Law::fung, kYoungsModulus, 0.4999)}};
+}
+
+void PrintTo(const Named& named, std::ostream* out) { *out << named.name; }
+
+class ClosedForms : public testing::TestWithParam<std::tuple<ElementOrder, Named>> {
+ protected:
+  void compare(Mode mode, double amount);
+};
+INSTANTIATE_TEST_SUITE_P(Each, ClosedForms,
+                         testing::Combine(testing::ValuesIn(kOrders),
+                                          testing::ValuesIn(materials())),
+                         [](const auto& each) {
+                           return name_of_order({std::get<0>(each.param), 0}) +
+                                  std::get<1>(each.param).name;
+                         });
+
+void ClosedForms::compare(Mode mode, double amount) {
+  const auto& [order, named] = GetParam();
+  const Material& material = named.material;
+  SCOPED_TRACE(amount);
+  const int n = order == ElementOrder::quadratic ? 2 : 3;
+  TetMesh mesh = make_box(order, {n, n, n}, kSize);
+  const TetMesh box = mesh;
+  warp_straight(mesh, wavy_inside(kSize));
+  // Prescribed as the state has it: the faces across x; when stretched along y too, those as well;
+  // in shear all of them, but for an incompressible body, whose pressure needs a free face.
+  const auto is_end = [](double x, double size) { return x == 0 || x == size; };
+  const bool y_too = mode != Mode::uniaxial;
+  const bool z_too = mode == Mode::shear && !is_incompressible(material.law);
+  std::vector<Index> held;
+  std::vector<char> fixed(mesh.points.size(), 0);
+  fixed[0] = 1;
+  for (Index p = 1; p < mesh.num_points(); ++p) {
+    const Vec3& place = box.points[p];
+    if (is_end(place.x(), kSize.x()) || (y_too && is_end(place.y(), kSize.y())) ||
+        (z_too && is_end(place.z(), kSize.z()))) {
+      held.push_back(p);
+    }
+  }
+  const State expected = closed_form(material, mode, amount);
+  const auto displacement = [&](Index p) -> Vec3 {
+    return (expected.f - Mat3::Identity()) * mesh.points[p];
+  };
+  Eigen::VectorXd t(3 * held.size());
+  for (std::size_t i = 0; i < held.size(); ++i) t.segment<3>(3 * i) = displacement(held[i]);
+
+  EquilibriumSolver solver(make_scene(mesh, material, fixed), with_tolerance(1e-13));
+  solver.hold(hold_nodes(held));
+  const Equilibrium state = solver.solve(t, solver.rest());
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  EXPECT_EQ(state.flags & flags::inverted, 0);
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    ASSERT_LT((state.u.segment<3>(3 * p) - displacement(p)).norm(), kAccuracy * kSize.norm())
+        << "point " << p;
+  }
+  const double size = kSize.prod();
+  EXPECT_NEAR(state.energy, size * expected.point.energy, kAccuracy * state.energy);
+  // Of the sites the forces on the faces; the fixed corner is at the origin and has no part in it.
+  Mat3 sum = Mat3::Zero();
+  Vec3 on_face = Vec3::Zero();
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const Vec3 force = state.reaction.segment<3>(3 * i);
+    sum += force * mesh.points[held[i]].transpose();
+    if (box.points[held[i]].x() == kSize.x()) on_face += force;
+  }
+  EXPECT_LT((sum - size * expected.point.stress).norm(),
+            kAccuracy * size * expected.point.stress.norm());
+  if (mode != Mode::shear) {  // else its edges carry forces of the other faces too
+    const Vec3 force = kSize.y() * kSize.z() * expected.point.stress.col(0);
+    EXPECT_LT((on_face - force).norm(), kAccuracy * force.norm());
+  }
+
+  const bool mixed = material.formulation == Formulation::mixed;
+  EXPECT_EQ(state.p.size() > 0, mixed);
+  if (mixed) {
+    // Where no strain is without a change of pressure, it is compared with the stresses.
+    const double scale = std::max(std::abs(expected.pressure), expected.point.stress.norm());
+    for (const double p : state.p) ASSERT_NEAR(p, expected.pressure, kAccuracy * scale);
+  }
+  if (is_incompressible(material.law)) {
+    TetMesh deformed = mesh;
+    for (Index p = 0; p < mesh.num_points(); ++p) {
+      deformed.points[p] += state.u.segment<3>(3 * p);
+    }
+    EXPECT_NEAR(volume(deformed), size, kVolume * size);
+  }
+}
+
+TEST_P(ClosedForms, UniaxialStretch) {
+  for (double stretch : {0.7, 1.4}) compare(Mode::uniaxial, stretch);
+}
+
+TEST_P(ClosedForms, EquibiaxialStretch) {
+  for (double stretch : {0.85, 1.2}) compare(Mode::equibiaxial, stretch);
+}
+
+TEST_P(ClosedForms, SimpleShear) { compare(Mode::shear, 0.5); }
+
+// Bonded at its ends, so that nothing is homogeneous and the force has no closed form: but the
+// volume is that at rest, in total and, in the weak sense, around each corner.
+TEST(Incompressible, TheVolumeStays) {
+  for (ElementOrder order : kOrders) {
+    for (Law law : kIncompressibleLaws) {
+      const Block block = make_block(law, {order});
+      EquilibriumSolver solver(block.scene, {});
+      solver.hold(hold_nodes({block.corner}));
+      for (const Vec3& t : {Vec3(-0.01, 0.006, -0.005), Vec3(0.03, -0.01, 0.02)}) {
+        const Equilibrium state = solver.solve(t, solver.rest());
+        ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+        EXPECT_LT(std::abs(relative_change_of_volume(block.scene.mesh, state.u)), 1e-6)
+            << to_string(law);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace palpate::test
