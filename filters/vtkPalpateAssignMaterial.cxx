@@ -3,41 +3,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
-#include <vector>
 
 #include "base/error.h"
 #include "materials/material.h"
 #include "vtkCellData.h"
-#include "vtkDoubleArray.h"
-#include "vtkIntArray.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
 {
+using palpate::Formulation;
 using palpate::InputError;
 using palpate::Law;
 
 /// Values of a region array are told apart by more than this share: an array in single precision
 /// holds 0.1 only to 1e-8.
 constexpr double RegionTolerance = 1e-6;
-
-/// A cell array of parameters.
-struct Column
-{
-  const char* Name;
-  std::size_t Parameter; ///< which of palpate::Material::parameters it is
-  bool MooneyRivlin;     ///< whether Mooney-Rivlin is the law that uses it
-};
-
-constexpr Column Columns[] = { { vtkPalpateArray::YoungsModulus, 0, false },
-  { vtkPalpateArray::PoissonsRatio, 1, false }, { vtkPalpateArray::C10, 0, true },
-  { vtkPalpateArray::C01, 1, true }, { vtkPalpateArray::BulkModulus, 2, true } };
 
 Law CheckedLaw(int number)
 {
@@ -47,6 +35,35 @@ Law CheckedLaw(int number)
       std::to_string(palpate::num_laws - 1) + ".");
   }
   return static_cast<Law>(number);
+}
+
+/// By the names of the parameters, of rows r, s, C_rs.
+std::map<std::string, double> CoefficientsByName(const std::vector<std::array<double, 3>>& rows)
+{
+  if (rows.empty())
+  {
+    throw InputError("Coefficients is empty; the law needs rows of the powers r and s and of C_rs.");
+  }
+  std::map<std::string, double> values;
+  for (const auto& [r, s, value] : rows)
+  {
+    const auto known = std::find_if(palpate::polynomial_powers.begin(),
+      palpate::polynomial_powers.end(),
+      [r = r, s = s](const std::array<int, 2>& powers) { return powers[0] == r && powers[1] == s; });
+    if (known == palpate::polynomial_powers.end())
+    {
+      std::ostringstream text;
+      text << "Coefficients has the powers r = " << r << " and s = " << s
+           << "; they must be whole numbers, not negative, with a sum of 1, 2 or 3.";
+      throw InputError(text.str());
+    }
+    const std::string name = 'C' + std::to_string((*known)[0]) + std::to_string((*known)[1]);
+    if (!values.emplace(name, value).second)
+    {
+      throw InputError("Coefficients has " + name + " twice; give it once.");
+    }
+  }
+  return values;
 }
 
 /// 1 for the cells where the array has the value.
@@ -82,35 +99,32 @@ std::vector<char> CellsOfRegion(vtkUnstructuredGrid* body, const std::string& na
   return chosen;
 }
 
-/// A copy of the cell array, or one filled with `background` where there is none.
-template <class Array>
-vtkSmartPointer<Array> CopyOrMake(
-  vtkUnstructuredGrid* body, const char* name, typename Array::ValueType background)
-{
-  auto copy = vtkSmartPointer<Array>::New();
-  vtkDataArray* array = body->GetCellData()->GetArray(name);
-  if (array && array->GetNumberOfComponents() == 1)
-  {
-    copy->DeepCopy(array);
-  }
-  else
-  {
-    copy->SetNumberOfValues(body->GetNumberOfCells());
-    copy->FillValue(background);
-  }
-  copy->SetName(name);
-  return copy;
-}
+/// Value of the property Formulation: the one that suits the parameters.
+constexpr int AutomaticFormulation = -1;
 
-template <class Array>
-void SetWhere(const std::vector<char>& chosen, typename Array::ValueType value, Array* array)
+palpate::Material InFormulation(const palpate::Material& material, int number)
 {
-  for (std::size_t cell = 0; cell < chosen.size(); ++cell)
+  switch (number)
   {
-    if (chosen[cell] != 0)
-    {
-      array->SetValue(static_cast<vtkIdType>(cell), value);
-    }
+    case AutomaticFormulation:
+      return material;
+    case static_cast<int>(Formulation::displacement):
+    case static_cast<int>(Formulation::mixed):
+      break;
+    default:
+      throw InputError("Formulation is " + std::to_string(number) +
+        "; there are -1 (Automatic), 0 (Displacement) and 1 (Mixed).");
+  }
+  const auto formulation = static_cast<Formulation>(number);
+  try
+  {
+    return palpate::with_formulation(material, formulation);
+  }
+  catch (const InputError& error)
+  {
+    throw InputError(std::string("Formulation is '") +
+      (formulation == Formulation::mixed ? "Mixed" : "Displacement") + "'. " + error.what() +
+      " Choose Automatic.");
   }
 }
 }
@@ -131,39 +145,57 @@ int vtkPalpateAssignMaterial::RequestData(
         return;
       }
       vtkPalpateElementOrder(body); // throws where the cells are not those of a body
-      const auto law = CheckedLaw(this->Law);
-      const bool mooneyRivlin = law == Law::mooney_rivlin;
-      const palpate::Material material = mooneyRivlin
-        ? palpate::make_mooney_rivlin(this->C10, this->C01, this->BulkModulus)
-        : palpate::make_isotropic(law, this->YoungsModulus, this->PoissonsRatio);
+      const palpate::Material material = InFormulation(this->MakeMaterial(), this->Formulation);
       const std::vector<char> chosen = CellsOfRegion(body, this->RegionArray, this->RegionValue);
+      std::vector<char> others(chosen.size());
+      std::transform(
+        chosen.begin(), chosen.end(), others.begin(), [](char here) { return here == 0; });
 
-      output->ShallowCopy(body);
-      const auto laws = CopyOrMake<vtkIntArray>(body, vtkPalpateArray::Law, vtkPalpateNoLaw);
-      SetWhere(chosen, this->Law, laws.Get());
-      output->GetCellData()->AddArray(laws);
-
-      const int* first = laws->GetPointer(0);
-      const int* last = first + laws->GetNumberOfValues();
-      const bool needsMooneyRivlin =
-        std::find(first, last, static_cast<int>(Law::mooney_rivlin)) != last;
-      const bool needsIsotropic = std::any_of(first, last,
-        [](int number)
-        { return number != vtkPalpateNoLaw && number != static_cast<int>(Law::mooney_rivlin); });
-      for (const Column& column : Columns)
+      vtkPalpateMaterials materials = vtkPalpateReadMaterials(body, others);
+      const auto added = static_cast<palpate::Index>(materials.Each.size());
+      materials.Each.push_back(material);
+      for (std::size_t cell = 0; cell < chosen.size(); ++cell)
       {
-        if (!(column.MooneyRivlin ? needsMooneyRivlin : needsIsotropic))
+        if (chosen[cell] != 0)
         {
-          output->GetCellData()->RemoveArray(column.Name);
-          continue;
+          materials.OfCell[cell] = added;
         }
-        const auto array = CopyOrMake<vtkDoubleArray>(body, column.Name, 0);
-        SetWhere(chosen,
-          column.MooneyRivlin == mooneyRivlin ? material.parameters[column.Parameter] : 0,
-          array.Get());
-        output->GetCellData()->AddArray(array);
       }
+      output->ShallowCopy(body);
+      vtkPalpateWriteMaterials(materials, output);
     });
+}
+
+palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const
+{
+  const auto law = CheckedLaw(this->Law);
+  std::map<std::string, double> values = { { "YoungsModulus", this->YoungsModulus },
+    { "PoissonsRatio", this->PoissonsRatio }, { "C10", this->C10 }, { "C01", this->C01 },
+    { "BulkModulus", this->BulkModulus }, { "Exponent", this->Exponent } };
+  if (law == Law::mooney_rivlin_polynomial)
+  {
+    values = CoefficientsByName(this->Coefficients);
+    values["BulkModulus"] = this->BulkModulus;
+  }
+  std::array<double, palpate::max_parameters> parameters{};
+  std::size_t i = 0;
+  for (const std::string& name : palpate::parameter_names(law))
+  {
+    parameters[i++] = values[name];
+  }
+  return palpate::make_material(law, parameters);
+}
+
+void vtkPalpateAssignMaterial::AddCoefficient(double r, double s, double value)
+{
+  this->Coefficients.push_back({ r, s, value });
+  this->Modified();
+}
+
+void vtkPalpateAssignMaterial::ClearCoefficients()
+{
+  this->Coefficients.clear();
+  this->Modified();
 }
 
 void vtkPalpateAssignMaterial::PrintSelf(ostream& os, vtkIndent indent)
@@ -175,6 +207,12 @@ void vtkPalpateAssignMaterial::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "C10: " << this->C10 << " Pa\n"
      << indent << "C01: " << this->C01 << " Pa\n"
      << indent << "BulkModulus: " << this->BulkModulus << " Pa\n"
+     << indent << "Exponent: " << this->Exponent << '\n'
+     << indent << "Formulation: " << this->Formulation << '\n'
      << indent << "RegionArray: " << this->RegionArray << '\n'
      << indent << "RegionValue: " << this->RegionValue << '\n';
+  for (const auto& [r, s, value] : this->Coefficients)
+  {
+    os << indent << "Coefficient of the powers " << r << ' ' << s << ": " << value << " Pa\n";
+  }
 }

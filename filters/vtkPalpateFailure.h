@@ -19,7 +19,7 @@ PALPATEFILTERS_EXPORT void vtkPalpateMarkFailed(vtkDataObject* output, const cha
 PALPATEFILTERS_EXPORT bool vtkPalpatePassFailure(vtkDataObject* input, vtkDataObject* output);
 
 /// The body of RequestData: calls `body()`; what it throws becomes one error message of `self` and
-/// the mark in `output`.
+/// the mark in `output`. Where several ranks meet the same error, `self` is null on all but one.
 /// @returns 1, for the reason given at vtkPalpateGuard.
 template <class Body>
 int vtkPalpateProduce(vtkObject* self, vtkDataObject* output, Body&& body) noexcept

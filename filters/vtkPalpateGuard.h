@@ -11,7 +11,8 @@
 #include "vtkObject.h"
 #include "vtkSetGet.h"
 
-/// Calls `body()` and turns whatever it throws into exactly one error message of `self`.
+/// Calls `body()` and turns whatever it throws into exactly one error message of `self`; into none
+/// where `self` is null.
 /// @returns 0 after an error; else what `body` returns, or 1 if it returns nothing.
 ///
 /// In RequestData answer 1 all the same, with empty outputs: after a 0 the executive adds a second
@@ -23,7 +24,10 @@ int vtkPalpateGuard(vtkObject* self, Body&& body) noexcept
   {
     try
     {
-      vtkErrorWithObjectMacro(self, << message);
+      if (self)
+      {
+        vtkErrorWithObjectMacro(self, << message);
+      }
     }
     catch (...)
     {

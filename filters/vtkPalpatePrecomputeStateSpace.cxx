@@ -2,12 +2,9 @@
 #include "vtkPalpatePrecomputeStateSpace.h"
 
 #include <chrono>
-#include <exception>
 #include <filesystem>
-#include <limits>
 #include <sstream>
 
-#include "base/error.h"
 #include "exploration/precompute.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -15,6 +12,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateScene.h"
@@ -29,21 +27,12 @@ namespace
 /// Progress is told this often at the most, s: each time ParaView handles its events.
 constexpr double ProgressInterval = 0.1;
 
-palpate::Index CheckedNode(vtkIdType node)
-{
-  if (node < 0 || node > std::numeric_limits<palpate::Index>::max())
-  {
-    throw palpate::InputError("Active node " + std::to_string(node) +
-      " does not exist: the points of the body are counted from 0.");
-  }
-  return static_cast<palpate::Index>(node);
-}
-
 /// All that a state space depends on.
 std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptions& options)
 {
   std::ostringstream text;
-  text << std::hexfloat << palpate::hash(scene) << ' ' << options.half_width << ' '
+  text << std::hexfloat << palpate::hash(scene) << ' ' << options.tip_radius << ' '
+       << options.half_width << ' '
        << options.resolution << ' ' << options.force_limit << ' ' << options.touch_bound << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
        << options.file << " nodes";
@@ -154,10 +143,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     const palpate::Scene scene = vtkPalpateShareScene(body, controller);
 
     palpate::PrecomputeOptions options;
-    for (const vtkIdType node : this->ActiveNodes)
-    {
-      options.active_nodes.push_back(CheckedNode(node));
-    }
+    options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
+    options.tip_radius = this->TipRadius;
     options.half_width = this->HalfWidth;
     options.resolution = this->Resolution;
     options.force_limit = this->ForceLimit;
@@ -228,21 +215,10 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
   };
 
+  // Every rank meets the same error; rank 0 reports it.
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  if (controller && controller->GetLocalProcessId() != 0)
-  {
-    // Every rank meets the same error; rank 0 reports it.
-    try
-    {
-      compute();
-    }
-    catch (const std::exception& error)
-    {
-      vtkPalpateMarkFailed(output, error.what());
-    }
-    return 1;
-  }
-  return vtkPalpateProduce(this, output, compute);
+  const bool reports = !controller || controller->GetLocalProcessId() == 0;
+  return vtkPalpateProduce(reports ? this : nullptr, output, compute);
 }
 
 void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
@@ -254,6 +230,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << node;
   }
   os << '\n'
+     << indent << "TipRadius: " << this->TipRadius << '\n'
      << indent << "HalfWidth: " << this->HalfWidth << '\n'
      << indent << "Resolution: " << this->Resolution << '\n'
      << indent << "ForceLimit: " << this->ForceLimit << '\n'

@@ -6,7 +6,8 @@
  * Input: a body with material and boundary (see vtkPalpateScene.h). Output: its state space (see
  * vtkPalpateStateSpace.h), with these field arrays of the run on `Configurations`:
  *
- *   `FileName`, `Ranks`, `Cells`, `Unknowns` (with the active node eliminated)
+ *   `FileName`, `Ranks`, `Cells`, `Unknowns` (with those of the first active node, and of the patch that
+ *                           moves with it, eliminated)
  *   `Solved`, `Reused`      configurations of this run, and those taken from the file
  *   `NotReached`            check-points that no usable configuration leads to, or that an abort left
  *   `Complete`              1 unless aborted
@@ -39,6 +40,12 @@ public:
   /// Ids of the points of the input that are touched; none: all that are touchable.
   void AddActiveNode(vtkIdType node);
   void ClearActiveNodes();
+  ///@}
+  ///@{
+  /// The points of the connected patch of the surface within this distance of an active node move
+  /// with it, m; 0: the node alone.
+  vtkSetMacro(TipRadius, double);
+  vtkGetMacro(TipRadius, double);
   ///@}
   ///@{
   /// Half the side of the box of check-points around each active node, m.
@@ -88,6 +95,7 @@ private:
   void operator=(const vtkPalpatePrecomputeStateSpace&) = delete;
 
   std::vector<vtkIdType> ActiveNodes;
+  double TipRadius = 0;
   double HalfWidth = 0.01;
   int Resolution = 7;
   double ForceLimit = 0;

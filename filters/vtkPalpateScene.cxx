@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
-#include <map>
 #include <string>
 #include <utility>
 
@@ -15,8 +13,8 @@
 #include "vtkCellType.h"
 #include "vtkCellTypes.h"
 #include "vtkDoubleArray.h"
-#include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpatePointChoice.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
@@ -27,7 +25,6 @@ namespace
 {
 using palpate::Index;
 using palpate::InputError;
-using palpate::Law;
 
 /// Three unknowns a point are counted with an Index.
 constexpr vtkIdType MostPoints = std::numeric_limits<Index>::max() / 3;
@@ -39,157 +36,36 @@ vtkDataArray* ScalarArray(vtkDataSetAttributes* attributes, const char* name)
   return array && array->GetNumberOfComponents() == 1 ? array : nullptr;
 }
 
-/// The materials of a body, cell by cell.
-class MaterialReader
-{
-public:
-  explicit MaterialReader(vtkUnstructuredGrid* grid)
-    : CellData(grid->GetCellData())
-    , LawArray(ScalarArray(this->CellData, vtkPalpateArray::Law))
-    , Isotropic{ this->Find(vtkPalpateArray::YoungsModulus),
-      this->Find(vtkPalpateArray::PoissonsRatio) }
-    , MooneyRivlin{ this->Find(vtkPalpateArray::C10), this->Find(vtkPalpateArray::C01),
-      this->Find(vtkPalpateArray::BulkModulus) }
-  {
-    if (!this->LawArray)
-    {
-      throw InputError("The body has no material: the cell array Law is missing. Apply Assign "
-                       "Material to it.");
-    }
-  }
-
-  palpate::Material Read(vtkIdType cell) const
-  {
-    const Law law = this->LawOf(cell);
-    try
-    {
-      if (law == Law::mooney_rivlin)
-      {
-        const double c10 = Value(this->MooneyRivlin[0], cell);
-        const double c01 = Value(this->MooneyRivlin[1], cell);
-        const double bulkModulus = Value(this->MooneyRivlin[2], cell);
-        return palpate::make_mooney_rivlin(c10, c01, bulkModulus);
-      }
-      const double youngsModulus = Value(this->Isotropic[0], cell);
-      const double poissonsRatio = Value(this->Isotropic[1], cell);
-      return palpate::make_isotropic(law, youngsModulus, poissonsRatio);
-    }
-    catch (const InputError& error)
-    {
-      throw InputError("Material of cell " + std::to_string(cell) + ": " + error.what());
-    }
-  }
-
-private:
-  struct Parameter
-  {
-    const char* Name;
-    vtkDataArray* Array;
-  };
-
-  Parameter Find(const char* name) const { return { name, ScalarArray(this->CellData, name) }; }
-
-  Law LawOf(vtkIdType cell) const
-  {
-    const double number = this->LawArray->GetComponent(cell, 0);
-    if (number == vtkPalpateNoLaw)
-    {
-      throw InputError("Cell " + std::to_string(cell) +
-        " has no material. Apply Assign Material to that part of the body too.");
-    }
-    for (int law = 0; law < palpate::num_laws; ++law)
-    {
-      if (number == law)
-      {
-        return static_cast<Law>(law);
-      }
-    }
-    throw InputError("Cell " + std::to_string(cell) + " has Law " + std::to_string(number) +
-      "; there are the laws 0 to " + std::to_string(palpate::num_laws - 1) +
-      ". Apply Assign Material to the body.");
-  }
-
-  static double Value(const Parameter& parameter, vtkIdType cell)
-  {
-    if (!parameter.Array)
-    {
-      throw InputError(std::string("its law needs the cell array ") + parameter.Name +
-        ", which is missing. Apply Assign Material to the body.");
-    }
-    return parameter.Array->GetComponent(cell, 0);
-  }
-
-  vtkDataSetAttributes* CellData;
-  vtkDataArray* LawArray;
-  std::array<Parameter, 2> Isotropic;
-  std::array<Parameter, 3> MooneyRivlin;
-};
-
 /// Fills `materials`, each once, and `material_of_cell`.
 void ReadMaterials(vtkUnstructuredGrid* grid, palpate::Scene& scene)
 {
-  const MaterialReader reader(grid);
-  std::map<std::pair<Law, std::array<double, 3>>, Index> indices;
-  scene.material_of_cell.reserve(static_cast<std::size_t>(grid->GetNumberOfCells()));
-  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
+  if (!ScalarArray(grid->GetCellData(), vtkPalpateArray::Law))
   {
-    const palpate::Material material = reader.Read(cell);
-    const auto next = static_cast<Index>(scene.materials.size());
-    const auto [found, isNew] = indices.try_emplace({ material.law, material.parameters }, next);
-    if (isNew)
-    {
-      scene.materials.push_back(material);
-    }
-    scene.material_of_cell.push_back(found->second);
+    throw InputError("The body has no material: the cell array Law is missing. Apply Assign "
+                     "Material to it.");
   }
+  vtkPalpateMaterials read = vtkPalpateReadMaterials(
+    grid, std::vector<char>(static_cast<std::size_t>(grid->GetNumberOfCells()), 1));
+  const auto without =
+    std::find(read.OfCell.begin(), read.OfCell.end(), vtkPalpateMaterials::None);
+  if (without != read.OfCell.end())
+  {
+    throw InputError("Cell " + std::to_string(without - read.OfCell.begin()) +
+      " has no material. Apply Assign Material to that part of the body too.");
+  }
+  scene.materials = std::move(read.Each);
+  scene.material_of_cell = std::move(read.OfCell);
 }
 
 void AddMaterials(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
 {
-  const Index numberOfCells = scene.mesh.num_cells();
-  vtkNew<vtkIntArray> laws;
-  laws->SetName(vtkPalpateArray::Law);
-  laws->SetNumberOfValues(numberOfCells);
-  grid->GetCellData()->AddArray(laws);
-  const auto column = [&](bool needed, const char* name)
+  vtkPalpateMaterials materials{ scene.materials, scene.material_of_cell };
+  if (materials.OfCell.empty())
   {
-    vtkNew<vtkDoubleArray> array;
-    array->SetName(name);
-    array->SetNumberOfValues(numberOfCells);
-    array->FillValue(0);
-    if (needed)
-    {
-      grid->GetCellData()->AddArray(array);
-    }
-    return vtkSmartPointer<vtkDoubleArray>(array);
-  };
-  const auto isMooneyRivlin = [](const palpate::Material& material)
-  { return material.law == Law::mooney_rivlin; };
-  const bool some = std::any_of(scene.materials.begin(), scene.materials.end(), isMooneyRivlin);
-  const bool all = std::all_of(scene.materials.begin(), scene.materials.end(), isMooneyRivlin);
-  const auto youngsModulus = column(!all, vtkPalpateArray::YoungsModulus);
-  const auto poissonsRatio = column(!all, vtkPalpateArray::PoissonsRatio);
-  const std::array<vtkSmartPointer<vtkDoubleArray>, 3> mooneyRivlin = { column(some,
-                                                                          vtkPalpateArray::C10),
-    column(some, vtkPalpateArray::C01), column(some, vtkPalpateArray::BulkModulus) };
-  for (Index cell = 0; cell < numberOfCells; ++cell)
-  {
-    const palpate::Material& material =
-      scene.materials[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell]];
-    laws->SetValue(cell, static_cast<int>(material.law));
-    if (isMooneyRivlin(material))
-    {
-      for (std::size_t i = 0; i < mooneyRivlin.size(); ++i)
-      {
-        mooneyRivlin[i]->SetValue(cell, material.parameters[i]);
-      }
-    }
-    else
-    {
-      youngsModulus->SetValue(cell, material.parameters[0]);
-      poissonsRatio->SetValue(cell, material.parameters[1]);
-    }
+    materials.Each.resize(1);
+    materials.OfCell.assign(static_cast<std::size_t>(scene.mesh.num_cells()), 0);
   }
+  vtkPalpateWriteMaterials(materials, grid);
 }
 }
 

@@ -2,14 +2,10 @@
 // A scene as VTK's data: an unstructured grid of VTK_TETRA or of VTK_QUADRATIC_TETRA whose arrays
 // say everything, so that stock filters, readers and writers can make, change and store it.
 //
-//   cell array `Law`                            number of a palpate::Law
-//   cell arrays `YoungsModulus` (Pa), `PoissonsRatio`
-//                                               where a cell is linear, St. Venant–Kirchhoff or
-//                                               neo-Hookean
-//   cell arrays `C10`, `C01`, `BulkModulus`     Pa, where a cell is Mooney–Rivlin
-//   point array `Fixed`                         not 0 where the point is held
-//   point array `Touchable`                     not 0 where the body may be touched; where there is
-//                                               no such array: corners on the surface, not fixed
+//   cell arrays of the material   `Law`, its parameters and `Formulation`: vtkPalpateMaterials.h
+//   point array `Fixed`           not 0 where the point is held
+//   point array `Touchable`       not 0 where the body may be touched; where there is no such array:
+//                                 corners on the surface, not fixed
 //
 // Ids of points and cells are the same in the grid and in the scene.
 #pragma once
@@ -25,19 +21,10 @@ class vtkUnstructuredGrid;
 
 namespace vtkPalpateArray
 {
-inline constexpr const char* Law = "Law";
-inline constexpr const char* YoungsModulus = "YoungsModulus";
-inline constexpr const char* PoissonsRatio = "PoissonsRatio";
-inline constexpr const char* C10 = "C10";
-inline constexpr const char* C01 = "C01";
-inline constexpr const char* BulkModulus = "BulkModulus";
 inline constexpr const char* Fixed = "Fixed";
 inline constexpr const char* Touchable = "Touchable";
 inline constexpr const char* Displacement = "Displacement";
 }
-
-/// Value of `Law` where a cell has no material yet.
-constexpr int vtkPalpateNoLaw = -1;
 
 /// @throws palpate::InputError no cells, or cells that are not all VTK_TETRA or all
 /// VTK_QUADRATIC_TETRA: it names the first one.

@@ -55,7 +55,8 @@ std::vector<char> ChosenPoints(vtkUnstructuredGrid* body, const Choice& choice)
       return vtkPalpatePointsOfSelection(body, choice.Selection);
     default:
       throw InputError(choice.Name + "By is " + std::to_string(choice.By) +
-        "; it must be 0 (Region), 1 (Array) or 2 (Selection).");
+        "; it must be 0 (Region), 1 (Array)" +
+        (choice.Name == "Fixed" ? " or 2 (Selection)." : ", 2 (Selection) or 3 (Surface)."));
   }
 }
 

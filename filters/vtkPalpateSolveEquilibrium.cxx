@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateSolveEquilibrium.h"
 
-#include <algorithm>
-#include <sstream>
-
-#include "base/error.h"
 #include "equilibrium/equilibrium.h"
+#include "equilibrium/tip.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkIntArray.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
@@ -20,47 +18,10 @@
 
 namespace
 {
-using palpate::Index;
-
 constexpr const char* AutomaticSolver = "Automatic";
 /// How many iterations go by until the progress bar is half full. How many there will be is not
 /// known; a solve of a moderate displacement has about ten.
 constexpr double IterationsAtHalf = 10;
-
-/// The nodes as solver indices.
-/// @throws palpate::InputError one that does not exist or lies inside the body; what is fixed or
-/// named twice is found by EquilibriumSolver::hold.
-std::vector<Index> CheckedNodes(const std::vector<vtkIdType>& nodes, const palpate::TetMesh& mesh)
-{
-  if (nodes.empty())
-  {
-    throw palpate::InputError("No active node is given. Set ActiveNode to the id of a point on the "
-                              "surface.");
-  }
-  const std::vector<char> used = palpate::points_in_use(mesh);
-  const std::vector<char> onSurface = palpate::boundary_points(mesh);
-  std::vector<Index> checked;
-  for (const vtkIdType node : nodes)
-  {
-    if (node < 0 || node >= mesh.num_points())
-    {
-      throw palpate::InputError("Active node " + std::to_string(node) +
-        " does not exist: the body has " + std::to_string(mesh.num_points()) +
-        " points, counted from 0.");
-    }
-    if (used[node] != 0 && onSurface[node] == 0)
-    {
-      const palpate::Vec3& x = mesh.points[node];
-      std::ostringstream text;
-      text << "Active node " << node << " at (" << x.x() << ", " << x.y() << ", " << x.z()
-           << ") m lies inside the body, where nothing can touch it. Choose a point on the "
-              "surface.";
-      throw palpate::InputError(text.str());
-    }
-    checked.push_back(static_cast<Index>(node));
-  }
-  return checked;
-}
 
 /// One row after the other, as tuples of `components`.
 template <class Array, class Matrix>
@@ -171,7 +132,8 @@ int vtkPalpateSolveEquilibrium::RequestData(
       // A request that ended the run before is not for this one, and nobody else takes it back.
       this->SetAbortExecute(0);
       const palpate::Scene scene = vtkPalpateSceneFromGrid(body);
-      const auto constraint = palpate::hold_nodes(CheckedNodes(this->ActiveNodes, scene.mesh));
+      const auto constraint =
+        palpate::Tip(scene, this->TipRadius).hold(vtkPalpateActiveNodes(this->ActiveNodes));
 
       palpate::EquilibriumOptions options;
       options.tolerance = this->Tolerance;
@@ -215,6 +177,7 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
     os << ' ' << component;
   }
   os << " m\n"
+     << indent << "TipRadius: " << this->TipRadius << " m\n"
      << indent << "Tolerance: " << this->Tolerance << '\n'
      << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'

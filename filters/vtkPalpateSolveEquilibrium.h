@@ -6,7 +6,8 @@
  * Input: a body with material and boundary (see vtkPalpateScene.h). Output: the same with the point
  * array `Displacement` (m) and field arrays
  *
- *   `ReactionForce`   force that holds a node at its displacement, N; a tuple an active node
+ *   `ReactionForce`   force that holds a node, and the patch that moves with it, at its
+ *                     displacement, N; a tuple an active node
  *   `Energy`          J
  *   `HapticStiffness` derivative of the forces by the displacements, N/m; row by row, (3n)^2
  *   `Outcome`, `Flags`, `Message`   how it ended, see solvers/base/outcome.h
@@ -44,6 +45,12 @@ public:
   void ClearDisplacements();
   ///@}
   ///@{
+  /// The points of the connected patch of the surface within this distance of an active node move
+  /// with it, m; 0: the node alone.
+  vtkSetMacro(TipRadius, double);
+  vtkGetMacro(TipRadius, double);
+  ///@}
+  ///@{
   /// Largest residual of an equilibrium, as a share of the scene's force scale (between 0 and 1).
   vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
@@ -78,6 +85,7 @@ private:
 
   std::vector<vtkIdType> ActiveNodes = { 0 };
   std::vector<double> Displacements = { 0, 0, 0 };
+  double TipRadius = 0;
   double Tolerance = 1e-10;
   int MaximumIterations = 60;
   double MaximumSeconds = 0;

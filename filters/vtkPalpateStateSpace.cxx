@@ -213,6 +213,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
     ->SetValue(0, palpate::StateSpaceFile::schema_version);
   const auto count = static_cast<vtkIdType>(space.sites.size());
   auto* nodes = AddArray<vtkIdTypeArray>(fields, "ActiveNodes", 1, count);
+  auto* tipRadii = AddArray<vtkDoubleArray>(fields, "TipRadius", 1, count);
   auto* halfWidths = AddArray<vtkDoubleArray>(fields, "HalfWidth", 1, count);
   auto* resolutions = AddArray<vtkIntArray>(fields, "Resolution", 1, count);
   auto* limits = AddArray<vtkDoubleArray>(fields, "ForceLimit", 1, count);
@@ -221,6 +222,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   {
     const palpate::Site& site = space.sites[i].site;
     nodes->SetValue(i, site.active_node);
+    tipRadii->SetValue(i, site.tip_radius);
     halfWidths->SetValue(i, site.half_width);
     resolutions->SetValue(i, site.resolution);
     limits->SetValue(i, site.force_limit);
@@ -335,6 +337,7 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
   space.displacement_error = Required(fields, "DisplacementError", 1)->GetComponent(0, 0);
   space.sensitivity_error = Required(fields, "SensitivityError", 1)->GetComponent(0, 0);
   vtkDataArray* sites = Required(fields, "ActiveNodes", 1);
+  vtkDataArray* tipRadii = Required(fields, "TipRadius", 1);
   vtkDataArray* halfWidths = Required(fields, "HalfWidth", 1);
   vtkDataArray* resolutions = Required(fields, "Resolution", 1);
   vtkDataArray* limits = Required(fields, "ForceLimit", 1);
@@ -348,6 +351,7 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
   {
     TouchSite& site = space.sites.emplace_back();
     site.site.active_node = static_cast<Index>(sites->GetComponent(s, 0));
+    site.site.tip_radius = tipRadii->GetComponent(s, 0);
     site.site.half_width = halfWidths->GetComponent(s, 0);
     site.site.resolution = static_cast<int>(resolutions->GetComponent(s, 0));
     site.site.force_limit = limits->GetComponent(s, 0);

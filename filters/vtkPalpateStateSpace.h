@@ -21,7 +21,7 @@
 //     `Outcome`, `Flags`                      see solvers/base/outcome.h
 //     `Residual`, `MinimumDetF`, `NegativePivots`, `Iterations`, `Seconds`
 //   Field arrays of `Configurations`: `SceneHash`, `SchemaVersion`, and for each active node
-//     `ActiveNodes`, `HalfWidth` (m), `Resolution`, `ForceLimit` (N), `NumberOfConfigurations`;
+//     `ActiveNodes`, `TipRadius` (m), `HalfWidth` (m), `Resolution`, `ForceLimit` (N), `NumberOfConfigurations`;
 //     `LargestDisplacement`, `DisplacementError`, `SensitivityError` (m, of the modes).
 #pragma once
 

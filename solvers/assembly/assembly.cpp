@@ -35,7 +35,6 @@ struct ElementGroup {
   std::vector<BlockTarget> targets;
   // Of mixed elements, else empty.
   std::vector<Index> pressures;
-  double pressure_scale = 0;
   std::vector<BlockTarget> coupling_targets;
   std::vector<Index> pressure_targets;
 
@@ -48,7 +47,6 @@ struct ElementGroup {
             homogeneous,
             targets.data(),
             pressures.data(),
-            pressure_scale,
             coupling_targets.data(),
             pressure_targets.data()};
   }
@@ -65,18 +63,6 @@ bool is_mixed(const Scene& scene, Index cell) {
 const Kernels& kernels_of(const Material& material, ElementOrder order) {
   return best_kernels(static_cast<int>(order), static_cast<int>(law_of_energy(material.law)),
                       static_cast<int>(material.formulation));
-}
-
-/// What the kernels take of a material: its constants, and of a mixed one the two compliances.
-std::vector<double> kernel_parameters(const Material& material, ElementOrder order) {
-  const auto constants = law_constants(material);
-  std::vector<double> parameters(constants.begin(), constants.end());
-  parameters.resize(kernels_of(material, order).num_constants);
-  if (material.formulation == Formulation::mixed) {
-    parameters.push_back(volumetric_compliance(material));
-    parameters.push_back(1 / (2 * shear_modulus(material)));
-  }
-  return parameters;
 }
 
 void sort_and_make_unique(std::vector<std::vector<Index>>& lists) {
@@ -147,8 +133,8 @@ SymmetricPattern make_pattern(const Couplings& couplings) {
 struct Assembly::Data {
   Index num_points = 0;
   Index num_cells = 0;
-  Index num_pressures = 0;
-  double pressure_scale = 0;
+  /// Of each pressure, Pa/m.
+  std::vector<double> pressure_scale;
   bool linear = true;
   double mean_edge = 0;
   std::vector<Index> unknown_of_point;
@@ -164,6 +150,17 @@ struct Assembly::Data {
   std::vector<Index> pressure_of_corner;
   /// Number of a pressure among the unknown ones, −1: it is none [num_pressures].
   std::vector<Index> unknown_of_pressure;
+  /// Least shear modulus of the mixed materials, Pa.
+  double softest = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] Index num_pressures() const { return static_cast<Index>(pressure_scale.size()); }
+  /// In which decade above the softest a mixed material lies.
+  [[nodiscard]] int decade_of(const Material& material) const {
+    return static_cast<int>(std::log10(shear_modulus(material) / softest));
+  }
+  [[nodiscard]] double pressure_scale_of(const Material& material) const;
+  [[nodiscard]] std::vector<double> kernel_parameters(const Material& material,
+                                                      ElementOrder order) const;
 
   void number_nodes(const Scene& scene);
   void number_pressures(const Scene& scene);
@@ -189,17 +186,30 @@ void Assembly::Data::number_nodes(const Scene& scene) {
   }
 }
 
+std::vector<double> Assembly::Data::kernel_parameters(const Material& material,
+                                                      ElementOrder order) const {
+  const auto constants = law_constants(material);
+  std::vector<double> parameters(constants.begin(), constants.end());
+  parameters.resize(kernels_of(material, order).num_constants);
+  if (material.formulation == Formulation::mixed) {
+    parameters.push_back(volumetric_compliance(material));
+    parameters.push_back(1 / (2 * shear_modulus(material)));
+    parameters.push_back(pressure_scale_of(material));
+  }
+  return parameters;
+}
+
+double Assembly::Data::pressure_scale_of(const Material& material) const {
+  // A power of two: a pressure that is scaled and scaled back is the same to the bit.
+  return std::ldexp(1.0, std::ilogb(softest * std::pow(10, decade_of(material)) / mean_edge));
+}
+
 void Assembly::Data::number_pressures(const Scene& scene) {
-  double softest = std::numeric_limits<double>::infinity();
-  double stiffest = 0;
   for (const Material& material : scene.materials) {
     if (material.formulation != Formulation::mixed) continue;
     softest = std::min(softest, shear_modulus(material));
-    stiffest = std::max(stiffest, shear_modulus(material));
   }
-  if (stiffest == 0) return;
-  // A power of two: a pressure that is scaled and scaled back is the same to the bit.
-  pressure_scale = std::ldexp(1.0, std::ilogb(stiffest / mean_edge));
+  if (std::isinf(softest)) return;
   const TetMesh& mesh = scene.mesh;
   pressure_of_corner.assign(4 * static_cast<std::size_t>(mesh.num_cells()), -1);
   std::map<std::tuple<Index, Law, int>, Index> numbers;
@@ -208,16 +218,16 @@ void Assembly::Data::number_pressures(const Scene& scene) {
   for (Index c = 0; c < mesh.num_cells(); ++c) {
     if (!is_mixed(scene, c)) continue;
     const Material& material = material_of(scene, c);
-    const int decade = static_cast<int>(std::log10(shear_modulus(material) / softest));
     const Index* cell = mesh.cell(c);
     const bool has_free_point =
         std::any_of(cell, cell + nodes_per_cell(mesh.order),
                     [&](Index point) { return unknown_of_point[point] >= 0; });
     for (int a = 0; a < 4; ++a) {
       const auto [entry, is_new] =
-          numbers.try_emplace({cell[a], law_of_energy(material.law), decade}, num_pressures);
+          numbers.try_emplace({cell[a], law_of_energy(material.law), decade_of(material)},
+                              num_pressures());
       if (is_new) {
-        ++num_pressures;
+        pressure_scale.push_back(pressure_scale_of(material));
         felt.push_back(0);
         incompressible.push_back(1);
       }
@@ -226,9 +236,9 @@ void Assembly::Data::number_pressures(const Scene& scene) {
       incompressible[entry->second] &= volumetric_compliance(material) == 0 ? 1 : 0;
     }
   }
-  unknown_of_pressure.assign(num_pressures, -1);
+  unknown_of_pressure.assign(num_pressures(), -1);
   Index next = 0;
-  for (Index j = 0; j < num_pressures; ++j) {
+  for (Index j = 0; j < num_pressures(); ++j) {
     if (felt[j] == 0) continue;
     unknown_of_pressure[j] = next++;
     if (incompressible[j] != 0) multipliers.push_back(static_cast<Index>(state_of_unknown.size()));
@@ -324,7 +334,6 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
   group.weights.resize(num_places * rule.size());
   group.targets.resize(num_places * num_pairs);
   if (mixed) {
-    group.pressure_scale = pressure_scale;
     group.pressures.resize(num_places * 4);
     group.coupling_targets.resize(num_places * npc * 4);
     group.pressure_targets.assign(num_places * kCornerPairs, -1);
@@ -435,9 +444,9 @@ Assembly& Assembly::operator=(Assembly&&) noexcept = default;
 
 Index Assembly::num_points() const { return data_->num_points; }
 Index Assembly::num_cells() const { return data_->num_cells; }
-Index Assembly::num_pressures() const { return data_->num_pressures; }
-Index Assembly::state_size() const { return 3 * data_->num_points + data_->num_pressures; }
-double Assembly::pressure_scale() const { return data_->pressure_scale; }
+Index Assembly::num_pressures() const { return data_->num_pressures(); }
+Index Assembly::state_size() const { return 3 * data_->num_points + num_pressures(); }
+const std::vector<double>& Assembly::pressure_scale() const { return data_->pressure_scale; }
 const std::vector<Index>& Assembly::state_of_unknown() const { return data_->state_of_unknown; }
 Index Assembly::num_unknown_pressures() const {
   return data_->pattern.size - 3 * data_->num_nodes;

@@ -5,10 +5,10 @@
 //
 //   Π(x) = Σ_q w_q W(∇u, p),   f(x) = ∂Π/∂x,   K(x) = ∂²Π/∂x²
 //
-// A pressure is kept as a length, p = s p̂ with one scale s for the body, so that all unknowns, and
-// all their residuals, are of one kind. Cells share the pressure at a corner when they are of one
-// law and their shear moduli lie in one decade, counted from the softest: at an interface of very
-// different materials the pressure jumps.
+// A pressure is kept as a length, p = s p̂, so that all unknowns, and all their residuals, are of one
+// kind. Cells share the pressure at a corner when they are of one law and their shear moduli lie in
+// one decade, counted from the softest: at an interface of very different materials the pressure
+// jumps. s is the least modulus of the decade over the mean edge.
 //
 // Unknowns are the components of the points that belong to a cell and are not fixed, three
 // together, then the pressures. K is symmetric: its lower triangle is kept, compressed by columns,
@@ -48,8 +48,8 @@ class Assembly {
   [[nodiscard]] Index num_pressures() const;
   /// Length of a state: 3 num_points + num_pressures.
   [[nodiscard]] Index state_size() const;
-  /// s, Pa/m; 0 for a body without mixed materials.
-  [[nodiscard]] double pressure_scale() const;
+  /// s of each pressure, Pa/m [num_pressures].
+  [[nodiscard]] const std::vector<double>& pressure_scale() const;
   /// Every material is linear: K does not depend on u.
   [[nodiscard]] bool is_linear() const;
   /// Number of the first of the three unknowns of a point, −1 for a fixed or unused one

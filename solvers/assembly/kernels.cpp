@@ -48,7 +48,7 @@ template <int Order, Law L, Formulation Form>
 class Group {
   static constexpr bool kMixed = Form == Formulation::mixed;
   static constexpr int kConstants = kNumConstants<L>;
-  static constexpr int kParameters = kConstants + (kMixed ? 2 : 0);
+  static constexpr int kParameters = kConstants + (kMixed ? 3 : 0);
   static constexpr int kCornerPairs = 10;
   static constexpr int kNodes = Element<Order>::nodes;
   static constexpr int kPoints = Element<Order>::points;
@@ -139,7 +139,7 @@ class Group {
         if constexpr (kMixed) {
           Response<Packet> volume;
           VolumeOf<L>::template evaluate<WithTangent>(k, volume);
-          add_volume(group, q, k, volume, weight, gradients, pressures, r);
+          add_volume(parameters[kConstants + 2], q, k, volume, weight, gradients, pressures, r);
         }
         energy += weight * r.energy;
         add_force(k, r, weight, gradients, fe);
@@ -148,8 +148,7 @@ class Group {
       scatter_force(group, p, fe, force);
       if constexpr (WithTangent) scatter_tangent(group, p, ke, values);
       if constexpr (kMixed) {
-        energy += add_compliance(group, p, parameters[kConstants], parameters[kConstants + 1],
-                                 pressures);
+        energy += add_compliance(group, p, parameters, pressures);
         scatter_pressures(group, p, pressures, force, values);
       }
     }
@@ -232,10 +231,9 @@ class Group {
   /// The term p g at a quadrature point: adds its part to the response, to the force on the
   /// pressures and to the coupling.
   template <bool WithTangent>
-  static void add_volume(const ElementGroupView& group, int q, const Kinematics<Packet>& k,
+  static void add_volume(Packet scale, int q, const Kinematics<Packet>& k,
                          const Response<Packet>& volume, Packet weight, const double* gradients,
                          Pressures<true, WithTangent>& pressures, Response<Packet>& r) {
-    const Packet scale = group.pressure_scale;
     Packet pressure = 0.0;
     for (int b = 0; b < 4; ++b) {
       pressure += Element<Order>::barycentric(q, b) * pressures.p[b];
@@ -271,13 +269,17 @@ class Group {
   /// The terms of second order in p, which are the same for every u. The linear pressures of an
   /// element have the mass V (1 + δ_ab)/20, their means V/16.
   template <bool WithTangent>
-  static Packet add_compliance(const ElementGroupView& group, std::int32_t p, Packet compliance,
-                               Packet stabilisation, Pressures<true, WithTangent>& pressures) {
+  static Packet add_compliance(const ElementGroupView& group, std::int32_t p,
+                               const Packet (&parameters)[kParameters],
+                               Pressures<true, WithTangent>& pressures) {
+    const Packet compliance = parameters[kConstants];
+    const Packet stabilisation = parameters[kConstants + 1];
+    const Packet scale = parameters[kConstants + 2];
     Packet volume = 0.0;
     for (int q = 0; q < kPoints; ++q) {
       volume += Packet::load(group.weights + (p * kPoints + q) * kLanes);
     }
-    volume *= group.pressure_scale * group.pressure_scale;
+    volume *= scale * scale;
     const Packet mass = Order == 1 ? compliance + stabilisation : compliance;
     const Packet mean = Order == 1 ? stabilisation : Packet(0.0);
     const Packet off_diagonal = volume * ((1.0 / 20) * mass - (1.0 / 16) * mean);

@@ -37,8 +37,8 @@ struct ElementGroupView {
   const double* gradients;
   /// Weight times Jacobian [num_packets × points × 8], m³.
   const double* weights;
-  /// Constants of the law (law_constants), and of mixed elements 1/κ̂ and then 1/(2μ), n in all:
-  /// [n] when homogeneous, else [num_packets × n × 8].
+  /// Constants of the law (law_constants), and of mixed elements 1/κ̂, 1/(2μ) and the scale s of
+  /// their pressures, Pa/m: n in all, [n] when homogeneous, else [num_packets × n × 8].
   const double* parameters;
   bool homogeneous;
   /// Of each pair of nodes a ≤ b in the order 00 01 … 0n 11 … [num_packets × pairs × 8].
@@ -48,8 +48,6 @@ struct ElementGroupView {
 
   /// Place of the pressure of each corner in the state [num_packets × 4 × 8].
   const std::int32_t* pressures;
-  /// s, Pa/m.
-  double pressure_scale;
   /// Of each node and each corner's pressure [num_packets × nodes × 4 × 8].
   const BlockTarget* coupling_targets;
   /// Of each pair of corners a ≤ b in the order 00 01 02 03 11 … [num_packets × 10 × 8]: position of

@@ -13,8 +13,11 @@ namespace palpate {
 [[nodiscard]] Eigen::MatrixXd sensitivity_of(const HeldBody& body, const Equilibrium& equilibrium);
 
 /// Factorises the tangent at an equilibrium x, whose sites are at equilibrium.t, and fills in what
-/// follows from it: u, v, p, reaction, stiffness, energy, inertia, det F and their flags.
+/// follows from it: u, v, p, reaction, stiffness, energy, inertia, det F and their flags, and how far
+/// Newton's method would still move the state.
+/// @param newton_step Where to, if not null: the change of the state.
 /// @returns Outcome::tangent_not_factorised where there is no tangent, else converged.
-[[nodiscard]] Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium);
+[[nodiscard]] Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
+                               NodalVector* newton_step = nullptr);
 
 }  // namespace palpate

@@ -14,8 +14,8 @@ constexpr double kSufficientDecrease = 1e-4;
 /// Energies that differ by less than this share are equal but for rounding; the residual decides.
 constexpr double kEnergyRounding = 1e-11;
 constexpr int kMaxBacktracks = 15;
-/// A factor is not judged by how the residual shrinks before this many iterations.
-constexpr int kIterationsBeforeJudging = 6;
+/// A factor is not judged by how the steps shrink before this many of them.
+constexpr int kStepsBeforeJudging = 6;
 
 /// A state on the way, with what is known of it.
 struct Iterate {
@@ -96,13 +96,12 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
   const auto quasi_newton = body.is_saddle() ? make_broyden() : make_bfgs();
   TangentFactor* factor = nullptr;
   bool fresh = false;  // the factor is of the tangent at the iterate
-  double norm_at_factor = 0;
-  int since_factor = 0;
+  double first_step = 0;
+  int num_steps = 0;  // with the factor
   const auto use = [&](TangentFactor* other) {
     factor = other;
     quasi_newton->clear();
-    norm_at_factor = iterate.norm;
-    since_factor = 0;
+    num_steps = 0;
   };
   for (;;) {
     result.residual = iterate.norm / scale;
@@ -124,9 +123,16 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
       fresh = true;
     }
     ++result.iterations;
-    ++since_factor;
     Eigen::VectorXd step =
         quasi_newton->direction(iterate.r, [&](auto columns) { body.solve(*factor, columns); });
+    const double step_norm = step.lpNorm<Eigen::Infinity>();
+    if (num_steps == 0) first_step = step_norm;
+    if (num_steps >= kStepsBeforeJudging &&
+        std::pow(step_norm / first_step, 1.0 / num_steps) > options.contraction) {
+      factor = nullptr;
+      continue;
+    }
+    ++num_steps;
     double slope = step.dot(iterate.r);
     if (slope > 0 && !body.is_saddle()) {
       // The tangent is indefinite: along the opposite direction the energy falls.
@@ -140,11 +146,6 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
       factor = nullptr;
     } else {
       quasi_newton->update(length * step, iterate.r - old_r);
-      const double mean_contraction =
-          std::pow(iterate.norm / norm_at_factor, 1.0 / since_factor);
-      if (since_factor >= kIterationsBeforeJudging && mean_contraction > options.contraction) {
-        factor = nullptr;
-      }
     }
     fresh = false;
   }

@@ -17,11 +17,19 @@
 namespace palpate {
 namespace {
 
-/// Share of the work of a step that its energies may be off by; half of it is a jump, a smooth path
-/// is off by far less.
+/// Share of its change that the energy of a step may be off by; across a jump it is off by much of
+/// it, on a smooth path by far less.
 constexpr double kEnergyGap = 0.05;
+/// The same of the work of the change of force, for steps over which the energy hardly changes.
+constexpr double kWorkGap = 0.01;
 /// Energies are sums over the body: this much of them is rounding.
 constexpr double kEnergyRounding = 1e-11;
+/// The displacement is made this accurate, see Equilibrium::displacement_error; where rounding does
+/// not allow it, as with stiffnesses that differ by 1e9, an error up to the second figure is let be.
+constexpr double kDisplacementError = 1e-8;
+constexpr double kMostDisplacementError = 1e-6;
+/// A step that failed this often in a row is followed along the path instead of being halved on.
+constexpr int kFailuresBeforeFollowing = 3;
 /// Points of a path that a solve follows; each costs two or three factorisations.
 constexpr int kMaxPathPoints = 150;
 
@@ -33,13 +41,13 @@ Scene checked(Scene scene) {
 /// Whether two equilibria can be on one smooth path, by their energies, reactions and stiffnesses.
 bool agree(const Equilibrium& from, const Equilibrium& to) {
   const Eigen::VectorXd d = to.t - from.t;
-  const double mean = 0.5 * d.dot(from.reaction + to.reaction);
-  const double stiffening = d.dot((from.stiffness - to.stiffness) * d) / 12;
-  const double gap = std::abs(to.energy - from.energy - mean - stiffening);
-  const double work = std::max({std::abs(mean), 0.5 * std::abs(d.dot(to.reaction - from.reaction)),
-                                0.5 * std::abs(d.dot(from.stiffness * d))});
-  return gap <= kEnergyGap * work +
-                    kEnergyRounding * (std::abs(from.energy) + std::abs(to.energy));
+  const double change = to.energy - from.energy;
+  const double expected = 0.5 * d.dot(from.reaction + to.reaction) +
+                          d.dot((from.stiffness - to.stiffness) * d) / 12;
+  const double allowed = kEnergyGap * std::max(std::abs(change), std::abs(expected)) +
+                         kWorkGap * 0.5 * std::abs(d.dot(to.reaction - from.reaction)) +
+                         kEnergyRounding * (std::abs(from.energy) + std::abs(to.energy));
+  return std::abs(change - expected) <= allowed;
 }
 
 }  // namespace
@@ -96,6 +104,8 @@ class EquilibriumSolver::Impl {
   [[nodiscard]] Outcome interruption() const;
   /// The equilibrium at next_t that a step from progress leads to.
   Equilibrium step(double stride, const Eigen::VectorXd& next_t, Progress& progress);
+  /// Completes the equilibrium at a state, after Newton steps where the displacement needs them.
+  Outcome polish(NodalVector& state, Equilibrium& next, Progress& progress);
   /// Takes the next equilibrium into progress.
   void advance(double stride, const Eigen::VectorXd& way, Equilibrium next, Progress& progress);
   /// A state near the equilibrium at next_t, at which the energy is finite; none if there is none.
@@ -176,9 +186,29 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
       correct(body_, options_, [this] { return interruption(); }, from, next_t, *state);
   progress.iterations += correction.iterations;
   next.residual = correction.residual;
-  next.outcome = correction.outcome == Outcome::converged ? complete(body_, *state, next)
+  next.outcome = correction.outcome == Outcome::converged ? polish(*state, next, progress)
                                                           : correction.outcome;
   return next;
+}
+
+Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next,
+                                        Progress& progress) {
+  NodalVector newton_step;
+  Outcome outcome = complete(body_, state, next, &newton_step);
+  while (outcome == Outcome::converged && next.displacement_error > kDisplacementError) {
+    const double before = next.displacement_error;
+    const NodalVector improved = state + newton_step;
+    if (!std::isfinite(body_.evaluate(improved))) return Outcome::not_converged;
+    ++progress.iterations;
+    outcome = complete(body_, improved, next, &newton_step);
+    state = improved;
+    // Where it does not shrink any more, rounding is what is left.
+    if (next.displacement_error > 0.5 * before) break;
+  }
+  if (outcome == Outcome::converged && next.displacement_error > kMostDisplacementError) {
+    return Outcome::not_converged;
+  }
+  return outcome;
 }
 
 void EquilibriumSolver::Impl::advance(double stride, const Eigen::VectorXd& way, Equilibrium next,
@@ -191,12 +221,15 @@ void EquilibriumSolver::Impl::advance(double stride, const Eigen::VectorXd& way,
 
 Outcome EquilibriumSolver::Impl::follow(const Eigen::VectorXd& t, Progress& progress) {
   PathOptions options;
-  options.max_points = kMaxPathPoints;
+  options.max_points =
+      std::clamp(options_.max_steps - progress.steps + 1, 2, kMaxPathPoints);
   Path path =
       follow_path(body_, options_, options, [this] { return interruption(); }, progress.state, t);
   progress.steps += static_cast<int>(path.points.size()) - 1;
   progress.iterations += path.end.iterations;
-  const Outcome outcome = path.end.outcome;
+  if (path.end.outcome != Outcome::converged) return path.end.outcome;
+  NodalVector end = state_of(body_, path.end);
+  const Outcome outcome = polish(end, path.end, progress);
   if (outcome != Outcome::converged) return outcome;
   for (Fold& fold : path.end.folds) {
     fold.way = progress.way + (1 - progress.way) * fold.way;
@@ -221,7 +254,8 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   double stride = 1;
   Outcome outcome = Outcome::converged;
   const double least_stride = std::ldexp(1.0, -options_.max_halvings);
-  bool followed = false;
+  bool may_follow = options_.follow_folds;
+  int failures = 0;  // in a row
   while (progress.way < 1) {
     if (progress.steps >= options_.max_steps) {
       outcome = Outcome::budget_used_up;
@@ -237,19 +271,21 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     if (outcome == Outcome::converged && agree(progress.state, next)) {
       advance(stride, way, std::move(next), progress);
       stride *= 2;
+      failures = 0;
       continue;
     }
-    if (0.5 * stride >= least_stride) {
-      stride *= 0.5;
-      continue;
-    }
-    if (options_.follow_folds && !followed) {
-      followed = true;
+    const bool least = 0.5 * stride < least_stride;
+    if (may_follow && (++failures == kFailuresBeforeFollowing || least)) {
+      may_follow = false;
       const Outcome of_path = follow(t, progress);
       if (of_path == Outcome::converged || of_path == Outcome::aborted) {
         outcome = of_path;
         break;
       }
+    }
+    if (!least) {
+      stride *= 0.5;
+      continue;
     }
     if (outcome != Outcome::converged) break;
     // Another equilibrium, of less energy: what the body jumps to.

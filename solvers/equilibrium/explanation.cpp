@@ -115,7 +115,7 @@ std::string explain(const HeldBody& body, const Equilibrium& state, const Eigen:
     worst_cell(text);
     text << " with det F = " << state.minimum_det_f
          << ". Displace less, give the tool a radius or refine the mesh there. ";
-  } else if (state.outcome == Outcome::not_converged && way > 0) {
+  } else if (state.outcome != Outcome::converged && state.outcome != Outcome::aborted && way > 0) {
     text << "The least det F is " << state.minimum_det_f << " in ";
     worst_cell(text);
     text << ". Displace less, give the tool a radius or refine the mesh there. ";

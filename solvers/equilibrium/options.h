@@ -19,7 +19,7 @@ struct EquilibriumOptions {
   int max_steps = 600;
   /// Time for one solve, s; 0 is no bound. A factorisation is not interrupted.
   double max_seconds = 0;
-  /// A factor serves as long as the residual shrinks to at most this share an iteration, in the
+  /// A factor serves as long as the steps shrink to at most this share from one to the next, in the
   /// mean since it was made. A factorisation costs about as much as twenty-five iterations.
   double contraction = 0.5;
   /// Where a step fails however small it is, as at a fold, follow the equilibrium path on to where it

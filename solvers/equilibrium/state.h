@@ -50,6 +50,10 @@ struct Equilibrium {
   Flags flags = 0;
   /// Largest component of the residual, see EquilibriumOptions::tolerance.
   double residual = 0;
+  /// Largest component of the next Newton step over the larger of |t| and a thousandth of the mean
+  /// edge: an estimate of the error of u, which a small residual alone does not bound where a stiff
+  /// part floats in a soft one.
+  double displacement_error = 0;
   /// Least det F over quadrature points and corners.
   double minimum_det_f = 1;
   /// Where it is.

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A frontier decides which transitions an exploration makes next; the engine makes them. A frontier
 // knows neither the mechanics nor the ranks, and gives the same answers on every rank.
+//
+// Which start a target is reached from depends on what was found, never on when. So a rank may
+// explore what follows from its own findings depth first, where each start still has its factor,
+// and tell the others later.
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "state_space/configuration.h"
@@ -15,9 +18,8 @@ namespace palpate {
 struct Transition {
   Index active_node = 0;
   CheckPoint target{};
-  /// Where to start from, the best first; the next is taken when the step fails. Empty for the rest
-  /// position, which needs no start.
-  std::vector<CheckPoint> starts;
+  /// The target itself for the rest position, which needs no start.
+  CheckPoint start{};
 };
 
 class Frontier {
@@ -26,13 +28,24 @@ class Frontier {
   Frontier(const Frontier&) = delete;
   Frontier& operator=(const Frontier&) = delete;
 
-  /// The next transitions, independent of each other; empty when there is nothing left. All starts
-  /// are targets of the batch before this one. Transitions from one start follow each other, since
-  /// they share a factor.
+  /// All transitions that are to be made by what was accepted, independent of each other; empty when
+  /// there is nothing left. Those of one active node follow each other, and so do those of one start.
   [[nodiscard]] virtual std::vector<Transition> next() = 0;
 
-  /// Tells what was found for a transition of the last batch.
+  /// The transitions from a configuration that was just found, and need not be accepted yet, that
+  /// are to be made whatever else is found. The same transition follows from no other one.
+  [[nodiscard]] virtual std::vector<Transition> following(
+      Index active_node, const ConfigurationSummary& found) const = 0;
+
+  /// Configurations that a transition of next() may lead to by `following`, its own included.
+  [[nodiscard]] virtual std::int64_t num_following(const Transition& transition) const = 0;
+
+  /// Tells what a transition has found, in this run or an earlier one. One that failed may be tried
+  /// again from another start.
   virtual void accept(Index active_node, const ConfigurationSummary& found) = 0;
+
+  /// Whether next() gave a target up or it was found: no transition leads there any more.
+  [[nodiscard]] virtual bool is_settled(Index active_node, const CheckPoint& target) const = 0;
 
   /// Configurations that the whole exploration may find at most.
   [[nodiscard]] virtual std::int64_t num_expected() const = 0;

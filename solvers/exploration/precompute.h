@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a scene to a state space: the engine that makes the transitions a frontier asks for, on all
-// ranks, and records what it finds.
+// From a scene to a state space: the transitions that a frontier asks for are made on all ranks, and
+// what they find is recorded.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
-#include "exploration/frontier.h"
-#include "exploration/record.h"
 #include "schedule/communicator.h"
 #include "state_space/touch_space.h"
 
@@ -19,6 +17,8 @@ namespace palpate {
 struct PrecomputeOptions {
   /// Points that are touched; empty: all that the scene says are touchable.
   std::vector<Index> active_nodes;
+  /// What is touched: the surface patch within this distance of the node, see tip.h, m; 0: it alone.
+  double tip_radius = 0;
   /// Half the side of the box of check-points, m.
   double half_width = 0.01;
   /// Check-points along an axis; odd.
@@ -29,6 +29,7 @@ struct PrecomputeOptions {
   std::filesystem::path file;
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
   double touch_bound = kDefaultTouchBound;
+  /// How many factors are kept follows from the resolution.
   EquilibriumOptions equilibrium;
   /// Name of a linear solver; empty: the default.
   std::string linear_solver;
@@ -40,7 +41,7 @@ void validate(const PrecomputeOptions& options);
 struct PrecomputeReport {
   int num_ranks = 1;
   Index num_cells = 0;
-  /// Unknowns with the active node eliminated.
+  /// Unknowns with those of the first active node, and of the patch that moves with it, eliminated.
   Index num_unknowns = 0;
   /// Configurations solved in this run, and taken from the file.
   std::int64_t num_solved = 0;
@@ -67,15 +68,15 @@ struct PrecomputeResult {
   PrecomputeReport report;
 };
 
-/// Called on every rank now and then with the share that is done; false ends the exploration, and
-/// what was found until then is kept.
+/// Called on every rank now and then with the share that is done; false on any rank ends the
+/// exploration, and what was found until then is kept.
 using Progress = std::function<bool(double)>;
 
 /// The flat space on a uniform grid around each active node.
 /// @param scene The same on every rank.
 /// @note Collective
-/// @throws InputError an active node that is fixed, inside the body or does not exist; an option
-///   out of its range; a file of another scene.
+/// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of
+///   its range; a file of another scene.
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                                           Communicator& communicator, const Progress& progress);
 

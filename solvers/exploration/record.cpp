@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "exploration/transfer.h"
 
 namespace palpate {
 namespace {
@@ -25,24 +26,43 @@ class MemoryRecord final : public Record {
     sort(space_);
   }
 
-  [[nodiscard]] bool contains(Index, const CheckPoint&) const override { return false; }
+  [[nodiscard]] std::vector<std::pair<Index, ConfigurationSummary>> known() const override {
+    return {};
+  }
 
-  [[nodiscard]] Configuration load(Index, const CheckPoint&) const override { return {}; }
+  void keep(Index active_node, const Configuration& found) override {
+    found_[active_node].emplace(found.check_point, found);
+  }
 
-  void keep(Index, const Configuration&) override {}
-
-  void share(Index active_node, const Configuration& found) override {
-    for (SiteSpace& site : space_.sites) {
-      if (site.site.active_node == active_node) site.configurations.push_back(found);
-    }
+  [[nodiscard]] Configuration load(Index active_node,
+                                   const ConfigurationSummary& summary) const override {
+    return found_.at(active_node).at(summary.check_point);
   }
 
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
+    Bytes mine;
+    if (communicator_.rank() != 0) {
+      for (const auto& [node, configurations] : found_) {
+        for (const auto& [check_point, c] : configurations) append(mine, node, c);
+      }
+      found_.clear();
+    }
+    std::vector<Bytes> all = communicator_.gather(mine);
     TouchSpace result;
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
-      for (SiteSpace& site : space_.sites) site.complete = complete;
-      sort(space_);
+      for (Bytes& bytes : all) {
+        for (auto& [node, c] : read_configurations(std::exchange(bytes, {}))) {
+          found_[node].emplace(c.check_point, std::move(c));
+        }
+      }
+      for (SiteSpace& site : space_.sites) {
+        site.complete = complete;
+        for (auto& [check_point, c] : found_[site.site.active_node]) {
+          site.configurations.push_back(std::move(c));
+        }
+      }
+      found_.clear();
       result = make_touch_space(space_, bound);
     });
     return result;
@@ -51,6 +71,8 @@ class MemoryRecord final : public Record {
  private:
   Communicator& communicator_;
   StateSpace space_;
+  /// By active node and check-point.
+  std::map<Index, std::map<CheckPoint, Configuration>> found_;
 };
 
 class FileRecord final : public Record {
@@ -67,12 +89,7 @@ class FileRecord final : public Record {
       }
       file_ = StateSpaceFile::open_or_create(path_, scene, solver_tolerance);
       take_over_rank_files();
-      for (const Site& site : sites_) {
-        file_->add_site(site);
-        for (Configuration& c : file_->read_summaries(site.active_node)) {
-          earlier_.emplace(std::pair(site.active_node, c.check_point), std::move(c));
-        }
-      }
+      for (const Site& site : sites_) file_->add_site(site);
     });
     agree(communicator_, [&] {
       if (communicator_.rank() == 0) return;
@@ -81,22 +98,27 @@ class FileRecord final : public Record {
     });
   }
 
-  [[nodiscard]] bool contains(Index active_node, const CheckPoint& check_point) const override {
-    return earlier_.count({active_node, check_point}) != 0;
-  }
-
-  [[nodiscard]] Configuration load(Index active_node,
-                                   const CheckPoint& check_point) const override {
-    Configuration configuration = earlier_.at({active_node, check_point});
-    file_->read_fields(active_node, configuration);
-    return configuration;
+  [[nodiscard]] std::vector<std::pair<Index, ConfigurationSummary>> known() const override {
+    std::vector<std::pair<Index, ConfigurationSummary>> all;
+    if (communicator_.rank() != 0) return all;
+    for (const Site& site : sites_) {
+      for (const Configuration& c : file_->read_summaries(site.active_node)) {
+        all.emplace_back(site.active_node, c);
+      }
+    }
+    return all;
   }
 
   void keep(Index active_node, const Configuration& found) override {
     file_->add(active_node, found);
   }
 
-  void share(Index, const Configuration&) override {}
+  [[nodiscard]] Configuration load(Index active_node,
+                                   const ConfigurationSummary& summary) const override {
+    Configuration configuration{summary, {}, {}, {}, {}};
+    file_->read_fields(active_node, configuration);
+    return configuration;
+  }
 
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
     agree(communicator_, [&] {
@@ -154,8 +176,6 @@ class FileRecord final : public Record {
   std::vector<Site> sites_;
   Communicator& communicator_;
   std::optional<StateSpaceFile> file_;
-  /// What the file held at the start, without fields; on rank 0.
-  std::map<std::pair<Index, CheckPoint>, Configuration> earlier_;
 };
 
 }  // namespace

@@ -6,8 +6,8 @@
 namespace palpate {
 namespace {
 
-/// With all pivots above this share of the greatest, the weakest mode is beyond doubt. Bodies of one
-/// material have 0.01 and more; with a smaller one it takes a solve or two to know.
+/// With all pivots above this share of the greatest, the weakest mode is beyond doubt. Bodies of
+/// one material have 0.01 and more; with a smaller one it takes a solve or two to know.
 constexpr double kDoubt = 1e-3;
 
 /// A mode whose stiffness is not known to this share has none.

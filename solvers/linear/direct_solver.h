@@ -2,6 +2,9 @@
 // What all solvers have in common: scaling, and the verdict on a matrix.
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "linear/backend.h"
 #include "linear/linear_solver.h"
 #include "linear/scaling.h"

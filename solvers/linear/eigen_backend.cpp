@@ -2,6 +2,7 @@
 #include "linear/eigen_backend.h"
 
 #include <Eigen/SparseCholesky>
+#include <utility>
 
 #include "linear/product.h"
 
@@ -16,7 +17,8 @@ class EigenBackend final : public Backend {
   void analyse(std::shared_ptr<const SymmetricPattern> pattern) override {
     pattern_ = std::move(pattern);
     ldlt_ = std::make_unique<Ldlt>();
-    ldlt_->analyzePattern(lower_triangle(*pattern_, std::vector<double>(pattern_->num_values(), 1.0)));
+    const std::vector<double> ones(pattern_->num_values(), 1.0);
+    ldlt_->analyzePattern(lower_triangle(*pattern_, ones));
   }
 
   /// Eigen cannot take an order, nor copy its solver; the order is a matter of the pattern alone.
@@ -45,7 +47,8 @@ class EigenBackend final : public Backend {
   }
 
  private:
-  using Ldlt = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>, Eigen::Lower>;
+  using Ldlt =
+      Eigen::SimplicialLDLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>, Eigen::Lower>;
 
   std::shared_ptr<const SymmetricPattern> pattern_;
   std::unique_ptr<Ldlt> ldlt_;

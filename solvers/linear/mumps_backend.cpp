@@ -143,9 +143,9 @@ class MumpsBackend final : public Backend {
     mumps_.n = plan_->size;
     mumps_.nnz = static_cast<MUMPS_INT8>(plan_->rows.size());
     // Read only, but the interface is C.
-    mumps_.irn = const_cast<MUMPS_INT*>(plan_->rows.data());         // NOLINT
-    mumps_.jcn = const_cast<MUMPS_INT*>(plan_->columns.data());      // NOLINT
-    mumps_.perm_in = const_cast<MUMPS_INT*>(plan_->order.data());    // NOLINT
+    mumps_.irn = const_cast<MUMPS_INT*>(plan_->rows.data());       // NOLINT
+    mumps_.jcn = const_cast<MUMPS_INT*>(plan_->columns.data());    // NOLINT
+    mumps_.perm_in = const_cast<MUMPS_INT*>(plan_->order.data());  // NOLINT
     run(kAnalyse, "analyse the pattern of");
   }
 
@@ -156,9 +156,9 @@ class MumpsBackend final : public Backend {
 
   [[noreturn]] void fail(const char* what) const {
     throw BackendError("MUMPS could not " + std::string(what) + " a matrix of " +
-                       std::to_string(mumps_.n) + " unknowns: INFOG(1) = " +
-                       std::to_string(mumps_.infog[0]) + ", INFOG(2) = " +
-                       std::to_string(mumps_.infog[1]) +
+                       std::to_string(mumps_.n) +
+                       " unknowns: INFOG(1) = " + std::to_string(mumps_.infog[0]) +
+                       ", INFOG(2) = " + std::to_string(mumps_.infog[1]) +
                        (mumps_.infog[0] == -13 ? " (out of memory)." : "."));
   }
 

@@ -9,6 +9,8 @@
 
 namespace palpate {
 
+class Backend;
+
 /// Jobs of the MUMPS interface.
 enum MumpsJob { kInitialise = -1, kTerminate = -2, kAnalyse = 1, kFactorise = 2, kSolve = 3 };
 
@@ -41,7 +43,6 @@ class MumpsTeam {
 };
 
 /// As make_mumps_backend(), for rank 0 of a team.
-class Backend;
 [[nodiscard]] std::unique_ptr<Backend> make_mumps_backend(std::shared_ptr<MumpsTeam> team);
 
 }  // namespace palpate

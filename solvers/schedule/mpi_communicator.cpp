@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 
@@ -15,6 +16,8 @@ namespace {
 
 /// Counts in MPI are ints; in units of eight bytes they reach to 16 GiB.
 constexpr std::int64_t kUnit = 8;
+
+constexpr int kStopTag = 1;
 
 class MpiCommunicator final : public Communicator {
  public:
@@ -33,38 +36,90 @@ class MpiCommunicator final : public Communicator {
   [[nodiscard]] int size() const override { return size_; }
 
   [[nodiscard]] std::vector<Bytes> all_gather(const Bytes& mine) override {
-    const auto my_bytes = static_cast<std::int64_t>(mine.size());
-    std::vector<std::int64_t> bytes(size_);
-    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, bytes.data(), 1, MPI_INT64_T, comm_),
-          "MPI_Allgather");
-    std::vector<int> counts(size_);
-    std::vector<int> offsets(size_);
-    std::int64_t total = 0;
+    const Layout layout = lay_out(mine);
+    const std::vector<std::int64_t> sent = to_units(mine);
+    std::vector<std::int64_t> received(layout.total);
+    check(MPI_Allgatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
+                         layout.counts.data(), layout.offsets.data(), MPI_INT64_T, comm_),
+          "MPI_Allgatherv");
+    return split(layout, received);
+  }
+
+  [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override {
+    const Layout layout = lay_out(mine);
+    const std::vector<std::int64_t> sent = to_units(mine);
+    std::vector<std::int64_t> received(rank_ == 0 ? layout.total : 0);
+    check(MPI_Gatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
+                      layout.counts.data(), layout.offsets.data(), MPI_INT64_T, 0, comm_),
+          "MPI_Gatherv");
+    return rank_ == 0 ? split(layout, received) : std::vector<Bytes>();
+  }
+
+  void ask_to_stop() override {
+    if (std::exchange(has_asked_, true)) return;
     for (int r = 0; r < size_; ++r) {
-      const std::int64_t units = (bytes[r] + kUnit - 1) / kUnit;
-      if (total + units > std::numeric_limits<int>::max()) {
+      // Of no bytes: it needs nobody who receives it now.
+      if (r != rank_) check(MPI_Send(nullptr, 0, MPI_BYTE, r, kStopTag, comm_), "MPI_Send");
+    }
+  }
+
+  [[nodiscard]] bool stop_asked() override {
+    int has_come = 0;
+    check(MPI_Iprobe(MPI_ANY_SOURCE, kStopTag, comm_, &has_come, MPI_STATUS_IGNORE), "MPI_Iprobe");
+    return has_come != 0;
+  }
+
+  void forget_stop() override {
+    const std::vector<Bytes> asked = all_gather(std::exchange(has_asked_, false) ? Bytes(1) : Bytes());
+    for (int r = 0; r < size_; ++r) {
+      if (r == rank_ || asked[r].empty()) continue;
+      check(MPI_Recv(nullptr, 0, MPI_BYTE, r, kStopTag, comm_, MPI_STATUS_IGNORE), "MPI_Recv");
+    }
+  }
+
+ private:
+  /// Where the message of each rank lies among those of all.
+  struct Layout {
+    std::vector<std::int64_t> bytes;
+    /// In units.
+    std::vector<int> counts;
+    std::vector<int> offsets;
+    std::int64_t total = 0;
+  };
+
+  [[nodiscard]] Layout lay_out(const Bytes& mine) const {
+    const auto my_bytes = static_cast<std::int64_t>(mine.size());
+    Layout layout{std::vector<std::int64_t>(size_), {}, {}, 0};
+    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, layout.bytes.data(), 1, MPI_INT64_T, comm_),
+          "MPI_Allgather");
+    for (const std::int64_t bytes : layout.bytes) {
+      const std::int64_t units = (bytes + kUnit - 1) / kUnit;
+      if (layout.total + units > std::numeric_limits<int>::max()) {
         throw BackendError("The ranks would exchange more than 16 GiB at once. Explore fewer active "
                            "nodes in one run or use a coarser mesh.");
       }
-      counts[r] = static_cast<int>(units);
-      offsets[r] = static_cast<int>(total);
-      total += units;
+      layout.counts.push_back(static_cast<int>(units));
+      layout.offsets.push_back(static_cast<int>(layout.total));
+      layout.total += units;
     }
-    std::vector<std::int64_t> sent(counts[rank_]);
-    if (!mine.empty()) std::memcpy(sent.data(), mine.data(), mine.size());
-    std::vector<std::int64_t> received(total);
-    check(MPI_Allgatherv(sent.data(), counts[rank_], MPI_INT64_T, received.data(), counts.data(),
-                         offsets.data(), MPI_INT64_T, comm_),
-          "MPI_Allgatherv");
-    std::vector<Bytes> all(size_);
-    for (int r = 0; r < size_; ++r) {
-      const auto* first = reinterpret_cast<const std::byte*>(received.data() + offsets[r]);
-      all[r].assign(first, first + bytes[r]);
+    return layout;
+  }
+
+  static std::vector<std::int64_t> to_units(const Bytes& message) {
+    std::vector<std::int64_t> units((message.size() + kUnit - 1) / kUnit);
+    if (!message.empty()) std::memcpy(units.data(), message.data(), message.size());
+    return units;
+  }
+
+  static std::vector<Bytes> split(const Layout& layout, const std::vector<std::int64_t>& units) {
+    std::vector<Bytes> all;
+    for (std::size_t r = 0; r < layout.bytes.size(); ++r) {
+      const auto* first = reinterpret_cast<const std::byte*>(units.data() + layout.offsets[r]);
+      all.emplace_back(first, first + layout.bytes[r]);
     }
     return all;
   }
 
- private:
   static void check(int status, const char* call) {
     if (status != MPI_SUCCESS) {
       throw BackendError(std::string(call) + " failed with code " + std::to_string(status) + '.');
@@ -74,6 +129,7 @@ class MpiCommunicator final : public Communicator {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
+  bool has_asked_ = false;
 };
 
 }  // namespace

@@ -48,11 +48,25 @@ struct ConfigurationSummary {
 };
 
 struct Configuration : ConfigurationSummary {
-  /// Displacement u [3 × num_points], m; empty where only the summary was read.
+  /// Displacement u [3 × num_points], m; empty where only the summary was read, and where the
+  /// transition failed.
   Eigen::VectorXd u;
   /// Sensitivity v = ∂u/∂t [3 × num_points, 3]; empty as u is.
   Eigen::MatrixXd v;
+  /// Pressures of mixed cells p [num_pressures], Pa, and ∂p/∂t [num_pressures, 3], Pa/m; empty as u
+  /// is, and where no material of the scene is mixed.
+  Eigen::VectorXd p;
+  Eigen::MatrixXd p_v;
 };
+
+/// Calls visit for each field of a configuration: u, v, p, p_v.
+template <class Fields, class Visit>
+void for_each_field(Fields& fields, Visit&& visit) {
+  visit(fields.u);
+  visit(fields.v);
+  visit(fields.p);
+  visit(fields.p_v);
+}
 
 /// The order in which configurations are kept: by check-point, then level.
 [[nodiscard]] inline bool operator<(const ConfigurationSummary& a, const ConfigurationSummary& b) {
@@ -72,6 +86,9 @@ struct Site {
   std::int32_t resolution = 0;
   /// Force limit of the device, N; 0 is none.
   double force_limit = 0;
+  /// The points of the surface patch within this distance of the active node move with it, m; 0:
+  /// the node alone.
+  double tip_radius = 0;
 
   /// Distance of neighbouring check-points, m; 0 where rest is the only one.
   [[nodiscard]] double spacing() const {

@@ -26,15 +26,24 @@ CREATE TABLE material (
   scene_id    INTEGER NOT NULL REFERENCES scene,
   material    INTEGER NOT NULL,       -- index, from 0
   law         INTEGER NOT NULL,       -- 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean,
-                                      -- 3 Mooney-Rivlin
-  parameter_0,                        -- Young's modulus, or C10, Pa
-  parameter_1,                        -- Poisson's ratio, or C01, Pa
-  parameter_2,                        -- none, or kappa, Pa
+                                      -- 3 Mooney-Rivlin, 4 Mooney-Rivlin polynomial, 5 Fung,
+                                      -- 6 neo-Hookean incompressible, 7 Mooney-Rivlin incompressible
+  formulation INTEGER NOT NULL,       -- 0 displacement, 1 mixed
+  -- Moduli in Pa; those that a law does not have are 0.
+  --   laws 0 to 2: Young's modulus, Poisson's ratio
+  --   law 3: C10, C01, kappa
+  --   law 4: kappa, C10, C01, C20, C11, C02, C30, C21, C12, C03
+  --   law 5: Young's modulus, Poisson's ratio, exponent
+  --   law 6: Young's modulus
+  --   law 7: C10, C01
+  parameter_0, parameter_1, parameter_2, parameter_3, parameter_4,
+  parameter_5, parameter_6, parameter_7, parameter_8, parameter_9,
   PRIMARY KEY (scene_id, material)
 );
 CREATE TABLE site (
   scene_id    INTEGER NOT NULL REFERENCES scene,
   active_node INTEGER NOT NULL,       -- point of the mesh, from 0
+  tip_radius,                         -- the surface within it moves with the node, m; 0: it alone
   half_width,                         -- of the box of check-points, m
   resolution  INTEGER NOT NULL,       -- check-points along an axis
   force_limit,                        -- N; 0: none
@@ -63,9 +72,13 @@ CREATE TABLE configuration (
   iterations  INTEGER NOT NULL,
   seconds,
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
-                                      -- that of v
+                                      -- that of v, and so on for p and p_v
+  -- The fields: NULL where the transition failed.
   u           BLOB,                   -- float64 [num_points x 3], displacement, m
   v           BLOB,                   -- float64 [3 x num_points x 3], du/dt_x, du/dt_y, du/dt_z
+  p           BLOB,                   -- float64 [num_pressures], of mixed cells, Pa; NULL also where
+                                      -- no material is mixed
+  p_v         BLOB,                   -- float64 [3 x num_pressures], dp/dt_x, dp/dt_y, dp/dt_z
   PRIMARY KEY (scene_id, active_node, i, j, k, level)
 );
 )sql";

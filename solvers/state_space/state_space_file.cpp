@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <optional>
 #include <sstream>
 #include <system_error>
+#include <type_traits>
 
 #include "base/error.h"
 #include "state_space/schema.sql.h"
@@ -36,11 +38,14 @@ constexpr int kPageSize = 16384;
 
 std::string quoted(const fs::path& path) { return '\'' + path.string() + '\''; }
 
+/// The shortest text that reads back as the same number.
 std::string number(double value) {
-  std::ostringstream text;
-  text.precision(17);
-  text << value;
-  return text.str();
+  for (int digits = 6;; ++digits) {
+    std::ostringstream text;
+    text.precision(digits);
+    text << value;
+    if (digits == 17 || std::strtod(text.str().c_str(), nullptr) == value) return text.str();
+  }
 }
 
 /// The first bytes of the file, as SQLite's file format defines them.
@@ -198,6 +203,7 @@ constexpr char kSummaryColumns[] =
     "stiffness_zx, stiffness_zy, stiffness_zz, outcome, flags, residual, minimum_det_f, "
     "negative_pivots, iterations, seconds";
 constexpr int kNumSummaryColumns = 30;
+constexpr char kFieldColumns[] = "u, v, p, p_v";
 
 constexpr char kAtKey[] =
     " WHERE scene_id = 1 AND active_node = ? AND i = ? AND j = ? AND k = ? AND level = ?";
@@ -218,13 +224,29 @@ struct TakeNumber {
   void operator()(Outcome& x) const { x = static_cast<Outcome>(statement.take_integer()); }
 };
 
-std::int64_t checksum(const void* u, std::size_t u_bytes, const void* v, std::size_t v_bytes) {
-  return static_cast<std::int64_t>(
-      XXH3_64bits_withSeed(v, v_bytes, XXH3_64bits_withSeed(u, u_bytes, 0)));
+/// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
+using Fields = std::array<Statement::Blob, 4>;
+
+Fields blobs_of(const Configuration& c) {
+  const auto blob = [](const auto& field) {
+    const auto size = static_cast<std::size_t>(field.size());
+    return Statement::Blob{size == 0 ? nullptr : field.data(), size * sizeof(double)};
+  };
+  return {blob(c.u), blob(c.v), blob(c.p), blob(c.p_v)};
 }
 
-std::size_t num_bytes(Eigen::Index doubles) {
-  return static_cast<std::size_t>(doubles) * sizeof(double);
+std::int64_t checksum(const Fields& fields) {
+  XXH64_hash_t sum = 0;
+  for (const auto& [data, bytes] : fields) sum = XXH3_64bits_withSeed(data, bytes, sum);
+  return static_cast<std::int64_t>(sum);
+}
+
+/// Whether they are those of a body with so many points; p may have any length.
+bool fit(const Fields& fields, std::int64_t num_points) {
+  const auto& [u, v, p, p_v] = fields;
+  const std::size_t of_points = static_cast<std::size_t>(num_points) * 3 * sizeof(double);
+  return (u.bytes == 0 || u.bytes == of_points) && (v.bytes == 0 || v.bytes == 3 * of_points) &&
+         p.bytes % sizeof(double) == 0 && p_v.bytes == 3 * p.bytes;
 }
 
 std::string describe(const CheckPoint& c) {
@@ -246,10 +268,13 @@ void write_scene(const Database& database, const Scene& scene, double solver_tol
   bind_array(insert, scene.fixed);
   bind_array(insert, scene.touchable);
   insert.run();
-  Statement insert_material(database, "INSERT INTO material VALUES (1, ?, ?, ?, ?, ?)");
+  static_assert(max_parameters == 10, "as the columns of the table");
+  Statement insert_material(database,
+                            "INSERT INTO material VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     insert_material.bind(static_cast<std::int64_t>(m));
     insert_material.bind(static_cast<std::int64_t>(scene.materials[m].law));
+    insert_material.bind(static_cast<std::int64_t>(scene.materials[m].formulation));
     for (double p : scene.materials[m].parameters) insert_material.bind(p);
     insert_material.run();
   }
@@ -402,13 +427,19 @@ Scene StateSpaceFile::read_scene() const {
   scene.touchable = take_array<char>(select, num_points, database, "touchable");
 
   Statement materials(database,
-                      "SELECT law, parameter_0, parameter_1, parameter_2 FROM material WHERE "
-                      "scene_id = 1 ORDER BY material");
+                      "SELECT law, formulation, parameter_0, parameter_1, parameter_2, "
+                      "parameter_3, parameter_4, parameter_5, parameter_6, parameter_7, "
+                      "parameter_8, parameter_9 FROM material WHERE scene_id = 1 ORDER BY material");
   while (materials.step()) {
     Material material;
     const std::int64_t law = materials.take_integer();
     if (law < 0 || law >= num_laws) throw_damaged(database.path(), "an unknown law");
     material.law = static_cast<Law>(law);
+    const std::int64_t formulation = materials.take_integer();
+    if (formulation != 0 && formulation != 1) {
+      throw_damaged(database.path(), "an unknown formulation");
+    }
+    material.formulation = static_cast<Formulation>(formulation);
     for (double& p : material.parameters) p = materials.take_double();
     scene.materials.push_back(material);
   }
@@ -428,20 +459,22 @@ void StateSpaceFile::add_site(const Site& site) {
   for (const SiteSpace& there : read_sites()) {
     const Site& other = there.site;
     if (other.active_node != site.active_node) continue;
-    if (other.half_width == site.half_width && other.resolution == site.resolution &&
-        other.force_limit == site.force_limit) {
+    if (other.tip_radius == site.tip_radius && other.half_width == site.half_width &&
+        other.resolution == site.resolution && other.force_limit == site.force_limit) {
       return;
     }
     const auto grid = [](const Site& s) {
-      return "half-width " + number(s.half_width) + " m, resolution " +
-             std::to_string(s.resolution) + ", force limit " + number(s.force_limit) + " N";
+      return "tip radius " + number(s.tip_radius) + " m, half-width " + number(s.half_width) +
+             " m, resolution " + std::to_string(s.resolution) + ", force limit " +
+             number(s.force_limit) + " N";
     };
     throw InputError(quoted(path()) + " holds active node " + std::to_string(site.active_node) +
                      " with " + grid(other) + "; asked for was " + grid(site) +
                      ". Give another file name, or those values.");
   }
-  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, 0)");
+  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, 0)");
   insert.bind(std::int64_t{site.active_node});
+  insert.bind(site.tip_radius);
   insert.bind(site.half_width);
   insert.bind(std::int64_t{site.resolution});
   insert.bind(site.force_limit);
@@ -458,12 +491,13 @@ void StateSpaceFile::set_complete(Index active_node, bool complete) {
 
 std::vector<SiteSpace> StateSpaceFile::read_sites() const {
   Statement select(impl_->database,
-                   "SELECT active_node, half_width, resolution, force_limit, complete FROM site "
-                   "WHERE scene_id = 1 ORDER BY active_node");
+                   "SELECT active_node, tip_radius, half_width, resolution, force_limit, complete "
+                   "FROM site WHERE scene_id = 1 ORDER BY active_node");
   std::vector<SiteSpace> sites;
   while (select.step()) {
     SiteSpace& space = sites.emplace_back();
     space.site.active_node = static_cast<Index>(select.take_integer());
+    space.site.tip_radius = select.take_double();
     space.site.half_width = select.take_double();
     space.site.resolution = static_cast<std::int32_t>(select.take_integer());
     space.site.force_limit = select.take_double();
@@ -473,45 +507,32 @@ std::vector<SiteSpace> StateSpaceFile::read_sites() const {
 }
 
 void StateSpaceFile::add(Index active_node, const Configuration& configuration) {
-  const auto fits = [&](Eigen::Index size, std::int64_t columns) {
-    return size == 0 || size == 3 * columns * impl_->num_points;
-  };
-  if (!fits(configuration.u.size(), 1) || !fits(configuration.v.size(), 3)) {
+  const Fields fields = blobs_of(configuration);
+  if (!fit(fields, impl_->num_points)) {
     throw InputError("Configuration " + describe(configuration.check_point) + " of active node " +
                      std::to_string(active_node) + " has fields of another size than the " +
                      std::to_string(impl_->num_points) + " points of the body.");
   }
   if (!impl_->insert) {
     std::string parameters = "?1";
-    for (int c = 1; c < kNumSummaryColumns + 4; ++c) parameters += ", ?" + std::to_string(c + 1);
+    for (int c = 1; c < kNumSummaryColumns + 6; ++c) parameters += ", ?" + std::to_string(c + 1);
     // Through the table of sites, so that nothing is stored for a site that is not there.
     impl_->insert.emplace(impl_->database,
                           "INSERT OR REPLACE INTO configuration (scene_id, active_node, " +
-                              std::string(kSummaryColumns) + ", checksum, u, v) SELECT 1, " +
+                              std::string(kSummaryColumns) + ", checksum, " + kFieldColumns +
+                              ") SELECT 1, " +
                               parameters + " FROM site WHERE scene_id = 1 AND active_node = ?1");
   }
   Statement& insert = *impl_->insert;
   insert.bind(std::int64_t{active_node});
   for_each_number(configuration, BindNumber{insert});
-  const auto& u = configuration.u;
-  const auto& v = configuration.v;
-  insert.bind(checksum(u.data(), num_bytes(u.size()), v.data(), num_bytes(v.size())));
-  insert.bind(u.size() == 0 ? nullptr : u.data(), num_bytes(u.size()));
-  insert.bind(v.size() == 0 ? nullptr : v.data(), num_bytes(v.size()));
+  insert.bind(checksum(fields));
+  for (const auto& [data, bytes] : fields) insert.bind(data, bytes);
   insert.run();
   if (impl_->database.changes() == 0) {
     throw InputError(quoted(path()) + " has no site at active node " + std::to_string(active_node) +
                      ". Add the site first.");
   }
-}
-
-bool StateSpaceFile::contains(Index active_node, const CheckPoint& check_point,
-                              std::int32_t level) const {
-  Statement select(impl_->database, std::string("SELECT 1 FROM configuration") + kAtKey);
-  select.bind(std::int64_t{active_node});
-  for (std::int32_t x : check_point) select.bind(std::int64_t{x});
-  select.bind(std::int64_t{level});
-  return select.step();
 }
 
 std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) const {
@@ -529,7 +550,8 @@ std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) con
 
 void StateSpaceFile::read_fields(Index active_node, Configuration& configuration) const {
   const Database& database = impl_->database;
-  Statement select(database, std::string("SELECT checksum, u, v FROM configuration") + kAtKey);
+  Statement select(database, std::string("SELECT checksum, ") + kFieldColumns +
+                                 " FROM configuration" + kAtKey);
   select.bind(std::int64_t{active_node});
   for (std::int32_t x : configuration.check_point) select.bind(std::int64_t{x});
   select.bind(std::int64_t{configuration.level});
@@ -537,20 +559,21 @@ void StateSpaceFile::read_fields(Index active_node, Configuration& configuration
                             " of active node " + std::to_string(active_node);
   if (!select.step()) throw InputError(quoted(path()) + " holds no " + which + '.');
   const std::int64_t stored_checksum = select.take_integer();
-  const Statement::Blob u = select.take_blob();
-  const Statement::Blob v = select.take_blob();
-  const auto size = static_cast<std::size_t>(3 * impl_->num_points);
-  const auto fits = [&](const Statement::Blob& blob, std::size_t columns) {
-    return blob.bytes == 0 || blob.bytes == columns * size * sizeof(double);
-  };
-  if (!fits(u, 1) || !fits(v, 3) || checksum(u.data, u.bytes, v.data, v.bytes) != stored_checksum) {
+  Fields fields;
+  for (Statement::Blob& field : fields) field = select.take_blob();
+  if (!fit(fields, impl_->num_points) || checksum(fields) != stored_checksum) {
     throw_damaged(database.path(), "the fields of " + which);
   }
-  const auto rows = static_cast<Eigen::Index>(size);
-  configuration.u.resize(u.bytes == 0 ? 0 : rows);
-  configuration.v.resize(v.bytes == 0 ? 0 : rows, v.bytes == 0 ? 0 : 3);
-  if (u.bytes != 0) std::memcpy(configuration.u.data(), u.data, u.bytes);
-  if (v.bytes != 0) std::memcpy(configuration.v.data(), v.data, v.bytes);
+  auto field = fields.begin();
+  for_each_field(configuration, [&](auto& values) {
+    const auto [data, bytes] = *field++;
+    using Field = std::decay_t<decltype(values)>;
+    values = Field();
+    if (bytes == 0) return;
+    constexpr Eigen::Index columns = Field::ColsAtCompileTime == 1 ? 1 : 3;
+    values.resize(static_cast<Eigen::Index>(bytes / sizeof(double)) / columns, columns);
+    std::memcpy(values.data(), data, bytes);
+  });
 }
 
 StateSpace StateSpaceFile::read(bool with_fields) const {

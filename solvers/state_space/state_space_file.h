@@ -40,7 +40,7 @@ namespace palpate {
 /// where the disk, its space, the permissions or another writer stand in the way.
 class StateSpaceFile {
  public:
-  static constexpr int schema_version = 1;
+  static constexpr int schema_version = 2;
 
   /// Makes the file for a scene, open to append. It appears complete or not at all.
   /// @throws InputError there is such a file, or its folder is missing.
@@ -76,31 +76,29 @@ class StateSpaceFile {
   [[nodiscard]] Scene read_scene() const;
 
   /// Adds a site; nothing happens when it is there.
-  /// @throws InputError it is there with another grid or force limit.
+  /// @throws InputError it is there with another tip radius, grid or force limit.
   void add_site(const Site& site);
   void set_complete(Index active_node, bool complete);
   /// The sites without configurations, by active node.
   [[nodiscard]] std::vector<SiteSpace> read_sites() const;
 
   /// Adds a configuration to a site, in place of one with the same check-point and level.
-  /// @throws InputError there is no such site, or u or v has a size that is not the body's; both
+  /// @throws InputError there is no such site, or a field has a size that is not the body's; all
   ///   may be empty.
   void add(Index active_node, const Configuration& configuration);
-  [[nodiscard]] bool contains(Index active_node, const CheckPoint& check_point,
-                              std::int32_t level = 0) const;
 
-  /// All configurations of a site without u and v, in the order of operator<.
+  /// All configurations of a site without fields, in the order of operator<.
   [[nodiscard]] std::vector<Configuration> read_summaries(Index active_node) const;
-  /// Fills in u and v.
+  /// Fills in the fields: u, v, p and p_v.
   void read_fields(Index active_node, Configuration& configuration) const;
-  /// Everything; without u and v unless `with_fields`.
+  /// Everything; without fields unless `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
   /// Takes over sites and configurations of other files of the same scene, such as those of the
   /// ranks of a run. What is here stays, except that a configuration that converged there replaces
   /// one that did not converge here. The other files stay as they are; killed half-way, it can be
   /// done again.
-  /// @throws InputError another scene or tolerance, or another grid of the same site.
+  /// @throws InputError another scene or tolerance, or another tip or grid of the same site.
   void merge(const std::vector<std::filesystem::path>& others);
 
  private:

@@ -2,36 +2,19 @@
 #include "state_space/surface.h"
 
 #include <algorithm>
-#include <unordered_map>
 
 namespace palpate {
 namespace {
 
 using Triangle = std::array<Index, 3>;
 
-/// Ends of the edges that the midside nodes 4 … 9 lie on.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-
-std::uint64_t edge_key(Index a, Index b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 |
-         static_cast<std::uint32_t>(std::max(a, b));
-}
-
-std::vector<Triangle> split(const TetMesh& mesh, const std::vector<Triangle>& faces) {
-  std::unordered_map<std::uint64_t, Index> midside;
-  midside.reserve(static_cast<std::size_t>(mesh.num_cells()) * 2);
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    const Index* cell = mesh.cell(c);
-    for (int e = 0; e < 6; ++e) {
-      midside.emplace(edge_key(cell[kEdges[e][0]], cell[kEdges[e][1]]), cell[4 + e]);
-    }
-  }
+/// Four triangles for each quadratic face.
+std::vector<Triangle> split(const std::vector<Index>& faces) {
   std::vector<Triangle> triangles;
-  triangles.reserve(4 * faces.size());
-  for (const auto& [a, b, c] : faces) {
-    const Index ab = midside.at(edge_key(a, b));
-    const Index bc = midside.at(edge_key(b, c));
-    const Index ca = midside.at(edge_key(c, a));
+  triangles.reserve(faces.size() * 4 / 6);
+  for (std::size_t i = 0; i < faces.size(); i += 6) {
+    const Index a = faces[i], b = faces[i + 1], c = faces[i + 2];
+    const Index ab = faces[i + 3], bc = faces[i + 4], ca = faces[i + 5];
     triangles.insert(triangles.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
   }
   return triangles;
@@ -48,8 +31,8 @@ Index Surface::find(Index mesh_point) const {
 
 Surface make_surface(const TetMesh& mesh) {
   Surface surface;
-  surface.triangles = boundary_triangles(mesh);
-  if (mesh.order == ElementOrder::quadratic) surface.triangles = split(mesh, surface.triangles);
+  surface.triangles = mesh.order == ElementOrder::quadratic ? split(boundary_faces(mesh))
+                                                            : boundary_triangles(mesh);
 
   std::vector<Index> number(mesh.points.size(), -1);
   for (const Triangle& triangle : surface.triangles) {

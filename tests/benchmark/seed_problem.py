@@ -5,30 +5,40 @@ Sample run, on one core:
   PV_PLUGIN_PATH=build/lib/paraview-5.11/plugins/Palpate OPENBLAS_NUM_THREADS=1 \\
     xvfb-run -a pvbatch tests/benchmark/seed_problem.py path/to/liver_seed.vtu
 
-A liver of 978 Tet10 with 5094 unknowns, St. Venant-Kirchhoff, node 197 on 7 x 7 x 7 check-points of
-half-width 12 mm. The floor is one assembly, one factorisation and three solves a configuration, as
-measured in the same run.
+A liver of 978 Tet10 with 5094 unknowns, node 197 on 7 x 7 x 7 check-points of half-width 12 mm. The
+floor is one assembly, one factorisation and three solves a configuration, as measured in the same
+run. compare.py puts other programs beside it.
 """
 
 import argparse
+import json
+import sys
 
 from paraview import servermanager
 from paraview.simple import AssignMaterial, PrecomputeStateSpace, XMLUnstructuredGridReader
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
+LAWS = {
+    "St. Venant-Kirchhoff": {"YoungsModulus": 10e3, "PoissonsRatio": 0.45},
+    "Mooney-Rivlin": {"C10": 1293.103448275862, "C01": 431.0344827586207,
+                      "BulkModulus": 33333.33333333334},
+}
 OUTCOMES = ("converged", "not converged", "tangent not factorised", "budget used up")
 
 parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
 parser.add_argument("body", help="the .vtu file with the point arrays Fixed and Touchable")
 parser.add_argument("--half-width", type=float, default=0.012, help="m")
-parser.add_argument("--law", default="St. Venant-Kirchhoff")
+parser.add_argument("--law", choices=LAWS, default="St. Venant-Kirchhoff")
+parser.add_argument("--tip-radius", type=float, default=0.0, help="m")
 parser.add_argument("--file", default="", help=".palpate file; none: in memory")
+parser.add_argument("--json", default="", help="a file for the figures")
 arguments = parser.parse_args()
 
 body = XMLUnstructuredGridReader(FileName=[arguments.body])
-scene = AssignMaterial(Input=body, Law=arguments.law)
+scene = AssignMaterial(Input=body, Law=arguments.law, **LAWS[arguments.law])
 space = PrecomputeStateSpace(Input=scene, ActiveNodes=[197], HalfWidth=arguments.half_width,
-                             Resolution=7, FileName=arguments.file)
+                             TipRadius=arguments.tip_radius, Resolution=7,
+                             FileName=arguments.file)
 space.UpdatePipeline()
 configurations = servermanager.Fetch(space, 0).GetPartition(2, 0)
 
@@ -45,16 +55,24 @@ outcomes = vtk_to_numpy(configurations.GetPointData().GetArray("Outcome"))
 solved = figure("Solved")
 floor = figure("FloorSeconds")
 each = figure("ExplorationSeconds") * figure("Ranks") / solved
+inverted = count("Flags", 1)
+if arguments.json:
+    with open(arguments.json, "w", encoding="utf-8") as out:
+        json.dump({"unknowns": figure("Unknowns"), "solved": solved, "seconds_each": each,
+                   "floor_each": floor, "failures": int((outcomes != 0).sum()),
+                   "inverted": int(inverted)}, out)
+    sys.exit()
 print(f"unknowns                {figure('Unknowns'):.0f}")
 print(f"configurations          {solved:.0f}")
 for outcome, name in enumerate(OUTCOMES):
     print(f"  {name:22}{(outcomes == outcome).sum()}")
-print(f"  inverted              {count('Flags', 1)}")
+print(f"  inverted              {inverted}")
 print(f"ranks                   {figure('Ranks'):.0f}")
 print(f"exploration             {figure('ExplorationSeconds'):.2f} s")
 print(f"modes and output        {figure('FinishingSeconds'):.2f} s")
 print(f"a configuration         {1e3 * each:.1f} ms")
-print(f"floor of one            {1e3 * floor:.1f} ms = {1e3 * figure('AssemblySeconds'):.2f} assembly"
+print(f"floor of one            {1e3 * floor:.1f} ms"
+      f" = {1e3 * figure('AssemblySeconds'):.2f} assembly"
       f" + {1e3 * figure('FactorisationSeconds'):.2f} factorisation"
       f" + 3 x {1e3 * figure('SolveSeconds'):.2f} solve")
 print(f"ratio                   {each / floor:.2f}")

@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include "assembly/scene.h"
 #include "base/error.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
+#include "vtkDataArray.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
@@ -87,16 +91,94 @@ TEST_P(SceneAsData, OneMaterialForAllCells)
   scene.materials.resize(1);
   scene.material_of_cell.clear();
   const auto grid = vtkPalpateGridFromScene(scene);
-  EXPECT_FALSE(grid->GetCellData()->HasArray(vtkPalpateArray::C10));
+  EXPECT_FALSE(grid->GetCellData()->HasArray("C10"));
   const Scene back = vtkPalpateSceneFromGrid(grid);
   EXPECT_EQ(back.materials, scene.materials);
   EXPECT_EQ(palpate::hash(back), palpate::hash(scene));
 }
 
+/// A material of each law, then some in the formulation that does not suit them.
+std::vector<palpate::Material> AllMaterials()
+{
+  using palpate::make_material;
+  std::vector<palpate::Material> all = { make_material(Law::linear, { 1000.1, 0.3 }),
+    make_material(Law::st_venant_kirchhoff, { 1000.1, 0.3 }),
+    make_material(Law::neo_hookean, { 1000.1, 0.49 }),
+    make_material(Law::mooney_rivlin, { 100.1, 10.3, 500.7 }),
+    make_material(
+      Law::mooney_rivlin_polynomial, { 3000.7, 100.1, -10.3, 1.1, 2.2, 3.3, 4.4, 5.5, 6.6, 7.7 }),
+    make_material(Law::fung, { 1000.1, 0.3, 2.7 }),
+    make_material(Law::neo_hookean_incompressible, { 1000.1 }),
+    make_material(Law::mooney_rivlin_incompressible, { 100.1, 0 }) };
+  all.push_back(palpate::with_formulation(all[3], palpate::Formulation::mixed));
+  all.push_back(palpate::with_formulation(all[2], palpate::Formulation::displacement));
+  return all;
+}
+
+TEST_P(SceneAsData, AnyTwoMaterialsComeBackTheSame)
+{
+  const std::vector<palpate::Material> all = AllMaterials();
+  for (const palpate::Material& first : all)
+  {
+    for (const palpate::Material& second : all)
+    {
+      Scene scene = TwoTetrahedra(GetParam());
+      scene.materials = { first, second };
+      const auto grid = vtkPalpateGridFromScene(scene);
+      const Scene back = vtkPalpateSceneFromGrid(grid);
+      EXPECT_EQ(palpate::hash(back), palpate::hash(scene));
+
+      // The arrays are those that the two laws need, and no others.
+      std::set<std::string> needed = { vtkPalpateArray::Law };
+      for (const palpate::Material& material : { first, second })
+      {
+        const auto& names = palpate::parameter_names(material.law);
+        needed.insert(names.begin(), names.end());
+        if (!(palpate::make_material(material.law, material.parameters) == material))
+        {
+          needed.insert(vtkPalpateArray::Formulation);
+        }
+      }
+      std::set<std::string> present;
+      for (int i = 0; i < grid->GetCellData()->GetNumberOfArrays(); ++i)
+      {
+        present.insert(grid->GetCellData()->GetArrayName(i));
+      }
+      EXPECT_EQ(present, needed);
+    }
+  }
+}
+
+TEST_P(SceneAsData, ACellWithoutMaterialOrOfAnUnknownOneIsNamed)
+{
+  const auto error = [](const char* array, double value)
+  {
+    Scene scene = TwoTetrahedra(GetParam());
+    scene.materials[1] = palpate::with_formulation(
+      palpate::make_mooney_rivlin(100, 10, 500), palpate::Formulation::mixed);
+    const auto grid = vtkPalpateGridFromScene(scene);
+    grid->GetCellData()->GetArray(array)->SetComponent(1, 0, value);
+    try
+    {
+      static_cast<void>(vtkPalpateSceneFromGrid(grid));
+    }
+    catch (const palpate::InputError& thrown)
+    {
+      return std::string(thrown.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error(vtkPalpateArray::Law, 3), "");
+  EXPECT_EQ(error(vtkPalpateArray::Law, -1).rfind("Cell 1 has no material.", 0), 0U);
+  EXPECT_EQ(error(vtkPalpateArray::Law, 8).rfind("Cell 1 has Law 8;", 0), 0U);
+  EXPECT_EQ(error(vtkPalpateArray::Formulation, 2).rfind("Cell 1 has Formulation 2;", 0), 0U);
+  EXPECT_EQ(error("C01", -5).rfind("Material of cell 1: C01 is -5;", 0), 0U);
+}
+
 TEST_P(SceneAsData, NamesTheArrayThatIsMissing)
 {
-  for (const char* name : { vtkPalpateArray::Law, vtkPalpateArray::PoissonsRatio,
-         vtkPalpateArray::BulkModulus, vtkPalpateArray::Fixed })
+  for (const char* name :
+    { vtkPalpateArray::Law, "PoissonsRatio", "BulkModulus", vtkPalpateArray::Fixed })
   {
     const auto grid = vtkPalpateGridFromScene(TwoTetrahedra(GetParam()));
     grid->GetCellData()->RemoveArray(name);

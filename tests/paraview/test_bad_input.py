@@ -119,6 +119,35 @@ def test_material_out_of_range(bad):
     bad.fails("C01", "-4", material={**mooney_rivlin, "C01": -4})
     bad.fails("C10 + C01", material={**mooney_rivlin, "C10": 0, "C01": 0})
     bad.fails("bulk modulus", "-7", material={**mooney_rivlin, "BulkModulus": -7})
+    for value in (-5, 0, math.nan):
+        bad.fails("Exponent", f"{value:g}", material={"Law": "Fung", "Exponent": value})
+    bad.fails("Poisson's ratio", "0.5", material={"Law": "Fung", "PoissonsRatio": 0.5})
+    bad.fails("Young's modulus", "-5", material={"Law": "Neo-Hookean incompressible",
+                                                 "YoungsModulus": -5})
+    bad.fails("C10 + C01", material={"Law": "Mooney-Rivlin incompressible", "C10": 0, "C01": 0})
+
+
+def test_coefficients(bad):
+    def fails(coefficients, *words, **settings):
+        bad.fails(*words, material={"Law": "Mooney-Rivlin polynomial",
+                                    "Coefficients": coefficients, **settings})
+
+    fails([], "Coefficients", "empty")
+    for r, s in ((2, 2), (0, 0), (4, 0), (-1, 2), (1.5, 1), (math.nan, 1)):
+        fails([1, 0, 500, r, s, 10], "Coefficients", f"r = {r:g}", f"s = {s:g}")
+    fails([1, 0, 500, 2, 1, 10, 2, 1, 10], "Coefficients", "C21", "twice")
+    fails([1, 0, 500, 2, 1, math.nan], "C21", "nan")
+    fails([2, 0, 500], "C10 + C01")
+    fails([1, 0, 500], "bulk modulus", "-7", BulkModulus=-7)
+
+
+def test_formulation(bad):
+    for law in ("Neo-Hookean incompressible", "Mooney-Rivlin incompressible"):
+        bad.fails("Formulation", "Displacement", law,
+                  material={"Law": law, "Formulation": "Displacement"})
+    for law in LAWS_WITH_MODULUS:
+        bad.fails("Formulation", "Mixed", "Poisson's ratio", "-0.1",
+                  material={"Law": law, "PoissonsRatio": -0.1, "Formulation": "Mixed"})
 
 
 def test_material_of_a_calculator(bad):
@@ -127,8 +156,10 @@ def test_material_of_a_calculator(bad):
     for array, value, words in (
             ("YoungsModulus", "-1", ("cell 0", "Young's modulus")),
             ("PoissonsRatio", "0.5", ("cell 0", "Poisson's ratio")),
-            ("Law", "7", ("Cell 0", "Law 7")),
-            ("Law", "3", ("cell 0", "C10", "Assign Material"))):
+            ("Law", "8", ("Cell 0", "Law 8")),
+            ("Law", "3", ("cell 0", "C10", "Assign Material")),
+            ("Law", "5", ("cell 0", "Exponent", "Assign Material")),
+            ("Formulation", "2", ("Cell 0", "Formulation 2"))):
         changed = Calculator(Input=material, AttributeType="Cell Data", ResultArrayName=array,
                              Function=value)
         boundary = SetBoundary(Input=changed, FixedRegion="Plane")

@@ -8,8 +8,31 @@ from support import (Messages, box_body, cell_array, expect_silence, fetch, fiel
                      point_array, source)
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkIntArray
 
-LINEAR, ST_VENANT_KIRCHHOFF, NEO_HOOKEAN, MOONEY_RIVLIN = range(4)
+LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
+        "Mooney-Rivlin polynomial", "Fung", "Neo-Hookean incompressible",
+        "Mooney-Rivlin incompressible")
 NO_LAW = -1
+DISPLACEMENT, MIXED = range(2)
+# The settings of a material and the cell arrays that come of them.
+MATERIALS = {
+    "Linear": ({"YoungsModulus": 2000, "PoissonsRatio": 0.3},
+               {"YoungsModulus": 2000, "PoissonsRatio": 0.3}),
+    "St. Venant-Kirchhoff": ({"YoungsModulus": 3000, "PoissonsRatio": 0.2},
+                             {"YoungsModulus": 3000, "PoissonsRatio": 0.2}),
+    "Neo-Hookean": ({"YoungsModulus": 4000, "PoissonsRatio": 0.49},
+                    {"YoungsModulus": 4000, "PoissonsRatio": 0.49}),
+    "Mooney-Rivlin": ({"C10": 700, "C01": 70, "BulkModulus": 9000},
+                      {"C10": 700, "C01": 70, "BulkModulus": 9000}),
+    "Mooney-Rivlin polynomial": (
+        {"Coefficients": [0, 1, -20, 1, 0, 500, 2, 1, 30, 0, 3, 40], "BulkModulus": 8000},
+        {"C10": 500, "C01": -20, "C20": 0, "C11": 0, "C02": 0, "C30": 0, "C21": 30, "C12": 0,
+         "C03": 40, "BulkModulus": 8000}),
+    "Fung": ({"YoungsModulus": 5000, "PoissonsRatio": 0.4, "Exponent": 2.5},
+             {"YoungsModulus": 5000, "PoissonsRatio": 0.4, "Exponent": 2.5}),
+    "Neo-Hookean incompressible": ({"YoungsModulus": 6000}, {"YoungsModulus": 6000}),
+    "Mooney-Rivlin incompressible": ({"C10": 800, "C01": 80}, {"C10": 800, "C01": 80}),
+}
+PARAMETERS = sorted({name for _, arrays in MATERIALS.values() for name in arrays})
 
 
 def body_with_regions():
@@ -39,14 +62,17 @@ def test_every_property(body):
     settings = {
         AssignMaterial: {
             "Law": "Mooney-Rivlin", "YoungsModulus": 5000.0, "PoissonsRatio": 0.3, "C10": 900.0,
-            "C01": 100.0, "BulkModulus": 2e4, "RegionArray": "Part", "RegionValue": 1.0},
+            "C01": 100.0, "BulkModulus": 2e4, "Exponent": 3.0,
+            "Coefficients": [1.0, 0.0, 500.0, 2.0, 1.0, 30.0], "Formulation": "Mixed",
+            "RegionArray": "Part", "RegionValue": 1.0},
         SetBoundary: {
             "FixedBy": "Array", "TouchableBy": "Region", "FixedRegion": "Cylinder",
             "TouchableRegion": "Box", "FixedArray": "Inlet", "TouchableArray": "Inlet",
             "FixedSelection": selection, "TouchableSelection": selection},
         SolveEquilibrium: {
-            "ActiveNode": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "Tolerance": 1e-8,
-            "MaximumIterations": 20, "MaximumSeconds": 5.0, "LinearSolver": "Automatic"},
+            "ActiveNode": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
+            "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0,
+            "LinearSolver": "Automatic"},
     }
     for proxy, values in settings.items():
         filtered = proxy(Input=body, **values)
@@ -62,18 +88,21 @@ def test_every_property(body):
                 assert list(got) == value, (name, got)
             else:
                 assert got == value, (name, got)
-    for law in ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin"):
+    for law in LAWS:
         assert AssignMaterial(Input=body, Law=law).Law == law
+    for formulation in ("Automatic", "Displacement", "Mixed"):
+        assert AssignMaterial(Input=body, Formulation=formulation).Formulation == formulation
+    assert AssignMaterial(Input=body).Formulation == "Automatic"
     for chooser in ("Region", "Array", "Selection", "Surface"):
         assert SetBoundary(Input=body, TouchableBy=chooser).TouchableBy == chooser
 
 
 def test_material_of_the_whole_body(body):
     grid = expect_silence(lambda: fetch(AssignMaterial(Input=body)))
-    assert set(cell_array(grid, "Law")) == {ST_VENANT_KIRCHHOFF}
+    assert set(cell_array(grid, "Law")) == {LAWS.index("St. Venant-Kirchhoff")}
     assert set(cell_array(grid, "YoungsModulus")) == {10000}
     assert set(cell_array(grid, "PoissonsRatio")) == {0.45}
-    for unused in ("C10", "C01", "BulkModulus"):
+    for unused in ("C10", "C01", "BulkModulus", "Formulation"):
         assert not grid.GetCellData().HasArray(unused)
 
     soft = AssignMaterial(Input=body)
@@ -90,17 +119,92 @@ def test_material_by_region(body):
                           RegionValue=0)
     grid = fetch(left)
     part = cell_array(grid, "Part")
-    assert (cell_array(grid, "Law") == numpy.where(part == 0, NEO_HOOKEAN, NO_LAW)).all()
+    neo_hookean, mooney_rivlin = map(LAWS.index, ("Neo-Hookean", "Mooney-Rivlin"))
+    assert (cell_array(grid, "Law") == numpy.where(part == 0, neo_hookean, NO_LAW)).all()
 
     # 0.2 in single precision is not 0.2.
     both = AssignMaterial(Input=left, Law="Mooney-Rivlin", C10=700, RegionArray="Share",
                           RegionValue=0.2)
     grid = expect_silence(lambda: fetch(both))
-    assert (cell_array(grid, "Law") == numpy.where(part == 0, NEO_HOOKEAN, MOONEY_RIVLIN)).all()
+    assert (cell_array(grid, "Law") == numpy.where(part == 0, neo_hookean, mooney_rivlin)).all()
     assert (cell_array(grid, "YoungsModulus") == numpy.where(part == 0, 2000, 0)).all()
     assert (cell_array(grid, "PoissonsRatio") == numpy.where(part == 0, 0.45, 0)).all()
     assert (cell_array(grid, "C10") == numpy.where(part == 0, 0, 700)).all()
     assert not fetch(left).GetCellData().HasArray("C10"), "the input of a filter has changed"
+
+
+def expect_material(grid, cells, law, arrays):
+    """The cells have the law and, of all arrays of parameters that are there, these values."""
+    assert set(cell_array(grid, "Law")[cells]) == {LAWS.index(law)}, law
+    for name in PARAMETERS:
+        if grid.GetCellData().HasArray(name):
+            assert set(cell_array(grid, name)[cells]) == {arrays.get(name, 0)}, (law, name)
+        else:
+            assert name not in arrays, (law, name)
+
+
+def test_every_law(body):
+    whole = numpy.ones(fetch(body).GetNumberOfCells(), bool)
+    for law, (settings, arrays) in MATERIALS.items():
+        grid = expect_silence(lambda: fetch(AssignMaterial(Input=body, Law=law, **settings)))
+        expect_material(grid, whole, law, arrays)
+        present = {name for name in PARAMETERS if grid.GetCellData().HasArray(name)}
+        assert present == set(arrays), (law, present)
+        assert not grid.GetCellData().HasArray("Formulation"), law
+
+
+def test_different_laws_in_one_body(body):
+    left = cell_array(fetch(body), "Part") == 0
+    for first, (first_settings, first_arrays) in MATERIALS.items():
+        one = AssignMaterial(Input=body, Law=first, RegionArray="Part", RegionValue=0,
+                             **first_settings)
+        for second, (second_settings, second_arrays) in MATERIALS.items():
+            both = AssignMaterial(Input=one, Law=second, RegionArray="Part", RegionValue=1,
+                                  **second_settings)
+            grid = expect_silence(lambda: fetch(both))
+            expect_material(grid, left, first, first_arrays)
+            expect_material(grid, ~left, second, second_arrays)
+            present = {name for name in PARAMETERS if grid.GetCellData().HasArray(name)}
+            assert present == set(first_arrays) | set(second_arrays), (first, second, present)
+            assert not grid.GetCellData().HasArray("Formulation")
+
+
+def test_formulation(body):
+    """An array where, and only where, it is not the automatic one."""
+    def formulation(**settings):
+        grid = expect_silence(lambda: fetch(AssignMaterial(Input=body, **settings)))
+        has = grid.GetCellData().HasArray("Formulation")
+        return set(cell_array(grid, "Formulation")) if has else None
+
+    for law, (settings, _) in MATERIALS.items():
+        nearly = law == "Neo-Hookean" or law.endswith("incompressible")
+        assert formulation(Law=law, Formulation="Automatic", **settings) is None
+        assert formulation(Law=law, Formulation="Mixed", **settings) == (
+            None if nearly else {MIXED})
+        if not law.endswith("incompressible"):
+            assert formulation(Law=law, Formulation="Displacement", **settings) == (
+                {DISPLACEMENT} if nearly else None)
+
+    # Region by region: the array comes with the first cell that needs it and goes with the last.
+    left = cell_array(fetch(body), "Part") == 0
+    nearly = AssignMaterial(Input=body, Law="Neo-Hookean incompressible", RegionArray="Part",
+                            RegionValue=0)
+    assert not fetch(nearly).GetCellData().HasArray("Formulation")
+    mixed = AssignMaterial(Input=nearly, Law="Fung", Formulation="Mixed", RegionArray="Part",
+                           RegionValue=1)
+    assert set(cell_array(fetch(mixed), "Formulation")) == {MIXED}
+    locking = AssignMaterial(Input=mixed, PoissonsRatio=0.49, Formulation="Displacement",
+                             RegionArray="Part", RegionValue=0)
+    assert (cell_array(fetch(locking), "Formulation") == numpy.where(left, DISPLACEMENT, MIXED)).all()
+    last = AssignMaterial(Input=locking, PoissonsRatio=0.49, RegionArray="Part", RegionValue=0)
+    assert set(cell_array(fetch(last), "Formulation")) == {MIXED}
+    none = AssignMaterial(Input=last, RegionArray="Part", RegionValue=1)
+    assert not expect_silence(lambda: fetch(none)).GetCellData().HasArray("Formulation")
+
+    # A region without a material has no formulation of its own.
+    alone = fetch(AssignMaterial(Input=body, Formulation="Mixed", RegionArray="Part",
+                                 RegionValue=1))
+    assert (cell_array(alone, "Formulation") == numpy.where(left, 0, MIXED)).all()
 
 
 def fixed_points(body, **settings):
@@ -211,6 +315,21 @@ def test_road(body):
                                   ResultArrayName="YoungsModulus",
                                   Function="YoungsModulus * 3"))
     assert 0 < plain < stiffer, (plain, stiffer)
+
+
+def test_laws_beside_each_other_solve(body):
+    """Compressible, nearly and fully incompressible parts of one body."""
+    for left, right in zip(LAWS, LAWS[-1:] + LAWS[:-1]):
+        material = AssignMaterial(Input=body, Law=left, RegionArray="Part", RegionValue=0,
+                                  **MATERIALS[left][0])
+        material = AssignMaterial(Input=material, Law=right, RegionArray="Part", RegionValue=1,
+                                  **MATERIALS[right][0])
+        boundary = SetBoundary(Input=material, FixedBy="Array", FixedArray="Inlet")
+        node = int(numpy.argmin(numpy.linalg.norm(places(fetch(boundary)) - [0.2, 0.1, 0.1], axis=1)))
+        solved = expect_silence(lambda: fetch(SolveEquilibrium(
+            Input=boundary, ActiveNode=[node], Displacement=[0.005, 0, 0])))
+        assert field(solved, "Outcome")[0] == 0, (left, right)
+        assert field(solved, "ReactionForce")[0][0] > 0, (left, right)
 
 
 if __name__ == "__main__":

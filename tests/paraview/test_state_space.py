@@ -18,10 +18,11 @@ NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)
 
 
 def test_every_property():
-    space = PrecomputeStateSpace(Input=scene("every"), ActiveNodes=[1, 2], HalfWidth=0.02,
-                                 Resolution=5, ForceLimit=3, FileName="every.palpate",
-                                 SolverTolerance=1e-9, MaximumSeconds=60, DisplacementBound=1e-2)
-    assert list(space.ActiveNodes) == [1, 2]
+    space = PrecomputeStateSpace(Input=scene("every"), ActiveNodes=[1, 2], TipRadius=0.01,
+                                 HalfWidth=0.02, Resolution=5, ForceLimit=3,
+                                 FileName="every.palpate", SolverTolerance=1e-9,
+                                 MaximumSeconds=60, DisplacementBound=1e-2)
+    assert list(space.ActiveNodes) == [1, 2] and space.TipRadius == 0.01
     assert (space.HalfWidth, space.Resolution, space.ForceLimit) == (0.02, 5, 3)
     assert space.FileName == "every.palpate"
     assert (space.SolverTolerance, space.DisplacementBound) == (1e-9, 1e-2)
@@ -104,6 +105,37 @@ def test_touch_against_exact_solves():
     assert numpy.mean(errors["Trilinear"]) < 0.1
     assert numpy.mean(errors["Energy Hermite"]) < 0.1 * numpy.mean(errors["Trilinear"])
     assert max(field_errors) < 0.01 * 0.035
+
+
+def test_tip():
+    """What a tip touches: the file, its reader and the stock writer know the radius."""
+    boundary = scene("tip")
+    node = node_at(boundary, CORNER)
+    settings = {"TipRadius": 0.03, "Resolution": 3, "HalfWidth": 0.01}
+    space = precompute(boundary, [node], FileName="tip.palpate", **settings)
+    blocks = fetch_space(space)
+    arrays = arrays_of(blocks["Configurations"].GetPointData())
+    assert field(blocks["Configurations"], "TipRadius")[0] == 0.03
+    for i in (0, 9, 26):
+        exact = fetch(SolveEquilibrium(Input=boundary, ActiveNode=[node], TipRadius=0.03,
+                                       Displacement=list(arrays["Displacement"][i])))
+        assert numpy.allclose(field(exact, "ReactionForce")[0], arrays["Force"][i], rtol=1e-6)
+    reader = StateSpaceReader(FileName="tip.palpate")
+    SaveData("tip.vtpc", proxy=space, DataMode="Binary")
+    for other in (reader, OpenDataFile(os.path.abspath("tip.vtpc"))):
+        assert field(fetch_space(other)["Configurations"], "TipRadius")[0] == 0.03
+        touch = TouchStateSpace(Input=other, Displacement=list(arrays["Displacement"][9]))
+        assert numpy.allclose(field(fetch(touch), "Force")[0], arrays["Force"][9], rtol=1e-9)
+    # Another radius is another site.
+    space.TipRadius = 0
+    expect_error(space.UpdatePipeline, "tip.palpate", "tip radius 0.03", "tip radius 0 ")
+    space.FileName = ""
+    assert field(fetch_space(space)["Configurations"], "TipRadius")[0] == 0
+    stiffer = arrays["Energy"] > arrays_of(
+        fetch_space(space)["Configurations"].GetPointData())["Energy"]
+    assert stiffer.sum() == 26
+    expect_error(lambda: precompute(boundary, [node], TipRadius=0.3).UpdatePipeline(), "fixed",
+                 str(node))
 
 
 def test_touch_is_exact_at_check_points_and_goes_on_outside():

@@ -51,7 +51,7 @@ class Elements {
       gradients_.push_back(random.uniform(-1, 1));
     }
     for (int i = 0; i < num_weights; ++i) weights_.push_back(random.uniform(0, 1));
-    const int num_parameters = num_constants + (mixed_ ? 2 : 0);
+    const int num_parameters = num_constants + (mixed_ ? 3 : 0);
     for (int i = 0; i < num_parameters * (homogeneous ? 1 : kPackets * kPacketSize); ++i) {
       parameters_.push_back(random.uniform(1, 2));
     }
@@ -83,8 +83,8 @@ class Elements {
   Results run(const Kernels& kernels) const {
     const ElementGroupView view{kPackets,         nodes_.data(),    gradients_.data(),
                                 weights_.data(),  parameters_.data(), homogeneous_,
-                                targets_.data(),  pressures_.data(),  1.5,
-                                coupling_targets_.data(), pressure_targets_.data()};
+                                targets_.data(),  pressures_.data(),  coupling_targets_.data(),
+                                pressure_targets_.data()};
     Results r;
     r.force.resize(u_.size());
     r.force_of_tangent.resize(u_.size());

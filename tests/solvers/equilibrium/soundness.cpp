@@ -14,6 +14,9 @@ namespace {
 /// Of a component of the residual, in shares of Σ|K_ij| times the largest displacement. A solver
 /// that measures by the mean row leaves more where a body has parts of different stiffness.
 constexpr double kResidual = 1e-6;
+/// Newton step from a solution, in shares of the displacement of the sites: what the residual of each
+/// row does not show, such as the net force on a stiff part that is free to move.
+constexpr double kDisplacement = 1e-6;
 /// Of det F, which is computed here by another order of operations; times the size of ∇u cubed.
 constexpr double kDetF = 1e-9;
 
@@ -57,6 +60,8 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
     require(((state.flags & flags::unstable) != 0) == (state.negative_pivots > 0), "there are ",
             state.negative_pivots, " negative pivots and the flag 'unstable' says otherwise");
   }
+  require(state.outcome != Outcome::converged || state.displacement_error <= kDisplacement,
+          "converged, though a Newton step would move it by ", state.displacement_error);
   require(state.p.size() == assembly.num_pressures(), "there are ", state.p.size(),
           " pressures in place of ", assembly.num_pressures());
   if (!result.empty() || state.outcome == Outcome::tangent_not_factorised) return result;

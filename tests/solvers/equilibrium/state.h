@@ -9,8 +9,8 @@ namespace palpate::test {
 inline NodalVector state_of(const Assembly& assembly, const Equilibrium& equilibrium) {
   NodalVector state(assembly.state_size());
   state.head(equilibrium.u.size()) = equilibrium.u;
-  if (assembly.num_pressures() > 0) {
-    state.tail(assembly.num_pressures()) = equilibrium.p / assembly.pressure_scale();
+  for (Index i = 0; i < assembly.num_pressures(); ++i) {
+    state[equilibrium.u.size() + i] = equilibrium.p[i] / assembly.pressure_scale()[i];
   }
   return state;
 }

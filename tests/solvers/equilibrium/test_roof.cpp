@@ -26,10 +26,10 @@
 namespace palpate::test {
 namespace {
 
-/// Greatest load before the first fall, N, and the deflection there, m: of the tables 9 of Sze, Liu
-/// & Lo (P/Pmax = 0.7421 at 11.293 mm and 0.1953 at 12.892 mm, Pmax = 3000 N), as quoted by the
-/// validation notebooks of the code "panels" (S. Castro). The largest of tabulated points: the
-/// curve's own maximum is a little higher, at a place that is a little uncertain.
+/// The tabulated point with the greatest load before the first fall, N and m: of the tables 9 of Sze,
+/// Liu & Lo (P/Pmax = 0.7421 at 11.293 mm and 0.1953 at 12.892 mm, Pmax = 3000 N), as quoted by the
+/// validation notebooks of the code "panels" (S. Castro). The curve's own maximum may be a little
+/// higher, at a place that so flat a maximum leaves open.
 struct LimitPoint {
   double load;
   double deflection;
@@ -37,7 +37,6 @@ struct LimitPoint {
 constexpr LimitPoint kThick{0.7421 * 3000, 11.293e-3};
 constexpr LimitPoint kThin{0.1953 * 3000, 12.892e-3};
 constexpr double kLoadAccuracy = 0.025;
-constexpr double kDeflectionAccuracy = 0.05;
 
 /// The thin roof beyond its limit point, read from the curves in the literature, which agree to the
 /// width of their lines: where the deflection turns, m, and the least load, N.
@@ -46,27 +45,30 @@ constexpr double kTurnsOn = 14.5e-3;
 constexpr double kLeastLoad = -380;
 constexpr double kCurveAccuracy = 0.05;
 
+/// Forces across the planes of symmetry; where the roof is not stable they grow from rounding.
+constexpr double kSymmetry = 1e-4;
+
 /// To a deflection beyond all of it, m.
 constexpr double kWay = 0.03;
 
 class HingedRoof : public testing::Test {
  protected:
-  void make(double thickness) {
+  void make(double thickness, int cells = 6, const EquilibriumOptions& solving = {}) {
     RoofOptions options;
     options.thickness = thickness;
-    options.cells_arc = options.cells_length = 6;
+    options.cells_arc = options.cells_length = cells;
     Roof roof = make_roof(options);
     centre_ = roof.centre;
     solver_ = std::make_unique<EquilibriumSolver>(
         make_scene(std::move(roof.mesh),
                    make_isotropic(Law::st_venant_kirchhoff, 3102.75e6, 0.3), roof.fixed),
-        EquilibriumOptions{});
+        solving);
     solver_->hold(centre_);
   }
 
   Path trace() {
     PathOptions options;
-    options.first_step = 0.02;
+    options.first_step = 0.025;
     Path path = solver_->trace(Vec3(0, 0, -kWay), solver_->rest(), options);
     EXPECT_EQ(path.end.outcome, Outcome::converged) << path.end.message;
     EXPECT_DOUBLE_EQ(path.points.back().way, 1);
@@ -83,23 +85,20 @@ class HingedRoof : public testing::Test {
     return i;
   }
 
-  /// Of the parabola through the limit of load and its neighbours.
-  static LimitPoint limit_point(const Path& path) {
-    const std::size_t i = limit_of_load(path);
-    const double x0 = path.points[i - 1].way, x1 = path.points[i].way, x2 = path.points[i + 1].way;
-    const double y0 = load(path.points[i - 1]), y1 = load(path.points[i]),
-                 y2 = load(path.points[i + 1]);
-    const double first = (y1 - y0) / (x1 - x0);
-    const double second = ((y2 - y1) / (x2 - x1) - first) / (x2 - x0);
-    const double x = (x0 + x1 - first / second) / 2;
-    return {y0 + first * (x - x0) + second * (x - x0) * (x - x1), kWay * x};
+  /// On the way down to the first turn.
+  static double load_at(const Path& path, double deflection) {
+    std::size_t i = 1;
+    while (kWay * path.points[i].way < deflection) ++i;
+    const PathPoint& a = path.points[i - 1];
+    const PathPoint& b = path.points[i];
+    return load(a) + (load(b) - load(a)) * (deflection / kWay - a.way) / (b.way - a.way);
   }
 
   static void expect_limit_point(const Path& path, const LimitPoint& published) {
-    const LimitPoint found = limit_point(path);
-    EXPECT_NEAR(found.load, published.load, kLoadAccuracy * published.load);
-    EXPECT_NEAR(found.deflection, published.deflection,
-                kDeflectionAccuracy * published.deflection);
+    EXPECT_NEAR(load(path.points[limit_of_load(path)]), published.load,
+                kLoadAccuracy * published.load);
+    EXPECT_NEAR(load_at(path, published.deflection), published.load,
+                kLoadAccuracy * published.load);
   }
 
   /// What holds along every path: the mesh is its own mirror image, so the path is; and the load is
@@ -110,7 +109,7 @@ class HingedRoof : public testing::Test {
     for (std::size_t i = 1; i < path.points.size(); ++i) {
       const PathPoint& point = path.points[i];
       largest = std::max(largest, std::abs(load(point)));
-      EXPECT_LT(point.reaction.head<2>().norm(), 1e-6 * largest);
+      EXPECT_LT(point.reaction.head<2>().norm(), kSymmetry * largest);
       EXPECT_GT(point.minimum_det_f, 0.9);
       work += (load(point) + load(path.points[i - 1])) / 2 *
               (point.way - path.points[i - 1].way) * kWay;
@@ -174,32 +173,47 @@ TEST_F(HingedRoof, SnapsBack) {
 // A solve says that there was a jump on its way, wherever beyond the fold it goes, and ends on the
 // part of the path that is stable.
 TEST_F(HingedRoof, ASolveBeyondTheFoldTellsOfTheJump) {
-  make(0.00635);
+  make(0.00635, 5);
   const Equilibrium rest = solver_->rest();
   const Path path = trace();
+  ASSERT_EQ(path.folds.size(), 1U);
   for (double deflection : {0.0175, 0.020, kWay}) {
     SCOPED_TRACE(deflection);
     const Equilibrium state = solver_->solve(Vec3(0, 0, -deflection), rest);
     ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    EXPECT_EQ(state.negative_pivots, 0);
     EXPECT_NE(state.flags & flags::near_fold, 0);
-    ASSERT_EQ(state.folds.size(), 1U);
-    EXPECT_NEAR(kWay * path.folds.front().way, -state.folds.front().t.z(), 1e-4);
     EXPECT_FALSE(state.message.empty());
+    if (state.folds.size() == 1) {
+      EXPECT_NEAR(state.folds.front().t.z(), -kWay * path.folds.front().way, 1e-4);
+    } else {
+      ADD_FAILURE() << state.folds.size() << " folds were told of";
+    }
     // The path's own load at that deflection, after all its turns.
     std::size_t i = path.points.size() - 1;
     while (i > 1 && kWay * path.points[i - 1].way > deflection) --i;
     const PathPoint& a = path.points[i - 1];
     const PathPoint& b = path.points[i];
     const double share = (deflection / kWay - a.way) / (b.way - a.way);
-    const double between = load(a) + share * (load(b) - load(a));
-    EXPECT_NEAR(-state.reaction.z(), between, 20);
+    EXPECT_NEAR(-state.reaction.z(), load(a) + share * (load(b) - load(a)), 20);
   }
 }
 
-// Where the fold is not to be followed, a solve ends before it.
-TEST_F(HingedRoof, ASolveMayEndBeforeTheFold) {
-  make(0.00635);
-  EXPECT_EQ(solver_->solve(Vec3(0, 0, -0.010), solver_->rest()).flags & flags::near_fold, 0);
+// Where the fold is not to be followed, the body jumps to where its energy falls: from here to the
+// same equilibrium.
+TEST_F(HingedRoof, ASolveMayJumpWhereThePathFolds) {
+  make(0.00635, 5);
+  const Vec3 beyond(0, 0, -0.018);
+  const Equilibrium followed = solver_->solve(beyond, solver_->rest());
+  EquilibriumOptions options;
+  options.follow_folds = false;
+  make(0.00635, 5, options);
+  const Equilibrium jumped = solver_->solve(beyond, solver_->rest());
+  ASSERT_EQ(followed.outcome, Outcome::converged) << followed.message;
+  ASSERT_EQ(jumped.outcome, Outcome::converged) << jumped.message;
+  EXPECT_NE(jumped.flags & flags::near_fold, 0);
+  EXPECT_FALSE(jumped.message.empty());
+  EXPECT_LT((jumped.u - followed.u).norm(), 1e-6 * followed.u.norm());
 }
 
 }  // namespace

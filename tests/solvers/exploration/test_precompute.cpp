@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "base/error.h"
+#include "equilibrium/tip.h"
 #include "exploration/precompute.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
+#include "state_space/state_space_file.h"
 
 namespace palpate {
 namespace {
@@ -152,6 +156,22 @@ TEST_F(Precompute, AnAbortKeepsWhatWasFoundAndTheNextRunGoesOnOnAnotherNumberOfR
   expect_equal(rest.space, run(*serial_).space);
 }
 
+TEST_F(Precompute, AnAbortOnOneRankStopsTheOthersInTheMiddleOfTheirTasks) {
+  options_.active_nodes = {block_.corner};
+  options_.resolution = 11;
+  const int last = world_->size() - 1;
+  progress_ = [&](double done) { return world_->rank() != last || done < 0.05; };
+  for (int again = 0; again < 2; ++again) {
+    const PrecomputeResult part = run(*world_);
+    EXPECT_FALSE(part.report.complete);
+    // Were the others to go on to the end, it would be all but one share.
+    EXPECT_LT(part.report.num_solved, 11 * 11 * 11 / 3);
+  }
+  options_.resolution = 3;
+  progress_ = nullptr;
+  EXPECT_TRUE(run(*world_).report.complete);
+}
+
 TEST_F(Precompute, ProgressGrowsToTheEnd) {
   double last = 0;
   progress_ = [&](double done) {
@@ -175,6 +195,118 @@ TEST_F(Precompute, AConfigurationBeyondTheForceLimitIsKeptAndNotExpanded) {
       EXPECT_EQ((c.flags & flags::beyond_force_limit) != 0, c.force.norm() > 0.1);
     }
   }
+}
+
+// On the way down and back each start still has its factor. Where a rank begins with a start of
+// another one, its factor is made there again.
+TEST_F(Precompute, ASmoothSpaceCostsOneFactorisationAConfiguration) {
+  options_.half_width = 0.005;
+  options_.resolution = 7;
+  const PrecomputeResult result = run(*world_);
+  EXPECT_EQ(result.report.num_solved, 2 * 343);
+  const long factorisations = result.report.work.factorisations;
+  if (world_->size() == 1) {
+    EXPECT_EQ(factorisations, 2 * 343);
+  } else {
+    // At the most each rank begins at rest, or in the first layer, of both sites.
+    EXPECT_GE(factorisations, 2 * 343);
+    EXPECT_LE(factorisations, 2 * 343 + 2 * world_->size());
+  }
+}
+
+// Far from rest steps fail, and are tried from other starts: on whichever rank has those.
+TEST_F(Precompute, FailedStepsEndTheSameOnAnyNumberOfRanks) {
+  options_.active_nodes = {block_.corner};
+  options_.half_width = 0.05;
+  options_.resolution = 7;
+  options_.equilibrium.max_halvings = 0;
+  options_.equilibrium.max_iterations = 16;
+  options_.equilibrium.follow_folds = false;
+  const PrecomputeResult parallel = run(*world_);
+  options_.file = folder_ / "a.palpate";
+  const PrecomputeResult in_file = run(*world_);
+  const PrecomputeResult again = run(*world_);
+  const auto& outcomes = parallel.report.num_by_outcome;
+  ASSERT_EQ(outcomes.count(Outcome::not_converged), 1U);
+  EXPECT_GT(outcomes.at(Outcome::converged), 100);
+  EXPECT_EQ(again.report.num_solved, 0);
+  EXPECT_EQ(again.report.num_reused, parallel.report.num_solved);
+  EXPECT_EQ(again.report.num_by_outcome, outcomes);
+  EXPECT_EQ(again.report.num_not_reached, parallel.report.num_not_reached);
+  if (world_->rank() != 0) return;
+  options_.file.clear();
+  const PrecomputeResult serial = run(*serial_);
+  EXPECT_EQ(serial.report.num_by_outcome, outcomes);
+  EXPECT_EQ(serial.report.iterations, parallel.report.iterations);
+  expect_equal(parallel.space, serial.space);
+  expect_equal(in_file.space, serial.space);
+  expect_equal(again.space, serial.space);
+  // Some were reached from another start than the nearest to the straight way from rest.
+  int from_elsewhere = 0;
+  for (const ConfigurationSummary& c : serial.space.sites.front().configurations) {
+    const CheckPoint& p = c.check_point;
+    const std::int32_t layer = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
+    bool nearest = true;
+    for (int i = 0; i < 3; ++i) {
+      nearest = nearest && 2 * std::abs(layer * c.parent[i] - (layer - 1) * p[i]) <= layer;
+    }
+    from_elsewhere += c.usable() && !nearest ? 1 : 0;
+  }
+  EXPECT_GT(from_elsewhere, 0);
+}
+
+TEST_F(Precompute, ATipOfFiniteSizeIsAnotherSite) {
+  options_.active_nodes = {block_.corner};
+  options_.resolution = 3;
+  options_.half_width = 0.005;
+  options_.tip_radius = 0.02;
+  options_.file = folder_ / "a.palpate";
+  const PrecomputeResult result = run(*world_);
+  const Constraint held = Tip(block_.scene, 0.02).hold({block_.corner});
+  EquilibriumSolver solver(block_.scene, {});
+  EXPECT_EQ(result.report.num_unknowns,
+            solver.assembly().pattern().size - 3 * static_cast<Index>(held.points.size()));
+  if (world_->rank() == 0) {
+    solver.hold(held);
+    const TouchSite& site = result.space.sites.front();
+    EXPECT_EQ(site.site.tip_radius, 0.02);
+    for (const ConfigurationSummary& c : site.configurations) {
+      const Equilibrium straight = solver.solve(c.t, solver.rest());
+      EXPECT_LT((c.force - straight.reaction).norm(), 1e-7 * c.stiffness.norm() * 0.005);
+    }
+  }
+  EXPECT_EQ(run(*world_).report.num_reused, 27);
+  options_.tip_radius = 0;
+  try {
+    (void)run(*world_);
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("tip radius 0.02"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(Precompute, PressuresOfMixedCellsAreKept) {
+  block_ = test::make_block(Law::mooney_rivlin_incompressible);
+  options_.active_nodes = {block_.corner};
+  options_.resolution = 5;
+  options_.half_width = 0.01;
+  options_.file = folder_ / "a.palpate";
+  const PrecomputeResult in_file = run(*world_);
+  EXPECT_EQ(in_file.report.num_by_outcome.at(Outcome::converged), 125);
+  if (world_->size() == 1) {
+    EXPECT_EQ(in_file.report.work.factorisations, 125);
+  }
+  if (world_->rank() != 0) return;
+  const StateSpace space = StateSpaceFile::open_read_only(options_.file).read(true);
+  const Index num_pressures = Assembly(block_.scene).num_pressures();
+  EXPECT_GT(num_pressures, 0);
+  for (const Configuration& c : space.sites.front().configurations) {
+    EXPECT_EQ(c.p.size(), num_pressures);
+    EXPECT_EQ(c.p_v.rows(), num_pressures);
+    EXPECT_EQ(c.p_v.cols(), 3);
+  }
+  options_.file.clear();
+  expect_equal(in_file.space, run(*serial_).space);
 }
 
 TEST_F(Precompute, ALinearSceneIsFactorisedOnceForEachActiveNodeAndRank) {
@@ -254,6 +386,12 @@ TEST_F(Precompute, BadOptionsAreOneClearError) {
   options_ = good;
   options_.resolution = 1;
   EXPECT_NE(message().find("resolution"), std::string::npos);
+  options_ = good;
+  options_.tip_radius = -1;
+  EXPECT_NE(message().find("tip radius"), std::string::npos);
+  options_ = good;
+  options_.tip_radius = 0.2;
+  EXPECT_NE(message().find("is fixed"), std::string::npos);
   options_ = good;
   options_.force_limit = -1;
   EXPECT_NE(message().find("force limit"), std::string::npos);

@@ -68,8 +68,8 @@ inline System block() {
   return body(make_block(Law::neo_hookean, {ElementOrder::linear, {3, 3, 2}}).scene);
 }
 
-/// The saddle point of a body whose volume may not change: a pressure in each corner of Tet10, which
-/// follow the displacements (P2/P1, Taylor and Hood). Straight cells.
+/// The saddle point of a body whose volume may not change: a pressure in each corner of Tet10,
+/// which follow the displacements (P2/P1, Taylor and Hood). Straight cells.
 /// @param softness −C is that times the mass of the pressures; 0: incompressible.
 /// @param unit Of the pressures, beside that of the displacements.
 System incompressible(const Scene& scene, double softness, double unit);

@@ -10,7 +10,9 @@ namespace palpate::test {
 namespace {
 
 double dense_condition(const Eigen::MatrixXd& matrix) {
-  const auto norm = [](const Eigen::MatrixXd& m) { return m.cwiseAbs().colwise().sum().maxCoeff(); };
+  const auto norm = [](const Eigen::MatrixXd& m) {
+    return m.cwiseAbs().colwise().sum().maxCoeff();
+  };
   return norm(matrix) * norm(matrix.fullPivLu().inverse());
 }
 

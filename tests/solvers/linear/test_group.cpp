@@ -47,9 +47,7 @@ void expect_equal(LinearSolver& group, LinearSolver& alone, const std::vector<do
 }
 
 /// Large enough that MUMPS gives every rank a share.
-System large() {
-  return body(make_block(Law::linear, {ElementOrder::quadratic, {8, 5, 5}}).scene);
-}
+System large() { return body(make_block(Law::linear, {ElementOrder::quadratic, {8, 5, 5}}).scene); }
 
 TEST(Group, SolvesAsOneRankDoes) {
   with_group([](std::unique_ptr<LinearSolver> group) {

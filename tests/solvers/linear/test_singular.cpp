@@ -164,8 +164,7 @@ TEST_P(Singular, ChainOfSprings) {
       const System system = sparse(held ? rest : matrix);
       const auto solver = make_linear_solver(GetParam());
       solver->analyse(system.pattern);
-      EXPECT_EQ(solver->factorise(system.values),
-                held ? FactorStatus::ok : FactorStatus::singular)
+      EXPECT_EQ(solver->factorise(system.values), held ? FactorStatus::ok : FactorStatus::singular)
           << "stiff first " << stiff_first << ", held " << held;
     }
   }

@@ -33,12 +33,36 @@ TEST_F(Schedule, GathersMessagesOfAnyLength) {
   const auto message = [](int rank) { return std::string(static_cast<std::size_t>(rank) * 5, 'x'); };
   const auto all = world_->all_gather(bytes_of(message(world_->rank())));
   ASSERT_EQ(static_cast<int>(all.size()), world_->size());
-  for (int r = 0; r < world_->size(); ++r) EXPECT_EQ(text_of(all[r]), message(r));
+  const auto on_first = world_->gather(bytes_of(message(world_->rank())));
+  ASSERT_EQ(static_cast<int>(on_first.size()), world_->rank() == 0 ? world_->size() : 0);
+  for (int r = 0; r < world_->size(); ++r) {
+    EXPECT_EQ(text_of(all[r]), message(r));
+    if (!on_first.empty()) {
+      EXPECT_EQ(text_of(on_first[r]), message(r));
+    }
+  }
 }
 
 TEST_F(Schedule, AnyIsTrueEverywhereWhenTrueOnOne) {
   EXPECT_TRUE(any(*world_, world_->rank() == world_->size() - 1));
   EXPECT_FALSE(any(*world_, false));
+}
+
+TEST_F(Schedule, ARankThatIsAskedToStopHearsOfItWhileItWorks) {
+  const int last = world_->size() - 1;
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_FALSE(world_->stop_asked());
+    agree(*world_, [] {});
+    if (world_->rank() == last) {
+      world_->ask_to_stop();
+      world_->ask_to_stop();
+    } else {
+      while (!world_->stop_asked()) {
+      }
+      EXPECT_TRUE(world_->stop_asked());
+    }
+    world_->forget_stop();
+  }
 }
 
 TEST_F(Schedule, AnErrorOnOneRankIsThrownOnAll) {

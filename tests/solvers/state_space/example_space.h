@@ -102,6 +102,7 @@ inline Site example_site(Index active_node = 8, std::int32_t resolution = 5) {
   site.half_width = 0.012;
   site.resolution = resolution;
   site.force_limit = 3;
+  site.tip_radius = 0.125;
   return site;
 }
 

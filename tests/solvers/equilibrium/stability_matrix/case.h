@@ -22,6 +22,8 @@ struct Expected {
 
 /// An equilibrium, with these flags and no others.
 [[nodiscard]] Expected converges(Flags must = 0);
+/// An equilibrium, the only one there is and a stable one; it may be inverted, and must then say so.
+[[nodiscard]] Expected converges_and_may_invert();
 /// An equilibrium. How a body deforms beyond the first instability is the mesh's affair: it may be
 /// unstable, near a fold, and inverted at a corner, and must then say so.
 [[nodiscard]] Expected converges_somehow(Flags must = 0);
@@ -35,7 +37,7 @@ struct Expected {
 /// An InputError.
 [[nodiscard]] Expected is_refused();
 
-/// "converged, inverted required; may be unstable", for a table.
+/// "converged or a stop, may be inverted", for a table.
 [[nodiscard]] std::string describe(const Expected& expected);
 
 struct Problem {
@@ -59,5 +61,7 @@ struct Case {
 
 /// The whole matrix.
 [[nodiscard]] const std::vector<Case>& stability_matrix();
+/// Its groups, in order, each once.
+[[nodiscard]] std::vector<std::string> groups();
 
 }  // namespace palpate::test

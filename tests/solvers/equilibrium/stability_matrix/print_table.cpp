@@ -32,15 +32,13 @@ void print_row(const Case& one) {
 }  // namespace palpate::test
 
 int main() {
-  std::string group;
-  for (const auto& one : palpate::test::stability_matrix()) {
-    if (one.group != group) {
-      group = one.group;
-      std::printf("\n## %s\n\n", group.c_str());
-      std::puts("| body | expected | outcome | flags | iterations | residual | least det F | "
-                "condition | s |\n|---|---|---|---|---|---|---|---|---|");
+  for (const std::string& group : palpate::test::groups()) {
+    std::printf("\n## %s\n\n", group.c_str());
+    std::puts("| body | expected | outcome | flags | iterations | residual | least det F | "
+              "condition | s |\n|---|---|---|---|---|---|---|---|---|");
+    for (const auto& one : palpate::test::stability_matrix()) {
+      if (one.group == group) palpate::test::print_row(one);
     }
-    palpate::test::print_row(one);
     std::fflush(stdout);
   }
   return 0;

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateMaterials.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <sstream>
+#include <string>
+#include <tuple>
+
+#include "base/error.h"
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+using palpate::Formulation;
+using palpate::Index;
+using palpate::InputError;
+using palpate::Law;
+using palpate::Material;
+
+constexpr int NoLaw = -1;
+
+/// Null unless there is an array of that name with one number for each cell.
+vtkDataArray* ScalarArray(vtkUnstructuredGrid* body, const char* name)
+{
+  vtkDataArray* array = body->GetCellData()->GetArray(name);
+  return array && array->GetNumberOfComponents() == 1 ? array : nullptr;
+}
+
+/// The number in the array as an enumeration of `count` values.
+int Choice(vtkDataArray* array, vtkIdType cell, int count)
+{
+  const double number = array->GetComponent(cell, 0);
+  for (int value = 0; value < count; ++value)
+  {
+    if (number == value)
+    {
+      return value;
+    }
+  }
+  std::ostringstream text;
+  text << "Cell " << cell << " has " << array->GetName() << ' ' << number
+       << "; there are the numbers 0 to " << count - 1 << ". Apply Assign Material to the body.";
+  throw InputError(text.str());
+}
+
+/// The materials of a body, cell by cell.
+class Reader
+{
+public:
+  explicit Reader(vtkUnstructuredGrid* body)
+    : Laws(ScalarArray(body, vtkPalpateArray::Law))
+    , Formulations(ScalarArray(body, vtkPalpateArray::Formulation))
+  {
+    for (int law = 0; law < palpate::num_laws; ++law)
+    {
+      for (const std::string& name : palpate::parameter_names(static_cast<Law>(law)))
+      {
+        this->Parameters[law].push_back({ name, ScalarArray(body, name.c_str()) });
+      }
+    }
+  }
+
+  bool HasMaterial(vtkIdType cell) const
+  {
+    return this->Laws && this->Laws->GetComponent(cell, 0) != NoLaw;
+  }
+
+  Material Read(vtkIdType cell) const
+  {
+    const int law = Choice(this->Laws, cell, palpate::num_laws);
+    const int formulation = this->Formulations ? Choice(this->Formulations, cell, 2) : 0;
+    try
+    {
+      std::array<double, palpate::max_parameters> values{};
+      std::size_t i = 0;
+      for (const Parameter& parameter : this->Parameters[law])
+      {
+        if (!parameter.Array)
+        {
+          throw InputError("its law needs the cell array " + parameter.Name +
+            ", which is missing. Apply Assign Material to the body.");
+        }
+        values[i++] = parameter.Array->GetComponent(cell, 0);
+      }
+      const Material material = palpate::make_material(static_cast<Law>(law), values);
+      return this->Formulations
+        ? palpate::with_formulation(material, static_cast<Formulation>(formulation))
+        : material;
+    }
+    catch (const InputError& error)
+    {
+      throw InputError("Material of cell " + std::to_string(cell) + ": " + error.what());
+    }
+  }
+
+private:
+  struct Parameter
+  {
+    std::string Name;
+    vtkDataArray* Array;
+  };
+
+  vtkDataArray* Laws;
+  vtkDataArray* Formulations;
+  std::array<std::vector<Parameter>, palpate::num_laws> Parameters;
+};
+
+bool HasSuitableFormulation(const Material& material)
+{
+  return palpate::make_material(material.law, material.parameters) == material;
+}
+
+template <class Array>
+void Replace(vtkUnstructuredGrid* body, const std::string& name, const vtkPalpateMaterials& all,
+  typename Array::ValueType none, const std::vector<typename Array::ValueType>& values)
+{
+  vtkNew<Array> array;
+  array->SetName(name.c_str());
+  array->SetNumberOfValues(static_cast<vtkIdType>(all.OfCell.size()));
+  for (std::size_t cell = 0; cell < all.OfCell.size(); ++cell)
+  {
+    const Index material = all.OfCell[cell];
+    array->SetValue(static_cast<vtkIdType>(cell),
+      material == vtkPalpateMaterials::None ? none : values[material]);
+  }
+  body->GetCellData()->AddArray(array);
+}
+}
+
+vtkPalpateMaterials vtkPalpateReadMaterials(
+  vtkUnstructuredGrid* body, const std::vector<char>& wanted)
+{
+  const Reader reader(body);
+  vtkPalpateMaterials all;
+  std::map<std::tuple<Law, Formulation, std::array<double, palpate::max_parameters>>, Index> indices;
+  all.OfCell.assign(wanted.size(), vtkPalpateMaterials::None);
+  for (std::size_t cell = 0; cell < wanted.size(); ++cell)
+  {
+    if (wanted[cell] == 0 || !reader.HasMaterial(static_cast<vtkIdType>(cell)))
+    {
+      continue;
+    }
+    const Material material = reader.Read(static_cast<vtkIdType>(cell));
+    const auto [found, isNew] =
+      indices.try_emplace({ material.law, material.formulation, material.parameters },
+        static_cast<Index>(all.Each.size()));
+    if (isNew)
+    {
+      all.Each.push_back(material);
+    }
+    all.OfCell[cell] = found->second;
+  }
+  return all;
+}
+
+void vtkPalpateWriteMaterials(const vtkPalpateMaterials& materials, vtkUnstructuredGrid* body)
+{
+  std::vector<int> laws;
+  std::vector<int> formulations;
+  std::map<std::string, std::vector<double>> columns;
+  for (std::size_t m = 0; m < materials.Each.size(); ++m)
+  {
+    const Material& material = materials.Each[m];
+    laws.push_back(static_cast<int>(material.law));
+    formulations.push_back(static_cast<int>(material.formulation));
+    const double* value = material.parameters.data();
+    for (const std::string& name : palpate::parameter_names(material.law))
+    {
+      std::vector<double>& column = columns[name];
+      column.resize(materials.Each.size(), 0);
+      column[m] = *value++;
+    }
+  }
+
+  Replace<vtkIntArray>(body, vtkPalpateArray::Law, materials, NoLaw, laws);
+  for (int law = 0; law < palpate::num_laws; ++law)
+  {
+    for (const std::string& name : palpate::parameter_names(static_cast<Law>(law)))
+    {
+      body->GetCellData()->RemoveArray(name.c_str());
+    }
+  }
+  for (const auto& [name, values] : columns)
+  {
+    Replace<vtkDoubleArray>(body, name, materials, 0, values);
+  }
+  if (std::all_of(materials.Each.begin(), materials.Each.end(), HasSuitableFormulation))
+  {
+    body->GetCellData()->RemoveArray(vtkPalpateArray::Formulation);
+  }
+  else
+  {
+    Replace<vtkIntArray>(body, vtkPalpateArray::Formulation, materials, 0, formulations);
+  }
+}

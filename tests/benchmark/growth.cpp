@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How time and memory grow with the size of a body: a cube of Tet10, neo-Hookean (ν = 0.45), held
+// at its bottom, a patch of its top pulled by a tenth of its height in one step. Prints a Markdown
+// table and the exponents of the growth; on several ranks they factorise together.
+//
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_growth 160000
+//   mpiexec -n 2 palpate_benchmark_growth 160000
+//
+// The argument is the number of unknowns not to exceed; 310 000 takes 18 GB.
+#include <mpi.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "equilibrium/equilibrium.h"
+#include "linear/group.h"
+#include "solvers/support/box_mesh.h"
+
+namespace palpate {
+namespace {
+
+/// Bricks along an edge: 6 084, 13 872, 45 000, 147 852, 304 842 unknowns.
+constexpr int kBricks[] = {6, 8, 12, 18, 23};
+constexpr double kEdge = 0.1;  // m
+constexpr double kPatch = 0.2 * kEdge;
+
+int num_unknowns(int bricks) {
+  const int points = 2 * bricks + 1;
+  return 3 * points * points * (points - 1);
+}
+
+Scene make_cube(int bricks) {
+  Scene scene;
+  scene.mesh =
+      test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Constant(kEdge));
+  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(p.z() == 0 ? 1 : 0);
+  scene.touchable.assign(scene.fixed.size(), 1);
+  scene.materials = {make_isotropic(Law::neo_hookean, 10e3, 0.45)};
+  return scene;
+}
+
+/// The points of the top within the patch move as one.
+Constraint hold_patch(const TetMesh& mesh) {
+  Constraint constraint;
+  const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    const Vec3& x = mesh.points[p];
+    if (std::abs(x.z() - kEdge) < 1e-9 && (x - middle).norm() <= kPatch) {
+      constraint.points.push_back(p);
+      constraint.site_of_point.push_back(0);
+    }
+  }
+  constraint.num_sites = 1;
+  return constraint;
+}
+
+double seconds(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Of the quickest of some runs.
+double least_seconds(const std::function<void()>& work) {
+  double least = seconds(work);
+  for (int i = 0; i < 4; ++i) least = std::min(least, seconds(work));
+  return least;
+}
+
+/// Of this rank, so far: bodies come in order of their size.
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+std::unique_ptr<LinearSolver> make_solver() {
+  const MPI_Comm world = MPI_COMM_WORLD;
+  return make_group_solver(&world);
+}
+
+struct Figure {
+  const char* name;
+  double unit;  // of the table, in SI
+  double value;
+};
+
+std::vector<Figure> measure(int bricks) {
+  constexpr double kMilli = 1e-3;
+  constexpr double kMega = 1e6;
+  const Scene scene = make_cube(bricks);
+  std::vector<Figure> figures = {{"unknowns", 1, static_cast<double>(num_unknowns(bricks))}};
+  EquilibriumOptions options;
+  auto solver = make_solver();
+  {
+    const Assembly assembly(scene);
+    const NodalVector u = NodalVector::Zero(3 * assembly.num_points());
+    NodalVector force;
+    std::vector<double> values;
+    assembly.tangent(u, force, values);  // the memory is there from now on
+    figures.push_back(
+        {"assembly, ms", kMilli, least_seconds([&] { assembly.tangent(u, force, values); })});
+    figures.push_back(
+        {"residual, ms", kMilli, least_seconds([&] { assembly.residual(u, force); })});
+    figures.push_back({"analysis, s", 1, seconds([&] { solver->analyse(assembly.pattern()); })});
+    FactorStatus status = FactorStatus::ok;
+    figures.push_back(
+        {"factorisation, s", 1, seconds([&] { status = solver->factorise(values); })});
+    if (status != FactorStatus::ok) std::printf("singular\n");
+    figures.push_back({"factor, MB", kMega, static_cast<double>(solver->factor_bytes())});
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Ones(assembly.pattern().size, 3);
+    figures.push_back({"3 solves, s", 1, seconds([&] { solver->solve(columns); })});
+    figures.push_back({"memory so far, MB", kMega, peak_bytes()});
+  }
+  solver.reset();  // its ranks serve the next one
+  Equilibrium pulled;
+  long factorisations = 0;
+  figures.push_back({"equilibrium, s", 1, seconds([&] {
+                       EquilibriumSolver body(scene, options, make_solver());
+                       body.hold(hold_patch(scene.mesh));
+                       pulled = body.solve(Vec3(0, 0, kEdge / 10), body.rest());
+                       factorisations = body.work().factorisations;
+                     })});
+  figures.push_back({"factorisations", 1, static_cast<double>(factorisations)});
+  figures.push_back({"iterations", 1, static_cast<double>(pulled.iterations)});
+  figures.push_back({"memory, MB", kMega, peak_bytes()});
+  if (pulled.outcome != Outcome::converged) std::printf("%s\n", pulled.message.c_str());
+  return figures;
+}
+
+void print_header(const std::vector<Figure>& figures) {
+  std::string line = "|";
+  for (std::size_t i = 0; i < figures.size(); ++i) line += "---|";
+  for (const Figure& figure : figures) std::printf("| %s ", figure.name);
+  std::printf("|\n%s\n", line.c_str());
+}
+
+/// Slope of the logarithms, by least squares.
+double exponent(const std::vector<std::vector<Figure>>& rows, std::size_t column) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (const auto& row : rows) {
+    const double u = std::log(row.front().value);
+    const double v = std::log(row[column].value);
+    x += u, y += v, xx += u * u, xy += u * v;
+  }
+  const auto n = static_cast<double>(rows.size());
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+void serve(int most_unknowns) {
+  const MPI_Comm world = MPI_COMM_WORLD;
+  for (int bricks : kBricks) {
+    if (num_unknowns(bricks) > most_unknowns) break;
+    serve_group_solver(&world);
+    serve_group_solver(&world);
+  }
+}
+
+void run(int most_unknowns) {
+  std::vector<std::vector<Figure>> rows;
+  for (int bricks : kBricks) {
+    if (num_unknowns(bricks) > most_unknowns) break;
+    rows.push_back(measure(bricks));
+    if (rows.size() == 1) print_header(rows.front());
+    for (const Figure& figure : rows.back()) std::printf("| %.4g ", figure.value / figure.unit);
+    std::printf("|\n");
+    std::fflush(stdout);
+  }
+  if (rows.size() < 2) return;
+  for (std::size_t column = 0; column < rows.front().size(); ++column) {
+    std::printf("| **%.2f** ", exponent(rows, column));
+  }
+  std::printf("|\n");
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  const int most_unknowns = argc > 1 ? std::atoi(argv[1]) : 160'000;
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  rank == 0 ? palpate::run(most_unknowns) : palpate::serve(most_unknowns);
+  MPI_Finalize();
+}
