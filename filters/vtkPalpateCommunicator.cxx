@@ -8,15 +8,26 @@
 #endif
 #include "vtkMultiProcessController.h"
 
-std::unique_ptr<palpate::Communicator> vtkPalpateCommunicator(
-  [[maybe_unused]] vtkMultiProcessController* controller)
+const void* vtkPalpateMpiComm([[maybe_unused]] vtkMultiProcessController* controller)
 {
 #ifdef PALPATE_WITH_MPI
   auto* mpi =
     controller ? vtkMPICommunicator::SafeDownCast(controller->GetCommunicator()) : nullptr;
   if (mpi && mpi->GetMPIComm())
   {
-    return palpate::make_mpi_communicator(mpi->GetMPIComm()->GetHandle());
+    return mpi->GetMPIComm()->GetHandle();
+  }
+#endif
+  return nullptr;
+}
+
+std::unique_ptr<palpate::Communicator> vtkPalpateCommunicator(
+  [[maybe_unused]] vtkMultiProcessController* controller)
+{
+#ifdef PALPATE_WITH_MPI
+  if (const void* comm = vtkPalpateMpiComm(controller))
+  {
+    return palpate::make_mpi_communicator(comm);
   }
 #endif
   return palpate::make_serial_communicator();

@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateSolveEquilibrium.h"
 
+#include <algorithm>
+#include <limits>
+#include <optional>
+
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tip.h"
+#include "linear/group.h"
+#include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkIntArray.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateActiveNodes.h"
+#include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
@@ -19,6 +26,8 @@
 namespace
 {
 constexpr const char* AutomaticSolver = "Automatic";
+/// The one that a group of ranks can share.
+constexpr const char* GroupSolver = "MUMPS";
 /// How many iterations go by until the progress bar is half full. How many there will be is not
 /// known; a solve of a moderate displacement has about ten.
 constexpr double IterationsAtHalf = 10;
@@ -68,9 +77,75 @@ void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
   message->InsertNextValue(state.message);
   output->GetFieldData()->AddArray(message);
   AddInteger(output, "Iterations", state.iterations);
+  AddInteger(output, "Steps", state.steps);
+  AddNumber(output, "Seconds", state.seconds);
   AddNumber(output, "Residual", state.residual);
+  AddNumber(output, "DisplacementError", state.displacement_error);
   AddNumber(output, "MinimumDetF", state.minimum_det_f);
   AddInteger(output, "NegativePivots", state.negative_pivots);
+}
+
+void AddFolds(vtkDataObject* output, const std::vector<palpate::Fold>& folds)
+{
+  constexpr double Nothing = std::numeric_limits<double>::quiet_NaN();
+  vtkNew<vtkDoubleArray> array;
+  array->SetName("Folds");
+  array->SetNumberOfComponents(5);
+  int component = 0;
+  for (const char* name : { "Way", "EnergyBefore", "EnergyAfter", "ForceBefore", "ForceAfter" })
+  {
+    array->SetComponentName(component++, name);
+  }
+  for (const palpate::Fold& fold : folds)
+  {
+    const double row[] = { fold.way, fold.energy, fold.lands ? fold.landing_energy : Nothing,
+      fold.reaction.norm(), fold.lands ? fold.landing_reaction.norm() : Nothing };
+    array->InsertNextTuple(row);
+  }
+  output->GetFieldData()->AddArray(array);
+}
+
+void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<double>& values)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  output->GetCellData()->AddArray(array);
+}
+
+/// Solves for the equal parts of the way to t one after the other, as far as they converge.
+palpate::Equilibrium Follow(
+  palpate::EquilibriumSolver& solver, const Eigen::VectorXd& t, int increments)
+{
+  palpate::Equilibrium state = solver.rest();
+  for (int increment = 0;
+       increment < increments && state.outcome == palpate::Outcome::converged; ++increment)
+  {
+    palpate::Equilibrium next = solver.solve(t * (increment + 1) / increments, state);
+    next.iterations += state.iterations;
+    next.steps += state.steps;
+    next.seconds += state.seconds;
+    for (palpate::Fold& fold : next.folds)
+    {
+      fold.way = (increment + fold.way) / increments;
+    }
+    next.folds.insert(next.folds.begin(), state.folds.begin(), state.folds.end());
+    state = std::move(next);
+  }
+  return state;
+}
+
+/// The components of the free points.
+long CountUnknowns(const palpate::Scene& scene)
+{
+  const std::vector<char> used = palpate::points_in_use(scene.mesh);
+  long count = 0;
+  for (std::size_t point = 0; point < used.size(); ++point)
+  {
+    count += used[point] != 0 && scene.fixed[point] == 0 ? 3 : 0;
+  }
+  return count;
 }
 }
 
@@ -120,47 +195,99 @@ int vtkPalpateSolveEquilibrium::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkUnstructuredGrid::GetData(outputVector);
-  return vtkPalpateProduce(this, output,
-    [&]
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  // A request that ended the run before is not for this one, and nobody else takes it back.
+  this->SetAbortExecute(0);
+  const auto compute = [&]
+  {
+    const auto communicator = vtkPalpateCommunicator(controller);
+    // On rank 0 alone.
+    vtkSmartPointer<vtkUnstructuredGrid> body;
+    std::optional<palpate::Scene> scene;
+    palpate::Constraint constraint;
+    palpate::agree(*communicator,
+      [&]
+      {
+        body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]), controller);
+        if (!body || vtkPalpatePassFailure(body, output))
+        {
+          return;
+        }
+        scene = vtkPalpateSceneFromGrid(body);
+        constraint =
+          palpate::Tip(*scene, this->TipRadius).hold(vtkPalpateActiveNodes(this->ActiveNodes));
+      });
+
+    const bool together =
+      palpate::any(*communicator, scene && this->SolvesTogether(*scene, communicator->size()));
+    const void* comm = together ? vtkPalpateMpiComm(controller) : nullptr;
+    if (scene)
     {
-      const auto body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]),
-        vtkMultiProcessController::GetGlobalController());
-      if (!body || vtkPalpatePassFailure(body, output))
-      {
-        return;
-      }
-      // A request that ended the run before is not for this one, and nobody else takes it back.
-      this->SetAbortExecute(0);
-      const palpate::Scene scene = vtkPalpateSceneFromGrid(body);
-      const auto constraint =
-        palpate::Tip(scene, this->TipRadius).hold(vtkPalpateActiveNodes(this->ActiveNodes));
-
-      palpate::EquilibriumOptions options;
-      options.tolerance = this->Tolerance;
-      options.max_iterations = this->MaximumIterations;
-      options.max_seconds = this->MaximumSeconds;
-      options.abort_requested = [this, iterations = 0]() mutable
-      {
-        ++iterations;
-        // ParaView handles its events, an abort among them, when it hears of progress.
-        this->UpdateProgress(iterations / (iterations + IterationsAtHalf));
-        return this->GetAbortExecute() != 0;
-      };
-      palpate::EquilibriumSolver solver(scene, options,
-        this->LinearSolver == AutomaticSolver ? palpate::make_linear_solver()
-                                              : palpate::make_linear_solver(this->LinearSolver));
-      solver.hold(constraint);
-      const auto t = Eigen::Map<const Eigen::VectorXd>(
-        this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size()));
-      const palpate::Equilibrium state = solver.solve(t, solver.rest());
-
+      auto linearSolver = together ? palpate::make_group_solver(comm) : this->MakeLinearSolver();
       output->ShallowCopy(body);
-      AddResult(output, state);
-      if (!state.message.empty())
-      {
-        vtkWarningMacro(<< state.message);
-      }
-    });
+      this->Solve(*scene, constraint, std::move(linearSolver), output);
+    }
+    else if (together)
+    {
+      palpate::serve_group_solver(comm);
+    }
+  };
+
+  // Every rank meets the same error; rank 0 reports it.
+  const bool reports = !controller || controller->GetLocalProcessId() == 0;
+  return vtkPalpateProduce(reports ? this : nullptr, output, compute);
+}
+
+bool vtkPalpateSolveEquilibrium::SolvesTogether(const palpate::Scene& scene, int numRanks) const
+{
+  const bool suits = this->LinearSolver == GroupSolver ||
+    (this->LinearSolver == AutomaticSolver &&
+      palpate::linear_solver_names().front() == GroupSolver);
+  return numRanks > 1 && suits && CountUnknowns(scene) >= this->GroupUnknowns;
+}
+
+std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver() const
+{
+  return this->LinearSolver == AutomaticSolver ? palpate::make_linear_solver()
+                                               : palpate::make_linear_solver(this->LinearSolver);
+}
+
+void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
+  const palpate::Constraint& constraint, std::unique_ptr<palpate::LinearSolver> linearSolver,
+  vtkUnstructuredGrid* output)
+{
+  palpate::EquilibriumOptions options;
+  options.tolerance = this->Tolerance;
+  options.max_iterations = this->MaximumIterations;
+  options.max_seconds = this->MaximumSeconds;
+  options.abort_requested = [this, iterations = 0]() mutable
+  {
+    ++iterations;
+    // ParaView handles its events, an abort among them, when it hears of progress.
+    this->UpdateProgress(iterations / (iterations + IterationsAtHalf));
+    return this->GetAbortExecute() != 0;
+  };
+  palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
+  solver.hold(constraint);
+  const auto t = Eigen::Map<const Eigen::VectorXd>(
+    this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size()));
+  const palpate::Equilibrium state = Follow(solver, t, this->Increments);
+
+  AddResult(output, state);
+  AddInteger(output, "Unknowns", solver.assembly().pattern().size);
+  AddCells(output, "MinimumDetF", solver.assembly().minimum_det_f_of_cells(state.u));
+  if (!state.folds.empty())
+  {
+    AddFolds(output, state.folds);
+  }
+  if (this->EstimateCondition)
+  {
+    AddNumber(output, "Condition", solver.condition(state));
+  }
+  if (!state.message.empty())
+  {
+    vtkWarningMacro(<< state.message);
+  }
 }
 
 void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
@@ -181,5 +308,8 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Tolerance: " << this->Tolerance << '\n'
      << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
+     << indent << "Increments: " << this->Increments << '\n'
+     << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
+     << indent << "GroupUnknowns: " << this->GroupUnknowns << '\n'
      << indent << "LinearSolver: " << this->LinearSolver << '\n';
 }

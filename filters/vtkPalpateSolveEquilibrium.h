@@ -11,13 +11,22 @@
  *   `Energy`          J
  *   `HapticStiffness` derivative of the forces by the displacements, N/m; row by row, (3n)^2
  *   `Outcome`, `Flags`, `Message`   how it ended, see solvers/base/outcome.h
- *   `Iterations`, `Residual`, `MinimumDetF`, `NegativePivots`
+ *   `Iterations`, `Steps`, `Seconds`, `Unknowns`, `Residual`, `DisplacementError`, `MinimumDetF`,
+ *   `NegativePivots`  see solvers/equilibrium/state.h
+ *   `Condition`       only where it is asked for: of the tangent, estimated
+ *   `Folds`           only where folds were passed: a tuple a fold, `Way` (share of the way),
+ *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm of
+ *                     all reactions); After is NaN where the path does not come by that place again
+ *
+ * and the cell array `MinimumDetF`, the least det F of each cell.
  *
  * A solve that does not converge is a result, not an error: Outcome is not 0, and all values belong
- * to the last equilibrium on the way. Runs on rank 0, where the whole result is.
+ * to the last equilibrium on the way. The whole result is on rank 0. A large body is solved by all
+ * ranks together, a smaller one by rank 0 alone.
  */
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,6 +35,13 @@
 #include "vtkUnstructuredGridAlgorithm.h"
 
 class vtkStringArray;
+
+namespace palpate
+{
+struct Constraint;
+class LinearSolver;
+struct Scene;
+}
 
 class PALPATEFILTERS_EXPORT vtkPalpateSolveEquilibrium : public vtkUnstructuredGridAlgorithm
 {
@@ -51,7 +67,8 @@ public:
   vtkGetMacro(TipRadius, double);
   ///@}
   ///@{
-  /// Largest residual of an equilibrium, as a share of the scene's force scale (between 0 and 1).
+  /// Largest residual of an equilibrium, see palpate::EquilibriumOptions::tolerance (between 0 and
+  /// 1).
   vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
   ///@}
@@ -61,9 +78,26 @@ public:
   vtkGetMacro(MaximumIterations, int);
   ///@}
   ///@{
-  /// Time for the solve, s; 0 is no bound.
+  /// Time for an increment, s; 0 is no bound.
   vtkSetMacro(MaximumSeconds, double);
   vtkGetMacro(MaximumSeconds, double);
+  ///@}
+  ///@{
+  /// The way is gone in so many equal parts, at least 1, each from the equilibrium of the one
+  /// before; within a part the solver chooses its steps itself.
+  vtkSetMacro(Increments, int);
+  vtkGetMacro(Increments, int);
+  ///@}
+  ///@{
+  /// Whether the condition number of the tangent is estimated; it costs a factorisation.
+  vtkSetMacro(EstimateCondition, bool);
+  vtkGetMacro(EstimateCondition, bool);
+  vtkBooleanMacro(EstimateCondition, bool);
+  ///@}
+  ///@{
+  /// A body with at least as many unknowns is solved by all ranks together.
+  vtkSetMacro(GroupUnknowns, int);
+  vtkGetMacro(GroupUnknowns, int);
   ///@}
   ///@{
   /// One of GetLinearSolverNames().
@@ -83,12 +117,21 @@ private:
   vtkPalpateSolveEquilibrium(const vtkPalpateSolveEquilibrium&) = delete;
   void operator=(const vtkPalpateSolveEquilibrium&) = delete;
 
+  /// Whether all of `numRanks` ranks solve for this body, or one of them.
+  bool SolvesTogether(const palpate::Scene& scene, int numRanks) const;
+  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver() const;
+  void Solve(const palpate::Scene& scene, const palpate::Constraint& constraint,
+    std::unique_ptr<palpate::LinearSolver> linearSolver, vtkUnstructuredGrid* output);
+
   std::vector<vtkIdType> ActiveNodes = { 0 };
   std::vector<double> Displacements = { 0, 0, 0 };
   double TipRadius = 0;
   double Tolerance = 1e-10;
   int MaximumIterations = 60;
   double MaximumSeconds = 0;
+  int Increments = 1;
+  bool EstimateCondition = false;
+  int GroupUnknowns = 30000;
   std::string LinearSolver = "Automatic";
   vtkNew<vtkStringArray> LinearSolverNames;
 };

@@ -14,8 +14,11 @@ constexpr double kSufficientDecrease = 1e-4;
 /// Energies that differ by less than this share are equal but for rounding; the residual decides.
 constexpr double kEnergyRounding = 1e-11;
 constexpr int kMaxBacktracks = 15;
+/// A step of which the search leaves less than this says that the factor is of another place: where a
+/// stiff part has turned since, what the factor takes for a soft mode is a stretch of it.
+constexpr double kShortStep = 0.02;
 /// A factor is not judged by how the steps shrink before this many of them.
-constexpr int kStepsBeforeJudging = 6;
+constexpr int kStepsBeforeJudging = 8;
 
 /// A state on the way, with what is known of it.
 struct Iterate {
@@ -146,6 +149,7 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
       factor = nullptr;
     } else {
       quasi_newton->update(length * step, iterate.r - old_r);
+      if (length < kShortStep && !fresh) factor = nullptr;
     }
     fresh = false;
   }

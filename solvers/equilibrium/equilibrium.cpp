@@ -274,6 +274,8 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       failures = 0;
       continue;
     }
+    // Which of its branches an inverted body is on is no question of physics any more.
+    const bool worth_it = options_.follow_folds || (next.flags & flags::inverted) == 0;
     const bool least = 0.5 * stride < least_stride;
     if (may_follow && (++failures == kFailuresBeforeFollowing || least)) {
       may_follow = false;
@@ -283,7 +285,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
         break;
       }
     }
-    if (!least) {
+    if (!least && (worth_it || outcome != Outcome::converged)) {
       stride *= 0.5;
       continue;
     }

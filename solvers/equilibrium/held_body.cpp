@@ -60,7 +60,6 @@ HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int
   const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
   for (Index c = 0; c < num_displacements; ++c) sum += values_[pattern.column_start[c]];
   mean_diagonal_ = sum / num_displacements;
-  unit_ = std::ldexp(1.0, std::ilogb(mean_diagonal_));
   inverse_row_norm_ = row_norms(pattern, values_).cwiseInverse();
 }
 
@@ -240,7 +239,6 @@ TangentFactor* HeldBody::factorise(const NodalVector& state) {
   for (Index position : idle_) values_[position] = 0;
   // Negative, as every pressure's: the count of negative pivots stays right.
   for (Index position : idle_diagonal_) values_[position] = -mean_diagonal_;
-  Eigen::Map<Eigen::VectorXd>(values_.data(), static_cast<Eigen::Index>(values_.size())) /= unit_;
   const Timer timer(work_.factorisation_seconds);
   ++work_.factorisations;
   if (factor.solver->factorise(values_) != FactorStatus::ok) return nullptr;
@@ -252,7 +250,6 @@ TangentFactor* HeldBody::factorise(const NodalVector& state) {
 void HeldBody::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns) {
   const Timer timer(work_.solve_seconds);
   work_.right_hand_sides += columns.cols();
-  columns /= unit_;
   factor.solver->solve(columns);
 }
 

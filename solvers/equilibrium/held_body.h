@@ -115,9 +115,6 @@ class HeldBody {
   /// Mean diagonal of the tangent at rest, N/m, and one over the norm of each of its rows, m/N.
   double mean_diagonal_ = 0;
   Eigen::VectorXd inverse_row_norm_;
-  /// The power of two below it: the linear solver sees values near 1, whatever the units, and the
-  /// same ones when all moduli or lengths are multiplied by a power of two.
-  double unit_ = 1;
 
   Constraint constraint_;
   /// Parameter of each unknown, −1 for those that are not held.

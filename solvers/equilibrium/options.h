@@ -21,10 +21,10 @@ struct EquilibriumOptions {
   double max_seconds = 0;
   /// A factor serves as long as the steps shrink to at most this share from one to the next, in the
   /// mean since it was made. A factorisation costs about as much as twenty-five iterations.
-  double contraction = 0.5;
+  double contraction = 0.7;
   /// Where a step fails however small it is, as at a fold, follow the equilibrium path on to where it
   /// reaches t, round the folds. If that fails, or without it, the body jumps to the equilibrium that
-  /// the energy falls to, if there is one.
+  /// the energy falls to, if there is one; without it at once where that is inverted.
   bool follow_folds = true;
   /// Factors of tangents that are kept, those of the states that were used last; at least 2. Solves
   /// that start from a state whose factor is kept save its factorisation.

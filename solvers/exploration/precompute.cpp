@@ -44,6 +44,7 @@ std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& option
 EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& monitor) {
   EquilibriumOptions result = options.equilibrium;
   // Depth first, the starts on the way down keep their factors beside those of a step.
+  result.follow_folds = false;
   result.kept_factors = (options.resolution - 1) / 2 + 2;
   result.abort_requested = [&monitor, asked = options.equilibrium.abort_requested] {
     return !monitor.go_on() || (asked && asked());

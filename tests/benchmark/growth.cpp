@@ -101,7 +101,7 @@ std::vector<Figure> measure(int bricks) {
   auto solver = make_solver();
   {
     const Assembly assembly(scene);
-    const NodalVector u = NodalVector::Zero(3 * assembly.num_points());
+    const NodalVector u = NodalVector::Zero(assembly.state_size());
     NodalVector force;
     std::vector<double> values;
     assembly.tangent(u, force, values);  // the memory is there from now on

@@ -23,7 +23,7 @@ LAWS = {
     "Mooney-Rivlin": {"C10": 1293.103448275862, "C01": 431.0344827586207,
                       "BulkModulus": 33333.33333333334},
 }
-OUTCOMES = ("converged", "not converged", "tangent not factorised", "budget used up")
+OUTCOMES = ("converged", "not converged", "no tangent factor", "budget used up")
 
 parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
 parser.add_argument("body", help="the .vtu file with the point arrays Fixed and Touchable")

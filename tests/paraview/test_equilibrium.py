@@ -4,11 +4,15 @@
 import os
 
 import numpy
-from paraview.simple import AssignMaterial, SolveEquilibrium, XMLUnstructuredGridReader
-from support import (Messages, expect_error, expect_silence, fetch, field, message, node_at, places,
-                     point_array, scene)
+from paraview.simple import (AssignMaterial, SetBoundary, SolveEquilibrium,
+                             XMLUnstructuredGridReader)
+from support import (Messages, box_body, cell_array, expect_error, expect_silence, fetch, field,
+                     grid_of, message, node_at, places, point_array, produce, scene)
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA
 
 CONVERGED, NOT_CONVERGED, _, BUDGET_USED_UP, ABORTED = range(5)
+INVERTED, UNSTABLE, NEAR_A_FOLD = 1, 2, 8
 
 
 def solve(boundary, nodes, displacements, **settings):
@@ -37,6 +41,103 @@ def test_output():
     assert 0 <= field(after, "Residual")[0] <= 1e-10
     assert 0.3 < field(after, "MinimumDetF")[0] < 1
     assert field(after, "NegativePivots")[0] == 0
+    assert field(after, "Steps")[0] >= 1
+    assert 0 < field(after, "Seconds")[0] < 60
+    assert field(after, "Unknowns")[0] == 3 * (point_array(after, "Fixed") == 0).sum()
+    assert 0 <= field(after, "DisplacementError")[0] < 1e-6
+    assert not after.GetFieldData().HasArray("Condition")
+    assert not after.GetFieldData().HasArray("Folds")
+
+
+def test_inverted_cells():
+    """The cells of which Flags speaks; St. Venant-Kirchhoff lets them."""
+    for t, inverted in (([0.005, 0, 0], False), ([-0.08, 0.02, 0], True)):
+        boundary = scene("inverted", "St. Venant-Kirchhoff")
+        equilibrium = SolveEquilibrium(Input=boundary, Displacement=t,
+                                       ActiveNode=[node_at(boundary, [0.2, 0.05, 0.05])])
+        with Messages():
+            grid = fetch(equilibrium)
+        of_cells = cell_array(grid, "MinimumDetF")
+        assert of_cells.shape == (grid.GetNumberOfCells(),)
+        assert of_cells.min() == field(grid, "MinimumDetF")[0]
+        assert (of_cells.min() <= 0) == inverted == bool(field(grid, "Flags")[0] & INVERTED)
+
+
+def test_condition():
+    """That of a body with a stiff half is larger."""
+    body = scene("condition", "Neo-Hookean").Input.Input
+    conditions = []
+    for stiffness in (1e4, 1e8):
+        whole = AssignMaterial(Input=body, Law="Neo-Hookean")
+        grid = fetch(whole)
+        half = places(grid)[:, 0]
+        part = numpy.array([half[list(map(grid.GetCell(cell).GetPointId, range(4)))].mean() > 0.1
+                            for cell in range(grid.GetNumberOfCells())])
+        array = numpy_to_vtk(part.astype(int), deep=True)
+        array.SetName("Part")
+        grid.GetCellData().AddArray(array)
+        stiff = AssignMaterial(Input=produce(grid), Law="Neo-Hookean", YoungsModulus=stiffness,
+                               RegionArray="Part", RegionValue=1)
+        boundary = SetBoundary(Input=stiff, FixedRegion="Plane")
+        boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
+        after = solve(boundary, [node_at(boundary, [0.2, 0.1, 0.1])], [0.001, 0, 0],
+                      EstimateCondition=1)
+        conditions.append(field(after, "Condition")[0])
+    assert 1e2 < conditions[0] < 1e6 and 1e2 < conditions[1] / conditions[0] < 1e6, conditions
+
+
+def test_increments():
+    """The same equilibrium in one step and in many."""
+    boundary = scene("increments", "Mooney-Rivlin")
+    node, t = [node_at(boundary, [0.2, 0.1, 0.1])], [0.03, 0.01, 0]
+    one, many = (solve(boundary, node, t, Increments=n) for n in (1, 5))
+    for name in ("ReactionForce", "Energy", "HapticStiffness"):
+        assert numpy.allclose(field(one, name), field(many, name), rtol=1e-8,
+                              atol=1e-9 * numpy.abs(field(one, name)).max()), name
+    assert field(many, "Steps")[0] >= 5 and field(many, "Iterations")[0] >= 5
+
+
+def roof():
+    """The hinged cylindrical roof of Sze, Liu and Lo (2004), and the node at its crown."""
+    # A quarter and its mirror images: on a mesh that is not symmetric it would tilt instead.
+    quarter = box_body(divisions=(5, 5, 1), lengths=(1, 1, 1))
+    cells = vtk_to_numpy(quarter.GetCells().GetConnectivityArray()).reshape(-1, 10)
+    signs = [[i, j, 1] for i in (1, -1) for j in (1, -1)]
+    points, merged = numpy.unique(
+        numpy.concatenate([places(quarter) * sign for sign in signs]).round(9), axis=0,
+        return_inverse=True)
+    cells = numpy.concatenate([cells + quarter.GetNumberOfPoints() * i for i in range(4)])
+    grid = grid_of(points, merged.ravel()[cells].tolist(), VTK_QUADRATIC_TETRA)
+    x, y, z = (points - [0, 0, 0.5]).T
+    angle, radius = 0.1 * x, 2.54 + 0.00635 * z
+    hinged = numpy_to_vtk(((abs(x) > 1 - 1e-9) & (abs(z) < 1e-9)).astype(numpy.uint8), deep=True)
+    hinged.SetName("Fixed")
+    grid.GetPointData().AddArray(hinged)
+    crown = int(numpy.argmin(x**2 + y**2 + (z - 0.5)**2))
+    places(grid)[:] = numpy.column_stack(
+        [radius * numpy.sin(angle), 0.254 * y, radius * numpy.cos(angle)])
+    material = AssignMaterial(Input=produce(grid), Law="St. Venant-Kirchhoff",
+                              YoungsModulus=3102.75e6, PoissonsRatio=0.3)
+    return material, crown
+
+
+def test_folds():
+    """The roof snaps back in displacement too: beyond 17 mm it has jumped, and the jump is told."""
+    body, crown = roof()
+    equilibrium = SolveEquilibrium(Input=body, ActiveNode=[crown], Displacement=[0, 0, -0.02])
+    for increments in (1, 2):
+        equilibrium.Increments = increments
+        with Messages() as messages:
+            after = fetch(equilibrium)
+        assert messages.errors == 0 and messages.warnings == 1, messages.text
+        assert field(after, "Outcome")[0] == CONVERGED and field(after, "Flags")[0] & NEAR_A_FOLD
+        array = after.GetFieldData().GetArray("Folds")
+        assert [array.GetComponentName(i) for i in range(5)] == [
+            "Way", "EnergyBefore", "EnergyAfter", "ForceBefore", "ForceAfter"]
+        (way, before, landed, force, force_after), = field(after, "Folds")
+        # Limit point of the published curve; a solid on a mesh that is not symmetric is near it.
+        assert abs(0.02 * way - 0.017) < 0.001, way
+        assert landed < before and force > 0 and force_after > 0
 
 
 def test_linear_body():

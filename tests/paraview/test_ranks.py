@@ -36,6 +36,25 @@ def road(body):
     return SolveEquilibrium(Input=boundary, ActiveNode=[node], Displacement=[0.01, 0.005, 0])
 
 
+def test_group(body, alone):
+    """Both ranks solve one body together: the same equilibrium but for rounding."""
+    together = road(body)
+    together.GroupUnknowns = 0
+    for increments in (1, 2):
+        together.Increments = increments
+        result = expect_silence(lambda: fetch(together))
+        for name, get in (("ReactionForce", field), ("Energy", field), ("HapticStiffness", field),
+                          ("Displacement", point_array)):
+            expected = get(alone, name)
+            assert numpy.abs(get(result, name) - expected).max() <= 1e-9 * numpy.abs(
+                expected).max(), name
+    # The other rank is let go where the first one fails.
+    together.TipRadius = 1
+    expect_error(lambda: fetch(together), "fixed")
+    together.TipRadius, together.LinearSolver = 0, "Eigen LDLT"
+    assert field(expect_silence(lambda: fetch(together)), "Outcome")[0] == 0
+
+
 def main():
     assert servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions() == 2
     grid = box_body()
@@ -54,6 +73,8 @@ def main():
     for name in ("ReactionForce", "Energy", "HapticStiffness"):
         assert (field(results[0], name) == field(results[1], name)).all()
     assert (point_array(results[0], "Displacement") == point_array(results[1], "Displacement")).all()
+
+    test_group(first, results[0])
 
     expect_error(lambda: fetch(road(partitioned("spread", ["whole", "whole"]))),
                  "spread over 2 ranks")

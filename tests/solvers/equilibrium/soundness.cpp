@@ -14,8 +14,8 @@ namespace {
 /// Of a component of the residual, in shares of Σ|K_ij| times the largest displacement. A solver
 /// that measures by the mean row leaves more where a body has parts of different stiffness.
 constexpr double kResidual = 1e-6;
-/// Newton step from a solution, in shares of the displacement of the sites: what the residual of each
-/// row does not show, such as the net force on a stiff part that is free to move.
+/// Newton step from a solution, in shares of the displacement of the sites: what the residual of
+/// each row does not show, such as the net force on a stiff part that is free to move.
 constexpr double kDisplacement = 1e-6;
 /// Of det F, which is computed here by another order of operations; times the size of ∇u cubed.
 constexpr double kDetF = 1e-9;
@@ -89,8 +89,7 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
           reaction.transpose(), " in place of ", state.reaction.transpose());
 
   // A displacement that is less than a millionth of an edge is none, after one that was larger.
-  const double largest =
-      std::max(whole.lpNorm<Eigen::Infinity>(), 1e-6 * assembly.mean_edge());
+  const double largest = std::max(whole.lpNorm<Eigen::Infinity>(), 1e-6 * assembly.mean_edge());
   for (Index i = 0; i < assembly.pattern().size; ++i) {
     const Index place = assembly.state_of_unknown()[i];
     if (place < 3 * assembly.num_points() && held[place / 3] != 0) continue;

@@ -47,8 +47,8 @@ Point evaluate(const Material& material, const Mat3& f, double pressure) {
   if (material.law == Law::linear || material.law == Law::st_venant_kirchhoff) {
     const bool linear = material.law == Law::linear;
     const Mat3 h = f - identity;
-    const Mat3 strain = linear ? Mat3((h + h.transpose()) / 2)
-                               : Mat3((h + h.transpose() + h.transpose() * h) / 2);
+    const Mat3 strain =
+        linear ? Mat3((h + h.transpose()) / 2) : Mat3((h + h.transpose() + h.transpose() * h) / 2);
     const Mat3 stress = lambda * strain.trace() * identity + 2 * mu * strain;
     point.energy = strain.cwiseProduct(stress).sum() / 2;
     point.stress = linear ? stress : Mat3(f * stress);
@@ -188,26 +188,26 @@ struct Named {
 
 /// Each law as its Poisson's ratio makes it, and the two formulations near the limit.
 std::vector<Named> materials() {
-  return {{"Linear", make_material(Law::linear, kYoungsModulus, 0.3)},
-          {"StVenantKirchhoff", make_material(Law::st_venant_kirchhoff, kYoungsModulus, 0.3)},
-          {"NeoHookean", make_material(Law::neo_hookean, kYoungsModulus, 0.3)},
-          {"MooneyRivlin", make_material(Law::mooney_rivlin, kYoungsModulus, 0.3)},
-          {"Polynomial", make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.3)},
-          {"Fung", make_material(Law::fung, kYoungsModulus, 0.3)},
-          {"NeoHookeanIncompressible",
-           make_material(Law::neo_hookean_incompressible, kYoungsModulus, 0.5)},
-          {"MooneyRivlinIncompressible",
-           make_material(Law::mooney_rivlin_incompressible, kYoungsModulus, 0.5)},
-          {"NearlyIncompressibleLinear", make_material(Law::linear, kYoungsModulus, 0.4999)},
-          {"NearlyIncompressibleStVenantKirchhoff",
-           make_material(Law::st_venant_kirchhoff, kYoungsModulus, 0.4999)},
-          {"NearlyIncompressibleNeoHookean",
-           make_material(Law::neo_hookean, kYoungsModulus, 0.4999)},
-          {"NearlyIncompressibleMooneyRivlin",
-           make_material(Law::mooney_rivlin, kYoungsModulus, 0.4999)},
-          {"NearlyIncompressiblePolynomial",
-           make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.4999)},
-          {"NearlyIncompressibleFung", make_material(Law::fung, kYoungsModulus, 0.4999)}};
+  return {
+      {"Linear", make_material(Law::linear, kYoungsModulus, 0.3)},
+      {"StVenantKirchhoff", make_material(Law::st_venant_kirchhoff, kYoungsModulus, 0.3)},
+      {"NeoHookean", make_material(Law::neo_hookean, kYoungsModulus, 0.3)},
+      {"MooneyRivlin", make_material(Law::mooney_rivlin, kYoungsModulus, 0.3)},
+      {"Polynomial", make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.3)},
+      {"Fung", make_material(Law::fung, kYoungsModulus, 0.3)},
+      {"NeoHookeanIncompressible",
+       make_material(Law::neo_hookean_incompressible, kYoungsModulus, 0.5)},
+      {"MooneyRivlinIncompressible",
+       make_material(Law::mooney_rivlin_incompressible, kYoungsModulus, 0.5)},
+      {"NearlyIncompressibleLinear", make_material(Law::linear, kYoungsModulus, 0.4999)},
+      {"NearlyIncompressibleStVenantKirchhoff",
+       make_material(Law::st_venant_kirchhoff, kYoungsModulus, 0.4999)},
+      {"NearlyIncompressibleNeoHookean", make_material(Law::neo_hookean, kYoungsModulus, 0.4999)},
+      {"NearlyIncompressibleMooneyRivlin",
+       make_material(Law::mooney_rivlin, kYoungsModulus, 0.4999)},
+      {"NearlyIncompressiblePolynomial",
+       make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.4999)},
+      {"NearlyIncompressibleFung", make_material(Law::fung, kYoungsModulus, 0.4999)}};
 }
 
 void PrintTo(const Named& named, std::ostream* out) { *out << named.name; }
@@ -216,13 +216,11 @@ class ClosedForms : public testing::TestWithParam<std::tuple<ElementOrder, Named
  protected:
   void compare(Mode mode, double amount);
 };
-INSTANTIATE_TEST_SUITE_P(Each, ClosedForms,
-                         testing::Combine(testing::ValuesIn(kOrders),
-                                          testing::ValuesIn(materials())),
-                         [](const auto& each) {
-                           return name_of_order({std::get<0>(each.param), 0}) +
-                                  std::get<1>(each.param).name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Each, ClosedForms, testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(materials())),
+    [](const auto& each) {
+      return name_of_order({std::get<0>(each.param), 0}) + std::get<1>(each.param).name;
+    });
 
 void ClosedForms::compare(Mode mode, double amount) {
   const auto& [order, named] = GetParam();

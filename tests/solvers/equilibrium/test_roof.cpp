@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The hinged cylindrical roof under a load at its middle (Sabir & Lock 1972; tabulated by Sze, Liu &
-// Lo, Popular benchmark problems for geometric nonlinear analysis of shells, Finite Elements in
+// The hinged cylindrical roof under a load at its middle (Sabir & Lock 1972; tabulated by Sze, Liu
+// & Lo, Popular benchmark problems for geometric nonlinear analysis of shells, Finite Elements in
 // Analysis and Design 40, 2004): R = 2540 mm, half angle 0.1 rad, length 508 mm, E = 3102.75 MPa,
 // ν = 0.3. With a thickness of 12.7 mm it snaps through when the load is given; with 6.35 mm the
 // displacement of its middle turns back too.
 //
-// Ours is a solid of Tet10, theirs a shell. The hinge is the line in the middle of the thickness, as
-// theirs is. The load acts on a line through the thickness, not on one point of the middle surface,
-// and the points of that line stay one above the other. The shell has no stress across its
+// Ours is a solid of Tet10, theirs a shell. The hinge is the line in the middle of the thickness,
+// as theirs is. The load acts on a line through the thickness, not on one point of the middle
+// surface, and the points of that line stay one above the other. The shell has no stress across its
 // thickness, the solid has what the load puts there. And a mesh of 12 × 12 bricks on the whole roof
-// is stiff: 12 mm down it needs 590 N, one of 24 × 24 bricks 574 N. That one has its greatest load of
-// 585 N at 13.1 mm, turns back at 16.95 mm and again at 14.6 mm, and has its least load of −381 N.
+// is stiff: 12 mm down it needs 590 N, one of 24 × 24 bricks 574 N. That one has its greatest load
+// of 585 N at 13.1 mm, turns back at 16.95 mm and again at 14.6 mm, and has its least load of −381
+// N.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,10 +27,10 @@
 namespace palpate::test {
 namespace {
 
-/// The tabulated point with the greatest load before the first fall, N and m: of the tables 9 of Sze,
-/// Liu & Lo (P/Pmax = 0.7421 at 11.293 mm and 0.1953 at 12.892 mm, Pmax = 3000 N), as quoted by the
-/// validation notebooks of the code "panels" (S. Castro). The curve's own maximum may be a little
-/// higher, at a place that so flat a maximum leaves open.
+/// The tabulated point with the greatest load before the first fall, N and m: of the tables 9 of
+/// Sze, Liu & Lo (P/Pmax = 0.7421 at 11.293 mm and 0.1953 at 12.892 mm, Pmax = 3000 N), as quoted
+/// by the validation notebooks of the code "panels" (S. Castro). The curve's own maximum may be a
+/// little higher, at a place that so flat a maximum leaves open.
 struct LimitPoint {
   double load;
   double deflection;
@@ -60,8 +61,8 @@ class HingedRoof : public testing::Test {
     Roof roof = make_roof(options);
     centre_ = roof.centre;
     solver_ = std::make_unique<EquilibriumSolver>(
-        make_scene(std::move(roof.mesh),
-                   make_isotropic(Law::st_venant_kirchhoff, 3102.75e6, 0.3), roof.fixed),
+        make_scene(std::move(roof.mesh), make_isotropic(Law::st_venant_kirchhoff, 3102.75e6, 0.3),
+                   roof.fixed),
         solving);
     solver_->hold(centre_);
   }
@@ -111,8 +112,8 @@ class HingedRoof : public testing::Test {
       largest = std::max(largest, std::abs(load(point)));
       EXPECT_LT(point.reaction.head<2>().norm(), kSymmetry * largest);
       EXPECT_GT(point.minimum_det_f, 0.9);
-      work += (load(point) + load(path.points[i - 1])) / 2 *
-              (point.way - path.points[i - 1].way) * kWay;
+      work += (load(point) + load(path.points[i - 1])) / 2 * (point.way - path.points[i - 1].way) *
+              kWay;
       EXPECT_NEAR(work, point.energy, 0.03 * std::max(point.energy, 1.0)) << point.way;
     }
   }
@@ -148,9 +149,9 @@ TEST_F(HingedRoof, SnapsBack) {
   EXPECT_NEAR(kWay * fold.way, kTurnsBack, kCurveAccuracy * kTurnsBack);
   EXPECT_GE(fold.way, std::max_element(path.points.begin(), turns_on, further)->way);
   EXPECT_NEAR(kWay * turns_on->way, kTurnsOn, kCurveAccuracy * kTurnsOn);
-  const auto least = std::min_element(
-      path.points.begin(), path.points.end(),
-      [](const PathPoint& a, const PathPoint& b) { return load(a) < load(b); });
+  const auto least =
+      std::min_element(path.points.begin(), path.points.end(),
+                       [](const PathPoint& a, const PathPoint& b) { return load(a) < load(b); });
   EXPECT_NEAR(load(*least), kLeastLoad, kCurveAccuracy * -kLeastLoad);
   EXPECT_LT(turns_on, least);
 
@@ -165,8 +166,8 @@ TEST_F(HingedRoof, SnapsBack) {
   EXPECT_TRUE(std::all_of(path.points.begin(),
                           path.points.begin() + static_cast<std::ptrdiff_t>(limit_of_load(path)),
                           [](const PathPoint& p) { return p.negative_pivots == 0; }));
-  EXPECT_TRUE(std::all_of(first_after, turns_on,
-                          [](const PathPoint& p) { return p.negative_pivots > 0; }));
+  EXPECT_TRUE(
+      std::all_of(first_after, turns_on, [](const PathPoint& p) { return p.negative_pivots > 0; }));
   EXPECT_EQ(path.points.back().negative_pivots, 0);
 }
 

@@ -57,7 +57,7 @@ inline System body(const Scene& scene) {
   const Assembly assembly(scene);
   NodalVector force;
   System system{assembly.pattern(), {}};
-  assembly.tangent(NodalVector::Zero(3 * assembly.num_points()), force, system.values);
+  assembly.tangent(NodalVector::Zero(assembly.state_size()), force, system.values);
   double largest = 0;
   for (double value : system.values) largest = std::max(largest, std::abs(value));
   for (double& value : system.values) value /= largest;

@@ -3,6 +3,7 @@
 // whatever the order of elimination, the contrast and the unit of the pressures.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -115,6 +116,26 @@ TEST_F(SaddlePoint, AConstantPressureThatNothingDeterminesIsSingular) {
   EXPECT_EQ(factorise(incompressible(make_cube(on_the_surface), 0, 1)), FactorStatus::singular);
   EXPECT_EQ(factorise(incompressible(make_cube(on_the_surface), 1e-3, 1)), FactorStatus::ok);
   EXPECT_EQ(solver_->negative_pivots(), kPressures);
+}
+
+// The elements of the program, which have a pressure where a body is nearly incompressible.
+TEST_F(SaddlePoint, OfNearlyIncompressibleBodies) {
+  for (ElementOrder order : {ElementOrder::linear, ElementOrder::quadratic}) {
+    for (double nu : {0.4999, 0.499999}) {
+      SCOPED_TRACE(std::to_string(nodes_per_cell(order)) + " nodes, " + std::to_string(nu));
+      Scene scene = make_cube(at_bottom);
+      scene.mesh = make_box(order, {2, 2, 2}, Vec3(1, 1, 1));
+      scene.fixed.resize(scene.mesh.num_points());
+      scene.touchable.resize(scene.mesh.num_points());
+      scene.materials = {
+          with_formulation(make_isotropic(Law::linear, 1000, nu), Formulation::mixed)};
+      scene.material_of_cell.clear();
+      ASSERT_EQ(factorise(body(scene)), FactorStatus::ok);
+      EXPECT_EQ(solver_->negative_pivots(), kPressures);
+      std::fill(scene.fixed.begin(), scene.fixed.end(), 0);
+      EXPECT_EQ(factorise(body(scene)), FactorStatus::singular);
+    }
+  }
 }
 
 TEST_F(SaddlePoint, SmallOnes) {

@@ -37,8 +37,11 @@ Scene make_cube(const Cube& cube, const Where& held) {
   scene.mesh = make_box(cube.order, {4, 4, 4}, kSize);
   for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(held(p) ? 1 : 0);
   scene.touchable.assign(scene.fixed.size(), 0);
-  scene.materials = {make_isotropic(Law::linear, 1000, cube.poissons_ratio),
-                     make_isotropic(Law::linear, 1000 * cube.contrast, cube.poissons_ratio)};
+  for (double youngs_modulus : {1000.0, 1000 * cube.contrast}) {
+    scene.materials.push_back(
+        with_formulation(make_isotropic(Law::linear, youngs_modulus, cube.poissons_ratio),
+                         Formulation::displacement));
+  }
   for (Index c = 0; c < scene.mesh.num_cells(); ++c) {
     Vec3 centre = Vec3::Zero();
     for (int i = 0; i < 4; ++i) centre += scene.mesh.points[scene.mesh.cell(c)[i]] / 4;

@@ -48,7 +48,8 @@ Index nearest_point(const TetMesh& mesh, const Vec3& place) {
   return best;
 }
 
-std::vector<Index> points_where(const TetMesh& mesh, const std::function<bool(const Vec3&)>& holds) {
+std::vector<Index> points_where(const TetMesh& mesh,
+                                const std::function<bool(const Vec3&)>& holds) {
   const std::vector<char> in_use = points_in_use(mesh);
   std::vector<Index> points;
   for (Index p = 0; p < mesh.num_points(); ++p) {
@@ -103,8 +104,9 @@ double least_dihedral_angle(const TetMesh& mesh) {
     const auto corner = corners_of(mesh, c);
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < a; ++b) {
-        largest_cosine = std::max(largest_cosine, -face_normal(corner, a).normalized().dot(
-                                                      face_normal(corner, b).normalized()));
+        largest_cosine =
+            std::max(largest_cosine,
+                     -face_normal(corner, a).normalized().dot(face_normal(corner, b).normalized()));
       }
     }
   }
@@ -192,8 +194,8 @@ Roof make_roof(const RoofOptions& options) {
           Index corner[4];
           for (int a = 0; a < 4; ++a) {
             const int bits = tetrahedron[a];
-            corner[a] = point(sign_i * (i + (bits & 1)), sign_j * (j + ((bits >> 1) & 1)),
-                              (bits >> 2) & 1);
+            corner[a] =
+                point(sign_i * (i + (bits & 1)), sign_j * (j + ((bits >> 1) & 1)), (bits >> 2) & 1);
           }
           if (sign_i * sign_j < 0) std::swap(corner[1], corner[2]);
           flat.cells.insert(flat.cells.end(), corner, corner + 4);
@@ -212,8 +214,8 @@ Roof make_roof(const RoofOptions& options) {
   for (const Vec3& p : parameters.points) {
     roof.fixed.push_back(std::abs(p.x()) == 1 && p.z() == 0.5 ? 1 : 0);
   }
-  roof.centre = hold_as_one(points_where(
-      parameters, [](const Vec3& p) { return p.x() == 0 && p.y() == 0; }));
+  roof.centre =
+      hold_as_one(points_where(parameters, [](const Vec3& p) { return p.x() == 0 && p.y() == 0; }));
   return roof;
 }
 

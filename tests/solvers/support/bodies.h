@@ -24,7 +24,8 @@ namespace palpate::test {
 
 /// The scene's material in the first place, another in the cells whose middle lies where `inside`
 /// holds.
-void put_inside(Scene& scene, const Material& other, const std::function<bool(const Vec3&)>& inside);
+void put_inside(Scene& scene, const Material& other,
+                const std::function<bool(const Vec3&)>& inside);
 
 /// The same law with moduli that many times as large.
 [[nodiscard]] Material scaled(Material material, double factor);
@@ -47,9 +48,9 @@ void put_inside(Scene& scene, const Material& other, const std::function<bool(co
 /// Adds a copy of the mesh, moved by `shift`, that shares no point with it.
 void add_copy(TetMesh& mesh, const Vec3& shift);
 
-/// A shallow cylindrical roof as a solid of Tet10: axis along y, crown up, hinged along its straight
-/// edges (the line in the middle of their thickness is fixed) and free along the curved ones.
-/// The mesh is its own mirror image in both planes x = 0 and y = 0, and its faces are curved.
+/// A shallow cylindrical roof as a solid of Tet10: axis along y, crown up, hinged along its
+/// straight edges (the line in the middle of their thickness is fixed) and free along the curved
+/// ones. The mesh is its own mirror image in both planes x = 0 and y = 0, and its faces are curved.
 struct Roof {
   TetMesh mesh;
   /// 1 where the hinge is [num_points].

@@ -22,7 +22,8 @@ struct Expected {
 
 /// An equilibrium, with these flags and no others.
 [[nodiscard]] Expected converges(Flags must = 0);
-/// An equilibrium, the only one there is and a stable one; it may be inverted, and must then say so.
+/// An equilibrium, the only one there is and a stable one; it may be inverted, and must then say
+/// so.
 [[nodiscard]] Expected converges_and_may_invert();
 /// An equilibrium. How a body deforms beyond the first instability is the mesh's affair: it may be
 /// unstable, near a fold, and inverted at a corner, and must then say so.

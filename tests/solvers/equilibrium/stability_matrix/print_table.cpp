@@ -34,8 +34,9 @@ void print_row(const Case& one) {
 int main() {
   for (const std::string& group : palpate::test::groups()) {
     std::printf("\n## %s\n\n", group.c_str());
-    std::puts("| body | expected | outcome | flags | iterations | residual | least det F | "
-              "condition | s |\n|---|---|---|---|---|---|---|---|---|");
+    std::puts(
+        "| body | expected | outcome | flags | iterations | residual | least det F | "
+        "condition | s |\n|---|---|---|---|---|---|---|---|---|");
     for (const auto& one : palpate::test::stability_matrix()) {
       if (one.group == group) palpate::test::print_row(one);
     }

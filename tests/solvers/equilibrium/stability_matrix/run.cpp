@@ -57,8 +57,7 @@ Result run(const Case& one) {
     result.message = result.state.message;
     result.faults = faults(result.state, result.solver->assembly(), result.problem.constraint,
                            &result.problem.scene.mesh);
-    if (result.state.outcome == Outcome::converged &&
-        result.state.t != result.problem.way.back()) {
+    if (result.state.outcome == Outcome::converged && result.state.t != result.problem.way.back()) {
       result.faults.emplace_back("converged, but not to the displacement that was asked for");
     }
   } else if (result.message.empty()) {

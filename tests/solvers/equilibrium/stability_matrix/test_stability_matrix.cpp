@@ -36,8 +36,7 @@ TEST_P(StabilityMatrix, EndsAsItShould) {
     if (one.group != GetParam()) continue;
     const Result result = run(one);
     for (const std::string& fault : result.faults) ADD_FAILURE() << one.name << ": " << fault;
-    EXPECT_EQ(result.unexpected, "")
-        << one.name << ": expected " << describe(one.expected) << '\n';
+    EXPECT_EQ(result.unexpected, "") << one.name << ": expected " << describe(one.expected) << '\n';
   }
 }
 
@@ -71,8 +70,8 @@ TEST(StabilityMatrix, ForcesAreDerivativesOfTheEnergy) {
   EXPECT_GT(compared, 10);
 }
 
-// A stiffer part makes the body stiffer; and beyond some contrast it is rigid, so that the next three
-// orders of magnitude change nothing.
+// A stiffer part makes the body stiffer; and beyond some contrast it is rigid, so that the next
+// three orders of magnitude change nothing.
 TEST(StiffnessContrast, TendsToARigidPart) {
   for (const char* shape : {"Stiff inclusion, ", "Stiff layer, "}) {
     for (const Case& one : stability_matrix()) {
@@ -141,8 +140,8 @@ TEST(Slivers, PassThePatchTest) {
       meshes.push_back(make_sliver_box(order, degrees, kSize));
       EXPECT_NEAR(least_dihedral_angle(meshes.back()), degrees, 1e-3 * degrees);
     }
-    meshes.push_back(make_graded_box(
-        order, {{{0, 0.49995, 0.50005, 1}, {0, 0.5, 1}, {0, 0.5, 1}}}, Vec3::Constant(kSize)));
+    meshes.push_back(make_graded_box(order, {{{0, 0.49995, 0.50005, 1}, {0, 0.5, 1}, {0, 0.5, 1}}},
+                                     Vec3::Constant(kSize)));
     EXPECT_GT(largest_aspect_ratio(meshes.back()), 5000);
     for (const TetMesh& mesh : meshes) {
       const std::vector<char> surface = boundary_points(mesh);
@@ -169,14 +168,14 @@ TEST(Slivers, PassThePatchTest) {
   }
 }
 
-// At the end of a whole turn the sites are where they were: in one step nothing has happened, step by
-// step the bar is twisted, and another equilibrium.
+// At the end of a whole turn the sites are where they were: in one step nothing has happened, step
+// by step the bar is twisted, and another equilibrium.
 TEST(Twist, TheWayMatters) {
   int compared = 0;
   for (const Case& one : stability_matrix()) {
     if (one.group != "Twist by 360° in one step") continue;
-    const auto other = std::find_if(
-        stability_matrix().begin(), stability_matrix().end(), [&](const Case& c) {
+    const auto other =
+        std::find_if(stability_matrix().begin(), stability_matrix().end(), [&](const Case& c) {
           return c.group == "Twist by 360° in 24 steps" && c.name == one.name;
         });
     EXPECT_EQ(run(one).state.energy, 0);
@@ -226,8 +225,8 @@ TEST_P(Units, PowersOfTwoDoNotChangeABit) {
         const auto in_units = [&](int of_length, int of_modulus) {
           return std::ldexp(1.0, -of_length * length - of_modulus * modulus);
         };
-        const Equilibrium state = pull_in_units(order, GetParam(), std::ldexp(1.0, length),
-                                                std::ldexp(1.0, modulus));
+        const Equilibrium state =
+            pull_in_units(order, GetParam(), std::ldexp(1.0, length), std::ldexp(1.0, modulus));
         EXPECT_TRUE(in_units(1, 0) * state.u == expected.u);
         EXPECT_TRUE(state.v == expected.v);
         EXPECT_TRUE(in_units(0, 1) * state.p == expected.p);
@@ -250,7 +249,7 @@ TEST_P(Units, DoNotMatter) {
   const EquilibriumOptions options = with_tolerance(1e-14);
   for (ElementOrder order : kOrders) {
     const Equilibrium expected = pull_in_units(order, GetParam(), 1, 1, options);
-    for (double length : {1e-5, 1e-2, 1e4}) {       // blocks of 1 µm, 1 mm and 1 km
+    for (double length : {1e-5, 1e-2, 1e4}) {         // blocks of 1 µm, 1 mm and 1 km
       for (double modulus : {1.0 / 3000, 1e9 / 3}) {  // 1 Pa, 1 TPa
         SCOPED_TRACE(std::to_string(length) + " m, " + std::to_string(modulus));
         const Equilibrium state = pull_in_units(order, GetParam(), length, modulus, options);
@@ -272,8 +271,8 @@ TEST(TinyDisplacements, KeepTheirDigits) {
     ASSERT_EQ(result.state.outcome, Outcome::converged) << one.name;
     const Eigen::VectorXd linear = result.solver->rest().stiffness * result.state.t;
     EXPECT_LT((result.state.reaction - linear).norm(), 1e-8 * linear.norm()) << one.name;
-    EXPECT_NEAR(result.state.energy, linear.dot(result.state.t) / 2,
-                1e-8 * result.state.energy) << one.name;
+    EXPECT_NEAR(result.state.energy, linear.dot(result.state.t) / 2, 1e-8 * result.state.energy)
+        << one.name;
   }
 }
 
