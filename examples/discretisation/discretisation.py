@@ -57,8 +57,8 @@ def arguments():
                         help="edges of the quadratic cells that are smaller, by a factor of 3, at the "
                         "tip; the least one is the reference's")
     parser.add_argument("--laws", nargs="+", choices=LAWS, metavar="LAW",
-                        default=["St. Venant-Kirchhoff", "Neo-Hookean",
-                                 "Mooney-Rivlin incompressible"], help="of: " + ", ".join(LAWS))
+                        default=["Linear", "Neo-Hookean", "Mooney-Rivlin incompressible"],
+                        help="of: " + ", ".join(LAWS))
     parser.add_argument("--young", type=float, default=1e4, help="Young's modulus, Pa")
     parser.add_argument("--poisson", type=float, default=0.45, help="Poisson's ratio")
     parser.add_argument("--touched", type=float, nargs=3, metavar=("X", "Y", "Z"),
@@ -67,7 +67,7 @@ def arguments():
                         help="sphere within which its surface is held, m")
     parser.add_argument("--tip-radius", type=float, help="of the tool, m; by default 7 %% of the "
                         "longest side")
-    parser.add_argument("--displacement", type=float, default=0.03,
+    parser.add_argument("--displacement", type=float, default=0.02,
                         help="how far the place is pulled along the normal (pushed: negative), as a "
                         "share of the longest side")
     parser.add_argument("--wanted", type=float, default=1.0, help="the error to reach, %%")

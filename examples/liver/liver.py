@@ -25,7 +25,9 @@ from make_surface import make_surface
 from pipeline import Failure, boundary, field, output, save_surface, update
 from remesh import arrays, remesh, triangle_normals, vertex_normals
 
-LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin")
+LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
+        "Mooney-Rivlin polynomial", "Fung", "Neo-Hookean incompressible",
+        "Mooney-Rivlin incompressible")
 # Where a doctor palpates: y is up, z to the front, the right lobe at x < 0.
 IN_FRONT = np.array((-0.4, 0.4, 1.0))
 LARGEST = 5.0  # m; a surface that is wider is not in m

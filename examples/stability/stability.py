@@ -66,12 +66,12 @@ def arguments():
                         help="where it is touched (the nearest point of the surface), m")
     parser.add_argument("--tip-radius", type=float, help="of the tool, m; 0 for a single point; by default 7 %% of "
                         "the longest side")
-    parser.add_argument("--distances", type=float, nargs="+", default=[0.02, 0.2, 1.0, -0.1],
+    parser.add_argument("--distances", type=float, nargs="+", default=[0.02, 0.1, 2.0, -0.1],
                         help="how far it is pulled along the normal (pushed: negative), in longest "
                         "sides of the body; 1e-12 m is always among them")
     parser.add_argument("--increments", type=int, nargs="+", default=[1, 10],
                         help="the way is gone in so many parts")
-    parser.add_argument("--seconds", type=float, default=10.0, help="bound of time for an increment")
+    parser.add_argument("--seconds", type=float, default=5.0, help="bound of time for an increment")
     return parser
 
 

@@ -214,7 +214,7 @@ void Assembly::Data::number_pressures(const Scene& scene) {
   pressure_of_corner.assign(4 * static_cast<std::size_t>(mesh.num_cells()), -1);
   std::map<std::tuple<Index, Law, int>, Index> numbers;
   std::vector<char> felt;
-  std::vector<char> incompressible;
+  std::vector<char> unbounded;
   for (Index c = 0; c < mesh.num_cells(); ++c) {
     if (!is_mixed(scene, c)) continue;
     const Material& material = material_of(scene, c);
@@ -229,11 +229,14 @@ void Assembly::Data::number_pressures(const Scene& scene) {
       if (is_new) {
         pressure_scale.push_back(pressure_scale_of(material));
         felt.push_back(0);
-        incompressible.push_back(1);
+        unbounded.push_back(1);
       }
       pressure_of_corner[4 * c + a] = entry->second;
       felt[entry->second] |= has_free_point ? 1 : 0;
-      incompressible[entry->second] &= volumetric_compliance(material) == 0 ? 1 : 0;
+      // That of Tet4 is bounded by its stabilisation.
+      const bool bounded =
+          mesh.order == ElementOrder::linear || volumetric_compliance(material) > 0;
+      unbounded[entry->second] &= bounded ? 0 : 1;
     }
   }
   unknown_of_pressure.assign(num_pressures(), -1);
@@ -241,7 +244,7 @@ void Assembly::Data::number_pressures(const Scene& scene) {
   for (Index j = 0; j < num_pressures(); ++j) {
     if (felt[j] == 0) continue;
     unknown_of_pressure[j] = next++;
-    if (incompressible[j] != 0) multipliers.push_back(static_cast<Index>(state_of_unknown.size()));
+    if (unbounded[j] != 0) multipliers.push_back(static_cast<Index>(state_of_unknown.size()));
     state_of_unknown.push_back(3 * num_points + j);
   }
 }

@@ -59,7 +59,8 @@ class Assembly {
   /// no free point feels is no unknown: it stays 0.
   [[nodiscard]] const std::vector<Index>& state_of_unknown() const;
   [[nodiscard]] Index num_unknown_pressures() const;
-  /// The unknown pressures of incompressible materials, which no compliance of their own bounds.
+  /// The unknown pressures that no term of their own bounds: those of incompressible Tet10. The
+  /// tangent has zeros on its diagonal there.
   [[nodiscard]] const std::vector<Index>& multipliers() const;
   [[nodiscard]] const SymmetricPattern& pattern() const;
   /// Mean length of the edges between corners, m.

@@ -6,7 +6,7 @@
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_growth 160000
 //   mpiexec -n 2 palpate_benchmark_growth 160000
 //
-// The argument is the number of unknowns not to exceed; 310 000 takes 18 GB.
+// The argument is the number of unknowns not to exceed; 310 000 takes 11 GB.
 #include <mpi.h>
 #include <sys/resource.h>
 

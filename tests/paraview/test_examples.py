@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""examples/liver at a reduced size: on one rank and on two, with the same table and pictures.
+"""The examples at a reduced size: examples/liver on one rank and on two, with the same table and
+pictures, and the two reports.
 
 Arguments: pvbatch and, where there is MPI, mpiexec with its options.
 """
@@ -14,7 +15,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
 
 PVBATCH, MPIEXEC = sys.argv[1], sys.argv[2:]
-SCRIPT = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.py")
+EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
 SMALL = ["--resolution", "3", "--elements", "400"]
 PICTURES = ["rest.png", "deformed_push.png", "deformed_pull.png", "deformed_sideways.png"]
 # What another number of ranks may change; the times follow it.
@@ -26,12 +27,13 @@ PIXEL_TOLERANCE = 60
 SHARE_OF_PIXELS = 1e-3
 
 
-def run(ranks, *arguments):
+def run(ranks, *arguments, example="liver"):
     launcher = [*MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
     # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
     environment = {name: value for name, value in os.environ.items()
                    if ranks == 1 or not name.startswith(("OMPI_", "PMIX_"))}
-    return subprocess.run([*launcher, PVBATCH, SCRIPT, *arguments], stdout=subprocess.PIPE,
+    script = os.path.join(EXAMPLES, example, example + ".py")
+    return subprocess.run([*launcher, PVBATCH, script, *arguments], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True, timeout=500, check=False,
                           env=environment)
 
@@ -119,6 +121,84 @@ def check_a_surface_that_crosses_itself():
     assert all(os.path.exists(os.path.join("stl", name)) for name in PICTURES)
 
 
+def rows_of(path):
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def expect_pictures(folder, *names):
+    for name in names:
+        drawn = (pixels_of(os.path.join(folder, name + ".png")).min(axis=1) < 240).mean()
+        assert 0.003 < drawn < 0.9, (name, drawn)
+
+
+def check_discretisation(ranks):
+    folder = f"discretisation_{ranks}"
+    done = run(ranks, "--edges", "0.12", "0.09", "--finer-linear", "--fine-tip", "0.12",
+               "--tip-radius", "0.018", "--laws", "Neo-Hookean", "Mooney-Rivlin incompressible",
+               "--output", folder, example="discretisation")
+    assert done.returncode == 0, done.stderr
+    rows = rows_of(os.path.join(folder, "table.csv"))
+    # Five meshes, with a tip for both laws and as a point for the first.
+    assert len(rows) == 15 and {row["outcome"] for row in rows} == {"converged"}, rows
+    for law in ("Neo-Hookean", "Mooney-Rivlin incompressible"):
+        error = {(row["element"], row["edge (mm)"][:2]): float(row["force error (%)"])
+                 for row in rows if row["law"] == law and row["tip (mm)"] == "18"
+                 and row["element"] != "Tet10, fine tip"}
+        assert all(error["Tet10", edge] < error["Tet4", edge] / 2 for edge in ("18", "25")), error
+    force = {(row["element"], row["tip (mm)"]): float(row["force (N)"]) for row in rows
+             if row["law"] == "Neo-Hookean" and row["edge (mm)"].startswith("25")}
+    # Cells of a third of the size: the force of the point falls by about that, the other hardly.
+    assert force["Tet10, fine tip", "0"] < 0.6 * force["Tet10", "0"], force
+    assert 0.7 < force["Tet10, fine tip", "18"] / force["Tet10", "18"] < 1.05, force
+    for row in rows:
+        assert float(row["seconds"]) > 0 and float(row["memory (MB)"]) >= 0, row
+    with open(os.path.join(folder, "table.md"), encoding="utf-8") as file:
+        text = file.read().strip()
+    assert text in done.stdout and "- Neo-Hookean: " in text, text
+    expect_pictures(folder, "error_seconds", "error_unknowns", "displacement_seconds", "force_edge")
+    return force
+
+
+def check_locking(scene):
+    done = run(1, "--locking", scene, "--output", "locking", example="discretisation")
+    assert done.returncode == 0, done.stderr
+    rows = rows_of("locking/locking.csv")
+    force = {(row["Poisson's ratio"], row["element"], row["formulation"]): float(row["force (N)"])
+             for row in rows if row["outcome"] == "converged"}
+    assert len(force) == len(rows) == 22
+    # Of another code, with the same points of integration.
+    assert math.isclose(force["0.45", "Tet10", "Displacement"], 0.67644, rel_tol=1e-4)
+    for element, locks in (("Tet10", 1.5), ("Tet4", 20)):
+        soft = force["0.5", element, "Mixed"]
+        assert force["0.4999", element, "Displacement"] > locks * soft, force
+        assert math.isclose(force["0.4999", element, "Mixed"], soft, rel_tol=5e-3), force
+    expect_pictures("locking", "locking")
+
+
+def check_stability(*scene):
+    small = ["--laws", "Neo-Hookean", "Neo-Hookean incompressible", "--poissons", "0.3",
+             "--contrasts", "1", "1e6", "--distances", "0.01", "-0.01", "--increments", "1", "3",
+             "--elements", "150", "--output", "stability", *scene]
+    done = run(1, *small, example="stability")
+    assert done.returncode == 0, done.stderr
+    rows = rows_of("stability/stability.csv")
+    assert len(rows) == 24 and {row["outcome"] for row in rows} == {"converged"}, done.stdout
+    for row in rows:
+        assert float(row["residual"]) <= 1e-10 and float(row["least det F"]) > 0, row
+        assert math.isfinite(float(row["condition"])) and 0 < float(row["seconds"]) < 60, row
+    soft, stiff = (max(float(row["condition"]) for row in rows if row["contrast"] == contrast)
+                   for contrast in ("1", "1e+06"))
+    assert stiff > 100 * soft, (soft, stiff)
+    assert "The same equilibrium in one increment and in many" in done.stdout, done.stdout
+    expect_pictures("stability", "stability")
+
+    done = run(1, *small, "--stiff", "9", "9", "9", "0.1", example="stability")
+    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith("stability.py: the stiff region is empty"), done.stderr
+
+
+
 check_one_rank()
 check_that_the_file_is_used_again()
 if MPIEXEC:
@@ -126,3 +206,10 @@ if MPIEXEC:
 check_failures()
 if os.environ.get("PALPATE_SHARED_DATA"):
     check_a_surface_that_crosses_itself()
+    check_locking(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
+    check_stability(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
+alone = check_discretisation(1)
+if MPIEXEC:
+    together = check_discretisation(2)
+    assert all(math.isclose(alone[key], together[key], rel_tol=1e-6) for key in alone), together
+check_stability()

@@ -200,21 +200,21 @@ TEST_F(HingedRoof, ASolveBeyondTheFoldTellsOfTheJump) {
   }
 }
 
-// Where the fold is not to be followed, the body jumps to where its energy falls: from here to the
-// same equilibrium.
-TEST_F(HingedRoof, ASolveMayJumpWhereThePathFolds) {
-  make(0.00635, 5);
-  const Vec3 beyond(0, 0, -0.018);
-  const Equilibrium followed = solver_->solve(beyond, solver_->rest());
+// Where the fold is not to be followed, the body jumps to where its energy falls, or stops before;
+// either way it says so.
+TEST_F(HingedRoof, ASolveThatDoesNotFollowTellsOfTheFold) {
   EquilibriumOptions options;
   options.follow_folds = false;
   make(0.00635, 5, options);
-  const Equilibrium jumped = solver_->solve(beyond, solver_->rest());
-  ASSERT_EQ(followed.outcome, Outcome::converged) << followed.message;
-  ASSERT_EQ(jumped.outcome, Outcome::converged) << jumped.message;
-  EXPECT_NE(jumped.flags & flags::near_fold, 0);
-  EXPECT_FALSE(jumped.message.empty());
-  EXPECT_LT((jumped.u - followed.u).norm(), 1e-6 * followed.u.norm());
+  const Equilibrium state = solver_->solve(Vec3(0, 0, -0.018), solver_->rest());
+  EXPECT_FALSE(state.message.empty());
+  if (state.outcome == Outcome::converged) {
+    EXPECT_NE(state.flags & flags::near_fold, 0);
+    EXPECT_FALSE(state.folds.empty());
+  } else {
+    EXPECT_EQ(state.outcome, Outcome::not_converged);
+    EXPECT_NEAR(-state.t.z(), 0.0168, 0.0003);
+  }
 }
 
 }  // namespace

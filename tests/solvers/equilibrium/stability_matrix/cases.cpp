@@ -94,7 +94,9 @@ void add_contrasts(std::vector<Case>& cases) {
              return hold_point(std::move(scene), corner, kSize * Vec3(0.08, 0.04, -0.06));
            }});
       cases.push_back(
-          {"Thin stiff shell around a soft core, " + ratio, body, converges(), [=] {
+          {"Thin stiff shell around a soft core, " + ratio, body,
+           // Its own thickness, contrast and incompressibility together leave no digits.
+           contrast == 1e9 && is_incompressible(law) ? converges_or_stops() : converges(), [=] {
              const std::vector<double> planes = {0, 0.02, 0.5, 0.98, 1};
              Scene scene =
                  make_scene(make_graded_box(order, {planes, {0, 0.02, 0.98, 1}, {0, 0.02, 0.98, 1}},
