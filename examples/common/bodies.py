@@ -2,6 +2,7 @@
 """Bodies to measure on: meshes of one organ with cells of different size, but with the same place
 to touch and the same place where they are held.
 """
+import math
 import os
 
 import numpy as np
@@ -21,6 +22,8 @@ IN_FRONT, UPPER_BACK = (-0.4, 0.4, 1.0), (0.0, 1.0, -1.0)
 SLACK = 1 + 1e-6
 # Volume of a regular tetrahedron with edges of length 1 is 0.118; some are larger.
 LARGEST_CELL = 0.2
+# How far the smaller cells reach around a tip, in its radii, and how fast they grow from there on.
+FINE_PART, GROWTH = 1.25, 0.5
 # Corners and midside nodes of the faces of a tetrahedron, in VTK's order.
 FACES = ([0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [0, 2, 3, 6, 9, 7], [1, 2, 3, 5, 9, 8])
 
@@ -68,10 +71,14 @@ class Organ:
         self.nearest.FindClosestPoint(tuple(point), found, cell, part, distance)
         return np.array(found)
 
-    def with_edges(self, length):
+    def with_edges(self, length, at_tip):
         """The surface with edges of about `length` m: a vertex at the place that is touched, and
         none across the rims of the tip and of the part that is held."""
-        points, corners = arrays(remesh(self.surface, length))
+        def finer(point):
+            away = math.dist(point, self.place) - FINE_PART * self.tip_radius
+            return 1 / min(1, at_tip + GROWTH * max(away, 0) / length)
+
+        points, corners = arrays(remesh(self.surface, length, finer if at_tip != 1 else None))
         points[np.argmin(np.linalg.norm(points - self.place, axis=1))] = self.place
         for centre, radius in ((self.place, self.tip_radius),
                                (self.held_centre, self.held_radius)):
@@ -99,15 +106,15 @@ class Organ:
         """A reader of the body with cells of that size (m), order 'Linear' or 'Quadratic', held.
         at_tip: how much smaller the cells are around the place that is touched."""
         name = f"{1e3 * length:.3g}mm_{at_tip:.2g}"
-        surface = save_surface(self.with_edges(length), os.path.join(folder, f"surface_{name}.vtp"))
-        filled = TetrahedralizeSurface(Input=surface, ElementOrder=order,
-                                       PreserveSurface=int(at_tip == 1),
+        surface = save_surface(self.with_edges(length, at_tip),
+                               os.path.join(folder, f"surface_{name}.vtp"))
+        filled = TetrahedralizeSurface(Input=surface, ElementOrder=order, PreserveSurface=1,
                                        MaximumVolume=LARGEST_CELL * length ** 3)
         if at_tip != 1:
             filled.RefineVolume = LARGEST_CELL * (at_tip * length) ** 3
             filled.RefineRegion = "Sphere"
             filled.RefineRegion.Center = list(self.place)
-            filled.RefineRegion.Radius = 1.25 * self.tip_radius
+            filled.RefineRegion.Radius = FINE_PART * self.tip_radius
         grid = output(update(filled))
         near = np.linalg.norm(places(grid) - self.held_centre, axis=1) <= self.held_radius * SLACK
         add_point_array(grid, "Fixed", (near & on_surface(grid)).astype(np.uint8))

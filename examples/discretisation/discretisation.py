@@ -36,7 +36,7 @@ from vtkmodules.vtkCommonDataModel import vtkPolyData
 from vtkmodules.vtkFiltersCore import vtkProbeFilter
 
 # Order of the elements, and how much smaller they are at the tip.
-MESHES = {"Tet4": ("Linear", 1), "Tet10": ("Quadratic", 1), "Tet10, fine tip": ("Quadratic", 1 / 3)}
+MESHES = {"Tet4": ("Linear", 1), "Tet10": ("Quadratic", 1), "Tet10, fine tip": ("Quadratic", 1 / 4)}
 COLUMNS = {"law": "s", "element": "s", "tip (mm)": ".3g", "edge (mm)": ".3g", "cells": ".0f",
            "unknowns": ".0f", "force (N)": ".4g", "force error (%)": ".2g",
            "displacement error (%)": ".2g", "seconds": ".2g", "memory (MB)": ".0f",
@@ -53,8 +53,8 @@ def arguments():
                         help="edges of the cells, as shares of the longest side of the organ")
     parser.add_argument("--finer-linear", type=float, nargs="*", default=[0.034, 0.027],
                         help="edges for linear cells alone, which are cheaper")
-    parser.add_argument("--fine-tip", type=float, nargs="+", default=[0.09, 0.07, 0.055],
-                        help="edges of the quadratic cells that are smaller, by a factor of 3, at the "
+    parser.add_argument("--fine-tip", type=float, nargs="+", default=[0.12, 0.09, 0.07, 0.055],
+                        help="edges of the quadratic cells that are smaller, by a factor of 4, at the "
                         "tip; the least one is the reference's")
     parser.add_argument("--laws", nargs="+", choices=LAWS, metavar="LAW",
                         default=["Linear", "Neo-Hookean", "Mooney-Rivlin incompressible"],

@@ -18,12 +18,14 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData, vtkStaticCe
 ROUNDS = 10
 
 
-def remesh(surface, length):
-    """A copy of a closed triangulated vtkPolyData with edges of about `length` m."""
+def remesh(surface, length, finer=None):
+    """A copy of a closed triangulated vtkPolyData with edges of about `length` m; `finer` tells how
+    many times shorter they are at a point (x, y, z).
+    """
     nearest = vtkStaticCellLocator()
     nearest.SetDataSet(surface)
     nearest.BuildLocator()
-    mesh = _Mesh(*arrays(surface))
+    mesh = _Mesh(*arrays(surface), finer)
     wanted_volume = volume(*arrays(surface))
     for _ in range(ROUNDS):
         mesh.split_edges(4 / 3 * length)
@@ -80,7 +82,8 @@ def dot(u, v):
 class _Mesh:
     """Triangles that can be changed one by one. `around[v]` are the triangles at the vertex v."""
 
-    def __init__(self, points, corners):
+    def __init__(self, points, corners, finer):
+        self.finer = finer
         # Tuples of numbers: for three of them arrays are slow.
         self.points = [tuple(point) for point in points.tolist()]
         self.triangles = {}
@@ -117,7 +120,9 @@ class _Mesh:
         return tuple((p + q) / 2 for p, q in zip(self.points[a], self.points[b]))
 
     def length(self, a, b):
-        return math.dist(self.points[a], self.points[b])
+        """Of an edge, or what it would be if edges were as long everywhere."""
+        length = math.dist(self.points[a], self.points[b])
+        return length * self.finer(self.middle(a, b)) if self.finer else length
 
     def normal(self, a, b, c):
         """The direction of a triangle; zero where it has no area."""

@@ -136,6 +136,7 @@ struct Assembly::Data {
   /// Of each pressure, Pa/m.
   std::vector<double> pressure_scale;
   bool linear = true;
+  bool stabilised = false;
   double mean_edge = 0;
   std::vector<Index> unknown_of_point;
   std::vector<Index> state_of_unknown;
@@ -214,7 +215,7 @@ void Assembly::Data::number_pressures(const Scene& scene) {
   pressure_of_corner.assign(4 * static_cast<std::size_t>(mesh.num_cells()), -1);
   std::map<std::tuple<Index, Law, int>, Index> numbers;
   std::vector<char> felt;
-  std::vector<char> unbounded;
+  std::vector<char> incompressible;
   for (Index c = 0; c < mesh.num_cells(); ++c) {
     if (!is_mixed(scene, c)) continue;
     const Material& material = material_of(scene, c);
@@ -229,14 +230,11 @@ void Assembly::Data::number_pressures(const Scene& scene) {
       if (is_new) {
         pressure_scale.push_back(pressure_scale_of(material));
         felt.push_back(0);
-        unbounded.push_back(1);
+        incompressible.push_back(1);
       }
       pressure_of_corner[4 * c + a] = entry->second;
       felt[entry->second] |= has_free_point ? 1 : 0;
-      // That of Tet4 is bounded by its stabilisation.
-      const bool bounded =
-          mesh.order == ElementOrder::linear || volumetric_compliance(material) > 0;
-      unbounded[entry->second] &= bounded ? 0 : 1;
+      incompressible[entry->second] &= volumetric_compliance(material) == 0 ? 1 : 0;
     }
   }
   unknown_of_pressure.assign(num_pressures(), -1);
@@ -244,7 +242,7 @@ void Assembly::Data::number_pressures(const Scene& scene) {
   for (Index j = 0; j < num_pressures(); ++j) {
     if (felt[j] == 0) continue;
     unknown_of_pressure[j] = next++;
-    if (unbounded[j] != 0) multipliers.push_back(static_cast<Index>(state_of_unknown.size()));
+    if (incompressible[j] != 0) multipliers.push_back(static_cast<Index>(state_of_unknown.size()));
     state_of_unknown.push_back(3 * num_points + j);
   }
 }
@@ -416,6 +414,7 @@ Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
   const TetMesh& mesh = scene.mesh;
   data_->num_points = mesh.num_points();
   data_->num_cells = mesh.num_cells();
+  data_->stabilised = mesh.order == ElementOrder::linear;
   // Cells of one group share a kernel.
   std::map<std::pair<Law, Formulation>, std::vector<Index>> cells_of_group;
   double edges = 0;
@@ -454,6 +453,7 @@ const std::vector<Index>& Assembly::state_of_unknown() const { return data_->sta
 Index Assembly::num_unknown_pressures() const {
   return data_->pattern.size - 3 * data_->num_nodes;
 }
+bool Assembly::has_stabilised_pressures() const { return data_->stabilised; }
 const std::vector<Index>& Assembly::multipliers() const { return data_->multipliers; }
 bool Assembly::is_linear() const { return data_->linear; }
 const std::vector<Index>& Assembly::unknown_of_point() const { return data_->unknown_of_point; }

@@ -59,9 +59,11 @@ class Assembly {
   /// no free point feels is no unknown: it stays 0.
   [[nodiscard]] const std::vector<Index>& state_of_unknown() const;
   [[nodiscard]] Index num_unknown_pressures() const;
-  /// The unknown pressures that no term of their own bounds: those of incompressible Tet10. The
-  /// tangent has zeros on its diagonal there.
+  /// The unknown pressures of incompressible materials.
   [[nodiscard]] const std::vector<Index>& multipliers() const;
+  /// The pressures are those of Tet4, whose differences are resisted; else the tangent has zeros on
+  /// the diagonal at multipliers().
+  [[nodiscard]] bool has_stabilised_pressures() const;
   [[nodiscard]] const SymmetricPattern& pattern() const;
   /// Mean length of the edges between corners, m.
   [[nodiscard]] double mean_edge() const;

@@ -43,7 +43,8 @@ HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int
       assembly_(scene),
       kept_factors_(static_cast<std::size_t>(kept_factors)) {
   const SymmetricPattern& pattern = assembly_.pattern();
-  if (!assembly_.multipliers().empty() && !solver->pivots()) {
+  if (!assembly_.multipliers().empty() && !assembly_.has_stabilised_pressures() &&
+      !solver->pivots()) {
     throw InputError(std::string("The linear solver ") + solver->name() +
                      " cannot solve for an incompressible law, whose tangent is indefinite. Use "
                      "MUMPS, or a law with a bulk modulus.");
@@ -73,6 +74,11 @@ std::vector<char> HeldBody::find_idle_multipliers() const {
       idle[pattern.row[i]] = 0;
     }
   }
+  // A stabilised pressure that no free unknown feels follows those that one does.
+  const auto& multipliers = assembly_.multipliers();
+  const bool some_felt = std::any_of(multipliers.begin(), multipliers.end(),
+                                     [&](Index unknown) { return idle[unknown] == 0; });
+  if (assembly_.has_stabilised_pressures() && some_felt) idle.assign(pattern.size, 0);
   return idle;
 }
 
