@@ -28,13 +28,50 @@ Eigen::MatrixXd sensitivity_of(const HeldBody& body, const Equilibrium& equilibr
   return sensitivity;
 }
 
+namespace {
+
+/// Fills in what follows from v of the free unknowns and from the state.
+void take_sensitivity(const HeldBody& body, const NodalVector& state,
+                      const Eigen::Ref<const Eigen::MatrixXd>& v_i, Equilibrium& equilibrium) {
+  const Assembly& assembly = body.assembly();
+  const Eigen::Index parameters = body.num_parameters();
+  const Eigen::Index displacements = 3 * Eigen::Index{assembly.num_points()};
+  Eigen::MatrixXd sensitivity(assembly.state_size(), parameters);
+  for (Eigen::Index column = 0; column < parameters; ++column) {
+    NodalVector of_column = body.as_state(v_i.col(column));
+    body.place_sites(Eigen::VectorXd::Unit(parameters, column), of_column);
+    sensitivity.col(column) = of_column;
+  }
+  equilibrium.u = state.head(displacements);
+  equilibrium.v = sensitivity.topRows(displacements);
+  equilibrium.p = state.tail(assembly.num_pressures()).cwiseProduct(pressure_scale(body));
+  equilibrium.p_v =
+      pressure_scale(body).asDiagonal() * sensitivity.bottomRows(assembly.num_pressures());
+  const Assembly::Determinant least = assembly.minimum_det_f(state);
+  equilibrium.minimum_det_f = least.value;
+  equilibrium.minimum_det_f_cell = least.cell;
+  equilibrium.num_inverted_cells = least.num_inverted_cells;
+  equilibrium.flags = least.value <= 0 ? flags::inverted : 0;
+}
+
+void set_stiffness(const Eigen::MatrixXd& k, Equilibrium& equilibrium) {
+  equilibrium.stiffness = 0.5 * (k + k.transpose());
+}
+
+/// Relative error of v that conjugate gradients leave, and their iterations at most: more would cost
+/// as much as a factorisation.
+constexpr double kSensitivityError = 1e-5;
+constexpr int kMaxIterations = 14;
+/// See EquilibriumSolver: a larger error of the displacement needs a Newton step.
+constexpr double kDisplacementError = 1e-8;
+
+}  // namespace
+
 Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
                  NodalVector* newton_step) {
   TangentFactor* factor = body.factorise(state);
   if (factor == nullptr) return Outcome::tangent_not_factorised;
-  const Assembly& assembly = body.assembly();
   const Eigen::Index parameters = body.num_parameters();
-  const Eigen::Index displacements = 3 * Eigen::Index{assembly.num_points()};
 
   equilibrium.energy = body.evaluate(state);
   equilibrium.reaction = body.reaction();
@@ -44,37 +81,65 @@ Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibr
   solutions << body.k_ia(), r;
   solutions = -solutions;
   body.solve(*factor, solutions);
+  if (!solutions.allFinite()) return Outcome::tangent_not_factorised;
   const auto v_i = solutions.leftCols(parameters);
   const NodalVector step = body.as_state(solutions.col(parameters));
   equilibrium.displacement_error =
-      step.head(displacements).lpNorm<Eigen::Infinity>() / body.displacement_scale(equilibrium.t);
+      step.head(3 * Eigen::Index{body.assembly().num_points()}).lpNorm<Eigen::Infinity>() /
+      body.displacement_scale(equilibrium.t);
   if (newton_step != nullptr) *newton_step = step;
-  equilibrium.stiffness = body.k_aa() + body.k_ia().transpose() * v_i;
-  equilibrium.stiffness =
-      0.5 * (equilibrium.stiffness + equilibrium.stiffness.transpose()).eval();
-  Eigen::MatrixXd sensitivity(assembly.state_size(), parameters);
-  for (Eigen::Index column = 0; column < parameters; ++column) {
-    NodalVector of_column = body.as_state(v_i.col(column));
-    body.place_sites(Eigen::VectorXd::Unit(parameters, column), of_column);
-    sensitivity.col(column) = of_column;
-  }
-  if (!sensitivity.allFinite() || !equilibrium.stiffness.allFinite() || !step.allFinite()) {
-    return Outcome::tangent_not_factorised;
-  }
-  equilibrium.u = state.head(displacements);
-  equilibrium.v = sensitivity.topRows(displacements);
-  equilibrium.p = state.tail(assembly.num_pressures()).cwiseProduct(pressure_scale(body));
-  equilibrium.p_v =
-      pressure_scale(body).asDiagonal() * sensitivity.bottomRows(assembly.num_pressures());
+  set_stiffness(body.k_aa() + body.k_ia().transpose() * v_i, equilibrium);
+  take_sensitivity(body, state, v_i, equilibrium);
   equilibrium.negative_pivots = body.negative_pivots(*factor);
-  const Assembly::Determinant least = assembly.minimum_det_f(state);
-  equilibrium.minimum_det_f = least.value;
-  equilibrium.minimum_det_f_cell = least.cell;
-  equilibrium.num_inverted_cells = least.num_inverted_cells;
-  equilibrium.flags = 0;
-  if (least.value <= 0) equilibrium.flags |= flags::inverted;
   if (equilibrium.negative_pivots > 0) equilibrium.flags |= flags::unstable;
   return Outcome::converged;
+}
+
+bool complete_by_iteration(HeldBody& body, const Equilibrium& start, const NodalVector& state,
+                           Equilibrium& equilibrium) {
+  TangentFactor* factor = body.find_factor(state_of(body, start));
+  if (factor == nullptr || body.is_saddle()) return false;
+  body.assemble_tangent(state);
+  equilibrium.energy = body.evaluate(state);
+  equilibrium.reaction = body.reaction();
+  const Eigen::Index parameters = body.num_parameters();
+  Eigen::MatrixXd v(body.k_ia().rows(), parameters);
+  for (Eigen::Index c = 0; c < parameters; ++c) v.col(c) = body.as_unknowns(start.v.col(c));
+  Eigen::MatrixXd residual = -body.k_ia() - body.times_tangent(v);
+  Eigen::VectorXd r;
+  body.residual(r);
+
+  Eigen::MatrixXd z(r.size(), parameters + 1);
+  z << residual, r;
+  body.solve(*factor, z);
+  equilibrium.displacement_error =
+      z.col(parameters).lpNorm<Eigen::Infinity>() / body.displacement_scale(equilibrium.t);
+  if (!(equilibrium.displacement_error <= kDisplacementError)) return false;
+  z.conservativeResize(Eigen::NoChange, parameters);
+  Eigen::MatrixXd p = z;
+  Eigen::RowVectorXd rho = residual.cwiseProduct(z).colwise().sum();
+  const auto is_done = [&] {
+    return (z.colwise().norm().array() <= kSensitivityError * v.colwise().norm().array()).all();
+  };
+  for (int i = 0; !is_done(); ++i) {
+    if (i == kMaxIterations) return false;
+    const Eigen::MatrixXd q = body.times_tangent(p);
+    const Eigen::RowVectorXd curvature = p.cwiseProduct(q).colwise().sum();
+    if (!(curvature.array() > 0).all()) return false;
+    const Eigen::RowVectorXd alpha = rho.cwiseQuotient(curvature);
+    v += p * alpha.asDiagonal();
+    residual -= q * alpha.asDiagonal();
+    z = residual;
+    body.solve(*factor, z);
+    const Eigen::RowVectorXd next_rho = residual.cwiseProduct(z).colwise().sum();
+    p = z + p * next_rho.cwiseQuotient(rho).asDiagonal();
+    rho = next_rho;
+  }
+  set_stiffness(body.k_aa() + body.k_ia().transpose() * v - v.transpose() * residual, equilibrium);
+  take_sensitivity(body, state, v, equilibrium);
+  equilibrium.negative_pivots = 0;
+  equilibrium.flags |= flags::inertia_not_computed;
+  return true;
 }
 
 }  // namespace palpate

@@ -74,7 +74,7 @@ class EquilibriumSolver::Impl {
 
   void hold(const Constraint& constraint) { body_.hold(constraint); }
   Equilibrium rest();
-  Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start);
+  Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start, Tangent tangent);
   void forget(const Equilibrium& state) { body_.forget(state_of(body_, state)); }
   Path trace(const Eigen::VectorXd& t, const Equilibrium& start, const PathOptions& options);
   double condition(const Equilibrium& state);
@@ -103,7 +103,8 @@ class EquilibriumSolver::Impl {
   void require_sites(const Eigen::VectorXd& t) const;
   [[nodiscard]] Outcome interruption() const;
   /// The equilibrium at next_t that a step from progress leads to.
-  Equilibrium step(double stride, const Eigen::VectorXd& next_t, Progress& progress);
+  Equilibrium step(double stride, const Eigen::VectorXd& next_t, Tangent tangent,
+                   Progress& progress);
   /// Completes the equilibrium at a state, after Newton steps where the displacement needs them.
   Outcome polish(NodalVector& state, Equilibrium& next, Progress& progress);
   /// Takes the next equilibrium into progress.
@@ -175,7 +176,7 @@ std::optional<NodalVector> EquilibriumSolver::Impl::predict(double stride,
 }
 
 Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& next_t,
-                                          Progress& progress) {
+                                          Tangent tangent, Progress& progress) {
   ++progress.steps;
   Equilibrium next;
   next.t = next_t;
@@ -186,8 +187,13 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
       correct(body_, options_, [this] { return interruption(); }, from, next_t, *state);
   progress.iterations += correction.iterations;
   next.residual = correction.residual;
-  next.outcome = correction.outcome == Outcome::converged ? polish(*state, next, progress)
-                                                          : correction.outcome;
+  next.outcome = correction.outcome;
+  if (correction.outcome != Outcome::converged) return next;
+  if (tangent == Tangent::iterated && !body_.assembly().is_linear() &&
+      complete_by_iteration(body_, progress.state, *state, next)) {
+    return next;
+  }
+  next.outcome = polish(*state, next, progress);
   return next;
 }
 
@@ -244,7 +250,8 @@ Fold EquilibriumSolver::Impl::jump(const Equilibrium& from, const Equilibrium& t
   return {way, from.t, from.energy, from.reaction, true, to.energy, to.reaction};
 }
 
-Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equilibrium& start) {
+Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equilibrium& start,
+                                           Tangent tangent) {
   start_ = Clock::now();
   require_sites(t);
   if (start.outcome != Outcome::converged) return start;
@@ -264,8 +271,9 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     // Strides are sums of powers of two: the last one ends at 1.
     stride = std::min(stride, 1 - progress.way);
     const double next_way = progress.way + stride;
-    Equilibrium next =
-        step(stride, next_way == 1 ? t : Eigen::VectorXd(start.t + next_way * way), progress);
+    const bool last = next_way == 1;
+    Equilibrium next = step(stride, last ? t : Eigen::VectorXd(start.t + next_way * way),
+                            last ? tangent : Tangent::factorised, progress);
     outcome = next.outcome;
     if (outcome == Outcome::aborted || outcome == Outcome::budget_used_up) break;
     if (outcome == Outcome::converged && agree(progress.state, next)) {
@@ -336,8 +344,9 @@ const Assembly& EquilibriumSolver::assembly() const { return impl_->body().assem
 const Work& EquilibriumSolver::work() const { return impl_->body().work(); }
 void EquilibriumSolver::hold(const Constraint& constraint) { impl_->hold(constraint); }
 Equilibrium EquilibriumSolver::rest() { return impl_->rest(); }
-Equilibrium EquilibriumSolver::solve(const Eigen::VectorXd& t, const Equilibrium& start) {
-  return impl_->solve(t, start);
+Equilibrium EquilibriumSolver::solve(const Eigen::VectorXd& t, const Equilibrium& start,
+                                     Tangent tangent) {
+  return impl_->solve(t, start, tangent);
 }
 Path EquilibriumSolver::trace(const Eigen::VectorXd& t, const Equilibrium& start,
                               const PathOptions& options) {

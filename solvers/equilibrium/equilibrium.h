@@ -40,6 +40,15 @@
 
 namespace palpate {
 
+/// How v and k at a solution are found.
+enum class Tangent {
+  /// From a factor of the tangent there, with its inertia.
+  factorised,
+  /// By iteration with the factor at the start where that serves, which is cheaper and sets
+  /// flags::inertia_not_computed; else as before. For states from which no other solve starts.
+  iterated,
+};
+
 class EquilibriumSolver {
  public:
   /// @throws InputError an invalid scene or option; an incompressible law with a linear solver that
@@ -63,7 +72,8 @@ class EquilibriumSolver {
   /// Moves the sites from those of `start` to t [3 × num_sites], m. `start` is an equilibrium of
   /// the same constraint with its sensitivity, such as rest(). The result depends on `start`, t
   /// and the options alone, not on what was solved before.
-  [[nodiscard]] Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start);
+  [[nodiscard]] Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start,
+                                  Tangent tangent = Tangent::factorised);
 
   /// No solve will start from this state again: if its factor is kept, it is the next to go.
   void forget(const Equilibrium& state);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "linear/condition.h"
+#include "linear/product.h"
 
 namespace palpate {
 namespace {
@@ -181,6 +182,15 @@ void HeldBody::place_sites(const Eigen::VectorXd& t, NodalVector& state) const {
   }
 }
 
+Eigen::VectorXd HeldBody::as_unknowns(const NodalVector& state) const {
+  const auto& state_of_unknown = assembly_.state_of_unknown();
+  Eigen::VectorXd unknowns(assembly_.pattern().size);
+  for (Index i = 0; i < unknowns.size(); ++i) {
+    unknowns[i] = parameter_of_unknown_[i] >= 0 ? 0 : state[state_of_unknown[i]];
+  }
+  return unknowns;
+}
+
 NodalVector HeldBody::as_state(const Eigen::VectorXd& unknowns) const {
   const auto& state_of_unknown = assembly_.state_of_unknown();
   NodalVector state = NodalVector::Zero(assembly_.state_size());
@@ -225,12 +235,7 @@ TangentFactor& HeldBody::factor_to_replace() {
                            });
 }
 
-TangentFactor* HeldBody::factorise(const NodalVector& state) {
-  if (assembly_.is_linear()) {
-    if (TangentFactor* factor = find_factor(state)) return factor;
-  }
-  TangentFactor& factor = factor_to_replace();
-  factor.state.resize(0);
+void HeldBody::assemble_tangent(const NodalVector& state) {
   assemble(state);
   k_ia_.setZero(assembly_.pattern().size, num_parameters());
   k_aa_.setZero(num_parameters(), num_parameters());
@@ -245,6 +250,19 @@ TangentFactor* HeldBody::factorise(const NodalVector& state) {
   for (Index position : idle_) values_[position] = 0;
   // Negative, as every pressure's: the count of negative pivots stays right.
   for (Index position : idle_diagonal_) values_[position] = -mean_diagonal_;
+}
+
+Eigen::MatrixXd HeldBody::times_tangent(const Eigen::MatrixXd& columns) const {
+  return lower_triangle(assembly_.pattern(), values_).selfadjointView<Eigen::Lower>() * columns;
+}
+
+TangentFactor* HeldBody::factorise(const NodalVector& state) {
+  if (assembly_.is_linear()) {
+    if (TangentFactor* factor = find_factor(state)) return factor;
+  }
+  TangentFactor& factor = factor_to_replace();
+  factor.state.resize(0);
+  assemble_tangent(state);
   const Timer timer(work_.factorisation_seconds);
   ++work_.factorisations;
   if (factor.solver->factorise(values_) != FactorStatus::ok) return nullptr;

@@ -61,6 +61,8 @@ class HeldBody {
 
   /// Puts the points of the sites at t.
   void place_sites(const Eigen::VectorXd& t, NodalVector& state) const;
+  /// The free unknowns of a change of the state, those of sites 0.
+  [[nodiscard]] Eigen::VectorXd as_unknowns(const NodalVector& state) const;
   /// A change of the unknowns as a change of the state.
   [[nodiscard]] NodalVector as_state(const Eigen::VectorXd& unknowns) const;
 
@@ -71,13 +73,17 @@ class HeldBody {
   void begin_solve() { uses_before_solve_ = uses_; }
   /// Gives the place of the factor at a state free.
   void forget(const NodalVector& state);
+  /// The tangent at a state, for k_ia(), k_aa() and times_tangent().
+  void assemble_tangent(const NodalVector& state);
   /// Assembles and factorises the tangent at a state, in place of the factor not used for longest;
   /// null where it is singular. A linear body has one factor for all states.
   [[nodiscard]] TangentFactor* factorise(const NodalVector& state);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
   /// Negative pivots beyond the one that each pressure has by right.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
-  /// K_ia [unknowns × num_parameters] and K_aa of the last factorise().
+  /// K_ii x of the last tangent, column by column.
+  [[nodiscard]] Eigen::MatrixXd times_tangent(const Eigen::MatrixXd& columns) const;
+  /// K_ia [unknowns × num_parameters] and K_aa of the last tangent.
   [[nodiscard]] const Eigen::MatrixXd& k_ia() const { return k_ia_; }
   [[nodiscard]] const Eigen::MatrixXd& k_aa() const { return k_aa_; }
 

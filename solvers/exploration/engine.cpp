@@ -197,7 +197,7 @@ void Engine::walk(const Transition& transition, const Equilibrium& start, const 
                   Bytes& results) {
   aborted_ = aborted_ || !monitor_.go_on();
   if (aborted_) return;
-  Configuration found = make(transition, start);
+  Configuration found = make(transition, start, frontier);
   aborted_ = found.outcome == Outcome::aborted;
   if (aborted_) return;
   const Index node = transition.active_node;
@@ -214,7 +214,8 @@ void Engine::walk(const Transition& transition, const Equilibrium& start, const 
 }
 
 /// @throws InputError the body is not held.
-Configuration Engine::make(const Transition& transition, const Equilibrium& start) {
+Configuration Engine::make(const Transition& transition, const Equilibrium& start,
+                           const Frontier& frontier) {
   const Site& site = site_of_node_.at(transition.active_node);
   if (held_node_ != site.active_node) {
     solver_.hold(tip_.hold({site.active_node}));
@@ -227,7 +228,10 @@ Configuration Engine::make(const Transition& transition, const Equilibrium& star
   }
   const auto& [i, j, k] = transition.target;
   const Eigen::VectorXd t = site.spacing() * Vec3(i, j, k);
-  Configuration found = to_configuration(solver_.solve(t, start), site, transition);
+  const bool leads_on = frontier.num_following(transition) > 1;
+  Configuration found = to_configuration(
+      solver_.solve(t, start, leads_on ? Tangent::factorised : Tangent::iterated), site,
+      transition);
   const auto earlier = failed_.find({site.active_node, transition.target});
   if (earlier != failed_.end()) {
     found.iterations += earlier->second.summary.iterations;

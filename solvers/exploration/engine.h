@@ -48,7 +48,8 @@ class Engine {
   [[nodiscard]] Equilibrium start_of(const Transition& transition) const;
   void walk(const Transition& transition, const Equilibrium& start, const Frontier& frontier,
             Bytes& results);
-  [[nodiscard]] Configuration make(const Transition& transition, const Equilibrium& start);
+  [[nodiscard]] Configuration make(const Transition& transition, const Equilibrium& start,
+                     const Frontier& frontier);
   void take_in(const Bytes& results, int rank, Frontier& frontier, PrecomputeReport& report);
 
   EquilibriumSolver& solver_;

@@ -70,6 +70,17 @@ TEST_P(Stability, AColumnThatShouldBuckleIsUnstable) {
   }
 }
 
+// Without a factor of its own an unstable equilibrium shows by negative curvature.
+TEST_P(Stability, AnIteratedTangentSeesThatItShouldBuckle) {
+  const Column column = make_column(ElementOrder::quadratic);
+  EquilibriumSolver solver(column.scene, {}, make_linear_solver(GetParam()));
+  solver.hold(column.end);
+  const Equilibrium rest = solver.rest();
+  EXPECT_EQ(solver.solve(Vec3(-0.12, 0, 0), rest, Tangent::iterated).flags,
+            flags::inertia_not_computed);
+  EXPECT_EQ(solver.solve(Vec3(-2.4, 0, 0), rest, Tangent::iterated).flags, flags::unstable);
+}
+
 TEST(Inertia, IsTheSameForEverySolver) {
   if (linear_solver_names().size() < 2) GTEST_SKIP() << "one solver was built in";
   const Column column = make_column(ElementOrder::quadratic);
