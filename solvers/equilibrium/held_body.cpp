@@ -58,8 +58,9 @@ HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int
   factors_.reserve(kept_factors_);  // so that pointers to them stay good
   factors_.push_back({std::move(solver), {}});
   assemble(NodalVector::Zero(assembly_.state_size()));
-  double sum = 0;
+  has_rest_tangent_ = true;
   const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
+  double sum = 0;
   for (Index c = 0; c < num_displacements; ++c) sum += values_[pattern.column_start[c]];
   mean_diagonal_ = sum / num_displacements;
   inverse_row_norm_ = row_norms(pattern, values_).cwiseInverse();
@@ -236,7 +237,9 @@ TangentFactor& HeldBody::factor_to_replace() {
 }
 
 void HeldBody::assemble_tangent(const NodalVector& state) {
-  assemble(state);
+  const bool is_there = has_rest_tangent_ && (assembly_.is_linear() || state.isZero(0));
+  if (!is_there) assemble(state);
+  has_rest_tangent_ = false;  // the sites are taken out of it now
   k_ia_.setZero(assembly_.pattern().size, num_parameters());
   k_aa_.setZero(num_parameters(), num_parameters());
   for (const Coupling& c : couplings_) {

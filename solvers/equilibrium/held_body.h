@@ -134,6 +134,8 @@ class HeldBody {
   /// ∂Π/∂x of the last evaluation.
   NodalVector force_;
   std::vector<double> values_;
+  /// values_ is the tangent at rest, as assembled.
+  bool has_rest_tangent_ = false;
   Eigen::MatrixXd k_ia_;
   Eigen::MatrixXd k_aa_;
 };
