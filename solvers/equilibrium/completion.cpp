@@ -60,7 +60,7 @@ void set_stiffness(const Eigen::MatrixXd& k, Equilibrium& equilibrium) {
 
 /// Relative error of v that conjugate gradients leave, and their iterations at most: more would cost
 /// as much as a factorisation.
-constexpr double kSensitivityError = 1e-5;
+constexpr double kSensitivityError = 1e-4;
 constexpr int kMaxIterations = 14;
 /// See EquilibriumSolver: a larger error of the displacement needs a Newton step.
 constexpr double kDisplacementError = 1e-8;
