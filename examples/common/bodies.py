@@ -24,6 +24,8 @@ SLACK = 1 + 1e-6
 LARGEST_CELL = 0.2
 # How far the smaller cells reach around a tip, in its radii, and how fast they grow from there on.
 FINE_PART, GROWTH = 1.25, 0.5
+# Of cells at a rim, in its radii.
+LARGEST_EDGE = 1.5
 # Corners and midside nodes of the faces of a tetrahedron, in VTK's order.
 FACES = ([0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [0, 2, 3, 6, 9, 7], [1, 2, 3, 5, 9, 8])
 
@@ -80,9 +82,9 @@ class Organ:
 
         points, corners = arrays(remesh(self.surface, length, finer if at_tip != 1 else None))
         points[np.argmin(np.linalg.norm(points - self.place, axis=1))] = self.place
-        for centre, radius in ((self.place, self.tip_radius),
-                               (self.held_centre, self.held_radius)):
-            if length <= 1.5 * radius:
+        for centre, radius, edge in ((self.place, self.tip_radius, at_tip * length),
+                                     (self.held_centre, self.held_radius, length)):
+            if edge <= LARGEST_EDGE * radius:
                 self.bring_to_rim(points, corners, centre, radius)
         return poly_data(points, corners)
 

@@ -2,9 +2,11 @@
 """Line charts of ParaView as pictures."""
 from paraview.simple import *
 
+from sources import source_of
 from tables import vtk_table
 
 SIZE = [1100, 750]  # pixels
+ROOM = 6  # over the curves, for the legend
 COLOURS = ((0.12, 0.33, 0.60), (0.80, 0.33, 0.10), (0.20, 0.55, 0.25), (0.55, 0.25, 0.60),
            (0.45, 0.45, 0.45), (0.75, 0.60, 0.05), (0.10, 0.60, 0.65), (0.70, 0.15, 0.35))
 # Marker and line of each style: square, dashed; circle, solid; diamond, dotted.
@@ -31,19 +33,16 @@ def chart(title, x_title, y_title, curves, path, logarithmic=(True, True)):
     for axis, name in enumerate(("Bottom", "Left")):
         low, high = min(values[axis]), max(values[axis])
         if logarithmic[axis]:
-            low, high = low / 1.3, high * 1.3
+            low, high = low / 1.3, high * (1.3 if name == "Bottom" else ROOM)
         else:
-            low, high = 0, 1.08 * high
+            low, high = 0, high * (1.08 if name == "Bottom" else 1.3)
         setattr(view, f"{name}AxisUseCustomRange", 1)
         setattr(view, f"{name}AxisRangeMinimum", low)
         setattr(view, f"{name}AxisRangeMaximum", high)
     for number, curve in enumerate(curves):
         # A name of its own: the series of a chart are told apart by it.
         name = f"y{number}"
-        source = PVTrivialProducer()
-        source.GetClientSideObject().SetOutput(
-            vtk_table([{"x": x, name: y} for x, y in curve.points], ("x", name)))
-        source.UpdatePipeline()
+        source = source_of(vtk_table([{"x": x, name: y} for x, y in curve.points], ("x", name)))
         display = Show(source, view, "XYChartRepresentation")
         display.AttributeType = "Row Data"
         display.UseIndexForXAxis = 0

@@ -6,6 +6,8 @@ from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import VTK_QUAD, vtkPolyData
 
+from sources import source_of
+
 # What a square says, and its colour; the worst comes last.
 ENDS = (("converged", (0.36, 0.68, 0.42)), ("converged, unstable or near a fold", (0.75, 0.82, 0.35)),
         ("converged, inverted", (0.96, 0.72, 0.28)), ("stopped, with the reason", (0.80, 0.40, 0.32)),
@@ -76,10 +78,7 @@ def quads(corners):
     surface.AllocateEstimate(len(corners), 4)
     for number in range(len(corners)):
         surface.InsertNextCell(VTK_QUAD, 4, [4 * number + k for k in range(4)])
-    source = PVTrivialProducer()
-    source.GetClientSideObject().SetOutput(surface)
-    source.UpdatePipeline()
-    return source
+    return source_of(surface)
 
 
 def show(view, source, colour):
