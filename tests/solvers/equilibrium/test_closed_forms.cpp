@@ -17,6 +17,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/deformation.h"
 #include "solvers/support/laws.h"
+#include "solvers/support/solvable.h"
 #include "solvers/support/orders.h"
 
 namespace palpate::test {
@@ -252,7 +253,9 @@ void ClosedForms::compare(Mode mode, double amount) {
   Eigen::VectorXd t(3 * held.size());
   for (std::size_t i = 0; i < held.size(); ++i) t.segment<3>(3 * i) = displacement(held[i]);
 
-  EquilibriumSolver solver(make_scene(mesh, material, fixed), with_tolerance(1e-13));
+  const Scene scene = make_scene(mesh, material, fixed);
+  if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
+  EquilibriumSolver solver(scene, with_tolerance(1e-13));
   solver.hold(hold_nodes(held));
   const Equilibrium state = solver.solve(t, solver.rest());
   ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
@@ -310,6 +313,7 @@ TEST(Incompressible, TheVolumeStays) {
   for (ElementOrder order : kOrders) {
     for (Law law : kIncompressibleLaws) {
       const Block block = make_block(law, {order});
+      if (!is_solvable(block.scene)) continue;
       EquilibriumSolver solver(block.scene, {});
       solver.hold(hold_nodes({block.corner}));
       for (const Vec3& t : {Vec3(-0.01, 0.006, -0.005), Vec3(0.03, -0.01, 0.02)}) {

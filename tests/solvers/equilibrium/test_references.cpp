@@ -12,6 +12,7 @@
 #include "equilibrium/equilibrium.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/support/laws.h"
+#include "solvers/support/solvable.h"
 
 namespace palpate::test {
 namespace {
@@ -108,7 +109,9 @@ TEST_P(References, ReactionEnergyAndDisplacementsAreTheirs) {
   for (const auto& reference : references().at("equilibria")) {
     if (!GetParam().is_of(reference)) continue;
     ++num_compared;
-    EquilibriumSolver solver(make_reference_scene(reference), with_tolerance(1e-13));
+    const Scene scene = make_reference_scene(reference);
+    if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
+    EquilibriumSolver solver(scene, with_tolerance(1e-13));
     solver.hold(hold_nodes({reference.at("active_node").get<Index>()}));
     const Equilibrium state = solver.solve(vector(reference.at("displacement")), solver.rest());
     ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
