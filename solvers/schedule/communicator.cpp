@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/communicator.h"
 
-#include <cstring>
 #include <exception>
 #include <string>
 
@@ -26,9 +25,8 @@ constexpr char kInput = 'i';
 constexpr char kBackend = 'b';
 
 Bytes to_bytes(const std::string& text) {
-  Bytes bytes(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  return bytes;
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  return {first, first + text.size()};
 }
 
 }  // namespace
