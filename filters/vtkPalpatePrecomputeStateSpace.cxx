@@ -61,9 +61,10 @@ std::string Doubts(const palpate::PrecomputeReport& report)
       add(count, palpate::to_string(outcome));
     }
   }
+  namespace flags = palpate::flags;
   for (const auto& [flag, count] : report.num_by_flag)
   {
-    if (flag != palpate::flags::beyond_force_limit)
+    if (flag != flags::beyond_force_limit && flag != flags::inertia_not_computed)
     {
       add(count, palpate::flags_to_string(flag));
     }
