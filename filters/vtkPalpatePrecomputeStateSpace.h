@@ -100,7 +100,7 @@ private:
   int Resolution = 7;
   double ForceLimit = 0;
   std::string FileName;
-  double SolverTolerance = 1e-10;
+  double SolverTolerance = 1e-9;
   double MaximumSeconds = 0;
   double DisplacementBound = 1e-3;
 

@@ -62,8 +62,6 @@ void set_stiffness(const Eigen::MatrixXd& k, Equilibrium& equilibrium) {
 /// as much as a factorisation.
 constexpr double kSensitivityError = 1e-4;
 constexpr int kMaxIterations = 14;
-/// See EquilibriumSolver: a larger error of the displacement needs a Newton step.
-constexpr double kDisplacementError = 1e-8;
 
 }  // namespace
 
@@ -95,7 +93,8 @@ Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibr
   return Outcome::converged;
 }
 
-bool complete_by_iteration(HeldBody& body, const Equilibrium& start, const NodalVector& state,
+bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
+                           const Equilibrium& start, const NodalVector& state,
                            Equilibrium& equilibrium) {
   TangentFactor* factor = body.find_factor(state_of(body, start));
   if (factor == nullptr || body.is_saddle()) return false;
@@ -114,7 +113,7 @@ bool complete_by_iteration(HeldBody& body, const Equilibrium& start, const Nodal
   body.solve(*factor, z);
   equilibrium.displacement_error =
       z.col(parameters).lpNorm<Eigen::Infinity>() / body.displacement_scale(equilibrium.t);
-  if (!(equilibrium.displacement_error <= kDisplacementError)) return false;
+  if (!(equilibrium.displacement_error <= options.displacement_error())) return false;
   z.conservativeResize(Eigen::NoChange, parameters);
   Eigen::MatrixXd p = z;
   Eigen::RowVectorXd rho = residual.cwiseProduct(z).colwise().sum();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "equilibrium/held_body.h"
+#include "equilibrium/options.h"
 #include "equilibrium/state.h"
 
 namespace palpate {
@@ -26,7 +27,8 @@ namespace palpate {
 /// inertia is not computed; negative curvature along the way is seen.
 /// @returns false, and leaves the equilibrium to complete(), where there is no such factor, it does
 ///   not serve well, the tangent is not positive definite, or x needs another Newton step.
-[[nodiscard]] bool complete_by_iteration(HeldBody& body, const Equilibrium& start,
-                                         const NodalVector& state, Equilibrium& equilibrium);
+[[nodiscard]] bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
+                                         const Equilibrium& start, const NodalVector& state,
+                                         Equilibrium& equilibrium);
 
 }  // namespace palpate

@@ -24,9 +24,8 @@ constexpr double kEnergyGap = 0.05;
 constexpr double kWorkGap = 0.01;
 /// Energies are sums over the body: this much of them is rounding.
 constexpr double kEnergyRounding = 1e-11;
-/// The displacement is made this accurate, see Equilibrium::displacement_error; where rounding does
-/// not allow it, as with stiffnesses that differ by 1e9, an error up to the second figure is let be.
-constexpr double kDisplacementError = 1e-8;
+/// Where rounding does not allow the displacement to be as accurate as it should, as with stiffnesses
+/// that differ by 1e9, an error up to this is let be.
 constexpr double kMostDisplacementError = 1e-6;
 /// A step that failed this often in a row is followed along the path instead of being halved on.
 constexpr int kFailuresBeforeFollowing = 3;
@@ -190,7 +189,7 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   next.outcome = correction.outcome;
   if (correction.outcome != Outcome::converged) return next;
   if (tangent == Tangent::iterated && !body_.assembly().is_linear() &&
-      complete_by_iteration(body_, progress.state, *state, next)) {
+      complete_by_iteration(body_, options_, progress.state, *state, next)) {
     return next;
   }
   next.outcome = polish(*state, next, progress);
@@ -201,7 +200,7 @@ Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next,
                                         Progress& progress) {
   NodalVector newton_step;
   Outcome outcome = complete(body_, state, next, &newton_step);
-  while (outcome == Outcome::converged && next.displacement_error > kDisplacementError) {
+  while (outcome == Outcome::converged && next.displacement_error > options_.displacement_error()) {
     const double before = next.displacement_error;
     const NodalVector improved = state + newton_step;
     if (!std::isfinite(body_.evaluate(improved))) return Outcome::not_converged;
@@ -211,7 +210,8 @@ Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next,
     // Where it does not shrink any more, rounding is what is left.
     if (next.displacement_error > 0.5 * before) break;
   }
-  if (outcome == Outcome::converged && next.displacement_error > kMostDisplacementError) {
+  if (outcome == Outcome::converged &&
+      next.displacement_error > std::max(kMostDisplacementError, options_.displacement_error())) {
     return Outcome::not_converged;
   }
   return outcome;

@@ -11,6 +11,9 @@ struct EquilibriumOptions {
   /// |t| and a thousandth of the mean edge. 1e-10 leaves the reaction with a relative error far below
   /// 1e-8.
   double tolerance = 1e-10;
+  /// And when Newton's method would not move the body by more than this share of the larger of |t|
+  /// and a thousandth of the mean edge.
+  [[nodiscard]] double displacement_error() const { return 100 * tolerance; }
   /// Iterations of one step.
   int max_iterations = 60;
   /// A step may be halved this often: 1/256 of the way.
