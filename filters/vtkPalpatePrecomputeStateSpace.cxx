@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpatePrecomputeStateSpace.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
+#include <iostream>
 #include <sstream>
 
 #include "exploration/precompute.h"
@@ -48,6 +51,19 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
   return text.str();
 }
 
+std::string ToText(const palpate::ProgressState& state)
+{
+  std::ostringstream text;
+  text << state.num_done << " of " << state.num_expected << " configurations";
+  if (state.seconds_left >= 0)
+  {
+    const bool minutes = state.seconds_left >= 90;
+    text << ", " << std::lround(minutes ? state.seconds_left / 60 : state.seconds_left)
+         << (minutes ? " min" : " s") << " left";
+  }
+  return text.str();
+}
+
 /// Counts of the configurations that are not as they should be; empty when all are.
 std::string Doubts(const palpate::PrecomputeReport& report)
 {
@@ -86,6 +102,9 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("Ranks", report.num_ranks);
   add("Cells", report.num_cells);
   add("Unknowns", report.num_unknowns);
+  add("Shares", static_cast<double>(
+    report.schedule.steals_granted + report.schedule.shares_pushed));
+  add("IdleSeconds", report.schedule.idle_seconds);
   add("Solved", static_cast<double>(report.num_solved));
   add("Reused", static_cast<double>(report.num_reused));
   add("NotReached", static_cast<double>(report.num_not_reached));
@@ -148,6 +167,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.tip_radius = this->TipRadius;
     options.half_width = this->HalfWidth;
     options.resolution = this->Resolution;
+    options.tolerance = this->Tolerance;
+    options.tolerance_is_relative = this->ToleranceType == RELATIVE;
     options.force_limit = this->ForceLimit;
     options.file = this->FileName;
     options.touch_bound = this->DisplacementBound;
@@ -165,13 +186,21 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     this->LastOf.clear();
 
     using Clock = std::chrono::steady_clock;
-    const auto progress = [this, last = Clock::time_point()](double done) mutable
+    const auto progress = [this, rank = communicator->rank(), last = Clock::time_point(),
+                            logged = 0.0](const palpate::ProgressState& state) mutable
     {
       const Clock::time_point now = Clock::now();
       if (std::chrono::duration<double>(now - last).count() >= ProgressInterval)
       {
         last = now;
-        this->UpdateProgress(done);
+        const std::string text = ToText(state);
+        this->SetProgressText(text.c_str());
+        this->UpdateProgress(std::min(1.0, state.share()));
+        if (rank == 0 && this->LogInterval > 0 && state.seconds - logged >= this->LogInterval)
+        {
+          logged = state.seconds;
+          std::cerr << "Precompute State Space: " << text << std::endl;
+        }
       }
       return this->GetAbortExecute() == 0;
     };
@@ -234,9 +263,12 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "TipRadius: " << this->TipRadius << '\n'
      << indent << "HalfWidth: " << this->HalfWidth << '\n'
      << indent << "Resolution: " << this->Resolution << '\n'
+     << indent << "Tolerance: " << this->Tolerance << '\n'
+     << indent << "ToleranceType: " << this->ToleranceType << '\n'
      << indent << "ForceLimit: " << this->ForceLimit << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
+     << indent << "LogInterval: " << this->LogInterval << '\n'
      << indent << "DisplacementBound: " << this->DisplacementBound << '\n';
 }

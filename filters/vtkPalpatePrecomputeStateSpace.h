@@ -53,9 +53,24 @@ public:
   vtkGetMacro(HalfWidth, double);
   ///@}
   ///@{
-  /// Check-points along an axis: odd, at least 3.
+  /// Check-points along an axis: odd, at least 3. With a tolerance, those that it begins with.
   vtkSetMacro(Resolution, int);
   vtkGetMacro(Resolution, int);
+  ///@}
+  ///@{
+  /// Error of the force that is asked for: the grid is refined where it is larger; 0: a uniform grid.
+  vtkSetMacro(Tolerance, double);
+  vtkGetMacro(Tolerance, double);
+  ///@}
+  enum : int
+  {
+    RELATIVE = 0,
+    ABSOLUTE = 1
+  };
+  ///@{
+  /// Whether the tolerance is a share of the largest force within the limit, or a force in N.
+  vtkSetClampMacro(ToleranceType, int, RELATIVE, ABSOLUTE);
+  vtkGetMacro(ToleranceType, int);
   ///@}
   ///@{
   /// Force beyond which the space is not explored, N; 0 is none.
@@ -71,6 +86,11 @@ public:
   /// Largest residual of an equilibrium, as a share of the scene's force scale.
   vtkSetMacro(SolverTolerance, double);
   vtkGetMacro(SolverTolerance, double);
+  ///@}
+  ///@{
+  /// A line on the terminal says how far the run is each time so many s have gone by; 0: none.
+  vtkSetMacro(LogInterval, double);
+  vtkGetMacro(LogInterval, double);
   ///@}
   ///@{
   /// Time for one solve, s; 0 is no bound.
@@ -98,10 +118,13 @@ private:
   double TipRadius = 0;
   double HalfWidth = 0.01;
   int Resolution = 7;
+  double Tolerance = 0;
+  int ToleranceType = RELATIVE;
   double ForceLimit = 0;
   std::string FileName;
   double SolverTolerance = 1e-9;
   double MaximumSeconds = 0;
+  double LogInterval = 10;
   double DisplacementBound = 1e-3;
 
   /// The last complete result and what it is of: the filter is also run again where a filter before

@@ -217,6 +217,9 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   auto* halfWidths = AddArray<vtkDoubleArray>(fields, "HalfWidth", 1, count);
   auto* resolutions = AddArray<vtkIntArray>(fields, "Resolution", 1, count);
   auto* limits = AddArray<vtkDoubleArray>(fields, "ForceLimit", 1, count);
+  auto* coarsest = AddArray<vtkIntArray>(fields, "CoarsestCell", 1, count);
+  auto* tolerances = AddArray<vtkDoubleArray>(fields, "Tolerance", 1, count);
+  auto* relative = AddArray<vtkIntArray>(fields, "ToleranceIsRelative", 1, count);
   auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
   for (vtkIdType i = 0; i < count; ++i)
   {
@@ -226,6 +229,9 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
     halfWidths->SetValue(i, site.half_width);
     resolutions->SetValue(i, site.resolution);
     limits->SetValue(i, site.force_limit);
+    coarsest->SetValue(i, site.coarsest);
+    tolerances->SetValue(i, site.tolerance);
+    relative->SetValue(i, site.tolerance_is_relative ? 1 : 0);
     numbers->SetValue(i, static_cast<vtkIdType>(space.sites[i].configurations.size()));
   }
   AddNumber(fields, "LargestDisplacement", space.largest_displacement);
@@ -341,6 +347,9 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
   vtkDataArray* halfWidths = Required(fields, "HalfWidth", 1);
   vtkDataArray* resolutions = Required(fields, "Resolution", 1);
   vtkDataArray* limits = Required(fields, "ForceLimit", 1);
+  vtkDataArray* coarsest = Required(fields, "CoarsestCell", 1);
+  vtkDataArray* tolerances = Required(fields, "Tolerance", 1);
+  vtkDataArray* relative = Required(fields, "ToleranceIsRelative", 1);
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
   const int modes = space.num_modes();
@@ -355,6 +364,9 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
     site.site.half_width = halfWidths->GetComponent(s, 0);
     site.site.resolution = static_cast<int>(resolutions->GetComponent(s, 0));
     site.site.force_limit = limits->GetComponent(s, 0);
+    site.site.coarsest = static_cast<int>(coarsest->GetComponent(s, 0));
+    site.site.tolerance = tolerances->GetComponent(s, 0);
+    site.site.tolerance_is_relative = relative->GetComponent(s, 0) != 0;
     std::vector<vtkIdType> ids;
     for (vtkIdType i = 0; i < count; ++i)
     {

@@ -21,7 +21,9 @@
 //     `Outcome`, `Flags`                      see solvers/base/outcome.h
 //     `Residual`, `MinimumDetF`, `NegativePivots`, `Iterations`, `Seconds`
 //   Field arrays of `Configurations`: `SceneHash`, `SchemaVersion`, and for each active node
-//     `ActiveNodes`, `TipRadius` (m), `HalfWidth` (m), `Resolution`, `ForceLimit` (N), `NumberOfConfigurations`;
+//     `ActiveNodes`, `TipRadius` (m), `HalfWidth` (m), `Resolution`, `ForceLimit` (N),
+//     `CoarsestCell` (in steps of the grid), `Tolerance` (of the force, 0: uniform grid),
+//     `ToleranceIsRelative` (1: a share of the largest force, 0: N), `NumberOfConfigurations`;
 //     `LargestDisplacement`, `DisplacementError`, `SensitivityError` (m, of the modes).
 #pragma once
 

@@ -2,18 +2,29 @@
 #include "exploration/engine.h"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "base/error.h"
-#include "exploration/transfer.h"
-#include "schedule/batch.h"
+#include "exploration/adaptive_grid.h"
+#include "exploration/layered_grid.h"
 
 namespace palpate {
 namespace {
 
-/// So many tasks a rank share out evenly though they differ in length.
-constexpr std::size_t kTasksOfRank = 8;
+enum class Kind : std::uint8_t {
+  /// To a home: a configuration of an earlier run, which rank 0 has.
+  recalled,
+  /// To all: everything was recalled.
+  begin,
+  /// To a home: a configuration that the sender has kept, or a failure.
+  found,
+  /// To a holder of starts: branches.
+  make,
+  /// To rank 0: how far the sender's homes are.
+  progress,
+};
 
-bool needs_no_start(const Transition& transition) { return transition.start == transition.target; }
+std::uint64_t key_of(Index active_node) { return static_cast<std::uint64_t>(active_node); }
 
 Equilibrium to_equilibrium(Configuration&& c) {
   Equilibrium e;
@@ -33,19 +44,14 @@ Equilibrium to_equilibrium(Configuration&& c) {
   return e;
 }
 
-Configuration to_configuration(Equilibrium&& e, const Site& site, const Transition& transition) {
+Configuration to_configuration(Equilibrium&& e) {
   Configuration c;
-  c.check_point = transition.target;
-  c.parent = transition.start;
   c.t = e.t;
   c.energy = e.energy;
   c.force = e.reaction;
   c.stiffness = e.stiffness;
   c.outcome = e.outcome;
   c.flags = e.flags;
-  if (site.force_limit > 0 && c.force.norm() > site.force_limit) {
-    c.flags |= flags::beyond_force_limit;
-  }
   c.residual = e.residual;
   c.minimum_det_f = e.minimum_det_f;
   c.negative_pivots = e.negative_pivots;
@@ -58,6 +64,13 @@ Configuration to_configuration(Equilibrium&& e, const Site& site, const Transiti
     c.p_v = std::move(e.p_v);
   }
   return c;
+}
+
+void flag_limit(const Site& site, ConfigurationSummary& found) {
+  found.flags &= ~flags::beyond_force_limit;
+  if (site.force_limit > 0 && found.force.norm() > site.force_limit) {
+    found.flags |= flags::beyond_force_limit;
+  }
 }
 
 void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& report) {
@@ -77,183 +90,282 @@ Engine::Engine(const std::vector<Site>& sites, const Tip& tip, EquilibriumSolver
       tip_(tip),
       record_(record),
       communicator_(communicator),
-      monitor_(monitor),
-      goes_deep_(communicator.size() == 1) {
-  for (const Site& site : sites) site_of_node_[site.active_node] = site;
-}
-
-bool Engine::explore(Frontier& frontier, PrecomputeReport& report) {
-  monitor_.expect(frontier.num_expected());
-  recall(frontier, report);
-  for (;;) {
-    const std::vector<Transition> batch = frontier.next();
-    give_up_settled(frontier, report);
-    monitor_.set_done(report.num_solved + report.num_reused);
-    if (any(communicator_, aborted_ || !monitor_.go_on())) return false;
-    if (batch.empty()) return true;
-
-    const auto num_ranks = static_cast<std::size_t>(communicator_.size());
-    goes_deep_ = goes_deep_ || batch.size() >= kTasksOfRank * num_ranks;
-    const std::vector<int> owners = share_out(batch, frontier);
-    send_starts(batch, owners);
-    const std::vector<Bytes> results =
-        run_batch(communicator_, owners, [&](std::int64_t i) -> Bytes {
-          Bytes found;
-          walk(batch[i], start_of(batch[i]), frontier, found);
-          return found;
-        });
-    for (std::size_t i = 0; i < results.size(); ++i) {
-      take_in(results[i], owners[i], frontier, report);
+      monitor_(monitor) {
+  for (const Site& site : sites) {
+    sites_[site.active_node] = site;
+    if (home_of(key_of(site.active_node), communicator.size()) != communicator.rank()) continue;
+    auto& frontier = homes_[site.active_node].frontier;
+    if (site.tolerance > 0) {
+      frontier = std::make_unique<AdaptiveGrid>(site);
+    } else {
+      frontier = std::make_unique<LayeredGrid>(site);
     }
   }
 }
 
-/// Takes in what earlier runs have found, as rank 0 knows it.
-void Engine::recall(Frontier& frontier, PrecomputeReport& report) {
-  Bytes mine;
-  agree(communicator_, [&] {
-    for (const auto& [node, summary] : record_.known()) append(mine, node, summary);
-  });
-  for (const auto& [node, summary] : read_configurations(communicator_.all_gather(mine).front())) {
-    frontier.accept(node, summary);
-    count(summary, true, report);
-    if (summary.usable()) found_[{node, summary.check_point}] = {summary, 0};
+bool Engine::explore(PrecomputeReport& report) {
+  report_ = &report;
+  const bool complete = run(*this, communicator_, &report.schedule);
+  monitor_.set_mail(nullptr);
+  return complete;
+}
+
+/// Rank 0 tells the homes what earlier runs have found, and that they can begin.
+void Engine::start(Mail& mail) {
+  monitor_.set_mail(&mail);
+  if (mail.rank() != 0) return;
+  for (const auto& [node, summary] : record_.known()) {
+    Packer message;
+    message.put(Kind::recalled);
+    message.put(node);
+    message.put(summary);
+    mail.send_home(key_of(node), message.take());
+  }
+  for (int rank = 0; rank < mail.size(); ++rank) {
+    Packer message;
+    message.put(Kind::begin);
+    mail.send(rank, message.take());
   }
 }
 
-/// Records the failures that are not to be tried again.
-void Engine::give_up_settled(const Frontier& frontier, PrecomputeReport& report) {
-  agree(communicator_, [&] {
-    for (auto i = failed_.begin(); i != failed_.end();) {
-      const auto& [key, found] = *i;
-      if (frontier.is_settled(key.first, key.second)) {
-        if (found.rank == communicator_.rank()) {
-          record_.keep(key.first, {found.summary, {}, {}, {}, {}});
-        }
-        count(found.summary, false, report);
-        i = failed_.erase(i);
-      } else {
-        ++i;
-      }
+void Engine::receive(int from, const Bytes& message, Mail& mail) {
+  Unpacker content(message);
+  switch (content.take<Kind>()) {
+    case Kind::recalled: {
+      const auto node = content.take<Index>();
+      ConfigurationSummary summary = content.take_summary();
+      flag_limit(sites_.at(node), summary);
+      Home& home = homes_.at(node);
+      home.frontier->recall(summary);
+      if (summary.usable()) home.held[summary.check_point] = {summary, from};
+      count(summary, true, *report_);
+      break;
     }
-  });
-}
-
-/// Each rank gets a run of neighbours, by the number of configurations that they may lead to.
-std::vector<int> Engine::share_out(const std::vector<Transition>& batch,
-                                   const Frontier& frontier) const {
-  std::vector<std::int64_t> sizes;
-  std::int64_t total = 0;
-  for (const Transition& transition : batch) {
-    const bool whole = goes_deep_ && communicator_.size() > 1;
-    total += sizes.emplace_back(whole ? frontier.num_following(transition) : 1);
-  }
-  std::vector<int> owners;
-  std::int64_t before = 0;
-  for (const std::int64_t size : sizes) {
-    owners.push_back(static_cast<int>((2 * before + size) * communicator_.size() / (2 * total)));
-    before += size;
-  }
-  return owners;
-}
-
-/// Gives each rank the starts of its tasks that others have.
-void Engine::send_starts(const std::vector<Transition>& batch, const std::vector<int>& owners) {
-  sent_.clear();
-  std::set<Key> asked;
-  std::set<Key> asked_here;
-  for (std::size_t i = 0; i < batch.size(); ++i) {
-    const Key key{batch[i].active_node, batch[i].start};
-    if (needs_no_start(batch[i]) || found_.at(key).rank == owners[i]) continue;
-    asked.insert(key);
-    if (owners[i] == communicator_.rank()) asked_here.insert(key);
-  }
-  if (asked.empty()) return;
-  const std::vector<Key> keys(asked.begin(), asked.end());
-  std::vector<int> holders;
-  for (const Key& key : keys) holders.push_back(found_.at(key).rank);
-  const std::vector<Bytes> states = run_batch(communicator_, holders, [&](std::int64_t i) {
-    Bytes state;
-    append(state, keys[i].first, record_.load(keys[i].first, found_.at(keys[i]).summary));
-    return state;
-  });
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (asked_here.count(keys[i]) == 0) continue;
-    sent_.emplace(keys[i], std::move(read_configurations(states[i]).front().configuration));
+    case Kind::begin:
+      for (const auto& [node, home] : homes_) hand_out(node, mail);
+      break;
+    case Kind::found: {
+      const auto node = content.take<Index>();
+      take_in(node, content.take_summary(), from, mail);
+      break;
+    }
+    case Kind::make:
+      branches_.push_front(unpack(content));
+      break;
+    case Kind::progress:
+      monitor_.set_count(from, content.take<Monitor::Count>());
+      break;
   }
 }
 
-Equilibrium Engine::start_of(const Transition& transition) const {
-  if (needs_no_start(transition)) return {};
-  const Key key{transition.active_node, transition.start};
-  const auto sent = sent_.find(key);
-  return to_equilibrium(sent != sent_.end()
-                            ? Configuration(sent->second)
-                            : record_.load(key.first, found_.at(key).summary));
+void Engine::take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail) {
+  Home& home = homes_.at(active_node);
+  if (found.usable()) {
+    home.failed.erase(found.check_point);
+    home.held[found.check_point] = {found, rank};
+    count(found, false, *report_);
+  } else {
+    home.failed[found.check_point] = found;
+  }
+  home.frontier->accept(found);
+  hand_out(active_node, mail);
 }
 
-/// Makes a transition and what follows from it.
-void Engine::walk(const Transition& transition, const Equilibrium& start, const Frontier& frontier,
-                  Bytes& results) {
-  aborted_ = aborted_ || !monitor_.go_on();
-  if (aborted_) return;
-  Configuration found = make(transition, start, frontier);
-  aborted_ = found.outcome == Outcome::aborted;
-  if (aborted_) return;
-  const Index node = transition.active_node;
+/// Sends what the frontier of a home asks for to those that have the starts, and records what it has
+/// given up.
+void Engine::hand_out(Index active_node, Mail& mail) {
+  Home& home = homes_.at(active_node);
+  const std::vector<Transition> due = home.frontier->next();
+  report_->num_expected += home.frontier->num_expected() - home.num_expected;
+  home.num_expected = home.frontier->num_expected();
+  for (const CheckPoint& target : home.frontier->given_up()) {
+    const auto failed = home.failed.find(target);
+    if (failed == home.failed.end()) continue;
+    record_.keep(active_node, {failed->second, {}, {}, {}, {}});
+    count(failed->second, false, *report_);
+    home.failed.erase(failed);
+  }
+  for (std::size_t i = 0; i < due.size();) {
+    const CheckPoint start = due[i].start;
+    Branch branch;
+    branch.active_node = active_node;
+    int holder = mail.rank();
+    if (!due[i].needs_no_start()) {
+      const Held& held = home.held.at(start);
+      branch.start = held.summary;
+      holder = held.rank;
+    }
+    for (; i < due.size() && due[i].start == start; ++i) {
+      Target& target = branch.targets.emplace_back(Target{due[i].target});
+      const auto failed = home.failed.find(target.check_point);
+      if (failed == home.failed.end()) continue;
+      target.iterations = failed->second.iterations;
+      target.seconds = failed->second.seconds;
+    }
+    if (holder == mail.rank()) {
+      branches_.push_front(std::move(branch));
+    } else {
+      Packer message;
+      message.put(Kind::make);
+      pack(branch, false, message);
+      mail.send(holder, message.take());
+    }
+  }
+}
+
+bool Engine::has_work() const { return !branches_.empty(); }
+
+void Engine::work(Mail& mail) {
+  tell(mail);
+  current_ = std::move(branches_.back());
+  branches_.pop_back();
+  const Index node = current_->active_node;
+  const Target target = current_->targets.front();
+  current_->targets.pop_front();
+  load_state(*current_);
+  const std::shared_ptr<const Equilibrium> start = current_->state;
+  Configuration found = make(*current_, target);
+  if (found.outcome == Outcome::aborted) {
+    current_.reset();
+    return mail.stop();
+  }
   if (found.usable()) record_.keep(node, found);
   const ConfigurationSummary summary = found;
-  append(results, node, summary);
-  monitor_.solved_one();
-  if (!goes_deep_ || !found.usable()) return;
-  const Equilibrium next_start = to_equilibrium(std::move(found));
-  for (const Transition& next : frontier.following(node, summary)) {
-    walk(next, next_start, frontier, results);
+  Packer message;
+  message.put(Kind::found);
+  message.put(node);
+  message.put(summary);
+  mail.send_home(key_of(node), message.take());
+
+  if (!current_->targets.empty()) {
+    branches_.push_back(std::move(*current_));
+  } else if (start != nullptr) {
+    solver_.forget(*start);
   }
-  solver_.forget(next_start);
+  current_.reset();
+  Branch next;
+  next.active_node = node;
+  next.start = summary;
+  for (const CheckPoint& p : following(sites_.at(node), summary)) next.targets.push_back({p});
+  const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
+  if (next.targets.empty()) return solver_.forget(*state);
+  next.state = state;
+  branches_.push_back(std::move(next));
+}
+
+/// How far the homes here are.
+void Engine::tell(Mail& mail) {
+  const Monitor::Count count{report_->num_solved + report_->num_reused, report_->num_reused,
+                             report_->num_expected};
+  monitor_.set_count(mail.rank(), count);
+  if (mail.rank() == 0 || !monitor_.is_due()) return;
+  Packer message;
+  message.put(Kind::progress);
+  message.put(count);
+  mail.send(0, message.take());
+}
+
+void Engine::load_state(Branch& branch) const {
+  if (!branch.has_start() || branch.state != nullptr) return;
+  branch.state = std::make_shared<const Equilibrium>(
+      to_equilibrium(record_.load(branch.active_node, branch.start)));
 }
 
 /// @throws InputError the body is not held.
-Configuration Engine::make(const Transition& transition, const Equilibrium& start,
-                           const Frontier& frontier) {
-  const Site& site = site_of_node_.at(transition.active_node);
+Configuration Engine::make(const Branch& branch, const Target& target) {
+  const Site& site = sites_.at(branch.active_node);
   if (held_node_ != site.active_node) {
     solver_.hold(tip_.hold({site.active_node}));
     held_node_ = site.active_node;
   }
-  if (needs_no_start(transition)) {
+  Configuration found;
+  if (!branch.has_start()) {
     Equilibrium rest = solver_.rest();
     if (rest.outcome != Outcome::converged) throw InputError(rest.message);
-    return to_configuration(std::move(rest), site, transition);
+    found = to_configuration(std::move(rest));
+  } else {
+    const auto& [i, j, k] = target.check_point;
+    const Eigen::VectorXd t = site.spacing() * Vec3(i, j, k);
+    ConfigurationSummary sought;
+    sought.check_point = target.check_point;
+    sought.outcome = Outcome::converged;
+    const bool leads_on = !following(site, sought).empty();
+    found = to_configuration(
+        solver_.solve(t, *branch.state, leads_on ? Tangent::factorised : Tangent::iterated));
   }
-  const auto& [i, j, k] = transition.target;
-  const Eigen::VectorXd t = site.spacing() * Vec3(i, j, k);
-  const bool leads_on = frontier.num_following(transition) > 1;
-  Configuration found = to_configuration(
-      solver_.solve(t, start, leads_on ? Tangent::factorised : Tangent::iterated), site,
-      transition);
-  const auto earlier = failed_.find({site.active_node, transition.target});
-  if (earlier != failed_.end()) {
-    found.iterations += earlier->second.summary.iterations;
-    found.seconds += earlier->second.summary.seconds;
-  }
+  found.check_point = target.check_point;
+  found.parent = branch.start.check_point;
+  found.iterations += target.iterations;
+  found.seconds += target.seconds;
+  flag_limit(site, found);
   return found;
 }
 
-/// Takes in what a task of another rank or of this one has found.
-void Engine::take_in(const Bytes& results, int rank, Frontier& frontier,
-                     PrecomputeReport& report) {
-  for (const auto& [node, summary] : read_configurations(results)) {
-    const Key key{node, summary.check_point};
-    frontier.accept(node, summary);
-    if (summary.usable()) {
-      failed_.erase(key);
-      found_[key] = {summary, rank};
-      count(summary, false, report);
-    } else {
-      failed_[key] = {summary, rank};
+Bytes Engine::give() {
+  Packer message;
+  // Whole branches while there are others; what is left of the one that is made last of all.
+  if (branches_.size() > (current_ ? 0 : 1)) {
+    const auto from_rest = [](const Branch& branch) { return !branch.has_start(); };
+    const std::size_t half = (branches_.size() + 1) / 2;
+    std::size_t num = 0;
+    while (num < half && from_rest(branches_[num])) ++num;
+    num = std::max<std::size_t>(num, 1);
+    for (; num > 0; --num) {
+      pack(branches_.front(), true, message);
+      branches_.pop_front();
     }
+    return message.take();
   }
+  Branch* last = current_ ? &*current_ : branches_.empty() ? nullptr : &branches_.front();
+  if (last == nullptr || last->targets.size() < (current_ ? 1 : 2)) return {};
+  Branch given = split(*last);
+  pack(given, true, message);
+  return message.take();
+}
+
+Engine::Branch Engine::split(Branch& branch) {
+  Branch other{branch.active_node, branch.start, branch.state, {}};
+  std::deque<Target> kept;
+  bool keep = false;
+  for (Target& target : branch.targets) {
+    (keep ? kept : other.targets).push_back(target);
+    keep = !keep;
+  }
+  branch.targets = std::move(kept);
+  return other;
+}
+
+void Engine::take(const Bytes& tasks, Mail& /*mail*/) {
+  for (Unpacker message(tasks); !message.at_end();) branches_.push_front(unpack(message));
+}
+
+void Engine::discard() { branches_.clear(); }
+
+void Engine::pack(Branch& branch, bool with_state, Packer& message) {
+  message.put(branch.active_node);
+  message.put(branch.start);
+  const bool has_state = with_state && branch.has_start();
+  message.put(has_state);
+  if (has_state) {
+    load_state(branch);
+    message.put(to_configuration(Equilibrium(*branch.state)));
+  }
+  message.put(branch.targets.size());
+  for (const Target& target : branch.targets) message.put(target);
+}
+
+Engine::Branch Engine::unpack(Unpacker& message) {
+  Branch branch;
+  branch.active_node = message.take<Index>();
+  branch.start = message.take_summary();
+  if (message.take<bool>()) {
+    branch.state =
+        std::make_shared<const Equilibrium>(to_equilibrium(message.take_configuration()));
+  }
+  for (auto left = message.take<std::size_t>(); left > 0; --left) {
+    branch.targets.push_back(message.take<Target>());
+  }
+  return branch;
 }
 
 }  // namespace palpate

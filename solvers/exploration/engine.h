@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes the transitions that a frontier asks for, on all ranks.
+// Makes the transitions that the frontiers ask for, on all ranks.
 //
-// The transitions of Frontier::next() are a batch, shared out among the ranks. Each is a task: the
-// transition, and depth first all that follows from what it finds. So on the way down and back a
-// start still has its factor, and a rank has no more states in memory than it is layers deep. The
-// first batches are single transitions, until there are tasks enough for all ranks; on one rank the
-// first batch is everything but what failed transitions hold up.
+// The frontier of an active node is at the node's home, a rank that follows from a hash. A rank that
+// finds a configuration keeps it in its record, tells the home, and goes on depth first with what
+// follows: so a start still has its factor, and a rank has no more states in memory than it is
+// layers deep. What the frontier decides in addition, such as another start for a step that failed,
+// the home sends to the rank whose record has the start. A rank without tasks takes over some of
+// another's, those nearest to rest: whole branches.
 #pragma once
 
+#include <deque>
 #include <map>
-#include <set>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,58 +21,88 @@
 #include "exploration/frontier.h"
 #include "exploration/monitor.h"
 #include "exploration/record.h"
-#include "schedule/communicator.h"
+#include "exploration/transfer.h"
+#include "schedule/scheduler.h"
 
 namespace palpate {
 
-class Engine {
+class Engine final : public Worker {
  public:
   /// @param tip With the radius of the sites.
   Engine(const std::vector<Site>& sites, const Tip& tip, EquilibriumSolver& solver, Record& record,
          Communicator& communicator, Monitor& monitor);
 
+  /// @param report What the tasks of this rank and the homes here have done is added.
   /// @returns false when it was aborted.
   /// @note Collective
-  bool explore(Frontier& frontier, PrecomputeReport& report);
+  bool explore(PrecomputeReport& report);
+
+  void start(Mail& mail) override;
+  void receive(int from, const Bytes& message, Mail& mail) override;
+  [[nodiscard]] bool has_work() const override;
+  void work(Mail& mail) override;
+  [[nodiscard]] Bytes give() override;
+  void take(const Bytes& tasks, Mail& mail) override;
+  void discard() override;
 
  private:
-  using Key = std::pair<Index, CheckPoint>;
-  /// What was found, and the rank whose record has it.
-  struct Found {
+  struct Target {
+    CheckPoint check_point{};
+    /// Of earlier attempts, which failed.
+    std::int32_t iterations = 0;
+    double seconds = 0;
+  };
+  /// Transitions from one start.
+  struct Branch {
+    Index active_node = 0;
+    /// Of the rest position where there is no start.
+    ConfigurationSummary start;
+    /// Null until it is needed, and where there is no start.
+    std::shared_ptr<const Equilibrium> state;
+    std::deque<Target> targets;
+    [[nodiscard]] bool has_start() const { return start.usable(); }
+  };
+  /// A configuration, and the rank whose record has it.
+  struct Held {
     ConfigurationSummary summary;
     int rank = 0;
   };
+  /// An active node whose home is here.
+  struct Home {
+    std::unique_ptr<Frontier> frontier;
+    /// All that is usable.
+    std::map<CheckPoint, Held> held;
+    /// Failed transitions that may be tried from another start, with all earlier attempts.
+    std::map<CheckPoint, ConfigurationSummary> failed;
+    /// Frontier::num_expected() when it was asked last.
+    std::int64_t num_expected = 0;
+  };
 
-  void recall(Frontier& frontier, PrecomputeReport& report);
-  void give_up_settled(const Frontier& frontier, PrecomputeReport& report);
-  [[nodiscard]] std::vector<int> share_out(const std::vector<Transition>& batch,
-                                           const Frontier& frontier) const;
-  void send_starts(const std::vector<Transition>& batch, const std::vector<int>& owners);
-  [[nodiscard]] Equilibrium start_of(const Transition& transition) const;
-  void walk(const Transition& transition, const Equilibrium& start, const Frontier& frontier,
-            Bytes& results);
-  [[nodiscard]] Configuration make(const Transition& transition, const Equilibrium& start,
-                     const Frontier& frontier);
-  void take_in(const Bytes& results, int rank, Frontier& frontier, PrecomputeReport& report);
+  void tell(Mail& mail);
+  void hand_out(Index active_node, Mail& mail);
+  void take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail);
+  /// Takes some of the targets for another rank.
+  [[nodiscard]] static Branch split(Branch& branch);
+  /// @param with_state For a rank whose record does not have the start.
+  void pack(Branch& branch, bool with_state, Packer& message);
+  [[nodiscard]] static Branch unpack(Unpacker& message);
+  /// Has the state of its start read where that is needed.
+  void load_state(Branch& branch) const;
+  [[nodiscard]] Configuration make(const Branch& branch, const Target& target);
 
   EquilibriumSolver& solver_;
   const Tip& tip_;
   Record& record_;
   Communicator& communicator_;
   Monitor& monitor_;
-  std::map<Index, Site> site_of_node_;
+  std::map<Index, Site> sites_;
+  std::map<Index, Home> homes_;
+  PrecomputeReport* report_ = nullptr;
   Index held_node_ = -1;
-  /// Tasks go on with what follows from their transition.
-  bool goes_deep_;
-  /// On this rank; the others hear of it at the end of the batch.
-  bool aborted_ = false;
-
-  /// All that is usable.
-  std::map<Key, Found> found_;
-  /// Failed transitions that may be tried from another start.
-  std::map<Key, Found> failed_;
-  /// Starts of this rank's tasks that are in the record of another one.
-  std::map<Key, Configuration> sent_;
+  /// The last is the next; those in front are given away.
+  std::deque<Branch> branches_;
+  /// The one of the transition that is being made.
+  std::optional<Branch> current_;
 };
 
 }  // namespace palpate

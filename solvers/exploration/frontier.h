@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A frontier decides which transitions an exploration makes next; the engine makes them. A frontier
-// knows neither the mechanics nor the ranks, and gives the same answers on every rank.
+// A frontier decides which transitions the exploration of an active node makes next; the engine
+// makes them. It knows neither the mechanics nor the ranks.
 //
-// Which start a target is reached from depends on what was found, never on when. So a rank may
-// explore what follows from its own findings depth first, where each start still has its factor,
-// and tell the others later.
+// Which start a target is reached from depends on what was found, never on when, so that another
+// number of ranks finds the same space. What follows from a configuration whatever else is found is
+// said by a rule of the site alone, `following`: the rank that finds the configuration goes on with
+// it depth first, while the start still has its factor, and asks nobody. The rest is decided at the
+// one rank where the frontier of the active node is, once it has heard.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +18,18 @@ namespace palpate {
 
 /// A step from a configuration that is known to one that is sought.
 struct Transition {
-  Index active_node = 0;
   CheckPoint target{};
   /// The target itself for the rest position, which needs no start.
   CheckPoint start{};
+
+  [[nodiscard]] bool needs_no_start() const { return start == target; }
 };
+
+/// The targets to which transitions from a configuration are made whatever else is found. The same
+/// target follows from no other configuration.
+/// @param found Of an exploration of the site.
+[[nodiscard]] std::vector<CheckPoint> following(const Site& site,
+                                                const ConfigurationSummary& found);
 
 class Frontier {
  public:
@@ -28,26 +37,21 @@ class Frontier {
   Frontier(const Frontier&) = delete;
   Frontier& operator=(const Frontier&) = delete;
 
-  /// All transitions that are to be made by what was accepted, independent of each other; empty when
-  /// there is nothing left. Those of one active node follow each other, and so do those of one start.
+  /// Takes in a configuration of an earlier run, before the first next().
+  virtual void recall(const ConfigurationSummary& found) = 0;
+
+  /// Takes in what a transition has found. Where it is usable, whoever found it goes on with what
+  /// follows; one that failed may be tried again from another start.
+  virtual void accept(const ConfigurationSummary& found) = 0;
+
+  /// The transitions that are due and were not given out before, nor follow from a configuration
+  /// that was accepted. Those of one start follow each other.
   [[nodiscard]] virtual std::vector<Transition> next() = 0;
 
-  /// The transitions from a configuration that was just found, and need not be accepted yet, that
-  /// are to be made whatever else is found. The same transition follows from no other one.
-  [[nodiscard]] virtual std::vector<Transition> following(
-      Index active_node, const ConfigurationSummary& found) const = 0;
+  /// The targets that were given up since the last call: no transition leads there any more.
+  [[nodiscard]] virtual std::vector<CheckPoint> given_up() = 0;
 
-  /// Configurations that a transition of next() may lead to by `following`, its own included.
-  [[nodiscard]] virtual std::int64_t num_following(const Transition& transition) const = 0;
-
-  /// Tells what a transition has found, in this run or an earlier one. One that failed may be tried
-  /// again from another start.
-  virtual void accept(Index active_node, const ConfigurationSummary& found) = 0;
-
-  /// Whether next() gave a target up or it was found: no transition leads there any more.
-  [[nodiscard]] virtual bool is_settled(Index active_node, const CheckPoint& target) const = 0;
-
-  /// Configurations that the whole exploration may find at most.
+  /// Configurations that the exploration will find at most, as far as is known now.
   [[nodiscard]] virtual std::int64_t num_expected() const = 0;
 
  protected:

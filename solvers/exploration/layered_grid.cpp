@@ -15,6 +15,18 @@ std::int32_t layer_of(const CheckPoint& p) {
   return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
 }
 
+CheckPoint scaled(const CheckPoint& p, std::int32_t step) {
+  return {p[0] * step, p[1] * step, p[2] * step};
+}
+
+bool is_on_grid(const CheckPoint& p, std::int32_t step) {
+  return p[0] % step == 0 && p[1] % step == 0 && p[2] % step == 0;
+}
+
+CheckPoint on_grid(const CheckPoint& p, std::int32_t step) {
+  return {p[0] / step, p[1] / step, p[2] / step};
+}
+
 /// Calls f(q) for every check-point q of a layer that touches p, in their order.
 template <class F>
 void for_each_neighbour(const CheckPoint& p, std::int32_t layer, F&& f) {
@@ -52,128 +64,143 @@ std::vector<CheckPoint> candidates(const CheckPoint& target) {
   return starts;
 }
 
-}  // namespace
-
-LayeredGrid::SiteGrid::SiteGrid(const Site& site)
-    : reach(site.reach()),
-      status(static_cast<std::size_t>(site.resolution) * site.resolution * site.resolution,
-             Status::open) {}
-
-std::size_t LayeredGrid::SiteGrid::index(const CheckPoint& p) const {
-  const std::size_t n = 2 * static_cast<std::size_t>(reach) + 1;
-  return ((p[0] + reach) * n + (p[1] + reach)) * n + (p[2] + reach);
+bool leads_on(const ConfigurationSummary& found) {
+  return found.usable() && (found.flags & flags::beyond_force_limit) == 0;
 }
 
-LayeredGrid::LayeredGrid(const std::vector<Site>& sites) {
-  for (const Site& site : sites) grids_.emplace(site.active_node, site);
-}
-
-std::int64_t LayeredGrid::num_expected() const {
-  std::int64_t sum = 0;
-  for (const auto& [node, grid] : grids_) sum += static_cast<std::int64_t>(grid.status.size());
-  return sum;
-}
-
-std::vector<Transition> LayeredGrid::next() {
-  std::vector<Transition> transitions;
-  for (auto& [node, grid] : grids_) {
-    const std::size_t first = transitions.size();
-    for (std::int32_t layer = 0; layer <= grid.reach; ++layer) {
-      add_layer(node, grid, layer, transitions);
-    }
-    // The order of the targets within those of one start stays.
-    std::stable_sort(
-        transitions.begin() + static_cast<std::ptrdiff_t>(first), transitions.end(),
-        [](const Transition& a, const Transition& b) { return a.start < b.start; });
-  }
-  return transitions;
-}
-
-void LayeredGrid::add_layer(Index active_node, SiteGrid& grid, std::int32_t layer,
-                            std::vector<Transition>& transitions) {
-  const auto visit = [&](const CheckPoint& target) {
-    Status& status = grid.at(target);
-    if (status != Status::open) return;
-    const auto failed = grid.failed_from.find(target);
-    const bool is_new = failed == grid.failed_from.end();
-    if (layer == 0 && is_new) {
-      transitions.push_back({active_node, target, target});
-      return;
-    }
-    int num_starts = 0;
-    bool tried = !is_new;
-    if (layer > 0) {
-      for (const CheckPoint& start : candidates(target)) {
-        if (grid.at(start) == Status::open) return;  // a better one may come of it
-        if (grid.at(start) != Status::start) continue;
-        if (++num_starts > kMaxStarts) break;
-        if (!tried) {
-          transitions.push_back({active_node, target, start});
-          return;
-        }
-        if (start == failed->second) tried = false;
-      }
-    }
-    status = Status::no_start;
-  };
-  for (std::int32_t i = -layer; i <= layer; ++i) {
-    for (std::int32_t j = -layer; j <= layer; ++j) {
-      // Inside the layer's shell only its two faces.
-      const bool face = std::max(std::abs(i), std::abs(j)) == layer;
-      for (std::int32_t k = -layer; k <= layer; k += face || layer == 0 ? 1 : 2 * layer) {
-        visit({i, j, k});
-      }
-    }
-  }
-}
-
-std::vector<CheckPoint> LayeredGrid::following(const SiteGrid& grid, const CheckPoint& start) {
+/// In steps of the grid.
+std::vector<CheckPoint> following_on_grid(const CheckPoint& start, std::int32_t reach) {
   std::vector<CheckPoint> targets;
   const std::int32_t layer = layer_of(start) + 1;
-  if (layer > grid.reach) return targets;
+  if (layer > reach) return targets;
   for_each_neighbour(start, layer, [&](const CheckPoint& target) {
-    if (grid.at(target) != Status::open) return;
-    const std::vector<CheckPoint> starts = candidates(target);
-    const auto best = std::find_if(starts.begin(), starts.end(), [&](const CheckPoint& p) {
-      return grid.at(p) != Status::no_start;
-    });
-    if (best != starts.end() && *best == start) targets.push_back(target);
+    if (candidates(target).front() == start) targets.push_back(target);
   });
   return targets;
 }
 
-std::vector<Transition> LayeredGrid::following(Index active_node,
-                                               const ConfigurationSummary& found) const {
-  std::vector<Transition> transitions;
-  if (!found.usable() || (found.flags & flags::beyond_force_limit) != 0) return transitions;
-  for (const CheckPoint& target : following(grids_.at(active_node), found.check_point)) {
-    transitions.push_back({active_node, target, found.check_point});
-  }
-  return transitions;
+}  // namespace
+
+std::vector<CheckPoint> following(const Site& site, const ConfigurationSummary& found) {
+  std::vector<CheckPoint> targets;
+  const std::int32_t step = site.coarsest;
+  if (!leads_on(found) || !is_on_grid(found.check_point, step)) return targets;
+  targets = following_on_grid(on_grid(found.check_point, step), site.reach() / step);
+  for (CheckPoint& target : targets) target = scaled(target, step);
+  return targets;
 }
 
-std::int64_t LayeredGrid::num_following(const SiteGrid& grid, const CheckPoint& start) {
-  std::int64_t sum = 1;
-  for (const CheckPoint& target : following(grid, start)) sum += num_following(grid, target);
-  return sum;
+LayeredGrid::LayeredGrid(const Site& site)
+    : step_(site.coarsest),
+      reach_(site.reach() / step_),
+      status_(static_cast<std::size_t>(2 * reach_ + 1) * (2 * reach_ + 1) * (2 * reach_ + 1),
+              Status::open) {}
+
+LayeredGrid::Status& LayeredGrid::at(const CheckPoint& p) {
+  const std::size_t n = 2 * static_cast<std::size_t>(reach_) + 1;
+  return status_[((p[0] + reach_) * n + (p[1] + reach_)) * n + (p[2] + reach_)];
 }
 
-std::int64_t LayeredGrid::num_following(const Transition& transition) const {
-  return num_following(grids_.at(transition.active_node), transition.target);
+std::int64_t LayeredGrid::num_expected() const {
+  return static_cast<std::int64_t>(status_.size());
 }
 
-void LayeredGrid::accept(Index active_node, const ConfigurationSummary& found) {
-  SiteGrid& grid = grids_.at(active_node);
+bool LayeredGrid::is_complete() const { return has_begun_ && num_under_way_ == 0 && due_.empty(); }
+
+void LayeredGrid::take_in(const ConfigurationSummary& found) {
+  const CheckPoint p = on_grid(found.check_point, step_);
+  Status& status = at(p);
+  if (status == Status::under_way) --num_under_way_;
   if (found.usable()) {
-    const bool expands = (found.flags & flags::beyond_force_limit) == 0;
-    grid.at(found.check_point) = expands ? Status::start : Status::no_start;
+    status = leads_on(found) ? Status::start : Status::no_start;
+    failed_from_.erase(p);
   } else {
-    grid.failed_from[found.check_point] = found.parent;
+    status = Status::open;
+    failed_from_[p] = on_grid(found.parent, step_);
   }
 }
 
-bool LayeredGrid::is_settled(Index active_node, const CheckPoint& target) const {
-  return grids_.at(active_node).at(target) != Status::open;
+void LayeredGrid::recall(const ConfigurationSummary& found) {
+  if (is_on_grid(found.check_point, step_)) take_in(found);
 }
+
+void LayeredGrid::accept(const ConfigurationSummary& found) {
+  take_in(found);
+  const CheckPoint p = on_grid(found.check_point, step_);
+  if (leads_on(found)) {
+    for (const CheckPoint& target : following_on_grid(p, reach_)) {
+      // What follows may be heard of first.
+      const auto failed = failed_from_.find(target);
+      const bool is_known_to_fail = failed != failed_from_.end() && failed->second == p;
+      if (at(target) != Status::open || is_known_to_fail) continue;
+      at(target) = Status::under_way;
+      ++num_under_way_;
+    }
+  }
+  if (found.usable()) {
+    decide_around(p);
+  } else {
+    decide(p);
+  }
+}
+
+void LayeredGrid::decide_around(const CheckPoint& p) {
+  const std::int32_t layer = layer_of(p) + 1;
+  if (layer > reach_) return;
+  for_each_neighbour(p, layer, [&](const CheckPoint& target) { decide(target); });
+}
+
+void LayeredGrid::decide(const CheckPoint& target) {
+  Status& status = at(target);
+  if (status != Status::open) return;
+  const auto failed = failed_from_.find(target);
+  const bool is_new = failed == failed_from_.end();
+  const auto give_out = [&](const CheckPoint& start) {
+    status = Status::under_way;
+    ++num_under_way_;
+    due_.push_back({scaled(target, step_), scaled(start, step_)});
+  };
+  if (layer_of(target) == 0) {
+    if (is_new) return give_out(target);
+  } else {
+    int num_starts = 0;
+    bool tried = !is_new;
+    for (const CheckPoint& start : candidates(target)) {
+      const Status of_start = at(start);
+      // A better one may come of it.
+      if (of_start == Status::open || of_start == Status::under_way) return;
+      if (of_start != Status::start) continue;
+      if (++num_starts > kMaxStarts) break;
+      if (!tried) return give_out(start);
+      if (start == failed->second) tried = false;
+    }
+  }
+  status = Status::no_start;
+  given_up_.push_back(scaled(target, step_));
+  decide_around(target);
+}
+
+std::vector<Transition> LayeredGrid::next() {
+  if (!std::exchange(has_begun_, true)) {
+    // Layer by layer: what an earlier run has left.
+    for (std::int32_t layer = 0; layer <= reach_; ++layer) {
+      for (std::int32_t i = -layer; i <= layer; ++i) {
+        for (std::int32_t j = -layer; j <= layer; ++j) {
+          // Inside the layer's shell only its two faces.
+          const bool face = std::max(std::abs(i), std::abs(j)) == layer;
+          for (std::int32_t k = -layer; k <= layer; k += face || layer == 0 ? 1 : 2 * layer) {
+            decide({i, j, k});
+          }
+        }
+      }
+    }
+  }
+  // The order of the targets within those of one start stays.
+  std::stable_sort(due_.begin(), due_.end(),
+                   [](const Transition& a, const Transition& b) { return a.start < b.start; });
+  return std::exchange(due_, {});
+}
+
+std::vector<CheckPoint> LayeredGrid::given_up() { return std::exchange(given_up_, {}); }
 
 }  // namespace palpate

@@ -6,7 +6,9 @@
 // branch.
 //
 // A check-point beyond the force limit, or whose solve failed, is no start: where that leaves none,
-// the check-point is not computed.
+// the check-point is given up.
+//
+// The grid is that of the corners of the coarsest cells, Site::coarsest.
 //
 // [P07b] Peterlík, Distributed Precomputation of State-space…, MEMICS 2007.
 #pragma once
@@ -19,48 +21,47 @@ namespace palpate {
 
 class LayeredGrid final : public Frontier {
  public:
-  explicit LayeredGrid(const std::vector<Site>& sites);
+  explicit LayeredGrid(const Site& site);
 
+  void recall(const ConfigurationSummary& found) override;
+  void accept(const ConfigurationSummary& found) override;
   [[nodiscard]] std::vector<Transition> next() override;
-  [[nodiscard]] std::vector<Transition> following(
-      Index active_node, const ConfigurationSummary& found) const override;
-  [[nodiscard]] std::int64_t num_following(const Transition& transition) const override;
-  void accept(Index active_node, const ConfigurationSummary& found) override;
-  [[nodiscard]] bool is_settled(Index active_node, const CheckPoint& target) const override;
+  [[nodiscard]] std::vector<CheckPoint> given_up() override;
   [[nodiscard]] std::int64_t num_expected() const override;
+
+  /// Nothing is under way, and nothing is due.
+  [[nodiscard]] bool is_complete() const;
 
  private:
   enum class Status : char {
     /// Not found yet.
     open,
+    /// A transition to it was given out, or follows from its start.
+    under_way,
     /// Found, and others may be reached from it.
     start,
     /// Others may not be reached from it: it failed, is beyond the force limit or is not reached.
     no_start,
   };
 
-  struct SiteGrid {
-    explicit SiteGrid(const Site& site);
-    [[nodiscard]] Status& at(const CheckPoint& p) { return status[index(p)]; }
-    [[nodiscard]] Status at(const CheckPoint& p) const { return status[index(p)]; }
-    [[nodiscard]] std::size_t index(const CheckPoint& p) const;
+  [[nodiscard]] Status& at(const CheckPoint& p);
+  void take_in(const ConfigurationSummary& found);
+  /// Gives a target out, up, or lets it wait.
+  void decide(const CheckPoint& target);
+  /// Decides the targets of the next layer that touch p.
+  void decide_around(const CheckPoint& p);
 
-    std::int32_t reach;
-    /// [resolution³], k fastest.
-    std::vector<Status> status;
-    /// Where the last step to an open check-point began, that failed.
-    std::map<CheckPoint, CheckPoint> failed_from;
-  };
-
-  /// Settles those that nothing leads to, and adds the others whose start is known.
-  static void add_layer(Index active_node, SiteGrid& grid, std::int32_t layer,
-                        std::vector<Transition>& transitions);
-  [[nodiscard]] static std::vector<CheckPoint> following(const SiteGrid& grid,
-                                                         const CheckPoint& start);
-  [[nodiscard]] static std::int64_t num_following(const SiteGrid& grid, const CheckPoint& start);
-
-  /// By active node.
-  std::map<Index, SiteGrid> grids_;
+  std::int32_t step_;
+  /// In steps of the grid.
+  std::int32_t reach_;
+  /// [(2 reach + 1)³], k fastest.
+  std::vector<Status> status_;
+  std::int64_t num_under_way_ = 0;
+  bool has_begun_ = false;
+  /// Where the last step to a target began, that failed. Here and below in steps of the grid.
+  std::map<CheckPoint, CheckPoint> failed_from_;
+  std::vector<Transition> due_;
+  std::vector<CheckPoint> given_up_;
 };
 
 }  // namespace palpate

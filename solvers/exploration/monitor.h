@@ -1,47 +1,73 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reports progress, and knows whether to go on: not once an abort was asked for on any rank.
+// How far the ranks are, and whether to go on: not once an abort was asked for on any rank.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
+#include "equilibrium/work.h"
 #include "exploration/precompute.h"
-#include "schedule/communicator.h"
+#include "schedule/scheduler.h"
 
 namespace palpate {
 
 class Monitor {
  public:
-  Monitor(Progress progress, Communicator& communicator)
-      : progress_(std::move(progress)), communicator_(communicator) {}
+  Monitor(Progress progress, int num_ranks)
+      : progress_(std::move(progress)), of_ranks_(static_cast<std::size_t>(num_ranks)) {}
 
-  void expect(std::int64_t num_configurations) { num_expected_ = num_configurations; }
-  void solved_one() { ++num_done_here_; }
-  /// What all ranks have done is known.
-  void set_done(std::int64_t num_configurations) {
-    num_done_ = num_configurations;
-    num_done_here_ = 0;
+  /// What the homes of a rank know of.
+  struct Count {
+    std::int64_t found = 0;
+    std::int64_t reused = 0;
+    std::int64_t expected = 0;
+  };
+  void set_count(int rank, const Count& count) { of_ranks_[static_cast<std::size_t>(rank)] = count; }
+
+  /// While there is a run: what comes from other ranks is served.
+  void set_mail(Mail* mail) { mail_ = mail; }
+
+  /// Whether to send the count to rank 0 again.
+  [[nodiscard]] bool is_due() {
+    if (seconds_since(last_sent_) < kInterval) return false;
+    last_sent_ = Clock::now();
+    return true;
   }
 
   bool go_on() {
-    if (stopped_) return false;
-    const auto done = static_cast<double>(num_done_ + num_done_here_ * communicator_.size());
-    if (progress_ && !progress_(std::min(1.0, done / static_cast<double>(num_expected_)))) {
-      communicator_.ask_to_stop();
-      stopped_ = true;
-    }
-    stopped_ = stopped_ || communicator_.stop_asked();
+    if (mail_ != nullptr && !mail_->poll()) stopped_ = true;
+    if (!stopped_ && progress_ && !progress_(state())) stopped_ = true;
     return !stopped_;
   }
 
  private:
+  /// s
+  static constexpr double kInterval = 0.5;
+
+  [[nodiscard]] ProgressState state() const {
+    ProgressState state;
+    std::int64_t reused = 0;
+    for (const Count& count : of_ranks_) {
+      state.num_done += count.found;
+      state.num_expected += count.expected;
+      reused += count.reused;
+    }
+    state.seconds = seconds_since(start_);
+    const auto solved = static_cast<double>(state.num_done - reused);
+    if (solved > 0) {
+      state.seconds_left =
+          state.seconds / solved * static_cast<double>(state.num_expected - state.num_done);
+    }
+    return state;
+  }
+
   Progress progress_;
-  Communicator& communicator_;
-  std::int64_t num_expected_ = 1;
-  std::int64_t num_done_ = 0;
-  /// On this rank, in the batch that is being made.
-  std::int64_t num_done_here_ = 0;
+  /// Of all ranks on rank 0, elsewhere of this one.
+  std::vector<Count> of_ranks_;
+  Mail* mail_ = nullptr;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point last_sent_ = start_;
   bool stopped_ = false;
 };
 

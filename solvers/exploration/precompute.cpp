@@ -3,20 +3,32 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
-#include <type_traits>
 
 #include "base/error.h"
 #include "equilibrium/tip.h"
 #include "exploration/engine.h"
-#include "exploration/layered_grid.h"
 #include "exploration/monitor.h"
 #include "exploration/record.h"
 #include "state_space/pod.h"
 
 namespace palpate {
 namespace {
+
+/// Cells are halved this often at the most.
+constexpr int kMaxDepth = 6;
+
+/// Makes the grid of a site that of the smallest cells that a tolerance may ask for.
+void refine(const PrecomputeOptions& options, Site& site) {
+  site.tolerance = options.tolerance;
+  site.tolerance_is_relative = options.tolerance_is_relative;
+  for (int depth = 0; depth < kMaxDepth; ++depth) {
+    const std::int32_t finer = 2 * site.resolution - 1;
+    if (finer > kLargestResolution) break;
+    site.resolution = finer;
+    site.coarsest *= 2;
+  }
+}
 
 /// @throws InputError a node that the tip cannot be put on.
 std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& options, const Tip& tip) {
@@ -35,8 +47,10 @@ std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& option
   std::vector<Site> sites;
   for (const Index node : nodes) {
     (void)tip.hold({node});
-    sites.push_back({node, options.half_width, options.resolution, options.force_limit,
-                     options.tip_radius});
+    Site site{node, options.half_width, options.resolution, options.force_limit,
+              options.tip_radius};
+    if (options.tolerance > 0) refine(options, site);
+    sites.push_back(site);
   }
   return sites;
 }
@@ -52,18 +66,48 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
   return result;
 }
 
-/// Sum over the ranks.
-Work total(const Work& mine, Communicator& communicator) {
-  static_assert(std::is_trivially_copyable_v<Work>);
-  Bytes bytes(sizeof mine);
-  std::memcpy(bytes.data(), &mine, sizeof mine);
-  Work sum;
-  for (const Bytes& one : communicator.all_gather(bytes)) {
-    Work work;
-    std::memcpy(&work, one.data(), sizeof work);
-    sum += work;
+/// Sums over the ranks.
+void add_up(PrecomputeReport& report, Communicator& communicator) {
+  Packer mine;
+  mine.put(report.num_solved);
+  mine.put(report.num_reused);
+  mine.put(report.num_expected);
+  mine.put(report.iterations);
+  mine.put(report.work);
+  mine.put(report.schedule);
+  mine.put(report.num_by_outcome.size());
+  for (const auto& [outcome, number] : report.num_by_outcome) {
+    mine.put(outcome);
+    mine.put(number);
   }
-  return sum;
+  mine.put(report.num_by_flag.size());
+  for (const auto& [flag, number] : report.num_by_flag) {
+    mine.put(flag);
+    mine.put(number);
+  }
+  report.num_solved = report.num_reused = report.num_expected = report.iterations = 0;
+  report.work = {};
+  report.schedule = {};
+  report.num_by_outcome.clear();
+  report.num_by_flag.clear();
+  for (const Bytes& bytes : communicator.all_gather(mine.take())) {
+    Unpacker of_rank(bytes);
+    report.num_solved += of_rank.take<std::int64_t>();
+    report.num_reused += of_rank.take<std::int64_t>();
+    report.num_expected += of_rank.take<std::int64_t>();
+    report.iterations += of_rank.take<std::int64_t>();
+    report.work += of_rank.take<Work>();
+    report.schedule += of_rank.take<ScheduleReport>();
+    for (auto left = of_rank.take<std::size_t>(); left > 0; --left) {
+      const auto outcome = of_rank.take<Outcome>();
+      report.num_by_outcome[outcome] += of_rank.take<std::int64_t>();
+    }
+    for (auto left = of_rank.take<std::size_t>(); left > 0; --left) {
+      const auto flag = of_rank.take<Flags>();
+      report.num_by_flag[flag] += of_rank.take<std::int64_t>();
+    }
+  }
+  report.num_not_reached = report.num_expected - report.num_solved - report.num_reused;
 }
 
 }  // namespace
@@ -83,6 +127,10 @@ void validate(const PrecomputeOptions& options) {
     throw InputError("The force limit is " + std::to_string(options.force_limit) +
                      "; it must be a force in N, or 0 for none.");
   }
+  if (!(std::isfinite(options.tolerance) && options.tolerance >= 0)) {
+    throw InputError("The tolerance is " + std::to_string(options.tolerance) +
+                     "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
+  }
   if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
     throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +
                      "; it must be a share from 0.00001 to below 1.");
@@ -95,7 +143,7 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options
   PrecomputeResult result;
   PrecomputeReport& report = result.report;
   const Clock::time_point start = Clock::now();
-  Monitor monitor(progress, communicator);
+  Monitor monitor(progress, communicator.size());
   std::vector<Site> sites;
   std::unique_ptr<Tip> tip;
   std::unique_ptr<EquilibriumSolver> solver;
@@ -115,10 +163,8 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options
           ? make_memory_record(scene, sites, tolerance, communicator)
           : make_file_record(options.file, scene, sites, tolerance, communicator);
 
-  LayeredGrid frontier(sites);
   Engine engine(sites, *tip, *solver, *record, communicator, monitor);
-  report.complete = engine.explore(frontier, report);
-  if (!report.complete) communicator.forget_stop();
+  report.complete = engine.explore(report);
   report.exploration_seconds = seconds_since(start);
 
   const Clock::time_point finish_start = Clock::now();
@@ -129,8 +175,12 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options
   report.num_unknowns =
       solver->assembly().pattern().size -
       3 * static_cast<Index>(tip->hold({sites.front().active_node}).points.size());
-  report.num_not_reached = frontier.num_expected() - report.num_solved - report.num_reused;
-  report.work = total(solver->work(), communicator);
+  report.work = solver->work();
+  add_up(report, communicator);
+  if (report.complete && progress) {
+    const std::int64_t found = report.num_solved + report.num_reused;
+    (void)progress({found, found, seconds_since(start), 0});
+  }
   return result;
 }
 

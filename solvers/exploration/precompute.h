@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
-#include "schedule/communicator.h"
+#include "schedule/scheduler.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
@@ -21,8 +21,12 @@ struct PrecomputeOptions {
   double tip_radius = 0;
   /// Half the side of the box of check-points, m.
   double half_width = 0.01;
-  /// Check-points along an axis; odd.
+  /// Check-points along an axis; odd. With a tolerance, of the coarsest cells.
   int resolution = 7;
+  /// Error of the force that is asked for, N, or as a share of the largest force within the limit:
+  /// cells are refined until it is reached, at most to 1/64 of their side. 0: a uniform grid.
+  double tolerance = 0;
+  bool tolerance_is_relative = true;
   /// N; 0 is none.
   double force_limit = 0;
   /// Where the space is kept and resumed; empty: in memory alone.
@@ -49,6 +53,8 @@ struct PrecomputeReport {
   /// All of them by outcome, and by flag.
   std::map<Outcome, std::int64_t> num_by_outcome;
   std::map<Flags, std::int64_t> num_by_flag;
+  /// Configurations that all frontiers can lead to.
+  std::int64_t num_expected = 0;
   /// Check-points that no usable configuration within the force limit leads to.
   std::int64_t num_not_reached = 0;
   std::int64_t iterations = 0;
@@ -57,6 +63,7 @@ struct PrecomputeReport {
   double finishing_seconds = 0;
   /// Of all ranks.
   Work work;
+  ScheduleReport schedule;
   /// The whole was explored, not aborted.
   bool complete = false;
 };
@@ -68,11 +75,24 @@ struct PrecomputeResult {
   PrecomputeReport report;
 };
 
-/// Called on every rank now and then with the share that is done; false on any rank ends the
-/// exploration, and what was found until then is kept.
-using Progress = std::function<bool(double)>;
+struct ProgressState {
+  /// Configurations that are known, and that are expected as far as can be said.
+  std::int64_t num_done = 0;
+  std::int64_t num_expected = 0;
+  /// Since the begin, and until the end as it looks now, s; below zero where nothing can be said.
+  double seconds = 0;
+  double seconds_left = -1;
 
-/// The flat space on a uniform grid around each active node.
+  [[nodiscard]] double share() const {
+    return num_expected > 0 ? static_cast<double>(num_done) / static_cast<double>(num_expected) : 0;
+  }
+};
+
+/// Called on every rank now and then, with the state of all on rank 0 and of the rank elsewhere;
+/// false on any rank ends the exploration, and what was found until then is kept.
+using Progress = std::function<bool(const ProgressState&)>;
+
+/// The flat space around each active node.
 /// @param scene The same on every rank.
 /// @note Collective
 /// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of

@@ -40,21 +40,27 @@ class MemoryRecord final : public Record {
   }
 
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
-    Bytes mine;
+    Packer mine;
     if (communicator_.rank() != 0) {
       for (const auto& [node, configurations] : found_) {
-        for (const auto& [check_point, c] : configurations) append(mine, node, c);
+        for (const auto& [check_point, c] : configurations) {
+          mine.put(node);
+          mine.put(c);
+        }
       }
       found_.clear();
     }
-    std::vector<Bytes> all = communicator_.gather(mine);
+    std::vector<Bytes> all = communicator_.gather(mine.take());
     TouchSpace result;
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
       for (Bytes& bytes : all) {
-        for (auto& [node, c] : read_configurations(std::exchange(bytes, {}))) {
+        for (Unpacker of_rank(bytes); !of_rank.at_end();) {
+          const auto node = of_rank.take<Index>();
+          Configuration c = of_rank.take_configuration();
           found_[node].emplace(c.check_point, std::move(c));
         }
+        bytes = {};
       }
       for (SiteSpace& site : space_.sites) {
         site.complete = complete;

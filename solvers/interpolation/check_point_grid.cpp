@@ -10,12 +10,12 @@
 namespace palpate {
 namespace {
 
-/// A displacement that misses the border of a cell by so little, in spacings, is on it: rounding of
-/// t = i·H must not make a check-point on the border of the box an outside one.
+/// A displacement that misses the border of a cell by so little, in sides of it, is on it: rounding
+/// of t = i·H must not make a check-point on the border of the box an outside one.
 constexpr double kOnBorder = 1e-9;
 
 /// How far a configuration may lie from its check-point, in spacings: a t that went through single
-/// precision misses it by 1e-7.
+/// precision misses it by 1e-7 of the half-width.
 constexpr double kOffCheckPoint = 1e-4;
 
 constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
@@ -26,29 +26,22 @@ bool has_finite_data(const ConfigurationSummary& c) {
 
 }  // namespace
 
-CheckPointGrid::CheckPointGrid(const TouchSite& site) {
-  const Site& s = site.site;
-  const std::string which = "The site at active node " + std::to_string(s.active_node);
-  if (s.resolution < 1 || s.resolution % 2 == 0 || s.resolution > kLargestResolution) {
-    throw InputError(which + " has " + std::to_string(s.resolution) +
-                     " check-points an axis; it takes an odd number up to " +
-                     std::to_string(kLargestResolution) + '.');
-  }
-  if (s.resolution > 1 && !(s.half_width > 0 && std::isfinite(s.half_width))) {
-    throw InputError(which + " has a half-width of " + std::to_string(s.half_width) +
+CheckPointGrid::CheckPointGrid(const Site& site,
+                               const std::vector<ConfigurationSummary>& configurations)
+    : tree_(site, configurations), reach_(site.reach()) {
+  const std::string which = "The site at active node " + std::to_string(site.active_node);
+  if (site.resolution > 1 && !(site.half_width > 0 && std::isfinite(site.half_width))) {
+    throw InputError(which + " has a half-width of " + std::to_string(site.half_width) +
                      " m; it takes a positive one.");
   }
-  resolution_ = s.resolution;
-  reach_ = s.reach();
-  if (s.resolution > 1) spacing_ = s.spacing();
+  if (site.resolution > 1) spacing_ = site.spacing();
   per_spacing_ = 1 / spacing_;
 
   configuration_.assign(static_cast<std::size_t>(num_nodes()), -1);
-  for (std::size_t i = 0; i < site.configurations.size(); ++i) {
-    const ConfigurationSummary& c = site.configurations[i];
-    const bool on_grid = std::all_of(c.check_point.begin(), c.check_point.end(),
-                                     [&](std::int32_t x) { return std::abs(x) <= reach_; });
-    if (!on_grid || !has_finite_data(c)) continue;
+  for (std::size_t i = 0; i < configurations.size(); ++i) {
+    const ConfigurationSummary& c = configurations[i];
+    const std::int32_t node = tree_.find(c.check_point);
+    if (node < 0 || !has_finite_data(c)) continue;
     const Vec3 place = spacing_ * Vec3(c.check_point[0], c.check_point[1], c.check_point[2]);
     if (!((c.t - place).norm() <= kOffCheckPoint * spacing_)) {
       throw InputError(which + " has a configuration that does not lie at its check-point (" +
@@ -56,45 +49,62 @@ CheckPointGrid::CheckPointGrid(const TouchSite& site) {
                        ", " + std::to_string(c.check_point[2]) + "): the grid was changed after " +
                        "it was computed. Compute the state space again.");
     }
-    std::int32_t& at = configuration_[node(c.check_point[0] + reach_, c.check_point[1] + reach_,
-                                           c.check_point[2] + reach_)];
-    if (at < 0) at = static_cast<std::int32_t>(i);
+    if (configuration_[node] < 0) configuration_[node] = static_cast<std::int32_t>(i);
     any_usable_ = true;
   }
-  classify_cells(site);
+  classify_leaves(configurations);
+  find_hanging_nodes();
   find_nearest();
 }
 
-void CheckPointGrid::classify_cells(const TouchSite& site) {
-  cells_.assign(configuration_.size(), Cell::lacks_corner);
-  for (std::int32_t x = 0; x + 1 < resolution_; ++x) {
-    for (std::int32_t y = 0; y + 1 < resolution_; ++y) {
-      for (std::int32_t z = 0; z + 1 < resolution_; ++z) {
-        bool complete = true;
-        bool marked = false;
-        for (int corner = 0; corner < 8 && complete; ++corner) {
-          const std::int32_t at =
-              configuration_[node(x + (corner >> 2), y + ((corner >> 1) & 1), z + (corner & 1))];
-          complete = at >= 0;
-          marked = marked || (complete && (site.configurations[at].flags & kMarking) != 0);
-        }
-        if (complete) cells_[node(x, y, z)] = marked ? Cell::marked : Cell::inside;
+void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations) {
+  for (const CellTree::Leaf& leaf : tree_.leaves()) {
+    State state = State::complete;
+    for (std::int32_t node : leaf.corners) {
+      if (!usable(node)) {
+        state = State::lacks_corner;
+        break;
       }
+      if ((configurations[configuration_[node]].flags & kMarking) != 0) state = State::marked;
     }
+    states_.push_back(state);
   }
 }
 
-// Neighbours hand on their nearest usable node until nobody has a nearer one to offer.
+void CheckPointGrid::find_hanging_nodes() {
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    if (!usable(n)) continue;
+    const CheckPoint p = tree_.point(n);
+    std::int32_t holder = -1;
+    tree_.for_each_leaf_around(p, [&](std::int32_t l) {
+      const auto& corners = leaf(l).corners;
+      const bool larger = holder < 0 || leaf(l).cell.side > leaf(holder).cell.side;
+      const bool hangs = std::find(corners.begin(), corners.end(), n) == corners.end();
+      if (larger && hangs && is_complete(l)) holder = l;
+    });
+    if (holder < 0) continue;
+    const Cell& cell = leaf(holder).cell;
+    HangingNode& hanging = hanging_nodes_.emplace_back();
+    hanging.node = n;
+    hanging.leaf = holder;
+    for (int k = 0; k < 3; ++k) {
+      hanging.s[k] = static_cast<double>(p[k] - cell.first[k]) / cell.side;
+    }
+  }
+  // What a corner of a leaf hangs on is larger than the leaf.
+  std::stable_sort(hanging_nodes_.begin(), hanging_nodes_.end(),
+                   [&](const HangingNode& a, const HangingNode& b) {
+                     return leaf(a.leaf).cell.side > leaf(b.leaf).cell.side;
+                   });
+}
+
+// Corners of a leaf hand on their nearest usable node until nobody has a nearer one to offer.
 void CheckPointGrid::find_nearest() {
   nearest_.assign(configuration_.size(), -1);
   if (!any_usable_) return;
-  const auto coordinates = [&](std::int32_t n) {
-    return std::array<std::int32_t, 3>{n / (resolution_ * resolution_),
-                                       n / resolution_ % resolution_, n % resolution_};
-  };
   const auto distance2 = [&](std::int32_t a, std::int32_t b) {
-    const auto p = coordinates(a);
-    const auto q = coordinates(b);
+    const CheckPoint p = tree_.point(a);
+    const CheckPoint q = tree_.point(b);
     std::int64_t sum = 0;
     for (int k = 0; k < 3; ++k) sum += std::int64_t{p[k] - q[k]} * (p[k] - q[k]);
     return sum;
@@ -105,26 +115,21 @@ void CheckPointGrid::find_nearest() {
     nearest_[n] = n;
     changed.push_back(n);
   }
+  if (changed.size() == nearest_.size()) return;
   while (!changed.empty()) {
     std::vector<std::int32_t> next;
     for (std::int32_t n : changed) {
-      const auto c = coordinates(n);
-      for (int neighbour = 0; neighbour < 27; ++neighbour) {
-        const std::array<std::int32_t, 3> d{c[0] + neighbour / 9 - 1, c[1] + neighbour / 3 % 3 - 1,
-                                            c[2] + neighbour % 3 - 1};
-        if (std::any_of(d.begin(), d.end(),
-                        [&](std::int32_t x) { return x < 0 || x >= resolution_; })) {
-          continue;
+      tree_.for_each_leaf_around(tree_.point(n), [&](std::int32_t l) {
+        for (std::int32_t m : leaf(l).corners) {
+          const std::int32_t offered = nearest_[n];
+          std::int32_t& known = nearest_[m];
+          if (known < 0 || distance2(m, offered) < distance2(m, known) ||
+              (distance2(m, offered) == distance2(m, known) && offered < known)) {
+            known = offered;
+            next.push_back(m);
+          }
         }
-        const std::int32_t m = node(d[0], d[1], d[2]);
-        const std::int32_t offered = nearest_[n];
-        std::int32_t& known = nearest_[m];
-        if (known < 0 || distance2(m, offered) < distance2(m, known) ||
-            (distance2(m, offered) == distance2(m, known) && offered < known)) {
-          known = offered;
-          next.push_back(m);
-        }
-      }
+      });
     }
     changed = std::move(next);
   }
@@ -133,54 +138,56 @@ void CheckPointGrid::find_nearest() {
 CheckPointGrid::Location CheckPointGrid::locate(const Vec3& t) const noexcept {
   Location at;
   if (!any_usable_ || !t.allFinite()) return at;
-  const double last = resolution_ - 1;
-  std::array<std::int32_t, 3> index{};
+  const double last = 2.0 * reach_;
   Vec3 clamped;
   bool outside = false;
   for (int k = 0; k < 3; ++k) {
     const double x = t[k] * per_spacing_ + reach_;
     clamped[k] = std::min(std::max(x, 0.0), last);
     outside = outside || std::abs(x - clamped[k]) > kOnBorder;
-    index[k] = std::min(static_cast<std::int32_t>(clamped[k]), std::max(resolution_ - 2, 0));
-    at.s[k] = clamped[k] - index[k];
   }
-  std::int32_t first = node(index[0], index[1], index[2]);
-  Cell cell = cells_[first];
-  // On a side of a cell that lacks a corner, the cell across may lack none.
-  for (int across = 1; across < 8 && cell == Cell::lacks_corner; ++across) {
-    std::int32_t other = first;
-    Vec3 s = at.s;
+  if (reach_ > 0) {
+    CellTree::Place place = tree_.locate(clamped);
+    if (!is_complete(place.leaf)) place = across_sides(clamped, place);
+    if (is_complete(place.leaf)) {
+      at.place = outside ? Place::beside_cell : Place::cell;
+      at.marked = is_marked(place.leaf);
+      at.leaf = place.leaf;
+      at.s = place.s;
+      if (outside) at.offset = t - spacing_ * (clamped.array() - reach_).matrix();
+      return at;
+    }
+    int corner = 0;
+    for (int k = 0; k < 3; ++k) corner = 2 * corner + (place.s[k] >= 0.5 ? 1 : 0);
+    at.node = leaf(place.leaf).corners[corner];
+  }
+  at.place = Place::check_point;
+  at.node = nearest_[at.node];
+  const CheckPoint p = tree_.point(at.node);
+  at.offset = t - spacing_ * Vec3(p[0], p[1], p[2]);
+  return at;
+}
+
+CellTree::Place CheckPointGrid::across_sides(const Vec3& x,
+                                             const CellTree::Place& place) const noexcept {
+  const Cell& cell = leaf(place.leaf).cell;
+  for (int across = 1; across < 8; ++across) {
+    Vec3 on_side = x;
+    unsigned low = 0;
     bool exists = true;
     for (int k = 0; k < 3 && exists; ++k) {
       if (((across >> k) & 1) == 0) continue;
-      const bool low = at.s[k] < kOnBorder && index[k] > 0;
-      const bool high = at.s[k] > 1 - kOnBorder && index[k] + 2 < resolution_;
-      exists = low || high;
-      other += low ? -stride(k) : stride(k);
-      s[k] = low ? 1 : 0;
+      const std::int32_t first = cell.first[k] + reach_;
+      const bool is_low = place.s[k] < kOnBorder && first > 0;
+      exists = is_low || (place.s[k] > 1 - kOnBorder && first + cell.side < 2 * reach_);
+      on_side[k] = is_low ? first : first + cell.side;
+      if (is_low) low |= 1U << k;
     }
-    if (!exists || cells_[other] == Cell::lacks_corner) continue;
-    first = other;
-    cell = cells_[other];
-    at.s = s;
+    if (!exists) continue;
+    const CellTree::Place other = tree_.locate(on_side, low);
+    if (is_complete(other.leaf)) return other;
   }
-  if (cell != Cell::lacks_corner) {
-    at.place = outside ? Place::beside_cell : Place::cell;
-    at.marked = cell == Cell::marked;
-    at.node = first;
-    if (outside) at.offset = t - spacing_ * (clamped.array() - reach_).matrix();
-    return at;
-  }
-  std::array<std::int32_t, 3> closest{};
-  for (int k = 0; k < 3; ++k) closest[k] = static_cast<std::int32_t>(clamped[k] + 0.5);
-  at.place = Place::check_point;
-  at.node = nearest_[node(closest[0], closest[1], closest[2])];
-  const Vec3 grid_point(at.node / (resolution_ * resolution_) - reach_,
-                        at.node / resolution_ % resolution_ - reach_,
-                        at.node % resolution_ - reach_);
-  at.offset = t - spacing_ * grid_point;
-  at.s.setZero();
-  return at;
+  return place;
 }
 
 }  // namespace palpate

@@ -36,6 +36,17 @@ DisplayField::DisplayField(const TouchSite& site)
     std::copy_n(site.coefficients.col(c).data(), r, node);
     std::copy_n(site.coefficient_gradients.col(c).data(), 3 * r, node + r);
   }
+  for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_nodes()) {
+    const CellTree::Leaf& leaf = grid_.leaf(hanging.leaf);
+    float* node = data_.data() + static_cast<std::size_t>(hanging.node) * 4 * r;
+    std::fill_n(node, 4 * r, 0.F);
+    add_leaf(leaf, hanging.s, Vec3::Zero(), node);
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto weight = static_cast<float>(corner_weight(corner, hanging.s));
+      const float* from = data_.data() + static_cast<std::size_t>(leaf.corners[corner]) * 4 * r;
+      for (std::size_t m = r; m < 4 * r; ++m) node[m] += weight * from[m];
+    }
+  }
 }
 
 void DisplayField::add_node(std::int32_t node, float a, const Vec3& d, float* out) const noexcept {
@@ -49,6 +60,17 @@ void DisplayField::add_node(std::int32_t node, float a, const Vec3& d, float* ou
   }
 }
 
+void DisplayField::add_leaf(const CellTree::Leaf& leaf, const Vec3& s, const Vec3& offset,
+                            float* out) const noexcept {
+  const double side = leaf.cell.side * grid_.spacing();
+  for (int corner = 0; corner < 8; ++corner) {
+    const double weight = corner_weight(corner, s);
+    const Vec3 from_corner = side * (s - Vec3(corner >> 2, (corner >> 1) & 1, corner & 1));
+    add_node(leaf.corners[corner], static_cast<float>(weight),
+             weight * (0.5 * from_corner + offset), out);
+  }
+}
+
 Found DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   using Place = CheckPointGrid::Place;
   std::fill_n(out, num_modes_, 0.F);
@@ -58,18 +80,7 @@ Found DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
     add_node(at.node, 1, at.offset, out);
     return Found::extrapolated;
   }
-  for (int corner = 0; corner < 8; ++corner) {
-    const int bit[3] = {corner >> 2, (corner >> 1) & 1, corner & 1};
-    std::int32_t n = at.node;
-    double weight = 1;
-    Vec3 from_corner;
-    for (int k = 0; k < 3; ++k) {
-      n += bit[k] * grid_.stride(k);
-      weight *= bit[k] != 0 ? at.s[k] : 1 - at.s[k];
-      from_corner[k] = grid_.spacing() * (at.s[k] - bit[k]);
-    }
-    add_node(n, static_cast<float>(weight), weight * (0.5 * from_corner + at.offset), out);
-  }
+  add_leaf(grid_.leaf(at.leaf), at.s, at.offset, out);
   if (at.place == Place::beside_cell) return Found::extrapolated;
   return at.marked ? Found::marked : Found::inside;
 }

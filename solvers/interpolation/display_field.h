@@ -3,9 +3,10 @@
 //
 //   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)],   w trilinear over the corners i of the cell,
 //
-// exact where u is quadratic in t. In two steps: the coefficients of the modes, then the field. At
-// the edge of the space it goes on as the force does (interpolator.h): u(t₀) + v(t₀) Δ, v
-// trilinear.
+// exact where u is quadratic in t. A hanging node takes the field of the larger cell, and of v what
+// is trilinear there: with these the sides of cells of different size agree. In two steps: the
+// coefficients of the modes, then the field. At the edge of the space it goes on as the force does
+// (interpolator.h): u(t₀) + v(t₀) Δ, v trilinear.
 #pragma once
 
 #include <vector>
@@ -27,7 +28,11 @@ class DisplayField {
   Found coefficients(const Vec3& t, float* out) const noexcept;
 
  private:
-  /// Adds a·c + b·(∂c/∂t)·d of a node.
+  /// Adds the coefficients in a leaf.
+  /// @param offset From there to t, m.
+  void add_leaf(const CellTree::Leaf& leaf, const Vec3& s, const Vec3& offset,
+                float* out) const noexcept;
+  /// Adds a·c + (∂c/∂t)·d of a node.
   void add_node(std::int32_t node, float a, const Vec3& d, float* out) const noexcept;
 
   CheckPointGrid grid_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interpolation/energy_hermite.h"
 
+#include "interpolation/hermite_basis.h"
 #include "interpolation/hermite_data.h"
 
 namespace palpate {
@@ -17,58 +18,27 @@ inline Two load(const double* from) {
 
 inline void store(Two v, double* to) { __builtin_memcpy(to, &v, sizeof v); }
 
-/// Values, first and second derivatives with respect to s of the six basis functions: left B₀ B₁
-/// B₂, right B₀ B₁ B₂. The right ones are the left ones mirrored; in factors each is exact at both
-/// ends.
-struct Basis {
-  double of[3][6];
-
-  explicit Basis(double s) {
-    const double r = 1 - s;
-    const double s2 = s * s;
-    const double r2 = r * r;
-    const double s3 = s2 * s;
-    const double r3 = r2 * r;
-    const double sr = s * r;
-    of[0][0] = r3 * (1 + 3 * s + 6 * s2);
-    of[0][1] = s * r3 * (1 + 3 * s);
-    of[0][2] = 0.5 * s2 * r3;
-    of[0][3] = s3 * (1 + 3 * r + 6 * r2);
-    of[0][4] = -r * s3 * (1 + 3 * r);
-    of[0][5] = 0.5 * r2 * s3;
-    of[1][0] = -30 * s2 * r2;
-    of[1][1] = r2 * (1 + 2 * s - 15 * s2);
-    of[1][2] = sr * r * (1 - 2.5 * s);
-    of[1][3] = -of[1][0];
-    of[1][4] = s2 * (1 + 2 * r - 15 * r2);
-    of[1][5] = -sr * s * (1 - 2.5 * r);
-    of[2][0] = 60 * sr * (s - r);
-    of[2][1] = -12 * sr * (3 - 5 * s);
-    of[2][2] = r * (1 - 8 * s + 10 * s2);
-    of[2][3] = -of[2][0];
-    of[2][4] = 12 * sr * (3 - 5 * r);
-    of[2][5] = s * (1 - 8 * r + 10 * r2);
-  }
-};
-
 }  // namespace
 
 EnergyHermite::EnergyHermite(const TouchSite& site)
-    : Interpolator(site), data_(hermite_data(grid(), site)), per_spacing_(1 / grid().spacing()) {}
+    : Interpolator(site),
+      data_(hermite_data(grid(), site.configurations)),
+      per_spacing_(1 / grid().spacing()) {}
 
-// The sum over 8 × 27 products is taken one axis after another: z first, where the data of the two
-// nodes of an edge lie side by side.
-TouchResult EnergyHermite::do_evaluate(std::int32_t first, const Vec3& s) const noexcept {
-  const Basis bx(s[0]);
-  const Basis by(s[1]);
-  const Basis bz(s[2]);
+// The sum over 8 × 27 products is taken one axis after another.
+TouchResult EnergyHermite::do_evaluate(const CellTree::Leaf& leaf, const Vec3& s) const noexcept {
+  const double side = leaf.cell.side;
+  const HermiteBasis bx(s[0], side);
+  const HermiteBasis by(s[1], side);
+  const HermiteBasis bz(s[2], side);
 
   // Along z [derivative][corner in y and b][corner in x and a].
   double along_z[3][6][6];
   for (int x = 0; x < 2; ++x) {
     for (int y = 0; y < 2; ++y) {
-      const double* d = data_.data() + std::ptrdiff_t{kHermiteData} *
-                                           (first + x * grid().stride(0) + y * grid().stride(1));
+      const std::int32_t* nodes = leaf.corners.data() + 4 * x + 2 * y;
+      const double* low = data_.data() + std::ptrdiff_t{kHermiteData} * nodes[0];
+      const double* high = data_.data() + std::ptrdiff_t{kHermiteData} * nodes[1] - 27;
       double sum[3][10];
 #pragma GCC unroll 4
       for (int ba = 0; ba < 8; ba += 2) {
@@ -77,7 +47,7 @@ TouchResult EnergyHermite::do_evaluate(std::int32_t first, const Vec3& s) const 
         Two s2{};
 #pragma GCC unroll 6
         for (int i = 0; i < 6; ++i) {
-          const Two v = load(d + 9 * i + ba);
+          const Two v = load((i < 3 ? low : high) + 9 * i + ba);
           s0 += bz.of[0][i] * v;
           s1 += bz.of[1][i] * v;
           s2 += bz.of[2][i] * v;
@@ -89,7 +59,7 @@ TouchResult EnergyHermite::do_evaluate(std::int32_t first, const Vec3& s) const 
 #pragma GCC unroll 3
       for (int order = 0; order < 3; ++order) {
         double last = 0;
-        for (int i = 0; i < 6; ++i) last += bz.of[order][i] * d[9 * i + 8];
+        for (int i = 0; i < 6; ++i) last += bz.of[order][i] * (i < 3 ? low : high)[9 * i + 8];
         sum[order][8] = last;
         for (int ba = 0; ba < 9; ++ba)
           along_z[order][3 * y + ba / 3][3 * x + ba % 3] = sum[order][ba];
@@ -125,19 +95,21 @@ TouchResult EnergyHermite::do_evaluate(std::int32_t first, const Vec3& s) const 
   };
   TouchResult result;
   result.energy = along_x(0, 0, 0);
-  result.force = per_spacing_ * Vec3(along_x(1, 0, 0), along_x(0, 1, 0), along_x(0, 0, 1));
+  const double per_side = per_spacing_ / side;
+  result.force = per_side * Vec3(along_x(1, 0, 0), along_x(0, 1, 0), along_x(0, 0, 1));
   const double xy = along_x(1, 1, 0);
   const double xz = along_x(1, 0, 1);
   const double yz = along_x(0, 1, 1);
   result.stiffness << along_x(2, 0, 0), xy, xz,  //
       xy, along_x(0, 2, 0), yz,                  //
       xz, yz, along_x(0, 0, 2);
-  result.stiffness *= per_spacing_ * per_spacing_;
+  result.stiffness *= per_side * per_side;
   return result;
 }
 
-TouchResult EnergyHermite::do_evaluate_border(std::int32_t first, const Vec3& s) const noexcept {
-  return do_evaluate(first, s);
+TouchResult EnergyHermite::do_evaluate_border(const CellTree::Leaf& leaf,
+                                              const Vec3& s) const noexcept {
+  return do_evaluate(leaf, s);
 }
 
 TouchResult EnergyHermite::do_check_point(std::int32_t node) const noexcept {

@@ -5,13 +5,11 @@
 //   Π   = Σ D^{abc} B_a(s_x) B_b(s_y) B_c(s_z),   a, b, c ∈ {0, 1, 2}, over the eight corners,
 //   h_x = (1/H) Σ D^{abc} B'_a B_b B_c,  …        k_xy = (1/H²) Σ D^{abc} B'_a B'_b B_c,  …
 //
-// with D^{abc} = H^{a+b+c} ∂^{abc}Π (hermite_data.h) and the basis
+// with D^{abc} = H^{a+b+c} ∂^{abc}Π (hermite_data.h) and the basis of hermite_basis.h.
 //
-//   left   B₀ = 1 − 10s³ + 15s⁴ − 6s⁵   B₁ = s − 6s³ + 8s⁴ − 3s⁵     B₂ = ½s² − 1.5s³ + 1.5s⁴ − ½s⁵
-//   right  B₀ = 10s³ − 15s⁴ + 6s⁵       B₁ = −4s³ + 7s⁴ − 3s⁵        B₂ = ½s³ − s⁴ + ½s⁵
-//
-// A corner's D are the same for all cells around it, so that energy, force and stiffness are
-// continuous and the work around a closed loop is zero.
+// A corner's derivatives are the same for all cells around it, and those of a hanging node are what
+// the larger cell gives there, so that energy, force and stiffness are continuous and the work
+// around a closed loop is zero.
 #pragma once
 
 #include <vector>
@@ -25,8 +23,9 @@ class EnergyHermite final : public Interpolator {
   explicit EnergyHermite(const TouchSite& site);
 
  private:
-  [[nodiscard]] TouchResult do_evaluate(std::int32_t first, const Vec3& s) const noexcept override;
-  [[nodiscard]] TouchResult do_evaluate_border(std::int32_t first,
+  [[nodiscard]] TouchResult do_evaluate(const CellTree::Leaf& leaf,
+                                        const Vec3& s) const noexcept override;
+  [[nodiscard]] TouchResult do_evaluate_border(const CellTree::Leaf& leaf,
                                                const Vec3& s) const noexcept override;
   [[nodiscard]] TouchResult do_check_point(std::int32_t node) const noexcept override;
 

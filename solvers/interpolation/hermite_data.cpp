@@ -3,62 +3,171 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+
+#include "interpolation/hermite_basis.h"
 
 namespace palpate {
 namespace {
 
-/// Check-points in a difference.
-constexpr int kStencil = 5;
+constexpr int kStencil = kHermiteStencil;
 
-using Weights = std::array<double, kStencil>;
 using Order = std::array<int, 3>;
-
-/// Weights of the derivative at point p of the polynomial through points 0 … n − 1, one apart.
-Weights difference_weights(int n, int p) {
-  Weights weights{};
-  for (int j = 0; j < n; ++j) {
-    if (j == p) {
-      for (int i = 0; i < n; ++i) {
-        if (i != p) weights[j] += 1.0 / (p - i);
-      }
-      continue;
-    }
-    weights[j] = 1.0 / (j - p);
-    for (int i = 0; i < n; ++i) {
-      if (i != j && i != p) weights[j] *= static_cast<double>(p - i) / (j - i);
-    }
-  }
-  return weights;
-}
 
 /// The difference at a node along an axis; size 1 is none.
 struct Stencil {
-  std::int32_t first = 0;
   int size = 1;
-  int place = 0;
+  std::array<std::int32_t, kStencil> nodes{};
+  std::array<double, kStencil> weights{};
 };
 
-/// The check-points around a node in the row along an axis, as central as can be.
-Stencil find_stencil(const CheckPointGrid& grid, std::int32_t node, int axis) {
-  const std::int32_t stride = grid.stride(axis);
-  const int position = node / stride % grid.resolution();
-  int before = 0;
-  while (before + 1 < kStencil && position - before > 0 &&
-         grid.usable(node - (before + 1) * stride)) {
-    ++before;
+/// The next node along each edge that begins at a node: [axis][0: downwards, 1: upwards]; −1: none.
+using Links = std::array<std::array<std::int32_t, 2>, 3>;
+
+std::vector<Links> find_links(const CheckPointGrid& grid) {
+  constexpr Links none{{{-1, -1}, {-1, -1}, {-1, -1}}};
+  std::vector<Links> links(static_cast<std::size_t>(grid.num_nodes()), none);
+  std::vector<Links> lengths(links.size());
+  const auto add = [&](std::int32_t from, std::int32_t to, int axis, int up, std::int32_t length) {
+    std::int32_t& known = links[from][axis][up];
+    if (known >= 0 && lengths[from][axis][up] <= length) return;
+    known = to;
+    lengths[from][axis][up] = length;
+  };
+  for (const CellTree::Leaf& leaf : grid.tree().leaves()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const int step = 4 >> axis;
+      for (int corner = 0; corner < 8; ++corner) {
+        if ((corner & step) != 0) continue;
+        const std::int32_t low = leaf.corners[corner];
+        const std::int32_t high = leaf.corners[corner + step];
+        add(low, high, axis, 1, leaf.cell.side);
+        add(high, low, axis, 0, leaf.cell.side);
+      }
+    }
   }
-  int after = 0;
-  while (after + 1 < kStencil && position + after + 1 < grid.resolution() &&
-         grid.usable(node + (after + 1) * stride)) {
-    ++after;
-  }
-  constexpr int half = kStencil / 2;
-  Stencil stencil;
-  stencil.size = std::min(kStencil, before + 1 + after);
-  stencil.place = std::min(before, std::max(half, stencil.size - 1 - after));
-  stencil.first = node - stencil.place * stride;
-  return stencil;
+  return links;
 }
+
+/// Weights of the derivative at x[p] of the polynomial through x[0 … n − 1].
+void fill_weights(const double* x, int n, int p, double* weights) {
+  for (int j = 0; j < n; ++j) {
+    weights[j] = 0;
+    if (j == p) {
+      for (int i = 0; i < n; ++i) {
+        if (i != p) weights[j] += 1.0 / (x[p] - x[i]);
+      }
+      continue;
+    }
+    weights[j] = 1.0 / (x[j] - x[p]);
+    for (int i = 0; i < n; ++i) {
+      if (i != j && i != p) weights[j] *= (x[p] - x[i]) / (x[j] - x[i]);
+    }
+  }
+}
+
+/// The differences at the nodes, of `most` nodes at the most. A row that ends at the side of a
+/// larger leaf goes on into it by ghosts: points at which the data are those that the leaf gives.
+class StencilFinder {
+ public:
+  StencilFinder(const CheckPointGrid& grid, int most)
+      : grid_(grid), links_(find_links(grid)), most_(most) {}
+
+  [[nodiscard]] Stencil find(std::int32_t node, int axis, bool with_ghosts) {
+    Row row;
+    row.nodes[kMiddle] = node;
+    const CheckPoint origin = grid_.tree().point(node);
+    std::array<bool, 2> ends_in_leaf{};
+    for (int up = 0; up < 2; ++up) {
+      for (std::int32_t n = node; row.count[up] + 1 < most_;) {
+        n = links_[n][axis][up];
+        ends_in_leaf[up] = n < 0;
+        if (n < 0 || !grid_.usable(n)) break;
+        row.add(up, n, grid_.tree().point(n)[axis] - origin[axis]);
+      }
+    }
+    for (int up = 0; up < 2 && with_ghosts; ++up) {
+      while (ends_in_leaf[up] && row.count[up] < kStencil / 2 && row.size() < most_) {
+        const double x = row.next(up);
+        CheckPoint p = origin;
+        p[axis] += static_cast<std::int32_t>(x);
+        const std::int32_t ghost = x == 0 ? -1 : find_ghost(p);
+        if (ghost < 0) break;
+        row.add(up, ghost, x);
+      }
+    }
+    return best_of(row);
+  }
+
+  /// The places of the ghosts; they are numbered after the nodes.
+  [[nodiscard]] const std::vector<CellTree::Place>& ghosts() const { return ghosts_; }
+
+ private:
+  static constexpr int kMiddle = kStencil - 1;
+
+  /// Nodes along an axis, ascending, with one in the middle, and their distance from that.
+  struct Row {
+    std::array<std::int32_t, 2 * kStencil - 1> nodes{};
+    std::array<double, 2 * kStencil - 1> x{};
+    /// Before and after the middle.
+    std::array<int, 2> count{};
+
+    [[nodiscard]] int size() const { return count[0] + 1 + count[1]; }
+    void add(int up, std::int32_t node, double at) {
+      ++count[up];
+      const int place = up == 1 ? kMiddle + count[up] : kMiddle - count[up];
+      nodes[place] = node;
+      x[place] = at;
+    }
+    /// Where the next one stands if it is as far as that before it; 0: there is none.
+    [[nodiscard]] double next(int up) const {
+      const int sign = up == 1 ? 1 : -1;
+      const int end = kMiddle + sign * count[up];
+      return count[up] > 0 ? 2 * x[end] - x[end - sign] : -x[kMiddle - sign];
+    }
+  };
+
+  /// The nodes of a row for which the product of the distances is least.
+  [[nodiscard]] Stencil best_of(const Row& row) const {
+    Stencil stencil;
+    stencil.size = std::min(most_, row.size());
+    int best = 0;
+    double least = 0;
+    for (int first = std::max(kMiddle - row.count[0], kMiddle + 1 - stencil.size);
+         first <= kMiddle && first + stencil.size - 1 <= kMiddle + row.count[1]; ++first) {
+      double product = 1;
+      for (int i = first; i < first + stencil.size; ++i) {
+        if (i != kMiddle) product *= std::abs(row.x[i]);
+      }
+      if (least > 0 && product >= least) continue;
+      least = product;
+      best = first;
+    }
+    std::copy_n(row.nodes.begin() + best, stencil.size, stencil.nodes.begin());
+    fill_weights(row.x.data() + best, stencil.size, kMiddle - best, stencil.weights.data());
+    return stencil;
+  }
+
+  /// The node at a point, or a new ghost; −1: no usable node and no complete leaf is there.
+  [[nodiscard]] std::int32_t find_ghost(const CheckPoint& p) {
+    const std::int32_t node = grid_.tree().find(p);
+    if (node >= 0) return grid_.usable(node) ? node : -1;
+    const std::int32_t reach = grid_.reach();
+    if (std::any_of(p.begin(), p.end(), [&](std::int32_t x) { return std::abs(x) > reach; })) {
+      return -1;
+    }
+    const CellTree::Place place =
+        grid_.tree().locate(Vec3(p[0] + reach, p[1] + reach, p[2] + reach));
+    if (!grid_.is_complete(place.leaf)) return -1;
+    ghosts_.push_back(place);
+    return grid_.num_nodes() + static_cast<std::int32_t>(ghosts_.size()) - 1;
+  }
+
+  const CheckPointGrid& grid_;
+  const std::vector<Links> links_;
+  const int most_;
+  std::vector<CellTree::Place> ghosts_;
+};
 
 void fill_known(const ConfigurationSummary& c, double h, double* d) {
   d[hermite_index(0, 0, 0)] = c.energy;
@@ -74,26 +183,9 @@ void fill_known(const ConfigurationSummary& c, double h, double* d) {
   d[hermite_index(0, 1, 1)] = k(1, 2);
 }
 
-}  // namespace
-
-std::vector<double> hermite_data(const CheckPointGrid& grid, const TouchSite& site) {
-  std::vector<double> data(static_cast<std::size_t>(grid.num_nodes()) * kHermiteData, 0.0);
-  std::vector<std::int32_t> nodes;
-  for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
-    if (!grid.usable(n)) continue;
-    nodes.push_back(n);
-    fill_known(site.configurations[grid.configuration(n)], grid.spacing(),
-               data.data() + std::size_t{kHermiteData} * n);
-  }
-  std::vector<std::array<Stencil, 3>> stencils(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) stencils[i][axis] = find_stencil(grid, nodes[i], axis);
-  }
-  std::array<std::array<Weights, kStencil>, kStencil + 1> weights{};
-  for (int n = 2; n <= kStencil; ++n) {
-    for (int p = 0; p < n; ++p) weights[n][p] = difference_weights(n, p);
-  }
-
+/// Fills in the derivatives of a + b + c > 2 of the nodes.
+void fill_missing(const std::vector<std::int32_t>& nodes,
+                  const std::vector<std::array<Stencil, 3>>& stencils, std::vector<double>& data) {
   for (int total = 3; total <= 6; ++total) {
     for (int a = 0; a <= 2; ++a) {
       for (int b = 0; b <= 2; ++b) {
@@ -110,9 +202,8 @@ std::vector<double> hermite_data(const CheckPointGrid& grid, const TouchSite& si
             --lower[axis];
             const int entry = hermite_index(lower[0], lower[1], lower[2]);
             for (int j = 0; j < stencil.size; ++j) {
-              const std::int32_t n = stencil.first + j * grid.stride(axis);
-              sum += weights[stencil.size][stencil.place][j] *
-                     data[std::size_t{kHermiteData} * n + entry];
+              sum +=
+                  stencil.weights[j] * data[std::size_t{kHermiteData} * stencil.nodes[j] + entry];
             }
             ++num_axes;
           }
@@ -123,7 +214,90 @@ std::vector<double> hermite_data(const CheckPointGrid& grid, const TouchSite& si
       }
     }
   }
+}
+
+}  // namespace
+
+std::vector<double> hermite_data(const CheckPointGrid& grid,
+                                 const std::vector<ConfigurationSummary>& configurations,
+                                 int most) {
+  const auto num_nodes = static_cast<std::size_t>(grid.num_nodes());
+  std::vector<double> data(num_nodes * kHermiteData, 0.0);
+  std::vector<std::int32_t> nodes;
+  for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
+    if (!grid.usable(n)) continue;
+    nodes.push_back(n);
+    fill_known(configurations[grid.configuration(n)], grid.spacing(),
+               data.data() + std::size_t{kHermiteData} * n);
+  }
+  StencilFinder finder(grid, most);
+  std::vector<std::array<Stencil, 3>> stencils(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) stencils[i][axis] = finder.find(nodes[i], axis, false);
+  }
+  fill_missing(nodes, stencils, data);
+
+  // Once more with ghosts, whose data come from what is there now.
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Stencil& stencil = stencils[i][axis];
+      if (stencil.size < most) stencil = finder.find(nodes[i], axis, true);
+    }
+  }
+  if (!finder.ghosts().empty()) {
+    data.resize((num_nodes + finder.ghosts().size()) * kHermiteData);
+    for (std::size_t i = 0; i < finder.ghosts().size(); ++i) {
+      const CellTree::Place& place = finder.ghosts()[i];
+      evaluate_hermite_data(data, grid.leaf(place.leaf), place.s,
+                            data.data() + (num_nodes + i) * kHermiteData);
+    }
+    fill_missing(nodes, stencils, data);
+    data.resize(num_nodes * kHermiteData);
+  }
+
+  for (const CheckPointGrid::HangingNode& hanging : grid.hanging_nodes()) {
+    evaluate_hermite_data(data, grid.leaf(hanging.leaf), hanging.s,
+                          data.data() + std::size_t{kHermiteData} * hanging.node);
+  }
   return data;
+}
+
+void evaluate_hermite_data(const std::vector<double>& data, const CellTree::Leaf& leaf,
+                           const Vec3& s, double* out) {
+  const double side = leaf.cell.side;
+  const HermiteBasis bx(s[0], side);
+  const HermiteBasis by(s[1], side);
+  const HermiteBasis bz(s[2], side);
+  double sum[kHermiteData] = {};
+  for (int x = 0; x < 2; ++x) {
+    double along_yz[3][9] = {};
+    for (int y = 0; y < 2; ++y) {
+      const std::int32_t* nodes = leaf.corners.data() + 4 * x + 2 * y;
+      const double* low = data.data() + std::size_t{kHermiteData} * nodes[0];
+      const double* high = data.data() + std::size_t{kHermiteData} * nodes[1];
+      for (int c = 0; c < 3; ++c) {
+        for (int ba = 0; ba < 9; ++ba) {
+          double along_z = 0;
+          for (int i = 0; i < 3; ++i) {
+            along_z += bz.of[c][i] * low[9 * i + ba] + bz.of[c][3 + i] * high[9 * i + ba];
+          }
+          for (int b = 0; b < 3; ++b) {
+            along_yz[ba % 3][3 * c + b] += by.of[b][3 * y + ba / 3] * along_z;
+          }
+        }
+      }
+    }
+    for (int cb = 0; cb < 9; ++cb) {
+      for (int a = 0; a < 3; ++a) {
+        for (int i = 0; i < 3; ++i) sum[3 * cb + a] += bx.of[a][3 * x + i] * along_yz[i][cb];
+      }
+    }
+  }
+  // From derivatives with respect to s.
+  const double per_side[3] = {1, 1 / side, 1 / (side * side)};
+  for (int i = 0; i < kHermiteData; ++i) {
+    out[i] = sum[i] * per_side[i % 3] * per_side[i / 3 % 3] * per_side[i / 9];
+  }
 }
 
 }  // namespace palpate

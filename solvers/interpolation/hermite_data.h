@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The derivatives of the energy that triquintic Hermite interpolation takes from each check-point.
+// The derivatives of the energy that triquintic Hermite interpolation takes from each node.
 //
-// D^{abc} = H^{a+b+c} ∂^{abc}Π for a, b, c ∈ {0, 1, 2}. Known are those of a + b + c ≤ 2: Π, h, k.
-// The others follow by increasing |α| = a + b + c:
+// D^{abc} = H^{a+b+c} ∂^{abc}Π for a, b, c ∈ {0, 1, 2}, H the spacing of the check-points, whatever
+// the side of the cells around. Known are those of a + b + c ≤ 2: Π, h, k. The others follow by
+// increasing |α| = a + b + c:
 //
 //   D^α = mean over the axes k with α_k > 0 of the difference along k of D^{α − e_k}
 //
-// with differences of five check-points: central where they are there, one-sided at the border of
-// the box and beside a check-point without a usable configuration, of fewer where fewer than five
-// stand in a row. An axis along which the node stands alone takes no part; where no axis does, the
-// derivative is taken as zero.
+// with differences of five nodes: of those in a row that holds the node the ones for which the
+// product of the distances from it is least. That is central where it can be, one-sided at the
+// border of the box and beside a node without a usable configuration, and goes across a change of
+// the cells' size. It is of fewer where fewer than five stand in a row. An axis along which the
+// node stands alone takes no part; where no axis does, the derivative is taken as zero.
+//
+// A row goes along edges of leaves, and takes in hanging nodes with the configurations they have.
+// Where it ends, with fewer than five, at the side of a larger leaf, it goes on into that by points
+// at which the leaf gives the data, up to two on a side of the node. Last of all the data of
+// hanging nodes are put in the place of what the larger leaf gives there.
 #pragma once
 
 #include <vector>
@@ -20,10 +27,21 @@ namespace palpate {
 
 inline constexpr int kHermiteData = 27;
 
+/// Nodes in a difference.
+inline constexpr int kHermiteStencil = 5;
+
 /// Place of D^{abc} among the data of a node.
 [[nodiscard]] constexpr int hermite_index(int a, int b, int c) { return 9 * c + 3 * b + a; }
 
 /// D [num_nodes × 27], node by node; zero at nodes that are not usable.
-[[nodiscard]] std::vector<double> hermite_data(const CheckPointGrid& grid, const TouchSite& site);
+/// @param most Nodes in a difference, kHermiteStencil or fewer.
+[[nodiscard]] std::vector<double> hermite_data(
+    const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
+    int most = kHermiteStencil);
+
+/// D [27] in a leaf.
+/// @param data As of hermite_data. @param out May be those of a node that is no corner of the leaf.
+void evaluate_hermite_data(const std::vector<double>& data, const CellTree::Leaf& leaf,
+                           const Vec3& s, double* out);
 
 }  // namespace palpate

@@ -33,10 +33,10 @@ TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
   switch (at.place) {
     case Place::nowhere: return result;
     case Place::cell:
-      result = do_evaluate(at.node, at.s);
+      result = do_evaluate(grid_.leaf(at.leaf), at.s);
       result.found = at.marked ? Found::marked : Found::inside;
       return result;
-    case Place::beside_cell: result = do_evaluate_border(at.node, at.s); break;
+    case Place::beside_cell: result = do_evaluate_border(grid_.leaf(at.leaf), at.s); break;
     case Place::check_point: result = do_check_point(at.node); break;
   }
   expand(result, at.offset);

@@ -7,10 +7,12 @@
 //   Π(t) = Π₀ + h₀·Δ + ½ Δ·k₀Δ,   h(t) = h₀ + k₀Δ,   Δ = t − t₀
 //
 // - outside the box of check-points t₀ is the nearest point of the box, and the force goes on
-// without
-//   a jump (it is there no longer the exact gradient of Π: k₀ varies along the box);
+//   without a jump (it is there no longer the exact gradient of Π: k₀ varies along the box);
 // - in a cell that has a corner without a usable configuration t₀ is the usable check-point nearest
-//   to the one that t is nearest to; entering such a cell the force may jump.
+//   to the corner that t is nearest to; entering such a cell the force may jump.
+//
+// Where cells of different size meet, the smaller ones take at their hanging nodes what the larger
+// one gives there: the force has no jump.
 #pragma once
 
 #include <memory>
@@ -62,12 +64,12 @@ class Interpolator {
   [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
 
  private:
-  /// Energy, force and stiffness in a cell whose corners are all usable.
-  /// @param first The first corner of the cell. @param s In [0, 1]³.
-  [[nodiscard]] virtual TouchResult do_evaluate(std::int32_t first,
+  /// Energy, force and stiffness in a leaf whose corners are all usable.
+  /// @param s In [0, 1]³.
+  [[nodiscard]] virtual TouchResult do_evaluate(const CellTree::Leaf& leaf,
                                                 const Vec3& s) const noexcept = 0;
   /// The same, with a stiffness that is continuous across cells.
-  [[nodiscard]] virtual TouchResult do_evaluate_border(std::int32_t first,
+  [[nodiscard]] virtual TouchResult do_evaluate_border(const CellTree::Leaf& leaf,
                                                        const Vec3& s) const noexcept = 0;
   /// The same at a usable check-point.
   [[nodiscard]] virtual TouchResult do_check_point(std::int32_t node) const noexcept = 0;

@@ -11,9 +11,14 @@ Trilinear::Trilinear(const TouchSite& site)
     nodes_[n].values << c.force, c.energy;
     nodes_[n].stiffness = c.stiffness;
   }
+  for (const CheckPointGrid::HangingNode& hanging : grid().hanging_nodes()) {
+    const TouchResult r = do_evaluate_border(grid().leaf(hanging.leaf), hanging.s);
+    nodes_[hanging.node].values << r.force, r.energy;
+    nodes_[hanging.node].stiffness = r.stiffness;
+  }
 }
 
-TouchResult Trilinear::do_evaluate(std::int32_t first, const Vec3& s) const noexcept {
+TouchResult Trilinear::do_evaluate(const CellTree::Leaf& leaf, const Vec3& s) const noexcept {
   using Values = Eigen::Vector4d;
   // So written a corner is met exactly.
   const auto between = [](const Values& a, const Values& b, double at) -> Values {
@@ -23,36 +28,32 @@ TouchResult Trilinear::do_evaluate(std::int32_t first, const Vec3& s) const noex
   Values slope_y[2];
   Values slope_z[2];
   for (int x = 0; x < 2; ++x) {
-    const Node* low = nodes_.data() + first + x * grid().stride(0);
-    const Node* high = low + grid().stride(1);
-    const Values along_z[2] = {between(low[0].values, low[1].values, s[2]),
-                               between(high[0].values, high[1].values, s[2])};
+    const auto corner = [&](int yz) -> const Values& {
+      return nodes_[leaf.corners[4 * x + yz]].values;
+    };
+    const Values along_z[2] = {between(corner(0), corner(1), s[2]),
+                               between(corner(2), corner(3), s[2])};
     along_yz[x] = between(along_z[0], along_z[1], s[1]);
     slope_y[x] = along_z[1] - along_z[0];
-    slope_z[x] = between(low[1].values - low[0].values, high[1].values - high[0].values, s[1]);
+    slope_z[x] = between(corner(1) - corner(0), corner(3) - corner(2), s[1]);
   }
   const Values values = between(along_yz[0], along_yz[1], s[0]);
-  const double per_spacing = 1 / grid().spacing();
+  const double per_side = 1 / (leaf.cell.side * grid().spacing());
   TouchResult result;
   result.force = values.head<3>();
   result.energy = values[3];
-  result.stiffness << per_spacing * (along_yz[1] - along_yz[0]).head<3>(),
-      per_spacing * between(slope_y[0], slope_y[1], s[0]).head<3>(),
-      per_spacing * between(slope_z[0], slope_z[1], s[0]).head<3>();
+  result.stiffness << per_side * (along_yz[1] - along_yz[0]).head<3>(),
+      per_side * between(slope_y[0], slope_y[1], s[0]).head<3>(),
+      per_side * between(slope_z[0], slope_z[1], s[0]).head<3>();
   return result;
 }
 
-TouchResult Trilinear::do_evaluate_border(std::int32_t first, const Vec3& s) const noexcept {
+TouchResult Trilinear::do_evaluate_border(const CellTree::Leaf& leaf,
+                                          const Vec3& s) const noexcept {
   TouchResult result;
   for (int corner = 0; corner < 8; ++corner) {
-    const int bit[3] = {corner >> 2, (corner >> 1) & 1, corner & 1};
-    std::int32_t n = first;
-    double weight = 1;
-    for (int k = 0; k < 3; ++k) {
-      n += bit[k] * grid().stride(k);
-      weight *= bit[k] != 0 ? s[k] : 1 - s[k];
-    }
-    const Node& node = nodes_[n];
+    const double weight = corner_weight(corner, s);
+    const Node& node = nodes_[leaf.corners[corner]];
     result.force += weight * node.values.head<3>();
     result.energy += weight * node.values[3];
     result.stiffness += weight * node.stiffness;

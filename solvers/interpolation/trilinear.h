@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trilinear interpolation [P08, 4.1]: of the force, component by component, and of the energy.
 //
+// At a hanging node all are those of the larger cell.
+//
 // The stiffness is the exact gradient of the interpolated force, piecewise: it jumps at the sides
 // of a cell, and is not symmetrised. The interpolated force is not the gradient of an energy.
 //
@@ -25,8 +27,9 @@ class Trilinear final : public Interpolator {
     Mat3 stiffness = Mat3::Zero();
   };
 
-  [[nodiscard]] TouchResult do_evaluate(std::int32_t first, const Vec3& s) const noexcept override;
-  [[nodiscard]] TouchResult do_evaluate_border(std::int32_t first,
+  [[nodiscard]] TouchResult do_evaluate(const CellTree::Leaf& leaf,
+                                        const Vec3& s) const noexcept override;
+  [[nodiscard]] TouchResult do_evaluate_border(const CellTree::Leaf& leaf,
                                                const Vec3& s) const noexcept override;
   [[nodiscard]] TouchResult do_check_point(std::int32_t node) const noexcept override;
 

@@ -18,6 +18,10 @@ class SerialCommunicator final : public Communicator {
   void ask_to_stop() override {}
   [[nodiscard]] bool stop_asked() override { return false; }
   void forget_stop() override {}
+  [[nodiscard]] Network& network() override { return *network_; }
+
+ private:
+  std::unique_ptr<Network> network_ = make_serial_network();
 };
 
 /// The kind of an error that was caught, then its message.

@@ -2,14 +2,13 @@
 // The ranks of a run, and the few collective operations that an exploration needs.
 #pragma once
 
-#include <cstddef>
 #include <functional>
 #include <memory>
 #include <vector>
 
-namespace palpate {
+#include "schedule/network.h"
 
-using Bytes = std::vector<std::byte>;
+namespace palpate {
 
 class Communicator {
  public:
@@ -38,6 +37,9 @@ class Communicator {
   /// Takes all of that back.
   /// @note Collective
   virtual void forget_stop() = 0;
+
+  /// For messages that are not collective: run() of scheduler.h.
+  [[nodiscard]] virtual Network& network() = 0;
 
  protected:
   Communicator() = default;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "schedule/mpi_network.h"
 
 namespace palpate {
 namespace {
@@ -25,6 +26,7 @@ class MpiCommunicator final : public Communicator {
     check(MPI_Comm_dup(comm, &comm_), "MPI_Comm_dup");
     MPI_Comm_rank(comm_, &rank_);
     MPI_Comm_size(comm_, &size_);
+    network_ = make_mpi_network(&comm_);
   }
 
   ~MpiCommunicator() override { MPI_Comm_free(&comm_); }
@@ -76,6 +78,8 @@ class MpiCommunicator final : public Communicator {
       check(MPI_Recv(nullptr, 0, MPI_BYTE, r, kStopTag, comm_, MPI_STATUS_IGNORE), "MPI_Recv");
     }
   }
+
+  [[nodiscard]] Network& network() override { return *network_; }
 
  private:
   /// Where the message of each rank lies among those of all.
@@ -130,6 +134,7 @@ class MpiCommunicator final : public Communicator {
   int rank_ = 0;
   int size_ = 1;
   bool has_asked_ = false;
+  std::unique_ptr<Network> network_;
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <tuple>
 
 #include "base/outcome.h"
 #include "base/types.h"
@@ -89,12 +90,28 @@ struct Site {
   /// The points of the surface patch within this distance of the active node move with it, m; 0:
   /// the node alone.
   double tip_radius = 0;
+  /// Side of the coarsest cells, in steps of the grid: a power of two that divides reach(); 1: the
+  /// grid is uniform. The cells in between are halved where there are configurations, see
+  /// interpolation/cell_tree.h.
+  std::int32_t coarsest = 1;
+  /// The error of the force that was asked for, N; 0: the grid is uniform.
+  double tolerance = 0;
+  /// The tolerance is no number of N but a share of the largest force.
+  bool tolerance_is_relative = false;
 
   /// Distance of neighbouring check-points, m; 0 where rest is the only one.
   [[nodiscard]] double spacing() const {
     return resolution > 1 ? 2 * half_width / (resolution - 1) : 0;
   }
   [[nodiscard]] std::int32_t reach() const { return (resolution - 1) / 2; }
+
+  [[nodiscard]] friend bool operator==(const Site& a, const Site& b) {
+    const auto all = [](const Site& s) {
+      return std::tie(s.active_node, s.half_width, s.resolution, s.force_limit, s.tip_radius,
+                      s.coarsest, s.tolerance, s.tolerance_is_relative);
+    };
+    return all(a) == all(b);
+  }
 };
 
 }  // namespace palpate

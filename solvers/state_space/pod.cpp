@@ -111,7 +111,8 @@ PodFit PodBasis::extend(const MatrixXf& snapshots) {
   if (largest_at_a_point(residual.middleCols(first, count)) > limit) {
     MatrixXf q(snapshots.rows(), 0);
     MatrixXf b(0, snapshots.cols());
-    const Index most = std::min(snapshots.rows() - modes_.cols(), snapshots.cols());
+    // More than there are snapshots: few random signs may be dependent.
+    const Index most = snapshots.rows() - modes_.cols();
     while (q.cols() < most &&
            largest_at_a_point(residual.middleCols(first, count)) > kRangeShare * limit) {
       const Index size = std::min(kBlock, most - q.cols());

@@ -47,6 +47,9 @@ CREATE TABLE site (
   half_width,                         -- of the box of check-points, m
   resolution  INTEGER NOT NULL,       -- check-points along an axis
   force_limit,                        -- N; 0: none
+  coarsest    INTEGER NOT NULL,       -- side of the coarsest cells, in steps of the grid
+  tolerance,                          -- error of the force that was asked for; 0: uniform grid
+  tolerance_is_relative INTEGER NOT NULL,  -- 1: a share of the largest force, 0: N
   complete    INTEGER NOT NULL,       -- 1: nothing is left to find
   PRIMARY KEY (scene_id, active_node)
 );
@@ -71,6 +74,8 @@ CREATE TABLE configuration (
   negative_pivots INTEGER NOT NULL,
   iterations  INTEGER NOT NULL,
   seconds,
+  summary_checksum INTEGER NOT NULL,  -- XXH3 (64 bit) of active_node and of the columns from i to
+                                      -- seconds, 8 bytes each, NaN as -1, flags without bit 4
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
                                       -- that of v, and so on for p and p_v
   -- The fields: NULL where the transition failed.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -241,6 +242,25 @@ std::int64_t checksum(const Fields& fields) {
   return static_cast<std::int64_t>(sum);
 }
 
+/// Gathers the bytes of a summary but for the flag of the force limit, which changes with the limit.
+struct GatherNumber {
+  std::vector<std::int64_t>& bits;
+  void operator()(double x) const {
+    std::int64_t of_x = -1;  // any NaN: the file has only one
+    if (!std::isnan(x)) std::memcpy(&of_x, &x, sizeof of_x);
+    bits.push_back(of_x);
+  }
+  void operator()(std::int32_t x) const { bits.push_back(x); }
+  void operator()(Outcome x) const { bits.push_back(static_cast<std::int64_t>(x)); }
+};
+
+std::int64_t checksum(Index active_node, ConfigurationSummary summary) {
+  summary.flags &= ~flags::beyond_force_limit;
+  std::vector<std::int64_t> bits{active_node};
+  for_each_number(summary, GatherNumber{bits});
+  return static_cast<std::int64_t>(XXH3_64bits(bits.data(), bits.size() * sizeof bits[0]));
+}
+
 /// Whether they are those of a body with so many points; p may have any length.
 bool fit(const Fields& fields, std::int64_t num_points) {
   const auto& [u, v, p, p_v] = fields;
@@ -252,6 +272,30 @@ bool fit(const Fields& fields, std::int64_t num_points) {
 std::string describe(const CheckPoint& c) {
   return '(' + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " + std::to_string(c[2]) +
          ')';
+}
+
+std::string describe(const Site& s) {
+  return "tip radius " + number(s.tip_radius) + " m, half-width " + number(s.half_width) +
+         " m, resolution " + std::to_string(s.resolution) + ", coarsest cells of side " +
+         std::to_string(s.coarsest) + ", force limit " + number(s.force_limit) + " N, tolerance " +
+         number(s.tolerance) + (s.tolerance_is_relative ? " of the largest force" : " N");
+}
+
+/// Spacings that differ by less than this share are equal but for rounding.
+constexpr double kSpacingRounding = 1e-12;
+
+/// @throws InputError what is there around an active node is of no use for what is asked for.
+void require_extension(const fs::path& path, const Site& there, const Site& asked) {
+  const bool same_grid =
+      there.tip_radius == asked.tip_radius && there.coarsest == asked.coarsest &&
+      std::abs(there.spacing() - asked.spacing()) <= kSpacingRounding * there.spacing() &&
+      (there.tolerance > 0) == (asked.tolerance > 0);
+  if (same_grid && asked.resolution >= there.resolution) return;
+  throw InputError(
+      quoted(path) + " holds active node " + std::to_string(asked.active_node) + " with " +
+      describe(there) + "; asked for was " + describe(asked) +
+      ". Give another file name, or those values: only the box may grow, by the same spacing, and "
+      "force limit and tolerance may change.");
 }
 
 void write_scene(const Database& database, const Scene& scene, double solver_tolerance) {
@@ -457,28 +501,48 @@ Scene StateSpaceFile::read_scene() const {
 
 void StateSpaceFile::add_site(const Site& site) {
   for (const SiteSpace& there : read_sites()) {
-    const Site& other = there.site;
-    if (other.active_node != site.active_node) continue;
-    if (other.tip_radius == site.tip_radius && other.half_width == site.half_width &&
-        other.resolution == site.resolution && other.force_limit == site.force_limit) {
-      return;
-    }
-    const auto grid = [](const Site& s) {
-      return "tip radius " + number(s.tip_radius) + " m, half-width " + number(s.half_width) +
-             " m, resolution " + std::to_string(s.resolution) + ", force limit " +
-             number(s.force_limit) + " N";
-    };
-    throw InputError(quoted(path()) + " holds active node " + std::to_string(site.active_node) +
-                     " with " + grid(other) + "; asked for was " + grid(site) +
-                     ". Give another file name, or those values.");
+    if (there.site.active_node != site.active_node) continue;
+    require_extension(path(), there.site, site);
+    if (!(there.site == site)) extend(site);
+    return;
   }
-  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, 0)");
+  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
   insert.bind(std::int64_t{site.active_node});
   insert.bind(site.tip_radius);
   insert.bind(site.half_width);
   insert.bind(std::int64_t{site.resolution});
   insert.bind(site.force_limit);
+  insert.bind(std::int64_t{site.coarsest});
+  insert.bind(site.tolerance);
+  insert.bind(std::int64_t{site.tolerance_is_relative});
   insert.run();
+}
+
+void StateSpaceFile::extend(const Site& site) {
+  Transaction transaction(impl_->database);
+  {
+    Statement update(impl_->database,
+                     "UPDATE site SET half_width = ?, resolution = ?, force_limit = ?, tolerance = "
+                     "?, tolerance_is_relative = ?, complete = 0 WHERE scene_id = 1 AND "
+                     "active_node = ?");
+    update.bind(site.half_width);
+    update.bind(std::int64_t{site.resolution});
+    update.bind(site.force_limit);
+    update.bind(site.tolerance);
+    update.bind(std::int64_t{site.tolerance_is_relative});
+    update.bind(std::int64_t{site.active_node});
+    update.run();
+  }
+  const std::string beyond = std::to_string(flags::beyond_force_limit);
+  Statement flag(impl_->database,
+                 "UPDATE configuration SET flags = (flags & ~" + beyond +
+                     ") | CASE WHEN ?1 > 0 AND force_x * force_x + force_y * force_y + force_z * "
+                     "force_z > ?1 * ?1 THEN " +
+                     beyond + " ELSE 0 END WHERE scene_id = 1 AND active_node = ?2");
+  flag.bind(site.force_limit);
+  flag.bind(std::int64_t{site.active_node});
+  flag.run();
+  transaction.commit();
 }
 
 void StateSpaceFile::set_complete(Index active_node, bool complete) {
@@ -491,8 +555,9 @@ void StateSpaceFile::set_complete(Index active_node, bool complete) {
 
 std::vector<SiteSpace> StateSpaceFile::read_sites() const {
   Statement select(impl_->database,
-                   "SELECT active_node, tip_radius, half_width, resolution, force_limit, complete "
-                   "FROM site WHERE scene_id = 1 ORDER BY active_node");
+                   "SELECT active_node, tip_radius, half_width, resolution, force_limit, coarsest, "
+                   "tolerance, tolerance_is_relative, complete FROM site WHERE scene_id = 1 ORDER "
+                   "BY active_node");
   std::vector<SiteSpace> sites;
   while (select.step()) {
     SiteSpace& space = sites.emplace_back();
@@ -501,6 +566,9 @@ std::vector<SiteSpace> StateSpaceFile::read_sites() const {
     space.site.half_width = select.take_double();
     space.site.resolution = static_cast<std::int32_t>(select.take_integer());
     space.site.force_limit = select.take_double();
+    space.site.coarsest = static_cast<std::int32_t>(select.take_integer());
+    space.site.tolerance = select.take_double();
+    space.site.tolerance_is_relative = select.take_integer() != 0;
     space.complete = select.take_integer() != 0;
   }
   return sites;
@@ -515,17 +583,18 @@ void StateSpaceFile::add(Index active_node, const Configuration& configuration) 
   }
   if (!impl_->insert) {
     std::string parameters = "?1";
-    for (int c = 1; c < kNumSummaryColumns + 6; ++c) parameters += ", ?" + std::to_string(c + 1);
+    for (int c = 1; c < kNumSummaryColumns + 7; ++c) parameters += ", ?" + std::to_string(c + 1);
     // Through the table of sites, so that nothing is stored for a site that is not there.
     impl_->insert.emplace(impl_->database,
                           "INSERT OR REPLACE INTO configuration (scene_id, active_node, " +
-                              std::string(kSummaryColumns) + ", checksum, " + kFieldColumns +
-                              ") SELECT 1, " +
+                              std::string(kSummaryColumns) + ", summary_checksum, checksum, " +
+                              kFieldColumns + ") SELECT 1, " +
                               parameters + " FROM site WHERE scene_id = 1 AND active_node = ?1");
   }
   Statement& insert = *impl_->insert;
   insert.bind(std::int64_t{active_node});
   for_each_number(configuration, BindNumber{insert});
+  insert.bind(checksum(active_node, configuration));
   insert.bind(checksum(fields));
   for (const auto& [data, bytes] : fields) insert.bind(data, bytes);
   insert.run();
@@ -538,12 +607,17 @@ void StateSpaceFile::add(Index active_node, const Configuration& configuration) 
 std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) const {
   Statement select(impl_->database,
                    std::string("SELECT ") + kSummaryColumns +
-                       " FROM configuration WHERE scene_id = 1 AND active_node = ? ORDER BY i, j, "
+                       ", summary_checksum FROM configuration WHERE scene_id = 1 AND active_node = ? ORDER BY i, j, "
                        "k, level");
   select.bind(std::int64_t{active_node});
   std::vector<Configuration> configurations;
   while (select.step()) {
-    for_each_number(configurations.emplace_back(), TakeNumber{select});
+    Configuration& configuration = configurations.emplace_back();
+    for_each_number(configuration, TakeNumber{select});
+    if (select.take_integer() != checksum(active_node, configuration)) {
+      throw_damaged(path(), "configuration " + describe(configuration.check_point) +
+                                " of active node " + std::to_string(active_node));
+    }
   }
   return configurations;
 }
@@ -606,7 +680,17 @@ void StateSpaceFile::merge(const std::vector<fs::path>& others) {
       }
       sites = other.read_sites();
     }
-    for (const SiteSpace& site : sites) add_site(site.site);
+    for (const SiteSpace& site : sites) {
+      const auto here = read_sites();
+      const auto same = std::find_if(here.begin(), here.end(), [&](const SiteSpace& s) {
+        return s.site.active_node == site.site.active_node;
+      });
+      if (same == here.end()) {
+        add_site(site.site);
+      } else {
+        require_extension(other_path, site.site, same->site);
+      }
+    }
 
     const sqlite::Attachment attachment(database, other_path);
     for (const SiteSpace& site : sites) {

@@ -40,7 +40,7 @@ namespace palpate {
 /// where the disk, its space, the permissions or another writer stand in the way.
 class StateSpaceFile {
  public:
-  static constexpr int schema_version = 2;
+  static constexpr int schema_version = 3;
 
   /// Makes the file for a scene, open to append. It appears complete or not at all.
   /// @throws InputError there is such a file, or its folder is missing.
@@ -75,8 +75,10 @@ class StateSpaceFile {
   /// @throws InputError also where the scene does not have the hash it is stored with.
   [[nodiscard]] Scene read_scene() const;
 
-  /// Adds a site; nothing happens when it is there.
-  /// @throws InputError it is there with another tip radius, grid or force limit.
+  /// Adds a site. One that is there is extended: its box may become larger, with the same spacing,
+  /// its force limit and its tolerance may be others; then it is no longer complete.
+  /// @throws InputError it is there with a box that is larger, or with another tip radius, spacing or
+  ///   coarsest cells.
   void add_site(const Site& site);
   void set_complete(Index active_node, bool complete);
   /// The sites without configurations, by active node.
@@ -104,6 +106,7 @@ class StateSpaceFile {
  private:
   struct Impl;
   explicit StateSpaceFile(std::unique_ptr<Impl> impl);
+  void extend(const Site& site);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What an answer of the servo loop costs: force, stiffness and energy at points that jump about in
-// a space of 7³ check-points, and the surface that is displayed.
+// a space of 7³ check-points and in one of cells of five sizes, and the surface that is displayed.
 #include <benchmark/benchmark.h>
 
 #include <vector>
@@ -22,9 +22,8 @@ std::vector<Vec3> random_points() {
   return points;
 }
 
-void evaluate(benchmark::State& state, Method method) {
-  const auto interpolator =
-      make_interpolator(method, test::analytic_site(test::exponential));
+void evaluate(benchmark::State& state, Method method, const TouchSite& site) {
+  const auto interpolator = make_interpolator(method, site);
   const std::vector<Vec3> points = random_points();
   std::size_t i = 0;
   for (auto _ : state) {
@@ -32,8 +31,14 @@ void evaluate(benchmark::State& state, Method method) {
     benchmark::DoNotOptimize(result);
   }
 }
-BENCHMARK_CAPTURE(evaluate, trilinear, Method::trilinear);
-BENCHMARK_CAPTURE(evaluate, energy_hermite, Method::energy_hermite);
+BENCHMARK_CAPTURE(evaluate, trilinear, Method::trilinear,
+                  test::analytic_site(test::exponential));
+BENCHMARK_CAPTURE(evaluate, energy_hermite, Method::energy_hermite,
+                  test::analytic_site(test::exponential));
+BENCHMARK_CAPTURE(evaluate, trilinear_adaptive, Method::trilinear,
+                  test::graded_site(test::exponential));
+BENCHMARK_CAPTURE(evaluate, energy_hermite_adaptive, Method::energy_hermite,
+                  test::graded_site(test::exponential));
 
 void display(benchmark::State& state) {
   TouchSite site = test::analytic_site(test::exponential);

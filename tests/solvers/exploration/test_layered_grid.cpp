@@ -3,90 +3,78 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <functional>
 #include <map>
 #include <set>
 #include <utility>
 #include <vector>
 
 #include "exploration/layered_grid.h"
+#include "solvers/exploration/frontier_run.h"
 
 namespace palpate {
 namespace {
 
-constexpr Index kNode = 5;
+using test::explore;
+using test::good;
+using test::Order;
 
 std::int32_t layer_of(const CheckPoint& p) {
   return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
 }
 
-using Solve = std::function<ConfigurationSummary(const Transition&)>;
-using See = std::function<void(const Transition&)>;
+Site site_of(std::int32_t resolution) { return {5, 0.01, resolution, 1}; }
 
-/// One transition and, depth first, those that follow; what it finds.
-void walk(const LayeredGrid& grid, const Transition& transition, bool deep, const Solve& solve,
-          const See& see, std::vector<std::pair<Index, ConfigurationSummary>>& all) {
-  see(transition);
-  ConfigurationSummary found = solve(transition);
-  found.check_point = transition.target;
-  found.parent = transition.start;
-  all.emplace_back(transition.active_node, found);
-  if (!deep) return;
-  for (const Transition& next : grid.following(transition.active_node, found)) {
-    walk(grid, next, deep, solve, see, all);
-  }
-}
-
-/// Explores with an answer for every target, and calls see(transition) for each.
-/// @param deep Each transition of a batch with those that follow.
-/// @returns the number of batches.
-int explore(LayeredGrid& grid, bool deep, const Solve& solve, const See& see) {
-  int num_batches = 0;
-  for (auto batch = grid.next(); !batch.empty(); batch = grid.next()) {
-    ++num_batches;
-    std::vector<std::pair<Index, ConfigurationSummary>> all;
-    for (const Transition& transition : batch) walk(grid, transition, deep, solve, see, all);
-    for (const auto& [node, found] : all) grid.accept(node, found);
-  }
-  return num_batches;
-}
-
-ConfigurationSummary good(const Transition&) {
-  ConfigurationSummary found;
-  found.outcome = Outcome::converged;
-  return found;
-}
-
-class LayeredGridTest : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(LayeredGrid, LayeredGridTest, testing::Bool(),
-                         [](const auto& order) { return order.param ? "Deep" : "Layers"; });
+class LayeredGridTest : public testing::TestWithParam<Order> {};
+INSTANTIATE_TEST_SUITE_P(LayeredGrid, LayeredGridTest,
+                         testing::Values(Order::deep, Order::wide, Order::random),
+                         [](const auto& order) { return to_string(order.param); });
 
 TEST_P(LayeredGridTest, ReachesEveryCheckPointOnceFromTheLayerBefore) {
-  LayeredGrid grid({{kNode, 0.01, 7, 0}});
+  LayeredGrid grid(site_of(7));
   std::set<CheckPoint> seen;
-  const int num_batches = explore(grid, GetParam(), good, [&](const Transition& t) {
+  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
     EXPECT_TRUE(seen.insert(t.target).second);
     const std::int32_t layer = layer_of(t.target);
-    if (layer == 0) {
-      EXPECT_EQ(t.start, t.target);
-      return;
-    }
+    EXPECT_EQ(t.needs_no_start(), layer == 0);
+    if (layer == 0) return good(t);
     const CheckPoint& start = t.start;
     EXPECT_EQ(layer_of(start), layer - 1);
     EXPECT_EQ(layer_of({start[0] - t.target[0], start[1] - t.target[1], start[2] - t.target[2]}),
               1);
     EXPECT_EQ(seen.count(start), 1U);
+    return good(t);
   });
   EXPECT_EQ(static_cast<std::int64_t>(seen.size()), grid.num_expected());
   EXPECT_EQ(seen.size(), 343U);
-  // Where nothing fails, all follows from rest.
-  EXPECT_EQ(num_batches, GetParam() ? 1 : 4);
+  EXPECT_TRUE(grid.is_complete());
+}
+
+TEST(LayeredGrid, WhereNothingFailsAllFollowsFromRest) {
+  LayeredGrid grid(site_of(7));
+  std::vector<Transition> due = grid.next();
+  ASSERT_EQ(due.size(), 1U);
+  EXPECT_TRUE(due.front().needs_no_start());
+  explore(grid, site_of(7), Order::deep, good);
+  std::size_t num_followed = 1;
+  for (std::int32_t i = -3; i <= 3; ++i) {
+    for (std::int32_t j = -3; j <= 3; ++j) {
+      for (std::int32_t k = -3; k <= 3; ++k) {
+        ConfigurationSummary found = good({});
+        found.check_point = {i, j, k};
+        num_followed += following(site_of(7), found).size();
+      }
+    }
+  }
+  EXPECT_EQ(num_followed, 343U);
 }
 
 TEST_P(LayeredGridTest, PrefersTheStartOnTheStraightWayFromRest) {
-  LayeredGrid grid({{kNode, 0.01, 7, 0}});
+  LayeredGrid grid(site_of(7));
   std::map<CheckPoint, CheckPoint> starts;
-  explore(grid, GetParam(), good, [&](const Transition& t) { starts[t.target] = t.start; });
+  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
+    starts[t.target] = t.start;
+    return good(t);
+  });
   EXPECT_EQ(starts.at({2, 2, 2}), (CheckPoint{1, 1, 1}));
   EXPECT_EQ(starts.at({-3, 0, 0}), (CheckPoint{-2, 0, 0}));
   EXPECT_EQ(starts.at({0, 3, -3}), (CheckPoint{0, 2, -2}));
@@ -94,28 +82,30 @@ TEST_P(LayeredGridTest, PrefersTheStartOnTheStraightWayFromRest) {
 
 TEST_P(LayeredGridTest, DoesNotExpandWhatFailedOrIsBeyondTheForceLimit) {
   // Everything with x > 0 fails, everything with y > 0 is beyond the limit.
-  LayeredGrid grid({{kNode, 0.01, 7, 1}});
+  LayeredGrid grid(site_of(7));
   std::set<CheckPoint> seen;
-  explore(
-      grid, GetParam(),
-      [](const Transition& t) {
-        ConfigurationSummary found = good(t);
-        if (t.target[0] > 0) found.outcome = Outcome::not_converged;
-        if (t.target[1] > 0) found.flags |= flags::beyond_force_limit;
-        return found;
-      },
-      [&](const Transition& t) {
-        seen.insert(t.target);
-        EXPECT_LE(t.start[0], 0);
-        EXPECT_LE(t.start[1], 0);
-        EXPECT_FALSE(grid.is_settled(kNode, t.target));
-      });
+  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
+    seen.insert(t.target);
+    EXPECT_LE(t.start[0], 0);
+    EXPECT_LE(t.start[1], 0);
+    ConfigurationSummary found = good(t);
+    if (t.target[0] > 0) found.outcome = Outcome::not_converged;
+    if (t.target[1] > 0) found.flags |= flags::beyond_force_limit;
+    return found;
+  });
   EXPECT_EQ(seen.count({1, 1, 1}), 1U);  // from rest
   EXPECT_EQ(seen.count({2, 0, 0}), 0U);  // behind what failed
   EXPECT_EQ(seen.count({0, 2, 0}), 0U);
   EXPECT_EQ(seen.count({-3, -3, -3}), 1U);
-  for (const CheckPoint& target : seen) EXPECT_TRUE(grid.is_settled(kNode, target));
-  EXPECT_TRUE(grid.is_settled(kNode, {2, 0, 0}));  // given up
+  EXPECT_TRUE(grid.is_complete());
+  std::vector<CheckPoint> given_up = grid.given_up();
+  EXPECT_EQ(std::set<CheckPoint>(given_up.begin(), given_up.end()).size(), given_up.size());
+  const auto is_given_up = [&](const CheckPoint& p) {
+    return std::find(given_up.begin(), given_up.end(), p) != given_up.end();
+  };
+  EXPECT_TRUE(is_given_up({2, 0, 0}));
+  EXPECT_TRUE(is_given_up({1, 0, 0}));   // failed
+  EXPECT_FALSE(is_given_up({0, 1, 0}));  // found
 }
 
 TEST_P(LayeredGridTest, TriesTheThreeBestStartsInTurn) {
@@ -123,19 +113,17 @@ TEST_P(LayeredGridTest, TriesTheThreeBestStartsInTurn) {
   const CheckPoint hard{2, 1, 0};
   const CheckPoint useless{1, 0, 0};
   const CheckPoint from_second{-2, 1, 0};
-  LayeredGrid grid({{kNode, 0.01, 7, 0}});
+  LayeredGrid grid(site_of(7));
   std::map<CheckPoint, std::vector<CheckPoint>> starts;
-  explore(
-      grid, GetParam(),
-      [&](const Transition& t) {
-        ConfigurationSummary found = good(t);
-        const bool first = starts[t.target].size() == 1;
-        if (t.target == hard || t.start == useless || (t.target == from_second && first)) {
-          found.outcome = Outcome::not_converged;
-        }
-        return found;
-      },
-      [&](const Transition& t) { starts[t.target].push_back(t.start); });
+  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
+    starts[t.target].push_back(t.start);
+    ConfigurationSummary found = good(t);
+    const bool first = starts[t.target].size() == 1;
+    if (t.target == hard || t.start == useless || (t.target == from_second && first)) {
+      found.outcome = Outcome::not_converged;
+    }
+    return found;
+  });
   EXPECT_EQ(starts.at(hard),
             (std::vector<CheckPoint>{{1, 0, 0}, {1, 1, 0}, {1, 0, -1}}));
   EXPECT_EQ(starts.at({2, 0, 0}).size(), 2U);
@@ -143,74 +131,85 @@ TEST_P(LayeredGridTest, TriesTheThreeBestStartsInTurn) {
   // Behind the one that failed the next best start serves.
   EXPECT_EQ(starts.at({3, 1, 0}).size(), 1U);
   EXPECT_EQ(starts.size(), 343U);
+  EXPECT_EQ(grid.given_up(), std::vector<CheckPoint>{hard});
 }
 
+/// Some steps fail, some configurations are beyond the limit: by a hash of their places.
+ConfigurationSummary moody(const Transition& t) {
+  ConfigurationSummary found = good(t);
+  const auto mix = [](const CheckPoint& p) { return 7 * p[0] + 31 * p[1] + 101 * p[2]; };
+  if ((mix(t.target) * 3 + mix(t.start)) % 5 == 1) found.outcome = Outcome::not_converged;
+  if (std::abs(mix(t.target)) % 7 == 3) found.flags |= flags::beyond_force_limit;
+  return found;
+}
+
+using Made = std::set<std::pair<CheckPoint, CheckPoint>>;
+
 // The rule for starts does not depend on the order in which configurations are found.
-TEST(LayeredGrid, FindsTheSameDepthFirstAsByLayers) {
-  const auto solve = [](const Transition& t) {
-    ConfigurationSummary found = good(t);
-    // Some steps fail, some configurations are beyond the limit: by a hash of their places.
-    const auto mix = [](const CheckPoint& p) { return 7 * p[0] + 31 * p[1] + 101 * p[2]; };
-    if ((mix(t.target) * 3 + mix(t.start)) % 5 == 1) found.outcome = Outcome::not_converged;
-    if (std::abs(mix(t.target)) % 7 == 3) found.flags |= flags::beyond_force_limit;
-    return found;
-  };
-  std::vector<std::set<std::pair<CheckPoint, CheckPoint>>> made;
-  for (const bool deep : {false, true}) {
-    LayeredGrid grid({{kNode, 0.01, 9, 1}});
-    auto& all = made.emplace_back();
-    explore(grid, deep, solve, [&](const Transition& t) {
+TEST(LayeredGrid, FindsTheSameInAnyOrder) {
+  std::vector<Made> made;
+  for (const Order order : {Order::deep, Order::wide, Order::random}) {
+    LayeredGrid grid(site_of(9));
+    Made& all = made.emplace_back();
+    explore(grid, site_of(9), order, [&](const Transition& t) {
       EXPECT_TRUE(all.insert({t.start, t.target}).second) << "made twice";
+      return moody(t);
     });
     EXPECT_GT(all.size(), 200U);
+    EXPECT_TRUE(grid.is_complete());
   }
   EXPECT_EQ(made[0], made[1]);
+  EXPECT_EQ(made[0], made[2]);
 }
 
 TEST(LayeredGrid, GoesOnFromWhatAnEarlierRunFound) {
-  LayeredGrid first({{kNode, 0.01, 7, 0}});
-  std::vector<ConfigurationSummary> known;
-  explore(first, true, good, [&](const Transition& t) {
-    ConfigurationSummary found = good(t);
-    found.check_point = t.target;
-    found.parent = t.start;
-    if (known.size() < 200) known.push_back(found);
-  });
-  LayeredGrid second({{kNode, 0.01, 7, 0}});
-  std::set<CheckPoint> seen;
-  for (const ConfigurationSummary& c : known) {
-    second.accept(kNode, c);
-    seen.insert(c.check_point);
+  LayeredGrid whole(site_of(9));
+  std::set<CheckPoint> usable;
+  for (const auto& found : explore(whole, site_of(9), Order::deep, moody)) {
+    if (found.usable()) usable.insert(found.check_point);
   }
-  std::int64_t num_following = 0;
-  for (const Transition& t : second.next()) num_following += second.num_following(t);
-  EXPECT_EQ(num_following, 143);
-  EXPECT_EQ(explore(second, true, good,
-                    [&](const Transition& t) { EXPECT_TRUE(seen.insert(t.target).second); }),
-            1);
-  EXPECT_EQ(seen.size(), 343U);
+  for (const std::size_t until : {0U, 1U, 50U, 200U, 1000U}) {
+    LayeredGrid first(site_of(9));
+    LayeredGrid second(site_of(9));
+    std::set<CheckPoint> all;
+    // What was found is kept before the frontier hears of it.
+    explore(first, site_of(9), Order::random, [&](const Transition& t) {
+      ConfigurationSummary found = moody(t);
+      found.check_point = t.target;
+      if (found.usable()) {
+        second.recall(found);
+        all.insert(found.check_point);
+      }
+      return found;
+    }, until);
+    const auto rest = explore(second, site_of(9), Order::random, moody);
+    for (const auto& found : rest) {
+      EXPECT_TRUE(!found.usable() || all.insert(found.check_point).second) << "found again";
+    }
+    EXPECT_EQ(all, usable) << until;
+  }
 }
 
 TEST(LayeredGrid, StopsWhereRestItselfFails) {
-  LayeredGrid grid({{kNode, 0.01, 3, 0}});
-  int count = 0;
-  explore(
-      grid, true, [](const Transition&) { return ConfigurationSummary{}; },
-      [&](const Transition&) { ++count; });
-  EXPECT_EQ(count, 1);
+  LayeredGrid grid(site_of(3));
+  const auto found =
+      explore(grid, site_of(3), Order::deep, [](const Transition&) { return ConfigurationSummary{}; });
+  EXPECT_EQ(found.size(), 1U);
+  EXPECT_EQ(grid.given_up().size(), 27U);
 }
 
-TEST_P(LayeredGridTest, TakesSitesOfAnySizeTogether) {
-  LayeredGrid grid({{1, 0.01, 3, 0}, {2, 0.01, 7, 0}, {3, 0.02, 5, 0}});
-  std::set<std::pair<Index, CheckPoint>> seen;
-  std::vector<Index> order;
-  explore(grid, GetParam(), good, [&](const Transition& t) {
-    seen.insert({t.active_node, t.target});
-    order.push_back(t.active_node);
-  });
-  EXPECT_EQ(seen.size(), 27U + 343U + 125U);
-  EXPECT_EQ(grid.num_expected(), 27 + 343 + 125);
-  EXPECT_EQ(std::is_sorted(order.begin(), order.end()), GetParam());
+TEST(LayeredGrid, TheCornersOfCoarseCellsAreAGridOfTheirOwn) {
+  Site site = site_of(65);
+  site.coarsest = 16;
+  LayeredGrid grid(site);
+  EXPECT_EQ(grid.num_expected(), 125);
+  std::set<CheckPoint> seen;
+  for (const auto& found : explore(grid, site, Order::random, good)) seen.insert(found.check_point);
+  EXPECT_EQ(seen.size(), 125U);
+  for (const CheckPoint& p : seen) {
+    for (const std::int32_t c : p) EXPECT_EQ(c % 16, 0);
+  }
+  EXPECT_EQ(seen.count({-32, 16, 0}), 1U);
 }
 
 }  // namespace

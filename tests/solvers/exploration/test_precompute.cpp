@@ -112,6 +112,41 @@ TEST_F(Precompute, AFileGivesTheSpaceOfTheMemoryAndIsOneFile) {
   }
 }
 
+TEST_F(Precompute, ALargerBoxAndAHigherForceLimitKeepWhatIsThere) {
+  options_.file = folder_ / "a.palpate";
+  options_.force_limit = 0.1;
+  options_.half_width = 0.01;
+  options_.resolution = 3;
+  const std::int64_t num_small = run(*world_).report.num_solved;
+  options_.half_width = 0.02;  // the same spacing
+  options_.resolution = 5;
+  const PrecomputeResult larger = run(*world_);
+  EXPECT_EQ(larger.report.num_reused, num_small);
+  options_.force_limit = 0;
+  const PrecomputeResult unlimited = run(*world_);
+  EXPECT_EQ(unlimited.report.num_reused, num_small + larger.report.num_solved);
+  EXPECT_EQ(unlimited.report.num_solved + unlimited.report.num_reused +
+                unlimited.report.num_not_reached,
+            250);
+  EXPECT_GT(unlimited.report.num_solved, 0);
+  if (world_->rank() != 0) return;
+  options_.file.clear();
+  const PrecomputeResult at_once = run(*serial_);
+  ASSERT_EQ(unlimited.space.sites.size(), at_once.space.sites.size());
+  for (std::size_t s = 0; s < at_once.space.sites.size(); ++s) {
+    const auto& grown = unlimited.space.sites[s].configurations;
+    const auto& whole = at_once.space.sites[s].configurations;
+    ASSERT_EQ(grown.size(), whole.size());
+    for (std::size_t c = 0; c < whole.size(); ++c) {
+      EXPECT_EQ(grown[c].check_point, whole[c].check_point);
+      // At the border of the smaller box no tangent was factorised.
+      EXPECT_EQ(grown[c].flags & ~flags::inertia_not_computed,
+                whole[c].flags & ~flags::inertia_not_computed);
+      EXPECT_LE((grown[c].force - whole[c].force).norm(), 1e-6 * (1e-3 + whole[c].force.norm()));
+    }
+  }
+}
+
 TEST_F(Precompute, RestIsACheckPointWithoutForce) {
   const PrecomputeResult result = run(*world_);
   for (const TouchSite& site : result.space.sites) {
@@ -140,7 +175,7 @@ TEST_F(Precompute, ConfigurationsAreThoseThatTheSolverFinds) {
 
 TEST_F(Precompute, AnAbortKeepsWhatWasFoundAndTheNextRunGoesOnOnAnotherNumberOfRanks) {
   options_.file = folder_ / "a.palpate";
-  progress_ = [](double done) { return done < 0.5; };
+  progress_ = [](const ProgressState& state) { return state.share() < 0.5; };
   const PrecomputeResult part = run(*world_);
   EXPECT_FALSE(part.report.complete);
   EXPECT_GT(part.report.num_solved, 0);
@@ -160,8 +195,10 @@ TEST_F(Precompute, AnAbortOnOneRankStopsTheOthersInTheMiddleOfTheirTasks) {
   options_.active_nodes = {block_.corner};
   options_.resolution = 11;
   const int last = world_->size() - 1;
-  progress_ = [&](double done) { return world_->rank() != last || done < 0.05; };
+  int calls = 0;
+  progress_ = [&](const ProgressState&) { return world_->rank() != last || ++calls < 200; };
   for (int again = 0; again < 2; ++again) {
+    calls = 0;
     const PrecomputeResult part = run(*world_);
     EXPECT_FALSE(part.report.complete);
     // Were the others to go on to the end, it would be all but one share.
@@ -174,13 +211,18 @@ TEST_F(Precompute, AnAbortOnOneRankStopsTheOthersInTheMiddleOfTheirTasks) {
 
 TEST_F(Precompute, ProgressGrowsToTheEnd) {
   double last = 0;
-  progress_ = [&](double done) {
-    EXPECT_LE(done, 1);
-    last = std::max(last, done);
+  bool told = false;
+  progress_ = [&](const ProgressState& state) {
+    EXPECT_GE(state.share(), 0);
+    EXPECT_LE(state.share(), 1);
+    EXPECT_GE(state.seconds, 0);
+    last = state.share();
+    told = told || (state.seconds_left > 0 && state.num_expected > state.num_done);
     return true;
   };
   (void)run(*world_);
   EXPECT_EQ(last, 1);
+  EXPECT_TRUE(told || world_->rank() != 0);
 }
 
 TEST_F(Precompute, AConfigurationBeyondTheForceLimitIsKeptAndNotExpanded) {
@@ -198,7 +240,7 @@ TEST_F(Precompute, AConfigurationBeyondTheForceLimitIsKeptAndNotExpanded) {
 }
 
 // On the way down and back each start still has its factor, and a configuration from which no other
-// is reached needs none of its own. Where a rank begins with a start of another one, its factor is
+// is reached needs none of its own. Where a rank takes over what follows from a start, the factor is
 // made there again.
 TEST_F(Precompute, ASmoothSpaceCostsOneFactorisationAStart) {
   options_.half_width = 0.005;
@@ -210,9 +252,9 @@ TEST_F(Precompute, ASmoothSpaceCostsOneFactorisationAStart) {
   if (world_->size() == 1) {
     EXPECT_EQ(factorisations, kStarts);
   } else {
-    // At the most each rank begins at rest, or in the first layer, of both sites.
+    const ScheduleReport& schedule = result.report.schedule;
     EXPECT_GE(factorisations, kStarts);
-    EXPECT_LE(factorisations, kStarts + 2 * world_->size());
+    EXPECT_LE(factorisations, kStarts + schedule.steals_granted + schedule.shares_pushed);
   }
   EXPECT_EQ(result.report.num_by_flag.at(flags::inertia_not_computed), 2 * 218);
 }

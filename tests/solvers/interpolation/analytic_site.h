@@ -2,10 +2,12 @@
 // Sites whose configurations come from energies with known derivatives.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
 
+#include "interpolation/cell_tree.h"
 #include "state_space/touch_space.h"
 
 namespace palpate::test {
@@ -61,26 +63,88 @@ inline Energy monomial(int a, int b, int c) {
   };
 }
 
-inline TouchSite analytic_site(const Energy& energy, std::int32_t resolution = 7) {
+inline ConfigurationSummary analytic_configuration(const Site& site, const Energy& energy,
+                                                   const CheckPoint& p) {
+  ConfigurationSummary c;
+  c.check_point = p;
+  c.t = site.spacing() * Vec3(p[0], p[1], p[2]);
+  const Sample s = energy(c.t);
+  c.energy = s.energy;
+  c.force = s.force;
+  c.stiffness = s.stiffness;
+  c.outcome = Outcome::converged;
+  return c;
+}
+
+/// The corners of the coarsest cells alone where the grid is not uniform.
+inline TouchSite analytic_site(const Energy& energy, std::int32_t resolution = 7,
+                               std::int32_t coarsest = 1) {
   TouchSite site;
   site.site.active_node = 4;
   site.site.half_width = kHalfWidth;
   site.site.resolution = resolution;
+  site.site.coarsest = coarsest;
   const std::int32_t r = site.site.reach();
-  for (std::int32_t i = -r; i <= r; ++i) {
-    for (std::int32_t j = -r; j <= r; ++j) {
-      for (std::int32_t k = -r; k <= r; ++k) {
-        ConfigurationSummary& c = site.configurations.emplace_back();
-        c.check_point = {i, j, k};
-        c.t = site.site.spacing() * Vec3(i, j, k);
-        const Sample s = energy(c.t);
-        c.energy = s.energy;
-        c.force = s.force;
-        c.stiffness = s.stiffness;
-        c.outcome = Outcome::converged;
+  for (std::int32_t i = -r; i <= r; i += coarsest) {
+    for (std::int32_t j = -r; j <= r; j += coarsest) {
+      for (std::int32_t k = -r; k <= r; k += coarsest) {
+        site.configurations.push_back(analytic_configuration(site.site, energy, {i, j, k}));
       }
     }
   }
+  return site;
+}
+
+/// Adds what is missing of the points of a cell's halves.
+inline void split(TouchSite& site, const Energy& energy, const Cell& cell) {
+  const std::int32_t half = cell.side / 2;
+  for (int point = 0; point < 27; ++point) {
+    const ConfigurationSummary c = analytic_configuration(
+        site.site, energy,
+        {cell.first[0] + half * (point / 9), cell.first[1] + half * (point / 3 % 3),
+         cell.first[2] + half * (point % 3)});
+    const auto place = std::lower_bound(site.configurations.begin(), site.configurations.end(), c);
+    if (place != site.configurations.end() && place->check_point == c.check_point) continue;
+    site.configurations.insert(place, c);
+  }
+}
+
+/// Splits the leaves for which choose(cell) holds, until there are none.
+template <class Choose>
+void refine(TouchSite& site, const Energy& energy, Choose&& choose) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    const CellTree tree(site.site, site.configurations);
+    for (const CellTree::Leaf& leaf : tree.leaves()) {
+      if (leaf.cell.side == 1 || !choose(leaf.cell)) continue;
+      split(site, energy, leaf.cell);
+      changed = true;
+    }
+  }
+}
+
+/// Cells of all sizes, smaller towards (0.3, −0.5, 0.6) half-widths; neighbours differ by one size.
+inline TouchSite graded_site(const Energy& energy, std::int32_t coarse = 5, int depth = 4) {
+  const std::int32_t coarsest = 1 << depth;
+  TouchSite site = analytic_site(energy, (coarse - 1) * coarsest + 1, coarsest);
+  refine(site, energy, [&](const Cell& cell) {
+    const double reach = site.site.reach();
+    double distance = 0;
+    int axis = 0;
+    for (double centre : {0.3 * reach, -0.5 * reach, 0.6 * reach}) {
+      const double low = cell.first[axis++];
+      distance = std::max({distance, low - centre, centre - low - cell.side});
+    }
+    return distance < cell.side / 2.0;
+  });
+  return site;
+}
+
+/// Cells next to each other of which one is eight times the size: in the corner of a cell.
+inline TouchSite unbalanced_site(const Energy& energy) {
+  TouchSite site = analytic_site(energy, 33, 8);
+  for (std::int32_t side : {8, 4, 2}) split(site, energy, {{0, 0, 0}, side});
+  for (std::int32_t side : {8, 4, 2}) split(site, energy, {{-16, -16, 16 - side}, side});
   return site;
 }
 

@@ -22,7 +22,7 @@ TEST(CheckPointGrid, LocatesWithinTheBoxAndOnItsBorder) {
   const double h = grid.spacing();
   const auto inside = grid.locate(h * Vec3(0.25, -1.5, 2.75));
   EXPECT_EQ(inside.place, Place::cell);
-  EXPECT_EQ(inside.node, grid.node(3, 1, 5));
+  EXPECT_EQ(grid.leaf(inside.leaf).cell, (Cell{{0, -2, 2}, 1}));
   EXPECT_LT((inside.s - Vec3(0.25, 0.5, 0.75)).norm(), 1e-12);
   EXPECT_TRUE(inside.offset.isZero(0));
   for (const ConfigurationSummary& c : site.configurations) {
@@ -42,7 +42,7 @@ TEST(CheckPointGrid, CellsThatLackACornerGiveTheNearestUsableCheckPoint) {
   const double h = grid.spacing();
   const auto near_corner = grid.locate(h * Vec3(0.2, 0.3, 0.9));
   EXPECT_EQ(near_corner.place, Place::check_point);
-  EXPECT_EQ(near_corner.node, grid.node(3, 3, 4));
+  EXPECT_EQ(near_corner.node, grid.tree().find({0, 0, 1}));
   EXPECT_LT((near_corner.offset - h * Vec3(0.2, 0.3, -0.1)).norm(), 1e-15);
   const auto near_failed = grid.locate(h * Vec3(0.9, 0.9, 0.9));
   EXPECT_EQ(near_failed.place, Place::check_point);
@@ -51,7 +51,7 @@ TEST(CheckPointGrid, CellsThatLackACornerGiveTheNearestUsableCheckPoint) {
   // A side that a complete cell shares belongs to that.
   const auto on_side = grid.locate(h * Vec3(0, 0.5, 0.5));
   EXPECT_EQ(on_side.place, Place::cell);
-  EXPECT_EQ(on_side.node, grid.node(2, 3, 3));
+  EXPECT_EQ(grid.leaf(on_side.leaf).cell, (Cell{{-1, 0, 0}, 1}));
   EXPECT_EQ(on_side.s.x(), 1);
 }
 
@@ -76,10 +76,10 @@ TEST(CheckPointGrid, TakesTheFirstUsableLevel) {
   const auto place = site.configurations.begin() + 14;
   site.configurations.insert(place, second);
   const CheckPointGrid grid(site);
-  EXPECT_EQ(grid.configuration(grid.node(1, 1, 1)), 13);
+  EXPECT_EQ(grid.configuration(grid.tree().find({0, 0, 0})), 13);
   site.configurations[13].outcome = Outcome::not_converged;
   const CheckPointGrid other(site);
-  EXPECT_EQ(other.configuration(grid.node(1, 1, 1)), 14);
+  EXPECT_EQ(other.configuration(other.tree().find({0, 0, 0})), 14);
 }
 
 TEST(CheckPointGrid, OneCheckPoint) {

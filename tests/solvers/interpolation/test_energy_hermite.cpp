@@ -202,7 +202,7 @@ TEST(EnergyHermite, ConvergesFasterThanTrilinear) {
 
 TEST(EnergyHermite, MixedDerivativesVanishWithoutNeighbours) {
   const TouchSite one = analytic_site(exponential, 1);
-  const std::vector<double> d = hermite_data(CheckPointGrid(one), one);
+  const std::vector<double> d = hermite_data(CheckPointGrid(one), one.configurations);
   ASSERT_EQ(d.size(), 27U);
   EXPECT_EQ(d[hermite_index(0, 0, 0)], one.configurations[0].energy);
   EXPECT_EQ(d[hermite_index(1, 1, 1)], 0);

@@ -217,6 +217,58 @@ TEST(Trilinear, ReproducesTrilinearForcesAndItsStiffnessIsNotSymmetrised) {
   EXPECT_LT((interpolator->evaluate(Vec3::Zero()).stiffness - a).norm(), 1e-12);
 }
 
+struct Known {
+  Method method;
+  Vec3 t;
+  Vec3 force;
+  double energy;
+  double stiffness_xy;
+  Found found;
+};
+
+// Results for a uniform grid with holes, which the sizes of cells must not change.
+TEST(UniformGrid, GivesTheKnownResults) {
+  TouchSite site = analytic_site(exponential);
+  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(site, {3, 3, 3}).outcome = Outcome::not_converged;
+  at(site, {-3, -1, 2}).outcome = Outcome::not_converged;
+  const std::vector<Known> known = {
+      {Method::trilinear, Vec3(0.001, -0.002, 0.003),
+       Vec3(36.615625308585138, -31.976853638896777, 77.533254020550331),
+       1.2965597849934671, 423.12790918006948, Found::inside},
+      {Method::trilinear, Vec3(-0.0101, 0.0087, -0.0113),
+       Vec3(0.53724739433581981, -2.4665515257042423, -12.057399112985383),
+       0.69802487622894582, 716.90556820956931, Found::inside},
+      {Method::trilinear, Vec3(0.0071, 0.0014, -0.0052),
+       Vec3(122.08973549171323, -19.658730782128384, -20.966986382688631),
+       1.4247161523046241, 125.05018540740126, Found::inside},
+      {Method::trilinear, Vec3(0.0135, -0.004, 0.0002),
+       Vec3(288.28028823826247, -72.097926766639304, 24.97146256431656),
+       2.7763988842303062, -4059.9781582606547, Found::extrapolated},
+      {Method::energy_hermite, Vec3(0.001, -0.002, 0.003),
+       Vec3(34.963743325684973, -30.589765316691306, 73.662000083796855),
+       1.2485768901283576, 392.5311731434889, Found::inside},
+      {Method::energy_hermite, Vec3(-0.0101, 0.0087, -0.0113),
+       Vec3(0.47429480261729218, -2.4140503795697268, -11.653916649303785),
+       0.67937403319062328, 677.95647803198074, Found::inside},
+      {Method::energy_hermite, Vec3(0.0071, 0.0014, -0.0052),
+       Vec3(115.55307252832276, -18.757369914974973, -18.75361739881361),
+       1.3690937000063654, -212.6247802987256, Found::inside},
+      {Method::energy_hermite, Vec3(0.0135, -0.004, 0.0002),
+       Vec3(287.44821931323992, -71.941066766376792, 24.481330633209854),
+       2.7674008000477008, -4051.3889138833965, Found::extrapolated},
+  };
+  for (const Known& k : known) {
+    const TouchResult r = make_interpolator(k.method, site)->evaluate(k.t);
+    // The order of the sums is the compiler's.
+    constexpr double kRounding = 1e-14;
+    EXPECT_NEAR(r.energy, k.energy, kRounding * std::abs(k.energy));
+    EXPECT_LT((r.force - k.force).norm(), kRounding * k.force.norm());
+    EXPECT_NEAR(r.stiffness(0, 1), k.stiffness_xy, kRounding * r.stiffness.norm());
+    EXPECT_EQ(r.found, k.found);
+  }
+}
+
 TEST(MakeInterpolator, RefusesMethodsThatAreNotThere) {
   EXPECT_THROW((void)make_interpolator(static_cast<Method>(1), analytic_site(exponential, 3)),
                InputError);

@@ -26,11 +26,17 @@ extern "C" void* malloc(std::size_t size) noexcept {
 namespace palpate {
 namespace {
 
-TEST(Realtime, EvaluationAllocatesNothing) {
-  TouchSite site = test::analytic_site(test::exponential);
-  test::at(site, {1, 0, 1}).outcome = Outcome::not_converged;
-  site.coefficients = Eigen::MatrixXf::Random(40, 343);
-  site.coefficient_gradients = Eigen::MatrixXf::Random(120, 343);
+class Realtime : public testing::TestWithParam<bool> {};
+
+TEST_P(Realtime, EvaluationAllocatesNothing) {
+  const bool adaptive = GetParam();
+  TouchSite site =
+      adaptive ? test::graded_site(test::exponential) : test::analytic_site(test::exponential);
+  const auto num_configurations = static_cast<Eigen::Index>(site.configurations.size());
+  test::at(site, adaptive ? CheckPoint{16, 0, 16} : CheckPoint{1, 0, 1}).outcome =
+      Outcome::not_converged;
+  site.coefficients = Eigen::MatrixXf::Random(40, num_configurations);
+  site.coefficient_gradients = Eigen::MatrixXf::Random(120, num_configurations);
   const auto trilinear = make_interpolator(Method::trilinear, site);
   const auto hermite = make_interpolator(Method::energy_hermite, site);
   const DisplayField field(site);
@@ -60,6 +66,10 @@ TEST(Realtime, EvaluationAllocatesNothing) {
   GTEST_SKIP() << "allocations cannot be counted here";
 #endif
 }
+
+INSTANTIATE_TEST_SUITE_P(, Realtime, testing::Bool(), [](const auto& adaptive) {
+  return adaptive.param ? "Adaptive" : "Uniform";
+});
 
 }  // namespace
 }  // namespace palpate

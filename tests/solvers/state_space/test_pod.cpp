@@ -125,6 +125,18 @@ TEST(Pod, RestAloneKeepsItsSensitivity) {
   EXPECT_LE(largest(s - basis.modes() * fit.coefficients), 1e-3 * largest(s));
 }
 
+TEST(Pod, RestAloneOfManySitesIsRepresented) {
+  PodBasis basis(300, 1e-3);
+  for (unsigned site = 0; site < 20; ++site) {
+    MatrixXf snapshots = 1e-3F * random_matrix(300, 4, site);
+    snapshots.col(0).setZero();
+    const PodFit fit = basis.extend(snapshots);
+    EXPECT_EQ(fit.largest_displacement, 0);
+    EXPECT_LE(fit.sensitivity_error, 1e-3 * largest(snapshots));
+  }
+  EXPECT_EQ(basis.modes().cols(), 60);
+}
+
 TEST(Pod, NothingToRepresent) {
   PodBasis basis(30, 1e-3);
   EXPECT_EQ(basis.extend(MatrixXf(30, 0)).coefficients.cols(), 0);

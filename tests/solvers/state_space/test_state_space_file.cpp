@@ -13,7 +13,10 @@
 #include <cstring>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <random>
 
 #include "base/error.h"
 #include "solvers/state_space/example_space.h"
@@ -168,6 +171,9 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   EXPECT_EQ(space.sites[0].site.half_width, site_.half_width);
   EXPECT_EQ(space.sites[0].site.force_limit, site_.force_limit);
   EXPECT_EQ(space.sites[0].site.tip_radius, site_.tip_radius);
+  EXPECT_EQ(space.sites[0].site.coarsest, 1);
+  EXPECT_EQ(space.sites[0].site.tolerance, 0);
+  EXPECT_FALSE(space.sites[0].site.tolerance_is_relative);
   const auto& read = space.sites[0].configurations;
   ASSERT_EQ(read.size(), 4U);
   EXPECT_TRUE(std::is_sorted(read.begin(), read.end()));
@@ -183,6 +189,113 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   ASSERT_EQ(summaries.size(), 4U);
   expect_same_summary(summaries[0], odd);
   EXPECT_EQ(summaries[0].u.size(), 0);
+}
+
+TEST_F(StateSpaceFileTest, KeepsTheCellsAndToleranceOfASite) {
+  Site adaptive = example_site(26, 129);
+  adaptive.coarsest = 64;
+  adaptive.tolerance = 0.003;
+  adaptive.tolerance_is_relative = true;
+  {
+    StateSpaceFile file = create();
+    file.add_site(adaptive);
+    file.add_site(adaptive);
+    file.close();
+  }
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+  const std::vector<SiteSpace> sites = file.read_sites();
+  ASSERT_EQ(sites.size(), 2U);
+  EXPECT_EQ(sites[0].site.coarsest, 1);
+  const Site& read = sites[1].site;
+  EXPECT_EQ(read.resolution, 129);
+  EXPECT_EQ(read.coarsest, 64);
+  EXPECT_EQ(read.tolerance, 0.003);
+  EXPECT_TRUE(read.tolerance_is_relative);
+  Site other = adaptive;
+  other.coarsest = 32;
+  expect_mentions(message_of<InputError>([&] { file.add_site(other); }), {"side 64", "side 32"});
+  other = adaptive;
+  other.tolerance = 0;
+  expect_mentions(message_of<InputError>([&] { file.add_site(other); }),
+                  {"tolerance 0.003 of the largest force", "tolerance 0 of the largest force"});
+}
+
+TEST_F(StateSpaceFileTest, ASiteMayGrow) {
+  Site site = example_site(26, 5);
+  site.half_width = 0.02;
+  StateSpaceFile file = create();
+  file.add_site(site);
+  Configuration c = example_configuration(scene_, site, {1, 0, 0});
+  c.flags = flags::inverted;
+  c.force = Vec3(3, 4, 0);
+  file.add(26, c);
+  file.set_complete(26, true);
+  const auto read = [&] { return file.read_sites().back(); };
+
+  file.add_site(site);
+  EXPECT_TRUE(read().complete);
+  site.force_limit = 4.9;
+  file.add_site(site);
+  EXPECT_FALSE(read().complete);
+  EXPECT_EQ(read().site, site);
+  EXPECT_EQ(file.read_summaries(26).front().flags, flags::inverted | flags::beyond_force_limit);
+  site.force_limit = 5.1;
+  site.resolution = 9;
+  site.half_width = 0.04;
+  file.add_site(site);
+  EXPECT_EQ(read().site, site);
+  EXPECT_EQ(file.read_summaries(26).front().flags, flags::inverted);
+
+  const Site smaller = example_site(26, 5);
+  EXPECT_NE(message_of<InputError>([&] { file.add_site(smaller); }), "");
+  Site finer = site;
+  finer.resolution = 17;
+  expect_mentions(message_of<InputError>([&] { file.add_site(finer); }),
+                  {"resolution 9", "resolution 17", "spacing"});
+  EXPECT_EQ(read().site, site);
+}
+
+// Where the file is damaged, what is read from it is what was written, or an error.
+TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
+  std::map<CheckPoint, Configuration> written;
+  {
+    StateSpaceFile file = create();
+    for (std::int32_t i = -1; i <= 1; ++i) {
+      for (std::int32_t j = -1; j <= 1; ++j) {
+        const Configuration c = example_configuration(scene_, site_, {i, j, 0});
+        file.add(site_.active_node, c);
+        written.emplace(c.check_point, c);
+      }
+    }
+    file.close();
+  }
+  std::ifstream in(path_, std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(in)), {});
+  std::mt19937 random(11);
+  int num_refused = 0;
+  constexpr int kTrials = 400;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::string bytes = whole;
+    const std::size_t place = random() % bytes.size();
+    bytes[place] = static_cast<char>(bytes[place] ^ static_cast<char>(1 << random() % 8));
+    if (trial % 4 == 0) bytes.resize(place);
+    std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    try {
+      const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+      (void)file.read_scene();
+      for (Configuration& c : file.read_summaries(site_.active_node)) {
+        file.read_fields(site_.active_node, c);
+        const auto right = written.find(c.check_point);
+        ASSERT_NE(right, written.end()) << place;
+        expect_same(c, right->second);
+      }
+    } catch (const InputError&) {
+      ++num_refused;
+    } catch (const BackendError&) {
+      ++num_refused;
+    }
+  }
+  EXPECT_GT(num_refused, kTrials / 2);
 }
 
 TEST_F(StateSpaceFileTest, BodyOfOneMaterialWithoutCellArray) {
@@ -309,10 +422,13 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0\3", 4));  // user_version
-  expect_mentions(message_of<InputError>(open), {"version 3", "newer"});
-  poke(60, std::string("\0\0\0\1", 4));
-  expect_mentions(message_of<InputError>(open), {"version 1", "again"});
+  poke(60, std::string("\0\0\0\4", 4));  // user_version
+  expect_mentions(message_of<InputError>(open), {"version 4", "newer"});
+  for (char older : {'\1', '\2'}) {
+    poke(60, std::string("\0\0\0", 3) + older);
+    expect_mentions(message_of<InputError>(open),
+                    {"version " + std::to_string(int{older}), "again"});
+  }
 }
 
 TEST_F(StateSpaceFileTest, SaysThatATruncatedFileIsDamaged) {

@@ -55,7 +55,7 @@ struct Case {
   Expected expected;
   std::function<Problem()> make;
   /// Bound of time for each of its solves, s.
-  double seconds = 20;
+  double seconds = 120;
   /// Bound of steps for each.
   int max_steps = 600;
 };

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/adaptive_grid.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "interpolation/error_estimate.h"
+
+namespace palpate {
+namespace {
+
+/// A failed step is tried from this many corners in all.
+constexpr std::size_t kMaxStarts = 3;
+
+std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
+  std::int64_t sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t d = a[i] - b[i];
+    sum += d * d;
+  }
+  return sum;
+}
+
+bool is_start(const ConfigurationSummary& found) {
+  return found.usable() && (found.flags & flags::beyond_force_limit) == 0;
+}
+
+std::vector<CheckPoint> corners_of(const Cell& cell) {
+  std::vector<CheckPoint> corners;
+  for (std::int32_t i : {0, cell.side}) {
+    for (std::int32_t j : {0, cell.side}) {
+      for (std::int32_t k : {0, cell.side}) {
+        corners.push_back({cell.first[0] + i, cell.first[1] + j, cell.first[2] + k});
+      }
+    }
+  }
+  return corners;
+}
+
+bool is_coarse(const Site& site, const CheckPoint& p) {
+  return p[0] % site.coarsest == 0 && p[1] % site.coarsest == 0 && p[2] % site.coarsest == 0;
+}
+
+}  // namespace
+
+AdaptiveGrid::AdaptiveGrid(const Site& site) : site_(site), coarse_(site) {}
+
+void AdaptiveGrid::recall(const ConfigurationSummary& found) {
+  if (is_coarse(site_, found.check_point)) {
+    coarse_.recall(found);
+    found_[found.check_point] = found;
+  } else {
+    recalled_[found.check_point] = found;
+  }
+}
+
+void AdaptiveGrid::accept(const ConfigurationSummary& found) {
+  if (is_coarse(site_, found.check_point)) {
+    coarse_.accept(found);
+    found_[found.check_point] = found;
+    return;
+  }
+  const auto here = under_way_.find(found.check_point);
+  if (here == under_way_.end()) return;  // an earlier run had it
+  std::vector<CheckPoint>& left = here->second;
+  if (!found.usable() && !left.empty()) {
+    due_.push_back({found.check_point, left.front()});
+    left.erase(left.begin());
+    return;
+  }
+  if (!found.usable()) given_up_.push_back(found.check_point);
+  found_[found.check_point] = found;
+  under_way_.erase(here);
+}
+
+std::vector<Transition> AdaptiveGrid::next() {
+  std::vector<Transition> due = coarse_.next();
+  if (coarse_.is_complete() && due.empty() && due_.empty() && under_way_.empty()) plan_round();
+  std::stable_sort(due_.begin(), due_.end(), [](const Transition& a, const Transition& b) {
+    return std::tie(a.start, a.target) < std::tie(b.start, b.target);
+  });
+  due.insert(due.end(), due_.begin(), due_.end());
+  due_.clear();
+  return due;
+}
+
+std::vector<CheckPoint> AdaptiveGrid::given_up() {
+  std::vector<CheckPoint> all = coarse_.given_up();
+  all.insert(all.end(), given_up_.begin(), given_up_.end());
+  given_up_.clear();
+  return all;
+}
+
+double AdaptiveGrid::tolerance(const std::vector<ConfigurationSummary>& found) const {
+  if (!site_.tolerance_is_relative) return site_.tolerance;
+  double largest = 0;
+  for (const ConfigurationSummary& c : found) {
+    if (is_start(c)) largest = std::max(largest, c.force.norm());
+  }
+  return site_.tolerance * largest;
+}
+
+void AdaptiveGrid::plan_round() {
+  // Those that an earlier run has found need no transition; where it has found all of a round, the
+  // next one is planned at once.
+  for (bool goes_on = true; goes_on && under_way_.empty();) {
+    goes_on = false;
+    std::vector<ConfigurationSummary> found;
+    for (const auto& [check_point, c] : found_) found.push_back(c);
+    std::map<CheckPoint, std::set<CheckPoint>> corners_of_target;
+    for (const Cell& cell : cells_to_split(site_, found, tolerance(found))) {
+      if (unreachable_.count(cell) > 0) continue;
+      const std::vector<CheckPoint> corners = corners_of(cell);
+      const bool reachable = std::any_of(corners.begin(), corners.end(), [&](const auto& p) {
+        const auto corner = found_.find(p);
+        return corner != found_.end() && is_start(corner->second);
+      });
+      if (!reachable) {
+        unreachable_.insert(cell);
+        continue;
+      }
+      for (const CheckPoint& target : points_of_split(cell)) {
+        if (found_.count(target) > 0) continue;
+        corners_of_target[target].insert(corners.begin(), corners.end());
+      }
+    }
+    for (const auto& [target, corners] : corners_of_target) {
+      goes_on = true;
+      ++num_refined_;
+      if (const auto recalled = recalled_.find(target); recalled != recalled_.end()) {
+        found_.insert(recalled_.extract(recalled));
+        continue;
+      }
+      std::vector<CheckPoint> tried = starts(corners, target);
+      due_.push_back({target, tried.front()});
+      tried.erase(tried.begin());
+      under_way_.emplace(target, std::move(tried));
+    }
+  }
+}
+
+std::vector<CheckPoint> AdaptiveGrid::starts(const std::set<CheckPoint>& corners,
+                                             const CheckPoint& target) const {
+  std::vector<CheckPoint> usable;
+  for (const CheckPoint& corner : corners) {
+    const auto found = found_.find(corner);
+    if (found != found_.end() && is_start(found->second)) usable.push_back(corner);
+  }
+  std::sort(usable.begin(), usable.end(), [&](const CheckPoint& a, const CheckPoint& b) {
+    const auto rank = [&](const CheckPoint& p) {
+      return std::tuple(squared_distance(p, target), squared_distance(p, {}), p);
+    };
+    return rank(a) < rank(b);
+  });
+  if (usable.size() > kMaxStarts) usable.resize(kMaxStarts);
+  return usable;
+}
+
+}  // namespace palpate

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A space that refines itself to a tolerance: first the corners of the coarsest cells, as
+// layered_grid.h; then, round by round, the points of the halves of those cells that
+// error_estimate.h says are not good enough. A round begins when the one before is complete, so that
+// what is refined does not depend on the order in which configurations are found; it is planned anew
+// from the same configurations when an exploration is resumed or its tolerance changed.
+//
+// The points of a cell are reached from its corners, the nearest first, then the one nearest to rest.
+#pragma once
+
+#include <map>
+#include <set>
+#include <vector>
+
+#include "exploration/layered_grid.h"
+#include "interpolation/cell_tree.h"
+
+namespace palpate {
+
+class AdaptiveGrid final : public Frontier {
+ public:
+  /// @param site With a tolerance.
+  explicit AdaptiveGrid(const Site& site);
+
+  void recall(const ConfigurationSummary& found) override;
+  void accept(const ConfigurationSummary& found) override;
+  [[nodiscard]] std::vector<Transition> next() override;
+  [[nodiscard]] std::vector<CheckPoint> given_up() override;
+  [[nodiscard]] std::int64_t num_expected() const override {
+    return coarse_.num_expected() + num_refined_;
+  }
+
+ private:
+  using Summaries = std::map<CheckPoint, ConfigurationSummary>;
+
+  void plan_round();
+  [[nodiscard]] std::vector<CheckPoint> starts(const std::set<CheckPoint>& corners,
+                                               const CheckPoint& target) const;
+  /// N.
+  [[nodiscard]] double tolerance(const std::vector<ConfigurationSummary>& found) const;
+
+  Site site_;
+  LayeredGrid coarse_;
+  /// Of the rounds so far, usable or not.
+  Summaries found_;
+  /// Of earlier runs, beyond the coarsest cells, that no round has asked for yet.
+  Summaries recalled_;
+  /// Targets that are under way, and the starts that may be tried next.
+  std::map<CheckPoint, std::vector<CheckPoint>> under_way_;
+  /// No start leads into these.
+  std::set<Cell> unreachable_;
+  /// Points that rounds have asked for.
+  std::int64_t num_refined_ = 0;
+  std::vector<Transition> due_;
+  std::vector<CheckPoint> given_up_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The cells between the check-points of a site: an octree that follows from where there are
+// configurations, and from nothing else.
+//
+// Root cells of side Site::coarsest tile the box. A cell of side > 1 is split into eight where
+// there is a configuration, usable or not, at each of the 27 points of its halves. The leaves are what is
+// interpolated on; neighbours may differ in size, by any power of two.
+//
+// Nodes are the corners of leaves; those of root cells are there with or without a configuration. A
+// node hangs where it lies on a side or an edge of a leaf without being a corner of it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "state_space/configuration.h"
+
+namespace palpate {
+
+/// A cube of check-points.
+struct Cell {
+  /// The corner with the least indices.
+  CheckPoint first{};
+  /// In steps of the grid, a power of two.
+  std::int32_t side = 1;
+};
+
+[[nodiscard]] inline bool operator==(const Cell& a, const Cell& b) {
+  return a.first == b.first && a.side == b.side;
+}
+[[nodiscard]] inline bool operator<(const Cell& a, const Cell& b) {
+  return a.first != b.first ? a.first < b.first : a.side < b.side;
+}
+
+/// The trilinear weight of a corner of a cell, z fastest.
+[[nodiscard]] inline double corner_weight(int corner, const Vec3& s) noexcept {
+  double weight = 1;
+  for (int k = 0; k < 3; ++k) weight *= ((corner >> (2 - k)) & 1) != 0 ? s[k] : 1 - s[k];
+  return weight;
+}
+
+/// Memory and time to build it grow with the number of root cells and of configurations.
+class CellTree {
+ public:
+  struct Leaf {
+    /// Nodes; z fastest.
+    std::array<std::int32_t, 8> corners{};
+    Cell cell;
+  };
+
+  /// @param configurations Those off the grid are left out.
+  /// @throws InputError a resolution that is not odd and positive, or coarsest cells that do not
+  ///   tile the box.
+  CellTree(const Site& site, const std::vector<ConfigurationSummary>& configurations);
+
+  [[nodiscard]] std::int32_t num_nodes() const { return static_cast<std::int32_t>(keys_.size()); }
+  /// Nodes are numbered in the order of their check-points.
+  [[nodiscard]] CheckPoint point(std::int32_t node) const;
+  /// The node at a check-point; −1: there is none.
+  [[nodiscard]] std::int32_t find(const CheckPoint& point) const;
+
+  /// None where rest is the only check-point.
+  [[nodiscard]] const std::vector<Leaf>& leaves() const { return leaves_; }
+
+  struct Place {
+    std::int32_t leaf = -1;
+    /// Local coordinates in the leaf, in [0, 1].
+    Vec3 s = Vec3::Zero();
+  };
+  /// The leaf that holds a point of the box.
+  /// @param x In steps of the grid from the first corner of the box.
+  /// @param low Bit k: where leaves meet at x[k], the lower one.
+  /// @note Realtime-safe.
+  [[nodiscard]] Place locate(const Vec3& x, unsigned low = 0) const noexcept;
+
+  /// Calls visit(leaf) for the leaf in each of the eight octants around a check-point: a leaf that
+  /// has it on a side or an edge comes more than once.
+  template <class Visit>
+  void for_each_leaf_around(const CheckPoint& point, Visit&& visit) const {
+    for (int octant = 0; octant < 8; ++octant) {
+      const std::int32_t leaf = leaf_in_octant(point, octant);
+      if (leaf >= 0) visit(leaf);
+    }
+  }
+
+ private:
+  using Key = std::int64_t;
+
+  [[nodiscard]] bool is_on_grid(const CheckPoint& point) const;
+  [[nodiscard]] Key key(const CheckPoint& point) const;
+  [[nodiscard]] std::int32_t leaf_in_octant(const CheckPoint& point, int octant) const;
+
+  std::int32_t reach_ = 0;
+  std::int32_t coarsest_ = 1;
+  /// Root cells along an axis.
+  std::int32_t num_roots_ = 0;
+  double per_coarsest_ = 1;
+  /// The root cells, z fastest, then the children of a cell side by side: the first of its children
+  /// or, less than zero, ~leaf.
+  std::vector<std::int32_t> cells_;
+  std::vector<Leaf> leaves_;
+  /// Of the nodes, ascending.
+  std::vector<Key> keys_;
+};
+
+inline CellTree::Place CellTree::locate(const Vec3& x, unsigned low) const noexcept {
+  Place place;
+  std::int32_t cell = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double root = x[k] * per_coarsest_;
+    std::int32_t index = std::min(static_cast<std::int32_t>(root), num_roots_ - 1);
+    if (((low >> k) & 1) != 0 && index > 0 && root == index) --index;
+    place.s[k] = root - index;
+    cell = cell * num_roots_ + index;
+  }
+  // Doubling and taking off 1 are exact: a point of a side is one in every cell.
+  while (cells_[cell] >= 0) {
+    std::int32_t child = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double s = 2 * place.s[k];
+      const bool high = s > 1 || (s == 1 && ((low >> k) & 1) == 0);
+      place.s[k] = high ? s - 1 : s;
+      child = 2 * child + (high ? 1 : 0);
+    }
+    cell = cells_[cell] + child;
+  }
+  place.leaf = ~cells_[cell];
+  return place;
+}
+
+}  // namespace palpate

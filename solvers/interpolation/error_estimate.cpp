@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/error_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "interpolation/check_point_grid.h"
+#include "interpolation/hermite_basis.h"
+#include "interpolation/hermite_data.h"
+
+namespace palpate {
+namespace {
+
+constexpr double kOfMixed = 2;
+constexpr double kOfParent = 0.25;
+constexpr double kOfEdges = 0.5;
+constexpr double kOfHanging = 1.2;
+
+/// Points along an axis at which forces are compared.
+constexpr int kSamples = 5;
+
+/// Nodes in the differences that are compared.
+constexpr int kNodes = kHermiteStencil;
+constexpr int kFewerNodes = 3;
+
+/// What an edge's residual falls to at the most under refinement where Π is smooth: 1/32 when the
+/// cells are small enough.
+constexpr double kShrinks = 0.125;
+
+/// Leaves around one that crosses branches whose mixed derivatives are differences across.
+constexpr int kLayers = 2;
+
+class Estimator {
+ public:
+  Estimator(const Site& site, const std::vector<ConfigurationSummary>& configurations)
+      : site_(site),
+        configurations_(configurations),
+        grid_(site, configurations),
+        data_(hermite_data(grid_, configurations)),
+        difference_(hermite_data(grid_, configurations, kFewerNodes)),
+        hanging_(grid_.tree().leaves().size(), 0.0) {
+    for (std::size_t i = 0; i < data_.size(); ++i) difference_[i] -= data_[i];
+    for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_nodes()) {
+      const Vec3 force = force_of(data_, grid_.leaf(hanging.leaf), hanging.s);
+      double& error = hanging_[hanging.leaf];
+      error = std::max(error, (force - at(hanging.node).force).norm());
+    }
+    find_crossings();
+  }
+
+  [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
+
+  [[nodiscard]] CellEstimate estimate(std::int32_t leaf) const {
+    CellEstimate estimate;
+    estimate.cell = grid_.leaf(leaf).cell;
+    estimate.error = std::numeric_limits<double>::infinity();
+    estimate.marked = !grid_.is_complete(leaf) || grid_.is_marked(leaf) || crossing_[leaf] != 0;
+    const bool is_root = estimate.cell.side == site_.coarsest;
+    const bool few_in_a_row = 2 * site_.reach() < (kNodes - 1) * estimate.cell.side;
+    if (!grid_.is_complete(leaf) || (is_root && few_in_a_row)) return estimate;
+    estimate.error = std::max({kOfMixed * of_mixed(leaf), kOfParent * of_parent(leaf),
+                               kOfEdges * of_edges(leaf), kOfHanging * hanging_[leaf]});
+    return estimate;
+  }
+
+  [[nodiscard]] bool may_be_split(const CellEstimate& estimate, std::int32_t leaf,
+                                  std::int32_t smallest) const {
+    const std::int32_t side = estimate.cell.side;
+    if (side < 2 * smallest || side < 2) return false;
+    if (estimate.marked) {
+      const bool corner = !grid_.is_complete(leaf) || grid_.is_marked(leaf);
+      if (side <= site_.coarsest / (corner ? kMarkedCorner : kMarkedEdge)) return false;
+    }
+    bool within_limit = false;
+    for (std::int32_t node : grid_.leaf(leaf).corners) {
+      if (!has_configuration(node)) return false;
+      within_limit = within_limit ||
+                     (grid_.usable(node) && (at(node).flags & flags::beyond_force_limit) == 0);
+    }
+    return within_limit;
+  }
+
+ private:
+  [[nodiscard]] const ConfigurationSummary& at(std::int32_t node) const {
+    return configurations_[grid_.configuration(node)];
+  }
+
+  [[nodiscard]] bool has_configuration(std::int32_t node) const {
+    if (grid_.usable(node)) return true;
+    ConfigurationSummary key;
+    key.check_point = grid_.tree().point(node);
+    const auto found = std::lower_bound(configurations_.begin(), configurations_.end(), key);
+    return found != configurations_.end() && found->check_point == key.check_point;
+  }
+
+  [[nodiscard]] Vec3 force_of(const std::vector<double>& data, const CellTree::Leaf& leaf,
+                              const Vec3& s) const {
+    double d[kHermiteData];
+    evaluate_hermite_data(data, leaf, s, d);
+    return Vec3(d[hermite_index(1, 0, 0)], d[hermite_index(0, 1, 0)], d[hermite_index(0, 0, 1)]) /
+           grid_.spacing();
+  }
+
+  /// The force of the difference at all samples, one axis after another.
+  [[nodiscard]] double of_mixed(std::int32_t leaf) const {
+    const CellTree::Leaf& at = grid_.leaf(leaf);
+    using Weights = Eigen::Matrix<double, 6, kSamples>;
+    Weights value;
+    Weights slope;
+    for (int i = 0; i < kSamples; ++i) {
+      const HermiteBasis basis(static_cast<double>(i) / (kSamples - 1), at.cell.side);
+      for (int k = 0; k < 6; ++k) {
+        value(k, i) = basis.of[0][k];
+        slope(k, i) = basis.of[1][k];
+      }
+    }
+    // [corner in x and a, corner in y and b][corner in z and c]
+    Eigen::Matrix<double, 36, 6> data;
+    for (int x = 0; x < 6; ++x) {
+      for (int y = 0; y < 6; ++y) {
+        for (int z = 0; z < 6; ++z) {
+          const std::int32_t node = at.corners[4 * (x / 3) + 2 * (y / 3) + z / 3];
+          data(6 * x + y, z) = difference_[std::size_t{kHermiteData} * node +
+                                           hermite_index(x % 3, y % 3, z % 3)];
+        }
+      }
+    }
+    const Eigen::Matrix<double, 36, kSamples> value_z = data * value;
+    const Eigen::Matrix<double, 36, kSamples> slope_z = data * slope;
+    double error2 = 0;
+    for (int z = 0; z < kSamples; ++z) {
+      using Plane = Eigen::Matrix<double, 6, 6>;
+      const Eigen::Map<const Plane> v(value_z.col(z).data());
+      const Eigen::Map<const Plane> s(slope_z.col(z).data());
+      const Eigen::Matrix<double, kSamples, 6> along_y = value.transpose() * v;
+      const Eigen::Matrix<double, kSamples, kSamples> x_force = along_y * slope;
+      const Eigen::Matrix<double, kSamples, kSamples> y_force = slope.transpose() * v * value;
+      const Eigen::Matrix<double, kSamples, kSamples> z_force = value.transpose() * s * value;
+      error2 = std::max(error2, (x_force.cwiseAbs2() + y_force.cwiseAbs2() + z_force.cwiseAbs2())
+                                    .maxCoeff());
+    }
+    return std::sqrt(error2) / (at.cell.side * grid_.spacing());
+  }
+
+  /// The cell of twice the side that holds a cell.
+  [[nodiscard]] Cell parent_of(const Cell& cell) const {
+    Cell parent{{}, 2 * cell.side};
+    const std::int32_t reach = site_.reach();
+    for (int k = 0; k < 3; ++k) {
+      parent.first[k] = (cell.first[k] + reach) / parent.side * parent.side - reach;
+    }
+    return parent;
+  }
+
+  [[nodiscard]] double of_parent(std::int32_t leaf) const {
+    const CellTree::Leaf& child = grid_.leaf(leaf);
+    if (child.cell.side == site_.coarsest) return 0;
+    CellTree::Leaf parent;
+    parent.cell = parent_of(child.cell);
+    for (int corner = 0; corner < 8; ++corner) {
+      CheckPoint p = parent.cell.first;
+      for (int k = 0; k < 3; ++k) p[k] += ((corner >> (2 - k)) & 1) * parent.cell.side;
+      parent.corners[corner] = grid_.tree().find(p);
+      if (!grid_.usable(parent.corners[corner])) return 0;
+    }
+    double error = 0;
+    for (std::int32_t node : child.corners) {
+      const CheckPoint p = grid_.tree().point(node);
+      Vec3 s;
+      for (int k = 0; k < 3; ++k) {
+        s[k] = static_cast<double>(p[k] - parent.cell.first[k]) / parent.cell.side;
+      }
+      error = std::max(error, (force_of(data_, parent, s) - at(node).force).norm());
+    }
+    return error;
+  }
+
+  /// |Π₁ − Π₀ − H/2 (h₀ + h₁) − H²/12 (k₀ − k₁)|, J; 0 where an end is not usable.
+  [[nodiscard]] double edge_residual(CheckPoint first, int axis, std::int32_t side) const {
+    const std::int32_t low = grid_.tree().find(first);
+    first[axis] += side;
+    const std::int32_t high = grid_.tree().find(first);
+    if (low < 0 || high < 0 || !grid_.usable(low) || !grid_.usable(high)) return 0;
+    const ConfigurationSummary& a = at(low);
+    const ConfigurationSummary& b = at(high);
+    const double length = side * grid_.spacing();
+    return std::abs(b.energy - a.energy - 0.5 * length * (a.force[axis] + b.force[axis]) -
+                    length * length / 12 * (a.stiffness(axis, axis) - b.stiffness(axis, axis)));
+  }
+
+  /// The largest residual along the lines through a cell's corners and, where `halves`, through the
+  /// other points of its halves, J.
+  [[nodiscard]] double largest_residual(const Cell& cell, bool halves) const {
+    const std::int32_t step = halves ? cell.side / 2 : cell.side;
+    double residual = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (std::int32_t a = 0; a <= cell.side; a += step) {
+        for (std::int32_t b = 0; b <= cell.side; b += step) {
+          CheckPoint first = cell.first;
+          first[(axis + 1) % 3] += a;
+          first[(axis + 2) % 3] += b;
+          residual = std::max(residual, edge_residual(first, axis, cell.side));
+        }
+      }
+    }
+    return residual;
+  }
+
+  [[nodiscard]] double of_edges(std::int32_t leaf) const {
+    const Cell& cell = grid_.leaf(leaf).cell;
+    return largest_residual(cell, false) / (cell.side * grid_.spacing());
+  }
+
+  [[nodiscard]] bool crosses_branches(std::int32_t leaf) const {
+    const Cell& cell = grid_.leaf(leaf).cell;
+    if (4 * cell.side > site_.coarsest) return false;
+    const Cell parent = parent_of(cell);
+    const double own = largest_residual(cell, false);
+    const double of_parent = largest_residual(parent, true);
+    return own > kShrinks * of_parent &&
+           of_parent > kShrinks * largest_residual(parent_of(parent), true);
+  }
+
+  /// The leaves that cross branches, and those whose differences reach across.
+  void find_crossings() {
+    const auto& leaves = grid_.tree().leaves();
+    crossing_.assign(leaves.size(), 0);
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+      crossing_[l] = crosses_branches(static_cast<std::int32_t>(l));
+    }
+    for (int layer = 0; layer < kLayers; ++layer) {
+      std::vector<char> reached(static_cast<std::size_t>(grid_.num_nodes()), 0);
+      for (std::size_t l = 0; l < leaves.size(); ++l) {
+        for (std::int32_t node : leaves[l].corners) reached[node] |= crossing_[l];
+      }
+      for (std::size_t l = 0; l < leaves.size(); ++l) {
+        for (std::int32_t node : leaves[l].corners) crossing_[l] |= reached[node];
+      }
+    }
+  }
+
+  const Site& site_;
+  const std::vector<ConfigurationSummary>& configurations_;
+  CheckPointGrid grid_;
+  std::vector<double> data_;
+  /// What the data with differences of fewer nodes have more.
+  std::vector<double> difference_;
+  /// By leaf: the largest error at the nodes that hang on it, N.
+  std::vector<double> hanging_;
+  /// By leaf.
+  std::vector<char> crossing_;
+};
+
+}  // namespace
+
+std::vector<CellEstimate> estimate_errors(const Site& site,
+                                          const std::vector<ConfigurationSummary>& configurations) {
+  const Estimator estimator(site, configurations);
+  std::vector<CellEstimate> estimates;
+  const auto count = static_cast<std::int32_t>(estimator.grid().tree().leaves().size());
+  for (std::int32_t leaf = 0; leaf < count; ++leaf) estimates.push_back(estimator.estimate(leaf));
+  std::sort(estimates.begin(), estimates.end(),
+            [](const CellEstimate& a, const CellEstimate& b) { return a.cell < b.cell; });
+  return estimates;
+}
+
+std::vector<Cell> cells_to_split(const Site& site,
+                                 const std::vector<ConfigurationSummary>& configurations,
+                                 double tolerance, std::int32_t smallest) {
+  if (!(tolerance > 0)) {
+    throw InputError("The tolerance of the force is " + std::to_string(tolerance) +
+                     " N; it takes a positive one.");
+  }
+  const Estimator estimator(site, configurations);
+  const CellTree& tree = estimator.grid().tree();
+  const auto num_leaves = static_cast<std::int32_t>(tree.leaves().size());
+  std::vector<char> is_split(tree.leaves().size(), 0);
+  for (std::int32_t leaf = 0; leaf < num_leaves; ++leaf) {
+    const CellEstimate estimate = estimator.estimate(leaf);
+    is_split[leaf] = estimate.error > tolerance && estimator.may_be_split(estimate, leaf, smallest);
+  }
+  // Calls visit(other) for the larger leaves that touch a leaf: they hold one of its corners.
+  const auto for_each_larger = [&](std::int32_t leaf, auto&& visit) {
+    for (std::int32_t node : tree.leaves()[leaf].corners) {
+      tree.for_each_leaf_around(tree.point(node), [&](std::int32_t other) {
+        if (tree.leaves()[other].cell.side > tree.leaves()[leaf].cell.side) visit(other);
+      });
+    }
+  };
+  std::vector<std::int32_t> split;
+  for (std::int32_t leaf = 0; leaf < num_leaves; ++leaf) {
+    bool waits = !is_split[leaf];
+    for_each_larger(leaf, [&](std::int32_t other) { waits = waits || is_split[other]; });
+    if (!waits) split.push_back(leaf);
+  }
+  std::fill(is_split.begin(), is_split.end(), 0);
+  for (std::int32_t leaf : split) is_split[leaf] = 1;
+  for (std::size_t i = 0; i < split.size(); ++i) {
+    for_each_larger(split[i], [&](std::int32_t other) {
+      if (is_split[other] || !estimator.grid().is_complete(other)) return;
+      is_split[other] = 1;
+      split.push_back(other);
+    });
+  }
+  std::vector<Cell> cells;
+  for (std::int32_t leaf : split) cells.push_back(tree.leaves()[leaf].cell);
+  std::sort(cells.begin(), cells.end());
+  return cells;
+}
+
+std::vector<CheckPoint> points_of_split(const Cell& cell) {
+  const std::int32_t half = cell.side / 2;
+  std::vector<CheckPoint> points;
+  for (int x = 0; x < 3; ++x) {
+    for (int y = 0; y < 3; ++y) {
+      for (int z = 0; z < 3; ++z) {
+        if (x != 1 && y != 1 && z != 1) continue;
+        points.push_back({cell.first[0] + half * x, cell.first[1] + half * y,
+                          cell.first[2] + half * z});
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace palpate

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How far the force of the Hermite interpolation may be off, cell by cell, from the configurations
+// alone; and which cells are to be split for a tolerance.
+//
+// The estimate of a leaf of side H is the largest of
+//
+//   2 · |difference of the force from the one whose mixed derivatives are differences of three
+//        nodes instead of five|, over 5³ points of the leaf, its sides and edges among them;
+//   ¼ · |error of its parent's polynomial| at the corners that the leaf does not share with its
+//        parent, where the force is known;
+//   ½ · |Π₁ − Π₀ − H/2 (h₀ + h₁) − H²/12 (k₀ − k₁)| / H over its edges, h and k along the edge;
+//   1.2 · |error| at the nodes that hang on it, where the force is known.
+//
+// The first is the error of the mixed derivatives, mostly the larger part; the third that of the
+// quintic, which remains where there is nothing mixed; the others measure. The factors are such
+// that on seven energies, smooth, with a wall and with a kink, the force was off by no more than
+// 1.05 times the tolerance asked for, at 20 000 points. A leaf shares the error of a larger one at the
+// side between them; it is the estimate of the larger one that counts it.
+//
+// A leaf is marked where refinement may not help: a corner is inverted, unstable, near a fold or
+// not usable; or the largest residual along its edges (the third term, in J) is more than an eighth of
+// that along the lines of its parent, and that again of the parent's parent's. It falls to 1/32
+// where Π is smooth, to a half where the force jumps, and stays where Π does, from one branch to
+// another. So are two layers of leaves around one that crosses branches: their differences reach
+// across.
+#pragma once
+
+#include <vector>
+
+#include "interpolation/cell_tree.h"
+
+namespace palpate {
+
+struct CellEstimate {
+  Cell cell;
+  /// Of the force in the cell, N; infinite where there is too little to estimate it by: at a root
+  /// cell, with three check-points in a row or fewer, or where a corner is not usable.
+  double error = 0;
+  /// Refinement may not help.
+  bool marked = false;
+};
+
+/// Of all leaves, in the order of their cells. Takes time in proportion to their number.
+/// @throws InputError as CheckPointGrid.
+[[nodiscard]] std::vector<CellEstimate> estimate_errors(
+    const Site& site, const std::vector<ConfigurationSummary>& configurations);
+
+/// Marked leaves are split down to a quarter of the coarsest side where a corner says so, which
+/// tells the marked region from the rest; to an eighth where an edge does, since it takes three
+/// sizes to know. A jump across the whole box then costs some 3000 configurations at any tolerance.
+inline constexpr std::int32_t kMarkedCorner = 4;
+inline constexpr std::int32_t kMarkedEdge = 8;
+
+/// The leaves to be split now, in their order: those with a larger error, and what keeps
+/// neighbours, across sides, edges and corners, within twice the size of each other. None when all
+/// is done.
+///
+/// A leaf beside a larger one that is to be split waits for that. Never split are: a leaf without a
+/// configuration, usable or not, at each corner; one whose corners are all beyond the force limit
+/// or not usable; a marked one as small as said above. A leaf is named again until there is a
+/// configuration at each point of its halves: one that was not reached is to be given too, with an
+/// outcome that says so.
+/// @param tolerance Of the force, N. @param smallest The least side that may come of it.
+/// @throws InputError as CheckPointGrid, or the tolerance is not positive.
+[[nodiscard]] std::vector<Cell> cells_to_split(
+    const Site& site, const std::vector<ConfigurationSummary>& configurations, double tolerance,
+    std::int32_t smallest = 1);
+
+/// The 19 points that a cell's halves have and the cell has not, in their order.
+[[nodiscard]] std::vector<CheckPoint> points_of_split(const Cell& cell);
+
+}  // namespace palpate

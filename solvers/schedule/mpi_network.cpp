@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/mpi_network.h"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <thread>
+#include <unordered_map>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+/// A message travels in parts of this size, since counts in MPI are ints.
+constexpr std::size_t kPartBytes = 16 << 20;
+
+/// rest() only yields so often, then sleeps.
+constexpr int kYields = 50;
+constexpr double kShortestSleep = 10e-6;  // s
+constexpr double kLongestSleep = 1e-3;    // s
+
+void check(int status, const char* call) {
+  if (status != MPI_SUCCESS) {
+    throw BackendError(std::string(call) + " failed with code " + std::to_string(status) + '.');
+  }
+}
+
+class MpiNetwork final : public Network {
+ public:
+  explicit MpiNetwork(MPI_Comm comm) {
+    check(MPI_Comm_dup(comm, &comm_), "MPI_Comm_dup");
+    MPI_Comm_rank(comm_, &rank_);
+    MPI_Comm_size(comm_, &size_);
+  }
+
+  ~MpiNetwork() override { MPI_Comm_free(&comm_); }
+
+  MpiNetwork(const MpiNetwork&) = delete;
+  MpiNetwork& operator=(const MpiNetwork&) = delete;
+
+  [[nodiscard]] int rank() const override { return rank_; }
+  [[nodiscard]] int size() const override { return size_; }
+
+  void send(int to, int tag, Bytes content) override {
+    forget_sent();
+    const auto kept = std::make_shared<const Bytes>(std::move(content));
+    std::size_t at = 0;
+    do {
+      const std::size_t count = std::min(kPartBytes, kept->size() - at);
+      const bool last = at + count == kept->size();
+      MPI_Request request = MPI_REQUEST_NULL;
+      check(MPI_Isend(kept->data() + at, static_cast<int>(count), MPI_BYTE, to,
+                      2 * tag + (last ? 1 : 0), comm_, &request),
+            "MPI_Isend");
+      requests_.push_back(request);
+      sent_.push_back(kept);
+      at += count;
+    } while (at < kept->size());
+  }
+
+  [[nodiscard]] std::optional<Message> receive() override {
+    forget_sent();
+    start_receiving();
+    // The first that is whole and has none of its sender before it.
+    for (auto i = incoming_.begin(); i != incoming_.end();) {
+      const bool is_first = std::none_of(incoming_.begin(), i, [&](const Part& before) {
+        return before.from == i->from;
+      });
+      int is_there = 0;
+      if (is_first) check(MPI_Test(&i->request, &is_there, MPI_STATUS_IGNORE), "MPI_Test");
+      if (is_there == 0) {
+        ++i;
+        continue;
+      }
+      std::optional<Message> message = add(std::move(*i));
+      i = incoming_.erase(i);
+      if (!message) continue;
+      num_rests_ = 0;
+      return message;
+    }
+    return std::nullopt;
+  }
+
+  void flush() override {
+    check(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE),
+          "MPI_Waitall");
+    requests_.clear();
+    sent_.clear();
+  }
+
+  [[nodiscard]] double now() const override {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  }
+
+  void rest(double until) override {
+    if (++num_rests_ <= kYields) {
+      std::this_thread::yield();
+      return;
+    }
+    const int doublings = std::min(num_rests_ - kYields, 20);
+    const double sleep = std::min({kLongestSleep, kShortestSleep * (1 << doublings), until - now()});
+    if (sleep > 0) std::this_thread::sleep_for(std::chrono::duration<double>(sleep));
+  }
+
+ private:
+  struct Part {
+    int from = 0;
+    int tag = 0;
+    bool last = false;
+    Bytes content;
+    MPI_Request request = MPI_REQUEST_NULL;
+  };
+
+  /// Lets go of what has left.
+  void forget_sent() {
+    if (requests_.empty()) return;
+    int num_done = 0;
+    done_.resize(requests_.size());
+    check(MPI_Testsome(static_cast<int>(requests_.size()), requests_.data(), &num_done,
+                       done_.data(), MPI_STATUSES_IGNORE),
+          "MPI_Testsome");
+    if (num_done <= 0) return;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+      if (requests_[i] == MPI_REQUEST_NULL) continue;
+      requests_[kept] = requests_[i];
+      sent_[kept] = std::move(sent_[i]);
+      ++kept;
+    }
+    requests_.resize(kept);
+    sent_.resize(kept);
+  }
+
+  void start_receiving() {
+    for (;;) {
+      int has_come = 0;
+      MPI_Message matched = MPI_MESSAGE_NULL;
+      MPI_Status status;
+      check(MPI_Improbe(MPI_ANY_SOURCE, MPI_ANY_TAG, comm_, &has_come, &matched, &status),
+            "MPI_Improbe");
+      if (has_come == 0) return;
+      int count = 0;
+      MPI_Get_count(&status, MPI_BYTE, &count);
+      Part& part = incoming_.emplace_back();
+      part.from = status.MPI_SOURCE;
+      part.tag = status.MPI_TAG / 2;
+      part.last = status.MPI_TAG % 2 == 1;
+      part.content.resize(static_cast<std::size_t>(count));
+      check(MPI_Imrecv(part.content.data(), count, MPI_BYTE, &matched, &part.request),
+            "MPI_Imrecv");
+    }
+  }
+
+  /// A message when the part is its last one.
+  std::optional<Message> add(Part&& part) {
+    const auto begun = begun_.find(part.from);
+    if (begun == begun_.end()) {
+      if (part.last) return Message{part.from, part.tag, std::move(part.content)};
+      begun_.emplace(part.from, std::move(part.content));
+      return std::nullopt;
+    }
+    begun->second.insert(begun->second.end(), part.content.begin(), part.content.end());
+    if (!part.last) return std::nullopt;
+    Message message{part.from, part.tag, std::move(begun->second)};
+    begun_.erase(begun);
+    return message;
+  }
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  int rank_ = 0;
+  int size_ = 1;
+  /// Parts under way and what they belong to.
+  std::vector<MPI_Request> requests_;
+  std::vector<std::shared_ptr<const Bytes>> sent_;
+  std::vector<int> done_;
+  /// In the order in which they came.
+  std::deque<Part> incoming_;
+  /// Messages of which parts are here, by sender.
+  std::unordered_map<int, Bytes> begun_;
+  /// Since something came.
+  int num_rests_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Network> make_mpi_network(const void* mpi_comm) {
+  return std::make_unique<MpiNetwork>(*static_cast<const MPI_Comm*>(mpi_comm));
+}
+
+}  // namespace palpate

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "schedule/network.h"
+
+namespace palpate {
+
+/// @param mpi_comm Address of an MPI_Comm, which is duplicated; so that callers need no MPI header.
+/// @note Collective, and so is the end of the object.
+[[nodiscard]] std::unique_ptr<Network> make_mpi_network(const void* mpi_comm);
+
+}  // namespace palpate

@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/scheduler.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+enum Tag : int {
+  kMail,
+  /// Bytes of mail that were read.
+  kConfirmation,
+  kStop,
+  /// The answers to a request.
+  kShare,
+  kRefusal,
+  /// A share for one that left word.
+  kLateShare,
+  kRequest,
+  /// A request that leaves word where it is refused.
+  kRequestLater,
+  /// A wave on its way down the tree, and on its way up.
+  kWave,
+  kLastWave,
+  kJoined,
+  kLeave,
+};
+
+/// These can make a rank busy, or follow from a message that did.
+bool is_counted(int tag) { return tag <= kShare || tag == kLateShare; }
+
+/// Ranks below one in the tree of the waves.
+constexpr int kChildren = 4;
+/// Between waves in vain, s: long to the network, short to a task.
+constexpr double kBetweenWaves = 1e-3;
+
+/// Requests at random before word is left.
+constexpr int kEarlyTries = 1;
+/// Between later ones, doubled each time, s. With the longest, a busy rank spends a few µs of 16 ms
+/// on refusals, however many are idle.
+constexpr double kShortestPause = 1e-3;
+constexpr double kLongestPause = 16e-3;
+
+template <class T>
+Bytes bytes_of(const T& value) {
+  Bytes bytes(sizeof value);
+  std::memcpy(bytes.data(), &value, sizeof value);
+  return bytes;
+}
+
+template <class T>
+T value_of(const Bytes& bytes) {
+  T value;
+  std::memcpy(&value, bytes.data(), sizeof value);
+  return value;
+}
+
+}  // namespace
+
+ScheduleReport& ScheduleReport::operator+=(const ScheduleReport& other) {
+  tasks += other.tasks;
+  messages += other.messages;
+  bytes += other.bytes;
+  steals_asked += other.steals_asked;
+  steals_granted += other.steals_granted;
+  shares_pushed += other.shares_pushed;
+  idle_seconds += other.idle_seconds;
+  most_queued = std::max(most_queued, other.most_queued);
+  most_queued_bytes = std::max(most_queued_bytes, other.most_queued_bytes);
+  return *this;
+}
+
+bool run(Worker& worker, Communicator& communicator, ScheduleReport* report,
+         const ScheduleOptions& options) {
+  Network& network = communicator.network();
+  Scheduler scheduler(worker, network, options);
+  agree(communicator, [&] {
+    for (;;) {
+      const Scheduler::Step step = scheduler.step();
+      if (step == Scheduler::Step::over) break;
+      if (step == Scheduler::Step::idle) network.rest(scheduler.idle_until());
+    }
+    network.flush();
+    if (report != nullptr) *report = scheduler.report();
+    if (scheduler.error()) std::rethrow_exception(scheduler.error());
+  });
+  return !scheduler.stopped();
+}
+
+ScheduleReport sum(Communicator& communicator, const ScheduleReport& mine) {
+  ScheduleReport total;
+  for (const Bytes& one : communicator.all_gather(bytes_of(mine))) {
+    total += value_of<ScheduleReport>(one);
+  }
+  return total;
+}
+
+Scheduler::Scheduler(Worker& worker, Network& network, const ScheduleOptions& options)
+    : worker_(worker),
+      network_(network),
+      rank_(network.rank()),
+      size_(network.size()),
+      most_unread_(options.most_unread_bytes),
+      pause_(kShortestPause),
+      random_(mix(static_cast<std::uint64_t>(rank_))) {
+  for (int bit = 1; bit < size_; bit *= 2) {
+    if ((rank_ ^ bit) < size_) lifelines_.push_back(rank_ ^ bit);
+  }
+  left_word_.assign(lifelines_.size(), false);
+  if (rank_ > 0) parent_ = (rank_ - 1) / kChildren;
+  for (std::int64_t i = 1; i <= kChildren; ++i) {
+    const std::int64_t child = std::int64_t{kChildren} * rank_ + i;
+    if (child < size_) children_.push_back(static_cast<int>(child));
+  }
+}
+
+Scheduler::Step Scheduler::step() {
+  if (!std::exchange(started_, true)) guard([&] { worker_.start(*this); });
+  take_in_messages();
+  if (over_) return note(Step::over);
+  if (stopped_ && !std::exchange(discarded_, true)) guard([&] { worker_.discard(); });
+  take_shares();
+  deliver();
+  serve_waiting();
+  if (may_work()) {
+    note(Step::busy);
+    execute_task();
+    serve_waiting();
+    return Step::busy;
+  }
+  if (!inbox_.empty()) return note(Step::busy);
+  if (passive()) {
+    if (rank_ == 0 && !wave_open_ && network_.now() >= next_wave_) open_wave(false);
+    while (may_join_wave()) join_wave();
+    if (over_) return note(Step::over);
+    if (may_ask() && network_.now() >= next_try_) ask_for_work();
+  }
+  return note(Step::idle);
+}
+
+double Scheduler::idle_until() const {
+  double until = std::numeric_limits<double>::infinity();
+  if (!passive()) return until;
+  if (rank_ == 0 && !wave_open_) until = next_wave_;
+  if (may_ask()) until = std::min(until, next_try_);
+  return until;
+}
+
+Scheduler::Step Scheduler::note(Step step) {
+  const bool was_idle = idle_since_ >= 0;
+  if (step == Step::idle && !was_idle) idle_since_ = network_.now();
+  if (step != Step::idle && was_idle) {
+    report_.idle_seconds += network_.now() - std::exchange(idle_since_, -1);
+  }
+  return step;
+}
+
+/// Calls the worker. What it throws ends the run.
+template <class F>
+void Scheduler::guard(F&& call) {
+  try {
+    call();
+  } catch (...) {
+    if (!error_) error_ = std::current_exception();
+    stop();
+  }
+}
+
+// Mail
+
+void Scheduler::send(int rank, Bytes message) {
+  if (rank == rank_) {
+    keep({rank_, kMail, std::move(message)});
+    return;
+  }
+  unread_ += message.size() + kMessageBytes;
+  transmit(rank, kMail, std::move(message));
+}
+
+bool Scheduler::poll() {
+  if (in_task_) {
+    take_in_messages();
+    serve_waiting();
+  }
+  return !stopped_;
+}
+
+void Scheduler::stop() { spread_stop(rank_); }
+
+void Scheduler::transmit(int to, int tag, Bytes content) {
+  ++report_.messages;
+  report_.bytes += static_cast<std::int64_t>(content.size());
+  if (is_counted(tag)) ++counts_.sent;
+  network_.send(to, tag, std::move(content));
+}
+
+void Scheduler::take_in_messages() {
+  while (auto message = network_.receive()) take_in(std::move(*message));
+}
+
+void Scheduler::take_in(Message&& message) {
+  if (is_counted(message.tag)) ++counts_.received;
+  switch (message.tag) {
+    case kMail: keep(std::move(message)); break;
+    case kConfirmation: unread_ -= value_of<std::size_t>(message.content); break;
+    case kStop: spread_stop(message.from); break;
+    case kShare:
+      --num_asked_;
+      ++report_.steals_granted;
+      got_share(std::move(message));
+      break;
+    case kRefusal: --num_asked_; break;
+    case kLateShare:
+      ++report_.shares_pushed;
+      got_share(std::move(message));
+      break;
+    case kRequest: answer(message.from, false); break;
+    case kRequestLater: answer(message.from, true); break;
+    case kWave: open_wave(false); break;
+    case kLastWave: open_wave(true); break;
+    case kJoined: {
+      const auto below = value_of<Counts>(message.content);
+      wave_.sent += below.sent;
+      wave_.received += below.received;
+      --num_awaited_;
+      break;
+    }
+    case kLeave: leave(); break;
+  }
+}
+
+void Scheduler::keep(Message&& mail) {
+  inbox_bytes_ += mail.content.size() + kMessageBytes;
+  inbox_.push_back(std::move(mail));
+  report_.most_queued = std::max(report_.most_queued, static_cast<std::int64_t>(inbox_.size()));
+  report_.most_queued_bytes =
+      std::max(report_.most_queued_bytes, static_cast<std::int64_t>(inbox_bytes_));
+}
+
+/// Delivers what is there: not what this rank posts to itself meanwhile, which may never end.
+void Scheduler::deliver() {
+  for (std::size_t n = inbox_.size(); n > 0; --n) {
+    const Message mail = std::move(inbox_.front());
+    inbox_.pop_front();
+    const std::size_t bytes = mail.content.size() + kMessageBytes;
+    inbox_bytes_ -= bytes;
+    if (!stopped_) guard([&] { worker_.receive(mail.from, mail.content, *this); });
+    if (mail.from != rank_) confirm(mail.from, bytes);
+  }
+}
+
+/// Tells a sender that its mail was read, not of each message: what all receivers together hold
+/// back is half of what lets it work.
+void Scheduler::confirm(int sender, std::size_t bytes) {
+  std::size_t& unconfirmed = unconfirmed_[sender];
+  unconfirmed += bytes;
+  if (unconfirmed < most_unread_ / 2 / static_cast<std::size_t>(size_)) return;
+  transmit(sender, kConfirmation, bytes_of(std::exchange(unconfirmed, 0)));
+}
+
+void Scheduler::take_shares() {
+  while (!shares_.empty()) {
+    const Message share = std::move(shares_.front());
+    shares_.pop_front();
+    if (!stopped_) guard([&] { worker_.take(share.content, *this); });
+  }
+}
+
+bool Scheduler::may_work() const {
+  return !stopped_ && unread_ <= most_unread_ && worker_.has_work();
+}
+
+void Scheduler::execute_task() {
+  num_tries_ = 0;
+  next_try_ = 0;
+  pause_ = kShortestPause;
+  ++report_.tasks;
+  in_task_ = true;
+  guard([&] { worker_.work(*this); });
+  in_task_ = false;
+}
+
+// Stealing
+
+void Scheduler::answer(int asker, bool leaves_word) {
+  Bytes given = share();
+  const auto waits = std::find(waiting_.begin(), waiting_.end(), asker);
+  if (!given.empty()) {
+    if (waits != waiting_.end()) waiting_.erase(waits);
+    transmit(asker, kShare, std::move(given));
+    return;
+  }
+  if (leaves_word && waits == waiting_.end()) waiting_.push_back(asker);
+  transmit(asker, kRefusal, {});
+}
+
+void Scheduler::serve_waiting() {
+  while (!waiting_.empty()) {
+    Bytes given = share();
+    if (given.empty()) return;
+    const int asker = waiting_.front();
+    waiting_.pop_front();
+    transmit(asker, kLateShare, std::move(given));
+  }
+}
+
+/// Empty when no task can be spared.
+Bytes Scheduler::share() {
+  Bytes given;
+  if (!stopped_ && (in_task_ || worker_.has_work())) guard([&] { given = worker_.give(); });
+  return given;
+}
+
+void Scheduler::got_share(Message&& share) {
+  last_giver_ = share.from;
+  for (std::size_t i = 0; i < lifelines_.size(); ++i) {
+    if (lifelines_[i] == share.from) left_word_[i] = false;
+  }
+  shares_.push_back(std::move(share));
+}
+
+bool Scheduler::may_ask() const {
+  return num_asked_ == 0 && !last_wave_ && !stopped_ && size_ > 1;
+}
+
+void Scheduler::ask_for_work() {
+  const int tries = num_tries_++;
+  if (tries == 0 && last_giver_ >= 0) {
+    ask(last_giver_, false);
+    return;
+  }
+  if (tries <= kEarlyTries) {
+    ask(random_rank(), false);
+    return;
+  }
+  for (std::size_t i = 0; i < lifelines_.size(); ++i) {
+    if (left_word_[i]) continue;
+    left_word_[i] = true;
+    ask(lifelines_[i], true);
+  }
+  if (num_asked_ > 0) return;
+  ask(random_rank(), false);
+  next_try_ = network_.now() + pause_;
+  pause_ = std::min(2 * pause_, kLongestPause);
+}
+
+void Scheduler::ask(int victim, bool leaves_word) {
+  ++num_asked_;
+  ++report_.steals_asked;
+  transmit(victim, leaves_word ? kRequestLater : kRequest, {});
+}
+
+/// Any but this one.
+int Scheduler::random_rank() {
+  const int other = home_of(++random_, size_ - 1);
+  return other < rank_ ? other : other + 1;
+}
+
+// Termination
+
+bool Scheduler::passive() const {
+  return inbox_.empty() && shares_.empty() && (stopped_ || !worker_.has_work());
+}
+
+void Scheduler::open_wave(bool last) {
+  wave_open_ = true;
+  last_wave_ = last;
+  num_awaited_ = static_cast<int>(children_.size());
+  wave_ = {};
+  for (const int child : children_) transmit(child, last ? kLastWave : kWave, {});
+}
+
+bool Scheduler::may_join_wave() const {
+  return wave_open_ && num_awaited_ == 0 && (!last_wave_ || num_asked_ == 0);
+}
+
+void Scheduler::join_wave() {
+  wave_open_ = false;
+  wave_.sent += counts_.sent;
+  wave_.received += counts_.received;
+  rank_ == 0 ? conclude_wave() : transmit(parent_, kJoined, bytes_of(wave_));
+}
+
+void Scheduler::conclude_wave() {
+  if (last_wave_) {
+    leave();
+  } else if (has_previous_ && previous_wave_.received == wave_.sent) {
+    open_wave(true);
+  } else {
+    has_previous_ = true;
+    previous_wave_ = wave_;
+    if (wave_.received == wave_.sent) {
+      open_wave(false);
+    } else {
+      next_wave_ = network_.now() + kBetweenWaves;
+    }
+  }
+}
+
+void Scheduler::leave() {
+  for (const int child : children_) transmit(child, kLeave, {});
+  over_ = true;
+}
+
+/// Over the tree, away from where it was heard of.
+void Scheduler::spread_stop(int heard_from) {
+  if (std::exchange(stopped_, true)) return;
+  if (rank_ > 0 && parent_ != heard_from) transmit(parent_, kStop, {});
+  for (const int child : children_) {
+    if (child != heard_from) transmit(child, kStop, {});
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An exploration without mechanics: answers stand in for solves.
+#pragma once
+
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "exploration/frontier.h"
+
+namespace palpate::test {
+
+using Solve = std::function<ConfigurationSummary(const Transition&)>;
+
+/// In which order transitions are made, and how late the frontier hears of what they find.
+enum class Order { deep, wide, random };
+
+inline std::string to_string(Order order) {
+  return order == Order::deep ? "Deep" : order == Order::wide ? "Wide" : "Random";
+}
+
+/// Makes all transitions that a frontier asks for, and those that follow.
+/// @param until Ends before this many.
+/// @returns what they found, in the order in which the frontier heard of it.
+inline std::vector<ConfigurationSummary> explore(Frontier& frontier, const Site& site, Order order,
+                                                 const Solve& solve,
+                                                 std::size_t until = SIZE_MAX) {
+  std::mt19937 random(7);
+  std::vector<Transition> tasks = frontier.next();
+  std::vector<ConfigurationSummary> unheard;
+  std::vector<ConfigurationSummary> heard;
+  const auto pick = [&](std::size_t size) {
+    if (order == Order::deep) return size - 1;
+    return order == Order::wide ? 0 : std::uniform_int_distribution<std::size_t>(0, size - 1)(random);
+  };
+  while ((!tasks.empty() || !unheard.empty()) && heard.size() < until) {
+    const bool listens = tasks.empty() || (!unheard.empty() && order == Order::random &&
+                                           std::bernoulli_distribution(0.3)(random));
+    if (listens) {
+      const auto i = static_cast<std::ptrdiff_t>(pick(unheard.size()));
+      heard.push_back(unheard[static_cast<std::size_t>(i)]);
+      unheard.erase(unheard.begin() + i);
+      frontier.accept(heard.back());
+      for (const Transition& t : frontier.next()) tasks.push_back(t);
+      continue;
+    }
+    const auto i = static_cast<std::ptrdiff_t>(pick(tasks.size()));
+    const Transition t = tasks[static_cast<std::size_t>(i)];
+    tasks.erase(tasks.begin() + i);
+    ConfigurationSummary found = solve(t);
+    found.check_point = t.target;
+    found.parent = t.start;
+    for (const CheckPoint& target : following(site, found)) tasks.push_back({target, t.target});
+    unheard.push_back(found);
+  }
+  return heard;
+}
+
+/// Converged, and nothing else.
+inline ConfigurationSummary good(const Transition&) {
+  ConfigurationSummary found;
+  found.outcome = Outcome::converged;
+  return found;
+}
+
+}  // namespace palpate::test

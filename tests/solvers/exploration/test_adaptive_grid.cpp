@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "exploration/adaptive_grid.h"
+#include "interpolation/interpolator.h"
+#include "solvers/exploration/frontier_run.h"
+
+namespace palpate {
+namespace {
+
+using test::explore;
+using test::Order;
+
+constexpr double kHalfWidth = 0.01;
+
+Site site_of(double tolerance) {
+  Site site{5, kHalfWidth, 65, 0};
+  site.coarsest = 16;
+  site.tolerance = tolerance;
+  site.tolerance_is_relative = true;
+  return site;
+}
+
+/// A body that stiffens towards one corner of the box: Π = c (e^(g·t) − 1 − g·t) + ½ K |t|².
+struct Stiffening {
+  Vec3 g = Vec3(300, 200, 120);
+  double c = 1e-3;
+  double k = 100;
+
+  [[nodiscard]] Vec3 force(const Vec3& t) const {
+    return c * std::expm1(g.dot(t)) * g + k * t;
+  }
+  [[nodiscard]] ConfigurationSummary at(const Site& site, const Transition& transition) const {
+    ConfigurationSummary found;
+    const auto& [i, j, l] = transition.target;
+    found.t = site.spacing() * Vec3(i, j, l);
+    const double x = g.dot(found.t);
+    found.energy = c * (std::expm1(x) - x) + 0.5 * k * found.t.squaredNorm();
+    found.force = force(found.t);
+    found.stiffness = c * std::exp(x) * g * g.transpose() + k * Mat3::Identity();
+    found.outcome = Outcome::converged;
+    return found;
+  }
+};
+
+test::Solve stiffening(const Site& site) {
+  return [site](const Transition& t) { return Stiffening().at(site, t); };
+}
+
+std::set<CheckPoint> points(const std::vector<ConfigurationSummary>& found) {
+  std::set<CheckPoint> all;
+  for (const ConfigurationSummary& c : found) all.insert(c.check_point);
+  return all;
+}
+
+double largest_error(const Site& site, const std::vector<ConfigurationSummary>& found) {
+  TouchSite touch;
+  touch.site = site;
+  touch.configurations = found;
+  std::sort(touch.configurations.begin(), touch.configurations.end());
+  const auto interpolator = make_interpolator(Method::energy_hermite, touch);
+  const Stiffening body;
+  double error = 0;
+  std::srand(3);
+  for (int n = 0; n < 5000; ++n) {
+    const Vec3 t = kHalfWidth * Vec3::Random();
+    error = std::max(error, (interpolator->evaluate(t).force - body.force(t)).norm());
+  }
+  return error / body.force(Vec3::Constant(kHalfWidth)).norm();
+}
+
+TEST(AdaptiveGrid, ReachesItsToleranceWithFarFewerThanTheUniformGrid) {
+  std::size_t last = 0;
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    const Site site = site_of(tolerance);
+    AdaptiveGrid grid(site);
+    const auto found = explore(grid, site, Order::deep, stiffening(site));
+    EXPECT_EQ(points(found).size(), found.size()) << "found twice";
+    EXPECT_EQ(static_cast<std::int64_t>(found.size()), grid.num_expected());
+    EXPECT_LE(largest_error(site, found), tolerance);
+    EXPECT_GE(found.size(), last);
+    last = found.size();
+  }
+  EXPECT_GT(last, 125U);
+  EXPECT_LT(last, 17U * 17 * 17);
+}
+
+TEST(AdaptiveGrid, TheOrderOfFindingsDoesNotMatter) {
+  const Site site = site_of(1e-3);
+  std::vector<std::map<CheckPoint, CheckPoint>> parents;
+  for (const Order order : {Order::deep, Order::wide, Order::random}) {
+    AdaptiveGrid grid(site);
+    auto& all = parents.emplace_back();
+    for (const auto& c : explore(grid, site, order, stiffening(site))) {
+      all[c.check_point] = c.parent;
+    }
+    EXPECT_GT(all.size(), 125U);
+  }
+  EXPECT_EQ(parents[0], parents[1]);
+  EXPECT_EQ(parents[0], parents[2]);
+}
+
+TEST(AdaptiveGrid, AnInterruptedRunGoesOnToTheSameSpace) {
+  const Site site = site_of(1e-3);
+  AdaptiveGrid whole(site);
+  const auto undisturbed = points(explore(whole, site, Order::deep, stiffening(site)));
+  for (std::size_t until = 0; until < undisturbed.size(); until += 1 + undisturbed.size() / 7) {
+    AdaptiveGrid first(site);
+    AdaptiveGrid second(site);
+    std::set<CheckPoint> all;
+    explore(first, site, Order::random, [&](const Transition& t) {
+      ConfigurationSummary c = Stiffening().at(site, t);
+      c.check_point = t.target;
+      second.recall(c);
+      all.insert(c.check_point);
+      return c;
+    }, until);
+    for (const auto& c : explore(second, site, Order::random, stiffening(site))) {
+      EXPECT_TRUE(all.insert(c.check_point).second) << "found again";
+    }
+    EXPECT_EQ(all, undisturbed) << until;
+  }
+}
+
+TEST(AdaptiveGrid, ATighterToleranceKeepsWhatIsThere) {
+  const Site loose = site_of(1e-2);
+  AdaptiveGrid first(loose);
+  const auto found = explore(first, loose, Order::deep, stiffening(loose));
+  const Site tight = site_of(1e-3);
+  AdaptiveGrid second(tight);
+  AdaptiveGrid fresh(tight);
+  for (const auto& c : found) second.recall(c);
+  auto rest = explore(second, tight, Order::deep, stiffening(tight));
+  auto all = points(rest);
+  for (const auto& c : found) EXPECT_TRUE(all.insert(c.check_point).second) << "found again";
+  EXPECT_EQ(all, points(explore(fresh, tight, Order::deep, stiffening(tight))));
+}
+
+TEST(AdaptiveGrid, WhatFailsIsTriedFromThreeCornersAndThenGivenUp) {
+  const Site site = site_of(1e-3);
+  std::map<CheckPoint, std::vector<CheckPoint>> starts;
+  AdaptiveGrid grid(site);
+  const auto found = explore(grid, site, Order::random, [&](const Transition& t) {
+    ConfigurationSummary c = Stiffening().at(site, t);
+    const bool refined = (t.target[0] | t.target[1] | t.target[2]) % 16 != 0;
+    starts[t.target].push_back(t.start);
+    if (refined && t.target[0] > 16) c.outcome = Outcome::not_converged;
+    return c;
+  });
+  std::size_t num_hard = 0;
+  for (const auto& [target, tried] : starts) {
+    const bool refined = (target[0] | target[1] | target[2]) % 16 != 0;
+    const bool hard = refined && target[0] > 16;
+    num_hard += hard ? 1 : 0;
+    EXPECT_LE(tried.size(), 3U);
+    EXPECT_EQ(std::set<CheckPoint>(tried.begin(), tried.end()).size(), tried.size());
+    EXPECT_TRUE(hard || tried.size() == 1);
+  }
+  EXPECT_GT(num_hard, 0U);
+  EXPECT_EQ(grid.given_up().size(), num_hard);
+  EXPECT_GT(found.size(), 125U);
+}
+
+}  // namespace
+}  // namespace palpate

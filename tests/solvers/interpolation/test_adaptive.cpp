@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Interpolation on cells of different size.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "interpolation/display_field.h"
+#include "interpolation/hermite_data.h"
+#include "interpolation/interpolator.h"
+#include "solvers/interpolation/analytic_site.h"
+
+namespace palpate {
+namespace {
+
+using test::analytic_site;
+using test::exponential;
+using test::graded_site;
+using test::kHalfWidth;
+using test::monomial;
+using test::unbalanced_site;
+
+/// A point on a side of leaves, and the step across it.
+struct OnSide {
+  Vec3 t;
+  Vec3 across;
+};
+
+/// Random points on the sides of the leaves within the box.
+std::vector<OnSide> points_on_sides(const TouchSite& site, int count) {
+  // Enough to be on the other side after the rounding of t / spacing, and no more.
+  constexpr double step = 3e-17;
+  const CellTree tree(site.site, site.configurations);
+  std::mt19937 random(11);
+  std::uniform_int_distribution<std::size_t> any_leaf(0, tree.leaves().size() - 1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<OnSide> points;
+  while (static_cast<int>(points.size()) < count) {
+    const Cell& cell = tree.leaves()[any_leaf(random)].cell;
+    const int axis = static_cast<int>(random() % 3);
+    const std::int32_t side = cell.first[axis] + (random() % 2 == 0 ? 0 : cell.side);
+    if (std::abs(side) == site.site.reach()) continue;
+    Vec3 x;
+    for (int k = 0; k < 3; ++k) x[k] = cell.first[k] + cell.side * uniform(random);
+    x[axis] = side;
+    points.push_back({site.site.spacing() * x, step * Vec3::Unit(axis)});
+  }
+  return points;
+}
+
+struct Sites : testing::TestWithParam<const char*> {
+  [[nodiscard]] static TouchSite make(const test::Energy& energy) {
+    const std::string name = GetParam();
+    if (name == "Graded") return graded_site(energy);
+    if (name == "FromThreePoints") return graded_site(energy, 3, 6);
+    return unbalanced_site(energy);
+  }
+};
+
+TEST_P(Sites, EnergyForceAndStiffnessAreContinuousAcrossSides) {
+  const TouchSite site = make(exponential);
+  const auto hermite = make_interpolator(Method::energy_hermite, site);
+  const auto trilinear = make_interpolator(Method::trilinear, site);
+  const CheckPointGrid grid(site);
+  std::set<std::pair<std::int32_t, std::int32_t>> sizes;
+  for (const auto& [t, across] : points_on_sides(site, 100000)) {
+    const std::int32_t low = grid.locate(t - across).leaf;
+    const std::int32_t high = grid.locate(t + across).leaf;
+    ASSERT_NE(low, high);
+    sizes.emplace(grid.leaf(low).cell.side, grid.leaf(high).cell.side);
+    const TouchResult a = hermite->evaluate(t - across);
+    const TouchResult b = hermite->evaluate(t + across);
+    ASSERT_EQ(a.found, Found::inside);
+    ASSERT_NEAR(a.energy, b.energy, 1e-12 * std::abs(a.energy));
+    ASSERT_LT((a.force - b.force).norm(), 1e-12 * (a.force.norm() + 10));
+    ASSERT_LT((a.stiffness - b.stiffness).norm(), 1e-11 * (a.stiffness.norm() + 1e3));
+    const TouchResult c = trilinear->evaluate(t - across);
+    const TouchResult d = trilinear->evaluate(t + across);
+    ASSERT_LT((c.force - d.force).norm(), 1e-12 * (c.force.norm() + 10));
+    ASSERT_NEAR(c.energy, d.energy, 1e-12 * std::abs(c.energy));
+  }
+  EXPECT_GT(sizes.size(), 4U) << "no sides between leaves of different size";
+}
+
+TEST_P(Sites, ForceIsTheGradientOfTheEnergy) {
+  const TouchSite site = make(exponential);
+  const auto interpolator = make_interpolator(Method::energy_hermite, site);
+  const double step = 1e-7;
+  test::RandomPoints points(0.99 * kHalfWidth);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 t = points();
+    const TouchResult r = interpolator->evaluate(t);
+    EXPECT_EQ(r.stiffness, r.stiffness.transpose());
+    for (int a = 0; a < 3; ++a) {
+      const Vec3 d = step * Vec3::Unit(a);
+      const TouchResult high = interpolator->evaluate(t + d);
+      const TouchResult low = interpolator->evaluate(t - d);
+      EXPECT_NEAR((high.energy - low.energy) / (2 * step), r.force[a],
+                  1e-6 * (r.force.norm() + 10));
+      EXPECT_LT(((high.force - low.force) / (2 * step) - r.stiffness.col(a)).norm(),
+                1e-5 * (r.stiffness.norm() + 1e3));
+    }
+  }
+}
+
+TEST_P(Sites, NodesThatDoNotHangAreMetExactly) {
+  const TouchSite site = make(exponential);
+  const CheckPointGrid grid(site);
+  std::set<std::int32_t> hanging;
+  for (const auto& h : grid.hanging_nodes()) hanging.insert(h.node);
+  EXPECT_GT(hanging.size(), 10U);
+  EXPECT_LT(hanging.size(), 0.7 * site.configurations.size());
+  for (Method method : {Method::trilinear, Method::energy_hermite}) {
+    const auto interpolator = make_interpolator(method, site);
+    for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
+      const ConfigurationSummary& c = site.configurations[grid.configuration(n)];
+      const TouchResult r = interpolator->evaluate(c.t);
+      EXPECT_EQ(r.found, Found::inside);
+      if (hanging.count(n) == 0) {
+        EXPECT_NEAR(r.energy, c.energy, 1e-13 * std::abs(c.energy));
+        EXPECT_LT((r.force - c.force).norm(), 1e-12 * (1 + c.force.norm()));
+      } else if (method == Method::energy_hermite) {
+        EXPECT_LT((r.force - c.force).norm(), 0.2 * (10 + c.force.norm()));
+      }
+    }
+  }
+}
+
+// Three Gauss points on each step of the grid are exact for the work along a line parallel to an
+// axis, whatever the cells.
+TEST_P(Sites, NoWorkAroundAClosedLoop) {
+  const TouchSite site = make(exponential);
+  const auto interpolator = make_interpolator(Method::energy_hermite, site);
+  const double h = site.site.spacing();
+  const double gauss[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)};
+  const double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+  double size = 0;
+  const auto work = [&](Vec3 from, int axis, int steps) {
+    double sum = 0;
+    for (int i = 0; i < std::abs(steps); ++i) {
+      const double step = steps > 0 ? h : -h;
+      for (int g = 0; g < 3; ++g) {
+        const TouchResult r = interpolator->evaluate(from + gauss[g] * step * Vec3::Unit(axis));
+        sum += weight[g] * step * r.force[axis];
+        size += weight[g] * h * std::abs(r.force[axis]);
+      }
+      from[axis] += step;
+    }
+    return sum;
+  };
+  const int n = site.site.reach();
+  const Vec3 start = h * Vec3(-n + 1, -n + 2, 0.55 * n);
+  const int across = 2 * n - 4;
+  const double loop = work(start, 0, across) + work(start + h * Vec3(across, 0, 0), 1, across) +
+                      work(start + h * Vec3(across, across, 0), 0, -across) +
+                      work(start + h * Vec3(0, across, 0), 1, -across);
+  EXPECT_LT(std::abs(loop), 1e-13 * size);
+}
+
+TEST_P(Sites, DisplayIsContinuousAndExactForQuadraticFields) {
+  TouchSite site = make(exponential);
+  const auto n = static_cast<Eigen::Index>(site.configurations.size());
+  Eigen::VectorXf a(3);
+  Eigen::VectorXf b(3);
+  // Any field: continuous to single precision.
+  site.coefficients.setRandom(3, n);
+  site.coefficient_gradients.setRandom(9, n);
+  const DisplayField any(site);
+  for (const auto& [t, across] : points_on_sides(site, 20000)) {
+    EXPECT_EQ(any.coefficients(t - across, a.data()), Found::inside);
+    any.coefficients(t + across, b.data());
+    ASSERT_LT((a - b).norm(), 2e-6);
+  }
+  Mat3 first = Mat3::Random();
+  std::array<Mat3, 3> second;
+  for (Mat3& m : second) {
+    const Mat3 random = Mat3::Random();
+    m = 40 * (random + random.transpose());
+  }
+  const auto value = [&](const Vec3& t) {
+    Vec3 c = first * t;
+    for (int m = 0; m < 3; ++m) c[m] += 0.5 * t.dot(second[m] * t);
+    return c;
+  };
+  for (Eigen::Index c = 0; c < n; ++c) {
+    const Vec3& t = site.configurations[c].t;
+    site.coefficients.col(c) = value(t).cast<float>();
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int m = 0; m < 3; ++m) {
+        site.coefficient_gradients(3 * axis + m, c) =
+            static_cast<float>(first(m, axis) + second[m].row(axis).dot(t));
+      }
+    }
+  }
+  const DisplayField field(site);
+  test::RandomPoints points;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 t = points();
+    field.coefficients(t, a.data());
+    EXPECT_LT((a.cast<double>() - value(t)).norm(), 2e-8);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, Sites, testing::Values("Graded", "FromThreePoints", "Unbalanced"),
+                         [](const auto& name) { return std::string(name.param); });
+
+TEST(Adaptive, HangingNodesOfOneSplitCell) {
+  TouchSite site = analytic_site(exponential, 5, 2);
+  test::split(site, exponential, {{-2, -2, -2}, 2});
+  const CheckPointGrid grid(site);
+  // Three sides lie in the box: their centres and nine edges.
+  EXPECT_EQ(grid.hanging_nodes().size(), 12U);
+  for (const auto& hanging : grid.hanging_nodes()) {
+    const CheckPoint p = grid.tree().point(hanging.node);
+    EXPECT_TRUE(p[0] == 0 || p[1] == 0 || p[2] == 0);
+    EXPECT_EQ(grid.leaf(hanging.leaf).cell.side, 2);
+  }
+  // A larger leaf without a usable corner holds nothing back.
+  for (const CheckPoint& p : {CheckPoint{2, 0, 0}, CheckPoint{0, 2, 0}, CheckPoint{0, 0, 2}}) {
+    test::at(site, p).outcome = Outcome::not_converged;
+  }
+  EXPECT_TRUE(CheckPointGrid(site).hanging_nodes().empty());
+}
+
+// A grid in which every cell is split is the uniform one.
+TEST(Adaptive, AllCellsSplitAreTheUniformGrid) {
+  const TouchSite uniform = analytic_site(exponential, 9);
+  TouchSite split = uniform;
+  split.site.coarsest = 4;
+  for (Method method : {Method::trilinear, Method::energy_hermite}) {
+    const auto a = make_interpolator(method, uniform);
+    const auto b = make_interpolator(method, split);
+    test::RandomPoints points(1.3 * kHalfWidth);
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 t = points();
+      const TouchResult r = a->evaluate(t);
+      EXPECT_EQ(r.force, b->evaluate(t).force);
+      EXPECT_EQ(r.energy, b->evaluate(t).energy);
+      EXPECT_EQ(r.stiffness, b->evaluate(t).stiffness);
+      EXPECT_EQ(r.found, b->evaluate(t).found);
+    }
+  }
+}
+
+// As on a uniform grid: degree 4 along each axis, and 5 along one where the whole is of degree 6.
+// Where neighbours differ by more than one size, cubic energies are left.
+TEST(Adaptive, ReproducesPolynomials) {
+  const auto error = [](const TouchSite& site, const test::Energy& energy) {
+    const auto interpolator = make_interpolator(Method::energy_hermite, site);
+    test::RandomPoints points;
+    double largest = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 t = points();
+      largest = std::max(largest, (interpolator->evaluate(t).force - energy(t).force).norm());
+    }
+    return largest / (energy(Vec3::Constant(kHalfWidth)).force.norm() + 1);
+  };
+  for (int a = 0; a <= 5; ++a) {
+    for (int b = 0; b <= 5; ++b) {
+      for (int c = 0; c <= 5; ++c) {
+        const int most = std::max({a, b, c});
+        if (most > 4 && a + b + c > 6) continue;
+        const test::Energy energy = monomial(a, b, c);
+        EXPECT_LT(error(graded_site(energy, 5, 2), energy), 1e-11) << a << b << c;
+        if (a + b + c > 3) continue;
+        EXPECT_LT(error(graded_site(energy, 3, 3), energy), 1e-11) << a << b << c;
+        EXPECT_LT(error(unbalanced_site(energy), energy), 1e-11) << a << b << c;
+      }
+    }
+  }
+  EXPECT_GT(error(graded_site(monomial(5, 2, 0), 5, 2), monomial(5, 2, 0)), 1e-6);
+}
+
+// The order of the uniform grid is kept where cells of different size meet: in and around the
+// smaller ones, in the middle of the box.
+TEST(Adaptive, ConvergesAsTheUniformGrid) {
+  std::vector<double> error;
+  for (std::int32_t coarse : {9, 17, 33}) {
+    const double cell = 2 * kHalfWidth / (coarse - 1);
+    TouchSite site = analytic_site(exponential, 2 * (coarse - 1) + 1, 2);
+    const std::int32_t quarter = site.site.reach() / 2;
+    test::refine(site, exponential, [&](const Cell& c) {
+      return c.side == 2 && c.first[0] >= 0 && c.first[0] < quarter && c.first[1] >= 0 &&
+             c.first[1] < quarter && c.first[2] >= 0 && c.first[2] < quarter;
+    });
+    const auto interpolator = make_interpolator(Method::energy_hermite, site);
+    test::RandomPoints points(0.25 * kHalfWidth + cell);
+    double sum = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Vec3 t = points() + Vec3::Constant(0.25 * kHalfWidth);
+      sum += (interpolator->evaluate(t).force - exponential(t).force).squaredNorm();
+    }
+    error.push_back(std::sqrt(sum));
+  }
+  for (int i = 0; i < 2; ++i) {
+    const double order = std::log2(error[i] / error[i + 1]);
+    RecordProperty("order_" + std::to_string(i), std::to_string(order));
+    EXPECT_GT(order, 4.5);
+  }
+}
+
+// Whatever is missing or has failed, and whatever the sizes of neighbours: an answer, and the same
+// from every part.
+TEST(Adaptive, PartialSetsAreAnswered) {
+  std::mt19937 random(17);
+  for (int trial = 0; trial < 60; ++trial) {
+    const TouchSite whole =
+        trial % 2 == 0 ? graded_site(exponential, 3, 5) : unbalanced_site(exponential);
+    TouchSite site = whole;
+    site.configurations.clear();
+    const unsigned lost = 2 + trial;
+    for (const ConfigurationSummary& c : whole.configurations) {
+      if (random() % lost == 0) continue;
+      site.configurations.push_back(c);
+      if (random() % lost == 0) {
+        site.configurations.back().outcome = Outcome::not_converged;
+        site.configurations.back().force.setConstant(std::nan(""));
+      }
+      if (random() % 20 == 0) site.configurations.back().flags = flags::near_fold;
+    }
+    const auto n = static_cast<Eigen::Index>(site.configurations.size());
+    site.coefficients.setRandom(4, n);
+    site.coefficient_gradients.setRandom(12, n);
+    const auto hermite = make_interpolator(Method::energy_hermite, site);
+    const auto trilinear = make_interpolator(Method::trilinear, site);
+    const DisplayField field(site);
+    test::RandomPoints points(1.3 * kHalfWidth, trial);
+    Eigen::VectorXf coefficients(4);
+    for (int i = 0; i < 500; ++i) {
+      Vec3 t = points();
+      if (i % 3 == 0) t[i % 2] = site.site.spacing() * std::round(t[i % 2] / site.site.spacing());
+      const TouchResult a = hermite->evaluate(t);
+      const TouchResult b = trilinear->evaluate(t);
+      EXPECT_NE(a.found, Found::no);
+      EXPECT_EQ(a.found, b.found);
+      EXPECT_EQ(a.found, field.coefficients(t, coefficients.data()));
+      EXPECT_TRUE(coefficients.allFinite());
+      EXPECT_TRUE(std::isfinite(a.energy) && a.force.allFinite() && a.stiffness.allFinite());
+      EXPECT_TRUE(std::isfinite(b.energy) && b.force.allFinite() && b.stiffness.allFinite());
+    }
+  }
+}
+
+TEST(Adaptive, MarkedLeavesOfAnySizeSaySo) {
+  TouchSite site = graded_site(exponential);
+  test::at(site, {0, 0, 0}).flags = flags::unstable;
+  const auto interpolator = make_interpolator(Method::energy_hermite, site);
+  const CellTree tree(site.site, site.configurations);
+  for (const CellTree::Leaf& leaf : tree.leaves()) {
+    const bool marked = std::find(leaf.corners.begin(), leaf.corners.end(),
+                                  tree.find({0, 0, 0})) != leaf.corners.end();
+    Vec3 x;
+    for (int k = 0; k < 3; ++k) x[k] = leaf.cell.first[k] + 0.4 * leaf.cell.side;
+    EXPECT_EQ(interpolator->evaluate(site.site.spacing() * x).found,
+              marked ? Found::marked : Found::inside);
+  }
+}
+
+// What a leaf lacks is answered from the nearest usable node, larger leaves being no exception.
+TEST(Adaptive, BesideAHoleTaylorOfTheNearestNode) {
+  TouchSite site = graded_site(exponential);
+  test::at(site, {-32, -32, -32}).outcome = Outcome::not_converged;
+  const auto interpolator = make_interpolator(Method::energy_hermite, site);
+  const ConfigurationSummary& nearest = test::at(site, {-16, -32, -32});
+  const Vec3 offset = site.site.spacing() * Vec3(-6, 3, 1);
+  const TouchResult r = interpolator->evaluate(nearest.t + offset);
+  EXPECT_EQ(r.found, Found::extrapolated);
+  EXPECT_LT((r.force - nearest.force - nearest.stiffness * offset).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace palpate
