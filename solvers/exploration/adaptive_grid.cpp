@@ -110,16 +110,7 @@ void AdaptiveGrid::plan_round() {
     for (const auto& [check_point, c] : found_) found.push_back(c);
     std::map<CheckPoint, std::set<CheckPoint>> corners_of_target;
     for (const Cell& cell : cells_to_split(site_, found, tolerance(found))) {
-      if (unreachable_.count(cell) > 0) continue;
       const std::vector<CheckPoint> corners = corners_of(cell);
-      const bool reachable = std::any_of(corners.begin(), corners.end(), [&](const auto& p) {
-        const auto corner = found_.find(p);
-        return corner != found_.end() && is_start(corner->second);
-      });
-      if (!reachable) {
-        unreachable_.insert(cell);
-        continue;
-      }
       for (const CheckPoint& target : points_of_split(cell)) {
         if (found_.count(target) > 0) continue;
         corners_of_target[target].insert(corners.begin(), corners.end());
@@ -133,6 +124,10 @@ void AdaptiveGrid::plan_round() {
         continue;
       }
       std::vector<CheckPoint> tried = starts(corners, target);
+      if (tried.empty()) {
+        found_[target].check_point = target;  // no start leads there: as if it had failed
+        continue;
+      }
       due_.push_back({target, tried.front()});
       tried.erase(tried.begin());
       under_way_.emplace(target, std::move(tried));

@@ -41,14 +41,12 @@ class AdaptiveGrid final : public Frontier {
 
   Site site_;
   LayeredGrid coarse_;
-  /// Of the rounds so far, usable or not.
+  /// Of the rounds so far, usable or not; also the points that nothing leads to.
   Summaries found_;
   /// Of earlier runs, beyond the coarsest cells, that no round has asked for yet.
   Summaries recalled_;
   /// Targets that are under way, and the starts that may be tried next.
   std::map<CheckPoint, std::vector<CheckPoint>> under_way_;
-  /// No start leads into these.
-  std::set<Cell> unreachable_;
   /// Points that rounds have asked for.
   std::int64_t num_refined_ = 0;
   std::vector<Transition> due_;

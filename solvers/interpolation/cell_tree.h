@@ -34,6 +34,15 @@ struct Cell {
   return a.first != b.first ? a.first < b.first : a.side < b.side;
 }
 
+/// The cell of twice the side that holds a cell of a tree; its root cells begin at −reach.
+[[nodiscard]] inline Cell parent_of(const Cell& cell, std::int32_t reach) {
+  Cell parent{{}, 2 * cell.side};
+  for (int k = 0; k < 3; ++k) {
+    parent.first[k] = (cell.first[k] + reach) / parent.side * parent.side - reach;
+  }
+  return parent;
+}
+
 /// The trilinear weight of a corner of a cell, z fastest.
 [[nodiscard]] inline double corner_weight(int corner, const Vec3& s) noexcept {
   double weight = 1;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "interpolation/branch_test.h"
 
 namespace palpate {
 namespace {
@@ -52,12 +53,13 @@ CheckPointGrid::CheckPointGrid(const Site& site,
     if (configuration_[node] < 0) configuration_[node] = static_cast<std::int32_t>(i);
     any_usable_ = true;
   }
-  classify_leaves(configurations);
+  classify_leaves(site, configurations);
   find_hanging_nodes();
   find_nearest();
 }
 
-void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations) {
+void CheckPointGrid::classify_leaves(const Site& site,
+                                     const std::vector<ConfigurationSummary>& configurations) {
   for (const CellTree::Leaf& leaf : tree_.leaves()) {
     State state = State::complete;
     for (std::int32_t node : leaf.corners) {
@@ -68,6 +70,10 @@ void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& co
       if ((configurations[configuration_[node]].flags & kMarking) != 0) state = State::marked;
     }
     states_.push_back(state);
+  }
+  const std::vector<char> across = BranchTest(*this, site, configurations).leaves_across();
+  for (std::size_t l = 0; l < across.size(); ++l) {
+    if (across[l] != 0 && states_[l] == State::complete) states_[l] = State::across;
   }
 }
 

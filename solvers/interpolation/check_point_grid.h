@@ -33,7 +33,7 @@ class CheckPointGrid {
 
   struct Location {
     Place place = Place::nowhere;
-    /// A corner of the leaf is inverted, unstable or near a fold.
+    /// See is_marked().
     bool marked = false;
     /// Of the tree; in or beside a cell.
     std::int32_t leaf = 0;
@@ -61,7 +61,12 @@ class CheckPointGrid {
   [[nodiscard]] bool is_complete(std::int32_t leaf) const {
     return states_[leaf] != State::lacks_corner;
   }
-  [[nodiscard]] bool is_marked(std::int32_t leaf) const { return states_[leaf] == State::marked; }
+  /// A corner of the leaf is inverted, unstable or near a fold, or it lies across branches.
+  [[nodiscard]] bool is_marked(std::int32_t leaf) const {
+    return states_[leaf] == State::marked || is_across(leaf);
+  }
+  /// It lies across branches though no corner tells, see branch_test.h.
+  [[nodiscard]] bool is_across(std::int32_t leaf) const { return states_[leaf] == State::across; }
 
   /// A usable node that hangs on a complete leaf, the largest of those around it. What is
   /// interpolated is continuous where such a node takes what that leaf gives at it.
@@ -75,9 +80,9 @@ class CheckPointGrid {
   [[nodiscard]] const std::vector<HangingNode>& hanging_nodes() const { return hanging_nodes_; }
 
  private:
-  enum class State : char { lacks_corner, complete, marked };
+  enum class State : char { lacks_corner, complete, marked, across };
 
-  void classify_leaves(const std::vector<ConfigurationSummary>& configurations);
+  void classify_leaves(const Site& site, const std::vector<ConfigurationSummary>& configurations);
   void find_hanging_nodes();
   void find_nearest();
   /// A complete leaf that meets an incomplete one at a point on the border of it, else that.

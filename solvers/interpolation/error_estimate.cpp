@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "interpolation/branch_test.h"
 #include "interpolation/check_point_grid.h"
 #include "interpolation/hermite_basis.h"
 #include "interpolation/hermite_data.h"
@@ -25,19 +26,13 @@ constexpr int kSamples = 5;
 constexpr int kNodes = kHermiteStencil;
 constexpr int kFewerNodes = 3;
 
-/// What an edge's residual falls to at the most under refinement where Π is smooth: 1/32 when the
-/// cells are small enough.
-constexpr double kShrinks = 0.125;
-
-/// Leaves around one that crosses branches whose mixed derivatives are differences across.
-constexpr int kLayers = 2;
-
 class Estimator {
  public:
   Estimator(const Site& site, const std::vector<ConfigurationSummary>& configurations)
       : site_(site),
         configurations_(configurations),
         grid_(site, configurations),
+        branch_test_(grid_, site, configurations),
         data_(hermite_data(grid_, configurations)),
         difference_(hermite_data(grid_, configurations, kFewerNodes)),
         hanging_(grid_.tree().leaves().size(), 0.0) {
@@ -47,7 +42,6 @@ class Estimator {
       double& error = hanging_[hanging.leaf];
       error = std::max(error, (force - at(hanging.node).force).norm());
     }
-    find_crossings();
   }
 
   [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
@@ -56,7 +50,7 @@ class Estimator {
     CellEstimate estimate;
     estimate.cell = grid_.leaf(leaf).cell;
     estimate.error = std::numeric_limits<double>::infinity();
-    estimate.marked = !grid_.is_complete(leaf) || grid_.is_marked(leaf) || crossing_[leaf] != 0;
+    estimate.marked = !grid_.is_complete(leaf) || grid_.is_marked(leaf);
     const bool is_root = estimate.cell.side == site_.coarsest;
     const bool few_in_a_row = 2 * site_.reach() < (kNodes - 1) * estimate.cell.side;
     if (!grid_.is_complete(leaf) || (is_root && few_in_a_row)) return estimate;
@@ -70,7 +64,7 @@ class Estimator {
     const std::int32_t side = estimate.cell.side;
     if (side < 2 * smallest || side < 2) return false;
     if (estimate.marked) {
-      const bool corner = !grid_.is_complete(leaf) || grid_.is_marked(leaf);
+      const bool corner = !grid_.is_complete(leaf) || !grid_.is_across(leaf);
       if (side <= site_.coarsest / (corner ? kMarkedCorner : kMarkedEdge)) return false;
     }
     bool within_limit = false;
@@ -144,21 +138,11 @@ class Estimator {
     return std::sqrt(error2) / (at.cell.side * grid_.spacing());
   }
 
-  /// The cell of twice the side that holds a cell.
-  [[nodiscard]] Cell parent_of(const Cell& cell) const {
-    Cell parent{{}, 2 * cell.side};
-    const std::int32_t reach = site_.reach();
-    for (int k = 0; k < 3; ++k) {
-      parent.first[k] = (cell.first[k] + reach) / parent.side * parent.side - reach;
-    }
-    return parent;
-  }
-
   [[nodiscard]] double of_parent(std::int32_t leaf) const {
     const CellTree::Leaf& child = grid_.leaf(leaf);
     if (child.cell.side == site_.coarsest) return 0;
     CellTree::Leaf parent;
-    parent.cell = parent_of(child.cell);
+    parent.cell = parent_of(child.cell, site_.reach());
     for (int corner = 0; corner < 8; ++corner) {
       CheckPoint p = parent.cell.first;
       for (int k = 0; k < 3; ++k) p[k] += ((corner >> (2 - k)) & 1) * parent.cell.side;
@@ -177,80 +161,20 @@ class Estimator {
     return error;
   }
 
-  /// |Π₁ − Π₀ − H/2 (h₀ + h₁) − H²/12 (k₀ − k₁)|, J; 0 where an end is not usable.
-  [[nodiscard]] double edge_residual(CheckPoint first, int axis, std::int32_t side) const {
-    const std::int32_t low = grid_.tree().find(first);
-    first[axis] += side;
-    const std::int32_t high = grid_.tree().find(first);
-    if (low < 0 || high < 0 || !grid_.usable(low) || !grid_.usable(high)) return 0;
-    const ConfigurationSummary& a = at(low);
-    const ConfigurationSummary& b = at(high);
-    const double length = side * grid_.spacing();
-    return std::abs(b.energy - a.energy - 0.5 * length * (a.force[axis] + b.force[axis]) -
-                    length * length / 12 * (a.stiffness(axis, axis) - b.stiffness(axis, axis)));
-  }
-
-  /// The largest residual along the lines through a cell's corners and, where `halves`, through the
-  /// other points of its halves, J.
-  [[nodiscard]] double largest_residual(const Cell& cell, bool halves) const {
-    const std::int32_t step = halves ? cell.side / 2 : cell.side;
-    double residual = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (std::int32_t a = 0; a <= cell.side; a += step) {
-        for (std::int32_t b = 0; b <= cell.side; b += step) {
-          CheckPoint first = cell.first;
-          first[(axis + 1) % 3] += a;
-          first[(axis + 2) % 3] += b;
-          residual = std::max(residual, edge_residual(first, axis, cell.side));
-        }
-      }
-    }
-    return residual;
-  }
-
   [[nodiscard]] double of_edges(std::int32_t leaf) const {
     const Cell& cell = grid_.leaf(leaf).cell;
-    return largest_residual(cell, false) / (cell.side * grid_.spacing());
-  }
-
-  [[nodiscard]] bool crosses_branches(std::int32_t leaf) const {
-    const Cell& cell = grid_.leaf(leaf).cell;
-    if (4 * cell.side > site_.coarsest) return false;
-    const Cell parent = parent_of(cell);
-    const double own = largest_residual(cell, false);
-    const double of_parent = largest_residual(parent, true);
-    return own > kShrinks * of_parent &&
-           of_parent > kShrinks * largest_residual(parent_of(parent), true);
-  }
-
-  /// The leaves that cross branches, and those whose differences reach across.
-  void find_crossings() {
-    const auto& leaves = grid_.tree().leaves();
-    crossing_.assign(leaves.size(), 0);
-    for (std::size_t l = 0; l < leaves.size(); ++l) {
-      crossing_[l] = crosses_branches(static_cast<std::int32_t>(l));
-    }
-    for (int layer = 0; layer < kLayers; ++layer) {
-      std::vector<char> reached(static_cast<std::size_t>(grid_.num_nodes()), 0);
-      for (std::size_t l = 0; l < leaves.size(); ++l) {
-        for (std::int32_t node : leaves[l].corners) reached[node] |= crossing_[l];
-      }
-      for (std::size_t l = 0; l < leaves.size(); ++l) {
-        for (std::int32_t node : leaves[l].corners) crossing_[l] |= reached[node];
-      }
-    }
+    return branch_test_.largest_residual(cell) / (cell.side * grid_.spacing());
   }
 
   const Site& site_;
   const std::vector<ConfigurationSummary>& configurations_;
   CheckPointGrid grid_;
+  BranchTest branch_test_;
   std::vector<double> data_;
   /// What the data with differences of fewer nodes have more.
   std::vector<double> difference_;
   /// By leaf: the largest error at the nodes that hang on it, N.
   std::vector<double> hanging_;
-  /// By leaf.
-  std::vector<char> crossing_;
 };
 
 }  // namespace

@@ -17,12 +17,8 @@
 // 1.05 times the tolerance asked for, at 20 000 points. A leaf shares the error of a larger one at the
 // side between them; it is the estimate of the larger one that counts it.
 //
-// A leaf is marked where refinement may not help: a corner is inverted, unstable, near a fold or
-// not usable; or the largest residual along its edges (the third term, in J) is more than an eighth of
-// that along the lines of its parent, and that again of the parent's parent's. It falls to 1/32
-// where Π is smooth, to a half where the force jumps, and stays where Π does, from one branch to
-// another. So are two layers of leaves around one that crosses branches: their differences reach
-// across.
+// A leaf is marked where refinement may not help: a corner is inverted, unstable, near a fold or not
+// usable; or it lies across branches, see branch_test.h.
 #pragma once
 
 #include <vector>

@@ -2,6 +2,7 @@
 #include "schedule/simulator.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <limits>
@@ -64,6 +65,12 @@ void Simulation::burden(int rank, std::size_t bytes) { ranks_[rank].burden += by
 
 double Simulation::now(int rank) const { return ranks_[rank].clock; }
 
+std::size_t Simulation::num_under_way() const {
+  std::size_t number = messages_.size() - free_.size();
+  for (const Rank& rank : ranks_) number += rank.arrived.size();
+  return number;
+}
+
 bool Simulation::run(const std::vector<Worker*>& workers, const ScheduleOptions& options) {
   std::vector<std::unique_ptr<Scheduler>> schedulers;
   for (int r = 0; r < size(); ++r) {
@@ -99,7 +106,6 @@ bool Simulation::run(const std::vector<Worker*>& workers, const ScheduleOptions&
       plan(event.rank, rank.clock);
     }
   }
-  events_ = {};
   reports_.clear();
   for (const auto& scheduler : schedulers) reports_.push_back(scheduler->report());
   for (const auto& scheduler : schedulers) {
@@ -116,7 +122,8 @@ void Simulation::post(int from, int to, int tag, Bytes content) {
                        static_cast<double>(bytes) / machine_.bandwidth;
   double arrival = sender.out_is_free + machine_.latency;
   if (machine_.jitter > 0) {
-    arrival += machine_.jitter * static_cast<double>(mix(++random_) >> 11) * 0x1p-53;
+    const double uniform = static_cast<double>(mix(++random_) >> 11) * 0x1p-53;
+    arrival += machine_.jitter * std::pow(uniform, 16);
     const auto pair = static_cast<std::uint64_t>(from) * ranks_.size() + to;
     double& last = last_arrival_[pair];
     last = arrival = std::max(arrival, last);
@@ -278,7 +285,9 @@ class ForestWorker final : public Worker {
 
 std::int64_t Forest::num_tasks() const {
   std::int64_t number = 0;
-  for (const int tree : tree_of_site) number += static_cast<std::int64_t>(trees[tree].seconds.size());
+  for (const int tree : tree_of_site) {
+    number += static_cast<std::int64_t>(trees[tree].seconds.size());
+  }
   return number;
 }
 

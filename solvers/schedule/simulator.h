@@ -28,7 +28,8 @@ struct Machine {
   double overhead = 1e-6;
   /// Until an idle rank, which rests, sees a message, s.
   double reaction = 0.5e-3;
-  /// By which a message may come late at random, s; those between two ranks keep their order.
+  /// By which a message may come late at random, most of them by far less, s; those between two
+  /// ranks keep their order.
   double jitter = 0;
   std::uint64_t seed = 1;
 };
@@ -52,6 +53,8 @@ class Simulation {
   /// @returns false: stopped.
   /// @throws what the worker of the lowest rank that threw has thrown
   bool run(const std::vector<Worker*>& workers, const ScheduleOptions& options = {});
+  /// Messages that were sent and not received.
+  [[nodiscard]] std::size_t num_under_way() const;
   /// When the last rank left the last run, s.
   [[nodiscard]] double makespan() const { return makespan_; }
   /// Of one rank in the last run.

@@ -108,7 +108,8 @@ void print_table(const std::string& path, int num_sites, unsigned seed) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    std::printf("Give a recorded space: %s space.palpate [active nodes, 1000] [seed, 1]\n", argv[0]);
+    std::printf("Give a recorded space: %s space.palpate [active nodes, 1000] [seed, 1]\n",
+                argv[0]);
     return EXIT_FAILURE;
   }
   try {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -89,6 +90,40 @@ TEST(AdaptiveGrid, ReachesItsToleranceWithFarFewerThanTheUniformGrid) {
   }
   EXPECT_GT(last, 125U);
   EXPECT_LT(last, 17U * 17 * 17);
+}
+
+// Two branches that meet at a plane, where no refinement helps.
+TEST(AdaptiveGrid, AJumpIsMarkedAndNotRefinedForEver) {
+  const Site site = site_of(1e-3);
+  const double wall = 0.37 * kHalfWidth;
+  AdaptiveGrid grid(site);
+  std::vector<ConfigurationSummary> found =
+      explore(grid, site, Order::deep, [&](const Transition& t) {
+        Stiffening body;
+        body.g = Vec3(50, 30, 20);
+        ConfigurationSummary c = body.at(site, t);
+        if (c.t.x() > wall) {
+          c.energy += 1e-4;
+          c.force.x() *= 0.8;
+        }
+        return c;
+      });
+  for (const ConfigurationSummary& c : found) {
+    // Down to an eighth of the coarsest cells.
+    for (const std::int32_t x : c.check_point) EXPECT_EQ(x % 2, 0);
+  }
+  TouchSite touch;
+  touch.site = site;
+  touch.configurations = std::move(found);
+  std::sort(touch.configurations.begin(), touch.configurations.end());
+  const auto interpolator = make_interpolator(Method::energy_hermite, touch);
+  std::srand(4);
+  for (int n = 0; n < 1000; ++n) {
+    Vec3 t = kHalfWidth * Vec3::Random();
+    t.x() = wall * (1 + 1e-3 * Vec3::Random().x());
+    EXPECT_EQ(interpolator->evaluate(t).found, Found::marked) << t.transpose();
+  }
+  EXPECT_EQ(interpolator->evaluate(Vec3(-0.5 * kHalfWidth, 1e-3, 2e-3)).found, Found::inside);
 }
 
 TEST(AdaptiveGrid, TheOrderOfFindingsDoesNotMatter) {

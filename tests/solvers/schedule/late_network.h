@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <map>
 #include <utility>
@@ -15,7 +16,7 @@ namespace palpate::test {
 
 class LateNetwork final : public Network {
  public:
-  /// @param latest The longest while, s.
+  /// @param latest The longest while, s; most are far shorter.
   LateNetwork(Network& network, double latest, std::uint64_t seed)
       : network_(network), latest_(latest), random_(mix(seed + 1000u * network.rank())) {}
 
@@ -26,7 +27,8 @@ class LateNetwork final : public Network {
   }
   [[nodiscard]] std::optional<Message> receive() override {
     while (auto message = network_.receive()) {
-      const double delay = latest_ * static_cast<double>(mix(++random_) >> 11) * 0x1p-53;
+      const double uniform = static_cast<double>(mix(++random_) >> 11) * 0x1p-53;
+      const double delay = latest_ * std::pow(uniform, 4);
       auto& held = held_[message->from];
       const double after = held.empty() ? 0 : held.back().first;
       held.emplace_back(std::max(now() + delay, after), std::move(*message));

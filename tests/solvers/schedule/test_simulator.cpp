@@ -32,7 +32,7 @@ Machine ideal() {
 
 Machine jittery(std::uint64_t seed) {
   Machine machine;
-  machine.jitter = 10e-3;
+  machine.jitter = 20e-3;
   machine.seed = seed;
   return machine;
 }
@@ -88,6 +88,77 @@ TEST_P(OnSimulatedRanks, ExecutesARandomGraphOnce) {
     GraphRun graph_run(simulation, graph, static_cast<int>(seed) % GetParam());
     ASSERT_TRUE(graph_run.run());
     ASSERT_EQ(graph_run.executed(), reachable(graph)) << "seed " << seed;
+    ASSERT_EQ(simulation.num_under_way(), 0);
+  }
+}
+
+/// Messages that wander from rank to rank, each so often, while hardly any rank is busy: the hard
+/// case of finding the end.
+class Wanderers final : public Worker {
+ public:
+  Wanderers(Simulation& simulation, std::uint64_t seed, int num_wanderers, int num_hops)
+      : simulation_(simulation), random_(seed), num_wanderers_(num_wanderers), num_hops_(num_hops) {}
+
+  void start(Mail& mail) override {
+    if (mail.rank() > 0) return;
+    for (int i = 0; i < num_wanderers_; ++i) hop(num_hops_, mail);
+  }
+  void receive(int /*from*/, const Bytes& message, Mail& mail) override {
+    ++num_received;
+    const auto left = static_cast<int>(message.size());
+    if (left == 0) return;
+    // Some go on by way of a task, which may be stolen.
+    mix(++random_) % 4 == 0 ? tasks_.push_back(left) : hop(left, mail);
+  }
+  [[nodiscard]] bool has_work() const override { return !tasks_.empty(); }
+  void work(Mail& mail) override {
+    const int left = tasks_.back();
+    tasks_.pop_back();
+    simulation_.spend(mail.rank(), 1e-4);
+    hop(left, mail);
+  }
+  [[nodiscard]] Bytes give() override {
+    if (tasks_.empty()) return {};
+    Bytes share(static_cast<std::size_t>(tasks_.back()));
+    tasks_.pop_back();
+    return share;
+  }
+  void take(const Bytes& share, Mail&) override {
+    tasks_.push_back(static_cast<int>(share.size()));
+  }
+  void discard() override { tasks_.clear(); }
+
+  int num_received = 0;
+
+ private:
+  void hop(int left, Mail& mail) {
+    mail.send_home(++random_, Bytes(static_cast<std::size_t>(left - 1)));
+  }
+
+  Simulation& simulation_;
+  std::uint64_t random_;
+  int num_wanderers_;
+  int num_hops_;
+  std::vector<int> tasks_;
+};
+
+TEST_P(OnSimulatedRanks, TheEndIsNotFoundWhileMessagesWander) {
+  constexpr int num_hops = 100;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const int num_wanderers = 1 + static_cast<int>(seed % 4);
+    Simulation simulation(GetParam(), jittery(seed));
+    std::vector<std::unique_ptr<Wanderers>> workers;
+    std::vector<Worker*> addresses;
+    for (int r = 0; r < GetParam(); ++r) {
+      workers.push_back(std::make_unique<Wanderers>(simulation, mix(1000 * seed + r),
+                                                    num_wanderers, num_hops));
+      addresses.push_back(workers.back().get());
+    }
+    ASSERT_TRUE(simulation.run(addresses));
+    int num_received = 0;
+    for (const auto& worker : workers) num_received += worker->num_received;
+    ASSERT_EQ(num_received, num_wanderers * num_hops) << "seed " << seed;
+    ASSERT_EQ(simulation.num_under_way(), 0) << "seed " << seed;
   }
 }
 
@@ -106,6 +177,7 @@ TEST_P(OnSimulatedRanks, AnyRankStopsTheRunAtAnyTime) {
       };
     }
     EXPECT_FALSE(graph_run.run());
+    EXPECT_EQ(simulation.num_under_way(), 0);
     for (const auto& worker : graph_run.workers) EXPECT_TRUE(worker->was_discarded);
     // Some, none twice.
     const std::vector<Key> executed = graph_run.executed();
@@ -283,7 +355,7 @@ TEST(SimulatedTds, AChainTakesItsLengthHoweverManyRanks) {
 
 TEST(SimulatedTds, EqualTasksThatAreAtHomeOnAllRanksTakeAsLongAsOne) {
   for (const int ranks : {2, 8, 64}) {
-    // The first site of each rank counts, those that come before the last rank has one take no time.
+    // The first site of each rank counts; the others, until each rank has one, take no time.
     Forest forest{{chain(1, 0), chain(1, 1)}, {}};
     std::set<int> homes;
     for (std::uint64_t site = 0; static_cast<int>(homes.size()) < ranks; ++site) {

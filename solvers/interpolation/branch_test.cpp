@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/branch_test.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// What an edge's residual falls to at the most under refinement where Π is smooth: 1/32 when the
+/// cells are small enough.
+constexpr double kShrinks = 0.125;
+
+/// Leaves around one that crosses branches whose mixed derivatives are differences across.
+constexpr int kLayers = 2;
+
+}  // namespace
+
+double BranchTest::residual(CheckPoint first, int axis, std::int32_t side) const {
+  const std::int32_t low = grid_.tree().find(first);
+  first[axis] += side;
+  const std::int32_t high = grid_.tree().find(first);
+  if (low < 0 || high < 0 || !grid_.usable(low) || !grid_.usable(high)) return 0;
+  const ConfigurationSummary& a = configurations_[grid_.configuration(low)];
+  const ConfigurationSummary& b = configurations_[grid_.configuration(high)];
+  const double length = side * grid_.spacing();
+  return std::abs(b.energy - a.energy - 0.5 * length * (a.force[axis] + b.force[axis]) -
+                  length * length / 12 * (a.stiffness(axis, axis) - b.stiffness(axis, axis)));
+}
+
+/// Along the lines through a cell's corners and, where `halves`, through the other points of its
+/// halves.
+double BranchTest::largest(const Cell& cell, bool halves) const {
+  const std::int32_t step = halves ? cell.side / 2 : cell.side;
+  double largest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::int32_t a = 0; a <= cell.side; a += step) {
+      for (std::int32_t b = 0; b <= cell.side; b += step) {
+        CheckPoint first = cell.first;
+        first[(axis + 1) % 3] += a;
+        first[(axis + 2) % 3] += b;
+        largest = std::max(largest, residual(first, axis, cell.side));
+      }
+    }
+  }
+  return largest;
+}
+
+bool BranchTest::is_across(const Cell& cell) const {
+  if (4 * cell.side > site_.coarsest) return false;
+  const Cell parent = parent_of(cell, site_.reach());
+  const double of_parent = largest(parent, true);
+  return largest(cell, false) > kShrinks * of_parent &&
+         of_parent > kShrinks * largest(parent_of(parent, site_.reach()), true);
+}
+
+std::vector<char> BranchTest::leaves_across() const {
+  const auto& leaves = grid_.tree().leaves();
+  std::vector<char> across;
+  for (const CellTree::Leaf& leaf : leaves) across.push_back(is_across(leaf.cell) ? 1 : 0);
+  for (int layer = 0; layer < kLayers; ++layer) {
+    std::vector<char> reached(static_cast<std::size_t>(grid_.num_nodes()), 0);
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+      for (std::int32_t node : leaves[l].corners) reached[node] |= across[l];
+    }
+    for (std::size_t l = 0; l < leaves.size(); ++l) {
+      for (std::int32_t node : leaves[l].corners) across[l] |= reached[node];
+    }
+  }
+  return across;
+}
+
+}  // namespace palpate

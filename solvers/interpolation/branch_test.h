@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether one smooth branch runs through a leaf: by what is left of Π along its edges,
+//
+//   |Π₁ − Π₀ − H/2 (h₀ + h₁) − H²/12 (k₀ − k₁)|,   h and k along the edge,
+//
+// which falls to 1/32 under refinement where Π is smooth, to a half where the force jumps, and stays
+// where Π does, from one branch to another.
+#pragma once
+
+#include <vector>
+
+#include "interpolation/check_point_grid.h"
+
+namespace palpate {
+
+/// Of what outlives it.
+class BranchTest {
+ public:
+  BranchTest(const CheckPointGrid& grid, const Site& site,
+             const std::vector<ConfigurationSummary>& configurations)
+      : grid_(grid), site_(site), configurations_(configurations) {}
+
+  /// The largest along the edges of a cell, J; those of which an end is not usable do not count.
+  [[nodiscard]] double largest_residual(const Cell& cell) const { return largest(cell, false); }
+
+  /// For each leaf 1 where it lies across branches: twice in a row refinement has left more than an
+  /// eighth of the residual; and where it is so near to one that its mixed derivatives reach across.
+  [[nodiscard]] std::vector<char> leaves_across() const;
+
+ private:
+  [[nodiscard]] double residual(CheckPoint first, int axis, std::int32_t side) const;
+  [[nodiscard]] double largest(const Cell& cell, bool halves) const;
+  [[nodiscard]] bool is_across(const Cell& cell) const;
+
+  const CheckPointGrid& grid_;
+  const Site& site_;
+  const std::vector<ConfigurationSummary>& configurations_;
+};
+
+}  // namespace palpate
