@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Finds the MPI build of MUMPS, double precision: target MUMPS::DMUMPS.
+# Finds the MPI build of MUMPS, double and single precision: target MUMPS::MUMPS.
 #
 # The sequential build (libdmumps_seq, libmpiseq) is never taken: libmpiseq exports MPI_Init and
 # would shadow ParaView's.
@@ -8,7 +8,7 @@ find_package(MPI REQUIRED COMPONENTS C)
 
 find_path(MUMPS_INCLUDE_DIR dmumps_c.h)
 set(mumps_required MUMPS_INCLUDE_DIR)
-foreach(library IN ITEMS dmumps mumps_common pord)
+foreach(library IN ITEMS dmumps smumps mumps_common pord)
   find_library(MUMPS_${library}_LIBRARY ${library})
   list(APPEND mumps_required MUMPS_${library}_LIBRARY)
 endforeach()
@@ -24,10 +24,10 @@ find_package_handle_standard_args(MUMPS
   VERSION_VAR MUMPS_VERSION)
 mark_as_advanced(${mumps_required})
 
-if(MUMPS_FOUND AND NOT TARGET MUMPS::DMUMPS)
-  add_library(MUMPS::DMUMPS UNKNOWN IMPORTED)
-  set_target_properties(MUMPS::DMUMPS PROPERTIES
+if(MUMPS_FOUND AND NOT TARGET MUMPS::MUMPS)
+  add_library(MUMPS::MUMPS UNKNOWN IMPORTED)
+  set_target_properties(MUMPS::MUMPS PROPERTIES
     IMPORTED_LOCATION "${MUMPS_dmumps_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${MUMPS_INCLUDE_DIR}"
-    INTERFACE_LINK_LIBRARIES "${MUMPS_mumps_common_LIBRARY};${MUMPS_pord_LIBRARY};MPI::MPI_C")
+    INTERFACE_LINK_LIBRARIES "${MUMPS_smumps_LIBRARY};${MUMPS_mumps_common_LIBRARY};${MUMPS_pord_LIBRARY};MPI::MPI_C")
 endif()

@@ -35,10 +35,11 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
 {
   std::ostringstream text;
   text << std::hexfloat << palpate::hash(scene) << ' ' << options.tip_radius << ' '
-       << options.half_width << ' '
-       << options.resolution << ' ' << options.force_limit << ' ' << options.touch_bound << ' '
+       << options.half_width << ' ' << options.resolution << ' ' << options.tolerance << ' '
+       << options.tolerance_is_relative << ' ' << options.force_limit << ' '
+       << options.touch_bound << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
-       << options.file << " nodes";
+       << options.equilibrium.single_precision << ' ' << options.file << " nodes";
   for (const palpate::Index node : options.active_nodes)
   {
     text << ' ' << node;
@@ -50,6 +51,10 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
   }
   return text.str();
 }
+
+/// Check-points along an axis that a space with a tolerance begins with: the fewest that its errors
+/// can be estimated from.
+constexpr int CoarsestResolution = 5;
 
 std::string ToText(const palpate::ProgressState& state)
 {
@@ -166,7 +171,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
     options.tip_radius = this->TipRadius;
     options.half_width = this->HalfWidth;
-    options.resolution = this->Resolution;
+    options.resolution = this->Tolerance > 0 ? CoarsestResolution : this->Resolution;
     options.tolerance = this->Tolerance;
     options.tolerance_is_relative = this->ToleranceType == RELATIVE;
     options.force_limit = this->ForceLimit;
@@ -174,6 +179,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.touch_bound = this->DisplacementBound;
     options.equilibrium.tolerance = this->SolverTolerance;
     options.equilibrium.max_seconds = this->MaximumSeconds;
+    options.equilibrium.single_precision = this->SinglePrecisionFactors;
 
     const std::string of = Describe(scene, options);
     const bool fileIsThere =
@@ -268,6 +274,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ForceLimit: " << this->ForceLimit << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
+     << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
      << indent << "LogInterval: " << this->LogInterval << '\n'
      << indent << "DisplacementBound: " << this->DisplacementBound << '\n';

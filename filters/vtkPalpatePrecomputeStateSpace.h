@@ -53,7 +53,7 @@ public:
   vtkGetMacro(HalfWidth, double);
   ///@}
   ///@{
-  /// Check-points along an axis: odd, at least 3. With a tolerance, those that it begins with.
+  /// Check-points along an axis: odd, at least 3. Not used with a tolerance.
   vtkSetMacro(Resolution, int);
   vtkGetMacro(Resolution, int);
   ///@}
@@ -93,6 +93,13 @@ public:
   vtkGetMacro(LogInterval, double);
   ///@}
   ///@{
+  /// Factors are of single precision where that is safe: it takes less time, and no result changes but
+  /// for the last digits.
+  vtkSetMacro(SinglePrecisionFactors, bool);
+  vtkGetMacro(SinglePrecisionFactors, bool);
+  vtkBooleanMacro(SinglePrecisionFactors, bool);
+  ///@}
+  ///@{
   /// Time for one solve, s; 0 is no bound.
   vtkSetMacro(MaximumSeconds, double);
   vtkGetMacro(MaximumSeconds, double);
@@ -123,6 +130,7 @@ private:
   double ForceLimit = 0;
   std::string FileName;
   double SolverTolerance = 1e-9;
+  bool SinglePrecisionFactors = true;
   double MaximumSeconds = 0;
   double LogInterval = 10;
   double DisplacementBound = 1e-3;

@@ -69,7 +69,8 @@ class EquilibriumSolver::Impl {
  public:
   Impl(const Scene& scene, EquilibriumOptions options, std::unique_ptr<LinearSolver> solver)
       : options_(validated(std::move(options))),
-        body_(checked(scene), std::move(solver), options_.kept_factors) {}
+        body_(checked(scene), std::move(solver), options_.kept_factors,
+              options_.single_precision ? Precision::single_if_safe : Precision::full) {}
 
   void hold(const Constraint& constraint) { body_.hold(constraint); }
   Equilibrium rest();

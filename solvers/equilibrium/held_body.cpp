@@ -37,11 +37,13 @@ std::string describe(const Vec3& p) {
 
 }  // namespace
 
-HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors)
+HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
+                   Precision precision)
     : mesh_(scene.mesh),
       fixed_(scene.fixed),
       assembly_(scene),
-      kept_factors_(static_cast<std::size_t>(kept_factors)) {
+      kept_factors_(static_cast<std::size_t>(kept_factors)),
+      precision_(is_saddle() ? Precision::full : precision) {
   const SymmetricPattern& pattern = assembly_.pattern();
   if (!assembly_.multipliers().empty() && !assembly_.has_stabilised_pressures() &&
       !solver->pivots()) {
@@ -279,7 +281,7 @@ Eigen::MatrixXd HeldBody::times_tangent(const Eigen::MatrixXd& columns) const {
   return product;
 }
 
-TangentFactor* HeldBody::factorise(const NodalVector& state) {
+TangentFactor* HeldBody::factorise(const NodalVector& state, Precision precision) {
   if (assembly_.is_linear()) {
     if (TangentFactor* factor = find_factor(state)) return factor;
   }
@@ -288,7 +290,7 @@ TangentFactor* HeldBody::factorise(const NodalVector& state) {
   assemble_tangent(state);
   const Timer timer(work_.factorisation_seconds);
   ++work_.factorisations;
-  if (factor.solver->factorise(values_) != FactorStatus::ok) return nullptr;
+  if (factor.solver->factorise(values_, precision) != FactorStatus::ok) return nullptr;
   factor.state = state;
   factor.made = factor.last_use = ++uses_;
   return &factor;

@@ -29,7 +29,9 @@ class HeldBody {
   /// @param scene Checked.
   /// @param kept_factors At least 2: that of the start of a step and that of where it is.
   /// @throws InputError a body that the linear solver cannot factorise.
-  HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors);
+  /// @param precision Of factors; a saddle has those of full precision in any case.
+  HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
+           Precision precision);
 
   /// @throws InputError a point that does not exist, is in no cell, is fixed, or is named twice.
   void hold(const Constraint& constraint);
@@ -77,7 +79,11 @@ class HeldBody {
   void assemble_tangent(const NodalVector& state);
   /// Assembles and factorises the tangent at a state, in place of the factor not used for longest;
   /// null where it is singular. A linear body has one factor for all states.
-  [[nodiscard]] TangentFactor* factorise(const NodalVector& state);
+  [[nodiscard]] TangentFactor* factorise(const NodalVector& state) {
+    return factorise(state, precision_);
+  }
+  /// The same, with the given precision.
+  [[nodiscard]] TangentFactor* factorise(const NodalVector& state, Precision precision);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
   /// Negative pivots beyond the one that each pressure has by right.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
@@ -114,6 +120,7 @@ class HeldBody {
   std::vector<char> fixed_;
   Assembly assembly_;
   std::size_t kept_factors_;
+  Precision precision_;
   std::vector<TangentFactor> factors_;
   long uses_ = 0;
   long uses_before_solve_ = 0;

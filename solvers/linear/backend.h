@@ -26,6 +26,10 @@ class Backend {
   /// Analysed for the same pattern, in the same order.
   [[nodiscard]] virtual std::unique_ptr<Backend> another() const = 0;
 
+  /// The same in single precision: its factors take half the memory and two thirds of the time, and
+  /// its solutions have six digits less the condition. Null: there is none.
+  [[nodiscard]] virtual std::unique_ptr<Backend> in_single_precision() const { return nullptr; }
+
   struct Pivots {
     /// In magnitude, the least one and the greatest. A least one of zero: there is no factor.
     double least = 0;

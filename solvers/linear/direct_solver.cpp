@@ -26,10 +26,14 @@ std::unique_ptr<LinearSolver> DirectSolver::another() const {
   return other;
 }
 
-FactorStatus DirectSolver::factorise(const std::vector<double>& values) {
+FactorStatus DirectSolver::factorise(const std::vector<double>& values, Precision precision) {
   negative_pivots_ = 0;
+  is_single_ = false;
   if (pattern_->size == 0) return FactorStatus::ok;  // everything is fixed
   if (!scaling_.scale(*pattern_, values)) return FactorStatus::singular;
+  if (precision == Precision::single_if_safe && factorise_in_single_precision()) {
+    return FactorStatus::ok;
+  }
   const Backend::Pivots pivots = backend_->factorise(scaling_.values());
   if (!(pivots.least > 0)) return FactorStatus::singular;
   if (pivots.least < kDoubt * pivots.greatest) {
@@ -42,10 +46,25 @@ FactorStatus DirectSolver::factorise(const std::vector<double>& values) {
   return FactorStatus::ok;
 }
 
+bool DirectSolver::factorise_in_single_precision() {
+  if (!tries_single_) return false;
+  if (single_ == nullptr) single_ = backend_->in_single_precision();
+  if (single_ != nullptr) {
+    const Backend::Pivots pivots = single_->factorise(scaling_.values());
+    is_single_ = pivots.least > 0 && pivots.least >= kDoubt * pivots.greatest;
+    negative_pivots_ = is_single_ ? pivots.negative : 0;
+  }
+  if (!is_single_) {  // matrices to come will be as this one
+    single_.reset();
+    tries_single_ = false;
+  }
+  return is_single_;
+}
+
 void DirectSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
   if (pattern_->size == 0) return;
   scaling_.before_solve(columns);
-  backend_->solve(columns);
+  used().solve(columns);
   scaling_.after_solve(columns);
 }
 

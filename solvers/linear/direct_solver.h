@@ -19,15 +19,25 @@ class DirectSolver final : public LinearSolver {
   [[nodiscard]] bool pivots() const override { return backend_->pivots(); }
   void analyse(const SymmetricPattern& pattern) override;
   [[nodiscard]] std::unique_ptr<LinearSolver> another() const override;
-  [[nodiscard]] FactorStatus factorise(const std::vector<double>& values) override;
+  using LinearSolver::factorise;
+  [[nodiscard]] FactorStatus factorise(const std::vector<double>& values,
+                                       Precision precision) override;
+  [[nodiscard]] bool is_single() const override { return is_single_; }
   void solve(Eigen::Ref<Eigen::MatrixXd> columns) override;
   [[nodiscard]] int negative_pivots() const override { return negative_pivots_; }
   [[nodiscard]] std::int64_t factor_bytes() const override {
-    return pattern_->size == 0 ? 0 : backend_->factor_bytes();
+    return pattern_->size == 0 ? 0 : used().factor_bytes();
   }
 
  private:
+  [[nodiscard]] bool factorise_in_single_precision();
+  [[nodiscard]] Backend& used() const { return is_single_ ? *single_ : *backend_; }
+
   std::unique_ptr<Backend> backend_;
+  /// Made when it is asked for; null: there is none, or it was not good enough.
+  std::unique_ptr<Backend> single_;
+  bool tries_single_ = true;
+  bool is_single_ = false;
   std::shared_ptr<const SymmetricPattern> pattern_;
   Scaling scaling_;
   int negative_pivots_ = 0;

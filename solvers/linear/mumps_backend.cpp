@@ -3,9 +3,12 @@
 
 #include <dlfcn.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "linear/mumps_team.h"
@@ -69,6 +72,8 @@ Plan make_plan(const SymmetricPattern& pattern) {
   return plan;
 }
 
+/// @tparam Mumps DMUMPS_STRUC_C or SMUMPS_STRUC_C. @tparam Real Its numbers.
+template <class Mumps, class Real>
 class MumpsBackend final : public Backend {
  public:
   explicit MumpsBackend(std::shared_ptr<MumpsTeam> team)
@@ -107,8 +112,30 @@ class MumpsBackend final : public Backend {
     return other;
   }
 
+  [[nodiscard]] std::unique_ptr<Backend> in_single_precision() const override {
+    auto other = std::make_unique<MumpsBackend<SMUMPS_STRUC_C, float>>(team_);
+    if (plan_ != nullptr) other->analyse(plan_);
+    return other;
+  }
+
+  void analyse(std::shared_ptr<const Plan> plan) {
+    plan_ = std::move(plan);
+    mumps_.n = plan_->size;
+    mumps_.nnz = static_cast<MUMPS_INT8>(plan_->rows.size());
+    // Read only, but the interface is C.
+    mumps_.irn = const_cast<MUMPS_INT*>(plan_->rows.data());       // NOLINT
+    mumps_.jcn = const_cast<MUMPS_INT*>(plan_->columns.data());    // NOLINT
+    mumps_.perm_in = const_cast<MUMPS_INT*>(plan_->order.data());  // NOLINT
+    run(kAnalyse, "analyse the pattern of");
+  }
+
   Pivots factorise(const std::vector<double>& values) override {
-    mumps_.a = const_cast<double*>(values.data());  // NOLINT: read only, but the interface is C
+    if constexpr (std::is_same_v<Real, double>) {
+      mumps_.a = const_cast<double*>(values.data());  // NOLINT: read only, but the interface is C
+    } else {
+      values_.assign(values.begin(), values.end());
+      mumps_.a = values_.data();
+    }
     for (;;) {
       team_->run(kFactorise, instance_, mumps_);
       const int error = mumps_.infog[0];
@@ -122,32 +149,35 @@ class MumpsBackend final : public Backend {
   }
 
   void solve(Eigen::Ref<Eigen::MatrixXd> columns) override {
-    mumps_.rhs = columns.data();
     mumps_.nrhs = static_cast<MUMPS_INT>(columns.cols());
-    mumps_.lrhs = static_cast<MUMPS_INT>(columns.outerStride());
     icntl(27) = mumps_.nrhs;
-    run(kSolve, "solve with");
+    if constexpr (std::is_same_v<Real, double>) {
+      mumps_.rhs = columns.data();
+      mumps_.lrhs = static_cast<MUMPS_INT>(columns.outerStride());
+      run(kSolve, "solve with");
+    } else {
+      // Each column by a power of two: residuals may be too small for single precision.
+      Eigen::RowVectorXd scale(columns.cols());
+      for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+        scale[c] = std::ldexp(1.0, std::ilogb(columns.col(c).template lpNorm<Eigen::Infinity>()));
+        if (!(scale[c] > 0 && std::isfinite(scale[c]))) scale[c] = 1;
+      }
+      columns_ = (columns * scale.cwiseInverse().asDiagonal()).template cast<Real>();
+      mumps_.rhs = columns_.data();
+      mumps_.lrhs = static_cast<MUMPS_INT>(columns_.rows());
+      run(kSolve, "solve with");
+      columns = columns_.template cast<double>() * scale.asDiagonal();
+    }
   }
 
   [[nodiscard]] std::int64_t factor_bytes() const override {
     const std::int64_t entries = mumps_.infog[28];  // INFOG(29); below zero it counts millions
     return (entries < 0 ? -1'000'000 * entries : entries) *
-           static_cast<std::int64_t>(sizeof(double));
+           static_cast<std::int64_t>(sizeof(Real));
   }
 
  private:
   MUMPS_INT& icntl(int number) { return mumps_.icntl[number - 1]; }
-
-  void analyse(std::shared_ptr<const Plan> plan) {
-    plan_ = std::move(plan);
-    mumps_.n = plan_->size;
-    mumps_.nnz = static_cast<MUMPS_INT8>(plan_->rows.size());
-    // Read only, but the interface is C.
-    mumps_.irn = const_cast<MUMPS_INT*>(plan_->rows.data());       // NOLINT
-    mumps_.jcn = const_cast<MUMPS_INT*>(plan_->columns.data());    // NOLINT
-    mumps_.perm_in = const_cast<MUMPS_INT*>(plan_->order.data());  // NOLINT
-    run(kAnalyse, "analyse the pattern of");
-  }
 
   void run(MumpsJob job, const char* what) {
     team_->run(job, instance_, mumps_);
@@ -164,8 +194,11 @@ class MumpsBackend final : public Backend {
 
   std::shared_ptr<MumpsTeam> team_;
   int instance_;
-  DMUMPS_STRUC_C mumps_{};
+  Mumps mumps_{};
   std::shared_ptr<const Plan> plan_;
+  /// In single precision: what MUMPS reads and writes.
+  std::vector<Real> values_;
+  Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> columns_;
 };
 
 }  // namespace
@@ -176,7 +209,7 @@ std::unique_ptr<Backend> make_mumps_backend() {
 }
 
 std::unique_ptr<Backend> make_mumps_backend(std::shared_ptr<MumpsTeam> team) {
-  return std::make_unique<MumpsBackend>(std::move(team));
+  return std::make_unique<MumpsBackend<DMUMPS_STRUC_C, double>>(std::move(team));
 }
 
 }  // namespace palpate

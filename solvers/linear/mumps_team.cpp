@@ -27,8 +27,9 @@ struct MumpsTeam::Order {
   bool release = false;
   MumpsJob job = kTerminate;
   int instance = 0;
+  bool single = false;
   MUMPS_INT icntl[60] = {};
-  DMUMPS_REAL cntl[15] = {};
+  double cntl[15] = {};
 };
 
 MumpsTeam::MumpsTeam(MPI_Comm comm) {
@@ -47,36 +48,54 @@ MumpsTeam::~MumpsTeam() {
   if (comm_ != MPI_COMM_SELF) MPI_Comm_free(&comm_);
 }
 
-void MumpsTeam::run(MumpsJob job, int instance, DMUMPS_STRUC_C& mumps) {
+template <class Mumps>
+void MumpsTeam::run_any(MumpsJob job, int instance, Mumps& mumps) {
   if (mpi_has_ended()) return;  // an object that outlived main()
   Order order;
   order.job = job;
   order.instance = instance;
+  order.single = std::is_same_v<Mumps, SMUMPS_STRUC_C>;
   std::copy(std::begin(mumps.icntl), std::end(mumps.icntl), order.icntl);
   std::copy(std::begin(mumps.cntl), std::end(mumps.cntl), order.cntl);
   send(order);
   mumps.job = job;
   mumps.comm_fortran = static_cast<MUMPS_INT>(MPI_Comm_c2f(comm_));
-  dmumps_c(&mumps);
+  call_mumps(mumps);
+}
+
+void MumpsTeam::run(MumpsJob job, int instance, DMUMPS_STRUC_C& mumps) {
+  run_any(job, instance, mumps);
+}
+
+void MumpsTeam::run(MumpsJob job, int instance, SMUMPS_STRUC_C& mumps) {
+  run_any(job, instance, mumps);
 }
 
 void MumpsTeam::serve() {
-  std::map<int, DMUMPS_STRUC_C> instances;
-  for (Order order = receive(); !order.release; order = receive()) {
+  std::map<int, DMUMPS_STRUC_C> double_instances;
+  std::map<int, SMUMPS_STRUC_C> single_instances;
+  const auto obey = [this](const Order& order, auto& instances) {
     if (order.job == kInitialise) {
-      DMUMPS_STRUC_C& fresh = instances[order.instance] = {};
+      auto& fresh = instances[order.instance] = {};
       fresh.sym = 2;
       fresh.par = 1;
       fresh.comm_fortran = static_cast<MUMPS_INT>(MPI_Comm_c2f(comm_));
     }
-    DMUMPS_STRUC_C& mumps = instances.at(order.instance);
+    auto& mumps = instances.at(order.instance);
     if (order.job != kInitialise) {  // which sets the defaults
       std::copy(std::begin(order.icntl), std::end(order.icntl), mumps.icntl);
       std::copy(std::begin(order.cntl), std::end(order.cntl), mumps.cntl);
     }
     mumps.job = order.job;
-    dmumps_c(&mumps);  // rank 0 learns of what fails
+    call_mumps(mumps);  // rank 0 learns of what fails
     if (order.job == kTerminate) instances.erase(order.instance);
+  };
+  for (Order order = receive(); !order.release; order = receive()) {
+    if (order.single) {
+      obey(order, single_instances);
+    } else {
+      obey(order, double_instances);
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <dmumps_c.h>
 #include <mpi.h>
+#include <smumps_c.h>
 
 #include <memory>
 
@@ -13,6 +14,9 @@ class Backend;
 
 /// Jobs of the MUMPS interface.
 enum MumpsJob { kInitialise = -1, kTerminate = -2, kAnalyse = 1, kFactorise = 2, kSolve = 3 };
+
+inline void call_mumps(DMUMPS_STRUC_C& mumps) { dmumps_c(&mumps); }
+inline void call_mumps(SMUMPS_STRUC_C& mumps) { smumps_c(&mumps); }
 
 class MumpsTeam {
  public:
@@ -27,12 +31,16 @@ class MumpsTeam {
   [[nodiscard]] int new_instance() { return num_instances_++; }
   /// On rank 0: runs a job of an instance on all ranks, with its control parameters.
   void run(MumpsJob job, int instance, DMUMPS_STRUC_C& mumps);
+  /// The same in single precision.
+  void run(MumpsJob job, int instance, SMUMPS_STRUC_C& mumps);
 
   /// On the other ranks: does what rank 0 says until it releases them.
   void serve();
 
  private:
   struct Order;
+  template <class Mumps>
+  void run_any(MumpsJob job, int instance, Mumps& mumps);
   void send(const Order& order);
   [[nodiscard]] Order receive();
 

@@ -2,6 +2,7 @@
 #include "schedule/scheduler.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -17,11 +18,7 @@ enum Tag : int {
   /// The answers to a request.
   kShare,
   kRefusal,
-  /// A share for one that left word.
-  kLateShare,
   kRequest,
-  /// A request that leaves word where it is refused.
-  kRequestLater,
   /// A wave on its way down the tree, and on its way up.
   kWave,
   kLastWave,
@@ -30,19 +27,23 @@ enum Tag : int {
 };
 
 /// These can make a rank busy, or follow from a message that did.
-bool is_counted(int tag) { return tag <= kShare || tag == kLateShare; }
+bool is_counted(int tag) { return tag <= kShare; }
 
 /// Ranks below one in the tree of the waves.
 constexpr int kChildren = 4;
 /// Between waves in vain, s: long to the network, short to a task.
 constexpr double kBetweenWaves = 1e-3;
 
-/// Requests at random before word is left.
-constexpr int kEarlyTries = 1;
-/// Between later ones, doubled each time, s. With the longest, a busy rank spends a few µs of 16 ms
-/// on refusals, however many are idle.
+/// Requests that follow at once when they are refused.
+constexpr int kEarlyTries = 2;
+/// Between the refusal of a later one and the next, doubled each time, s. With the longest, a busy
+/// rank spends a few µs of each 4 ms on refusals, however many are idle.
 constexpr double kShortestPause = 1e-3;
-constexpr double kLongestPause = 16e-3;
+constexpr double kLongestPause = 4e-3;
+/// After which another rank is asked too, s: one that does not poll answers late. Not shorter than
+/// a common task, or the shares would come in twos.
+constexpr double kPatience = 50e-3;
+constexpr int kMostUnanswered = 4;
 
 template <class T>
 Bytes bytes_of(const T& value) {
@@ -66,7 +67,6 @@ ScheduleReport& ScheduleReport::operator+=(const ScheduleReport& other) {
   bytes += other.bytes;
   steals_asked += other.steals_asked;
   steals_granted += other.steals_granted;
-  shares_pushed += other.shares_pushed;
   idle_seconds += other.idle_seconds;
   most_queued = std::max(most_queued, other.most_queued);
   most_queued_bytes = std::max(most_queued_bytes, other.most_queued_bytes);
@@ -106,10 +106,6 @@ Scheduler::Scheduler(Worker& worker, Network& network, const ScheduleOptions& op
       most_unread_(options.most_unread_bytes),
       pause_(kShortestPause),
       random_(mix(static_cast<std::uint64_t>(rank_))) {
-  for (int bit = 1; bit < size_; bit *= 2) {
-    if ((rank_ ^ bit) < size_) lifelines_.push_back(rank_ ^ bit);
-  }
-  left_word_.assign(lifelines_.size(), false);
   if (rank_ > 0) parent_ = (rank_ - 1) / kChildren;
   for (std::int64_t i = 1; i <= kChildren; ++i) {
     const std::int64_t child = std::int64_t{kChildren} * rank_ + i;
@@ -124,11 +120,9 @@ Scheduler::Step Scheduler::step() {
   if (stopped_ && !std::exchange(discarded_, true)) guard([&] { worker_.discard(); });
   take_shares();
   deliver();
-  serve_waiting();
   if (may_work()) {
     note(Step::busy);
     execute_task();
-    serve_waiting();
     return Step::busy;
   }
   if (!inbox_.empty()) return note(Step::busy);
@@ -181,10 +175,7 @@ void Scheduler::send(int rank, Bytes message) {
 }
 
 bool Scheduler::poll() {
-  if (in_task_) {
-    take_in_messages();
-    serve_waiting();
-  }
+  if (in_task_) take_in_messages();
   return !stopped_;
 }
 
@@ -210,15 +201,11 @@ void Scheduler::take_in(Message&& message) {
     case kShare:
       --num_asked_;
       ++report_.steals_granted;
-      got_share(std::move(message));
+      last_giver_ = message.from;
+      shares_.push_back(std::move(message));
       break;
-    case kRefusal: --num_asked_; break;
-    case kLateShare:
-      ++report_.shares_pushed;
-      got_share(std::move(message));
-      break;
-    case kRequest: answer(message.from, false); break;
-    case kRequestLater: answer(message.from, true); break;
+    case kRefusal: hear_refusal(); break;
+    case kRequest: answer(message.from); break;
     case kWave: open_wave(false); break;
     case kLastWave: open_wave(true); break;
     case kJoined: {
@@ -285,72 +272,34 @@ void Scheduler::execute_task() {
 
 // Stealing
 
-void Scheduler::answer(int asker, bool leaves_word) {
-  Bytes given = share();
-  const auto waits = std::find(waiting_.begin(), waiting_.end(), asker);
-  if (!given.empty()) {
-    if (waits != waiting_.end()) waiting_.erase(waits);
-    transmit(asker, kShare, std::move(given));
-    return;
-  }
-  if (leaves_word && waits == waiting_.end()) waiting_.push_back(asker);
-  transmit(asker, kRefusal, {});
-}
-
-void Scheduler::serve_waiting() {
-  while (!waiting_.empty()) {
-    Bytes given = share();
-    if (given.empty()) return;
-    const int asker = waiting_.front();
-    waiting_.pop_front();
-    transmit(asker, kLateShare, std::move(given));
-  }
-}
-
-/// Empty when no task can be spared.
-Bytes Scheduler::share() {
-  Bytes given;
-  if (!stopped_ && (in_task_ || worker_.has_work())) guard([&] { given = worker_.give(); });
-  return given;
-}
-
-void Scheduler::got_share(Message&& share) {
-  last_giver_ = share.from;
-  for (std::size_t i = 0; i < lifelines_.size(); ++i) {
-    if (lifelines_[i] == share.from) left_word_[i] = false;
-  }
-  shares_.push_back(std::move(share));
+void Scheduler::answer(int asker) {
+  Bytes share;
+  if (!stopped_ && (in_task_ || worker_.has_work())) guard([&] { share = worker_.give(); });
+  assert(in_task_ || share.empty() || worker_.has_work());
+  const Tag tag = share.empty() ? kRefusal : kShare;
+  transmit(asker, tag, std::move(share));
 }
 
 bool Scheduler::may_ask() const {
-  return num_asked_ == 0 && !last_wave_ && !stopped_ && size_ > 1;
+  return num_asked_ < kMostUnanswered && !last_wave_ && !stopped_ && size_ > 1;
 }
 
 void Scheduler::ask_for_work() {
-  const int tries = num_tries_++;
-  if (tries == 0 && last_giver_ >= 0) {
-    ask(last_giver_, false);
-    return;
-  }
-  if (tries <= kEarlyTries) {
-    ask(random_rank(), false);
-    return;
-  }
-  for (std::size_t i = 0; i < lifelines_.size(); ++i) {
-    if (left_word_[i]) continue;
-    left_word_[i] = true;
-    ask(lifelines_[i], true);
-  }
-  if (num_asked_ > 0) return;
-  ask(random_rank(), false);
-  next_try_ = network_.now() + pause_;
-  pause_ = std::min(2 * pause_, kLongestPause);
-}
-
-void Scheduler::ask(int victim, bool leaves_word) {
+  const bool first = num_tries_++ == 0;
+  next_try_ = network_.now() + kPatience;
   ++num_asked_;
   ++report_.steals_asked;
-  transmit(victim, leaves_word ? kRequestLater : kRequest, {});
+  transmit(first && last_giver_ >= 0 ? last_giver_ : random_rank(), kRequest, {});
+}
+
+void Scheduler::hear_refusal() {
+  --num_asked_;
+  if (num_tries_ < kEarlyTries) {
+    next_try_ = 0;
+  } else {
+    next_try_ = std::min(next_try_, network_.now() + pause_);
+    pause_ = std::min(2 * pause_, kLongestPause);
+  }
 }
 
 /// Any but this one.

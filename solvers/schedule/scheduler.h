@@ -6,11 +6,13 @@
 // which so knows of duplicates. It is delivered between tasks, before the next one.
 //
 // Stealing. Hashing alone leaves ranks idle, so a rank without work asks others for a share of
-// theirs: first the one that gave last, then one at random. In vain: it leaves word with its
-// neighbours in a hypercube (the ranks that differ in one bit, its lifelines [LGB]), which send a
-// share as soon as they can spare one, and asks on at random, ever more rarely. So a share spreads
-// to P idle ranks in log₂ P steps, and the many that are idle at the end do not drown the few that
-// are busy: each of these is asked about as often as each idle rank asks.
+// theirs: first the one that gave last, then one at random after the other, with a pause of a few
+// ms where it is refused. Because of the pauses, and since a request may go to any rank, the many
+// that are idle at the end do not drown the few that are busy: each of these is asked as often as
+// each idle rank asks. Where a request stays unanswered for long, since the other one does not poll,
+// a next one is asked as well. In the simulator, lifelines [LGB], over which a rank that has got work
+// shares it with neighbours that asked before, took longer and moved four times as many shares: many
+// went to ranks that had got work meanwhile.
 //
 // Termination. The four-counter method [Mattern, section 4]: waves run over a tree of all ranks;
 // each rank joins a wave once it has neither work nor mail, with the numbers of messages that it
@@ -23,8 +25,8 @@
 // Memory. The worker's tasks are its own matter. A rank executes no task while more than
 // ScheduleOptions::most_unread_bytes of its mail lie unread at their receivers (who tell the
 // sender): so all ranks together hold at most P times as much, and what one task and the answers to
-// its messages post. Of shares at most one per request lies unread, and one per lifeline:
-// 2 log₂ P + 1.
+// its messages post. Of shares at most one for each unanswered request is under way to a rank, of
+// which there are four at most.
 //
 // [TDS] Romein, Plaat, Bal, Schaeffer, Transposition Table Driven Work Scheduling in Distributed
 // Search, AAAI 1999.
@@ -65,7 +67,7 @@ struct ScheduleReport {
   /// Requests for work sent, and those that brought a share.
   std::int64_t steals_asked = 0;
   std::int64_t steals_granted = 0;
-  /// Shares that came later, over a lifeline.
+  /// Shares that came without a request: none.
   std::int64_t shares_pushed = 0;
   /// Time without work, s.
   double idle_seconds = 0;
@@ -135,13 +137,10 @@ class Scheduler final : private Mail {
   Step note(Step step);
 
   // Stealing
-  void answer(int asker, bool leaves_word);
-  void serve_waiting();
-  [[nodiscard]] Bytes share();
-  void got_share(Message&& share);
+  void answer(int asker);
   [[nodiscard]] bool may_ask() const;
   void ask_for_work();
-  void ask(int victim, bool leaves_word);
+  void hear_refusal();
   [[nodiscard]] int random_rank();
 
   // Termination
@@ -177,11 +176,6 @@ class Scheduler final : private Mail {
   /// Bytes of each rank's mail that were read here without its knowing.
   std::unordered_map<int, std::size_t> unconfirmed_;
 
-  /// Ranks that left word, in the order in which they came.
-  std::deque<int> waiting_;
-  /// The neighbours in the hypercube, and whether word was left there.
-  std::vector<int> lifelines_;
-  std::vector<bool> left_word_;
   /// Requests that are not answered yet.
   int num_asked_ = 0;
   int last_giver_ = -1;

@@ -121,6 +121,7 @@ void Simulation::post(int from, int to, int tag, Bytes content) {
   sender.out_is_free = std::max(sender.out_is_free, sender.clock) +
                        static_cast<double>(bytes) / machine_.bandwidth;
   double arrival = sender.out_is_free + machine_.latency;
+  if (machine_.distance) arrival += machine_.distance(from, to);
   if (machine_.jitter > 0) {
     const double uniform = static_cast<double>(mix(++random_) >> 11) * 0x1p-53;
     arrival += machine_.jitter * std::pow(uniform, 16);
@@ -198,6 +199,8 @@ struct Range {
   int site;
   int first;
   int last;
+  /// From another rank, and none of it was begun here.
+  bool is_new = false;
 };
 
 class ForestWorker final : public Worker {
@@ -240,6 +243,7 @@ class ForestWorker final : public Worker {
   void take(const Bytes& share, Mail& /*mail*/) override {
     Range given{};
     std::memcpy(&given, share.data(), sizeof given);
+    given.is_new = true;
     waiting_.push_back(given);
   }
 
@@ -253,8 +257,10 @@ class ForestWorker final : public Worker {
     Range& near = waiting_.back();
     site_ = near.site >= 0 ? near.site : replay_.sites[near.first];
     task_ = near.site >= 0 ? replay_.children[tree()].task[near.first] : 0;
-    if (++near.first == near.last) waiting_.pop_back();
     left_ = cost();
+    if (near.is_new && near.site >= 0) left_ += replay_.options.start_seconds;
+    near.is_new = false;
+    if (++near.first == near.last) waiting_.pop_back();
   }
 
   void end(Mail& mail) {
@@ -466,7 +472,8 @@ class MasterWorker {
     ++num_tasks_;
     // The worker waits for each task anew, and does not see it at once.
     const double done = out_is_free_ + machine.latency + machine.reaction + machine.overhead +
-                        seconds + machine.overhead + machine.latency;
+                        (with_state ? options_.start_seconds : 0) + seconds + machine.overhead +
+                        machine.latency;
     done_.push({done, worker, task});
   }
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <queue>
 #include <unordered_map>
@@ -22,6 +23,8 @@ namespace palpate {
 struct Machine {
   /// From the moment a message leaves until it arrives, s.
   double latency = 5e-6;
+  /// Added to it between two ranks (from, to), s; empty: nothing.
+  std::function<double(int, int)> distance;
   /// At which a rank puts out its messages, one after the other, bytes/s.
   double bandwidth = 5e9;
   /// Of the processor for each message that it sends or receives, s.
@@ -133,6 +136,9 @@ struct ForestOptions {
   double poll_interval = 25e-3;
   /// The state that a task starts from where it is sent with it.
   std::size_t state_bytes = 200'000;
+  /// Before the first task of a share that starts from a state: its factorisation, which the giver
+  /// has, s.
+  double start_seconds = 25e-3;
   /// What is posted to the home of a state that was found.
   std::size_t summary_bytes = 300;
 };

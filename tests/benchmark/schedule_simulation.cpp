@@ -97,7 +97,7 @@ void print_table(const std::string& path, int num_sites, unsigned seed) {
                 tds.makespan, 100 * tds.efficiency, 100 * forest.work() / (ranks * least),
                 100 * round_robin.efficiency, 100 * by_hash.efficiency,
                 100 * master_worker.efficiency,
-                static_cast<long long>(tds.report.steals_granted + tds.report.shares_pushed),
+                static_cast<long long>(tds.report.steals_granted),
                 static_cast<double>(tds.report.messages) / static_cast<double>(tds.tasks), took);
     std::fflush(stdout);
   }

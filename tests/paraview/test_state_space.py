@@ -19,14 +19,17 @@ NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)
 
 def test_every_property():
     space = PrecomputeStateSpace(Input=scene("every"), ActiveNodes=[1, 2], TipRadius=0.01,
-                                 HalfWidth=0.02, Resolution=5, ForceLimit=3,
+                                 HalfWidth=0.02, Resolution=5, ForceLimit=3, Tolerance=0.1,
+                                 ToleranceType="Absolute", LogInterval=3,
+                                 SinglePrecisionFactors=0,
                                  FileName="every.palpate", SolverTolerance=1e-9,
                                  MaximumSeconds=60, DisplacementBound=1e-2)
     assert list(space.ActiveNodes) == [1, 2] and space.TipRadius == 0.01
     assert (space.HalfWidth, space.Resolution, space.ForceLimit) == (0.02, 5, 3)
     assert space.FileName == "every.palpate"
     assert (space.SolverTolerance, space.DisplacementBound) == (1e-9, 1e-2)
-    assert space.MaximumSeconds == 60
+    assert space.MaximumSeconds == 60 and space.SinglePrecisionFactors == 0 and space.LogInterval == 3
+    assert (space.Tolerance, space.ToleranceType) == (0.1, "Absolute")
     reader = StateSpaceReader(FileName="every.palpate", DisplacementBound=1e-2)
     assert reader.DisplacementBound == 1e-2
     touch = TouchStateSpace(Input=reader, ActiveNode=2, Displacement=[1, 2, 3])
@@ -206,6 +209,42 @@ def test_resume():
     body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
     again = fetch_space(precompute(body, nodes, FileName="resume.palpate"))["Configurations"]
     assert field(again, "Solved")[0] == 0
+
+
+def test_tolerance():
+    boundary = scene("tolerance")
+    node = node_at(boundary, CORNER)
+    settings = {"HalfWidth": 0.06, "FileName": "tolerance.palpate"}
+    loose = fetch_space(precompute(boundary, [node], Tolerance=0.05, **settings))["Configurations"]
+    solved = field(loose, "Solved")[0]
+    space = precompute(boundary, [node], Tolerance=0.003, **settings)
+    configurations = fetch_space(space)["Configurations"]
+    assert field(configurations, "Reused")[0] == solved >= 125
+    assert field(configurations, "Solved")[0] > 0
+    for name, value in (("Tolerance", 0.003), ("ToleranceIsRelative", 1), ("CoarsestCell", 64)):
+        assert field(configurations, name)[0] == value, name
+    largest = numpy.linalg.norm(point_array(configurations, "Force"), axis=1).max()
+    SaveData("tolerance.vtpc", proxy=space, DataMode="Binary")
+    touch = TouchStateSpace(Input=space, ActiveNode=node)
+    saved = TouchStateSpace(Input=OpenDataFile(os.path.abspath("tolerance.vtpc")), ActiveNode=node)
+    exact = SolveEquilibrium(Input=boundary, ActiveNode=[node])
+    compared = 0
+    for t in numpy.random.default_rng(8).uniform(-0.06, 0.06, (20, 3)):
+        exact.Displacement = touch.Displacement = saved.Displacement = list(t)
+        solution, touched = fetch(exact), fetch(touch)
+        force = field(touched, "Force")[0]
+        assert (field(fetch(saved), "Force")[0] == force).all()
+        if field(touched, "Found")[0] != INSIDE or field(solution, "Flags")[0] != 0:
+            continue
+        compared += 1
+        error = numpy.linalg.norm(force - field(solution, "ReactionForce")[0])
+        assert error <= 0.003 * largest, (t, error / largest)
+    assert compared > 5
+    # In N the same tolerance is the same space.
+    other = fetch_space(precompute(boundary, [node], HalfWidth=0.06, ToleranceType="Absolute",
+                                   Tolerance=0.05 * largest))["Configurations"]
+    assert field(other, "Solved")[0] >= 125
+    expect_error(lambda: precompute(boundary, [node], Tolerance=-1).UpdatePipeline(), "tolerance")
 
 
 def test_the_same_body_again_is_not_solved_again():

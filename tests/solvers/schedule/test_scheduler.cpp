@@ -238,10 +238,12 @@ class Pile : public Worker {
   [[nodiscard]] bool has_work() const override { return num_tasks_ > 0; }
   void work(Mail& mail) override {
     --num_tasks_, ++num_executed;
+    in_task_ = true;
     during(mail);
+    in_task_ = false;
   }
   [[nodiscard]] Bytes give() override {
-    const int half = (num_tasks_ + 1) / 2;
+    const int half = (num_tasks_ + (in_task_ ? 1 : 0)) / 2;
     num_tasks_ -= half;
     num_given += half;
     return Bytes(static_cast<std::size_t>(half));
@@ -257,6 +259,7 @@ class Pile : public Worker {
 
  private:
   int num_tasks_;
+  bool in_task_ = false;
 };
 
 TEST_F(SchedulerOnRanks, OthersStealFromWithinALongTask) {
@@ -271,7 +274,7 @@ TEST_F(SchedulerOnRanks, OthersStealFromWithinALongTask) {
   ASSERT_TRUE(run(worker, *world_, &report));
   const ScheduleReport total = sum(*world_, report);
   EXPECT_EQ(total.tasks, num_tasks);
-  EXPECT_GT(total.steals_granted + total.shares_pushed, 0);
+  EXPECT_GT(total.steals_granted, 0);
   if (world_->rank() == last()) {
     EXPECT_GE(worker.num_given, num_tasks - 1);
   }
