@@ -107,8 +107,7 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("Ranks", report.num_ranks);
   add("Cells", report.num_cells);
   add("Unknowns", report.num_unknowns);
-  add("Shares", static_cast<double>(
-    report.schedule.steals_granted + report.schedule.shares_pushed));
+  add("Shares", static_cast<double>(report.schedule.steals_granted));
   add("IdleSeconds", report.schedule.idle_seconds);
   add("Solved", static_cast<double>(report.num_solved));
   add("Reused", static_cast<double>(report.num_reused));

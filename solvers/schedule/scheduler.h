@@ -67,8 +67,6 @@ struct ScheduleReport {
   /// Requests for work sent, and those that brought a share.
   std::int64_t steals_asked = 0;
   std::int64_t steals_granted = 0;
-  /// Shares that came without a request: none.
-  std::int64_t shares_pushed = 0;
   /// Time without work, s.
   double idle_seconds = 0;
   /// Most mail that lay unread at one time, messages and bytes (with kMessageBytes each).

@@ -490,18 +490,19 @@ TEST(SimulatedMasterWorker, HandsOutOneTaskAfterTheOther) {
   EXPECT_NEAR(simulate_master_worker(one_star, 5, options).makespan, 14, 0.01);
 }
 
-/// Rank 2 has eight tasks of 10 ms, each of which posts a message to rank 1.
+/// Each task posts a message to rank 1.
 class Reporter final : public Worker {
  public:
-  Reporter(Simulation& simulation, int num_tasks)
-      : simulation_(simulation), num_tasks_(num_tasks) {}
+  Reporter(Simulation& simulation, int num_tasks, double seconds)
+      : simulation_(simulation), num_tasks_(num_tasks), seconds_(seconds) {}
 
   void receive(int from, const Bytes&, Mail&) override { ++num_received[from]; }
   [[nodiscard]] bool has_work() const override { return num_tasks_ > 0; }
   void work(Mail& mail) override {
     --num_tasks_;
-    simulation_.spend(mail.rank(), 0.01);
+    simulation_.spend(mail.rank(), seconds_);
     mail.send(1, {});
+    done_at = simulation_.now(mail.rank());
   }
   [[nodiscard]] Bytes give() override {
     const int half = num_tasks_ / 2;
@@ -512,32 +513,54 @@ class Reporter final : public Worker {
   void discard() override { num_tasks_ = 0; }
 
   std::map<int, int> num_received;
+  double done_at = 0;
 
  private:
   Simulation& simulation_;
   int num_tasks_;
+  double seconds_;
 };
 
 TEST(Scheduler, TheEndIsNotFoundWhileAShareIsLongUnderWay) {
-  // What rank 3 gets from rank 2 and posts to rank 1 travels over links that no wave takes, and
-  // arrives long after all else is done.
+  // What rank 3 gets from rank 2 and posts to rank 1, and the word that it was read, travel over
+  // links that no wave takes, and arrive long after all else is done.
   Machine machine;
   machine.distance = [](int from, int to) {
-    return (from == 2 && to == 3) || (from == 3 && to == 1) ? 0.3 : 0.0;
+    return (from == 2 && to == 3) || (from == 3 && to == 1) || (from == 1 && to == 3) ? 0.3 : 0.0;
   };
+  ScheduleOptions options;
+  options.most_unread_bytes = 0;
   Simulation simulation(4, machine);
   std::vector<std::unique_ptr<Reporter>> workers;
   std::vector<Worker*> addresses;
   for (int r = 0; r < 4; ++r) {
-    workers.push_back(std::make_unique<Reporter>(simulation, r == 2 ? 8 : 0));
+    workers.push_back(std::make_unique<Reporter>(simulation, r == 2 ? 8 : 0, 0.01));
     addresses.push_back(workers.back().get());
   }
-  ASSERT_TRUE(simulation.run(addresses));
+  ASSERT_TRUE(simulation.run(addresses, options));
   std::map<int, int>& num_received = workers[1]->num_received;
   EXPECT_EQ(num_received[0] + num_received[1] + num_received[2] + num_received[3], 8);
   EXPECT_GT(num_received[3], 0);
-  EXPECT_GT(simulation.makespan(), 0.6);
+  EXPECT_GT(simulation.makespan(), 0.9);
   EXPECT_EQ(simulation.num_under_way(), 0);
+}
+
+TEST(Scheduler, ARankThatDoesNotPollDoesNotHoldOthersUp) {
+  // Rank 0 answers after ten seconds. The tasks of rank 1 take 4 s on it alone, 0.6 s on all others.
+  constexpr int ranks = 8;
+  Simulation simulation(ranks, {});
+  std::vector<std::unique_ptr<Reporter>> workers;
+  std::vector<Worker*> addresses;
+  for (int r = 0; r < ranks; ++r) {
+    const int num_tasks = r == 0 ? 1 : r == 1 ? 400 : 0;
+    workers.push_back(std::make_unique<Reporter>(simulation, num_tasks, r == 0 ? 10 : 0.01));
+    addresses.push_back(workers.back().get());
+  }
+  ASSERT_TRUE(simulation.run(addresses));
+  for (int r = 1; r < ranks; ++r) {
+    EXPECT_GT(workers[r]->done_at, 0.3) << r;
+    EXPECT_LT(workers[r]->done_at, 1) << r;
+  }
 }
 
 /// Each task posts messages to rank 0, which is long at its own.
