@@ -22,32 +22,12 @@ std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
   return sum;
 }
 
-bool is_start(const ConfigurationSummary& found) {
-  return found.usable() && (found.flags & flags::beyond_force_limit) == 0;
-}
-
-std::vector<CheckPoint> corners_of(const Cell& cell) {
-  std::vector<CheckPoint> corners;
-  for (std::int32_t i : {0, cell.side}) {
-    for (std::int32_t j : {0, cell.side}) {
-      for (std::int32_t k : {0, cell.side}) {
-        corners.push_back({cell.first[0] + i, cell.first[1] + j, cell.first[2] + k});
-      }
-    }
-  }
-  return corners;
-}
-
-bool is_coarse(const Site& site, const CheckPoint& p) {
-  return p[0] % site.coarsest == 0 && p[1] % site.coarsest == 0 && p[2] % site.coarsest == 0;
-}
-
 }  // namespace
 
 AdaptiveGrid::AdaptiveGrid(const Site& site) : site_(site), coarse_(site) {}
 
 void AdaptiveGrid::recall(const ConfigurationSummary& found) {
-  if (is_coarse(site_, found.check_point)) {
+  if (coarse_.holds(found.check_point)) {
     coarse_.recall(found);
     found_[found.check_point] = found;
   } else {
@@ -56,7 +36,7 @@ void AdaptiveGrid::recall(const ConfigurationSummary& found) {
 }
 
 void AdaptiveGrid::accept(const ConfigurationSummary& found) {
-  if (is_coarse(site_, found.check_point)) {
+  if (coarse_.holds(found.check_point)) {
     coarse_.accept(found);
     found_[found.check_point] = found;
     return;
@@ -96,7 +76,7 @@ double AdaptiveGrid::tolerance(const std::vector<ConfigurationSummary>& found) c
   if (!site_.tolerance_is_relative) return site_.tolerance;
   double largest = 0;
   for (const ConfigurationSummary& c : found) {
-    if (is_start(c)) largest = std::max(largest, c.force.norm());
+    if (c.leads_on()) largest = std::max(largest, c.force.norm());
   }
   return site_.tolerance * largest;
 }
@@ -110,10 +90,9 @@ void AdaptiveGrid::plan_round() {
     for (const auto& [check_point, c] : found_) found.push_back(c);
     std::map<CheckPoint, std::set<CheckPoint>> corners_of_target;
     for (const Cell& cell : cells_to_split(site_, found, tolerance(found))) {
-      const std::vector<CheckPoint> corners = corners_of(cell);
       for (const CheckPoint& target : points_of_split(cell)) {
         if (found_.count(target) > 0) continue;
-        corners_of_target[target].insert(corners.begin(), corners.end());
+        for (int c = 0; c < 8; ++c) corners_of_target[target].insert(corner_of(cell, c));
       }
     }
     for (const auto& [target, corners] : corners_of_target) {
@@ -140,7 +119,7 @@ std::vector<CheckPoint> AdaptiveGrid::starts(const std::set<CheckPoint>& corners
   std::vector<CheckPoint> usable;
   for (const CheckPoint& corner : corners) {
     const auto found = found_.find(corner);
-    if (found != found_.end() && is_start(found->second)) usable.push_back(corner);
+    if (found != found_.end() && found->second.leads_on()) usable.push_back(corner);
   }
   std::sort(usable.begin(), usable.end(), [&](const CheckPoint& a, const CheckPoint& b) {
     const auto rank = [&](const CheckPoint& p) {

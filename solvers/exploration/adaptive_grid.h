@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "exploration/layered_grid.h"
-#include "interpolation/cell_tree.h"
 
 namespace palpate {
 

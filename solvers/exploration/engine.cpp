@@ -66,13 +66,6 @@ Configuration to_configuration(Equilibrium&& e) {
   return c;
 }
 
-void flag_limit(const Site& site, ConfigurationSummary& found) {
-  found.flags &= ~flags::beyond_force_limit;
-  if (site.force_limit > 0 && found.force.norm() > site.force_limit) {
-    found.flags |= flags::beyond_force_limit;
-  }
-}
-
 void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& report) {
   ++(reused ? report.num_reused : report.num_solved);
   ++report.num_by_outcome[found.outcome];
@@ -133,8 +126,7 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
   switch (content.take<Kind>()) {
     case Kind::recalled: {
       const auto node = content.take<Index>();
-      ConfigurationSummary summary = content.take_summary();
-      flag_limit(sites_.at(node), summary);
+      const ConfigurationSummary summary = content.take_summary();
       Home& home = homes_.at(node);
       home.frontier->recall(summary);
       if (summary.usable()) home.held[summary.check_point] = {summary, from};
@@ -297,7 +289,9 @@ Configuration Engine::make(const Branch& branch, const Target& target) {
   found.parent = branch.start.check_point;
   found.iterations += target.iterations;
   found.seconds += target.seconds;
-  flag_limit(site, found);
+  if (site.force_limit > 0 && found.force.norm() > site.force_limit) {
+    found.flags |= flags::beyond_force_limit;
+  }
   return found;
 }
 

@@ -64,10 +64,6 @@ std::vector<CheckPoint> candidates(const CheckPoint& target) {
   return starts;
 }
 
-bool leads_on(const ConfigurationSummary& found) {
-  return found.usable() && (found.flags & flags::beyond_force_limit) == 0;
-}
-
 /// In steps of the grid.
 std::vector<CheckPoint> following_on_grid(const CheckPoint& start, std::int32_t reach) {
   std::vector<CheckPoint> targets;
@@ -84,7 +80,7 @@ std::vector<CheckPoint> following_on_grid(const CheckPoint& start, std::int32_t 
 std::vector<CheckPoint> following(const Site& site, const ConfigurationSummary& found) {
   std::vector<CheckPoint> targets;
   const std::int32_t step = site.coarsest;
-  if (!leads_on(found) || !is_on_grid(found.check_point, step)) return targets;
+  if (!found.leads_on() || !is_on_grid(found.check_point, step)) return targets;
   targets = following_on_grid(on_grid(found.check_point, step), site.reach() / step);
   for (CheckPoint& target : targets) target = scaled(target, step);
   return targets;
@@ -112,7 +108,7 @@ void LayeredGrid::take_in(const ConfigurationSummary& found) {
   Status& status = at(p);
   if (status == Status::under_way) --num_under_way_;
   if (found.usable()) {
-    status = leads_on(found) ? Status::start : Status::no_start;
+    status = found.leads_on() ? Status::start : Status::no_start;
     failed_from_.erase(p);
   } else {
     status = Status::open;
@@ -120,14 +116,16 @@ void LayeredGrid::take_in(const ConfigurationSummary& found) {
   }
 }
 
+bool LayeredGrid::holds(const CheckPoint& p) const { return is_on_grid(p, step_); }
+
 void LayeredGrid::recall(const ConfigurationSummary& found) {
-  if (is_on_grid(found.check_point, step_)) take_in(found);
+  if (holds(found.check_point)) take_in(found);
 }
 
 void LayeredGrid::accept(const ConfigurationSummary& found) {
   take_in(found);
   const CheckPoint p = on_grid(found.check_point, step_);
-  if (leads_on(found)) {
+  if (found.leads_on()) {
     for (const CheckPoint& target : following_on_grid(p, reach_)) {
       // What follows may be heard of first.
       const auto failed = failed_from_.find(target);

@@ -29,6 +29,8 @@ class LayeredGrid final : public Frontier {
   [[nodiscard]] std::vector<CheckPoint> given_up() override;
   [[nodiscard]] std::int64_t num_expected() const override;
 
+  /// Whether a check-point is one of this grid's.
+  [[nodiscard]] bool holds(const CheckPoint& p) const;
   /// Nothing is under way, and nothing is due.
   [[nodiscard]] bool is_complete() const;
 

@@ -74,7 +74,6 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
   mine.put(report.num_expected);
   mine.put(report.iterations);
   mine.put(report.work);
-  mine.put(report.schedule);
   mine.put(report.num_by_outcome.size());
   for (const auto& [outcome, number] : report.num_by_outcome) {
     mine.put(outcome);
@@ -87,7 +86,7 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
   }
   report.num_solved = report.num_reused = report.num_expected = report.iterations = 0;
   report.work = {};
-  report.schedule = {};
+  report.schedule = sum(communicator, report.schedule);
   report.num_by_outcome.clear();
   report.num_by_flag.clear();
   for (const Bytes& bytes : communicator.all_gather(mine.take())) {
@@ -97,7 +96,6 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
     report.num_expected += of_rank.take<std::int64_t>();
     report.iterations += of_rank.take<std::int64_t>();
     report.work += of_rank.take<Work>();
-    report.schedule += of_rank.take<ScheduleReport>();
     for (auto left = of_rank.take<std::size_t>(); left > 0; --left) {
       const auto outcome = of_rank.take<Outcome>();
       report.num_by_outcome[outcome] += of_rank.take<std::int64_t>();

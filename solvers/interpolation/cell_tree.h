@@ -43,6 +43,19 @@ struct Cell {
   return parent;
 }
 
+/// One of the eight corners, z fastest.
+[[nodiscard]] inline CheckPoint corner_of(const Cell& cell, int which) {
+  return {cell.first[0] + cell.side * (which >> 2), cell.first[1] + cell.side * ((which >> 1) & 1),
+          cell.first[2] + cell.side * (which & 1)};
+}
+
+/// One of the 27 points of a cell's halves, z fastest; 0 is the first corner, 13 the centre.
+[[nodiscard]] inline CheckPoint point_of_halves(const Cell& cell, int which) {
+  const std::int32_t half = cell.side / 2;
+  return {cell.first[0] + half * (which / 9), cell.first[1] + half * (which / 3 % 3),
+          cell.first[2] + half * (which % 3)};
+}
+
 /// The trilinear weight of a corner of a cell, z fastest.
 [[nodiscard]] inline double corner_weight(int corner, const Vec3& s) noexcept {
   double weight = 1;

@@ -144,9 +144,7 @@ class Estimator {
     CellTree::Leaf parent;
     parent.cell = parent_of(child.cell, site_.reach());
     for (int corner = 0; corner < 8; ++corner) {
-      CheckPoint p = parent.cell.first;
-      for (int k = 0; k < 3; ++k) p[k] += ((corner >> (2 - k)) & 1) * parent.cell.side;
-      parent.corners[corner] = grid_.tree().find(p);
+      parent.corners[corner] = grid_.tree().find(corner_of(parent.cell, corner));
       if (!grid_.usable(parent.corners[corner])) return 0;
     }
     double error = 0;
@@ -235,16 +233,10 @@ std::vector<Cell> cells_to_split(const Site& site,
 }
 
 std::vector<CheckPoint> points_of_split(const Cell& cell) {
-  const std::int32_t half = cell.side / 2;
   std::vector<CheckPoint> points;
-  for (int x = 0; x < 3; ++x) {
-    for (int y = 0; y < 3; ++y) {
-      for (int z = 0; z < 3; ++z) {
-        if (x != 1 && y != 1 && z != 1) continue;
-        points.push_back({cell.first[0] + half * x, cell.first[1] + half * y,
-                          cell.first[2] + half * z});
-      }
-    }
+  for (int which = 0; which < 27; ++which) {
+    const bool is_corner = which / 9 != 1 && which / 3 % 3 != 1 && which % 3 != 1;
+    if (!is_corner) points.push_back(point_of_halves(cell, which));
   }
   return points;
 }

@@ -15,9 +15,6 @@ class SerialCommunicator final : public Communicator {
   [[nodiscard]] int size() const override { return 1; }
   [[nodiscard]] std::vector<Bytes> all_gather(const Bytes& mine) override { return {mine}; }
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override { return {mine}; }
-  void ask_to_stop() override {}
-  [[nodiscard]] bool stop_asked() override { return false; }
-  void forget_stop() override {}
   [[nodiscard]] Network& network() override { return *network_; }
 
  private:

@@ -29,15 +29,6 @@ class Communicator {
   /// @throws BackendError more than 16 GiB in all.
   [[nodiscard]] virtual std::vector<Bytes> gather(const Bytes& mine) = 0;
 
-  /// Asks the other ranks to stop: stop_asked() is true there as soon as the message has come,
-  /// whatever they are at.
-  virtual void ask_to_stop() = 0;
-  /// Whether another rank has asked.
-  [[nodiscard]] virtual bool stop_asked() = 0;
-  /// Takes all of that back.
-  /// @note Collective
-  virtual void forget_stop() = 0;
-
   /// For messages that are not collective: run() of scheduler.h.
   [[nodiscard]] virtual Network& network() = 0;
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "schedule/mpi_check.h"
 #include "schedule/mpi_network.h"
 
 namespace palpate {
@@ -17,8 +18,6 @@ namespace {
 
 /// Counts in MPI are ints; in units of eight bytes they reach to 16 GiB.
 constexpr std::int64_t kUnit = 8;
-
-constexpr int kStopTag = 1;
 
 class MpiCommunicator final : public Communicator {
  public:
@@ -55,28 +54,6 @@ class MpiCommunicator final : public Communicator {
                       layout.counts.data(), layout.offsets.data(), MPI_INT64_T, 0, comm_),
           "MPI_Gatherv");
     return rank_ == 0 ? split(layout, received) : std::vector<Bytes>();
-  }
-
-  void ask_to_stop() override {
-    if (std::exchange(has_asked_, true)) return;
-    for (int r = 0; r < size_; ++r) {
-      // Of no bytes: it needs nobody who receives it now.
-      if (r != rank_) check(MPI_Send(nullptr, 0, MPI_BYTE, r, kStopTag, comm_), "MPI_Send");
-    }
-  }
-
-  [[nodiscard]] bool stop_asked() override {
-    int has_come = 0;
-    check(MPI_Iprobe(MPI_ANY_SOURCE, kStopTag, comm_, &has_come, MPI_STATUS_IGNORE), "MPI_Iprobe");
-    return has_come != 0;
-  }
-
-  void forget_stop() override {
-    const std::vector<Bytes> asked = all_gather(std::exchange(has_asked_, false) ? Bytes(1) : Bytes());
-    for (int r = 0; r < size_; ++r) {
-      if (r == rank_ || asked[r].empty()) continue;
-      check(MPI_Recv(nullptr, 0, MPI_BYTE, r, kStopTag, comm_, MPI_STATUS_IGNORE), "MPI_Recv");
-    }
   }
 
   [[nodiscard]] Network& network() override { return *network_; }
@@ -124,16 +101,9 @@ class MpiCommunicator final : public Communicator {
     return all;
   }
 
-  static void check(int status, const char* call) {
-    if (status != MPI_SUCCESS) {
-      throw BackendError(std::string(call) + " failed with code " + std::to_string(status) + '.');
-    }
-  }
-
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
-  bool has_asked_ = false;
   std::unique_ptr<Network> network_;
 };
 

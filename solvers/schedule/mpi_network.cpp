@@ -7,12 +7,11 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
-#include <string>
 #include <thread>
 #include <unordered_map>
 #include <utility>
 
-#include "base/error.h"
+#include "schedule/mpi_check.h"
 
 namespace palpate {
 namespace {
@@ -24,12 +23,6 @@ constexpr std::size_t kPartBytes = 16 << 20;
 constexpr int kYields = 50;
 constexpr double kShortestSleep = 10e-6;  // s
 constexpr double kLongestSleep = 1e-3;    // s
-
-void check(int status, const char* call) {
-  if (status != MPI_SUCCESS) {
-    throw BackendError(std::string(call) + " failed with code " + std::to_string(status) + '.');
-  }
-}
 
 class MpiNetwork final : public Network {
  public:

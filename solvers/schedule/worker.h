@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
+#include "schedule/home.h"
 #include "schedule/network.h"
-#include "schedule/transposition.h"
 
 namespace palpate {
 

@@ -46,6 +46,10 @@ struct ConfigurationSummary {
 
   /// Safe to interpolate: converged, and a force and a stiffness are there.
   [[nodiscard]] bool usable() const { return outcome == Outcome::converged; }
+  /// Others may be reached from it: it is usable, and within the force limit.
+  [[nodiscard]] bool leads_on() const {
+    return usable() && (flags & flags::beyond_force_limit) == 0;
+  }
 };
 
 struct Configuration : ConfigurationSummary {

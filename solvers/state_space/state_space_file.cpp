@@ -274,6 +274,24 @@ std::string describe(const CheckPoint& c) {
          ')';
 }
 
+constexpr char kSiteColumns[] =
+    "active_node, tip_radius, half_width, resolution, force_limit, coarsest, tolerance, "
+    "tolerance_is_relative, complete";
+
+SiteSpace take_site(Statement& select) {
+  SiteSpace space;
+  space.site.active_node = static_cast<Index>(select.take_integer());
+  space.site.tip_radius = select.take_double();
+  space.site.half_width = select.take_double();
+  space.site.resolution = static_cast<std::int32_t>(select.take_integer());
+  space.site.force_limit = select.take_double();
+  space.site.coarsest = static_cast<std::int32_t>(select.take_integer());
+  space.site.tolerance = select.take_double();
+  space.site.tolerance_is_relative = select.take_integer() != 0;
+  space.complete = select.take_integer() != 0;
+  return space;
+}
+
 std::string describe(const Site& s) {
   return "tip radius " + number(s.tip_radius) + " m, half-width " + number(s.half_width) +
          " m, resolution " + std::to_string(s.resolution) + ", coarsest cells of side " +
@@ -500,10 +518,9 @@ Scene StateSpaceFile::read_scene() const {
 }
 
 void StateSpaceFile::add_site(const Site& site) {
-  for (const SiteSpace& there : read_sites()) {
-    if (there.site.active_node != site.active_node) continue;
-    require_extension(path(), there.site, site);
-    if (!(there.site == site)) extend(site);
+  if (const std::optional<Site> there = find_site(site.active_node)) {
+    require_extension(path(), *there, site);
+    if (!(*there == site)) extend(site);
     return;
   }
   Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
@@ -554,24 +571,19 @@ void StateSpaceFile::set_complete(Index active_node, bool complete) {
 }
 
 std::vector<SiteSpace> StateSpaceFile::read_sites() const {
-  Statement select(impl_->database,
-                   "SELECT active_node, tip_radius, half_width, resolution, force_limit, coarsest, "
-                   "tolerance, tolerance_is_relative, complete FROM site WHERE scene_id = 1 ORDER "
-                   "BY active_node");
+  Statement select(impl_->database, std::string("SELECT ") + kSiteColumns +
+                                        " FROM site WHERE scene_id = 1 ORDER BY active_node");
   std::vector<SiteSpace> sites;
-  while (select.step()) {
-    SiteSpace& space = sites.emplace_back();
-    space.site.active_node = static_cast<Index>(select.take_integer());
-    space.site.tip_radius = select.take_double();
-    space.site.half_width = select.take_double();
-    space.site.resolution = static_cast<std::int32_t>(select.take_integer());
-    space.site.force_limit = select.take_double();
-    space.site.coarsest = static_cast<std::int32_t>(select.take_integer());
-    space.site.tolerance = select.take_double();
-    space.site.tolerance_is_relative = select.take_integer() != 0;
-    space.complete = select.take_integer() != 0;
-  }
+  while (select.step()) sites.push_back(take_site(select));
   return sites;
+}
+
+std::optional<Site> StateSpaceFile::find_site(Index active_node) const {
+  Statement select(impl_->database, std::string("SELECT ") + kSiteColumns +
+                                        " FROM site WHERE scene_id = 1 AND active_node = ?");
+  select.bind(std::int64_t{active_node});
+  if (!select.step()) return std::nullopt;
+  return take_site(select).site;
 }
 
 void StateSpaceFile::add(Index active_node, const Configuration& configuration) {
@@ -681,14 +693,10 @@ void StateSpaceFile::merge(const std::vector<fs::path>& others) {
       sites = other.read_sites();
     }
     for (const SiteSpace& site : sites) {
-      const auto here = read_sites();
-      const auto same = std::find_if(here.begin(), here.end(), [&](const SiteSpace& s) {
-        return s.site.active_node == site.site.active_node;
-      });
-      if (same == here.end()) {
-        add_site(site.site);
+      if (const std::optional<Site> here = find_site(site.site.active_node)) {
+        require_extension(other_path, site.site, *here);
       } else {
-        require_extension(other_path, site.site, same->site);
+        add_site(site.site);
       }
     }
 

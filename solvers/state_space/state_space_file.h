@@ -27,6 +27,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -106,6 +107,7 @@ class StateSpaceFile {
  private:
   struct Impl;
   explicit StateSpaceFile(std::unique_ptr<Impl> impl);
+  [[nodiscard]] std::optional<Site> find_site(Index active_node) const;
   void extend(const Site& site);
   std::unique_ptr<Impl> impl_;
 };

@@ -9,6 +9,7 @@
 #include "interpolation/hermite_data.h"
 #include "interpolation/interpolator.h"
 #include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/work.h"
 
 namespace palpate {
 namespace {
@@ -132,21 +133,9 @@ TEST_P(Sites, NoWorkAroundAClosedLoop) {
   const TouchSite site = make(exponential);
   const auto interpolator = make_interpolator(Method::energy_hermite, site);
   const double h = site.site.spacing();
-  const double gauss[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)};
-  const double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
   double size = 0;
-  const auto work = [&](Vec3 from, int axis, int steps) {
-    double sum = 0;
-    for (int i = 0; i < std::abs(steps); ++i) {
-      const double step = steps > 0 ? h : -h;
-      for (int g = 0; g < 3; ++g) {
-        const TouchResult r = interpolator->evaluate(from + gauss[g] * step * Vec3::Unit(axis));
-        sum += weight[g] * step * r.force[axis];
-        size += weight[g] * h * std::abs(r.force[axis]);
-      }
-      from[axis] += step;
-    }
-    return sum;
+  const auto work = [&](const Vec3& from, int axis, int steps) {
+    return test::work_along(*interpolator, from, axis, steps, h, size);
   };
   const int n = site.site.reach();
   const Vec3 start = h * Vec3(-n + 1, -n + 2, 0.55 * n);

@@ -6,6 +6,7 @@
 #include "interpolation/hermite_data.h"
 #include "interpolation/interpolator.h"
 #include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/work.h"
 
 namespace palpate {
 namespace {
@@ -81,21 +82,9 @@ TEST(EnergyHermite, EnergyForceAndStiffnessAreContinuousAcrossCells) {
 TEST(EnergyHermite, NoWorkAroundAClosedLoop) {
   const auto interpolator = hermite(analytic_site(exponential));
   const double h = 2 * kHalfWidth / 6;
-  const double gauss[3] = {0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)};
-  const double weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
   double size = 0;
-  const auto work = [&](Vec3 from, int axis, int cells) {
-    double sum = 0;
-    for (int cell = 0; cell < std::abs(cells); ++cell) {
-      const double step = cells > 0 ? h : -h;
-      for (int g = 0; g < 3; ++g) {
-        const TouchResult r = interpolator->evaluate(from + gauss[g] * step * Vec3::Unit(axis));
-        sum += weight[g] * step * r.force[axis];
-        size += weight[g] * h * std::abs(r.force[axis]);
-      }
-      from[axis] += step;
-    }
-    return sum;
+  const auto work = [&](const Vec3& from, int axis, int cells) {
+    return test::work_along(*interpolator, from, axis, cells, h, size);
   };
   const Vec3 start = h * Vec3(-2, -1, 0.3);
   const double loop = work(start, 0, 4) + work(start + h * Vec3(4, 0, 0), 1, 3) +

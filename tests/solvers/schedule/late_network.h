@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "schedule/communicator.h"
-#include "schedule/transposition.h"
+#include "schedule/home.h"
 
 namespace palpate::test {
 
@@ -71,9 +71,6 @@ class LateCommunicator final : public Communicator {
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override {
     return communicator_.gather(mine);
   }
-  void ask_to_stop() override { communicator_.ask_to_stop(); }
-  [[nodiscard]] bool stop_asked() override { return communicator_.stop_asked(); }
-  void forget_stop() override { communicator_.forget_stop(); }
   [[nodiscard]] Network& network() override { return network_; }
 
   [[nodiscard]] bool all_delivered() const { return network_.is_empty(); }

@@ -10,6 +10,7 @@
 #include <functional>
 #include <set>
 #include <stdexcept>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -78,6 +79,22 @@ inline std::vector<Key> to_keys(const Bytes& bytes) {
   if (!keys.empty()) std::memcpy(keys.data(), bytes.data(), keys.size() * sizeof(Key));
   return keys;
 }
+
+/// Of a key of any length (FNV-1a, mixed).
+[[nodiscard]] inline std::uint64_t hash_of(const Bytes& key) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (const std::byte b : key) hash = (hash ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3u;
+  return mix(hash);
+}
+
+struct HashOfBytes {
+  [[nodiscard]] std::size_t operator()(const Bytes& key) const { return hash_of(key); }
+};
+
+/// What is known of the states that are at home on this rank, by the whole of their keys: states
+/// whose hashes collide stay apart.
+template <class Value>
+using TranspositionTable = std::unordered_map<Bytes, Value, HashOfBytes>;
 
 class GraphWorker : public Worker {
  public:

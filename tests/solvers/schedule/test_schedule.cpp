@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
 #include "base/error.h"
-#include "schedule/batch.h"
 #include "solvers/support/communicators.h"
 
 namespace palpate {
@@ -46,23 +44,6 @@ TEST_F(Schedule, AnyIsTrueEverywhereWhenTrueOnOne) {
   EXPECT_FALSE(any(*world_, false));
 }
 
-TEST_F(Schedule, ARankThatIsAskedToStopHearsOfItWhileItWorks) {
-  const int last = world_->size() - 1;
-  for (int again = 0; again < 2; ++again) {
-    EXPECT_FALSE(world_->stop_asked());
-    agree(*world_, [] {});
-    if (world_->rank() == last) {
-      world_->ask_to_stop();
-      world_->ask_to_stop();
-    } else {
-      while (!world_->stop_asked()) {
-      }
-      EXPECT_TRUE(world_->stop_asked());
-    }
-    world_->forget_stop();
-  }
-}
-
 TEST_F(Schedule, AnErrorOnOneRankIsThrownOnAll) {
   const int last = world_->size() - 1;
   try {
@@ -79,37 +60,6 @@ TEST_F(Schedule, AnErrorOnOneRankIsThrownOnAll) {
                      }),
                BackendError);
   EXPECT_NO_THROW(agree(*world_, [] {}));
-}
-
-TEST_F(Schedule, EachTaskRunsOnceOnItsOwnerAndAllRanksGetTheResults) {
-  constexpr int num_tasks = 37;
-  std::vector<int> owners;
-  for (int i = 0; i < num_tasks; ++i) owners.push_back((i * i) % world_->size());
-  std::vector<int> ran(num_tasks, 0);
-  const auto results = run_batch(*world_, owners, [&](std::int64_t i) {
-    ++ran[i];
-    return bytes_of(std::string(static_cast<std::size_t>(i % 4), 'a') + std::to_string(i));
-  });
-  ASSERT_EQ(results.size(), owners.size());
-  for (int i = 0; i < num_tasks; ++i) {
-    EXPECT_EQ(ran[i], owners[i] == world_->rank() ? 1 : 0);
-    EXPECT_EQ(text_of(results[i]), std::string(i % 4, 'a') + std::to_string(i));
-  }
-}
-
-TEST_F(Schedule, ATaskThatThrowsEndsTheBatchOnAllRanks) {
-  std::vector<int> owners(10);
-  for (int i = 0; i < 10; ++i) owners[i] = i % world_->size();
-  EXPECT_THROW((void)run_batch(*world_, owners,
-                               [](std::int64_t i) -> Bytes {
-                                 if (i == 7) throw InputError("task 7");
-                                 return {};
-                               }),
-               InputError);
-}
-
-TEST_F(Schedule, AnEmptyBatchHasNoResults) {
-  EXPECT_TRUE(run_batch(*world_, {}, [](std::int64_t) { return Bytes(1); }).empty());
 }
 
 }  // namespace

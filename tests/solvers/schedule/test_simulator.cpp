@@ -20,6 +20,7 @@ namespace {
 using test::GraphWorker;
 using test::Key;
 using test::RandomGraph;
+using test::TranspositionTable;
 
 /// Messages take no time.
 Machine ideal() {
