@@ -2,11 +2,14 @@
 #include "exploration/engine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "base/error.h"
 #include "exploration/adaptive_grid.h"
 #include "exploration/layered_grid.h"
+#include "exploration/levelled_grid.h"
+#include "schedule/home.h"
 
 namespace palpate {
 namespace {
@@ -14,10 +17,14 @@ namespace {
 enum class Kind : std::uint8_t {
   /// To a home: a configuration of an earlier run, which rank 0 has.
   recalled,
+  /// To a home: a transition between levels that an earlier run has made.
+  recalled_transition,
   /// To all: everything was recalled.
   begin,
   /// To a home: a configuration that the sender has kept, or a failure.
   found,
+  /// To the rank that has kept a candidate: the level that it has, if any.
+  settle,
   /// To a holder of starts: branches.
   make,
   /// To rank 0: how far the sender's homes are.
@@ -44,6 +51,18 @@ Equilibrium to_equilibrium(Configuration&& c) {
   return e;
 }
 
+/// See ConfigurationSummary::signature.
+Vec3 signature_of(const NodalVector& u) {
+  constexpr std::uint64_t kSeed = 2007;
+  const Eigen::Index num_points = u.size() / 3;
+  Vec3 sum = Vec3::Zero();
+  for (Eigen::Index p = 0; p < num_points; ++p) {
+    const bool plus = (mix(kSeed + static_cast<std::uint64_t>(p)) & 1) != 0;
+    sum += (plus ? 1 : -1) * u.segment<3>(3 * p);
+  }
+  return sum / std::sqrt(static_cast<double>(std::max<Eigen::Index>(num_points, 1)));
+}
+
 Configuration to_configuration(Equilibrium&& e) {
   Configuration c;
   c.t = e.t;
@@ -58,6 +77,7 @@ Configuration to_configuration(Equilibrium&& e) {
   c.iterations = e.iterations;
   c.seconds = e.seconds;
   if (c.usable()) {
+    c.signature = signature_of(e.u);
     c.u = std::move(e.u);
     c.v = std::move(e.v);
     c.p = std::move(e.p);
@@ -90,6 +110,8 @@ Engine::Engine(const std::vector<Site>& sites, const Tip& tip, EquilibriumSolver
     auto& frontier = homes_[site.active_node].frontier;
     if (site.tolerance > 0) {
       frontier = std::make_unique<AdaptiveGrid>(site);
+    } else if (site.history != History::flat) {
+      frontier = std::make_unique<LevelledGrid>(site);
     } else {
       frontier = std::make_unique<LayeredGrid>(site);
     }
@@ -107,7 +129,15 @@ bool Engine::explore(PrecomputeReport& report) {
 void Engine::start(Mail& mail) {
   monitor_.set_mail(&mail);
   if (mail.rank() != 0) return;
-  for (const auto& [node, summary] : record_.known()) {
+  const Known known = record_.known();
+  for (const auto& [node, transition] : known.transitions) {
+    Packer message;
+    message.put(Kind::recalled_transition);
+    message.put(node);
+    message.put(transition);
+    mail.send_home(key_of(node), message.take());
+  }
+  for (const auto& [node, summary] : known.configurations) {
     Packer message;
     message.put(Kind::recalled);
     message.put(node);
@@ -129,8 +159,13 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
       const ConfigurationSummary summary = content.take_summary();
       Home& home = homes_.at(node);
       home.frontier->recall(summary);
-      if (summary.usable()) home.held[summary.check_point] = {summary, from};
-      count(summary, true, *report_);
+      if (summary.usable()) home.held[{summary.check_point, summary.level}] = {summary, from};
+      if (summary.level >= 0) count(summary, true, *report_);
+      break;
+    }
+    case Kind::recalled_transition: {
+      const auto node = content.take<Index>();
+      homes_.at(node).frontier->recall(content.take<LevelTransition>());
       break;
     }
     case Kind::begin:
@@ -139,6 +174,12 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
     case Kind::found: {
       const auto node = content.take<Index>();
       take_in(node, content.take_summary(), from, mail);
+      break;
+    }
+    case Kind::settle: {
+      const auto node = content.take<Index>();
+      const ConfigurationSummary candidate = content.take_summary();
+      record_.settle(node, candidate, content.take<std::int32_t>());
       break;
     }
     case Kind::make:
@@ -152,15 +193,44 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
 
 void Engine::take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail) {
   Home& home = homes_.at(active_node);
-  if (found.usable()) {
+  if (found.level < 0) {
+    ++report_->num_transitions;
+    if (found.usable()) home.held[{found.check_point, found.level}] = {found, rank};
+  } else if (found.usable()) {
     home.failed.erase(found.check_point);
-    home.held[found.check_point] = {found, rank};
+    home.held[{found.check_point, 0}] = {found, rank};
     count(found, false, *report_);
   } else {
     home.failed[found.check_point] = found;
   }
   home.frontier->accept(found);
   hand_out(active_node, mail);
+}
+
+/// Records what a transition between levels has reached, and then has the candidate settled by the
+/// rank that has kept it: one of a run that is killed in between is settled by the next.
+void Engine::settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail) {
+  const LevelTransition& transition = settlement.transition;
+  record_.keep(active_node, transition);
+  if (!settlement.has_candidate) return;
+  const std::int32_t level =
+      candidate_level(transition.start, transition.start_level, transition.target);
+  const Held candidate = home.held.extract({transition.target, level}).mapped();
+  if (settlement.is_new) {
+    Held& held = home.held[{transition.target, transition.reached}];
+    held = candidate;
+    held.summary.level = transition.reached;
+    ++report_->num_levels;
+    count(held.summary, false, *report_);
+  }
+  const std::int32_t given = settlement.is_new ? transition.reached : failed_to_reach;
+  if (candidate.rank == mail.rank()) return record_.settle(active_node, candidate.summary, given);
+  Packer message;
+  message.put(Kind::settle);
+  message.put(active_node);
+  message.put(candidate.summary);
+  message.put(given);
+  mail.send(candidate.rank, message.take());
 }
 
 /// Sends what the frontier of a home asks for to those that have the starts, and records what it has
@@ -170,6 +240,9 @@ void Engine::hand_out(Index active_node, Mail& mail) {
   const std::vector<Transition> due = home.frontier->next();
   report_->num_expected += home.frontier->num_expected() - home.num_expected;
   home.num_expected = home.frontier->num_expected();
+  for (const Settlement& settlement : home.frontier->settled()) {
+    settle(active_node, home, settlement, mail);
+  }
   for (const CheckPoint& target : home.frontier->given_up()) {
     const auto failed = home.failed.find(target);
     if (failed == home.failed.end()) continue;
@@ -179,16 +252,24 @@ void Engine::hand_out(Index active_node, Mail& mail) {
   }
   for (std::size_t i = 0; i < due.size();) {
     const CheckPoint start = due[i].start;
+    const std::int32_t start_level = due[i].start_level;
     Branch branch;
     branch.active_node = active_node;
     int holder = mail.rank();
     if (!due[i].needs_no_start()) {
-      const Held& held = home.held.at(start);
+      const Held& held = home.held.at({start, start_level});
       branch.start = held.summary;
       holder = held.rank;
     }
-    for (; i < due.size() && due[i].start == start; ++i) {
+    const auto has_this_start = [&](const Transition& transition) {
+      return transition.start == start && transition.start_level == start_level;
+    };
+    for (; i < due.size() && has_this_start(due[i]); ++i) {
       Target& target = branch.targets.emplace_back(Target{due[i].target});
+      if (due[i].finds_candidate) {
+        target.level = candidate_level(start, start_level, target.check_point);
+        continue;
+      }
       const auto failed = home.failed.find(target.check_point);
       if (failed == home.failed.end()) continue;
       target.iterations = failed->second.iterations;
@@ -281,12 +362,14 @@ Configuration Engine::make(const Branch& branch, const Target& target) {
     ConfigurationSummary sought;
     sought.check_point = target.check_point;
     sought.outcome = Outcome::converged;
-    const bool leads_on = !following(site, sought).empty();
+    const bool leads_on = target.level < 0 || !following(site, sought).empty();
     found = to_configuration(
         solver_.solve(t, *branch.state, leads_on ? Tangent::factorised : Tangent::iterated));
   }
   found.check_point = target.check_point;
+  found.level = target.level;
   found.parent = branch.start.check_point;
+  found.parent_level = branch.start.level;
   found.iterations += target.iterations;
   found.seconds += target.seconds;
   if (site.force_limit > 0 && found.force.norm() > site.force_limit) {

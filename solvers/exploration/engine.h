@@ -48,6 +48,8 @@ class Engine final : public Worker {
  private:
   struct Target {
     CheckPoint check_point{};
+    /// Of what is found: 0, or that of a candidate.
+    std::int32_t level = 0;
     /// Of earlier attempts, which failed.
     std::int32_t iterations = 0;
     double seconds = 0;
@@ -70,8 +72,8 @@ class Engine final : public Worker {
   /// An active node whose home is here.
   struct Home {
     std::unique_ptr<Frontier> frontier;
-    /// All that is usable.
-    std::map<CheckPoint, Held> held;
+    /// All that is usable, by check-point and level.
+    std::map<std::pair<CheckPoint, std::int32_t>, Held> held;
     /// Failed transitions that may be tried from another start, with all earlier attempts.
     std::map<CheckPoint, ConfigurationSummary> failed;
     /// Frontier::num_expected() when it was asked last.
@@ -80,6 +82,7 @@ class Engine final : public Worker {
 
   void tell(Mail& mail);
   void hand_out(Index active_node, Mail& mail);
+  void settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail);
   void take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail);
   /// Takes some of the targets for another rank.
   [[nodiscard]] static Branch split(Branch& branch);

@@ -21,8 +21,21 @@ struct Transition {
   CheckPoint target{};
   /// The target itself for the rest position, which needs no start.
   CheckPoint start{};
+  std::int32_t start_level = 0;
+  /// Not the first configuration of the target is sought but what is reached from this start, which
+  /// may be known: a candidate, see candidate_level().
+  bool finds_candidate = false;
 
   [[nodiscard]] bool needs_no_start() const { return start == target; }
+};
+
+/// What became of a transition between levels.
+struct Settlement {
+  LevelTransition transition;
+  /// A configuration that was not known was found, and has the level that was reached.
+  bool is_new = false;
+  /// There is a candidate to give that level to, or to remove.
+  bool has_candidate = false;
 };
 
 /// The targets to which transitions from a configuration are made whatever else is found. The same
@@ -39,6 +52,7 @@ class Frontier {
 
   /// Takes in a configuration of an earlier run, before the first next().
   virtual void recall(const ConfigurationSummary& found) = 0;
+  virtual void recall(const LevelTransition& /*transition*/) {}
 
   /// Takes in what a transition has found. Where it is usable, whoever found it goes on with what
   /// follows; one that failed may be tried again from another start.
@@ -50,6 +64,10 @@ class Frontier {
 
   /// The targets that were given up since the last call: no transition leads there any more.
   [[nodiscard]] virtual std::vector<CheckPoint> given_up() = 0;
+
+  /// The transitions between levels that were settled since the last call, before any starts from
+  /// what they have found.
+  [[nodiscard]] virtual std::vector<Settlement> settled() { return {}; }
 
   /// Configurations that the exploration will find at most, as far as is known now.
   [[nodiscard]] virtual std::int64_t num_expected() const = 0;

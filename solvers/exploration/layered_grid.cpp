@@ -80,7 +80,7 @@ std::vector<CheckPoint> following_on_grid(const CheckPoint& start, std::int32_t 
 std::vector<CheckPoint> following(const Site& site, const ConfigurationSummary& found) {
   std::vector<CheckPoint> targets;
   const std::int32_t step = site.coarsest;
-  if (!found.leads_on() || !is_on_grid(found.check_point, step)) return targets;
+  if (!found.leads_on() || found.level != 0 || !is_on_grid(found.check_point, step)) return targets;
   targets = following_on_grid(on_grid(found.check_point, step), site.reach() / step);
   for (CheckPoint& target : targets) target = scaled(target, step);
   return targets;

@@ -22,6 +22,7 @@ constexpr int kMaxDepth = 6;
 void refine(const PrecomputeOptions& options, Site& site) {
   site.tolerance = options.tolerance;
   site.tolerance_is_relative = options.tolerance_is_relative;
+  site.history = History::flat;
   for (int depth = 0; depth < kMaxDepth; ++depth) {
     const std::int32_t finer = 2 * site.resolution - 1;
     if (finer > kLargestResolution) break;
@@ -49,6 +50,7 @@ std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& option
     (void)tip.hold({node});
     Site site{node, options.half_width, options.resolution, options.force_limit,
               options.tip_radius};
+    site.history = options.history;
     if (options.tolerance > 0) refine(options, site);
     sites.push_back(site);
   }
@@ -72,6 +74,8 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
   mine.put(report.num_solved);
   mine.put(report.num_reused);
   mine.put(report.num_expected);
+  mine.put(report.num_transitions);
+  mine.put(report.num_levels);
   mine.put(report.iterations);
   mine.put(report.work);
   mine.put(report.num_by_outcome.size());
@@ -85,6 +89,7 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
     mine.put(number);
   }
   report.num_solved = report.num_reused = report.num_expected = report.iterations = 0;
+  report.num_transitions = report.num_levels = 0;
   report.work = {};
   report.schedule = sum(communicator, report.schedule);
   report.num_by_outcome.clear();
@@ -94,6 +99,8 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
     report.num_solved += of_rank.take<std::int64_t>();
     report.num_reused += of_rank.take<std::int64_t>();
     report.num_expected += of_rank.take<std::int64_t>();
+    report.num_transitions += of_rank.take<std::int64_t>();
+    report.num_levels += of_rank.take<std::int64_t>();
     report.iterations += of_rank.take<std::int64_t>();
     report.work += of_rank.take<Work>();
     for (auto left = of_rank.take<std::size_t>(); left > 0; --left) {
@@ -128,6 +135,10 @@ void validate(const PrecomputeOptions& options) {
   if (!(std::isfinite(options.tolerance) && options.tolerance >= 0)) {
     throw InputError("The tolerance is " + std::to_string(options.tolerance) +
                      "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
+  }
+  if (options.history == History::levels && options.tolerance > 0) {
+    throw InputError("Levels are explored on a uniform grid. Choose a resolution instead of a "
+                     "tolerance, or another history.");
   }
   if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
     throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +

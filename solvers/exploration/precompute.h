@@ -29,6 +29,8 @@ struct PrecomputeOptions {
   bool tolerance_is_relative = true;
   /// N; 0 is none.
   double force_limit = 0;
+  /// Automatic with a tolerance is flat.
+  History history = History::automatic;
   /// Where the space is kept and resumed; empty: in memory alone.
   std::filesystem::path file;
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
@@ -57,6 +59,10 @@ struct PrecomputeReport {
   std::int64_t num_expected = 0;
   /// Check-points that no usable configuration within the force limit leads to.
   std::int64_t num_not_reached = 0;
+  /// Transitions between levels that were made in this run, and the configurations that were found
+  /// by them.
+  std::int64_t num_transitions = 0;
+  std::int64_t num_levels = 0;
   std::int64_t iterations = 0;
   /// Wall time of the exploration, and of the POD and the rest that follows, s.
   double exploration_seconds = 0;
@@ -92,7 +98,7 @@ struct ProgressState {
 /// false on any rank ends the exploration, and what was found until then is kept.
 using Progress = std::function<bool(const ProgressState&)>;
 
-/// The flat space around each active node.
+/// The space around each active node.
 /// @param scene The same on every rank.
 /// @note Collective
 /// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of

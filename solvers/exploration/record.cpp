@@ -15,6 +15,11 @@ namespace {
 namespace fs = std::filesystem;
 
 class MemoryRecord final : public Record {
+  using Key = std::pair<CheckPoint, std::int32_t>;
+  [[nodiscard]] static Key key_of(const ConfigurationSummary& c) {
+    return {c.check_point, c.level};
+  }
+
  public:
   MemoryRecord(const Scene& scene, const std::vector<Site>& sites, double solver_tolerance,
                Communicator& communicator)
@@ -26,30 +31,48 @@ class MemoryRecord final : public Record {
     sort(space_);
   }
 
-  [[nodiscard]] std::vector<std::pair<Index, ConfigurationSummary>> known() const override {
-    return {};
-  }
+  [[nodiscard]] Known known() const override { return {}; }
 
   void keep(Index active_node, const Configuration& found) override {
-    found_[active_node].emplace(found.check_point, found);
+    found_[active_node].emplace(key_of(found), found);
+  }
+
+  void keep(Index active_node, const LevelTransition& transition) override {
+    transitions_.emplace_back(active_node, transition);
+  }
+
+  void settle(Index active_node, const ConfigurationSummary& candidate,
+              std::int32_t level) override {
+    auto& found = found_.at(active_node);
+    auto settled = found.extract(key_of(candidate));
+    if (level < 0) return;
+    settled.mapped().level = level;
+    settled.key() = key_of(settled.mapped());
+    found.insert(std::move(settled));
   }
 
   [[nodiscard]] Configuration load(Index active_node,
                                    const ConfigurationSummary& summary) const override {
-    return found_.at(active_node).at(summary.check_point);
+    return found_.at(active_node).at(key_of(summary));
   }
 
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
     Packer mine;
     if (communicator_.rank() != 0) {
       for (const auto& [node, configurations] : found_) {
-        for (const auto& [check_point, c] : configurations) {
+        for (const auto& [key, c] : configurations) {
           mine.put(node);
           mine.put(c);
         }
       }
       found_.clear();
     }
+    Packer my_transitions;
+    for (const auto& [node, transition] : transitions_) {
+      my_transitions.put(node);
+      my_transitions.put(transition);
+    }
+    const std::vector<Bytes> all_transitions = communicator_.gather(my_transitions.take());
     std::vector<Bytes> all = communicator_.gather(mine.take());
     TouchSpace result;
     agree(communicator_, [&] {
@@ -58,14 +81,23 @@ class MemoryRecord final : public Record {
         for (Unpacker of_rank(bytes); !of_rank.at_end();) {
           const auto node = of_rank.take<Index>();
           Configuration c = of_rank.take_configuration();
-          found_[node].emplace(c.check_point, std::move(c));
+          found_[node].emplace(key_of(c), std::move(c));
         }
         bytes = {};
       }
+      for (const Bytes& bytes : all_transitions) {
+        for (Unpacker of_rank(bytes); !of_rank.at_end();) {
+          const auto node = of_rank.take<Index>();
+          const auto transition = of_rank.take<LevelTransition>();
+          found_.at(node).at({transition.start, transition.start_level})
+              .reached[neighbour_number(transition.start, transition.target)] =
+              static_cast<std::int8_t>(transition.reached);
+        }
+      }
       for (SiteSpace& site : space_.sites) {
         site.complete = complete;
-        for (auto& [check_point, c] : found_[site.site.active_node]) {
-          site.configurations.push_back(std::move(c));
+        for (auto& [key, c] : found_[site.site.active_node]) {
+          if (c.level >= 0) site.configurations.push_back(std::move(c));
         }
       }
       found_.clear();
@@ -77,8 +109,9 @@ class MemoryRecord final : public Record {
  private:
   Communicator& communicator_;
   StateSpace space_;
-  /// By active node and check-point.
-  std::map<Index, std::map<CheckPoint, Configuration>> found_;
+  /// By active node, check-point and level.
+  std::map<Index, std::map<Key, Configuration>> found_;
+  std::vector<std::pair<Index, LevelTransition>> transitions_;
 };
 
 class FileRecord final : public Record {
@@ -104,12 +137,16 @@ class FileRecord final : public Record {
     });
   }
 
-  [[nodiscard]] std::vector<std::pair<Index, ConfigurationSummary>> known() const override {
-    std::vector<std::pair<Index, ConfigurationSummary>> all;
+  [[nodiscard]] Known known() const override {
+    Known all;
     if (communicator_.rank() != 0) return all;
     for (const Site& site : sites_) {
-      for (const Configuration& c : file_->read_summaries(site.active_node)) {
-        all.emplace_back(site.active_node, c);
+      const Index node = site.active_node;
+      for (const auto& found : {file_->read_summaries(node), file_->read_candidates(node)}) {
+        for (const Configuration& c : found) all.configurations.emplace_back(node, c);
+      }
+      for (const LevelTransition& transition : file_->read_transitions(node)) {
+        all.transitions.emplace_back(node, transition);
       }
     }
     return all;
@@ -117,6 +154,15 @@ class FileRecord final : public Record {
 
   void keep(Index active_node, const Configuration& found) override {
     file_->add(active_node, found);
+  }
+
+  void keep(Index active_node, const LevelTransition& transition) override {
+    file_->add(active_node, transition);
+  }
+
+  void settle(Index active_node, const ConfigurationSummary& candidate,
+              std::int32_t level) override {
+    file_->settle(active_node, candidate, level);
   }
 
   [[nodiscard]] Configuration load(Index active_node,

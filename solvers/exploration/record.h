@@ -2,6 +2,7 @@
 // Where an exploration keeps what it finds: each rank what it has found itself, until the end.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -13,17 +14,29 @@
 
 namespace palpate {
 
+/// What earlier runs have left, by active node.
+struct Known {
+  /// Without fields; candidates too, see candidate_level().
+  std::vector<std::pair<Index, ConfigurationSummary>> configurations;
+  std::vector<std::pair<Index, LevelTransition>> transitions;
+};
+
 class Record {
  public:
   virtual ~Record() = default;
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
 
-  /// What earlier runs have left of these sites, without fields, by active node; on rank 0, empty
-  /// elsewhere.
-  [[nodiscard]] virtual std::vector<std::pair<Index, ConfigurationSummary>> known() const = 0;
+  /// On rank 0, empty elsewhere.
+  [[nodiscard]] virtual Known known() const = 0;
   /// Told on the rank that found the configuration, before anyone else hears of it.
   virtual void keep(Index active_node, const Configuration& found) = 0;
+  /// On any rank, before the candidate that it has found is settled.
+  virtual void keep(Index active_node, const LevelTransition& transition) = 0;
+  /// Gives a candidate that was kept or is known here its level, or removes it.
+  /// @param level Below zero: it is one that is known.
+  virtual void settle(Index active_node, const ConfigurationSummary& candidate,
+                      std::int32_t level) = 0;
   /// One that was kept on this rank or is known here, with its fields.
   [[nodiscard]] virtual Configuration load(Index active_node,
                                            const ConfigurationSummary& summary) const = 0;

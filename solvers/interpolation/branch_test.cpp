@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace palpate {
+
+double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& b, const Vec3& d) {
+  return std::abs(b.energy - a.energy - 0.5 * d.dot(a.force + b.force) -
+                  d.dot((a.stiffness - b.stiffness) * d) / 12);
+}
+
 namespace {
 
 /// What an edge's residual falls to at the most under refinement where Π is smooth: 1/32 when the
@@ -23,9 +29,7 @@ double BranchTest::residual(CheckPoint first, int axis, std::int32_t side) const
   if (low < 0 || high < 0 || !grid_.usable(low) || !grid_.usable(high)) return 0;
   const ConfigurationSummary& a = configurations_[grid_.configuration(low)];
   const ConfigurationSummary& b = configurations_[grid_.configuration(high)];
-  const double length = side * grid_.spacing();
-  return std::abs(b.energy - a.energy - 0.5 * length * (a.force[axis] + b.force[axis]) -
-                  length * length / 12 * (a.stiffness(axis, axis) - b.stiffness(axis, axis)));
+  return edge_residual(a, b, side * grid_.spacing() * Vec3::Unit(axis));
 }
 
 /// Along the lines through a cell's corners and, where `halves`, through the other points of its

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether one smooth branch runs through a leaf: by what is left of Π along its edges,
-//
-//   |Π₁ − Π₀ − H/2 (h₀ + h₁) − H²/12 (k₀ − k₁)|,   h and k along the edge,
-//
-// which falls to 1/32 under refinement where Π is smooth, to a half where the force jumps, and stays
+// Whether one smooth branch runs through a leaf: by what is left of Π along its edges, which falls to 1/32 under refinement where Π is smooth, to a half where the force jumps, and stays
 // where Π does, from one branch to another.
 #pragma once
 
@@ -12,6 +8,11 @@
 #include "interpolation/check_point_grid.h"
 
 namespace palpate {
+
+/// |Π₁ − Π₀ − ½ (h₀ + h₁)·d − 1/12 d·(k₀ − k₁) d|, J, along the edge d from the displacement of one
+/// configuration to that of the other, m.
+[[nodiscard]] double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& b,
+                                   const Vec3& d);
 
 /// Of what outlives it.
 class BranchTest {

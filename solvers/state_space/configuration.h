@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <tuple>
 
 #include "base/outcome.h"
@@ -17,14 +18,37 @@ namespace palpate {
 /// Place on the grid around the rest position of a site, in steps of the grid: (0,0,0) is rest.
 using CheckPoint = std::array<std::int32_t, 3>;
 
+/// The check-points around one, itself among them, by number: i slowest, k fastest.
+inline constexpr int num_neighbours = 27;
+[[nodiscard]] inline CheckPoint neighbour(const CheckPoint& p, int number) {
+  return {p[0] + number / 9 - 1, p[1] + number / 3 % 3 - 1, p[2] + number % 3 - 1};
+}
+/// The number of q among the neighbours of p; −1: it is none.
+[[nodiscard]] inline int neighbour_number(const CheckPoint& p, const CheckPoint& q) {
+  int number = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(q[k] - p[k]) > 1) return -1;
+    number = 3 * number + q[k] - p[k] + 1;
+  }
+  return number;
+}
+
+/// The levels reached by transitions to the neighbours of a check-point, by their numbers.
+using Reached = std::array<std::int8_t, num_neighbours>;
+/// In place of a level: the transition was not tried, or it failed.
+inline constexpr std::int8_t not_tried = -2;
+inline constexpr std::int8_t failed_to_reach = -1;
+
 /// All of a configuration but its fields.
 struct ConfigurationSummary {
   CheckPoint check_point{};
-  /// Which of the equilibria at this check-point, 0 the first.
+  /// Which of the equilibria at this check-point, 0 the first. Below zero: what a transition from a
+  /// neighbour has found, which may be one that is known, see candidate_level().
   std::int32_t level = 0;
   /// The configuration whose state was the start of the transition to this one; rest is its own
   /// parent.
   CheckPoint parent{};
+  std::int32_t parent_level = 0;
   /// Displacement of the active site from rest t [3], m.
   Vec3 t = Vec3::Zero();
   /// Potential energy at equilibrium Π, J.
@@ -41,6 +65,12 @@ struct ConfigurationSummary {
   double minimum_det_f = 1;
   std::int32_t negative_pivots = 0;
   std::int32_t iterations = 0;
+  /// Tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random, m. Of two states it
+  /// differs by about the root mean square of the difference of u.
+  Vec3 signature = Vec3::Zero();
+  /// Where history matters, the level that the body is on when it is moved on from here to each
+  /// neighbour.
+  Reached reached = filled_with_not_tried();
   /// Time the transition took, s.
   double seconds = 0;
 
@@ -50,7 +80,30 @@ struct ConfigurationSummary {
   [[nodiscard]] bool leads_on() const {
     return usable() && (flags & flags::beyond_force_limit) == 0;
   }
+
+ private:
+  [[nodiscard]] static Reached filled_with_not_tried() {
+    Reached reached;
+    reached.fill(not_tried);
+    return reached;
+  }
 };
+
+/// What a transition between neighbours has reached, where history matters.
+struct LevelTransition {
+  CheckPoint start{};
+  std::int32_t start_level = 0;
+  CheckPoint target{};
+  /// Level at the target, or failed_to_reach.
+  std::int32_t reached = failed_to_reach;
+};
+
+/// The level of what a transition from (start, start_level) finds at a neighbour until it is known
+/// which level it is; below zero, and no other transition to that neighbour has it.
+[[nodiscard]] inline std::int32_t candidate_level(const CheckPoint& start, std::int32_t start_level,
+                                                  const CheckPoint& target) {
+  return -1 - neighbour_number(target, start) - num_neighbours * start_level;
+}
 
 struct Configuration : ConfigurationSummary {
   /// Displacement u [3 × num_points], m; empty where only the summary was read, and where the
@@ -78,6 +131,16 @@ void for_each_field(Fields& fields, Visit&& visit) {
   return a.check_point != b.check_point ? a.check_point < b.check_point : a.level < b.level;
 }
 
+/// Whether a check-point may have several levels. The numbers are stored: keep them.
+enum class History : std::int32_t {
+  /// One configuration a check-point, however it was reached.
+  flat = 0,
+  /// Levels where there are signs of several branches.
+  automatic = 1,
+  /// All transitions between neighbours are made [P07].
+  levels = 2,
+};
+
 /// Check-points along an axis at the most: more would overflow the number of a node of the grid.
 inline constexpr std::int32_t kLargestResolution = 1001;
 
@@ -102,6 +165,7 @@ struct Site {
   double tolerance = 0;
   /// The tolerance is no number of N but a share of the largest force.
   bool tolerance_is_relative = false;
+  History history = History::flat;
 
   /// Distance of neighbouring check-points, m; 0 where rest is the only one.
   [[nodiscard]] double spacing() const {
@@ -112,7 +176,7 @@ struct Site {
   [[nodiscard]] friend bool operator==(const Site& a, const Site& b) {
     const auto all = [](const Site& s) {
       return std::tie(s.active_node, s.half_width, s.resolution, s.force_limit, s.tip_radius,
-                      s.coarsest, s.tolerance, s.tolerance_is_relative);
+                      s.coarsest, s.tolerance, s.tolerance_is_relative, s.history);
     };
     return all(a) == all(b);
   }

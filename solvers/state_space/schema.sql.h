@@ -50,6 +50,7 @@ CREATE TABLE site (
   coarsest    INTEGER NOT NULL,       -- side of the coarsest cells, in steps of the grid
   tolerance,                          -- error of the force that was asked for; 0: uniform grid
   tolerance_is_relative INTEGER NOT NULL,  -- 1: a share of the largest force, 0: N
+  history     INTEGER NOT NULL,       -- 0 flat, 1 levels where there are signs of them, 2 levels
   complete    INTEGER NOT NULL,       -- 1: nothing is left to find
   PRIMARY KEY (scene_id, active_node)
 );
@@ -57,8 +58,10 @@ CREATE TABLE configuration (
   scene_id    INTEGER NOT NULL REFERENCES scene,
   active_node INTEGER NOT NULL,
   i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point; 0 0 0 is rest
-  level       INTEGER NOT NULL,       -- which of the equilibria at this check-point
-  parent_i INTEGER, parent_j INTEGER, parent_k INTEGER,        -- where the transition began
+  level       INTEGER NOT NULL,       -- which of the equilibria at this check-point; below 0: a
+                                      -- run was killed before it was told apart from the others
+  parent_i INTEGER, parent_j INTEGER, parent_k INTEGER, parent_level INTEGER,  -- where the
+                                                                               -- transition began
   t_x, t_y, t_z,                      -- displacement of the active node, m
   energy,                             -- J
   force_x, force_y, force_z,          -- that holds the node, N
@@ -74,8 +77,10 @@ CREATE TABLE configuration (
   negative_pivots INTEGER NOT NULL,
   iterations  INTEGER NOT NULL,
   seconds,
+  signature_x, signature_y, signature_z,  -- sum over the points of +-u / sqrt(num_points), the signs
+                                      -- at random, m: tells levels apart
   summary_checksum INTEGER NOT NULL,  -- XXH3 (64 bit) of active_node and of the columns from i to
-                                      -- seconds, 8 bytes each, NaN as -1, flags without bit 4
+                                      -- signature_z, 8 bytes each, NaN as -1, flags without bit 4
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
                                       -- that of v, and so on for p and p_v
   -- The fields: NULL where the transition failed.
@@ -85,6 +90,16 @@ CREATE TABLE configuration (
                                       -- no material is mixed
   p_v         BLOB,                   -- float64 [3 x num_pressures], dp/dt_x, dp/dt_y, dp/dt_z
   PRIMARY KEY (scene_id, active_node, i, j, k, level)
+);
+CREATE TABLE transition (             -- between neighbours, where history matters
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  active_node INTEGER NOT NULL,
+  i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL, level INTEGER NOT NULL,  -- from
+  to_i INTEGER NOT NULL, to_j INTEGER NOT NULL, to_k INTEGER NOT NULL,
+  reached     INTEGER NOT NULL,       -- level; -1: the transition failed
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from active_node to reached, 8
+                                      -- bytes each
+  PRIMARY KEY (scene_id, active_node, i, j, k, level, to_i, to_j, to_k)
 );
 )sql";
 

@@ -183,6 +183,7 @@ void for_each_number(Summary& c, Visit&& visit) {
   for (auto& x : c.check_point) visit(x);
   visit(c.level);
   for (auto& x : c.parent) visit(x);
+  visit(c.parent_level);
   for (int a = 0; a < 3; ++a) visit(c.t[a]);
   visit(c.energy);
   for (int a = 0; a < 3; ++a) visit(c.force[a]);
@@ -196,14 +197,15 @@ void for_each_number(Summary& c, Visit&& visit) {
   visit(c.negative_pivots);
   visit(c.iterations);
   visit(c.seconds);
+  for (int a = 0; a < 3; ++a) visit(c.signature[a]);
 }
 
 constexpr char kSummaryColumns[] =
-    "i, j, k, level, parent_i, parent_j, parent_k, t_x, t_y, t_z, energy, force_x, force_y, "
+    "i, j, k, level, parent_i, parent_j, parent_k, parent_level, t_x, t_y, t_z, energy, force_x, force_y, "
     "force_z, stiffness_xx, stiffness_xy, stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, "
     "stiffness_zx, stiffness_zy, stiffness_zz, outcome, flags, residual, minimum_det_f, "
-    "negative_pivots, iterations, seconds";
-constexpr int kNumSummaryColumns = 30;
+    "negative_pivots, iterations, seconds, signature_x, signature_y, signature_z";
+constexpr int kNumSummaryColumns = 34;
 constexpr char kFieldColumns[] = "u, v, p, p_v";
 
 constexpr char kAtKey[] =
@@ -261,6 +263,23 @@ std::int64_t checksum(Index active_node, ConfigurationSummary summary) {
   return static_cast<std::int64_t>(XXH3_64bits(bits.data(), bits.size() * sizeof bits[0]));
 }
 
+/// Calls visit for each number of a transition, in the order of the columns.
+template <class Transition, class Visit>
+void for_each_number_of_transition(Transition& transition, Visit&& visit) {
+  for (auto& x : transition.start) visit(x);
+  visit(transition.start_level);
+  for (auto& x : transition.target) visit(x);
+  visit(transition.reached);
+}
+
+constexpr char kTransitionColumns[] = "i, j, k, level, to_i, to_j, to_k, reached";
+
+std::int64_t checksum(Index active_node, const LevelTransition& transition) {
+  std::vector<std::int64_t> bits{active_node};
+  for_each_number_of_transition(transition, GatherNumber{bits});
+  return static_cast<std::int64_t>(XXH3_64bits(bits.data(), bits.size() * sizeof bits[0]));
+}
+
 /// Whether they are those of a body with so many points; p may have any length.
 bool fit(const Fields& fields, std::int64_t num_points) {
   const auto& [u, v, p, p_v] = fields;
@@ -276,7 +295,7 @@ std::string describe(const CheckPoint& c) {
 
 constexpr char kSiteColumns[] =
     "active_node, tip_radius, half_width, resolution, force_limit, coarsest, tolerance, "
-    "tolerance_is_relative, complete";
+    "tolerance_is_relative, history, complete";
 
 SiteSpace take_site(Statement& select) {
   SiteSpace space;
@@ -288,6 +307,7 @@ SiteSpace take_site(Statement& select) {
   space.site.coarsest = static_cast<std::int32_t>(select.take_integer());
   space.site.tolerance = select.take_double();
   space.site.tolerance_is_relative = select.take_integer() != 0;
+  space.site.history = static_cast<History>(select.take_integer());
   space.complete = select.take_integer() != 0;
   return space;
 }
@@ -313,7 +333,7 @@ void require_extension(const fs::path& path, const Site& there, const Site& aske
       quoted(path) + " holds active node " + std::to_string(asked.active_node) + " with " +
       describe(there) + "; asked for was " + describe(asked) +
       ". Give another file name, or those values: only the box may grow, by the same spacing, and "
-      "force limit and tolerance may change.");
+      "force limit, tolerance and history may change.");
 }
 
 void write_scene(const Database& database, const Scene& scene, double solver_tolerance) {
@@ -523,7 +543,7 @@ void StateSpaceFile::add_site(const Site& site) {
     if (!(*there == site)) extend(site);
     return;
   }
-  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
+  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
   insert.bind(std::int64_t{site.active_node});
   insert.bind(site.tip_radius);
   insert.bind(site.half_width);
@@ -532,6 +552,7 @@ void StateSpaceFile::add_site(const Site& site) {
   insert.bind(std::int64_t{site.coarsest});
   insert.bind(site.tolerance);
   insert.bind(std::int64_t{site.tolerance_is_relative});
+  insert.bind(static_cast<std::int64_t>(site.history));
   insert.run();
 }
 
@@ -540,13 +561,14 @@ void StateSpaceFile::extend(const Site& site) {
   {
     Statement update(impl_->database,
                      "UPDATE site SET half_width = ?, resolution = ?, force_limit = ?, tolerance = "
-                     "?, tolerance_is_relative = ?, complete = 0 WHERE scene_id = 1 AND "
+                     "?, tolerance_is_relative = ?, history = ?, complete = 0 WHERE scene_id = 1 AND "
                      "active_node = ?");
     update.bind(site.half_width);
     update.bind(std::int64_t{site.resolution});
     update.bind(site.force_limit);
     update.bind(site.tolerance);
     update.bind(std::int64_t{site.tolerance_is_relative});
+    update.bind(static_cast<std::int64_t>(site.history));
     update.bind(std::int64_t{site.active_node});
     update.run();
   }
@@ -616,11 +638,11 @@ void StateSpaceFile::add(Index active_node, const Configuration& configuration) 
   }
 }
 
-std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) const {
-  Statement select(impl_->database,
-                   std::string("SELECT ") + kSummaryColumns +
-                       ", summary_checksum FROM configuration WHERE scene_id = 1 AND active_node = ? ORDER BY i, j, "
-                       "k, level");
+std::vector<Configuration> StateSpaceFile::read_where(Index active_node, const char* level) const {
+  Statement select(impl_->database, std::string("SELECT ") + kSummaryColumns +
+                                        ", summary_checksum FROM configuration WHERE scene_id = 1 "
+                                        "AND active_node = ? AND " +
+                                        level + " ORDER BY i, j, k, level");
   select.bind(std::int64_t{active_node});
   std::vector<Configuration> configurations;
   while (select.step()) {
@@ -632,6 +654,75 @@ std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) con
     }
   }
   return configurations;
+}
+
+std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) const {
+  std::vector<Configuration> configurations = read_where(active_node, "level >= 0");
+  for (const LevelTransition& transition : read_transitions(active_node)) {
+    Configuration key;
+    key.check_point = transition.start;
+    key.level = transition.start_level;
+    const auto start = std::lower_bound(configurations.begin(), configurations.end(), key);
+    if (start == configurations.end() || key < *start) continue;
+    start->reached[neighbour_number(transition.start, transition.target)] =
+        static_cast<std::int8_t>(transition.reached);
+  }
+  return configurations;
+}
+
+std::vector<Configuration> StateSpaceFile::read_candidates(Index active_node) const {
+  return read_where(active_node, "level < 0");
+}
+
+void StateSpaceFile::settle(Index active_node, const ConfigurationSummary& candidate,
+                            std::int32_t level) {
+  const auto bind_key = [&](Statement& statement) {
+    statement.bind(std::int64_t{active_node});
+    for (std::int32_t x : candidate.check_point) statement.bind(std::int64_t{x});
+    statement.bind(std::int64_t{candidate.level});
+    statement.run();
+  };
+  if (level < 0) {
+    Statement remove(impl_->database, std::string("DELETE FROM configuration") + kAtKey);
+    return bind_key(remove);
+  }
+  ConfigurationSummary settled = candidate;
+  settled.level = level;
+  Statement update(impl_->database, std::string("UPDATE configuration SET level = ?, "
+                                                "summary_checksum = ?") +
+                                        kAtKey);
+  update.bind(std::int64_t{level});
+  update.bind(checksum(active_node, settled));
+  bind_key(update);
+}
+
+void StateSpaceFile::add(Index active_node, const LevelTransition& transition) {
+  Statement insert(impl_->database, std::string("INSERT OR REPLACE INTO transition (scene_id, "
+                                                "active_node, ") +
+                                        kTransitionColumns +
+                                        ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  insert.bind(std::int64_t{active_node});
+  for_each_number_of_transition(transition, BindNumber{insert});
+  insert.bind(checksum(active_node, transition));
+  insert.run();
+}
+
+std::vector<LevelTransition> StateSpaceFile::read_transitions(Index active_node) const {
+  Statement select(impl_->database, std::string("SELECT ") + kTransitionColumns +
+                                        ", checksum FROM transition WHERE scene_id = 1 AND "
+                                        "active_node = ? ORDER BY i, j, k, level, to_i, to_j, to_k");
+  select.bind(std::int64_t{active_node});
+  std::vector<LevelTransition> transitions;
+  while (select.step()) {
+    LevelTransition& transition = transitions.emplace_back();
+    for_each_number_of_transition(transition, TakeNumber{select});
+    if (select.take_integer() != checksum(active_node, transition) ||
+        neighbour_number(transition.start, transition.target) < 0) {
+      throw_damaged(path(), "a transition from " + describe(transition.start) + " of active node " +
+                                std::to_string(active_node));
+    }
+  }
+  return transitions;
 }
 
 void StateSpaceFile::read_fields(Index active_node, Configuration& configuration) const {
@@ -714,6 +805,10 @@ void StateSpaceFile::merge(const std::vector<fs::path>& others) {
           "INSERT OR IGNORE INTO main.configuration SELECT * FROM other.configuration WHERE "
           "scene_id = 1 AND active_node = " +
           node + " ORDER BY i, j, k, level");
+      database.execute(
+          "INSERT OR IGNORE INTO main.transition SELECT * FROM other.transition WHERE scene_id = 1 "
+          "AND active_node = " +
+          node);
       transaction.commit();
     }
   }

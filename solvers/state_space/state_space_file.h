@@ -8,6 +8,7 @@
 //   site           an active node and the grid around it; complete = 1 when nothing is left to find
 //   configuration  one row each: all of state_space/configuration.h; outcome and flags are those of
 //                  base/outcome.h
+//   transition     which level is reached from where, in a space with levels
 //
 // schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
 // or uint8. scene_id is 1; it and parent_scene_id leave room for a body whose topology changes.
@@ -41,7 +42,7 @@ namespace palpate {
 /// where the disk, its space, the permissions or another writer stand in the way.
 class StateSpaceFile {
  public:
-  static constexpr int schema_version = 3;
+  static constexpr int schema_version = 4;
 
   /// Makes the file for a scene, open to append. It appears complete or not at all.
   /// @throws InputError there is such a file, or its folder is missing.
@@ -77,7 +78,7 @@ class StateSpaceFile {
   [[nodiscard]] Scene read_scene() const;
 
   /// Adds a site. One that is there is extended: its box may become larger, with the same spacing,
-  /// its force limit and its tolerance may be others; then it is no longer complete.
+  /// its force limit, its tolerance and its history may be others; then it is no longer complete.
   /// @throws InputError it is there with a box that is larger, or with another tip radius, spacing or
   ///   coarsest cells.
   void add_site(const Site& site);
@@ -92,6 +93,15 @@ class StateSpaceFile {
 
   /// All configurations of a site without fields, in the order of operator<.
   [[nodiscard]] std::vector<Configuration> read_summaries(Index active_node) const;
+  /// What transitions have found and settle() was not told of, without fields.
+  [[nodiscard]] std::vector<Configuration> read_candidates(Index active_node) const;
+  /// Gives a candidate its level.
+  /// @param level Below zero: it is one that is known, and is removed.
+  void settle(Index active_node, const ConfigurationSummary& candidate, std::int32_t level);
+
+  void add(Index active_node, const LevelTransition& transition);
+  [[nodiscard]] std::vector<LevelTransition> read_transitions(Index active_node) const;
+
   /// Fills in the fields: u, v, p and p_v.
   void read_fields(Index active_node, Configuration& configuration) const;
   /// Everything; without fields unless `with_fields`.
@@ -108,6 +118,8 @@ class StateSpaceFile {
   struct Impl;
   explicit StateSpaceFile(std::unique_ptr<Impl> impl);
   [[nodiscard]] std::optional<Site> find_site(Index active_node) const;
+  /// @param level A condition on it.
+  [[nodiscard]] std::vector<Configuration> read_where(Index active_node, const char* level) const;
   void extend(const Site& site);
   std::unique_ptr<Impl> impl_;
 };
