@@ -37,6 +37,7 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
   text << std::hexfloat << palpate::hash(scene) << ' ' << options.tip_radius << ' '
        << options.half_width << ' ' << options.resolution << ' ' << options.tolerance << ' '
        << options.tolerance_is_relative << ' ' << options.force_limit << ' '
+       << static_cast<int>(options.history) << ' '
        << options.touch_bound << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
        << options.equilibrium.single_precision << ' ' << options.file << " nodes";
@@ -112,6 +113,8 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("Solved", static_cast<double>(report.num_solved));
   add("Reused", static_cast<double>(report.num_reused));
   add("NotReached", static_cast<double>(report.num_not_reached));
+  add("LevelTransitions", static_cast<double>(report.num_transitions));
+  add("Levels", static_cast<double>(report.num_levels));
   add("ExplorationSeconds", report.exploration_seconds);
   add("FinishingSeconds", report.finishing_seconds);
   add("AssemblySeconds", mean(work.assembly_seconds, work.assemblies));
@@ -174,6 +177,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.tolerance = this->Tolerance;
     options.tolerance_is_relative = this->ToleranceType == RELATIVE;
     options.force_limit = this->ForceLimit;
+    options.history = static_cast<palpate::History>(this->History);
     options.file = this->FileName;
     options.touch_bound = this->DisplacementBound;
     options.equilibrium.tolerance = this->SolverTolerance;
@@ -271,6 +275,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Tolerance: " << this->Tolerance << '\n'
      << indent << "ToleranceType: " << this->ToleranceType << '\n'
      << indent << "ForceLimit: " << this->ForceLimit << '\n'
+     << indent << "History: " << this->History << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'

@@ -77,6 +77,18 @@ public:
   vtkSetMacro(ForceLimit, double);
   vtkGetMacro(ForceLimit, double);
   ///@}
+  /// Numbers of palpate::History.
+  enum Histories
+  {
+    FLAT = 0,
+    AUTOMATIC = 1,
+    LEVELS = 2
+  };
+  ///@{
+  /// Whether a check-point may have several equilibria, see Histories.
+  vtkSetClampMacro(History, int, FLAT, LEVELS);
+  vtkGetMacro(History, int);
+  ///@}
   ///@{
   /// Where the space is kept (.palpate) and resumed; empty: in memory alone.
   vtkSetStdStringFromCharMacro(FileName);
@@ -128,6 +140,7 @@ private:
   double Tolerance = 0;
   int ToleranceType = RELATIVE;
   double ForceLimit = 0;
+  int History = AUTOMATIC;
   std::string FileName;
   double SolverTolerance = 1e-9;
   bool SinglePrecisionFactors = true;

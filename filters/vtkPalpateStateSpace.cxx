@@ -26,6 +26,7 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkSignedCharArray.h"
 #include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -39,6 +40,7 @@ using palpate::TouchSite;
 using palpate::TouchSpace;
 
 constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations" };
+constexpr const char* LevelsReached = "LevelsReached";
 constexpr int BlockTag = 7402;
 
 /// Makes an array of doubles, ints, … and adds it to point or field data.
@@ -115,6 +117,7 @@ void ForEachIntArray(Visit&& visit)
   visit("CheckPoint", 3, [](auto& c) { return c.check_point.data(); });
   visit("ParentCheckPoint", 3, [](auto& c) { return c.parent.data(); });
   visit("Level", 1, [](auto& c) { return &c.level; });
+  visit("ParentLevel", 1, [](auto& c) { return &c.parent_level; });
   visit("Flags", 1, [](auto& c) { return &c.flags; });
   visit("NegativePivots", 1, [](auto& c) { return &c.negative_pivots; });
   visit("Iterations", 1, [](auto& c) { return &c.iterations; });
@@ -130,21 +133,30 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   vtkNew<vtkCellArray> transitions;
   for (const TouchSite& site : space.sites)
   {
-    std::map<CheckPoint, vtkIdType> idOf;
+    std::map<std::pair<CheckPoint, int>, vtkIdType> idOf;
     for (const ConfigurationSummary& c : site.configurations)
     {
       const palpate::Vec3 place = site.rest_position + c.t;
       const vtkIdType id = points->InsertNextPoint(place.data());
       vertices->InsertNextCell({ id });
-      idOf.emplace(c.check_point, id);
+      idOf.emplace(std::pair(c.check_point, c.level), id);
       all.push_back(&c);
     }
     for (const ConfigurationSummary& c : site.configurations)
     {
-      const auto parent = idOf.find(c.parent);
+      const vtkIdType id = idOf.at({ c.check_point, c.level });
+      const auto parent = idOf.find({ c.parent, c.parent_level });
       if (parent != idOf.end() && c.parent != c.check_point)
       {
-        transitions->InsertNextCell({ parent->second, idOf.at(c.check_point) });
+        transitions->InsertNextCell({ parent->second, id });
+      }
+      for (int n = 0; n < palpate::num_neighbours; ++n)
+      {
+        const auto target = idOf.find({ palpate::neighbour(c.check_point, n), c.reached[n] });
+        if (target != idOf.end())
+        {
+          transitions->InsertNextCell({ id, target->second });
+        }
       }
     }
   }
@@ -176,6 +188,15 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   for (vtkIdType i = 0; i < count; ++i)
   {
     outcomes->SetValue(i, static_cast<int>(all[i]->outcome));
+  }
+  if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->has_history(); }))
+  {
+    auto* reached =
+      AddArray<vtkSignedCharArray>(arrays, LevelsReached, palpate::num_neighbours, count);
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      reached->SetTypedTuple(i, all[i]->reached.data());
+    }
   }
   const int modes = space.num_modes();
   auto* nodes = AddArray<vtkIdTypeArray>(arrays, "ActiveNode", 1, count);
@@ -220,6 +241,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   auto* coarsest = AddArray<vtkIntArray>(fields, "CoarsestCell", 1, count);
   auto* tolerances = AddArray<vtkDoubleArray>(fields, "Tolerance", 1, count);
   auto* relative = AddArray<vtkIntArray>(fields, "ToleranceIsRelative", 1, count);
+  auto* history = AddArray<vtkIntArray>(fields, "History", 1, count);
   auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
   for (vtkIdType i = 0; i < count; ++i)
   {
@@ -232,6 +254,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
     coarsest->SetValue(i, site.coarsest);
     tolerances->SetValue(i, site.tolerance);
     relative->SetValue(i, site.tolerance_is_relative ? 1 : 0);
+    history->SetValue(i, static_cast<int>(site.history));
     numbers->SetValue(i, static_cast<vtkIdType>(space.sites[i].configurations.size()));
   }
   AddNumber(fields, "LargestDisplacement", space.largest_displacement);
@@ -334,6 +357,18 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
     all[i].outcome = static_cast<palpate::Outcome>(static_cast<int>(outcomes->GetComponent(i, 0)));
   }
 
+  if (arrays->HasArray(LevelsReached))
+  {
+    vtkDataArray* reached = Required(arrays, LevelsReached, palpate::num_neighbours);
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      for (int n = 0; n < palpate::num_neighbours; ++n)
+      {
+        all[i].reached[n] = static_cast<std::int8_t>(reached->GetComponent(i, n));
+      }
+    }
+  }
+
   vtkFieldData* fields = data->GetFieldData();
   if (auto* hash = vtkStringArray::SafeDownCast(fields->GetAbstractArray("SceneHash")))
   {
@@ -350,6 +385,7 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
   vtkDataArray* coarsest = Required(fields, "CoarsestCell", 1);
   vtkDataArray* tolerances = Required(fields, "Tolerance", 1);
   vtkDataArray* relative = Required(fields, "ToleranceIsRelative", 1);
+  vtkDataArray* history = Required(fields, "History", 1);
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
   const int modes = space.num_modes();
@@ -367,6 +403,7 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
     site.site.coarsest = static_cast<int>(coarsest->GetComponent(s, 0));
     site.site.tolerance = tolerances->GetComponent(s, 0);
     site.site.tolerance_is_relative = relative->GetComponent(s, 0) != 0;
+    site.site.history = static_cast<palpate::History>(static_cast<int>(history->GetComponent(s, 0)));
     std::vector<vtkIdType> ids;
     for (vtkIdType i = 0; i < count; ++i)
     {

@@ -11,7 +11,10 @@
 //                                           line for each transition; point arrays
 //     `ActiveNode`                            id of the point in the body
 //     `CheckPoint`, `ParentCheckPoint`        place on the grid, in steps from rest [3]
-//     `Level`                                 which of the equilibria at the check-point
+//     `Level`, `ParentLevel`                  which of the equilibria at the check-point
+//     `LevelsReached`                         of a space with levels: the level that is reached at each
+//                                             neighbour, (−1,−1,−1) first, z fastest; −1 none, −2 not
+//                                             tried [27]
 //     `Displacement`                          of the active node, m [3]
 //     `Force`                                 that holds it, N [3]
 //     `Energy`                                J
@@ -23,7 +26,8 @@
 //   Field arrays of `Configurations`: `SceneHash`, `SchemaVersion`, and for each active node
 //     `ActiveNodes`, `TipRadius` (m), `HalfWidth` (m), `Resolution`, `ForceLimit` (N),
 //     `CoarsestCell` (in steps of the grid), `Tolerance` (of the force, 0: uniform grid),
-//     `ToleranceIsRelative` (1: a share of the largest force, 0: N), `NumberOfConfigurations`;
+//     `ToleranceIsRelative` (1: a share of the largest force, 0: N), `History` (0 flat, 1 automatic,
+//     2 levels), `NumberOfConfigurations`;
 //     `LargestDisplacement`, `DisplacementError`, `SensitivityError` (m, of the modes).
 #pragma once
 

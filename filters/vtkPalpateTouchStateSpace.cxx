@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/sheets.h"
 #include "vtkCellArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -78,9 +79,44 @@ struct vtkPalpateTouchStateSpace::Prepared
   vtkMTimeType InputTime = 0;
   TouchSpace Space;
   vtkNew<vtkCellArray> Triangles;
-  /// Made when they are first needed.
-  std::map<std::pair<vtkIdType, int>, std::unique_ptr<palpate::Interpolator>> Interpolators;
-  std::map<vtkIdType, palpate::DisplayField> Fields;
+  /// A branch of a site. The parts are made when they are first needed.
+  struct Branch
+  {
+    TouchSite Site;
+    std::map<int, std::unique_ptr<palpate::Interpolator>> Interpolators;
+    std::unique_ptr<palpate::DisplayField> Field;
+  };
+  std::map<vtkIdType, palpate::Sheets> Sheets;
+  std::map<std::pair<vtkIdType, int>, Branch> Branches;
+  /// Where the body is.
+  vtkIdType Node = -1;
+  int OnBranch = 0;
+  palpate::Vec3 At = palpate::Vec3::Zero();
+
+  /// Moves the node from where it was, or from rest.
+  /// @returns the branch that the body is on then.
+  Branch& Move(const TouchSite& site, const palpate::Vec3& t)
+  {
+    const vtkIdType node = site.site.active_node;
+    if (node != this->Node)
+    {
+      this->Node = node;
+      this->OnBranch = 0;
+      this->At.setZero();
+    }
+    const palpate::Sheets& sheets = this->Sheets.try_emplace(node, site).first->second;
+    this->OnBranch = sheets.move(this->OnBranch, this->At, t);
+    if (t.allFinite())
+    {
+      this->At = t;
+    }
+    const auto [branch, isNew] = this->Branches.try_emplace({ node, this->OnBranch });
+    if (isNew)
+    {
+      branch->second.Site = palpate::restricted(site, sheets.configurations(this->OnBranch));
+    }
+    return branch->second;
+  }
 };
 
 vtkStandardNewMacro(vtkPalpateTouchStateSpace);
@@ -129,16 +165,20 @@ int vtkPalpateTouchStateSpace::RequestData(
       const TouchSpace& space = this->Cache->Space;
       const TouchSite& site = SiteOf(space, this->ActiveNode);
       const vtkIdType node = site.site.active_node;
-      auto& interpolator = this->Cache->Interpolators[{ node, this->Interpolation }];
+      const palpate::Vec3 t(this->Displacement);
+      Prepared::Branch& branch = this->Cache->Move(site, t);
+      auto& interpolator = branch.Interpolators[this->Interpolation];
       if (!interpolator)
       {
-        interpolator =
-          palpate::make_interpolator(static_cast<palpate::Method>(this->Interpolation), site);
+        interpolator = palpate::make_interpolator(
+          static_cast<palpate::Method>(this->Interpolation), branch.Site);
       }
-      const palpate::DisplayField& field =
-        this->Cache->Fields.try_emplace(node, site).first->second;
+      if (!branch.Field)
+      {
+        branch.Field = std::make_unique<palpate::DisplayField>(branch.Site);
+      }
+      const palpate::DisplayField& field = *branch.Field;
 
-      const palpate::Vec3 t(this->Displacement);
       const palpate::TouchResult touch = interpolator->evaluate(t);
       Eigen::VectorXf coefficients(field.num_modes());
       field.coefficients(t, coefficients.data());
@@ -169,10 +209,14 @@ int vtkPalpateTouchStateSpace::RequestData(
       AddVector(output, "Energy", 1, &touch.energy);
       const palpate::Vec3 position = site.rest_position + t;
       AddVector(output, "ActivePosition", 3, position.data());
-      vtkNew<vtkIntArray> found;
-      found->SetName("Found");
-      found->InsertNextValue(static_cast<int>(touch.found));
-      output->GetFieldData()->AddArray(found);
+      for (const auto& [name, value] : { std::pair("Found", static_cast<int>(touch.found)),
+             std::pair("Branch", this->Cache->OnBranch) })
+      {
+        vtkNew<vtkIntArray> array;
+        array->SetName(name);
+        array->InsertNextValue(value);
+        output->GetFieldData()->AddArray(array);
+      }
       vtkNew<vtkIdTypeArray> active;
       active->SetName("ActiveNode");
       active->InsertNextValue(node);

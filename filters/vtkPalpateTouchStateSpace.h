@@ -10,7 +10,12 @@
  *   `Stiffness`  its derivative by the displacement, N/m, 9
  *   `Energy`     J
  *   `Found`      0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
+ *   `Branch`     which of the branches of a space with levels the body is on; 0: that of rest
  *   `ActiveNode`, `ActivePosition` (m, displaced)
+ *
+ * In a space with levels the body remembers: the node moves straight from where it was in the last
+ * execution, from rest after the input or the node has changed, and the body jumps from branch to
+ * branch where it has to.
  *
  * What does not depend on the displacement is kept from one execution to the next. Under MPI the
  * result is whole on rank 0 and empty elsewhere.

@@ -80,6 +80,10 @@ struct ConfigurationSummary {
   [[nodiscard]] bool leads_on() const {
     return usable() && (flags & flags::beyond_force_limit) == 0;
   }
+  /// Transitions between levels were made from here, or led here.
+  [[nodiscard]] bool has_history() const {
+    return level != 0 || reached != filled_with_not_tried();
+  }
 
  private:
   [[nodiscard]] static Reached filled_with_not_tried() {

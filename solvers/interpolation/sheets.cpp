@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/sheets.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+/// Of the side of a cell: so near to its border a displacement is on it.
+constexpr double kOnBorder = 1e-9;
+
+/// Steps in which a way is followed, in sides of a cell, and how many at the most.
+constexpr double kStep = 0.5;
+constexpr double kMostSteps = 4096;
+
+/// The level that the transition from a to the check-point of b has reached.
+std::int32_t reached(const ConfigurationSummary& a, const ConfigurationSummary& b) {
+  return a.reached[neighbour_number(a.check_point, b.check_point)];
+}
+
+/// The configurations of a site, with the transitions of the flat space among those that were made.
+std::vector<ConfigurationSummary> with_flat_transitions(const TouchSite& site) {
+  std::vector<ConfigurationSummary> all = site.configurations;
+  for (const ConfigurationSummary& c : site.configurations) {
+    const int number = neighbour_number(c.parent, c.check_point);
+    if (c.level != 0 || !c.usable() || number < 0 || c.parent == c.check_point) continue;
+    ConfigurationSummary parent;
+    parent.check_point = c.parent;
+    const auto here = std::lower_bound(all.begin(), all.end(), parent);
+    if (here == all.end() || here->check_point != c.parent || here->level != 0) continue;
+    here->reached[number] = 0;
+  }
+  return all;
+}
+
+enum class Way { unknown, smooth, broken };
+
+Way way_between(const ConfigurationSummary& a, const ConfigurationSummary& b) {
+  const std::int32_t there = reached(a, b);
+  const std::int32_t back = reached(b, a);
+  // Beyond the force limit nothing is touched; what is there only bounds the cells before it.
+  if (!a.leads_on() || !b.leads_on()) {
+    return there == b.level || back == a.level ? Way::smooth : Way::unknown;
+  }
+  if ((there != not_tried && there != b.level) || (back != not_tried && back != a.level)) {
+    return Way::broken;
+  }
+  if (there != not_tried && back != not_tried) return Way::smooth;
+  // One way alone: it may have been a jump.
+  const auto jumped = [](const ConfigurationSummary& from, const ConfigurationSummary& to) {
+    return to.parent == from.check_point && to.parent_level == from.level &&
+           (to.flags & flags::near_fold) != 0;
+  };
+  if (jumped(a, b) || jumped(b, a)) return Way::broken;
+  if (there != not_tried || back != not_tried) return Way::smooth;
+  const bool same_flags = ((a.flags ^ b.flags) & flags::near_fold) == 0;
+  return a.level == 0 && b.level == 0 && same_flags ? Way::smooth : Way::unknown;
+}
+
+/// Finds the sheets of a site with levels.
+class Builder {
+ public:
+  explicit Builder(const TouchSite& site)
+      : all_(with_flat_transitions(site)),
+        reach_(site.site.reach()) {
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      if (!all_[i].usable() || (all_[i].flags & flags::unstable) != 0) continue;
+      at_[all_[i].check_point].push_back(static_cast<std::int32_t>(i));
+    }
+  }
+
+  std::vector<std::vector<std::int32_t>> find() {
+    std::vector<std::int32_t> seeds;
+    for (const auto& [p, here] : at_) {
+      std::copy_if(here.begin(), here.end(), std::back_inserter(seeds),
+                   [&](std::int32_t i) { return all_[i].leads_on(); });
+    }
+    const auto from_rest = [&](std::int32_t i) {
+      std::int64_t squared = 0;
+      for (std::int32_t x : all_[i].check_point) squared += std::int64_t{x} * x;
+      return std::pair(all_[i].level, squared);
+    };
+    std::stable_sort(seeds.begin(), seeds.end(), [&](std::int32_t a, std::int32_t b) {
+      return from_rest(a) < from_rest(b);
+    });
+    std::vector<char> covered(all_.size(), 0);
+    std::vector<std::vector<std::int32_t>> sheets;
+    constexpr std::size_t kMost = std::numeric_limits<std::int16_t>::max();
+    for (std::int32_t seed : seeds) {
+      if (covered[seed] != 0 || sheets.size() == kMost) continue;
+      Sheet sheet = grow(seed);
+      std::vector<std::int32_t> members;
+      for (const auto& [p, i] : sheet) {
+        covered[i] = 1;
+        members.push_back(i);
+      }
+      // What spans no cell is of no use; rest is where the body begins.
+      const std::vector<CheckPoint> cells = cells_of(sheet);
+      if (!sheets.empty() && cells.empty()) continue;
+      for (const CheckPoint& first : cells) sheets_at_[first].push_back(sheets_.size());
+      std::sort(members.begin(), members.end());
+      sheets.push_back(std::move(members));
+      sheets_.push_back(std::move(sheet));
+    }
+    return sheets;
+  }
+
+  /// Of each sheet and cell the sheet that the body is on there.
+  [[nodiscard]] std::vector<std::int16_t> next() const {
+    std::vector<std::int16_t> all;
+    for (std::size_t s = 0; s < sheets_.size(); ++s) {
+      for_each_cell([&](const CheckPoint& first) { all.push_back(next_of(s, first)); });
+    }
+    return all;
+  }
+
+ private:
+  using Sheet = std::map<CheckPoint, std::int32_t>;
+
+  [[nodiscard]] Sheet grow(std::int32_t seed) const {
+    Sheet sheet{{all_[seed].check_point, seed}};
+    std::deque<std::int32_t> border{seed};
+    while (!border.empty()) {
+      const ConfigurationSummary& from = all_[border.front()];
+      border.pop_front();
+      for_each_neighbour(from, [&](std::int32_t i) {
+        const ConfigurationSummary& c = all_[i];
+        if (sheet.count(c.check_point) > 0 || way_between(from, c) != Way::smooth) return;
+        if (is_broken(sheet, c)) return;
+        sheet.emplace(c.check_point, i);
+        if (c.leads_on()) border.push_back(i);
+      });
+    }
+    return sheet;
+  }
+
+  template <class F>
+  void for_each_neighbour(const ConfigurationSummary& c, F&& f) const {
+    for (int number = 0; number < num_neighbours; ++number) {
+      const CheckPoint q = neighbour(c.check_point, number);
+      const auto here = q == c.check_point ? at_.end() : at_.find(q);
+      if (here == at_.end()) continue;
+      for (std::int32_t i : here->second) f(i);
+    }
+  }
+
+  [[nodiscard]] bool is_broken(const Sheet& sheet, const ConfigurationSummary& c) const {
+    bool broken = false;
+    for_each_neighbour(c, [&](std::int32_t i) {
+      const auto here = sheet.find(all_[i].check_point);
+      broken = broken || (here != sheet.end() && here->second == i &&
+                          way_between(all_[i], c) == Way::broken);
+    });
+    return broken;
+  }
+
+  template <class F>
+  void for_each_cell(F&& f) const {
+    for (std::int32_t i = -reach_; i < reach_; ++i) {
+      for (std::int32_t j = -reach_; j < reach_; ++j) {
+        for (std::int32_t k = -reach_; k < reach_; ++k) f(CheckPoint{i, j, k});
+      }
+    }
+  }
+
+  static CheckPoint corner(const CheckPoint& first, int c) {
+    return {first[0] + (c >> 2), first[1] + (c >> 1 & 1), first[2] + (c & 1)};
+  }
+
+  /// The first corners of the cells whose corners are all on the sheet.
+  static std::vector<CheckPoint> cells_of(const Sheet& sheet) {
+    std::vector<CheckPoint> cells;
+    for (const auto& [first, i] : sheet) {
+      int corners = 0;
+      while (corners < 8 && sheet.count(corner(first, corners)) > 0) ++corners;
+      if (corners == 8) cells.push_back(first);
+    }
+    return cells;
+  }
+
+  /// Transitions from the corners that are on a sheet which have reached another sheet.
+  [[nodiscard]] int votes(const Sheet& from, const Sheet& to, const CheckPoint& first) const {
+    int sum = 0;
+    for (int a = 0; a < 8; ++a) {
+      const auto start = from.find(corner(first, a));
+      if (start == from.end()) continue;
+      for (int b = 0; b < 8; ++b) {
+        const ConfigurationSummary& target = all_[to.at(corner(first, b))];
+        if (a == b || from.count(corner(first, b)) > 0) continue;
+        if (reached(all_[start->second], target) == target.level) ++sum;
+      }
+    }
+    return sum;
+  }
+
+  [[nodiscard]] double energy(const Sheet& sheet, const CheckPoint& first) const {
+    double sum = 0;
+    for (int c = 0; c < 8; ++c) sum += all_[sheet.at(corner(first, c))].energy;
+    return sum / 8;
+  }
+
+  [[nodiscard]] std::int16_t next_of(std::size_t sheet, const CheckPoint& first) const {
+    const auto here = sheets_at_.find(first);
+    if (here == sheets_at_.end()) return static_cast<std::int16_t>(sheet);
+    std::size_t best = sheet;
+    std::pair<int, double> most{0, std::numeric_limits<double>::infinity()};
+    for (std::size_t s : here->second) {
+      if (s == sheet) return static_cast<std::int16_t>(sheet);
+      // More votes, then less energy.
+      const std::pair<int, double> of_s{-votes(sheets_[sheet], sheets_[s], first),
+                                        energy(sheets_[s], first)};
+      if (of_s < most) {
+        most = of_s;
+        best = s;
+      }
+    }
+    return static_cast<std::int16_t>(best);
+  }
+
+  std::vector<ConfigurationSummary> all_;
+  std::int32_t reach_;
+  /// Usable and stable, by check-point.
+  std::map<CheckPoint, std::vector<std::int32_t>> at_;
+  std::vector<Sheet> sheets_;
+  /// By the first corner of a cell.
+  std::map<CheckPoint, std::vector<std::size_t>> sheets_at_;
+};
+
+}  // namespace
+
+Sheets::Sheets(const TouchSite& site) : spacing_(site.site.spacing()), reach_(site.site.reach()) {
+  const auto& all = site.configurations;
+  if (std::any_of(all.begin(), all.end(),
+                  [](const ConfigurationSummary& c) { return c.has_history(); })) {
+    Builder builder(site);
+    configurations_ = builder.find();
+    if (configurations_.size() > 1) next_ = builder.next();
+  }
+  if (configurations_.empty()) {
+    configurations_.emplace_back(all.size());
+    std::iota(configurations_.front().begin(), configurations_.front().end(), 0);
+  }
+}
+
+int Sheets::move(int sheet, const Vec3& from, const Vec3& to) const noexcept {
+  if (next_.empty() || !from.allFinite() || !to.allFinite()) return sheet;
+  const Vec3 way = to - from;
+  const double steps =
+      std::clamp(std::ceil(way.lpNorm<Eigen::Infinity>() / (kStep * spacing_)), 1.0, kMostSteps);
+  for (double step = 1; step <= steps; ++step) sheet = follow(sheet, from + (step / steps) * way);
+  return sheet;
+}
+
+int Sheets::follow(int sheet, const Vec3& t) const noexcept {
+  const std::int32_t n = 2 * reach_;
+  const auto next = [&](const std::array<std::int32_t, 3>& cell) {
+    const auto cells = static_cast<std::size_t>(n) * n * n;
+    const std::size_t at = (static_cast<std::size_t>(cell[0]) * n + cell[1]) * n + cell[2];
+    return static_cast<int>(next_[static_cast<std::size_t>(sheet) * cells + at]);
+  };
+  std::array<std::int32_t, 3> cell{};
+  /// Where t lies on the border with the cell before or after along an axis: −1 or 1.
+  std::array<std::int32_t, 3> beside{};
+  for (int k = 0; k < 3; ++k) {
+    const double x = std::clamp(t[k] / spacing_ + reach_, 0.0, static_cast<double>(n));
+    cell[k] = std::min(static_cast<std::int32_t>(x), n - 1);
+    const double s = x - cell[k];
+    if (s < kOnBorder && cell[k] > 0) beside[k] = -1;
+    if (s > 1 - kOnBorder && cell[k] + 1 < n) beside[k] = 1;
+  }
+  for (int across = 0; across < 8; ++across) {
+    std::array<std::int32_t, 3> other = cell;
+    for (int k = 0; k < 3; ++k) other[k] += (across >> k & 1) * beside[k];
+    if (next(other) == sheet) return sheet;
+  }
+  return next(cell);
+}
+
+TouchSite restricted(const TouchSite& site, const std::vector<std::int32_t>& configurations) {
+  TouchSite part;
+  part.site = site.site;
+  part.rest_position = site.rest_position;
+  const auto size = static_cast<Eigen::Index>(configurations.size());
+  part.coefficients.resize(site.coefficients.rows(), size);
+  part.coefficient_gradients.resize(site.coefficient_gradients.rows(), size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const std::int32_t of_site = configurations[static_cast<std::size_t>(i)];
+    ConfigurationSummary& c =
+        part.configurations.emplace_back(site.configurations[static_cast<std::size_t>(of_site)]);
+    // The jump that led here is not on the sheet.
+    if (configurations.size() < site.configurations.size()) c.flags &= ~flags::near_fold;
+    part.coefficients.col(i) = site.coefficients.col(of_site);
+    part.coefficient_gradients.col(i) = site.coefficient_gradients.col(of_site);
+  }
+  return part;
+}
+
+}  // namespace palpate
