@@ -51,6 +51,10 @@ inline std::vector<ConfigurationSummary> explore(Frontier& frontier, const Site&
     ConfigurationSummary found = solve(t);
     found.check_point = t.target;
     found.parent = t.start;
+    if (t.finds_candidate) {
+      found.parent_level = t.start_level;
+      found.level = candidate_level(t.start, t.start_level, t.target);
+    }
     for (const CheckPoint& target : following(site, found)) tasks.push_back({target, t.target});
     unheard.push_back(found);
   }

@@ -64,6 +64,7 @@ class Precompute : public testing::Test {
     options_.active_nodes = {block_.corner, block_.middle};
     options_.half_width = 0.02;
     options_.resolution = 5;
+    options_.history = History::flat;
   }
 
   void TearDown() override {
@@ -297,6 +298,14 @@ TEST_F(Precompute, FailedStepsEndTheSameOnAnyNumberOfRanks) {
     from_elsewhere += c.usable() && !nearest ? 1 : 0;
   }
   EXPECT_GT(from_elsewhere, 0);
+}
+
+TEST_F(Precompute, ASmoothSceneTakesNoTransitionBetweenLevels) {
+  options_.history = History::automatic;
+  const PrecomputeResult result = run(*world_);
+  EXPECT_EQ(result.report.num_transitions, 0);
+  EXPECT_EQ(result.report.num_levels, 0);
+  EXPECT_EQ(result.report.num_solved, 250);
 }
 
 TEST_F(Precompute, ATipOfFiniteSizeIsAnotherSite) {

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/levelled_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "solvers/exploration/frontier_run.h"
+#include "solvers/support/bistable.h"
+
+namespace palpate {
+namespace {
+
+using test::Bistable;
+using test::Order;
+
+using State = std::pair<CheckPoint, std::int32_t>;
+
+/// Answers the transitions of a bistable body, and remembers what a record would.
+class Body {
+ public:
+  Body(const Bistable& body, const Site& site) : body_(body), site_(site) {}
+
+  ConfigurationSummary solve(const Transition& transition) {
+    ++num_solved_;
+    const Vec3 t = place(transition.target);
+    double w = body_.wells(t).back();
+    ConfigurationSummary found = body_.at(t, w);
+    if (!transition.needs_no_start()) {
+      const double from = states_.at({transition.start, transition.start_level});
+      w = body_.move(place(transition.start), from, t);
+      found = body_.at(t, w);
+      // Jumps are noticed as a solver does: a small step would have stayed nearer.
+      if (w * from < 0 && std::abs(w - from) > 0.5) found.flags |= flags::near_fold;
+      if (fails_ && (found.flags & flags::near_fold) != 0) found.outcome = Outcome::not_converged;
+    }
+    const std::int32_t level =
+        transition.finds_candidate
+            ? candidate_level(transition.start, transition.start_level, transition.target)
+            : 0;
+    if (found.usable()) states_[{transition.target, level}] = w;
+    return found;
+  }
+
+  /// Those without a way that jumps.
+  void fail_at_jumps() { fails_ = true; }
+  /// After each next() of a frontier, as the engine does.
+  void settle(LevelledGrid& grid) {
+    for (const Settlement& s : grid.settled()) {
+      settlements_.push_back(s);
+      if (!s.has_candidate) continue;
+      const LevelTransition& t = s.transition;
+      const State candidate{t.target, candidate_level(t.start, t.start_level, t.target)};
+      const double w = states_.at(candidate);
+      states_.erase(candidate);
+      if (s.is_new) states_[{t.target, t.reached}] = w;
+    }
+  }
+
+  [[nodiscard]] Vec3 place(const CheckPoint& p) const {
+    return site_.spacing() * Vec3(p[0], p[1], p[2]);
+  }
+  [[nodiscard]] const std::map<State, double>& states() const { return states_; }
+  [[nodiscard]] const std::vector<Settlement>& settlements() const { return settlements_; }
+  [[nodiscard]] int num_solved() const { return num_solved_; }
+
+ private:
+  Bistable body_;
+  Site site_;
+  bool fails_ = false;
+  std::map<State, double> states_;
+  std::vector<Settlement> settlements_;
+  int num_solved_ = 0;
+};
+
+Site make_site(std::int32_t resolution = 9, double half_width = 1.5) {
+  Site site;
+  site.resolution = resolution;
+  site.half_width = half_width;
+  site.history = History::automatic;
+  return site;
+}
+
+/// Of the site above and the body as it comes: in two layers of the grid.
+constexpr int kNumDouble = 2 * 9 * 9;
+
+/// A frontier that has its settlements told to the body before anything starts from them.
+class Told final : public Frontier {
+ public:
+  Told(LevelledGrid& grid, Body& body) : grid_(grid), body_(body) {}
+  void recall(const ConfigurationSummary& found) override { grid_.recall(found); }
+  void accept(const ConfigurationSummary& found) override { grid_.accept(found); }
+  std::vector<Transition> next() override {
+    std::vector<Transition> due = grid_.next();
+    body_.settle(grid_);
+    return due;
+  }
+  std::vector<CheckPoint> given_up() override { return grid_.given_up(); }
+  [[nodiscard]] std::int64_t num_expected() const override { return grid_.num_expected(); }
+
+ private:
+  LevelledGrid& grid_;
+  Body& body_;
+};
+
+std::vector<ConfigurationSummary> explore(LevelledGrid& grid, Body& body, const Site& site,
+                                          Order order, std::size_t until = SIZE_MAX) {
+  Told told(grid, body);
+  return test::explore(
+      told, site, order, [&](const Transition& t) { return body.solve(t); }, until);
+}
+
+auto all_of(const Settlement& s) {
+  const LevelTransition& t = s.transition;
+  return std::tuple(t.start, t.start_level, t.target, t.reached, s.is_new, s.has_candidate);
+}
+
+class LevelledGridInOrder : public testing::TestWithParam<Order> {};
+
+TEST_P(LevelledGridInOrder, FindsBothWellsWhereverThereAreTwo) {
+  const Site site = make_site();
+  const Bistable bistable;
+  Body body(bistable, site);
+  LevelledGrid grid(site);
+  explore(grid, body, site, GetParam());
+  std::map<CheckPoint, std::vector<double>> found;
+  for (const auto& [state, w] : body.states()) found[state.first].push_back(w);
+  int num_double = 0;
+  for (auto& [p, of_levels] : found) {
+    std::sort(of_levels.begin(), of_levels.end());
+    const std::vector<double> wells = bistable.wells(body.place(p));
+    ASSERT_EQ(of_levels.size(), wells.size()) << p[0] << ' ' << p[1] << ' ' << p[2];
+    for (std::size_t i = 0; i < wells.size(); ++i) EXPECT_NEAR(of_levels[i], wells[i], 1e-12);
+    if (wells.size() == 2) ++num_double;
+  }
+  EXPECT_EQ(num_double, kNumDouble);
+  EXPECT_EQ(grid.num_expected(), 9 * 9 * 9 + num_double);
+}
+
+TEST_P(LevelledGridInOrder, TellsTheSameLevelsApartInEveryOrder) {
+  const Site site = make_site(5, 1);
+  Body deep({}, site);
+  LevelledGrid first(site);
+  explore(first, deep, site, Order::deep);
+  Body body({}, site);
+  LevelledGrid grid(site);
+  explore(grid, body, site, GetParam());
+  EXPECT_EQ(body.states(), deep.states());
+  ASSERT_EQ(body.settlements().size(), deep.settlements().size());
+  for (std::size_t i = 0; i < body.settlements().size(); ++i) {
+    EXPECT_EQ(all_of(body.settlements()[i]), all_of(deep.settlements()[i]));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Orders, LevelledGridInOrder,
+                         testing::Values(Order::deep, Order::wide, Order::random),
+                         [](const auto& order) { return to_string(order.param); });
+
+TEST(LevelledGrid, ASmoothBodyTakesNoTransitionMore) {
+  const Site site = make_site();
+  Bistable smooth;
+  smooth.a0 = -1;
+  Body body(smooth, site);
+  LevelledGrid grid(site);
+  explore(grid, body, site, Order::deep);
+  EXPECT_EQ(body.num_solved(), 9 * 9 * 9);
+  EXPECT_TRUE(body.settlements().empty());
+}
+
+TEST(LevelledGrid, WithLevelsAsksForEveryTransitionOnce) {
+  Site site = make_site(5);
+  site.history = History::levels;
+  Bistable smooth;
+  smooth.a0 = -1;
+  Body body(smooth, site);
+  LevelledGrid grid(site);
+  explore(grid, body, site, Order::deep);
+  // Pairs of neighbours in both directions, without the ways of the flat space.
+  const int pairs = 13 * 13 * 13 - 5 * 5 * 5;
+  EXPECT_EQ(body.settlements().size(), static_cast<std::size_t>(pairs - (5 * 5 * 5 - 1)));
+  EXPECT_TRUE(std::none_of(body.settlements().begin(), body.settlements().end(),
+                           [](const Settlement& s) { return s.is_new; }));
+}
+
+// The far side of the fold is not found, and that is a sign as well; so is an edge whose energy does
+// not fit.
+TEST(LevelledGrid, AJumpThatFailsIsTriedFromAllSides) {
+  const Site site = make_site();
+  Body body({}, site);
+  body.fail_at_jumps();
+  LevelledGrid grid(site);
+  explore(grid, body, site, Order::deep);
+  EXPECT_FALSE(body.settlements().empty());
+  for (const Settlement& s : body.settlements()) {
+    EXPECT_TRUE(s.transition.reached == failed_to_reach || s.transition.reached == 0);
+  }
+}
+
+TEST(LevelledGrid, AnEdgeWhoseEnergyDoesNotFitIsASign) {
+  const Site site = make_site();
+  const Bistable bistable;
+  LevelledGrid grid(site);
+  Body body(bistable, site);
+  Told told(grid, body);
+  // No flag tells of the jump.
+  test::explore(told, site, Order::deep, [&](const Transition& t) {
+    ConfigurationSummary found = body.solve(t);
+    found.flags = 0;
+    return found;
+  });
+  const auto& settlements = body.settlements();
+  EXPECT_EQ(std::count_if(settlements.begin(), settlements.end(),
+                          [](const Settlement& s) { return s.is_new; }),
+            kNumDouble);
+}
+
+TEST(LevelledGrid, NothingStartsFromInvertedUnstableOrForbiddenStates) {
+  for (Flags flag : {flags::inverted, flags::unstable, flags::beyond_force_limit}) {
+    const Site site = make_site(7);
+    LevelledGrid grid(site);
+    Body body({}, site);
+    Told told(grid, body);
+    test::explore(told, site, Order::deep, [&](const Transition& t) {
+      ConfigurationSummary found = body.solve(t);
+      if (t.target[2] < 0) found.flags |= flag;
+      return found;
+    });
+    for (const Settlement& s : body.settlements()) {
+      EXPECT_GE(s.transition.start[2], 0) << flag;
+    }
+  }
+}
+
+// Killed after any number of configurations, and taken up again: nothing is made twice, and the
+// levels are those of the run that was not.
+TEST(LevelledGrid, GoesOnFromWhatWasFound) {
+  const Site site = make_site(5, 1);
+  Body undisturbed({}, site);
+  LevelledGrid whole(site);
+  const std::size_t num_all = explore(whole, undisturbed, site, Order::deep).size();
+  for (const std::size_t until : {num_all / 3, num_all / 2, 2 * num_all / 3, num_all - 1}) {
+    SCOPED_TRACE(until);
+    Body body({}, site);
+    LevelledGrid killed(site);
+    const auto heard = explore(killed, body, site, Order::random, until);
+    const std::vector<Settlement> settled = body.settlements();
+    const int num_solved = body.num_solved();
+
+    LevelledGrid resumed(site);
+    // As a record has them: candidates have their level, or are gone, once they are settled.
+    std::map<State, ConfigurationSummary> kept;
+    for (const ConfigurationSummary& c : heard) kept[{c.check_point, c.level}] = c;
+    for (const Settlement& s : settled) {
+      const LevelTransition& t = s.transition;
+      resumed.recall(t);
+      if (!s.has_candidate) continue;
+      auto candidate =
+          kept.extract({t.target, candidate_level(t.start, t.start_level, t.target)});
+      if (!s.is_new) continue;
+      candidate.mapped().level = t.reached;
+      kept[{t.target, t.reached}] = candidate.mapped();
+    }
+    for (const auto& [state, c] : kept) {
+      resumed.recall(c);
+    }
+    const auto more = explore(resumed, body, site, Order::random);
+    EXPECT_EQ(body.states(), undisturbed.states());
+    // The killed run had solved some of which nobody had heard.
+    EXPECT_EQ(heard.size() + more.size(), num_all);
+    EXPECT_GE(body.num_solved(), num_solved);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
