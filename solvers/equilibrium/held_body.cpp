@@ -19,9 +19,9 @@ constexpr double kLeastDisplacement = 1e-3;
 /// Kinds of unknowns that have no parameter.
 constexpr Index kFree = -1;
 constexpr Index kIdle = -2;
-/// The factor at rest serves sites only where its solutions for them have an error below this, so
-/// that a step or two of refinement remove it.
-constexpr double kRefinable = 1e-4;
+/// The factor at rest serves sites only where its solutions for them have an error below this, of
+/// which a step of refinement leaves nothing.
+constexpr double kRefinable = 1e-8;
 /// A body that keeps fewer factors has none for a state that it may not come back to.
 constexpr std::size_t kLeastFactorsToShare = 3;
 
