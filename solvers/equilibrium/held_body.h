@@ -132,7 +132,7 @@ class HeldBody {
   [[nodiscard]] TangentFactor* factorise_alone(const NodalVector& state, Precision precision);
   [[nodiscard]] KeptFactor* find_kept_factor(const NodalVector& state);
   KeptFactor& factor_to_replace();
-  /// Sees to it that there is one.
+  /// spare_solver_, made if there is none.
   LinearSolver& spare_solver();
   [[nodiscard]] std::vector<char> find_idle_multipliers() const;
 
