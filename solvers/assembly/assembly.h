@@ -71,7 +71,7 @@ class Assembly {
   struct Result {
     /// J; infinite where a law is not defined (det F ≤ 0).
     double energy = 0;
-    /// Least det F over the quadrature points.
+    /// Least det F over the quadrature points; 1 for cells of the linear law, which has no use for it.
     double minimum_det_f = 1;
   };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "equilibrium/completion.h"
 
+#include <algorithm>
+
 namespace palpate {
 
 namespace {
@@ -30,9 +32,21 @@ Eigen::MatrixXd sensitivity_of(const HeldBody& body, const Equilibrium& equilibr
 
 namespace {
 
-/// Fills in what follows from v of the free unknowns and from the state.
-void take_sensitivity(const HeldBody& body, const NodalVector& state,
-                      const Eigen::Ref<const Eigen::MatrixXd>& v_i, Equilibrium& equilibrium) {
+/// Fills in what follows from the state.
+void take_state(const HeldBody& body, const NodalVector& state, Equilibrium& equilibrium) {
+  const Assembly& assembly = body.assembly();
+  equilibrium.u = state.head(3 * Eigen::Index{assembly.num_points()});
+  equilibrium.p = state.tail(assembly.num_pressures()).cwiseProduct(pressure_scale(body));
+  const Assembly::Determinant least = assembly.minimum_det_f(state);
+  equilibrium.minimum_det_f = least.value;
+  equilibrium.minimum_det_f_cell = least.cell;
+  equilibrium.num_inverted_cells = least.num_inverted_cells;
+  equilibrium.flags = least.value <= 0 ? flags::inverted : 0;
+}
+
+/// Fills in what follows from v of the free unknowns.
+void take_sensitivity(const HeldBody& body, const Eigen::Ref<const Eigen::MatrixXd>& v_i,
+                      Equilibrium& equilibrium) {
   const Assembly& assembly = body.assembly();
   const Eigen::Index parameters = body.num_parameters();
   const Eigen::Index displacements = 3 * Eigen::Index{assembly.num_points()};
@@ -42,16 +56,24 @@ void take_sensitivity(const HeldBody& body, const NodalVector& state,
     body.place_sites(Eigen::VectorXd::Unit(parameters, column), of_column);
     sensitivity.col(column) = of_column;
   }
-  equilibrium.u = state.head(displacements);
   equilibrium.v = sensitivity.topRows(displacements);
-  equilibrium.p = state.tail(assembly.num_pressures()).cwiseProduct(pressure_scale(body));
   equilibrium.p_v =
       pressure_scale(body).asDiagonal() * sensitivity.bottomRows(assembly.num_pressures());
-  const Assembly::Determinant least = assembly.minimum_det_f(state);
-  equilibrium.minimum_det_f = least.value;
-  equilibrium.minimum_det_f_cell = least.cell;
-  equilibrium.num_inverted_cells = least.num_inverted_cells;
-  equilibrium.flags = least.value <= 0 ? flags::inverted : 0;
+}
+
+/// Fills in how far Newton's method would still move the body.
+void take_newton_step(const HeldBody& body, const Eigen::VectorXd& unknowns,
+                      Equilibrium& equilibrium, NodalVector* newton_step) {
+  const NodalVector step = body.as_state(unknowns);
+  equilibrium.displacement_error =
+      step.head(3 * Eigen::Index{body.assembly().num_points()}).lpNorm<Eigen::Infinity>() /
+      body.displacement_scale(equilibrium.t);
+  if (newton_step != nullptr) *newton_step = step;
+}
+
+void take_inertia(int negative_pivots, Equilibrium& equilibrium) {
+  equilibrium.negative_pivots = negative_pivots;
+  if (negative_pivots > 0) equilibrium.flags |= flags::unstable;
 }
 
 void set_stiffness(const Eigen::MatrixXd& k, Equilibrium& equilibrium) {
@@ -67,13 +89,19 @@ constexpr int kMaxIterations = 14;
 constexpr double kLastRefinement = 1e-4;
 constexpr int kMaxRefinements = 4;
 
-/// Makes v accurate, which comes of a factor of the last tangent in single precision.
+/// Takes a step of refinement of v, with a factor of the last tangent.
+Eigen::MatrixXd refine_once(HeldBody& body, TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> v) {
+  Eigen::MatrixXd step = -body.k_ia() - body.times_tangent(v);
+  body.solve(factor, step);
+  v += step;
+  return step;
+}
+
+/// Makes v accurate, which comes of a rough factor of the last tangent.
 /// @returns false where the factor is not good enough.
 bool refine(HeldBody& body, TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> v) {
   for (int i = 0; i < kMaxRefinements; ++i) {
-    Eigen::MatrixXd step = -body.k_ia() - body.times_tangent(v);
-    body.solve(factor, step);
-    v += step;
+    const Eigen::MatrixXd step = refine_once(body, factor, v);
     if ((step.colwise().norm().array() <= kLastRefinement * v.colwise().norm().array()).all()) {
       return true;
     }
@@ -98,24 +126,38 @@ Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibr
   solutions = -solutions;
   const Eigen::MatrixXd right_hand_sides = solutions;
   body.solve(*factor, solutions);
-  if (factor->solver->is_single() && !refine(body, *factor, solutions.leftCols(parameters))) {
-    factor = body.factorise(state, Precision::full);
+  if (factor->is_rough() && !refine(body, *factor, solutions.leftCols(parameters))) {
+    factor = body.factorise_accurately(state);
     if (factor == nullptr) return Outcome::tangent_not_factorised;
     solutions = right_hand_sides;
     body.solve(*factor, solutions);
   }
   if (!solutions.allFinite()) return Outcome::tangent_not_factorised;
-  const auto v_i = solutions.leftCols(parameters);
-  const NodalVector step = body.as_state(solutions.col(parameters));
-  equilibrium.displacement_error =
-      step.head(3 * Eigen::Index{body.assembly().num_points()}).lpNorm<Eigen::Infinity>() /
-      body.displacement_scale(equilibrium.t);
-  if (newton_step != nullptr) *newton_step = step;
+  auto v_i = solutions.leftCols(parameters);
+  take_newton_step(body, solutions.col(parameters), equilibrium, newton_step);
+  if (body.assembly().is_linear()) {
+    // All displacements are made of v.
+    const Eigen::MatrixXd error = refine_once(body, *factor, v_i);
+    equilibrium.displacement_error =
+        std::max(equilibrium.displacement_error, error.rowwise().lpNorm<1>().maxCoeff());
+  }
   set_stiffness(body.k_aa() + body.k_ia().transpose() * v_i, equilibrium);
-  take_sensitivity(body, state, v_i, equilibrium);
-  equilibrium.negative_pivots = body.negative_pivots(*factor);
-  if (equilibrium.negative_pivots > 0) equilibrium.flags |= flags::unstable;
+  take_sensitivity(body, v_i, equilibrium);
+  take_state(body, state, equilibrium);
+  take_inertia(body.negative_pivots(*factor), equilibrium);
   return Outcome::converged;
+}
+
+void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& state,
+               Equilibrium& equilibrium) {
+  equilibrium.energy = body.evaluate(state);
+  equilibrium.reaction = body.reaction();
+  equilibrium.stiffness = start.stiffness;
+  equilibrium.v = start.v;
+  equilibrium.p_v = start.p_v;
+  equilibrium.displacement_error = start.displacement_error;
+  take_state(body, state, equilibrium);
+  take_inertia(start.negative_pivots, equilibrium);
 }
 
 bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
@@ -160,7 +202,8 @@ bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
     rho = next_rho;
   }
   set_stiffness(body.k_aa() + body.k_ia().transpose() * v - v.transpose() * residual, equilibrium);
-  take_sensitivity(body, state, v, equilibrium);
+  take_sensitivity(body, v, equilibrium);
+  take_state(body, state, equilibrium);
   equilibrium.negative_pivots = 0;
   equilibrium.flags |= flags::inertia_not_computed;
   return true;

@@ -21,6 +21,12 @@ namespace palpate {
 [[nodiscard]] Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
                                NodalVector* newton_step = nullptr);
 
+/// The same in a linear body, for x = start + v (t − start.t), without a solve: v, k and the inertia
+/// are those of the start (elementary displacements: Cotin, Delingette & Ayache, IEEE Trans. Vis.
+/// Comput. Graph. 5, 1999), and so is the error.
+void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& state,
+               Equilibrium& equilibrium);
+
 /// The same without a factor of the tangent at x: v by conjugate gradients, preconditioned with the
 /// factor at `start`, from which x was reached, and from its v; k by the functional that is stationary
 /// in v, so that its relative error is the square of v's. Costs about half a factorisation. The

@@ -189,7 +189,13 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   next.residual = correction.residual;
   next.outcome = correction.outcome;
   if (correction.outcome != Outcome::converged) return next;
-  if (tangent == Tangent::iterated && !body_.assembly().is_linear() &&
+  const bool is_linear = body_.assembly().is_linear();
+  if (is_linear && correction.iterations == 0 &&
+      progress.state.displacement_error <= options_.displacement_error()) {
+    superpose(body_, progress.state, *state, next);
+    return next;
+  }
+  if (tangent == Tangent::iterated && !is_linear &&
       complete_by_iteration(body_, options_, progress.state, *state, next)) {
     return next;
   }
@@ -330,7 +336,7 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
 }
 
 double EquilibriumSolver::Impl::condition(const Equilibrium& state) {
-  TangentFactor* factor = body_.factorise(state_of(body_, state));
+  TangentFactor* factor = body_.factorise_accurately(state_of(body_, state));
   return factor == nullptr ? std::numeric_limits<double>::infinity() : body_.condition(*factor);
 }
 

@@ -17,7 +17,8 @@
 // step on; corrector quasi-Newton (updates of the factor at the start of the step) with a line
 // search. Where that contracts too slowly the tangent is factorised anew, where it fails the step is
 // halved. One more factor, at the solution, gives v, k and the inertia. Steps from one start share
-// its factor.
+// its factor, and those from rest that of all sites (rest_factor.h). In a linear body u = v t, and v
+// and k are the same throughout.
 //
 // A step must agree with the path that it claims to follow: with d = t₁ − t₀,
 //
@@ -62,7 +63,9 @@ class EquilibriumSolver {
   [[nodiscard]] const Assembly& assembly() const;
   [[nodiscard]] const Work& work() const;
 
-  /// Chooses the sites for the solves that follow. The symbolic analysis serves all choices.
+  /// Chooses the sites for the solves that follow. The symbolic analysis serves all choices, and so
+  /// does the factor at rest where not too many unknowns are held: always in a linear body, else from
+  /// three kept factors on.
   /// @throws InputError a point that does not exist, is in no cell, is fixed, or is named twice.
   void hold(const Constraint& constraint);
 

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
 #include "base/error.h"
 #include "linear/condition.h"
+#include "linear/product.h"
 
 namespace palpate {
 namespace {
@@ -17,6 +19,11 @@ constexpr double kLeastDisplacement = 1e-3;
 /// Kinds of unknowns that have no parameter.
 constexpr Index kFree = -1;
 constexpr Index kIdle = -2;
+/// The factor at rest serves sites only where its solutions for them have an error below this, of
+/// which a step of refinement leaves nothing.
+constexpr double kRefinable = 1e-8;
+/// A body that keeps fewer factors has none for a state that it may not come back to.
+constexpr std::size_t kLeastFactorsToShare = 3;
 
 Eigen::VectorXd row_norms(const SymmetricPattern& pattern, const std::vector<double>& values) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(pattern.size);
@@ -56,15 +63,17 @@ HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int
     ++work_.analyses;
     solver->analyse(pattern);
   }
+  if (assembly_.is_linear() || kept_factors_ >= kLeastFactorsToShare) {
+    most_shared_ = RestFactor::most_held(*solver, pattern.size);
+  }
+  spare_solver_ = std::move(solver);
   factors_.reserve(kept_factors_);  // so that pointers to them stay good
-  factors_.push_back({std::move(solver), {}});
-  assemble(NodalVector::Zero(assembly_.state_size()));
-  has_rest_tangent_ = true;
+  assemble(NodalVector::Zero(assembly_.state_size()), rest_values_);
   const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
   double sum = 0;
-  for (Index c = 0; c < num_displacements; ++c) sum += values_[pattern.column_start[c]];
+  for (Index c = 0; c < num_displacements; ++c) sum += rest_values_[pattern.column_start[c]];
   mean_diagonal_ = sum / num_displacements;
-  inverse_row_norm_ = row_norms(pattern, values_).cwiseInverse();
+  inverse_row_norm_ = row_norms(pattern, rest_values_).cwiseInverse();
 }
 
 std::vector<char> HeldBody::find_idle_multipliers() const {
@@ -125,7 +134,9 @@ void HeldBody::hold(const Constraint& constraint) {
   held_.clear();
   idle_.clear();
   idle_diagonal_.clear();
-  for (TangentFactor& factor : factors_) factor.state.resize(0);
+  for (KeptFactor& factor : factors_) factor.state.resize(0);
+  is_shared_.reset();
+  has_tangent_ = false;
   for (Index c = 0; c < pattern.size; ++c) {
     for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
       const Index row = pattern.row[i];
@@ -200,14 +211,23 @@ NodalVector HeldBody::as_state(const Eigen::VectorXd& unknowns) const {
   return state;
 }
 
-void HeldBody::assemble(const NodalVector& state) {
+void HeldBody::assemble(const NodalVector& state, std::vector<double>& values) {
   const Timer timer(work_.assembly_seconds);
   ++work_.assemblies;
-  assembly_.tangent(state, force_, values_);
+  assembly_.tangent(state, force_, values);
+}
+
+bool HeldBody::is_as_at_rest(const NodalVector& state) const {
+  return assembly_.is_linear() || state.isZero(0);
 }
 
 TangentFactor* HeldBody::find_factor(const NodalVector& state) {
-  const auto found = std::find_if(factors_.begin(), factors_.end(), [&](const TangentFactor& f) {
+  if (is_shared_ == true && is_as_at_rest(state)) return rest_factor_.get();
+  return find_kept_factor(state);
+}
+
+HeldBody::KeptFactor* HeldBody::find_kept_factor(const NodalVector& state) {
+  const auto found = std::find_if(factors_.begin(), factors_.end(), [&](const KeptFactor& f) {
     return f.state.size() > 0 && (assembly_.is_linear() || f.state == state);
   });
   if (found == factors_.end()) return nullptr;
@@ -217,30 +237,41 @@ TangentFactor* HeldBody::find_factor(const NodalVector& state) {
 
 void HeldBody::forget(const NodalVector& state) {
   if (assembly_.is_linear()) return;  // its factor is that of all states
-  if (TangentFactor* factor = find_factor(state)) factor->state.resize(0);
+  if (KeptFactor* factor = find_kept_factor(state)) factor->state.resize(0);
 }
 
-TangentFactor& HeldBody::factor_to_replace() {
-  const auto empty = std::find_if(factors_.begin(), factors_.end(),
-                                  [](const TangentFactor& f) { return f.state.size() == 0; });
-  if (empty != factors_.end()) return *empty;
-  if (factors_.size() < kept_factors_) {
+LinearSolver& HeldBody::spare_solver() {
+  if (spare_solver_ == nullptr) {
     const Timer timer(work_.analysis_seconds);
-    factors_.push_back({factors_.front().solver->another(), {}});
-    return factors_.back();
+    LinearSolver& other = rest_factor_ != nullptr ? rest_factor_->solver() : *factors_.front().solver;
+    spare_solver_ = other.another();
+  }
+  return *spare_solver_;
+}
+
+HeldBody::KeptFactor& HeldBody::factor_to_replace() {
+  const auto empty = std::find_if(factors_.begin(), factors_.end(),
+                                  [](const KeptFactor& f) { return f.state.size() == 0; });
+  if (empty != factors_.end()) return *empty;
+  const std::size_t others = is_shared_ == true ? 1 : 0;
+  if (factors_.size() + others < kept_factors_) {
+    (void)spare_solver();
+    return factors_.emplace_back(std::move(spare_solver_));
   }
   return *std::min_element(factors_.begin(), factors_.end(),
-                           [this](const TangentFactor& a, const TangentFactor& b) {
-                             const bool a_is_old = a.made <= uses_before_solve_;
-                             const bool b_is_old = b.made <= uses_before_solve_;
-                             return a_is_old != b_is_old ? b_is_old : a.last_use < b.last_use;
+                           [](const KeptFactor& a, const KeptFactor& b) {
+                             return a.last_use < b.last_use;
                            });
 }
 
 void HeldBody::assemble_tangent(const NodalVector& state) {
-  const bool is_there = has_rest_tangent_ && (assembly_.is_linear() || state.isZero(0));
-  if (!is_there) assemble(state);
-  has_rest_tangent_ = false;  // the sites are taken out of it now
+  if (has_tangent_ && assembly_.is_linear()) return;
+  if (is_as_at_rest(state)) {
+    values_ = rest_values_;
+  } else {
+    assemble(state, values_);
+  }
+  has_tangent_ = true;
   k_ia_.setZero(assembly_.pattern().size, num_parameters());
   k_aa_.setZero(num_parameters(), num_parameters());
   for (const Coupling& c : couplings_) {
@@ -281,33 +312,82 @@ Eigen::MatrixXd HeldBody::times_tangent(const Eigen::MatrixXd& columns) const {
   return product;
 }
 
-TangentFactor* HeldBody::factorise(const NodalVector& state, Precision precision) {
-  if (assembly_.is_linear()) {
-    if (TangentFactor* factor = find_factor(state)) return factor;
+bool HeldBody::shares_rest_factor() {
+  if (is_shared_) return *is_shared_;
+  is_shared_ = false;
+  std::vector<Index> held;
+  for (Index i = 0; i < assembly_.pattern().size; ++i) {
+    if (parameter_of_unknown_[i] != kFree) held.push_back(i);
   }
-  TangentFactor& factor = factor_to_replace();
+  const auto num_held = static_cast<Index>(held.size());
+  if (num_held > most_shared_ || !idle_diagonal_.empty()) return false;
+  if (rest_factor_ == nullptr) {
+    LinearSolver& solver = spare_solver();
+    const Timer timer(work_.factorisation_seconds);
+    ++work_.factorisations;
+    if (solver.factorise(rest_values_) != FactorStatus::ok) {
+      most_shared_ = 0;  // it floats, without sites
+      return false;
+    }
+    rest_factor_ = std::make_unique<RestFactor>(std::move(spare_solver_), assembly_.pattern().size);
+  }
+  {
+    const Timer timer(work_.solve_seconds);
+    work_.right_hand_sides += num_held;
+    rest_factor_->hold(std::move(held));
+  }
+  is_shared_ = error_of_rest_factor() <= kRefinable;
+  return *is_shared_;
+}
+
+double HeldBody::error_of_rest_factor() {
+  Eigen::VectorXd x(assembly_.pattern().size);
+  for (Index i = 0; i < x.size(); ++i) {
+    x[i] = parameter_of_unknown_[i] != kFree ? 0 : (i % 2 == 0 ? 1 : -1);
+  }
+  Eigen::VectorXd found = product(assembly_.pattern(), values_, x);
+  solve(*rest_factor_, found);
+  const double error = (found - x).norm() / x.norm();
+  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
+}
+
+TangentFactor* HeldBody::factorise(const NodalVector& state) {
+  if (is_as_at_rest(state)) {
+    assemble_tangent(state);
+    if (shares_rest_factor()) return rest_factor_.get();
+  }
+  return factorise_alone(state, precision_);
+}
+
+TangentFactor* HeldBody::factorise_alone(const NodalVector& state, Precision precision) {
+  if (assembly_.is_linear()) {
+    KeptFactor* factor = find_kept_factor(state);
+    if (factor != nullptr && (precision != Precision::full || !factor->is_rough())) return factor;
+  }
+  KeptFactor& factor = factor_to_replace();
   factor.state.resize(0);
   assemble_tangent(state);
   const Timer timer(work_.factorisation_seconds);
   ++work_.factorisations;
   if (factor.solver->factorise(values_, precision) != FactorStatus::ok) return nullptr;
   factor.state = state;
-  factor.made = factor.last_use = ++uses_;
+  factor.last_use = ++uses_;
   return &factor;
 }
 
 void HeldBody::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns) {
   const Timer timer(work_.solve_seconds);
   work_.right_hand_sides += columns.cols();
-  factor.solver->solve(columns);
+  factor.solve(columns);
 }
 
 int HeldBody::negative_pivots(const TangentFactor& factor) const {
-  return factor.solver->negative_pivots() - assembly_.num_unknown_pressures();
+  return factor.negative_pivots() - assembly_.num_unknown_pressures();
 }
 
 double HeldBody::condition(TangentFactor& factor) const {
-  return condition_estimate(assembly_.pattern(), values_, *factor.solver);
+  return condition_estimate(assembly_.pattern(), values_,
+                            [&](auto columns) { factor.solve(columns); });
 }
 
 }  // namespace palpate

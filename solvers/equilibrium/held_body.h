@@ -2,27 +2,22 @@
 // The discrete body with its sites held: the linear systems that are solved on the way to an
 // equilibrium. With i the free unknowns and a those of the sites, K_ii is kept on the pattern of the
 // whole body, the rows and columns of a replaced by a multiple of the identity, so that one symbolic
-// analysis serves every choice of sites.
+// analysis serves every choice of sites; and so does one factor of the tangent at rest, where a solve
+// for each unknown that is held costs less than a factorisation (rest_factor.h).
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "assembly/assembly.h"
 #include "equilibrium/constraint.h"
+#include "equilibrium/rest_factor.h"
 #include "equilibrium/work.h"
 #include "linear/linear_solver.h"
 
 namespace palpate {
-
-/// A factor of K_ii, and the state whose tangent it is of; empty: none.
-struct TangentFactor {
-  std::unique_ptr<LinearSolver> solver;
-  NodalVector state;
-  /// When it was made, and last asked for.
-  long made = 0;
-  long last_use = 0;
-};
 
 class HeldBody {
  public:
@@ -70,20 +65,18 @@ class HeldBody {
 
   /// The factor of the tangent at a state, if it is kept; else null.
   [[nodiscard]] TangentFactor* find_factor(const NodalVector& state);
-  /// The factors that are kept now are of states that others may start from: those that are made
-  /// from now on are replaced first.
-  void begin_solve() { uses_before_solve_ = uses_; }
   /// Gives the place of the factor at a state free.
   void forget(const NodalVector& state);
   /// The tangent at a state, for k_ia(), k_aa() and times_tangent().
   void assemble_tangent(const NodalVector& state);
   /// Assembles and factorises the tangent at a state, in place of the factor not used for longest;
-  /// null where it is singular. A linear body has one factor for all states.
-  [[nodiscard]] TangentFactor* factorise(const NodalVector& state) {
-    return factorise(state, precision_);
+  /// null where it is singular. A linear body has one factor for all states, and where it can be, the
+  /// one at rest is that of all sites.
+  [[nodiscard]] TangentFactor* factorise(const NodalVector& state);
+  /// The same, of this state and these sites alone and in full precision: not rough.
+  [[nodiscard]] TangentFactor* factorise_accurately(const NodalVector& state) {
+    return factorise_alone(state, Precision::full);
   }
-  /// The same, with the given precision.
-  [[nodiscard]] TangentFactor* factorise(const NodalVector& state, Precision precision);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
   /// Negative pivots beyond the one that each pressure has by right.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
@@ -111,9 +104,32 @@ class HeldBody {
     bool diagonal;
   };
 
-  void analyse(LinearSolver& solver);
-  void assemble(const NodalVector& state);
-  TangentFactor& factor_to_replace();
+  /// A factor of the present sites, and the state whose tangent it is of; empty: none.
+  struct KeptFactor final : TangentFactor {
+    explicit KeptFactor(std::unique_ptr<LinearSolver> with) : solver(std::move(with)) {}
+    void solve(Eigen::Ref<Eigen::MatrixXd> columns) override { solver->solve(columns); }
+    [[nodiscard]] int negative_pivots() const override { return solver->negative_pivots(); }
+    [[nodiscard]] bool is_rough() const override { return solver->is_single(); }
+
+    std::unique_ptr<LinearSolver> solver;
+    NodalVector state;
+    /// When it was made or last asked for.
+    long last_use = 0;
+  };
+
+  void assemble(const NodalVector& state, std::vector<double>& values);
+  /// The tangent there is that at rest.
+  [[nodiscard]] bool is_as_at_rest(const NodalVector& state) const;
+  /// Whether the rest factor serves the present sites, the tangent at rest being the last one; makes
+  /// it so if it can.
+  [[nodiscard]] bool shares_rest_factor();
+  /// The error of the rest factor's solutions for the last tangent, relative, roughly.
+  [[nodiscard]] double error_of_rest_factor();
+  [[nodiscard]] TangentFactor* factorise_alone(const NodalVector& state, Precision precision);
+  [[nodiscard]] KeptFactor* find_kept_factor(const NodalVector& state);
+  KeptFactor& factor_to_replace();
+  /// spare_solver_, made if there is none.
+  LinearSolver& spare_solver();
   [[nodiscard]] std::vector<char> find_idle_multipliers() const;
 
   TetMesh mesh_;
@@ -121,9 +137,16 @@ class HeldBody {
   Assembly assembly_;
   std::size_t kept_factors_;
   Precision precision_;
-  std::vector<TangentFactor> factors_;
+  std::vector<KeptFactor> factors_;
+  /// Analysed, and without a factor that is needed; null: all have one.
+  std::unique_ptr<LinearSolver> spare_solver_;
+  /// Null until it is asked for, and where there is none.
+  std::unique_ptr<RestFactor> rest_factor_;
+  /// Unknowns that sites may hold for that one to serve them.
+  Index most_shared_ = 0;
+  /// Whether it does; unknown until it is asked for.
+  std::optional<bool> is_shared_;
   long uses_ = 0;
-  long uses_before_solve_ = 0;
   Work work_;
   /// Mean diagonal of the tangent at rest, N/m, and one over the norm of each of its rows, m/N.
   double mean_diagonal_ = 0;
@@ -140,9 +163,11 @@ class HeldBody {
 
   /// ∂Π/∂x of the last evaluation.
   NodalVector force_;
+  /// The tangent at rest, no site held; and the last one, with the sites held.
+  std::vector<double> rest_values_;
   std::vector<double> values_;
-  /// values_ is the tangent at rest, as assembled.
-  bool has_rest_tangent_ = false;
+  /// Of a linear body: the last one is that of the present sites.
+  bool has_tangent_ = false;
   Eigen::MatrixXd k_ia_;
   Eigen::MatrixXd k_aa_;
 };

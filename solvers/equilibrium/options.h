@@ -30,7 +30,8 @@ struct EquilibriumOptions {
   /// the energy falls to, if there is one; without it at once where that is inverted.
   bool follow_folds = true;
   /// Factors of tangents that are kept, those of the states that were used last; at least 2. Solves
-  /// that start from a state whose factor is kept save its factorisation.
+  /// that start from a state whose factor is kept save its factorisation. From 3 on, one of them can
+  /// be that at rest, which all sites share.
   int kept_factors = 2;
   /// Factors in single precision where the tangent is far from singular: for two thirds of the time,
   /// with as many iterations; v has a relative error of 1e-8 then. Energies and residuals are always

@@ -52,7 +52,7 @@ struct Equilibrium {
   double residual = 0;
   /// Largest component of the next Newton step over the larger of |t| and a thousandth of the mean
   /// edge: an estimate of the error of u, which a small residual alone does not bound where a stiff
-  /// part floats in a soft one.
+  /// part floats in a soft one. In a linear body no less than the largest error of v t over |t|.
   double displacement_error = 0;
   /// Least det F over quadrature points and corners.
   double minimum_det_f = 1;

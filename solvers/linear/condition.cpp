@@ -25,9 +25,9 @@ double one_norm(const SymmetricPattern& pattern, const std::vector<double>& valu
 
 /// ‖K⁻¹‖₁ as the maximum of ‖K⁻¹x‖₁ over ‖x‖₁ = 1, which is convex: at a corner, that is a unit
 /// vector. Walks from corner to corner as the gradient says.
-double inverse_one_norm(Index size, LinearSolver& factored) {
+double inverse_one_norm(Index size, const SolveColumns& solve_columns) {
   const auto solve = [&](Eigen::VectorXd column) {
-    factored.solve(column);
+    solve_columns(column);
     return column;
   };
   Eigen::VectorXd x = solve(Eigen::VectorXd::Constant(size, 1.0 / size));
@@ -55,9 +55,9 @@ double inverse_one_norm(Index size, LinearSolver& factored) {
 }  // namespace
 
 double condition_estimate(const SymmetricPattern& pattern, const std::vector<double>& values,
-                          LinearSolver& factored) {
+                          const SolveColumns& solve) {
   if (pattern.size == 0) return 1;
-  return one_norm(pattern, values) * inverse_one_norm(pattern.size, factored);
+  return one_norm(pattern, values) * inverse_one_norm(pattern.size, solve);
 }
 
 }  // namespace palpate

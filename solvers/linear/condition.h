@@ -12,8 +12,9 @@ namespace palpate {
 /// Hager's method (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., algorithm
 /// 15.4), at most eleven solves. The norms are those of K as it is: where the units of its rows
 /// differ, or their stiffness, that counts too.
-/// @param factored Has the factor of these values.
+/// @param solve With the factor of these values.
 [[nodiscard]] double condition_estimate(const SymmetricPattern& pattern,
-                                        const std::vector<double>& values, LinearSolver& factored);
+                                        const std::vector<double>& values,
+                                        const SolveColumns& solve);
 
 }  // namespace palpate

@@ -42,13 +42,16 @@ class EigenBackend final : public Backend {
   }
 
   [[nodiscard]] std::int64_t factor_bytes() const override {
-    const std::int64_t numbers = ldlt_->matrixL().nestedExpression().nonZeros() + pattern_->size;
+    const std::int64_t numbers = ldlt_->num_entries() + pattern_->size;
     return numbers * static_cast<std::int64_t>(sizeof(double));
   }
 
  private:
-  using Ldlt =
-      Eigen::SimplicialLDLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>, Eigen::Lower>;
+  struct Ldlt final
+      : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>, Eigen::Lower> {
+    /// Of L, below its diagonal; known from the analysis on.
+    [[nodiscard]] std::int64_t num_entries() const { return m_matrix.nonZeros(); }
+  };
 
   std::shared_ptr<const SymmetricPattern> pattern_;
   std::unique_ptr<Ldlt> ldlt_;

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +29,9 @@ enum class Precision {
   /// 1e-6 times the condition, as a preconditioner needs them, for two thirds of the time.
   single_if_safe,
 };
+
+/// Overwrites each column with the solution for it.
+using SolveColumns = std::function<void(Eigen::Ref<Eigen::MatrixXd>)>;
 
 class LinearSolver {
  public:
@@ -69,7 +73,7 @@ class LinearSolver {
   [[nodiscard]] virtual int negative_pivots() const = 0;
 
   /// Of the last factor: the bytes of its numbers, on all ranks together. The library's indices and
-  /// work space, a third to two thirds of it, come on top.
+  /// work space, a third to two thirds of it, come on top. Without a factor: what is to be expected.
   [[nodiscard]] virtual std::int64_t factor_bytes() const = 0;
 
  protected:

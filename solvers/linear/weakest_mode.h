@@ -19,15 +19,11 @@
 // and less in both, but for plates and bars whose bending has really no digit in double precision.
 #pragma once
 
-#include <Eigen/Core>
-#include <functional>
 #include <vector>
 
-#include "assembly/assembly.h"
+#include "linear/linear_solver.h"
 
 namespace palpate {
-
-using SolveColumns = std::function<void(Eigen::Ref<Eigen::MatrixXd>)>;
 
 /// The relative error of the stiffness of the weakest mode, roughly: near 1 and more when it has no
 /// digit. One solve; a second one when that leaves a doubt. @param solve With the factor of

@@ -2,7 +2,7 @@
 """The default of a property in the XML is that of the class: for every proxy of the plugin.
 
 A second proxy of the same class, without the properties that set something, reads what the class
-has by itself.
+has by itself. Lists, which are added to and cannot be read, are compared by what the class prints.
 """
 
 import glob
@@ -27,12 +27,13 @@ def plugin_proxies():
                     yield group.get("name"), proxy
 
 
-def settable(proxy):
+def properties(proxy, verb):
+    """(element, noun) of the properties of which the command is "<verb><noun>"."""
     for element in proxy:
         command = element.get("command", "")
-        if (element.tag in SETTERS and command.startswith("Set")
+        if (element.tag in SETTERS and command.startswith(verb)
                 and element.get("information_only") != "1"):
-            yield element
+            yield element, command[len(verb):]
 
 
 def define_reader(proxy, group):
@@ -41,10 +42,9 @@ def define_reader(proxy, group):
     parent = ElementTree.SubElement(root, "ProxyGroup", name=group)
     reader = ElementTree.SubElement(
         parent, "Proxy", {"name": proxy.get("name"), "class": proxy.get("class")})
-    for element in settable(proxy):
+    for element, noun in properties(proxy, "Set"):
         ElementTree.SubElement(reader, element.tag, {
-            "name": element.get("name"), "command": "Get" + element.get("command")[len("Set"):],
-            "information_only": "1"})
+            "name": element.get("name"), "command": "Get" + noun, "information_only": "1"})
     definitions = servermanager.ProxyManager().SMProxyManager.GetProxyDefinitionManager()
     assert definitions.LoadConfigurationXMLFromString(
         ElementTree.tostring(root, encoding="unicode"))
@@ -53,6 +53,12 @@ def define_reader(proxy, group):
 def values(sm_proxy, name):
     sm_property = sm_proxy.GetProperty(name)
     return [sm_property.GetElement(i) for i in range(sm_property.GetNumberOfElements())]
+
+
+def printed(sm_proxy, noun):
+    """The lines about a list."""
+    lines = [line.strip() for line in str(sm_proxy.GetClientSideObject()).splitlines()]
+    return [line for line in lines if line.startswith(noun)]
 
 
 def main():
@@ -66,13 +72,22 @@ def main():
         by_class.UpdateVTKObjects()
         by_class.UpdatePropertyInformation()
         by_xml = manager.NewProxy(group, name)
-        for element in settable(proxy):
-            key = element.get("name")
-            of_class, of_xml = values(by_class, key), values(by_xml, key)
-            compared += 1
+        by_xml.UpdateVTKObjects()
+        defaults = [(element.get("name"), values(by_class, element.get("name")),
+                     values(by_xml, element.get("name")))
+                    for element, _ in properties(proxy, "Set")]
+        for element, noun in properties(proxy, "Add"):
+            of_class, of_xml = printed(by_class, noun), printed(by_xml, noun)
+            assert of_class, f"{proxy.get('class')} does not print what {noun} has added"
+            defaults.append((element.get("name"), of_class, of_xml))
+        for key, of_class, of_xml in defaults:
             print(f"{name}.{key}: {of_xml}")
             if of_class != of_xml:
                 wrong.append(f"{name}.{key}: {of_xml} in the XML, {of_class} in the class")
+        expected = [element.get("name") for element in proxy
+                    if element.tag in SETTERS and element.get("information_only") != "1"]
+        assert sorted(key for key, _, _ in defaults) == sorted(expected), name
+        compared += len(defaults)
         by_class.UnRegister(None)
         by_xml.UnRegister(None)
     assert compared >= 15, compared

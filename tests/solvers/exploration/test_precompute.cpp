@@ -12,6 +12,7 @@
 #include "equilibrium/tip.h"
 #include "exploration/precompute.h"
 #include "solvers/support/block.h"
+#include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
 #include "state_space/state_space_file.h"
 
@@ -241,20 +242,21 @@ TEST_F(Precompute, AConfigurationBeyondTheForceLimitIsKeptAndNotExpanded) {
 }
 
 // On the way down and back each start still has its factor, and a configuration from which no other
-// is reached needs none of its own. Where a rank takes over what follows from a start, the factor is
-// made there again.
+// is reached needs none of its own; at rest all sites have the same. Where a rank takes over what
+// follows from a start, the factor is made there again.
 TEST_F(Precompute, ASmoothSpaceCostsOneFactorisationAStart) {
   options_.half_width = 0.005;
   options_.resolution = 7;
   const PrecomputeResult result = run(*world_);
   EXPECT_EQ(result.report.num_solved, 2 * 343);
   const long factorisations = result.report.work.factorisations;
-  constexpr long kStarts = 2 * 125;  // the 5 x 5 x 5 inner check-points of both sites
+  constexpr long kStarts = 2 * 125 - 1;  // the 5 x 5 x 5 inner check-points of both sites
   if (world_->size() == 1) {
     EXPECT_EQ(factorisations, kStarts);
   } else {
     EXPECT_GE(factorisations, kStarts);
-    EXPECT_LE(factorisations, kStarts + result.report.schedule.steals_granted);
+    EXPECT_LE(factorisations,
+              kStarts + world_->size() - 1 + result.report.schedule.steals_granted);
   }
   EXPECT_EQ(result.report.num_by_flag.at(flags::inertia_not_computed), 2 * 218);
 }
@@ -363,17 +365,29 @@ TEST_F(Precompute, PressuresOfMixedCellsAreKept) {
   expect_equal(in_file.space, run(*serial_).space);
 }
 
-TEST_F(Precompute, ALinearSceneIsFactorisedOnceForEachActiveNodeAndRank) {
-  block_ = test::make_block(Law::linear);
-  options_.active_nodes = {block_.corner};
-  const PrecomputeResult result = run(*world_);
-  EXPECT_EQ(result.report.num_solved, 125);
-  EXPECT_EQ(result.report.iterations, 0);
-  EXPECT_EQ(result.report.work.factorisations, world_->size());
-  for (const TouchSite& site : result.space.sites) {
-    const ConfigurationSummary& rest = site.configurations[62];
-    for (const ConfigurationSummary& c : site.configurations) {
-      EXPECT_LE((c.force - rest.stiffness * c.t).norm(), 1e-9 * rest.stiffness.norm() * 0.02);
+TEST_F(Precompute, ALinearSceneIsFactorisedOnceForEachRank) {
+  block_ = test::make_block(Law::linear, {ElementOrder::quadratic, {4, 3, 3}});
+  const auto nearest = [&](const Vec3& place) {
+    return test::nearest_point(block_.scene.mesh, place);
+  };
+  options_.active_nodes = {block_.corner, block_.middle, nearest({0.06, 0, 0.025}),
+                           nearest({0.06, 0.06, 0.025}), nearest({0.06, 0.03, 0.05})};
+  for (const double radius : {0.0, 0.013}) {
+    options_.tip_radius = radius;
+    const PrecomputeResult result = run(*world_);
+    EXPECT_EQ(result.report.num_solved, 5 * 125);
+    EXPECT_EQ(result.report.num_by_outcome.at(Outcome::converged), 5 * 125);
+    EXPECT_EQ(result.report.iterations, 0);
+    const Work& work = result.report.work;
+    EXPECT_GE(work.factorisations, 1);
+    EXPECT_LE(work.factorisations, world_->size());
+    EXPECT_EQ(work.assemblies, world_->size());
+    EXPECT_LT(work.right_hand_sides, result.report.num_solved) << "configurations cost no solve";
+    for (const TouchSite& site : result.space.sites) {
+      const ConfigurationSummary& rest = site.configurations[62];
+      for (const ConfigurationSummary& c : site.configurations) {
+        EXPECT_LE((c.force - rest.stiffness * c.t).norm(), 1e-9 * rest.stiffness.norm() * 0.02);
+      }
     }
   }
 }

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One factor for all choices of sites: that of the tangent K at rest with no site held. With a the
+// unknowns of the sites, i the others, E_a the columns of the identity that belong to a
+//
+//   Z = K⁻¹ E_a,   S⁻¹ = E_aᵀ Z,   S = K_aa − K_ai K_ii⁻¹ K_ia
+//   K_ii⁻¹ r_i = [K⁻¹ r − Z S (K⁻¹ r)_a]_i
+//
+// A choice of sites so costs a solve for each of a instead of a factorisation, and each solve as much
+// as before. The number of negative eigenvalues of K_ii is that of K less that of S (Haynsworth,
+// Linear Algebra Appl. 1, 1968). Where the sites hold what is soft in K, digits are lost on the way:
+// the solutions need refinement.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/types.h"
+#include "equilibrium/tangent_factor.h"
+#include "linear/linear_solver.h"
+
+namespace palpate {
+
+class RestFactor final : public TangentFactor {
+ public:
+  /// The most unknowns that may be held for the solves to cost at most half of a factorisation.
+  /// @param solver Analysed, for so many unknowns.
+  [[nodiscard]] static Index most_held(const LinearSolver& solver, Index num_unknowns);
+
+  /// @param solver Has the factor of K.
+  RestFactor(std::unique_ptr<LinearSolver> solver, Index num_unknowns)
+      : solver_(std::move(solver)), num_unknowns_(num_unknowns) {}
+
+  [[nodiscard]] LinearSolver& solver() { return *solver_; }
+
+  /// Chooses what is held. Costs a solve for each.
+  void hold(std::vector<Index> unknowns);
+
+  void solve(Eigen::Ref<Eigen::MatrixXd> columns) override;
+  [[nodiscard]] int negative_pivots() const override;
+  [[nodiscard]] bool is_rough() const override { return true; }
+
+ private:
+  std::unique_ptr<LinearSolver> solver_;
+  Index num_unknowns_;
+  std::vector<Index> held_;
+  /// Z S [num_unknowns × held], and the negative eigenvalues of S.
+  Eigen::MatrixXd elastic_;
+  int num_negative_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+namespace palpate {
+
+/// A factor of K_ii, see held_body.h.
+class TangentFactor {
+ public:
+  virtual ~TangentFactor() = default;
+
+  /// Overwrites each column with the solution for it; what is in the rows of held unknowns has no
+  /// part in the others.
+  virtual void solve(Eigen::Ref<Eigen::MatrixXd> columns) = 0;
+  /// The number of negative eigenvalues of K_ii.
+  [[nodiscard]] virtual int negative_pivots() const = 0;
+  /// Solutions have errors beyond those of double precision, which refinement removes.
+  [[nodiscard]] virtual bool is_rough() const = 0;
+
+ protected:
+  TangentFactor() = default;
+  TangentFactor(TangentFactor&&) = default;
+  TangentFactor& operator=(TangentFactor&&) = default;
+};
+
+}  // namespace palpate
