@@ -53,7 +53,7 @@ def test_contents():
     components = {name: 1 if array.ndim == 1 else array.shape[1] for name, array in arrays.items()}
     modes = components["Coefficients"]
     assert components == {
-        "ActiveNode": 1, "CheckPoint": 3, "ParentCheckPoint": 3, "Level": 1, "Displacement": 3,
+        "ActiveNode": 1, "CheckPoint": 3, "ParentCheckPoint": 3, "Level": 1, "ParentLevel": 1, "Displacement": 3,
         "Force": 3, "Energy": 1, "Stiffness": 9, "Coefficients": modes,
         "CoefficientGradient": 3 * modes, "Outcome": 1, "Flags": 1, "Residual": 1,
         "MinimumDetF": 1, "NegativePivots": 1, "Iterations": 1, "Seconds": 1}

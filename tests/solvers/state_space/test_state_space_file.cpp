@@ -41,6 +41,9 @@ void expect_same_summary(const ConfigurationSummary& a, const ConfigurationSumma
   EXPECT_EQ(a.check_point, b.check_point);
   EXPECT_EQ(a.level, b.level);
   EXPECT_EQ(a.parent, b.parent);
+  EXPECT_EQ(a.parent_level, b.parent_level);
+  EXPECT_EQ(a.signature, b.signature);
+  EXPECT_EQ(a.reached, b.reached);
   EXPECT_TRUE(same_bits(a.t, b.t));
   EXPECT_EQ(std::memcmp(&a.energy, &b.energy, sizeof a.energy), 0);
   EXPECT_TRUE(same_bits(a.force, b.force));
@@ -264,7 +267,11 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
       for (std::int32_t j = -1; j <= 1; ++j) {
         const Configuration c = example_configuration(scene_, site_, {i, j, 0});
         file.add(site_.active_node, c);
-        written.emplace(c.check_point, c);
+        Configuration& kept = written.emplace(c.check_point, c).first->second;
+        if (i == 1) continue;
+        const CheckPoint next{i + 1, j, 0};
+        file.add(site_.active_node, LevelTransition{c.check_point, 0, next, j + 1});
+        kept.reached[neighbour_number(c.check_point, next)] = static_cast<std::int8_t>(j + 1);
       }
     }
     file.close();
@@ -422,9 +429,9 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0\4", 4));  // user_version
-  expect_mentions(message_of<InputError>(open), {"version 4", "newer"});
-  for (char older : {'\1', '\2'}) {
+  poke(60, std::string("\0\0\0\5", 4));  // user_version
+  expect_mentions(message_of<InputError>(open), {"version 5", "newer"});
+  for (char older : {'\1', '\2', '\3'}) {
     poke(60, std::string("\0\0\0", 3) + older);
     expect_mentions(message_of<InputError>(open),
                     {"version " + std::to_string(int{older}), "again"});
@@ -521,6 +528,49 @@ TEST_F(StateSpaceFileTest, OneWriterAtATime) {
                   {"in use"});
   expect_mentions(message_of<BackendError>([&] { (void)StateSpaceFile::open_read_only(path_); }),
                   {"in use"});
+}
+
+TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
+  const Index node = site_.active_node;
+  const CheckPoint start{0, 0, 0};
+  const CheckPoint target{1, 0, 0};
+  Configuration known = example_configuration(scene_, site_, target);
+  Configuration other = known;
+  other.level = candidate_level(start, 0, target);
+  other.parent = start;
+  other.signature = Vec3(1, 2, 3);
+  Configuration same = known;
+  same.level = candidate_level(start, 1, target);
+  {
+    StateSpaceFile file = create();
+    file.add(node, known);
+    file.add(node, other);
+    file.add(node, same);
+    EXPECT_EQ(file.read_candidates(node).size(), 2U);
+    EXPECT_EQ(file.read_summaries(node).size(), 1U);
+    file.add(node, LevelTransition{start, 0, target, 1});
+    file.settle(node, other, 1);
+    file.settle(node, same, failed_to_reach);
+    file.close();
+  }
+  // Through the file of another rank.
+  const fs::path merged = folder_ / "merged";
+  StateSpaceFile file = StateSpaceFile::create(merged, scene_, kTolerance);
+  file.merge({path_});
+  EXPECT_TRUE(file.read_candidates(node).empty());
+  const std::vector<LevelTransition> transitions = file.read_transitions(node);
+  ASSERT_EQ(transitions.size(), 1U);
+  EXPECT_EQ(transitions[0].start, start);
+  EXPECT_EQ(transitions[0].start_level, 0);
+  EXPECT_EQ(transitions[0].target, target);
+  EXPECT_EQ(transitions[0].reached, 1);
+  std::vector<Configuration> all = file.read_summaries(node);
+  ASSERT_EQ(all.size(), 2U);
+  other.level = 1;
+  file.read_fields(node, all[0]);
+  file.read_fields(node, all[1]);
+  expect_same(all[0], known);
+  expect_same(all[1], other);
 }
 
 TEST_F(StateSpaceFileTest, MergesFilesOfRanks) {
