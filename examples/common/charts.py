@@ -35,7 +35,7 @@ def chart(title, x_title, y_title, curves, path, logarithmic=(True, True)):
         if logarithmic[axis]:
             low, high = low / 1.3, high * (1.3 if name == "Bottom" else ROOM)
         else:
-            low, high = 0, high * (1.08 if name == "Bottom" else 1.3)
+            low, high = min(0, 1.1 * low), high * (1.08 if name == "Bottom" else 1.3)
         setattr(view, f"{name}AxisUseCustomRange", 1)
         setattr(view, f"{name}AxisRangeMinimum", low)
         setattr(view, f"{name}AxisRangeMaximum", high)
