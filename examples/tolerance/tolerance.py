@@ -49,8 +49,8 @@ def arguments():
     parser.add_argument("--young", type=float, default=1e4, help="Young's modulus, Pa")
     parser.add_argument("--poisson", type=float, default=0.45, help="Poisson's ratio")
     parser.add_argument("--exponent", type=float, default=1.0, help="of the law Fung")
-    parser.add_argument("--half-width", type=float, help="of the box of displacements, m; by default "
-                        "6 %% of the longest side")
+    parser.add_argument("--half-width", type=float, help="of the box of displacements, m; by "
+                        "default 6 %% of the longest side")
     parser.add_argument("--force-limit", type=float, default=0.0, help="N; 0 for none")
     parser.add_argument("--tolerances", type=float, nargs="+", default=[5, 2, 1, 0.5, 0.2],
                         help="of the force, %% of the largest")
@@ -92,11 +92,9 @@ def point_array(data, name):
     return vtk_to_numpy(data.GetPointData().GetArray(name))
 
 
-def size_of(data, *names):
-    """Of point arrays, or of all and the points and cells, MB."""
-    if not names:
-        return data.GetActualMemorySize() * 1024 / 1e6
-    return sum(data.GetPointData().GetArray(name).GetActualMemorySize() for name in names) * 1024 / 1e6
+def megabytes(data):
+    """Of a data set or an array."""
+    return data.GetActualMemorySize() * 1024 / 1e6
 
 
 def compare(space, exact):
@@ -131,7 +129,7 @@ def compare(space, exact):
             "irregular (%)": 100 * (inside & ~exact.regular).mean(),
             "error there, too (%)": worst(inside & ~exact.regular),
             "configurations": found.GetNumberOfPoints(),
-            "MB": size_of(found) + size_of(surface, "Modes")}
+            "MB": megabytes(found) + megabytes(surface.GetPointData().GetArray("Modes"))}
 
 
 def measure(args):

@@ -12,6 +12,7 @@ point of the surface; the file is read by SQLite and the bodies are compared her
 """
 
 import argparse
+import os
 import sqlite3
 
 import numpy as np
@@ -57,7 +58,8 @@ nodes = point_array(configurations, "ActiveNode")
 levels = point_array(configurations, "Level")
 mesh_points = point_array(surface, "MeshPoint")
 fields = configurations.GetFieldData()
-step = 2 * fields.GetArray("HalfWidth").GetValue(0) / (fields.GetArray("Resolution").GetValue(0) - 1)
+step = (2 * fields.GetArray("HalfWidth").GetValue(0)
+        / (fields.GetArray("Resolution").GetValue(0) - 1))
 
 database = sqlite3.connect(f"file:{arguments.file}?mode=ro", uri=True)
 largest = error = sensitivity_error = 0.0
@@ -74,7 +76,8 @@ for c in np.flatnonzero(outcomes == 0):
     sensitivity_error = max(sensitivity_error, step * np.linalg.norm(v - of_modes, axis=2).max())
 
 print(f"configurations             {count}, {(outcomes == 0).sum()} usable")
-print(f"modes                      {modes.shape[1]}, {bytes_of(surface.GetPointData().GetArray('Modes')) / 1e3:.0f} kB, "
+basis = bytes_of(surface.GetPointData().GetArray("Modes"))
+print(f"modes                      {modes.shape[1]}, {basis / 1e3:.0f} kB for the "
       f"{surface.GetNumberOfPoints()} points of the surface")
 for name, size in rows:
     print(f"  {name:25}{size / count:.0f} B a configuration")
@@ -82,4 +85,4 @@ print(f"all of them                {sum(size for _, size in rows) / count:.0f} B
 print(f"largest displacement       {1e3 * largest:.3f} mm")
 print(f"its error, all points      {100 * error / largest:.4f} % of that")
 print(f"of the spacing times v     {100 * sensitivity_error / largest:.4f} %")
-print(f"the file                   {1e-6 * database.execute('SELECT page_count * page_size FROM pragma_page_count(), pragma_page_size()').fetchone()[0]:.1f} MB")
+print(f"the file                   {1e-6 * os.path.getsize(arguments.file):.1f} MB")

@@ -6,9 +6,10 @@
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_tolerance liver.palpate 0.012 2000 5% 1% 0.2% 5 7 9
 //
 // The arguments are the file, the half-width of the box in m, the number of random points at which
-// the equilibrium is solved for exactly, each from rest, and the spaces: a tolerance in per cent, or
-// the check-points along an axis of a uniform grid. The exact solutions are kept beside the file, in
-// liver.palpate.0.012.csv, so that the next run goes on from them. Prints a Markdown table:
+// the equilibrium is solved for exactly, each from rest, and the spaces: a tolerance in per cent,
+// or the check-points along an axis of a uniform grid. The exact solutions are kept beside the file,
+// as a .csv that is named after the scene, the tip and the box: the next run goes on from them.
+// Prints a Markdown table:
 //
 //   configurations, s   solved for, and processor time of the exploration
 //   mean, 99 %, largest of the error of the force, as a share of the largest force, where the space
@@ -57,35 +58,36 @@ struct Exact {
 
 /// Solutions at random points of the box, always the same: those of the file, then new ones, which
 /// are added to it.
-std::vector<Exact> solve_exactly(const Scene& scene, const std::string& hash, const Site& site,
-                                 double half_width, int num, const std::string& path) {
+std::vector<Exact> solve_exactly(const Scene& scene, const Site& site, double half_width, int num,
+                                 const std::string& path) {
   std::mt19937_64 random(2008);
   std::uniform_real_distribution<double> uniform(-half_width, half_width);
   std::vector<Exact> all(static_cast<std::size_t>(num));
   for (Exact& exact : all) exact.t = {uniform(random), uniform(random), uniform(random)};
 
-  const std::string title = "scene " + hash + " tip " + std::to_string(site.tip_radius);
   std::size_t known = 0;
-  if (std::ifstream in(path); in) {
-    std::string line;
-    if (!std::getline(in, line) || line != title) {
-      throw InputError(path + " is of another scene or tip. Delete it.");
-    }
-    for (; known < all.size() && std::getline(in, line); ++known) {
-      std::istringstream row(line);
-      int outcome = 0;
-      Exact& exact = all[known];
-      if (!(row >> exact.force[0] >> exact.force[1] >> exact.force[2] >> outcome >> exact.flags)) {
-        break;  // the run before was killed here
-      }
-      exact.outcome = static_cast<Outcome>(outcome);
-    }
+  std::ifstream in(path);
+  std::string row;
+  for (std::getline(in, row); known < all.size() && std::getline(in, row); ++known) {
+    std::replace(row.begin(), row.end(), ',', ' ');
+    std::istringstream values(row);
+    int outcome = 0;
+    Exact& exact = all[known];
+    Vec3& h = exact.force;
+    if (!(values >> h[0] >> h[1] >> h[2] >> outcome >> exact.flags)) break;  // a run was killed
+    exact.outcome = static_cast<Outcome>(outcome);
   }
   if (known == all.size()) return all;
 
-  std::ofstream out(path, known > 0 ? std::ios::app : std::ios::trunc);
+  in.close();
+  std::ofstream out(path);
   out.precision(17);
-  if (known == 0) out << title << '\n';
+  out << "force_x,force_y,force_z,outcome,flags\n";
+  const auto write = [&](const Exact& exact) {
+    out << exact.force[0] << ',' << exact.force[1] << ',' << exact.force[2] << ','
+        << static_cast<int>(exact.outcome) << ',' << exact.flags << std::endl;
+  };
+  for (std::size_t i = 0; i < known; ++i) write(all[i]);
   EquilibriumSolver solver(scene, {});
   solver.hold(Tip(scene, site.tip_radius).hold({site.active_node}));
   const Equilibrium rest = solver.rest();
@@ -95,8 +97,7 @@ std::vector<Exact> solve_exactly(const Scene& scene, const std::string& hash, co
     exact.outcome = found.outcome;
     exact.flags = found.flags;
     if (exact.converged()) exact.force = found.reaction;
-    out << exact.force.transpose() << ' ' << static_cast<int>(exact.outcome) << ' ' << exact.flags
-        << std::endl;
+    write(exact);
   }
   return all;
 }
@@ -220,14 +221,16 @@ int main_of(const std::vector<std::string>& arguments) {
   options.half_width = std::stod(arguments[1]);
   options.equilibrium.tolerance = 1e-9;
   options.equilibrium.single_precision = true;
+  std::ostringstream path;
+  path << arguments[0] << '_' << file.scene_hash().substr(0, 8) << '_' << site.tip_radius << '_'
+       << options.half_width << ".csv";
   const std::vector<Exact> exact =
-      solve_exactly(scene, file.scene_hash(), site, options.half_width, std::stoi(arguments[2]),
-                    arguments[0] + '.' + arguments[1] + ".csv");
+      solve_exactly(scene, site, options.half_width, std::stoi(arguments[2]), path.str());
   const auto num_regular =
       std::count_if(exact.begin(), exact.end(), [](const Exact& e) { return e.regular(); });
   std::printf("%zu points, from rest regular to %td\n\n", exact.size(), num_regular);
-  std::printf("| space | configurations | s | error: mean %% | 99 %% | largest %% | marked %% | error "
-              "there %% | irregular %% | error there %% | jump | MB |\n"
+  std::printf("| space | configurations | s | error: mean %% | 99 %% | largest %% | marked %% | "
+              "error there %% | irregular %% | error there %% | jump | MB |\n"
               "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   for (std::size_t i = 3; i < arguments.size(); ++i) {
     const bool is_uniform = arguments[i].back() != '%';
