@@ -101,9 +101,9 @@ def test_size():
         for cells in (space.GetVerts(), space.GetLines()):
             arrays += [cells.GetConnectivityArray(), cells.GetOffsetsArray()]
         size = sum(array.GetNumberOfValues() * array.GetDataTypeSize() for array in arrays) / count
-        # Of the figures 268, and of each mode a coefficient and its gradient in single precision;
+        # 272 for the figures, and of each mode a coefficient and its gradient in single precision;
         # the end of the offsets of both kinds of cells is shared by all.
-        assert size <= 268 + 16 * modes + 16 / count, (size, modes)
+        assert size <= 272 + 16 * modes + 16 / count, (size, modes)
         assert coefficients.dtype == gradients.dtype == numpy.float32
 
         basis = point_array(surface, "Modes").reshape(surface.GetNumberOfPoints(), modes, 3)
