@@ -9,7 +9,7 @@ import numpy as np
 from paraview.simple import *
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import mutable
-from vtkmodules.vtkCommonDataModel import vtkStaticCellLocator
+from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, VTK_TETRA, vtkStaticCellLocator
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from make_surface import make_surface
@@ -130,6 +130,50 @@ class Organ:
         distance = np.linalg.norm(places(grid) - self.place, axis=1)
         distance[~on_surface(grid)] = np.inf
         return int(distance.argmin())
+
+
+def add_scene_arguments(parser):
+    """The arguments that read_scene takes."""
+    parser.add_argument("scene", nargs="?", help="a scene (.vtu, tetrahedra, point array Fixed) or "
+                        "a closed surface (.stl .ply .obj .vtp); without it, one like a liver")
+    parser.add_argument("--output", default="out", help="folder of the results")
+    parser.add_argument("--scale", type=float, default=1.0, help="factor from its unit to m")
+    parser.add_argument("--elements", type=int, default=300,
+                        help="about as many tetrahedra in a surface")
+    parser.add_argument("--order", choices=("Linear", "Quadratic"), default="Quadratic",
+                        help="of the tetrahedra in a surface")
+    parser.add_argument("--touched", type=float, nargs=3, metavar=("X", "Y", "Z"),
+                        help="where it is touched (the nearest point of the surface), m")
+    parser.add_argument("--tip-radius", type=float, help="of the tool, m; 0 for a single point; by "
+                        "default 7 %% of the longest side")
+
+
+def read_scene(args):
+    """The body with `Fixed` (vtkUnstructuredGrid), the node that is touched, a corner on the
+    surface that is not held, and the organ."""
+    os.makedirs(args.output, exist_ok=True)
+    if args.scene and args.scene.endswith(".vtu"):
+        if not os.path.isfile(args.scene):
+            raise Failure(f"there is no file {args.scene}.")
+        grid = output(update(XMLUnstructuredGridReader(FileName=[args.scene])))
+        if not grid.GetPointData().HasArray("Fixed"):
+            raise Failure(f"{args.scene} has no point array Fixed (Set Boundary makes it).")
+        if grid.GetCellType(0) not in (VTK_TETRA, VTK_QUADRATIC_TETRA):
+            raise Failure(f"{args.scene} is not made of tetrahedra.")
+        organ = Organ(boundary(grid), args.touched, tip_radius=args.tip_radius)
+    else:
+        organ = Organ(read_surface(args.scene, args.scale), args.touched,
+                      tip_radius=args.tip_radius)
+        # About 13 tetrahedra of that edge fill its cube, less where the body is thin.
+        points = places(organ.surface)
+        length = (np.prod(np.ptp(points, axis=0)) * 3.5 / args.elements) ** (1 / 3)
+        grid = output(organ.body(length, args.order, args.output))
+    distance = np.linalg.norm(places(grid) - organ.place, axis=1)
+    corner = np.zeros(len(distance), bool)
+    corner[corners_of(grid)] = True
+    held = vtk_to_numpy(grid.GetPointData().GetArray("Fixed")) != 0
+    distance[~(corner & on_surface(grid)) | held] = np.inf
+    return grid, int(distance.argmin()), organ
 
 
 def places(grid):

@@ -51,6 +51,8 @@ def chart(title, x_title, y_title, curves, path, logarithmic=(True, True)):
         display.SeriesLabel = [name, curve.label]
         display.SeriesColor = [name, *map(str, COLOURS[curve.colour % len(COLOURS)])]
         marker, line = STYLES[curve.style]
+        if len(curve.points) == 1:
+            line = 0  # none
         display.SeriesLineStyle = [name, str(line)]
         display.SeriesLineThickness = [name, "2"]
         display.SeriesMarkerStyle = [name, str(marker)]

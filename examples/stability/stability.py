@@ -23,14 +23,13 @@ import numpy as np
 from paraview.simple import *
 
 import heat_map
-from bodies import (SLACK, Organ, add_cell_array, corners_of, on_surface, places, read_surface,
+from bodies import (SLACK, add_cell_array, add_scene_arguments, corners_of, places, read_scene,
                     save_body)
 from materials import LAWS, assign, is_incompressible
 from measure import Measured
-from pipeline import Failure, boundary, output, update
+from pipeline import Failure
 from script import Arguments, run
 from tables import OUTCOMES, flag_names, markdown, save_csv, vtk_table
-from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, VTK_TETRA
 
 # Flags that the matrix marks; that an inertia is not known is no fault.
 MARKED = 1 | 2 | 8
@@ -43,14 +42,7 @@ SHORT = {0: "ok", 1: "stop", 2: "singular", 3: "budget", 4: "aborted", 5: "refus
 
 def arguments():
     parser = Arguments("stability.py", __doc__.splitlines()[0])
-    parser.add_argument("scene", nargs="?", help="a scene (.vtu, tetrahedra, point array Fixed) or "
-                        "a closed surface (.stl .ply .obj .vtp); without it, one like a liver")
-    parser.add_argument("--output", default="out", help="folder of the results")
-    parser.add_argument("--scale", type=float, default=1.0, help="factor from its unit to m")
-    parser.add_argument("--elements", type=int, default=300,
-                        help="about as many tetrahedra in a surface")
-    parser.add_argument("--order", choices=("Linear", "Quadratic"), default="Quadratic",
-                        help="of the tetrahedra in a surface")
+    add_scene_arguments(parser)
     parser.add_argument("--laws", nargs="+", choices=LAWS, metavar="LAW", default=list(LAWS),
                         help="of: " + ", ".join(LAWS))
     parser.add_argument("--poissons", type=float, nargs="+", default=[0.3, 0.4999],
@@ -62,10 +54,6 @@ def arguments():
                         help="sphere whose cells are stiffer, m; by default one in the middle")
     parser.add_argument("--stiff-array", metavar="NAME", help="instead: cell array of the scene, "
                         "not 0 where it is stiffer, as a Calculator makes it")
-    parser.add_argument("--touched", type=float, nargs=3, metavar=("X", "Y", "Z"),
-                        help="where it is touched (the nearest point of the surface), m")
-    parser.add_argument("--tip-radius", type=float, help="of the tool, m; 0 for a single point; by default 7 %% of "
-                        "the longest side")
     parser.add_argument("--distances", type=float, nargs="+", default=[0.02, 0.1, 2.0, -0.1],
                         help="how far it is pulled along the normal (pushed: negative), in longest "
                         "sides of the body; 1e-12 m is always among them")
@@ -77,23 +65,7 @@ def arguments():
 
 def read_body(args):
     """A reader of the body with `Fixed` and `Stiff`, the node that is touched, and the organ."""
-    os.makedirs(args.output, exist_ok=True)
-    if args.scene and args.scene.endswith(".vtu"):
-        if not os.path.isfile(args.scene):
-            raise Failure(f"there is no file {args.scene}.")
-        grid = output(update(XMLUnstructuredGridReader(FileName=[args.scene])))
-        if not grid.GetPointData().HasArray("Fixed"):
-            raise Failure(f"{args.scene} has no point array Fixed (Set Boundary makes it).")
-        if grid.GetCellType(0) not in (VTK_TETRA, VTK_QUADRATIC_TETRA):
-            raise Failure(f"{args.scene} is not made of tetrahedra.")
-        organ = Organ(boundary(grid), args.touched, tip_radius=args.tip_radius)
-    else:
-        organ = Organ(read_surface(args.scene, args.scale), args.touched,
-                      tip_radius=args.tip_radius)
-        # About 13 tetrahedra of that edge fill its cube, less where the body is thin.
-        points = places(organ.surface)
-        length = (np.prod(np.ptp(points, axis=0)) * 3.5 / args.elements) ** (1 / 3)
-        grid = output(organ.body(length, args.order, args.output))
+    grid, node, organ = read_scene(args)
     middles = places(grid)[corners_of(grid)].mean(axis=1)
     if args.stiff_array:
         array = grid.GetCellData().GetArray(args.stiff_array)
@@ -106,14 +78,7 @@ def read_body(args):
     if not stiff.any() or stiff.all():
         raise Failure("the stiff region is empty, or the whole body: choose --stiff.")
     add_cell_array(grid, "Stiff", stiff.astype(np.int32))
-    distance = np.linalg.norm(places(grid) - organ.place, axis=1)
-    corner = np.zeros(len(distance), bool)
-    corner[corners_of(grid)] = True
-    held = np.array([grid.GetPointData().GetArray("Fixed").GetTuple1(i) != 0
-                     for i in range(grid.GetNumberOfPoints())])
-    distance[~(corner & on_surface(grid)) | held] = np.inf
-    return (save_body(grid, os.path.join(args.output, "scene.vtu")), int(distance.argmin()),
-            organ)
+    return save_body(grid, os.path.join(args.output, "scene.vtu")), node, organ
 
 
 def materials(args):

@@ -22,6 +22,9 @@ constexpr double kOfHanging = 1.2;
 /// Points along an axis at which forces are compared.
 constexpr int kSamples = 5;
 
+/// What a corner marks its leaves by, as in CheckPointGrid.
+constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
+
 /// Nodes in the differences that are compared.
 constexpr int kNodes = kHermiteStencil;
 constexpr int kFewerNodes = 3;
@@ -63,17 +66,19 @@ class Estimator {
                                   std::int32_t smallest) const {
     const std::int32_t side = estimate.cell.side;
     if (side < 2 * smallest || side < 2) return false;
-    if (estimate.marked) {
-      const bool corner = !grid_.is_complete(leaf) || !grid_.is_across(leaf);
-      if (side <= site_.coarsest / (corner ? kMarkedCorner : kMarkedEdge)) return false;
+    const bool across = grid_.is_complete(leaf) && grid_.is_across(leaf);
+    if (estimate.marked && side <= site_.coarsest / (across ? kMarkedEdge : kMarkedCorner)) {
+      return false;
     }
     bool within_limit = false;
+    bool good = false;
     for (std::int32_t node : grid_.leaf(leaf).corners) {
       if (!has_configuration(node)) return false;
-      within_limit = within_limit ||
-                     (grid_.usable(node) && (at(node).flags & flags::beyond_force_limit) == 0);
+      const bool usable = grid_.usable(node);
+      within_limit = within_limit || (usable && (at(node).flags & flags::beyond_force_limit) == 0);
+      good = good || (usable && (at(node).flags & kMarking) == 0);
     }
-    return within_limit;
+    return within_limit && good;
   }
 
  private:

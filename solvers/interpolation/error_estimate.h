@@ -41,9 +41,10 @@ struct CellEstimate {
 [[nodiscard]] std::vector<CellEstimate> estimate_errors(
     const Site& site, const std::vector<ConfigurationSummary>& configurations);
 
-/// Marked leaves are split down to a quarter of the coarsest side where a corner says so, which
-/// tells the marked region from the rest; to an eighth where an edge does, since it takes three
-/// sizes to know. A jump across the whole box then costs some 3000 configurations at any tolerance.
+/// A leaf that is marked by some of its corners is split down to a quarter of the coarsest side,
+/// which tells the marked region from the rest; one that is marked by all of them is not. Where an
+/// edge marks it, down to an eighth, since it takes three sizes to know: a jump across the whole box
+/// then costs some 3000 configurations at any tolerance.
 inline constexpr std::int32_t kMarkedCorner = 4;
 inline constexpr std::int32_t kMarkedEdge = 8;
 
@@ -53,9 +54,9 @@ inline constexpr std::int32_t kMarkedEdge = 8;
 ///
 /// A leaf beside a larger one that is to be split waits for that. Never split are: a leaf without a
 /// configuration, usable or not, at each corner; one whose corners are all beyond the force limit
-/// or not usable; a marked one as small as said above. A leaf is named again until there is a
-/// configuration at each point of its halves: one that was not reached is to be given too, with an
-/// outcome that says so.
+/// or not usable; a marked one as said above. A leaf is named again until there is a configuration
+/// at each point of its halves: one that was not reached is to be given too, with an outcome that
+/// says so.
 /// @param tolerance Of the force, N. @param smallest The least side that may come of it.
 /// @throws InputError as CheckPointGrid, or the tolerance is not positive.
 [[nodiscard]] std::vector<Cell> cells_to_split(

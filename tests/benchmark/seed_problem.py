@@ -20,6 +20,8 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 LAWS = {
     "St. Venant-Kirchhoff": {"YoungsModulus": 10e3, "PoissonsRatio": 0.45},
+    "Neo-Hookean": {"YoungsModulus": 10e3, "PoissonsRatio": 0.45},
+    "Fung": {"YoungsModulus": 10e3, "PoissonsRatio": 0.45},
     "Mooney-Rivlin": {"C10": 1293.103448275862, "C01": 431.0344827586207,
                       "BulkModulus": 33333.33333333334},
 }
@@ -29,13 +31,16 @@ parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
 parser.add_argument("body", help="the .vtu file with the point arrays Fixed and Touchable")
 parser.add_argument("--half-width", type=float, default=0.012, help="m")
 parser.add_argument("--law", choices=LAWS, default="St. Venant-Kirchhoff")
+parser.add_argument("--resolution", type=int, default=7, help="check-points along an axis")
+parser.add_argument("--exponent", type=float, default=1.0, help="of the law Fung")
 parser.add_argument("--tip-radius", type=float, default=0.0, help="m")
 parser.add_argument("--file", default="", help=".palpate file; none: in memory")
 parser.add_argument("--json", default="", help="a file for the figures")
 arguments = parser.parse_args()
 
 body = XMLUnstructuredGridReader(FileName=[arguments.body])
-scene = AssignMaterial(Input=body, Law=arguments.law, **LAWS[arguments.law])
+scene = AssignMaterial(Input=body, Law=arguments.law, Exponent=arguments.exponent,
+                       **LAWS[arguments.law])
 space = PrecomputeStateSpace(Input=scene, ActiveNodes=[197], HalfWidth=arguments.half_width,
                              TipRadius=arguments.tip_radius, Resolution=7,
                              FileName=arguments.file)

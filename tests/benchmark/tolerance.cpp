@@ -1,19 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Error asked for, error reached, configurations, seconds and megabytes: spaces that refine
 // themselves to a tolerance, beside uniform grids, of the scene and the first active node of a
-// .palpate file, which any short run of PrecomputeStateSpace makes.
+// .palpate file, which any short run of PrecomputeStateSpace makes (seed_problem.py --file).
 //
-//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_tolerance liver.palpate 0.012 2000
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_tolerance liver.palpate 0.012 2000 5% 1% 0.2% 5 7 9
 //
-// The arguments are the file, the half-width of the box in m, and the number of random points at
-// which the equilibrium is solved exactly and compared. Prints a Markdown table.
+// The arguments are the file, the half-width of the box in m, the number of random points at which
+// the equilibrium is solved for exactly, each from rest, and the spaces: a tolerance in per cent,
+// or the check-points along an axis of a uniform grid. The exact solutions are kept beside the file,
+// as a .csv that is named after the scene, the tip and the box: the next run goes on from them.
+// Prints a Markdown table:
+//
+//   configurations, s   solved for, and processor time of the exploration
+//   mean, 99 %, largest of the error of the force, as a share of the largest force, where the space
+//                       says `inside` and the way from rest is regular: it converges, without a
+//                       fold, to a state that is stable and not inverted
+//   marked              points where the space does not say `inside`: how many, and the largest
+//                       error among those with a regular way from rest
+//   irregular           points where it does, though the way from rest is not regular, and what it
+//                       ends in may lie on another branch: how many, and the largest error
+//   jump                largest jump of the force at random points of the faces between leaves of
+//                       different size, as a share of the largest force
+//   MB                  of what is carried for touching, in memory
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <exception>
+#include <fstream>
 #include <limits>
 #include <random>
+#include <sstream>
+#include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "equilibrium/tip.h"
 #include "exploration/precompute.h"
 #include "interpolation/interpolator.h"
@@ -22,102 +43,200 @@
 namespace palpate {
 namespace {
 
+constexpr int kFacePoints = 100'000;
+
 struct Exact {
   Vec3 t;
-  Vec3 force;
+  Vec3 force = Vec3::Zero();
+  Outcome outcome = Outcome::not_converged;
+  Flags flags = 0;
+
+  [[nodiscard]] bool converged() const { return outcome == Outcome::converged; }
   /// On the branch that is reached from rest, without inverted elements.
-  bool regular;
+  [[nodiscard]] bool regular() const { return converged() && flags == 0; }
 };
 
-/// Each solved from rest.
-std::vector<Exact> solve_exactly(const Scene& scene, const Site& site, double half_width, int num) {
+/// Solutions at random points of the box, always the same: those of the file, then new ones, which
+/// are added to it.
+std::vector<Exact> solve_exactly(const Scene& scene, const Site& site, double half_width, int num,
+                                 const std::string& path) {
+  std::mt19937_64 random(2008);
+  std::uniform_real_distribution<double> uniform(-half_width, half_width);
+  std::vector<Exact> all(static_cast<std::size_t>(num));
+  for (Exact& exact : all) exact.t = {uniform(random), uniform(random), uniform(random)};
+
+  std::size_t known = 0;
+  std::ifstream in(path);
+  std::string row;
+  for (std::getline(in, row); known < all.size() && std::getline(in, row); ++known) {
+    std::replace(row.begin(), row.end(), ',', ' ');
+    std::istringstream values(row);
+    int outcome = 0;
+    Exact& exact = all[known];
+    Vec3& h = exact.force;
+    if (!(values >> h[0] >> h[1] >> h[2] >> outcome >> exact.flags)) break;  // a run was killed
+    exact.outcome = static_cast<Outcome>(outcome);
+  }
+  if (known == all.size()) return all;
+
+  in.close();
+  std::ofstream out(path);
+  out.precision(17);
+  out << "force_x,force_y,force_z,outcome,flags\n";
+  const auto write = [&](const Exact& exact) {
+    out << exact.force[0] << ',' << exact.force[1] << ',' << exact.force[2] << ','
+        << static_cast<int>(exact.outcome) << ',' << exact.flags << std::endl;
+  };
+  for (std::size_t i = 0; i < known; ++i) write(all[i]);
   EquilibriumSolver solver(scene, {});
   solver.hold(Tip(scene, site.tip_radius).hold({site.active_node}));
   const Equilibrium rest = solver.rest();
-  std::mt19937_64 random(2008);
-  std::uniform_real_distribution<double> uniform(-half_width, half_width);
-  std::vector<Exact> all;
-  while (static_cast<int>(all.size()) < num) {
-    const Vec3 t(uniform(random), uniform(random), uniform(random));
-    const Equilibrium exact = solver.solve(t, rest);
-    const bool converged = exact.outcome == Outcome::converged;
-    all.push_back({t, converged ? Vec3(exact.reaction) : Vec3::Zero(),
-                   converged && exact.flags == 0});
+  for (; known < all.size(); ++known) {
+    Exact& exact = all[known];
+    const Equilibrium found = solver.solve(exact.t, rest);
+    exact.outcome = found.outcome;
+    exact.flags = found.flags;
+    if (exact.converged()) exact.force = found.reaction;
+    write(exact);
   }
   return all;
 }
 
-void print_row(const char* name, const Scene& scene, const PrecomputeOptions& options,
-               const std::vector<Exact>& exact) {
+/// The largest jump of the force, N, at random points of the faces between leaves of different
+/// size: from one side of the face to the other, as far apart as rounding allows.
+double largest_jump(const TouchSite& site, const Interpolator& interpolator) {
+  struct Face {
+    Vec3 first;
+    double side;
+    int axis;
+  };
+  const CheckPointGrid grid(site);
+  const auto reach = static_cast<double>(grid.reach());
+  std::vector<Face> faces;
+  for (std::size_t l = 0; l < grid.tree().leaves().size(); ++l) {
+    const Cell& cell = grid.tree().leaves()[l].cell;
+    const Vec3 first(cell.first[0], cell.first[1], cell.first[2]);
+    for (int face = 0; face < 6; ++face) {
+      Vec3 middle = first.array() + reach + 0.5 * cell.side;
+      const int axis = face / 2;
+      middle[axis] += (face % 2 == 0 ? -0.75 : 0.75) * cell.side;
+      if (middle[axis] < 0 || middle[axis] > 2 * reach) continue;
+      const std::int32_t other = grid.tree().locate(middle).leaf;
+      const bool larger = grid.leaf(other).cell.side > cell.side;
+      if (!larger || !grid.is_complete(other) || !grid.is_complete(static_cast<std::int32_t>(l))) {
+        continue;
+      }
+      faces.push_back({first, static_cast<double>(cell.side), axis});
+      if (face % 2 != 0) faces.back().first[axis] += cell.side;
+    }
+  }
+  if (faces.empty()) return 0;
+  std::mt19937_64 random(2008);
+  std::uniform_int_distribution<std::size_t> any_face(0, faces.size() - 1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const double apart = 4 * std::numeric_limits<double>::epsilon() * site.site.half_width;
+  double largest = 0;
+  for (int i = 0; i < kFacePoints; ++i) {
+    const Face& face = faces[any_face(random)];
+    Vec3 t = face.first;
+    for (int k = 0; k < 3; ++k) t[k] += k == face.axis ? 0 : face.side * uniform(random);
+    t *= grid.spacing();
+    const Vec3 step = apart * Vec3::Unit(face.axis);
+    largest = std::max(largest, (interpolator.evaluate(t + step).force -
+                                 interpolator.evaluate(t - step).force)
+                                    .norm());
+  }
+  return largest;
+}
+
+/// Of what a touch space holds.
+double megabytes(const TouchSpace& space) {
+  double bytes = static_cast<double>(sizeof(float)) * static_cast<double>(space.modes.size());
+  for (const TouchSite& site : space.sites) {
+    bytes += static_cast<double>(sizeof(float)) *
+                 static_cast<double>(site.coefficients.size() + site.coefficient_gradients.size()) +
+             static_cast<double>(sizeof(ConfigurationSummary) * site.configurations.size());
+  }
+  return 1e-6 * bytes;
+}
+
+void print_row(const std::string& name, const Scene& scene, const PrecomputeOptions& options,
+               const std::vector<Exact>& all) {
   const auto communicator = make_serial_communicator();
+  const std::clock_t start = std::clock();
   const PrecomputeResult result = precompute(scene, options, *communicator, nullptr);
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   const TouchSite& site = result.space.sites.front();
   const auto interpolator = make_interpolator(Method::energy_hermite, site);
   double largest_force = 0;
   for (const ConfigurationSummary& c : site.configurations) {
-    if (c.usable()) largest_force = std::max(largest_force, c.force.norm());
+    if (c.leads_on()) largest_force = std::max(largest_force, c.force.norm());
   }
   std::vector<double> errors;
   int num_marked = 0;
+  int num_irregular = 0;
   double worst_marked = 0;
-  for (const Exact& point : exact) {
-    const TouchResult touched = interpolator->evaluate(point.t);
-    const double error = (touched.force - point.force).norm() / largest_force;
-    if (touched.found != Found::inside || !point.regular) {
+  double worst_irregular = 0;
+  double sum = 0;
+  for (const Exact& exact : all) {
+    const TouchResult touched = interpolator->evaluate(exact.t);
+    const double error = 100 * (touched.force - exact.force).norm() / largest_force;
+    if (touched.found != Found::inside) {
       ++num_marked;
-      if (point.regular) worst_marked = std::max(worst_marked, error);
-      continue;
+      if (exact.regular()) worst_marked = std::max(worst_marked, error);
+    } else if (exact.regular()) {
+      errors.push_back(error);
+      sum += error;
+    } else {
+      ++num_irregular;
+      if (exact.converged()) worst_irregular = std::max(worst_irregular, error);
     }
-    errors.push_back(error);
   }
   std::sort(errors.begin(), errors.end());
-  double sum = 0;
-  for (const double e : errors) sum += e;
-  const auto count = static_cast<double>(errors.size());
-  const TouchSpace& space = result.space;
-  const double bytes =
-      4.0 * static_cast<double>(space.modes.size() + site.coefficients.size() +
-                                site.coefficient_gradients.size()) +
-      static_cast<double>(sizeof(ConfigurationSummary) * site.configurations.size());
-  std::printf("| %s | %lld | %.1f | %.4f | %.4f | %.4f | %.1f | %.3f | %.2f |\n", name,
-              static_cast<long long>(result.report.num_solved), result.report.exploration_seconds,
-              100 * sum / count, 100 * errors[errors.size() * 99 / 100], 100 * errors.back(),
-              100.0 * num_marked / static_cast<double>(exact.size()), 100 * worst_marked,
-              bytes / 1e6);
+  const auto num = static_cast<double>(all.size());
+  std::printf("| %s | %zu | %.1f ", name.c_str(), site.configurations.size(), seconds);
+  if (errors.empty()) {
+    std::printf("| | | ");
+  } else {
+    std::printf("| %.2g | %.2g | %.2g ", sum / static_cast<double>(errors.size()),
+                errors[errors.size() * 99 / 100], errors.back());
+  }
+  std::printf("| %.1f | %.2g | %.1f | %.2g | %.1e | %.2f |\n", 100 * num_marked / num, worst_marked,
+              100 * num_irregular / num, worst_irregular,
+              largest_jump(site, *interpolator) / largest_force, megabytes(result.space));
   std::fflush(stdout);
 }
 
-int main_of(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "Give a .palpate file, a half-width in m and a number of points.\n");
-    return EXIT_FAILURE;
+int main_of(const std::vector<std::string>& arguments) {
+  if (arguments.size() < 3) {
+    throw InputError("Give a .palpate file, a half-width in m, a number of points, and spaces such "
+                     "as 1% or 7.");
   }
-  const StateSpaceFile file = StateSpaceFile::open_read_only(argv[1]);
+  const StateSpaceFile file = StateSpaceFile::open_read_only(arguments[0]);
   const Scene scene = file.read_scene();
   const Site site = file.read_sites().front().site;
   PrecomputeOptions options;
   options.active_nodes = {site.active_node};
   options.tip_radius = site.tip_radius;
-  options.half_width = argc > 2 ? std::atof(argv[2]) : site.half_width;
+  options.half_width = std::stod(arguments[1]);
   options.equilibrium.tolerance = 1e-9;
-  const auto exact =
-      solve_exactly(scene, site, options.half_width, argc > 3 ? std::atoi(argv[3]) : 2000);
-  std::printf("| space | configurations | s | error: mean %% | p99 %% | largest %% | marked %% | largest "
-              "there %% | MB |\n|---|---|---|---|---|---|---|---|---|\n");
-  char name[64];
-  for (const int resolution : {3, 5}) {
-    for (const double tolerance : {0.05, 0.02, 0.01, 0.005}) {
-      options.resolution = resolution;
-      options.tolerance = tolerance;
-      std::snprintf(name, sizeof name, "%g %% from %d³", 100 * tolerance, resolution);
-      print_row(name, scene, options, exact);
-    }
-  }
-  options.tolerance = 0;
-  for (const int resolution : {5, 7, 9, 11}) {
-    options.resolution = resolution;
-    std::snprintf(name, sizeof name, "uniform, %d³", resolution);
-    print_row(name, scene, options, exact);
+  options.equilibrium.single_precision = true;
+  std::ostringstream path;
+  path << arguments[0] << '_' << file.scene_hash().substr(0, 8) << '_' << site.tip_radius << '_'
+       << options.half_width << ".csv";
+  const std::vector<Exact> exact =
+      solve_exactly(scene, site, options.half_width, std::stoi(arguments[2]), path.str());
+  const auto num_regular =
+      std::count_if(exact.begin(), exact.end(), [](const Exact& e) { return e.regular(); });
+  std::printf("%zu points, from rest regular to %td\n\n", exact.size(), num_regular);
+  std::printf("| space | configurations | s | error: mean %% | 99 %% | largest %% | marked %% | "
+              "error there %% | irregular %% | error there %% | jump | MB |\n"
+              "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+  for (std::size_t i = 3; i < arguments.size(); ++i) {
+    const bool is_uniform = arguments[i].back() != '%';
+    options.tolerance = is_uniform ? 0 : 0.01 * std::stod(arguments[i]);
+    options.resolution = is_uniform ? std::stoi(arguments[i]) : 5;
+    print_row(is_uniform ? "uniform, " + arguments[i] + "³" : arguments[i], scene, options, exact);
   }
   return EXIT_SUCCESS;
 }
@@ -125,4 +244,11 @@ int main_of(int argc, char** argv) {
 }  // namespace
 }  // namespace palpate
 
-int main(int argc, char** argv) { return palpate::main_of(argc, argv); }
+int main(int argc, char** argv) {
+  try {
+    return palpate::main_of({argv + 1, argv + argc});
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The examples at a reduced size: examples/liver on one rank and on two, with the same table and
-pictures, and the two reports.
+pictures, and the three reports.
 
 Arguments: pvbatch and, where there is MPI, mpiexec with its options.
 """
@@ -208,6 +208,38 @@ def check_stability(*scene):
 
 
 
+def tolerance_rows(folder, *arguments):
+    done = run(1, *arguments, "--output", folder, example="tolerance")
+    assert done.returncode == 0, done.stderr
+    with open(os.path.join(folder, "table.md"), encoding="utf-8") as file:
+        assert file.read().strip() in done.stdout
+    rows = rows_of(os.path.join(folder, "table.csv"))
+    assert all(float(row["seconds"]) > 0 and 0 < float(row["MB"]) < 10 for row in rows), rows
+    return rows, done.stdout
+
+
+def check_tolerance():
+    small = ["--elements", "150", "--points", "12"]
+    rows, text = tolerance_rows("tolerance", *small, "--laws", "Fung", "--exponent", "20",
+                                "--half-width", "0.025", "--tolerances", "5", "0.2",
+                                "--uniform", "3", "5")
+    assert [row["space"] for row in rows] == ["5 %", "0.2 %", "uniform, 3³", "uniform, 5³"], rows
+    coarse, fine, three, five = rows
+    assert (three["configurations"], five["configurations"]) == ("27", "125"), rows
+    assert 125 <= int(coarse["configurations"]) < int(fine["configurations"]), rows
+    for row in (coarse, fine):
+        assert 0 < float(row["reached (%)"]) <= float(row["asked (%)"]), rows
+        assert float(row["marked (%)"]) == 0, rows
+    assert float(five["reached (%)"]) < 0.3 * float(three["reached (%)"]), rows
+    assert "Fung: every tolerance is kept" in text, text
+    expect_pictures("tolerance", "reached_asked", "error_configurations")
+
+    # The scene of that run with a material of its own; St. Venant-Kirchhoff would invert.
+    done = run(1, "tolerance/scene.vtu", *small, "--laws", "Own", example="tolerance")
+    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith("tolerance.py: the scene has no material"), done.stderr
+
+
 check_one_rank()
 check_that_the_file_is_used_again()
 if MPIEXEC:
@@ -219,3 +251,4 @@ if os.environ.get("PALPATE_SHARED_DATA"):
     check_stability(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
 check_discretisation()
 check_stability()
+check_tolerance()

@@ -77,6 +77,53 @@ def test_contents():
     assert 0 < field(space, "FloorSeconds")[0] < field(space, "ExplorationSeconds")[0]
 
 
+def test_size():
+    """Bytes a configuration by the number of modes, and the bound, at every point of the surface
+    and every configuration, against the displacement in the file."""
+    boundary = scene("size")
+    node = node_at(boundary, CORNER)
+    precompute(boundary, [node], FileName="size.palpate").UpdatePipeline()
+    database = sqlite3.connect("file:size.palpate?mode=ro", uri=True)
+    numbers_of_modes = []
+    for bound in (1e-2, 1e-3, 1e-4):
+        reader = StateSpaceReader(FileName="size.palpate", DisplacementBound=bound)
+        blocks = fetch_space(reader)
+        surface, space = blocks["Surface"], blocks["Configurations"]
+        count = space.GetNumberOfPoints()
+        assert count == 5 ** 3
+        coefficients, gradients = (point_array(space, name)
+                                   for name in ("Coefficients", "CoefficientGradient"))
+        modes = coefficients.shape[1]
+        numbers_of_modes.append(modes)
+        attributes = space.GetPointData()
+        arrays = [attributes.GetAbstractArray(i) for i in range(attributes.GetNumberOfArrays())]
+        arrays.append(space.GetPoints().GetData())
+        for cells in (space.GetVerts(), space.GetLines()):
+            arrays += [cells.GetConnectivityArray(), cells.GetOffsetsArray()]
+        size = sum(array.GetNumberOfValues() * array.GetDataTypeSize() for array in arrays) / count
+        # 272 for the figures, and of each mode a coefficient and its gradient in single precision;
+        # the end of the offsets of both kinds of cells is shared by all.
+        assert size <= 272 + 16 * modes + 16 / count, (size, modes)
+        assert coefficients.dtype == gradients.dtype == numpy.float32
+
+        basis = point_array(surface, "Modes").reshape(surface.GetNumberOfPoints(), modes, 3)
+        mesh_points = point_array(surface, "MeshPoint")
+        largest = error = 0.0
+        for c, check_point in enumerate(point_array(space, "CheckPoint")):
+            (blob,), = database.execute("SELECT u FROM configuration WHERE i = ? AND j = ? "
+                                        "AND k = ?", [int(x) for x in check_point])
+            u = numpy.frombuffer(blob).reshape(-1, 3)[mesh_points]
+            of_modes = numpy.einsum("pmc,m->pc", basis, coefficients[c])
+            largest = max(largest, numpy.linalg.norm(u, axis=1).max())
+            error = max(error, numpy.linalg.norm(u - of_modes, axis=1).max())
+        assert numpy.isclose(field(space, "LargestDisplacement")[0], largest, rtol=1e-6)
+        assert error <= field(space, "DisplacementError")[0] <= bound * largest * (1 + 1e-6)
+        # What is told is not far from what is: the bound is used.
+        assert error > 0.1 * bound * largest, (error / largest, bound)
+    assert numbers_of_modes[0] < numbers_of_modes[1] < numbers_of_modes[2] <= 108, numbers_of_modes
+    database.close()
+
+
 def test_touch_against_exact_solves():
     boundary = scene("exact")
     node = node_at(boundary, CORNER)

@@ -218,6 +218,36 @@ TEST(ErrorEstimate, MarkedAndFailedCornersAreRefinedToAQuarter) {
   }
 }
 
+TEST(ErrorEstimate, WhatIsMarkedThroughoutIsLeft) {
+  for (bool failed : {false, true}) {
+    TouchSite site = analytic_site(wall, 257, 64);
+    std::vector<Cell> cells;
+    for (int round = 0; round < 20; ++round) {
+      for (ConfigurationSummary& c : site.configurations) {
+        if (c.check_point[0] < 0) continue;
+        if (failed) c.outcome = Outcome::not_converged;
+        if (!failed) c.flags = flags::unstable;
+      }
+      cells = cells_to_split(site.site, site.configurations, 1e-4 * largest_force(wall));
+      for (const Cell& cell : cells) test::split(site, wall, cell);
+      if (cells.empty()) break;
+    }
+    EXPECT_TRUE(cells.empty());
+    std::int32_t least_at_border = 64;
+    const CellTree tree(site.site, site.configurations);
+    for (const CellTree::Leaf& leaf : tree.leaves()) {
+      const std::int32_t x = leaf.cell.first[0];
+      if (x + leaf.cell.side == 0) least_at_border = std::min(least_at_border, leaf.cell.side);
+      // Nothing but what keeps neighbours within twice the size.
+      if (x >= 64) {
+        EXPECT_EQ(leaf.cell.side, 64);
+      }
+    }
+    // The estimate is over the tolerance on both sides of x = 0.
+    EXPECT_LE(least_at_border, 64 / kMarkedCorner);
+  }
+}
+
 TEST(ErrorEstimate, LeavesBeyondTheForceLimitOrWithoutConfigurationsAreLeft) {
   TouchSite site = analytic_site(wall, 33, 16);
   for (ConfigurationSummary& c : site.configurations) {
