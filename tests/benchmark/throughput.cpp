@@ -8,8 +8,10 @@
 // The arguments are the file, whose number of active nodes is a multiple of the ranks, the number
 // of rounds, and a folder for files of the explorations; without it they are in memory. Prints a
 // Markdown table, a row a round, and the ratio of the two rates. That of the runs side by side is
-// the sum of each one's own: the one that ends first does not wait for the others.
+// the sum of each one's own: the one that ends first does not wait for the others. On a machine that
+// is not quiet look at the processor time too, of all ranks: an idle rank sleeps.
 #include <mpi.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -72,12 +74,37 @@ PrecomputeReport explore(const Problem& problem, const std::vector<Index>& nodes
   return report;
 }
 
+/// Of this process, s.
+double processor_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
 /// Of all ranks.
 struct Figures {
   double rate = 0;  // configurations a second
+  double processor_seconds = 0;
   std::int64_t configurations = 0;
   long factorisations = 0;
 };
+
+Figures sum(const Figures& mine, Communicator& world) {
+  Packer message;
+  message.put(mine);
+  Figures sum;
+  for (const Bytes& bytes : world.all_gather(message.take())) {
+    const auto of_rank = Unpacker(bytes).take<Figures>();
+    sum.rate += of_rank.rate;
+    sum.processor_seconds += of_rank.processor_seconds;
+    sum.configurations += of_rank.configurations;
+    sum.factorisations += of_rank.factorisations;
+  }
+  return sum;
+}
 
 Figures side_by_side(const Problem& problem, const std::string& folder, Communicator& world) {
   std::vector<Index> nodes;
@@ -87,49 +114,58 @@ Figures side_by_side(const Problem& problem, const std::string& folder, Communic
     }
   }
   const std::string name = "alone_" + std::to_string(world.rank()) + ".palpate";
-  Packer mine;
+  Figures mine;
+  const double start = processor_seconds();
   agree(world, [&] {
     const auto alone = make_serial_communicator();
     const PrecomputeReport report =
         explore(problem, nodes, folder.empty() ? fs::path() : fs::path(folder) / name, *alone);
-    mine.put(Figures{static_cast<double>(report.num_solved) / report.exploration_seconds,
-                     report.num_solved, report.work.factorisations});
+    mine = {static_cast<double>(report.num_solved) / report.exploration_seconds,
+            processor_seconds() - start, report.num_solved, report.work.factorisations};
   });
-  Figures sum;
-  for (const Bytes& bytes : world.all_gather(mine.take())) {
-    const auto of_rank = Unpacker(bytes).take<Figures>();
-    sum.rate += of_rank.rate;
-    sum.configurations += of_rank.configurations;
-    sum.factorisations += of_rank.factorisations;
+  return sum(mine, world);
+}
+
+/// The rate and what else the report says of all ranks are those of rank 0 here.
+Figures together(const Problem& problem, const std::string& folder, Communicator& world,
+                 PrecomputeReport& report) {
+  std::vector<Index> nodes;
+  for (const Site& site : problem.sites) nodes.push_back(site.active_node);
+  const double start = processor_seconds();
+  report = explore(problem, nodes,
+                   folder.empty() ? fs::path() : fs::path(folder) / "together.palpate", world);
+  Figures mine;
+  mine.processor_seconds = processor_seconds() - start;
+  if (world.rank() == 0) {
+    mine.rate = static_cast<double>(report.num_solved) / report.exploration_seconds;
+    mine.configurations = report.num_solved;
+    mine.factorisations = report.work.factorisations;
   }
-  return sum;
+  return sum(mine, world);
 }
 
 void print_table(const Problem& problem, int num_rounds, const std::string& folder,
                  Communicator& world) {
-  std::vector<Index> nodes;
-  for (const Site& site : problem.sites) nodes.push_back(site.active_node);
-  const fs::path file = folder.empty() ? fs::path() : fs::path(folder) / "together.palpate";
   const bool prints = world.rank() == 0;
   if (prints) {
-    std::printf("| side by side, 1/s | together, 1/s | ratio | factorisations | together | shares | "
-                "idle, %% of a rank | finishing, s |\n|---|---|---|---|---|---|---|---|\n");
+    std::printf("| side by side, 1/s | together, 1/s | ratio | factorisations | together | processor, "
+                "s | together | shares | idle, %% of a rank |\n|---|---|---|---|---|---|---|---|---|\n");
   }
   std::vector<double> ratios;
   for (int round = 0; round < num_rounds; ++round) {
     Figures apart;
     if (round % 2 == 0) apart = side_by_side(problem, folder, world);
-    const PrecomputeReport report = explore(problem, nodes, file, world);
+    PrecomputeReport report;
+    const Figures shared = together(problem, folder, world, report);
     if (round % 2 == 1) apart = side_by_side(problem, folder, world);
-    if (apart.configurations != report.num_solved) throw BackendError("The spaces differ.");
-    const double rate = static_cast<double>(report.num_solved) / report.exploration_seconds;
-    ratios.push_back(rate / apart.rate);
+    if (apart.configurations != shared.configurations) throw BackendError("The spaces differ.");
+    ratios.push_back(shared.rate / apart.rate);
     if (!prints) continue;
-    std::printf("| %.2f | %.2f | %.3f | %ld | %ld | %lld | %.2f | %.1f |\n", apart.rate, rate,
-                ratios.back(), apart.factorisations, report.work.factorisations,
+    std::printf("| %.2f | %.2f | %.3f | %ld | %ld | %.1f | %.1f | %lld | %.2f |\n", apart.rate,
+                shared.rate, ratios.back(), apart.factorisations, shared.factorisations,
+                apart.processor_seconds, shared.processor_seconds,
                 static_cast<long long>(report.schedule.steals_granted),
-                100 * report.schedule.idle_seconds / world.size() / report.exploration_seconds,
-                report.finishing_seconds);
+                100 * report.schedule.idle_seconds / world.size() / report.exploration_seconds);
     std::fflush(stdout);
   }
   std::sort(ratios.begin(), ratios.end());
