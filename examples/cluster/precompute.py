@@ -38,6 +38,9 @@ def arguments():
                         help="points that are touched (default: all touchable ones)")
     parser.add_argument("--at-most", type=int, default=0, metavar="N",
                         help="of the touchable points so many, spread evenly; 0: all")
+    parser.add_argument("--part", type=int, nargs=2, default=[0, 1], metavar=("I", "N"),
+                        help="of these points each N-th, from the I-th: one of N jobs, each with a "
+                        "file of its own")
     parser.add_argument("--tip-radius", type=float, default=0.0, metavar="M",
                         help="of the tool; 0: the point alone")
     parser.add_argument("--half-width", type=float, default=0.01, metavar="M",
@@ -78,9 +81,18 @@ def spread(points, most):
 
 
 def choose_active_nodes(scene, args):
-    """2. The points that are touched."""
-    if args.active_nodes:
-        return args.active_nodes
+    """2. The points that are touched in this job."""
+    part, num_parts = args.part
+    if not 0 <= part < num_parts:
+        raise Failure(f"there is no part {part} of {num_parts}: parts are counted from 0.")
+    nodes = args.active_nodes or touchable_points(scene, args)
+    if part >= len(nodes):
+        raise Failure(f"{len(nodes)} active nodes are too few for {num_parts} parts.")
+    return nodes[part::num_parts]
+
+
+def touchable_points(scene, args):
+    """Those that are not held, or --at-most so many of them."""
     data = output(scene)
     touchable = data.GetPointData().GetArray("Touchable")
     if not touchable:
@@ -91,10 +103,13 @@ def choose_active_nodes(scene, args):
     fixed = data.GetPointData().GetArray("Fixed")
     if fixed:
         candidates = candidates[vtk_to_numpy(fixed)[candidates] == 0]
-    if args.at_most <= 0 or len(candidates) == 0:
-        return [int(node) for node in candidates]
-    points = vtk_to_numpy(data.GetPoints().GetData())[candidates]
-    return [int(node) for node in candidates[spread(points, args.at_most)]]
+    if len(candidates) == 0:
+        raise Failure(f"no point of {args.scene} is touchable: name --active-nodes, or use Set "
+                      "Boundary.")
+    if args.at_most > 0:
+        points = vtk_to_numpy(data.GetPoints().GetData())[candidates]
+        candidates = candidates[spread(points, args.at_most)]
+    return [int(node) for node in candidates]
 
 
 def precompute(scene, nodes, args):

@@ -232,6 +232,7 @@ def check_cluster():
     done = cluster(ranks, *small, "--output", "cluster.palpate", "--ranks-per-solve", str(ranks))
     assert "0 configurations solved and 54 taken from cluster.palpate" in done.stdout, done.stdout
     for arguments, message in ((["missing.vtu"], "there is no file missing.vtu"),
+                               ([*small, "--part", "2", "2"], "no part 2 of 2"),
                                ([*small, "--ranks-per-solve", "2"], "number of ranks, 1")):
         done = cluster(1, *arguments)
         lines = [line for line in done.stderr.splitlines() if line]
@@ -282,6 +283,14 @@ def check_the_job():
     assert done.returncode == 0, done.stderr
     assert "54 configurations solved" in done.stdout, done.stdout
     assert glob.glob("job.palpate*") == ["job.palpate"] and num_configurations("job.palpate") == 54
+
+    # One of an array of jobs: the other point of the two.
+    environment["LOCAL"] = ""
+    done = subprocess.run([*job, "job.palpate", *small, "3"], text=True, capture_output=True,
+                          env={**environment, "SLURM_ARRAY_TASK_ID": "1",
+                               "SLURM_ARRAY_TASK_COUNT": "2"}, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "27 configurations solved and 0 taken from job_1.palpate" in done.stdout, done.stdout
 
     environment["LOCAL"] = "again"
     with subprocess.Popen([*job, "long.palpate", *small, "21"], env=environment) as batch:
