@@ -25,7 +25,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 def arguments():
     parser = Arguments("precompute.py", __doc__.splitlines()[0])
-    parser.add_argument("scene", help="the body with the point arrays Fixed and Touchable (.vtu), "
+    parser.add_argument("scene", nargs="?", help="the body with the point arrays Fixed and Touchable (.vtu), "
                         "in m")
     parser.add_argument("--output", default="space.palpate", metavar="FILE",
                         help="the state space, which is continued if it is there")
@@ -59,6 +59,8 @@ def arguments():
 
 def read_scene(args):
     """1. The body, where it is held and touched, and what it is made of."""
+    if args.scene is None:
+        raise Failure("name a scene, a .vtu file (see --help).")
     if not os.path.isfile(args.scene):
         raise Failure(f"there is no file {args.scene}.")
     scene = update(OpenDataFile(args.scene))

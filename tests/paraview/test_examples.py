@@ -231,7 +231,8 @@ def check_cluster():
     assert "54 configurations solved and 0 taken from cluster.palpate" in done.stdout, done.stdout
     done = cluster(ranks, *small, "--output", "cluster.palpate", "--ranks-per-solve", str(ranks))
     assert "0 configurations solved and 54 taken from cluster.palpate" in done.stdout, done.stdout
-    for arguments, message in ((["missing.vtu"], "there is no file missing.vtu"),
+    for arguments, message in (([], "name a scene"),
+                               (["missing.vtu"], "there is no file missing.vtu"),
                                ([*small, "--part", "2", "2"], "no part 2 of 2"),
                                ([*small, "--ranks-per-solve", "2"], "number of ranks, 1")):
         done = cluster(1, *arguments)
