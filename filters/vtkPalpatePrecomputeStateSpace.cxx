@@ -40,7 +40,8 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
        << static_cast<int>(options.history) << ' '
        << options.touch_bound << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
-       << options.equilibrium.single_precision << ' ' << options.file << " nodes";
+       << options.equilibrium.single_precision << ' ' << options.ranks_per_solve << ' '
+       << options.file << " nodes";
   for (const palpate::Index node : options.active_nodes)
   {
     text << ' ' << node;
@@ -183,6 +184,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.equilibrium.tolerance = this->SolverTolerance;
     options.equilibrium.max_seconds = this->MaximumSeconds;
     options.equilibrium.single_precision = this->SinglePrecisionFactors;
+    options.ranks_per_solve = this->RanksPerSolve;
 
     const std::string of = Describe(scene, options);
     const bool fileIsThere =
@@ -280,6 +282,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
+     << indent << "RanksPerSolve: " << this->RanksPerSolve << '\n'
      << indent << "LogInterval: " << this->LogInterval << '\n'
      << indent << "DisplacementBound: " << this->DisplacementBound << '\n';
 }

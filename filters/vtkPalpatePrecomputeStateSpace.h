@@ -117,6 +117,12 @@ public:
   vtkGetMacro(MaximumSeconds, double);
   ///@}
   ///@{
+  /// Neighbouring ranks that factorise and solve together, 1 to the number of ranks: for bodies that
+  /// are too large for the memory of one.
+  vtkSetMacro(RanksPerSolve, int);
+  vtkGetMacro(RanksPerSolve, int);
+  ///@}
+  ///@{
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
   vtkSetMacro(DisplacementBound, double);
   vtkGetMacro(DisplacementBound, double);
@@ -145,6 +151,7 @@ private:
   double SolverTolerance = 1e-9;
   bool SinglePrecisionFactors = true;
   double MaximumSeconds = 0;
+  int RanksPerSolve = 1;
   double LogInterval = 10;
   double DisplacementBound = 1e-3;
 

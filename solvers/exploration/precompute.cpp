@@ -3,13 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "equilibrium/tip.h"
 #include "exploration/engine.h"
 #include "exploration/monitor.h"
 #include "exploration/record.h"
+#include "linear/group.h"
 #include "state_space/pod.h"
 
 namespace palpate {
@@ -68,8 +72,38 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
   return result;
 }
 
-/// Sums over the ranks.
-void add_up(PrecomputeReport& report, Communicator& communicator) {
+/// Who solves together with whom.
+struct Groups {
+  Groups(Communicator& all, int ranks_per_solve) {
+    const int last = all.size() / ranks_per_solve - 1;
+    own = all.split(std::min(all.rank() / ranks_per_solve, last));
+    leaders = all.split(leads() ? 0 : 1);
+  }
+  [[nodiscard]] bool leads() const { return own->rank() == 0; }
+
+  std::unique_ptr<Communicator> own;
+  /// On those that lead.
+  std::unique_ptr<Communicator> leaders;
+};
+
+/// @throws InputError
+void validate_ranks_per_solve(const PrecomputeOptions& options, int num_ranks) {
+  const int ranks = options.ranks_per_solve;
+  if (ranks < 1 || ranks > num_ranks) {
+    throw InputError("The ranks per solve are " + std::to_string(ranks) +
+                     "; they must be from 1 to the number of ranks, " + std::to_string(num_ranks) +
+                     '.');
+  }
+  const std::string solver =
+      options.linear_solver.empty() ? linear_solver_names().front() : options.linear_solver;
+  if (ranks > 1 && solver != "MUMPS") {
+    throw InputError("The ranks per solve are " + std::to_string(ranks) +
+                     "; with the linear solver " + solver + " there can be 1 alone.");
+  }
+}
+
+/// Combines what each rank has; the ranks that serve others have nothing.
+void combine(PrecomputeReport& report, Communicator& communicator) {
   Packer mine;
   mine.put(report.num_solved);
   mine.put(report.num_reused);
@@ -78,6 +112,10 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
   mine.put(report.num_levels);
   mine.put(report.iterations);
   mine.put(report.work);
+  mine.put(report.complete);
+  mine.put(report.num_unknowns);
+  mine.put(report.exploration_seconds);
+  mine.put(report.finishing_seconds);
   mine.put(report.num_by_outcome.size());
   for (const auto& [outcome, number] : report.num_by_outcome) {
     mine.put(outcome);
@@ -103,6 +141,10 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
     report.num_levels += of_rank.take<std::int64_t>();
     report.iterations += of_rank.take<std::int64_t>();
     report.work += of_rank.take<Work>();
+    report.complete = of_rank.take<bool>() || report.complete;
+    report.num_unknowns = std::max(report.num_unknowns, of_rank.take<Index>());
+    report.exploration_seconds = std::max(report.exploration_seconds, of_rank.take<double>());
+    report.finishing_seconds = std::max(report.finishing_seconds, of_rank.take<double>());
     for (auto left = of_rank.take<std::size_t>(); left > 0; --left) {
       const auto outcome = of_rank.take<Outcome>();
       report.num_by_outcome[outcome] += of_rank.take<std::int64_t>();
@@ -113,6 +155,46 @@ void add_up(PrecomputeReport& report, Communicator& communicator) {
     }
   }
   report.num_not_reached = report.num_expected - report.num_solved - report.num_reused;
+}
+
+/// On ranks that solve.
+/// @param make_solver Is called first: ranks may have begun to serve what it makes.
+PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
+                         Communicator& communicator, const Progress& progress,
+                         const std::function<std::unique_ptr<LinearSolver>()>& make_solver) {
+  PrecomputeResult result;
+  PrecomputeReport& report = result.report;
+  const Clock::time_point start = Clock::now();
+  Monitor monitor(progress, communicator.size());
+  std::vector<Site> sites;
+  std::unique_ptr<Tip> tip;
+  std::unique_ptr<EquilibriumSolver> solver;
+  // All that can be wrong, before a file is touched.
+  agree(communicator, [&] {
+    std::unique_ptr<LinearSolver> linear_solver = make_solver();
+    solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
+                                                 std::move(linear_solver));
+    tip = std::make_unique<Tip>(scene, options.tip_radius);
+    sites = make_sites(scene, options, *tip);
+  });
+  const double tolerance = options.equilibrium.tolerance;
+  const std::unique_ptr<Record> record =
+      options.file.empty()
+          ? make_memory_record(scene, sites, tolerance, communicator)
+          : make_file_record(options.file, scene, sites, tolerance, communicator);
+
+  Engine engine(sites, *tip, *solver, *record, communicator, monitor);
+  report.complete = engine.explore(report);
+  report.exploration_seconds = seconds_since(start);
+
+  const Clock::time_point finish_start = Clock::now();
+  result.space = record->finish(report.complete, options.touch_bound);
+  report.finishing_seconds = seconds_since(finish_start);
+  report.num_unknowns =
+      solver->assembly().pattern().size -
+      3 * static_cast<Index>(tip->hold({sites.front().active_node}).points.size());
+  report.work = solver->work();
+  return result;
 }
 
 }  // namespace
@@ -149,43 +231,33 @@ void validate(const PrecomputeOptions& options) {
 
 PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                             Communicator& communicator, const Progress& progress) {
-  PrecomputeResult result;
-  PrecomputeReport& report = result.report;
   const Clock::time_point start = Clock::now();
-  Monitor monitor(progress, communicator.size());
-  std::vector<Site> sites;
-  std::unique_ptr<Tip> tip;
-  std::unique_ptr<EquilibriumSolver> solver;
-  // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
     validate(options);
-    solver = std::make_unique<EquilibriumSolver>(
-        scene, solver_options(options, monitor),
-        options.linear_solver.empty() ? make_linear_solver()
-                                      : make_linear_solver(options.linear_solver));
-    tip = std::make_unique<Tip>(scene, options.tip_radius);
-    sites = make_sites(scene, options, *tip);
+    validate_ranks_per_solve(options, communicator.size());
   });
-  const double tolerance = options.equilibrium.tolerance;
-  const std::unique_ptr<Record> record =
-      options.file.empty()
-          ? make_memory_record(scene, sites, tolerance, communicator)
-          : make_file_record(options.file, scene, sites, tolerance, communicator);
-
-  Engine engine(sites, *tip, *solver, *record, communicator, monitor);
-  report.complete = engine.explore(report);
-  report.exploration_seconds = seconds_since(start);
-
-  const Clock::time_point finish_start = Clock::now();
-  result.space = record->finish(report.complete, options.touch_bound);
-  report.finishing_seconds = seconds_since(finish_start);
+  PrecomputeResult result;
+  if (options.ranks_per_solve == 1) {
+    result = explore(scene, options, communicator, progress, [&] {
+      return options.linear_solver.empty() ? make_linear_solver()
+                                           : make_linear_solver(options.linear_solver);
+    });
+  } else {
+    const Groups groups(communicator, options.ranks_per_solve);
+    const void* group = groups.own->mpi_comm();
+    agree(communicator, [&] {
+      if (groups.leads()) {
+        result = explore(scene, options, *groups.leaders, progress,
+                         [group] { return make_group_solver(group); });
+      } else {
+        serve_group_solver(group);
+      }
+    });
+  }
+  PrecomputeReport& report = result.report;
   report.num_ranks = communicator.size();
   report.num_cells = scene.mesh.num_cells();
-  report.num_unknowns =
-      solver->assembly().pattern().size -
-      3 * static_cast<Index>(tip->hold({sites.front().active_node}).points.size());
-  report.work = solver->work();
-  add_up(report, communicator);
+  combine(report, communicator);
   if (report.complete && progress) {
     const std::int64_t found = report.num_solved + report.num_reused;
     (void)progress({found, found, seconds_since(start), 0});

@@ -39,6 +39,11 @@ struct PrecomputeOptions {
   EquilibriumOptions equilibrium;
   /// Name of a linear solver; empty: the default.
   std::string linear_solver;
+  /// Neighbouring ranks that factorise and solve together, with MUMPS, for bodies that are too large
+  /// for the memory of one. The first of each group explores, the others serve it and are not asked
+  /// for progress; ranks that fill no group are of the last one. The sums within a group depend on
+  /// who is first, so that the space is the same to the solver's tolerance, not to the bit.
+  int ranks_per_solve = 1;
 };
 
 /// @throws InputError a field out of its range, by name.
@@ -64,7 +69,7 @@ struct PrecomputeReport {
   std::int64_t num_transitions = 0;
   std::int64_t num_levels = 0;
   std::int64_t iterations = 0;
-  /// Wall time of the exploration, and of the POD and the rest that follows, s.
+  /// Wall time of the exploration, and of the POD and the rest that follows, s, of the slowest rank.
   double exploration_seconds = 0;
   double finishing_seconds = 0;
   /// Of all ranks.
@@ -102,7 +107,7 @@ using Progress = std::function<bool(const ProgressState&)>;
 /// @param scene The same on every rank.
 /// @note Collective
 /// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of
-///   its range; a file of another scene.
+///   its range; more ranks a solve than there are; a file of another scene.
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                                           Communicator& communicator, const Progress& progress);
 

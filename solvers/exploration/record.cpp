@@ -210,12 +210,10 @@ class FileRecord final : public Record {
     return files;
   }
 
-  /// Merges them and removes them.
+  /// Merges and removes one after the other: never more than one of them is on the disk twice.
   void take_over_rank_files() {
-    const std::vector<fs::path> files = files_of_ranks();
-    if (files.empty()) return;
-    file_->merge(files);
-    for (const fs::path& file : files) {
+    for (const fs::path& file : files_of_ranks()) {
+      file_->merge({file});
       std::error_code error;
       if (!fs::remove(file, error)) {
         throw BackendError("The file " + file.string() + ", whose content is in " + path_.string() +

@@ -29,6 +29,13 @@ class Communicator {
   /// @throws BackendError more than 16 GiB in all.
   [[nodiscard]] virtual std::vector<Bytes> gather(const Bytes& mine) = 0;
 
+  /// The ranks that give the same colour, in their order here.
+  /// @note Collective, and so is the end of the object among its ranks.
+  [[nodiscard]] virtual std::unique_ptr<Communicator> split(int colour) = 0;
+
+  /// Address of the MPI_Comm; null: there is none.
+  [[nodiscard]] virtual const void* mpi_comm() const { return nullptr; }
+
   /// For messages that are not collective: run() of scheduler.h.
   [[nodiscard]] virtual Network& network() = 0;
 

@@ -43,7 +43,7 @@ class MpiCommunicator final : public Communicator {
     check(MPI_Allgatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
                          layout.counts.data(), layout.offsets.data(), MPI_INT64_T, comm_),
           "MPI_Allgatherv");
-    return split(layout, received);
+    return take_apart(layout, received);
   }
 
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override {
@@ -53,8 +53,18 @@ class MpiCommunicator final : public Communicator {
     check(MPI_Gatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
                       layout.counts.data(), layout.offsets.data(), MPI_INT64_T, 0, comm_),
           "MPI_Gatherv");
-    return rank_ == 0 ? split(layout, received) : std::vector<Bytes>();
+    return rank_ == 0 ? take_apart(layout, received) : std::vector<Bytes>();
   }
+
+  [[nodiscard]] std::unique_ptr<Communicator> split(int colour) override {
+    MPI_Comm part = MPI_COMM_NULL;
+    check(MPI_Comm_split(comm_, colour, rank_, &part), "MPI_Comm_split");
+    auto communicator = std::make_unique<MpiCommunicator>(part);
+    MPI_Comm_free(&part);
+    return communicator;
+  }
+
+  [[nodiscard]] const void* mpi_comm() const override { return &comm_; }
 
   [[nodiscard]] Network& network() override { return *network_; }
 
@@ -92,7 +102,8 @@ class MpiCommunicator final : public Communicator {
     return units;
   }
 
-  static std::vector<Bytes> split(const Layout& layout, const std::vector<std::int64_t>& units) {
+  static std::vector<Bytes> take_apart(const Layout& layout,
+                                       const std::vector<std::int64_t>& units) {
     std::vector<Bytes> all;
     for (std::size_t r = 0; r < layout.bytes.size(); ++r) {
       const auto* first = reinterpret_cast<const std::byte*>(units.data() + layout.offsets[r]);

@@ -5,8 +5,8 @@ Sample run, on one core:
   PV_PLUGIN_PATH=build/lib/paraview-5.11/plugins/Palpate OPENBLAS_NUM_THREADS=1 \\
     xvfb-run -a pvbatch tests/benchmark/seed_problem.py path/to/liver_seed.vtu
 
-A liver of 978 Tet10 with 5094 unknowns, node 197 on 7 x 7 x 7 check-points of half-width 12 mm. The
-floor is one assembly, one factorisation and three solves a configuration, as measured in the same
+A liver of 978 Tet10 with 5094 unknowns, node 197 (or others) on 7 x 7 x 7 check-points of half-width
+12 mm. The floor is one assembly, one factorisation and three solves a configuration, as measured in the same
 run. compare.py puts other programs beside it.
 """
 
@@ -29,6 +29,7 @@ OUTCOMES = ("converged", "not converged", "no tangent factor", "budget used up")
 
 parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
 parser.add_argument("body", help="the .vtu file with the point arrays Fixed and Touchable")
+parser.add_argument("--active-nodes", type=int, nargs="+", default=[197])
 parser.add_argument("--half-width", type=float, default=0.012, help="m")
 parser.add_argument("--law", choices=LAWS, default="St. Venant-Kirchhoff")
 parser.add_argument("--resolution", type=int, default=7, help="check-points along an axis")
@@ -41,12 +42,13 @@ arguments = parser.parse_args()
 body = XMLUnstructuredGridReader(FileName=[arguments.body])
 scene = AssignMaterial(Input=body, Law=arguments.law, Exponent=arguments.exponent,
                        **LAWS[arguments.law])
-space = PrecomputeStateSpace(Input=scene, ActiveNodes=[197], HalfWidth=arguments.half_width,
-                             TipRadius=arguments.tip_radius, Resolution=7,
-                             FileName=arguments.file)
+space = PrecomputeStateSpace(Input=scene, ActiveNodes=arguments.active_nodes,
+                             HalfWidth=arguments.half_width, TipRadius=arguments.tip_radius,
+                             Resolution=arguments.resolution, FileName=arguments.file)
 # The floor is that of full precision: of a few configurations.
-few = PrecomputeStateSpace(Input=scene, ActiveNodes=[197], HalfWidth=arguments.half_width,
-                           TipRadius=arguments.tip_radius, Resolution=3, SinglePrecisionFactors=0)
+few = PrecomputeStateSpace(Input=scene, ActiveNodes=arguments.active_nodes[:1],
+                           HalfWidth=arguments.half_width, TipRadius=arguments.tip_radius,
+                           Resolution=3, SinglePrecisionFactors=0)
 few.UpdatePipeline()
 space.UpdatePipeline()
 configurations = servermanager.Fetch(space, 0).GetPartition(2, 0)

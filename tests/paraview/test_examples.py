@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The examples at a reduced size: examples/liver on one rank and on two, with the same table and
 pictures, and the three reports.
+pictures, the two reports, and examples/cluster with the batch job.
 
 Arguments: pvbatch and, where there is MPI, mpiexec with its options.
 """
 
 import csv
+import glob
 import math
 import os
+import re
+import signal
+import sqlite3
 import subprocess
 import sys
+import time
 
+from paraview.simple import SaveData
+from support import scene
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOImage import vtkPNGReader
 
@@ -27,15 +35,18 @@ PIXEL_TOLERANCE = 60
 SHARE_OF_PIXELS = 1e-3
 
 
-def run(ranks, *arguments, example="liver"):
-    launcher = [*MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
+def environment_of(ranks):
     # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
-    environment = {name: value for name, value in os.environ.items()
-                   if ranks == 1 or not name.startswith(("OMPI_", "PMIX_"))}
-    script = os.path.join(EXAMPLES, example, example + ".py")
-    return subprocess.run([*launcher, PVBATCH, script, *arguments], stdout=subprocess.PIPE,
+    return {name: value for name, value in os.environ.items()
+            if ranks == 1 or not name.startswith(("OMPI_", "PMIX_"))}
+
+
+def run(ranks, *arguments, example="liver", script=None):
+    launcher = [*MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
+    path = os.path.join(EXAMPLES, example, (script or example) + ".py")
+    return subprocess.run([*launcher, PVBATCH, path, *arguments], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True, timeout=500, check=False,
-                          env=environment)
+                          env=environment_of(ranks))
 
 
 def table_of(folder):
@@ -207,6 +218,95 @@ def check_stability(*scene):
     assert done.stderr.startswith("stability.py: the stiff region is empty"), done.stderr
 
 
+def check_cluster():
+    """A scene as Set Boundary makes it, on two ranks, each for itself and together."""
+    SaveData("scene.vtu", proxy=scene("cluster"), DataMode="Binary")
+    small = ["scene.vtu", "--resolution", "3", "--at-most", "2", "--tip-radius", "0.03"]
+
+    def cluster(ranks, *arguments):
+        return run(ranks, *arguments, example="cluster", script="precompute")
+
+    ranks = 2 if MPIEXEC else 1
+    done = cluster(ranks, *small, "--output", "cluster.palpate")
+    assert done.returncode == 0, done.stderr
+    assert "54 configurations solved and 0 taken from cluster.palpate" in done.stdout, done.stdout
+    done = cluster(ranks, *small, "--output", "cluster.palpate", "--ranks-per-solve", str(ranks))
+    assert "0 configurations solved and 54 taken from cluster.palpate" in done.stdout, done.stdout
+    for arguments, message in (([], "name a scene"),
+                               (["missing.vtu"], "there is no file missing.vtu"),
+                               ([*small, "--part", "2", "2"], "no part 2 of 2"),
+                               ([*small, "--ranks-per-solve", "2"], "number of ranks, 1")):
+        done = cluster(1, *arguments)
+        lines = [line for line in done.stderr.splitlines() if line]
+        assert done.returncode == 1 and len(lines) == 1, lines
+        assert lines[0].startswith("precompute.py: ") and message in lines[0], lines
+
+
+def check_options_of_the_job():
+    """The batch job and its page name no option that the script does not have."""
+    known = set(re.findall(r"--[a-z-]+", run(1, "--help", example="cluster",
+                                             script="precompute").stdout))
+    folder = os.path.join(EXAMPLES, "cluster")
+    job = os.path.join(folder, "precompute.slurm")
+    assert subprocess.run(["bash", "-n", job], check=False).returncode == 0
+    with open(job, encoding="utf-8") as file:
+        command = re.search(r"pvbatch (?:.*\\\n)*.*", file.read()).group()
+    used = re.findall(r"--[a-z-]+", command)
+    with open(os.path.join(folder, "README.md"), encoding="utf-8") as file:
+        table = re.findall(r"^\| `(--[a-z-]+)", file.read(), flags=re.MULTILINE)
+    assert {"--output", "--ranks-per-solve"} <= set(used) <= known, (used, known)
+    assert set(table) == known - {"--help"}, set(table) ^ known
+
+
+def num_configurations(path):
+    """Of a space and what ranks have left beside it."""
+    number = 0
+    for name in [path, *glob.glob(path + ".rank*")]:
+        if not name.endswith("-wal"):
+            with sqlite3.connect(name) as space:
+                number += space.execute("SELECT count(*) FROM configuration").fetchone()[0]
+    return number
+
+
+def check_the_job():
+    """As on a node, with the file on its disk; then its time is up."""
+    for folder in ("node", "again", "programs"):
+        os.makedirs(folder)
+    with open("programs/scontrol", "w", encoding="ascii") as file:
+        file.write("#!/bin/sh\necho \"$@\" > scontrol.txt\n")
+    os.chmod("programs/scontrol", 0o755)
+    path = ":".join((os.path.abspath("programs"), os.path.dirname(PVBATCH), os.environ["PATH"]))
+    environment = {**environment_of(2), "PATH": path, "SLURM_JOB_ID": "17", "LOCAL": "node",
+                   "LAUNCHER": " ".join([*MPIEXEC, "-n", "2"])}
+    job = ["bash", os.path.join(EXAMPLES, "cluster", "precompute.slurm"), "scene.vtu"]
+    small = ["--at-most", "2", "--resolution"]
+    done = subprocess.run([*job, "job.palpate", *small, "3"], env=environment, text=True,
+                          capture_output=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "54 configurations solved" in done.stdout, done.stdout
+    assert glob.glob("job.palpate*") == ["job.palpate"] and num_configurations("job.palpate") == 54
+
+    # One of an array of jobs: the other point of the two.
+    environment["LOCAL"] = ""
+    done = subprocess.run([*job, "job.palpate", *small, "3"], text=True, capture_output=True,
+                          env={**environment, "SLURM_ARRAY_TASK_ID": "1",
+                               "SLURM_ARRAY_TASK_COUNT": "2"}, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "27 configurations solved and 0 taken from job_1.palpate" in done.stdout, done.stdout
+
+    environment["LOCAL"] = "again"
+    with subprocess.Popen([*job, "long.palpate", *small, "21"], env=environment) as batch:
+        deadline = time.monotonic() + 200
+        while not any(os.path.getsize(log) > 1e6 for log in glob.glob("again/*-wal")):
+            assert batch.poll() is None and time.monotonic() < deadline
+            time.sleep(0.1)
+        batch.send_signal(signal.SIGUSR1)
+        assert batch.wait(timeout=100) == 0
+    with open("scontrol.txt", encoding="ascii") as file:
+        assert file.read() == "requeue 17\n"
+    kept = num_configurations("long.palpate")
+    assert 0 < kept < 2 * 21 ** 3, kept
+
 
 def tolerance_rows(folder, *arguments):
     done = run(1, *arguments, "--output", folder, example="tolerance")
@@ -252,3 +352,7 @@ if os.environ.get("PALPATE_SHARED_DATA"):
 check_discretisation()
 check_stability()
 check_tolerance()
+check_cluster()
+check_options_of_the_job()
+if MPIEXEC:
+    check_the_job()

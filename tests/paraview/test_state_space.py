@@ -23,11 +23,12 @@ def test_every_property():
                                  ToleranceType="Absolute", LogInterval=3,
                                  SinglePrecisionFactors=0,
                                  FileName="every.palpate", SolverTolerance=1e-9,
-                                 MaximumSeconds=60, DisplacementBound=1e-2)
+                                 MaximumSeconds=60, RanksPerSolve=2, DisplacementBound=1e-2)
     assert list(space.ActiveNodes) == [1, 2] and space.TipRadius == 0.01
     assert (space.HalfWidth, space.Resolution, space.ForceLimit) == (0.02, 5, 3)
     assert space.FileName == "every.palpate"
     assert (space.SolverTolerance, space.DisplacementBound) == (1e-9, 1e-2)
+    assert space.RanksPerSolve == 2
     assert space.MaximumSeconds == 60 and space.SinglePrecisionFactors == 0 and space.LogInterval == 3
     assert (space.Tolerance, space.ToleranceType) == (0.1, "Absolute")
     reader = StateSpaceReader(FileName="every.palpate", DisplacementBound=1e-2)
@@ -335,6 +336,8 @@ def test_bad_input():
 
     expect_error(run(Resolution=4), "resolution", "odd")
     expect_error(run(Resolution=1003), "resolution", "1001")
+    expect_error(run(RanksPerSolve=2), "ranks per solve", "the number of ranks, 1")
+    expect_error(run(RanksPerSolve=0), "ranks per solve")
     expect_error(run(HalfWidth=0), "half-width")
     expect_error(run(DisplacementBound=1), "displacement bound")
     expect_error(run(ForceLimit=-1), "force limit")

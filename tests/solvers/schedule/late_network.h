@@ -71,6 +71,9 @@ class LateCommunicator final : public Communicator {
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override {
     return communicator_.gather(mine);
   }
+  [[nodiscard]] std::unique_ptr<Communicator> split(int colour) override {
+    return communicator_.split(colour);
+  }
   [[nodiscard]] Network& network() override { return network_; }
 
   [[nodiscard]] bool all_delivered() const { return network_.is_empty(); }

@@ -44,6 +44,15 @@ TEST_F(Schedule, AnyIsTrueEverywhereWhenTrueOnOne) {
   EXPECT_FALSE(any(*world_, false));
 }
 
+TEST_F(Schedule, SplitsByColour) {
+  const int colour = world_->rank() % 2;
+  const auto part = world_->split(colour);
+  EXPECT_EQ(part->size(), (world_->size() + 1 - colour) / 2);
+  EXPECT_EQ(part->rank(), world_->rank() / 2);
+  const auto all = part->all_gather(bytes_of(std::to_string(world_->rank())));
+  for (int r = 0; r < part->size(); ++r) EXPECT_EQ(text_of(all[r]), std::to_string(2 * r + colour));
+}
+
 TEST_F(Schedule, AnErrorOnOneRankIsThrownOnAll) {
   const int last = world_->size() - 1;
   try {

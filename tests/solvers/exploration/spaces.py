@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""State-space files as numbers, for tests that disturb the runs that write them."""
+
+import glob
+import os
+import shutil
+import sqlite3
+import struct
+import tempfile
+
+# Two runs that reach a configuration from the same start find the same numbers but for rounding.
+AGREEMENT = 1e-7
+
+
+def solved_and_reused(output):
+    """What palpate_test_explore has printed."""
+    words = output.split()
+    return int(words[words.index("solved") + 1]), int(words[words.index("reused") + 1])
+
+
+def configurations(file):
+    """{(node, i, j, k): (outcome, energy, force, u)} of a file and those of the ranks beside it."""
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+        # Copies: what a killed run has left is taken up by whoever opens it.
+        for name in glob.glob(file + "*"):
+            shutil.copy(name, folder)
+        for name in glob.glob(os.path.join(folder, "*")):
+            if name.endswith(("-wal", "-shm", "-journal")) or os.path.getsize(name) == 0:
+                continue
+            with sqlite3.connect(name) as database:
+                tables = database.execute("SELECT name FROM sqlite_master").fetchall()
+                if ("configuration",) not in tables:
+                    continue
+                for row in database.execute(
+                        "SELECT active_node, i, j, k, outcome, energy, force_x, force_y, force_z, u"
+                        " FROM configuration"):
+                    if row[4] == 0:
+                        found[row[:4]] = (row[5], row[6:9], row[9])
+    return found
+
+
+def numbers(blob):
+    return struct.unpack(f"<{len(blob) // 8}d", blob)
+
+
+def compare(found, expected):
+    assert found.keys() == expected.keys(), (len(found), len(expected))
+    largest = max(abs(x) for _, force, _ in expected.values() for x in force)
+    for key, (energy, force, u) in found.items():
+        right_energy, right_force, right_u = expected[key]
+        assert abs(energy - right_energy) <= AGREEMENT * max(abs(right_energy), 1e-9), key
+        for a, b in zip(force, right_force):
+            assert abs(a - b) <= AGREEMENT * largest, (key, a, b)
+        scale = max((abs(x) for x in numbers(right_u)), default=0)
+        assert all(abs(a - b) <= AGREEMENT * scale
+                   for a, b in zip(numbers(u), numbers(right_u))), key
