@@ -245,7 +245,10 @@ void Engine::hand_out(Index active_node, Mail& mail) {
   }
   for (const CheckPoint& target : home.frontier->given_up()) {
     const auto failed = home.failed.find(target);
-    if (failed == home.failed.end()) continue;
+    if (failed == home.failed.end()) {
+      ++num_not_reached_;
+      continue;
+    }
     record_.keep(active_node, {failed->second, {}, {}, {}, {}});
     count(failed->second, false, *report_);
     home.failed.erase(failed);
@@ -329,7 +332,7 @@ void Engine::work(Mail& mail) {
 /// How far the homes here are.
 void Engine::tell(Mail& mail) {
   const Monitor::Count count{report_->num_solved + report_->num_reused, report_->num_reused,
-                             report_->num_expected};
+                             report_->num_expected - num_not_reached_};
   monitor_.set_count(mail.rank(), count);
   if (mail.rank() == 0 || !monitor_.is_due()) return;
   Packer message;

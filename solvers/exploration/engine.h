@@ -101,6 +101,8 @@ class Engine final : public Worker {
   std::map<Index, Site> sites_;
   std::map<Index, Home> homes_;
   PrecomputeReport* report_ = nullptr;
+  /// Of the homes here: targets that were given up without any transition.
+  std::int64_t num_not_reached_ = 0;
   Index held_node_ = -1;
   /// The last is the next; those in front are given away.
   std::deque<Branch> branches_;
