@@ -20,7 +20,7 @@ NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)
 def test_every_property():
     space = PrecomputeStateSpace(Input=scene("every"), ActiveNodes=[1, 2], TipRadius=0.01,
                                  HalfWidth=0.02, Resolution=5, ForceLimit=3, Tolerance=0.1,
-                                 ToleranceType="Absolute", LogInterval=3,
+                                 ToleranceType="Absolute", History="Flat", LogInterval=3,
                                  SinglePrecisionFactors=0,
                                  FileName="every.palpate", SolverTolerance=1e-9,
                                  MaximumSeconds=60, RanksPerSolve=2, DisplacementBound=1e-2)
@@ -29,7 +29,11 @@ def test_every_property():
     assert space.FileName == "every.palpate"
     assert (space.SolverTolerance, space.DisplacementBound) == (1e-9, 1e-2)
     assert space.RanksPerSolve == 2
-    assert space.MaximumSeconds == 60 and space.SinglePrecisionFactors == 0 and space.LogInterval == 3
+    assert space.MaximumSeconds == 60 and space.SinglePrecisionFactors == 0
+    assert space.LogInterval == 3
+    for history in ("Flat", "Automatic", "Levels"):
+        space.History = history
+        assert space.History == history
     assert (space.Tolerance, space.ToleranceType) == (0.1, "Absolute")
     reader = StateSpaceReader(FileName="every.palpate", DisplacementBound=1e-2)
     assert reader.DisplacementBound == 1e-2
@@ -54,7 +58,8 @@ def test_contents():
     components = {name: 1 if array.ndim == 1 else array.shape[1] for name, array in arrays.items()}
     modes = components["Coefficients"]
     assert components == {
-        "ActiveNode": 1, "CheckPoint": 3, "ParentCheckPoint": 3, "Level": 1, "ParentLevel": 1, "Displacement": 3,
+        "ActiveNode": 1, "CheckPoint": 3, "ParentCheckPoint": 3, "Level": 1, "ParentLevel": 1,
+        "Displacement": 3,
         "Force": 3, "Energy": 1, "Stiffness": 9, "Coefficients": modes,
         "CoefficientGradient": 3 * modes, "Outcome": 1, "Flags": 1, "Residual": 1,
         "MinimumDetF": 1, "NegativePivots": 1, "Iterations": 1, "Seconds": 1}
