@@ -25,9 +25,8 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from charts import Curve, chart
 from pipeline import Failure, field, update
-from pipeline import output as data_of  # a programmable source removes a global `output`
+from pipeline import output as data_of  # the sources of charts remove a global named output
 from script import Arguments, run
-from sources import source_of
 from tables import markdown, save_csv, vtk_table
 
 RADIUS, HALF_ANGLE, LENGTH, THICKNESS = 2.54, 0.1, 0.508, 0.00635
@@ -116,7 +115,7 @@ def loop(space, node, args):
         data = data_of(update(touch))
         rows.append((deflection, -field(data, "Force")[2], field(data, "Branch")[0],
                      field(data, "Found")[0]))
-    return touch, rows[:args.steps + 1], rows[:args.steps:-1]
+    return rows[:args.steps + 1], rows[:args.steps:-1]
 
 
 def jump(rows):
@@ -127,15 +126,17 @@ def jump(rows):
     return None
 
 
-def picture(touch, deflections, path):
-    """One beside the other, in the order in which it is pressed, four times as high."""
+def picture(space, node, ways, path):
+    """One body beside the other, each moved through its deflections, four times as high."""
     view = CreateView("RenderView")
     view.ViewSize, view.Background, view.UseColorPaletteForBackground = [1200, 500], [1, 1, 1], 0
     view.OrientationAxesVisibility = 0
-    for number, deflection in enumerate(deflections):
-        touch.Displacement = [0, 0, -deflection]
-        update(touch)
-        shown = Transform(Input=source_of(data_of(touch)))
+    for number, deflections in enumerate(ways):
+        touch = TouchStateSpace(Input=space, ActiveNode=node)
+        for deflection in deflections:
+            touch.Displacement = [0, 0, -deflection]
+            update(touch)
+        shown = Transform(Input=touch)
         shown.Transform.Translate = [0.62 * number, 0, 0]
         shown.Transform.Scale = [1, 1, 4]
         display = Show(shown, view)
@@ -169,8 +170,8 @@ def main():
         figures[history] = {name: int(field(data, name)[0]) for name in
                             ("Solved", "Levels", "LevelTransitions", "ExplorationSeconds")}
         print(history, figures[history])
-    touch, down, up = loop(spaces["Automatic"], node, args)
-    _, flat, _ = loop(spaces["Flat"], node, args)
+    down, up = loop(spaces["Automatic"], node, args)
+    flat, _ = loop(spaces["Flat"], node, args)
 
     # The solver's own path: where it turns back.
     solution = SolveEquilibrium(Input=scene, ActiveNode=[node], TipRadius=TIP,
@@ -187,16 +188,16 @@ def main():
     jumps = [jump(down), jump(up[::-1])]
     if all(jumps):
         print("touch jumps at {:.2f} mm, and back at {:.2f} mm".format(*(1e3 * j for j in jumps)))
+    # At one deflection on both branches: on the way down, and coming back.
+    between = sum(jumps) / 2 if all(jumps) else args.half_width / 2
+    picture(spaces["Automatic"], node,
+            [[between], [args.half_width], [args.half_width, between]],
+            os.path.join(args.output, "branches.png"))
     chart("A roof that snaps through", "deflection (mm)", "force (N)", [
         Curve("pressed", [(1e3 * r[0], r[1]) for r in down], 0, 1),
         Curve("let go", [(1e3 * r[0], r[1]) for r in up], 1, 1),
         Curve("without levels", [(1e3 * r[0], r[1]) for r in flat], 4, 2)],
         os.path.join(args.output, "loop.png"), logarithmic=(False, False))
-    # At one deflection on both branches: on the way down, and coming back.
-    between = sum(jumps) / 2 if all(jumps) else args.half_width / 2
-    touch.Displacement = [0, 0, 0]
-    update(touch)
-    picture(touch, [between, args.half_width, between], os.path.join(args.output, "branches.png"))
 
 
 run("roof.py", main)
