@@ -25,6 +25,8 @@ constexpr Flags kNoStart = flags::inverted | flags::unstable | flags::beyond_for
 /// Transitions between levels may start from it.
 bool is_start(const ConfigurationSummary& c) { return c.usable() && (c.flags & kNoStart) == 0; }
 
+bool is_inverted(const ConfigurationSummary& c) { return (c.flags & flags::inverted) != 0; }
+
 }  // namespace
 
 LevelledGrid::LevelledGrid(const Site& site) : site_(site), flat_(site) {}
@@ -163,6 +165,8 @@ void LevelledGrid::add_transitions(const CheckPoint& from, const CheckPoint& to,
   const auto here = found_.find(from);
   if (here == found_.end()) return;
   const ConfigurationSummary* flat = flat_at(to);
+  // Which of its branches an inverted body is on is no question of physics.
+  if (flat != nullptr && is_inverted(*flat)) return;
   for (const auto& [level, c] : here->second) {
     // The flat space has made this one.
     if (level == 0 && flat != nullptr && flat->parent == from) continue;
@@ -179,7 +183,7 @@ void LevelledGrid::settle(const Key& key) {
   const auto candidate = candidates_.find(key);
   if (recalled != recalled_.end()) {
     reached = recalled->second;
-  } else if (candidate->second.usable()) {
+  } else if (candidate->second.usable() && !is_inverted(candidate->second)) {
     reached = level_of(candidate->second);
   }
   auto& levels = levels_[target];

@@ -12,7 +12,8 @@
 // The rounds, and the order in which levels are told apart in each, do not depend on the order in
 // which configurations are found.
 //
-// No transition starts from a state that is inverted, unstable or beyond the force limit.
+// No transition starts from a state that is inverted, unstable or beyond the force limit, and none
+// leads to where the flat space is inverted; what one finds inverted counts as not reached.
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
 #pragma once

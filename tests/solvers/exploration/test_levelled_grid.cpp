@@ -219,6 +219,7 @@ TEST(LevelledGrid, AnEdgeWhoseEnergyDoesNotFitIsASign) {
             kNumDouble);
 }
 
+// Nor does any lead to an inverted one.
 TEST(LevelledGrid, NothingStartsFromInvertedUnstableOrForbiddenStates) {
   for (Flags flag : {flags::inverted, flags::unstable, flags::beyond_force_limit}) {
     const Site site = make_site(7);
@@ -232,6 +233,7 @@ TEST(LevelledGrid, NothingStartsFromInvertedUnstableOrForbiddenStates) {
     });
     for (const Settlement& s : body.settlements()) {
       EXPECT_GE(s.transition.start[2], 0) << flag;
+      if (flag == flags::inverted) EXPECT_GE(s.transition.target[2], 0);
     }
   }
 }
