@@ -15,8 +15,9 @@ namespace {
 /// errors below a thousandth of this.
 constexpr double kSame = 1e-3;
 
-/// What is left of the energy along an edge falls to 1/32 when the edge is halved, where it is smooth.
-constexpr double kShrinks = 0.125;
+/// What is left of the energy along an edge falls to 1/32 when the edge is halved, where it is smooth
+/// and the edge is short enough; where the force jumps, to a half.
+constexpr double kShrinks = 0.25;
 /// And counts only beyond this share of the work along the edge.
 constexpr double kCounts = 2e-3;
 
