@@ -82,7 +82,6 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// A branch of a site. The parts are made when they are first needed.
   struct Branch
   {
-    TouchSite Site;
     std::map<int, std::unique_ptr<palpate::Interpolator>> Interpolators;
     std::unique_ptr<palpate::DisplayField> Field;
   };
@@ -110,12 +109,14 @@ struct vtkPalpateTouchStateSpace::Prepared
     {
       this->At = t;
     }
-    const auto [branch, isNew] = this->Branches.try_emplace({ node, this->OnBranch });
-    if (isNew)
-    {
-      branch->second.Site = palpate::restricted(site, sheets.configurations(this->OnBranch));
-    }
-    return branch->second;
+    return this->Branches[{ node, this->OnBranch }];
+  }
+
+  /// What of the site is on the branch; its parts hold all they need of it.
+  [[nodiscard]] TouchSite SiteOnBranch(const TouchSite& site) const
+  {
+    return palpate::restricted(
+      site, this->Sheets.at(site.site.active_node).configurations(this->OnBranch));
   }
 };
 
@@ -171,11 +172,11 @@ int vtkPalpateTouchStateSpace::RequestData(
       if (!interpolator)
       {
         interpolator = palpate::make_interpolator(
-          static_cast<palpate::Method>(this->Interpolation), branch.Site);
+          static_cast<palpate::Method>(this->Interpolation), this->Cache->SiteOnBranch(site));
       }
       if (!branch.Field)
       {
-        branch.Field = std::make_unique<palpate::DisplayField>(branch.Site);
+        branch.Field = std::make_unique<palpate::DisplayField>(this->Cache->SiteOnBranch(site));
       }
       const palpate::DisplayField& field = *branch.Field;
 

@@ -129,20 +129,19 @@ bool Engine::explore(PrecomputeReport& report) {
 void Engine::start(Mail& mail) {
   monitor_.set_mail(&mail);
   if (mail.rank() != 0) return;
+  const auto tell_home = [&](Kind kind, Index node, const auto& recalled) {
+    Packer message;
+    message.put(kind);
+    message.put(node);
+    message.put(recalled);
+    mail.send_home(key_of(node), message.take());
+  };
   const Known known = record_.known();
   for (const auto& [node, transition] : known.transitions) {
-    Packer message;
-    message.put(Kind::recalled_transition);
-    message.put(node);
-    message.put(transition);
-    mail.send_home(key_of(node), message.take());
+    tell_home(Kind::recalled_transition, node, transition);
   }
   for (const auto& [node, summary] : known.configurations) {
-    Packer message;
-    message.put(Kind::recalled);
-    message.put(node);
-    message.put(summary);
-    mail.send_home(key_of(node), message.take());
+    tell_home(Kind::recalled, node, summary);
   }
   for (int rank = 0; rank < mail.size(); ++rank) {
     Packer message;

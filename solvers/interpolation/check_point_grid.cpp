@@ -19,8 +19,6 @@ constexpr double kOnBorder = 1e-9;
 /// precision misses it by 1e-7 of the half-width.
 constexpr double kOffCheckPoint = 1e-4;
 
-constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
-
 bool has_finite_data(const ConfigurationSummary& c) {
   return c.usable() && std::isfinite(c.energy) && c.force.allFinite() && c.stiffness.allFinite();
 }

@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+/// Any of these at a corner marks its leaves.
+inline constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
+
 class CheckPointGrid {
  public:
   /// Of several levels at a check-point the first usable one is taken; only configurations with

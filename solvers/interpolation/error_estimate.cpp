@@ -22,9 +22,6 @@ constexpr double kOfHanging = 1.2;
 /// Points along an axis at which forces are compared.
 constexpr int kSamples = 5;
 
-/// What a corner marks its leaves by, as in CheckPointGrid.
-constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
-
 /// Nodes in the differences that are compared.
 constexpr int kNodes = kHermiteStencil;
 constexpr int kFewerNodes = 3;

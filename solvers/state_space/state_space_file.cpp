@@ -256,11 +256,15 @@ struct GatherNumber {
   void operator()(Outcome x) const { bits.push_back(static_cast<std::int64_t>(x)); }
 };
 
+std::int64_t checksum(const std::vector<std::int64_t>& bits) {
+  return static_cast<std::int64_t>(XXH3_64bits(bits.data(), bits.size() * sizeof bits[0]));
+}
+
 std::int64_t checksum(Index active_node, ConfigurationSummary summary) {
   summary.flags &= ~flags::beyond_force_limit;
   std::vector<std::int64_t> bits{active_node};
   for_each_number(summary, GatherNumber{bits});
-  return static_cast<std::int64_t>(XXH3_64bits(bits.data(), bits.size() * sizeof bits[0]));
+  return checksum(bits);
 }
 
 /// Calls visit for each number of a transition, in the order of the columns.
@@ -277,7 +281,7 @@ constexpr char kTransitionColumns[] = "i, j, k, level, to_i, to_j, to_k, reached
 std::int64_t checksum(Index active_node, const LevelTransition& transition) {
   std::vector<std::int64_t> bits{active_node};
   for_each_number_of_transition(transition, GatherNumber{bits});
-  return static_cast<std::int64_t>(XXH3_64bits(bits.data(), bits.size() * sizeof bits[0]));
+  return checksum(bits);
 }
 
 /// Whether they are those of a body with so many points; p may have any length.
