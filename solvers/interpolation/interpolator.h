@@ -22,8 +22,16 @@
 
 namespace palpate {
 
-/// The numbers are those of the interface: keep them. Those between are for other methods.
-enum class Method : int { trilinear = 0, energy_hermite = 4 };
+/// The numbers are those of the interface: keep them.
+enum class Method : int {
+  trilinear = 0,
+  tricubic = 1,
+  rbf_linear = 2,
+  rbf_cubic = 3,
+  energy_hermite = 4,
+  /// The stiffness at rest times t.
+  linear = 5,
+};
 
 /// 'Trilinear', 'Energy Hermite'.
 [[nodiscard]] std::string to_string(Method method);

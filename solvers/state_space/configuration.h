@@ -3,11 +3,14 @@
 // check-point [P07, 3.2.3].
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space Approximation,
+// EuroHaptics 2008.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <tuple>
 
 #include "base/outcome.h"
@@ -39,6 +42,9 @@ using Reached = std::array<std::int8_t, num_neighbours>;
 inline constexpr std::int8_t not_tried = -2;
 inline constexpr std::int8_t failed_to_reach = -1;
 
+/// ∂³Π/∂t³ in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10], N/m².
+using ThirdDerivative = Eigen::Matrix<double, 10, 1>;
+
 /// All of a configuration but its fields.
 struct ConfigurationSummary {
   CheckPoint check_point{};
@@ -57,6 +63,9 @@ struct ConfigurationSummary {
   Vec3 force = Vec3::Zero();
   /// Haptic stiffness k = ∂h/∂t [3×3], symmetric, N/m.
   Mat3 stiffness = Mat3::Zero();
+  /// T = ∂k/∂t; NaN where it was not computed.
+  ThirdDerivative third_derivative =
+      ThirdDerivative::Constant(std::numeric_limits<double>::quiet_NaN());
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
   /// Largest nodal residual over the scene's force scale, without unit.
@@ -80,6 +89,7 @@ struct ConfigurationSummary {
   [[nodiscard]] bool leads_on() const {
     return usable() && (flags & flags::beyond_force_limit) == 0;
   }
+  [[nodiscard]] bool has_third_derivative() const { return third_derivative.allFinite(); }
   /// Transitions between levels were made from here, or led here.
   [[nodiscard]] bool has_history() const {
     return level != 0 || reached != filled_with_not_tried();
@@ -91,6 +101,27 @@ struct ConfigurationSummary {
     reached.fill(not_tried);
     return reached;
   }
+};
+
+/// An equilibrium on the way to a configuration, between its parent's displacement and its own
+/// [P08]: more places at which the force is known.
+struct IntermediateState {
+  /// Of the configuration.
+  CheckPoint target{};
+  /// Along the way, from 1.
+  std::int32_t number = 1;
+  /// Displacement of the active site from rest t [3], m.
+  Vec3 t = Vec3::Zero();
+  /// Potential energy, J.
+  double energy = 0;
+  /// That holds the site, N.
+  Vec3 force = Vec3::Zero();
+  Outcome outcome = Outcome::not_converged;
+  Flags flags = 0;
+  /// Time it took, s.
+  double seconds = 0;
+
+  [[nodiscard]] bool usable() const { return outcome == Outcome::converged; }
 };
 
 /// What a transition between neighbours has reached, where history matters.
@@ -170,6 +201,10 @@ struct Site {
   /// The tolerance is no number of N but a share of the largest force.
   bool tolerance_is_relative = false;
   History history = History::flat;
+  /// Intermediate states on the way to each configuration.
+  std::int32_t intermediate_states = 0;
+  /// Configurations have their third derivative.
+  bool third_derivatives = false;
 
   /// Distance of neighbouring check-points, m; 0 where rest is the only one.
   [[nodiscard]] double spacing() const {
@@ -180,7 +215,8 @@ struct Site {
   [[nodiscard]] friend bool operator==(const Site& a, const Site& b) {
     const auto all = [](const Site& s) {
       return std::tie(s.active_node, s.half_width, s.resolution, s.force_limit, s.tip_radius,
-                      s.coarsest, s.tolerance, s.tolerance_is_relative, s.history);
+                      s.coarsest, s.tolerance, s.tolerance_is_relative, s.history,
+                      s.intermediate_states, s.third_derivatives);
     };
     return all(a) == all(b);
   }

@@ -20,6 +20,8 @@ struct TouchSite {
   Vec3 rest_position = Vec3::Zero();
   /// Everything but the fields, in the order of operator<.
   std::vector<ConfigurationSummary> configurations;
+  /// By target, then number; empty where the site has none.
+  std::vector<IntermediateState> intermediate_states;
   /// Surface displacement u ≈ modes · c [r × num_configurations], m; 0 where it is not usable.
   Eigen::MatrixXf coefficients;
   /// Its gradient [3r × num_configurations], without unit: ∂c/∂t_x, then ∂c/∂t_y, then ∂c/∂t_z.
