@@ -9,6 +9,7 @@
 //   configuration  one row each: all of state_space/configuration.h; outcome and flags are those of
 //                  base/outcome.h
 //   transition     which level is reached from where, in a space with levels
+//   test_point     equilibria beside the configurations, see state_space/test_point.h
 //
 // schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
 // or uint8. scene_id is 1; it and parent_scene_id leave room for a body whose topology changes.
@@ -33,6 +34,7 @@
 #include <vector>
 
 #include "state_space/state_space.h"
+#include "state_space/test_point.h"
 
 namespace palpate {
 
@@ -42,7 +44,7 @@ namespace palpate {
 /// where the disk, its space, the permissions or another writer stand in the way.
 class StateSpaceFile {
  public:
-  static constexpr int schema_version = 4;
+  static constexpr int schema_version = 5;
 
   /// Makes the file for a scene, open to append. It appears complete or not at all.
   /// @throws InputError there is such a file, or its folder is missing.
@@ -107,7 +109,12 @@ class StateSpaceFile {
   /// Everything; without fields unless `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
-  /// Takes over sites and configurations of other files of the same scene, such as those of the
+  /// Adds a test point, unless it is there. Needs no site.
+  void add(const TestSet& set, const TestPoint& point);
+  /// Those of a set, in the order of operator<.
+  [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
+
+  /// Takes over sites, configurations and test points of other files of the same scene, such as those of the
   /// ranks of a run. What is here stays, except that a configuration that converged there replaces
   /// one that did not converge here. The other files stay as they are; killed half-way, it can be
   /// done again.
