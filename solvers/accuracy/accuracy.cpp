@@ -141,6 +141,15 @@ bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
 AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                 const AccuracyOptions& options, Communicator& communicator,
                                 const Progress& progress) {
+  agree(communicator, [&] {
+    const std::vector<Method> known = all_methods();
+    for (const Method method : options.methods) {
+      if (std::find(known.begin(), known.end(), method) != known.end()) continue;
+      throw InputError("There is no interpolation with the number " +
+                       std::to_string(static_cast<int>(method)) + ". Choose from 0 to " +
+                       std::to_string(known.size() - 1) + '.');
+    }
+  });
   const std::vector<Site> sites = share_sites(scene, space, communicator);
   AccuracyResult result;
   const Clock::time_point start = Clock::now();
