@@ -31,8 +31,8 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
   text << std::hexfloat << palpate::hash(scene) << ' ' << options.tip_radius << ' '
        << options.half_width << ' ' << options.resolution << ' ' << options.tolerance << ' '
        << options.tolerance_is_relative << ' ' << options.force_limit << ' '
-       << static_cast<int>(options.history) << ' '
-       << options.touch_bound << ' '
+       << static_cast<int>(options.history) << ' ' << options.intermediate_states << ' '
+       << options.equilibrium.third_derivatives << ' ' << options.touch_bound << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
        << options.equilibrium.single_precision << ' ' << options.ranks_per_solve << ' '
        << options.file << " nodes";
@@ -97,6 +97,9 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("NotReached", static_cast<double>(report.num_not_reached));
   add("LevelTransitions", static_cast<double>(report.num_transitions));
   add("Levels", static_cast<double>(report.num_levels));
+  add("IntermediateStatesSolved", static_cast<double>(report.num_intermediate_states));
+  add("IntermediateStatesFailed", static_cast<double>(report.num_intermediate_states_failed));
+  add("IntermediateStatesSeconds", report.intermediate_seconds);
   add("ExplorationSeconds", report.exploration_seconds);
   add("FinishingSeconds", report.finishing_seconds);
   add("AssemblySeconds", mean(work.assembly_seconds, work.assemblies));
@@ -139,7 +142,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   {
     vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
     const auto communicator = vtkPalpateCommunicator(controller);
-    vtkPalpateNameBlocks(output);
+    vtkPalpateNameBlocks(output, this->IntermediateStates > 0);
 
     vtkSmartPointer<vtkUnstructuredGrid> body;
     palpate::agree(*communicator,
@@ -160,6 +163,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.tolerance_is_relative = this->ToleranceType == RELATIVE;
     options.force_limit = this->ForceLimit;
     options.history = static_cast<palpate::History>(this->History);
+    options.intermediate_states = this->IntermediateStates;
+    options.equilibrium.third_derivatives = this->ThirdDerivatives;
     options.file = this->FileName;
     options.touch_bound = this->DisplacementBound;
     options.equilibrium.tolerance = this->SolverTolerance;
@@ -242,6 +247,8 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ToleranceType: " << this->ToleranceType << '\n'
      << indent << "ForceLimit: " << this->ForceLimit << '\n'
      << indent << "History: " << this->History << '\n'
+     << indent << "IntermediateStates: " << this->IntermediateStates << '\n'
+     << indent << "ThirdDerivatives: " << this->ThirdDerivatives << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'

@@ -26,14 +26,16 @@ class MemoryRecord final : public Record {
     space_.scene = scene;
     space_.scene_hash = hash(scene);
     space_.solver_tolerance = solver_tolerance;
-    for (const Site& site : sites) space_.sites.push_back({site, false, {}});
+    for (const Site& site : sites) space_.sites.push_back({site, false, {}, {}});
     sort(space_);
   }
 
   [[nodiscard]] Known known() const override { return {}; }
 
-  void keep(Index active_node, const Configuration& found) override {
+  void keep(Index active_node, const Configuration& found,
+            const std::vector<IntermediateState>& way) override {
     found_[active_node].emplace(key_of(found), found);
+    for (const IntermediateState& state : way) intermediate_states_.emplace_back(active_node, state);
   }
 
   void keep(Index active_node, const LevelTransition& transition) override {
@@ -72,6 +74,13 @@ class MemoryRecord final : public Record {
       my_transitions.put(transition);
     }
     const std::vector<Bytes> all_transitions = communicator_.gather(my_transitions.take());
+    Packer my_intermediate_states;
+    for (const auto& [node, state] : intermediate_states_) {
+      my_intermediate_states.put(node);
+      my_intermediate_states.put(state);
+    }
+    const std::vector<Bytes> all_intermediate_states =
+        communicator_.gather(my_intermediate_states.take());
     std::vector<Bytes> all = communicator_.gather(mine.take());
     TouchSpace result;
     agree(communicator_, [&] {
@@ -93,12 +102,21 @@ class MemoryRecord final : public Record {
               static_cast<std::int8_t>(transition.reached);
         }
       }
+      std::map<Index, std::vector<IntermediateState>> intermediate_states;
+      for (const Bytes& bytes : all_intermediate_states) {
+        for (Unpacker of_rank(bytes); !of_rank.at_end();) {
+          const auto node = of_rank.take<Index>();
+          intermediate_states[node].push_back(of_rank.take_intermediate_state());
+        }
+      }
       for (SiteSpace& site : space_.sites) {
         site.complete = complete;
         for (auto& [key, c] : found_[site.site.active_node]) {
           if (c.level >= 0) site.configurations.push_back(std::move(c));
         }
+        site.intermediate_states = std::move(intermediate_states[site.site.active_node]);
       }
+      sort(space_);
       found_.clear();
       result = make_touch_space(space_, bound);
     });
@@ -111,6 +129,7 @@ class MemoryRecord final : public Record {
   /// By active node, check-point and level.
   std::map<Index, std::map<Key, Configuration>> found_;
   std::vector<std::pair<Index, LevelTransition>> transitions_;
+  std::vector<std::pair<Index, IntermediateState>> intermediate_states_;
 };
 
 class FileRecord final : public Record {
@@ -141,8 +160,9 @@ class FileRecord final : public Record {
     return all;
   }
 
-  void keep(Index active_node, const Configuration& found) override {
-    files_.own().add(active_node, found);
+  void keep(Index active_node, const Configuration& found,
+            const std::vector<IntermediateState>& way) override {
+    files_.own().add(active_node, found, way);
   }
 
   void keep(Index active_node, const LevelTransition& transition) override {

@@ -22,6 +22,7 @@ def test_every_property():
                                  HalfWidth=0.02, Resolution=5, ForceLimit=3, Tolerance=0.1,
                                  ToleranceType="Absolute", History="Flat", LogInterval=3,
                                  SinglePrecisionFactors=0,
+                                 IntermediateStates=2, ThirdDerivatives=1,
                                  FileName="every.palpate", SolverTolerance=1e-9,
                                  MaximumSeconds=60, RanksPerSolve=2, DisplacementBound=1e-2)
     assert list(space.ActiveNodes) == [1, 2] and space.TipRadius == 0.01
@@ -31,6 +32,7 @@ def test_every_property():
     assert space.RanksPerSolve == 2
     assert space.MaximumSeconds == 60 and space.SinglePrecisionFactors == 0
     assert space.LogInterval == 3
+    assert space.IntermediateStates == 2 and space.ThirdDerivatives == 1
     for history in ("Flat", "Automatic", "Levels"):
         space.History = history
         assert space.History == history
