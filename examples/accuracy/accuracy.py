@@ -114,9 +114,9 @@ class Report:
         report = AccuracyReport(Input=space, TestPoints=args.points, Seed=args.seed,
                                 FileName=os.path.join(args.output, f"exact_{slug(law)}.palpate"))
         update(report)
-        self.table = servermanager.Fetch(report, 0)
-        self.points = servermanager.Fetch(OutputPort(report, 1))
-        self.nodes = servermanager.Fetch(OutputPort(report, 2))
+        self.table = servermanager.Fetch(report)
+        self.points = servermanager.Fetch(report, idx=1)
+        self.nodes = servermanager.Fetch(report, idx=2)
         self.law = law
         self.rows = self.rows_of(self.table)
         self.rows_of_nodes = self.rows_of(self.nodes)

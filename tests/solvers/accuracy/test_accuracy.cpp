@@ -29,7 +29,8 @@ class Accuracy : public testing::Test {
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
-  test::Block block_ = test::make_block(Law::neo_hookean);
+  test::Block block_ =
+      test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
   TouchSpace space_;
   AccuracyOptions options_;
 };
