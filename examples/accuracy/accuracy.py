@@ -27,9 +27,8 @@ from paraview.simple import *
 from bodies import SLACK, add_scene_arguments, corners_of, on_surface, places, read_scene, save_body
 from charts import Curve, chart
 from materials import LAWS, assign
-from pipeline import Failure, field, output, update
+from pipeline import Failure, field, output, save_surface, update
 from script import Arguments, run
-from sources import source_of
 from tables import markdown, save_csv, vtk_table
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from where import Where
@@ -280,7 +279,7 @@ def main():
         report.space_body = servermanager.Fetch(space, 0).GetPartition(1, 0)
         print(report.line, flush=True)
         path = os.path.join(args.output, f"points_{slug(law)}_{report.rows[0]['points an axis']}.vtp")
-        SaveData(path, proxy=source_of(report.points), DataMode="Binary")
+        save_surface(report.points, path)
         reports.append(report)
     rows = [row for report in reports for row in report.rows]
     nodes = [row for report in reports for row in report.rows_of_nodes]
@@ -288,14 +287,14 @@ def main():
     save_csv(vtk_table(rows, {**COLUMNS, **extra}), os.path.join(args.output, "table.csv"))
     save_csv(vtk_table(nodes, {"active node": "g", **COLUMNS, **extra}),
              os.path.join(args.output, "nodes.csv"))
+    lines = [*remarks(rows), *(report.line for report in reports)]
     pictures = []
     if os.environ.get("DISPLAY"):
         pictures = draw(rows, reports, args)
     else:
         print("accuracy.py: no pictures, there is no display (xvfb-run -a gives one).", flush=True)
     text = "\n\n".join(["# Error against run time", markdown(rows, COLUMNS),
-                        "\n".join(f"- {line}" for line in
-                                  [*remarks(rows), *(report.line for report in reports)]),
+                        "\n".join(f"- {line}" for line in lines),
                         *(f"![{title}]({name}.png)" for name, title in pictures)])
     with open(os.path.join(args.output, "report.md"), "w", encoding="utf-8") as file:
         file.write(text + "\n")
