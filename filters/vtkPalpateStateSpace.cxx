@@ -556,7 +556,8 @@ void ReadIntermediateStates(vtkPolyData* data, TouchSpace& space)
 }
 
 /// The block of a name on this rank that has points, else null.
-vtkPolyData* FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name)
+template <class Data = vtkPolyData>
+Data* FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name)
 {
   for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
   {
@@ -569,7 +570,7 @@ vtkPolyData* FindBlock(vtkPartitionedDataSetCollection* collection, const std::s
     }
     for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
     {
-      auto* data = vtkPolyData::SafeDownCast(collection->GetPartitionAsDataObject(i, p));
+      auto* data = Data::SafeDownCast(collection->GetPartitionAsDataObject(i, p));
       if (data && data->GetNumberOfPoints() > 0)
       {
         return data;
@@ -648,6 +649,11 @@ void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData*
   file->InsertNextValue(fileName);
   fields->AddArray(file);
   AddArray<vtkIntArray>(fields, "Complete", 1, 1)->SetValue(0, complete ? 1 : 0);
+}
+
+vtkUnstructuredGrid* vtkPalpateBody(vtkPartitionedDataSetCollection* collection)
+{
+  return FindBlock<vtkUnstructuredGrid>(collection, BlockNames[0]);
 }
 
 vtkPolyData* vtkPalpateConfigurations(vtkPartitionedDataSetCollection* collection)

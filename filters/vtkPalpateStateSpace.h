@@ -51,6 +51,7 @@ class vtkFieldData;
 class vtkMultiProcessController;
 class vtkPartitionedDataSetCollection;
 class vtkPolyData;
+class vtkUnstructuredGrid;
 
 /// Names the blocks of an empty collection, as every rank needs them: three, and a fourth one for
 /// intermediate states.
@@ -67,6 +68,10 @@ PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(const palpate::Scene& scene,
 /// Adds the field arrays `FileName` and `Complete` (1: nothing is left to find).
 PALPATEFILTERS_EXPORT void vtkPalpateAddFile(
   const std::string& fileName, bool complete, vtkFieldData* fields);
+
+/// The dataset of `Body`, null where there is none.
+PALPATEFILTERS_EXPORT vtkUnstructuredGrid* vtkPalpateBody(
+  vtkPartitionedDataSetCollection* collection);
 
 /// The dataset of `Configurations`, null where there is none.
 PALPATEFILTERS_EXPORT vtkPolyData* vtkPalpateConfigurations(

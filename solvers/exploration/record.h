@@ -57,8 +57,7 @@ class Record {
                                                          double solver_tolerance,
                                                          Communicator& communicator);
 
-/// In a state-space file, which may hold part of it already. Each rank writes a file of its own
-/// beside it (<path>.rank<r>); they are merged at the end, or by the next run after a kill.
+/// In a state-space file, which may hold part of it already, see rank_files.h.
 /// @throws InputError a file of another scene, tolerance, tip or grid, with another number of
 ///   intermediate states, or where third derivatives are there or asked for alone.
 /// @note Collective

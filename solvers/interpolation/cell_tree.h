@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -93,9 +94,14 @@ class CellTree {
   };
   /// The leaf that holds a point of the box.
   /// @param x In steps of the grid from the first corner of the box.
-  /// @param low Bit k: where leaves meet at x[k], the lower one.
   /// @note Realtime-safe.
-  [[nodiscard]] Place locate(const Vec3& x, unsigned low = 0) const noexcept;
+  [[nodiscard]] Place locate(const Vec3& x) const noexcept;
+
+  /// Memory that it holds.
+  [[nodiscard]] std::size_t bytes() const {
+    return cells_.size() * sizeof(std::int32_t) + leaves_.size() * sizeof(Leaf) +
+           keys_.size() * sizeof(Key);
+  }
 
   /// Calls visit(leaf) for the leaf in each of the eight octants around a check-point: a leaf that
   /// has it on a side or an edge comes more than once.
@@ -127,13 +133,12 @@ class CellTree {
   std::vector<Key> keys_;
 };
 
-inline CellTree::Place CellTree::locate(const Vec3& x, unsigned low) const noexcept {
+inline CellTree::Place CellTree::locate(const Vec3& x) const noexcept {
   Place place;
   std::int32_t cell = 0;
   for (int k = 0; k < 3; ++k) {
     const double root = x[k] * per_coarsest_;
-    std::int32_t index = std::min(static_cast<std::int32_t>(root), num_roots_ - 1);
-    if (((low >> k) & 1) != 0 && index > 0 && root == index) --index;
+    const std::int32_t index = std::min(static_cast<std::int32_t>(root), num_roots_ - 1);
     place.s[k] = root - index;
     cell = cell * num_roots_ + index;
   }
@@ -142,7 +147,7 @@ inline CellTree::Place CellTree::locate(const Vec3& x, unsigned low) const noexc
     std::int32_t child = 0;
     for (int k = 0; k < 3; ++k) {
       const double s = 2 * place.s[k];
-      const bool high = s > 1 || (s == 1 && ((low >> k) & 1) == 0);
+      const bool high = s >= 1;
       place.s[k] = high ? s - 1 : s;
       child = 2 * child + (high ? 1 : 0);
     }

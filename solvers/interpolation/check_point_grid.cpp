@@ -2,7 +2,6 @@
 #include "interpolation/check_point_grid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "base/error.h"
@@ -10,10 +9,6 @@
 
 namespace palpate {
 namespace {
-
-/// A displacement that misses the border of a cell by so little, in sides of it, is on it: rounding
-/// of t = i·H must not make a check-point on the border of the box an outside one.
-constexpr double kOnBorder = 1e-9;
 
 /// How far a configuration may lie from its check-point, in spacings: a t that went through single
 /// precision misses it by 1e-7 of the half-width.
@@ -52,7 +47,8 @@ CheckPointGrid::CheckPointGrid(const Site& site,
     any_usable_ = true;
   }
   classify_leaves(site, configurations);
-  find_hanging_nodes();
+  hanging_nodes_ = find_hanging_nodes(false);
+  hanging_on_complete_ = find_hanging_nodes(true);
   find_nearest();
 }
 
@@ -63,6 +59,7 @@ void CheckPointGrid::classify_leaves(const Site& site,
     for (std::int32_t node : leaf.corners) {
       if (!usable(node)) {
         state = State::lacks_corner;
+        has_ghosts_ = true;
         break;
       }
       if ((configurations[configuration_[node]].flags & kMarking) != 0) state = State::marked;
@@ -75,20 +72,22 @@ void CheckPointGrid::classify_leaves(const Site& site,
   }
 }
 
-void CheckPointGrid::find_hanging_nodes() {
+std::vector<CheckPointGrid::HangingNode> CheckPointGrid::find_hanging_nodes(
+    bool on_complete) const {
+  std::vector<HangingNode> nodes;
   for (std::int32_t n = 0; n < num_nodes(); ++n) {
-    if (!usable(n)) continue;
+    if (on_complete && !usable(n)) continue;
     const CheckPoint p = tree_.point(n);
     std::int32_t holder = -1;
     tree_.for_each_leaf_around(p, [&](std::int32_t l) {
       const auto& corners = leaf(l).corners;
       const bool larger = holder < 0 || leaf(l).cell.side > leaf(holder).cell.side;
       const bool hangs = std::find(corners.begin(), corners.end(), n) == corners.end();
-      if (larger && hangs && is_complete(l)) holder = l;
+      if (larger && hangs && (!on_complete || is_complete(l))) holder = l;
     });
     if (holder < 0) continue;
     const Cell& cell = leaf(holder).cell;
-    HangingNode& hanging = hanging_nodes_.emplace_back();
+    HangingNode& hanging = nodes.emplace_back();
     hanging.node = n;
     hanging.leaf = holder;
     for (int k = 0; k < 3; ++k) {
@@ -96,10 +95,10 @@ void CheckPointGrid::find_hanging_nodes() {
     }
   }
   // What a corner of a leaf hangs on is larger than the leaf.
-  std::stable_sort(hanging_nodes_.begin(), hanging_nodes_.end(),
-                   [&](const HangingNode& a, const HangingNode& b) {
-                     return leaf(a.leaf).cell.side > leaf(b.leaf).cell.side;
-                   });
+  std::stable_sort(nodes.begin(), nodes.end(), [&](const HangingNode& a, const HangingNode& b) {
+    return leaf(a.leaf).cell.side > leaf(b.leaf).cell.side;
+  });
+  return nodes;
 }
 
 // Corners of a leaf hand on their nearest usable node until nobody has a nearer one to offer.
@@ -137,61 +136,6 @@ void CheckPointGrid::find_nearest() {
     }
     changed = std::move(next);
   }
-}
-
-CheckPointGrid::Location CheckPointGrid::locate(const Vec3& t) const noexcept {
-  Location at;
-  if (!any_usable_ || !t.allFinite()) return at;
-  const double last = 2.0 * reach_;
-  Vec3 clamped;
-  bool outside = false;
-  for (int k = 0; k < 3; ++k) {
-    const double x = t[k] * per_spacing_ + reach_;
-    clamped[k] = std::min(std::max(x, 0.0), last);
-    outside = outside || std::abs(x - clamped[k]) > kOnBorder;
-  }
-  if (reach_ > 0) {
-    CellTree::Place place = tree_.locate(clamped);
-    if (!is_complete(place.leaf)) place = across_sides(clamped, place);
-    if (is_complete(place.leaf)) {
-      at.place = outside ? Place::beside_cell : Place::cell;
-      at.marked = is_marked(place.leaf);
-      at.leaf = place.leaf;
-      at.s = place.s;
-      if (outside) at.offset = t - spacing_ * (clamped.array() - reach_).matrix();
-      return at;
-    }
-    int corner = 0;
-    for (int k = 0; k < 3; ++k) corner = 2 * corner + (place.s[k] >= 0.5 ? 1 : 0);
-    at.node = leaf(place.leaf).corners[corner];
-  }
-  at.place = Place::check_point;
-  at.node = nearest_[at.node];
-  const CheckPoint p = tree_.point(at.node);
-  at.offset = t - spacing_ * Vec3(p[0], p[1], p[2]);
-  return at;
-}
-
-CellTree::Place CheckPointGrid::across_sides(const Vec3& x,
-                                             const CellTree::Place& place) const noexcept {
-  const Cell& cell = leaf(place.leaf).cell;
-  for (int across = 1; across < 8; ++across) {
-    Vec3 on_side = x;
-    unsigned low = 0;
-    bool exists = true;
-    for (int k = 0; k < 3 && exists; ++k) {
-      if (((across >> k) & 1) == 0) continue;
-      const std::int32_t first = cell.first[k] + reach_;
-      const bool is_low = place.s[k] < kOnBorder && first > 0;
-      exists = is_low || (place.s[k] > 1 - kOnBorder && first + cell.side < 2 * reach_);
-      on_side[k] = is_low ? first : first + cell.side;
-      if (is_low) low |= 1U << k;
-    }
-    if (!exists) continue;
-    const CellTree::Place other = tree_.locate(on_side, low);
-    if (is_complete(other.leaf)) return other;
-  }
-  return place;
 }
 
 }  // namespace palpate

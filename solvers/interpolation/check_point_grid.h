@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The usable check-points around a site and the cells between them, and where in these a
 // displacement lies.
+//
+// A node without a usable configuration is a ghost (ghost.h); a leaf with such a corner is not
+// complete.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +15,17 @@
 #include "state_space/touch_space.h"
 
 namespace palpate {
+
+/// How much a result can be trusted. The numbers are stored in data arrays: keep them.
+enum class Found : int {
+  /// Nothing to interpolate, or t is not finite: force, stiffness and energy are zero.
+  no = 0,
+  inside = 1,
+  /// Outside the box, or in a cell that lacks a usable corner.
+  extrapolated = 2,
+  /// Inside, but a corner of the cell is inverted, unstable or near a fold.
+  marked = 3,
+};
 
 /// Any of these at a corner marks its leaves.
 inline constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
@@ -26,24 +42,23 @@ class CheckPointGrid {
   enum class Place {
     /// No configuration is usable, or t is not finite.
     nowhere,
-    /// In a leaf whose corners are all usable.
+    /// In a leaf.
     cell,
-    /// Outside the box: the nearest point of it lies in such a leaf.
+    /// Outside the box: the nearest point of it is given.
     beside_cell,
-    /// No such leaf: the nearest usable node.
-    check_point,
+    /// There is no leaf: rest is the only check-point.
+    rest,
   };
 
   struct Location {
     Place place = Place::nowhere;
-    /// See is_marked().
-    bool marked = false;
+    Found found = Found::no;
     /// Of the tree; in or beside a cell.
     std::int32_t leaf = 0;
-    /// At a check-point.
-    std::int32_t node = 0;
     /// Local coordinates in the leaf, in [0, 1].
     Vec3 s = Vec3::Zero();
+    /// The nearest point of the box, in spacings from rest.
+    Vec3 x = Vec3::Zero();
     /// From there to t, m; zero in a cell.
     Vec3 offset = Vec3::Zero();
   };
@@ -71,8 +86,14 @@ class CheckPointGrid {
   /// It lies across branches though no corner tells, see branch_test.h.
   [[nodiscard]] bool is_across(std::int32_t leaf) const { return states_[leaf] == State::across; }
 
-  /// A usable node that hangs on a complete leaf, the largest of those around it. What is
-  /// interpolated is continuous where such a node takes what that leaf gives at it.
+  [[nodiscard]] bool any_usable() const { return any_usable_; }
+  /// Some leaf lacks a usable corner.
+  [[nodiscard]] bool has_ghosts() const { return has_ghosts_; }
+  /// The usable node nearest to a node, itself if it is usable; −1: no node is usable.
+  [[nodiscard]] std::int32_t nearest(std::int32_t node) const { return nearest_[node]; }
+
+  /// A node that hangs on a leaf, the largest of those around it. What is interpolated is continuous
+  /// where such a node takes what that leaf gives at it.
   struct HangingNode {
     std::int32_t node = 0;
     std::int32_t leaf = 0;
@@ -81,29 +102,73 @@ class CheckPointGrid {
   };
   /// In an order in which those among the corners of a leaf come before what hangs on it.
   [[nodiscard]] const std::vector<HangingNode>& hanging_nodes() const { return hanging_nodes_; }
+  /// The same of usable nodes and complete leaves alone.
+  [[nodiscard]] const std::vector<HangingNode>& hanging_on_complete() const {
+    return hanging_on_complete_;
+  }
+
+  /// Memory that locate() needs.
+  [[nodiscard]] std::size_t bytes() const {
+    return tree_.bytes() + states_.size() * sizeof(State);
+  }
 
  private:
   enum class State : char { lacks_corner, complete, marked, across };
+  static constexpr Found kFoundIn[] = {Found::extrapolated, Found::inside, Found::marked,
+                                        Found::marked};
+  /// A displacement that misses the border of the box by so little, in spacings, is on it: rounding
+  /// of t = i·H must not make a check-point on the border an outside one.
+  static constexpr double kOnBorder = 1e-9;
 
   void classify_leaves(const Site& site, const std::vector<ConfigurationSummary>& configurations);
-  void find_hanging_nodes();
+  [[nodiscard]] std::vector<HangingNode> find_hanging_nodes(bool on_complete) const;
   void find_nearest();
-  /// A complete leaf that meets an incomplete one at a point on the border of it, else that.
-  [[nodiscard]] CellTree::Place across_sides(const Vec3& x,
-                                             const CellTree::Place& place) const noexcept;
 
   CellTree tree_;
   std::int32_t reach_;
   double spacing_ = 1;
   double per_spacing_ = 1;
   bool any_usable_ = false;
+  bool has_ghosts_ = false;
   /// By node.
   std::vector<std::int32_t> configuration_;
   /// By leaf.
   std::vector<State> states_;
   std::vector<HangingNode> hanging_nodes_;
-  /// The usable node nearest to each node.
+  std::vector<HangingNode> hanging_on_complete_;
+  /// By node.
   std::vector<std::int32_t> nearest_;
 };
+
+inline CheckPointGrid::Location CheckPointGrid::locate(const Vec3& t) const noexcept {
+  Location at;
+  // A sum of what is not finite is not finite; one that overflows is too far out.
+  if (!any_usable_ || !std::isfinite(t[0] + t[1] + t[2])) return at;
+  const double reach = reach_;
+  double most_outside = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double x = t[k] * per_spacing_;
+    at.x[k] = std::min(std::max(x, -reach), reach);
+    most_outside = std::max(most_outside, std::abs(x - at.x[k]));
+  }
+  if (reach_ == 0) {
+    at.place = Place::rest;
+    at.found = Found::extrapolated;
+    at.offset = t;
+    return at;
+  }
+  const CellTree::Place place = tree_.locate(at.x + Vec3::Constant(reach));
+  at.leaf = place.leaf;
+  at.s = place.s;
+  if (most_outside <= kOnBorder) {
+    at.place = Place::cell;
+    at.found = kFoundIn[static_cast<int>(states_[place.leaf])];
+    return at;
+  }
+  at.place = Place::beside_cell;
+  at.found = Found::extrapolated;
+  at.offset = t - spacing_ * at.x;
+  return at;
+}
 
 }  // namespace palpate

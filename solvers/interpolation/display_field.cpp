@@ -2,12 +2,15 @@
 #include "interpolation/display_field.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace palpate {
 namespace {
 
 /// Rows that are summed up at a time: they stay in the first cache.
 constexpr Eigen::Index kRows = 512;
+
+bool is_finite(float x) { return std::isfinite(x); }
 
 template <class Real>
 void apply(const Eigen::MatrixXf& modes, const float* coefficients, Real* out) {
@@ -29,12 +32,21 @@ DisplayField::DisplayField(const TouchSite& site)
     : grid_(site), num_modes_(static_cast<int>(site.coefficients.rows())) {
   const auto r = static_cast<std::size_t>(num_modes_);
   data_.assign(static_cast<std::size_t>(grid_.num_nodes()) * 4 * r, 0.F);
-  for (std::int32_t n = 0; n < grid_.num_nodes() && r > 0; ++n) {
-    if (!grid_.usable(n)) continue;
-    const std::int32_t c = grid_.configuration(n);
+  if (r == 0 || !grid_.any_usable()) return;
+  for (std::int32_t n = 0; n < grid_.num_nodes(); ++n) {
+    const std::int32_t nearest = grid_.nearest(n);
+    const std::int32_t c = grid_.configuration(nearest);
     float* node = data_.data() + static_cast<std::size_t>(n) * 4 * r;
     std::copy_n(site.coefficients.col(c).data(), r, node);
     std::copy_n(site.coefficient_gradients.col(c).data(), 3 * r, node + r);
+    if (nearest == n) continue;
+    const CheckPoint to = grid_.tree().point(n);
+    const CheckPoint from = grid_.tree().point(nearest);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto offset = static_cast<float>(grid_.spacing() * (to[axis] - from[axis]));
+      const float* slope = site.coefficient_gradients.col(c).data() + axis * num_modes_;
+      for (std::size_t m = 0; m < r; ++m) node[m] += offset * slope[m];
+    }
   }
   for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_nodes()) {
     const CellTree::Leaf& leaf = grid_.leaf(hanging.leaf);
@@ -75,14 +87,16 @@ Found DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   using Place = CheckPointGrid::Place;
   std::fill_n(out, num_modes_, 0.F);
   const CheckPointGrid::Location at = grid_.locate(t);
-  if (at.place == Place::nowhere) return Found::no;
-  if (at.place == Place::check_point) {
-    add_node(at.node, 1, at.offset, out);
-    return Found::extrapolated;
+  if (at.place == Place::rest) add_node(0, 1, at.offset, out);
+  if (at.place == Place::cell || at.place == Place::beside_cell) {
+    add_leaf(grid_.leaf(at.leaf), at.s, at.offset, out);
   }
-  add_leaf(grid_.leaf(at.leaf), at.s, at.offset, out);
-  if (at.place == Place::beside_cell) return Found::extrapolated;
-  return at.marked ? Found::marked : Found::inside;
+  // So far out that it overflows there is nothing to go by.
+  if (at.place != Place::cell && !std::all_of(out, out + num_modes_, is_finite)) {
+    std::fill_n(out, num_modes_, 0.F);
+    return Found::no;
+  }
+  return at.found;
 }
 
 void apply_modes(const Eigen::MatrixXf& modes, const float* coefficients, float* out) noexcept {

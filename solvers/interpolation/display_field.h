@@ -4,9 +4,10 @@
 //   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)],   w trilinear over the corners i of the cell,
 //
 // exact where u is quadratic in t. A hanging node takes the field of the larger cell, and of v what
-// is trilinear there: with these the sides of cells of different size agree. In two steps: the
-// coefficients of the modes, then the field. At the edge of the space it goes on as the force does
-// (interpolator.h): u(t₀) + v(t₀) Δ, v trilinear.
+// is trilinear there: with these the sides of cells of different size agree. A ghost (ghost.h) has
+// u_i + v_i Δ and v_i of the nearest usable node. In two steps: the coefficients of the modes, then
+// the field. Outside the box it goes on as the force does (interpolator.h): u(t₀) + v(t₀) Δ, v
+// trilinear.
 #pragma once
 
 #include <vector>

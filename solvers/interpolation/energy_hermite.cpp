@@ -1,127 +1,147 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interpolation/energy_hermite.h"
 
-#include "interpolation/hermite_basis.h"
 #include "interpolation/hermite_data.h"
+#include "interpolation/lanes.h"
 
 namespace palpate {
 namespace {
 
-// The vector extension of GCC and Clang: the compiler does not find this packing by itself.
-using Two = double __attribute__((vector_size(16)));
+using Node = EnergyHermite::Node;
+using Sums = EnergyHermite::Sums;
 
-inline Two load(const double* from) {
-  Two v;
-  __builtin_memcpy(&v, from, sizeof v);
-  return v;
+// B₀ B₁ B₂ and their derivatives (hermite_basis.h), all as r^{3−d} times a quadratic in s at the
+// left and mirrored at the right: [derivative][power of s].
+constexpr double kQuadratic[3][3][4] = {
+    {{1, 0, 0, 0}, {3, 1, 0, 0}, {6, 3, 0.5, 0}},
+    {{0, 1, 0, 0}, {0, 2, 1, 0}, {-30, -15, -2.5, 0}},
+    {{0, 0, 1, 0}, {-60, -36, -8, 0}, {120, 60, 10, 0}},
+};
+
+/// [derivative][left, right][a], with respect to s; the data are of x = side · s.
+struct Basis {
+  alignas(32) double of[3][2][4];
+
+  [[gnu::always_inline]] inline Basis(double s, double side) {
+    const double r = 1 - s;
+    const Four scale{1, side, side * side, 0};
+    // (−1)^a
+    const Four mirrored{1, -side, side * side, 0};
+#pragma GCC unroll 3
+    for (int d = 0; d < 3; ++d) {
+      Four q0;
+      Four q1;
+      Four q2;
+      load(kQuadratic[d][0], q0);
+      load(kQuadratic[d][1], q1);
+      load(kQuadratic[d][2], q2);
+      const double of_r = d == 0 ? r * r * r : d == 1 ? r * r : r;
+      const double of_s = d == 0 ? s * s * s : d == 1 ? s * s : s;
+      store(of_r * (q0 + s * (q1 + s * q2)) * scale, of[d][0]);
+      store((d == 1 ? -of_s : of_s) * (q0 + r * (q1 + r * q2)) * mirrored, of[d][1]);
+    }
+  }
+};
+
+/// The sum over 8 × 27 products, taken one axis after another; lanes are a.
+[[gnu::always_inline]] inline void contract(const Node* nodes, const CellTree::Leaf& leaf,
+                                            const Vec3& s, Sums& sums) {
+  const double side = leaf.cell.side;
+  const Basis bx(s[0], side);
+  const Basis by(s[1], side);
+  const Basis bz(s[2], side);
+
+  // Along y and z [corner in x][Π, y, yy, z, yz, zz].
+  Four along_yz[2][6];
+  for (int x = 0; x < 2; ++x) {
+    Four sum[6] = {};
+    for (int y = 0; y < 2; ++y) {
+      // Along z [derivative][b].
+      Four along_z[3][3] = {};
+#pragma GCC unroll 2
+      for (int z = 0; z < 2; ++z) {
+        const Node& node = nodes[leaf.corners[4 * x + 2 * y + z]];
+#pragma GCC unroll 3
+        for (int c = 0; c < 3; ++c) {
+#pragma GCC unroll 3
+          for (int b = 0; b < 3; ++b) {
+            Four v;
+            load(node.of[c][b], v);
+            along_z[0][b] += bz.of[0][z][c] * v;
+            along_z[1][b] += bz.of[1][z][c] * v;
+            along_z[2][b] += bz.of[2][z][c] * v;
+          }
+        }
+      }
+#pragma GCC unroll 3
+      for (int b = 0; b < 3; ++b) {
+        sum[0] += by.of[0][y][b] * along_z[0][b];
+        sum[1] += by.of[1][y][b] * along_z[0][b];
+        sum[2] += by.of[2][y][b] * along_z[0][b];
+        sum[3] += by.of[0][y][b] * along_z[1][b];
+        sum[4] += by.of[1][y][b] * along_z[1][b];
+        sum[5] += by.of[0][y][b] * along_z[2][b];
+      }
+    }
+    for (int i = 0; i < 6; ++i) along_yz[x][i] = sum[i];
+  }
+
+  const auto along_x = [&](int d, int i) __attribute__((always_inline)) {
+    Four left;
+    Four right;
+    load(bx.of[d][0], left);
+    load(bx.of[d][1], right);
+    const Four sum = left * along_yz[0][i] + right * along_yz[1][i];
+    return sum[0] + sum[1] + sum[2];
+  };
+  sums = {along_x(0, 0), along_x(1, 0), along_x(0, 1), along_x(0, 3), along_x(2, 0),
+          along_x(0, 2), along_x(0, 5), along_x(1, 1), along_x(1, 3), along_x(0, 4)};
 }
 
-inline void store(Two v, double* to) { __builtin_memcpy(to, &v, sizeof v); }
+void contract_baseline(const Node* nodes, const CellTree::Leaf& leaf, const Vec3& s, Sums& sums) {
+  contract(nodes, leaf, s, sums);
+}
+
+#ifdef PALPATE_X86_LANES
+[[gnu::target("avx2,fma")]] void contract_avx2(const Node* nodes, const CellTree::Leaf& leaf,
+                                               const Vec3& s, Sums& sums) {
+  contract(nodes, leaf, s, sums);
+}
+#endif
+
+EnergyHermite::Kernel best_kernel() {
+#ifdef PALPATE_X86_LANES
+  if (best_instruction_set() != InstructionSet::baseline) return contract_avx2;
+#endif
+  return contract_baseline;
+}
 
 }  // namespace
 
-EnergyHermite::EnergyHermite(const TouchSite& site)
-    : Interpolator(site),
-      data_(hermite_data(grid(), site.configurations)),
-      per_spacing_(1 / grid().spacing()) {}
-
-// The sum over 8 × 27 products is taken one axis after another.
-TouchResult EnergyHermite::do_evaluate(const CellTree::Leaf& leaf, const Vec3& s) const noexcept {
-  const double side = leaf.cell.side;
-  const HermiteBasis bx(s[0], side);
-  const HermiteBasis by(s[1], side);
-  const HermiteBasis bz(s[2], side);
-
-  // Along z [derivative][corner in y and b][corner in x and a].
-  double along_z[3][6][6];
-  for (int x = 0; x < 2; ++x) {
-    for (int y = 0; y < 2; ++y) {
-      const std::int32_t* nodes = leaf.corners.data() + 4 * x + 2 * y;
-      const double* low = data_.data() + std::ptrdiff_t{kHermiteData} * nodes[0];
-      const double* high = data_.data() + std::ptrdiff_t{kHermiteData} * nodes[1] - 27;
-      double sum[3][10];
-#pragma GCC unroll 4
-      for (int ba = 0; ba < 8; ba += 2) {
-        Two s0{};
-        Two s1{};
-        Two s2{};
-#pragma GCC unroll 6
-        for (int i = 0; i < 6; ++i) {
-          const Two v = load((i < 3 ? low : high) + 9 * i + ba);
-          s0 += bz.of[0][i] * v;
-          s1 += bz.of[1][i] * v;
-          s2 += bz.of[2][i] * v;
-        }
-        store(s0, sum[0] + ba);
-        store(s1, sum[1] + ba);
-        store(s2, sum[2] + ba);
-      }
-#pragma GCC unroll 3
-      for (int order = 0; order < 3; ++order) {
-        double last = 0;
-        for (int i = 0; i < 6; ++i) last += bz.of[order][i] * (i < 3 ? low : high)[9 * i + 8];
-        sum[order][8] = last;
-        for (int ba = 0; ba < 9; ++ba)
-          along_z[order][3 * y + ba / 3][3 * x + ba % 3] = sum[order][ba];
-      }
-    }
+EnergyHermite::EnergyHermite(const TouchSite& site, const InterpolationOptions& options)
+    : Interpolator(site), per_spacing_(1 / grid().spacing()), kernel_(best_kernel()) {
+  HermiteDataOptions of_data;
+  of_data.third_derivatives = options.third_derivatives;
+  const std::vector<double> data = hermite_data(grid(), site.configurations, of_data);
+  nodes_.resize(static_cast<std::size_t>(grid().num_nodes()), Node{});
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const std::size_t cba = i % kHermiteData;
+    nodes_[i / kHermiteData].of[cba / 9][cba / 3 % 3][cba % 3] = data[i];
   }
+}
 
-  // Along y too [derivative along y][along z][corner in x and a].
-  double along_yz[3][3][6];
-  for (int z = 0; z < 3; ++z) {
-    for (int y = 0; y + z < 3; ++y) {
-      Two s0{};
-      Two s1{};
-      Two s2{};
-#pragma GCC unroll 6
-      for (int i = 0; i < 6; ++i) {
-        const double w = by.of[y][i];
-        s0 += w * load(along_z[z][i]);
-        s1 += w * load(along_z[z][i] + 2);
-        s2 += w * load(along_z[z][i] + 4);
-      }
-      store(s0, along_yz[y][z]);
-      store(s1, along_yz[y][z] + 2);
-      store(s2, along_yz[y][z] + 4);
-    }
-  }
-
-  const auto along_x = [&](int x, int y, int z) {
-    const double* w = bx.of[x];
-    const double* d = along_yz[y][z];
-    const Two sum = load(w) * load(d) + load(w + 2) * load(d + 2) + load(w + 4) * load(d + 4);
-    return sum[0] + sum[1];
-  };
+TouchResult EnergyHermite::do_evaluate(const Location& at) const noexcept {
+  const CellTree::Leaf& leaf = grid().leaf(at.leaf);
+  Sums d;
+  kernel_(nodes_.data(), leaf, at.s, d);
   TouchResult result;
-  result.energy = along_x(0, 0, 0);
-  const double per_side = per_spacing_ / side;
-  result.force = per_side * Vec3(along_x(1, 0, 0), along_x(0, 1, 0), along_x(0, 0, 1));
-  const double xy = along_x(1, 1, 0);
-  const double xz = along_x(1, 0, 1);
-  const double yz = along_x(0, 1, 1);
-  result.stiffness << along_x(2, 0, 0), xy, xz,  //
-      xy, along_x(0, 2, 0), yz,                  //
-      xz, yz, along_x(0, 0, 2);
+  result.energy = d[0];
+  const double per_side = per_spacing_ / leaf.cell.side;
+  result.force = per_side * Vec3(d[1], d[2], d[3]);
+  result.stiffness << d[4], d[7], d[8],  //
+      d[7], d[5], d[9],                  //
+      d[8], d[9], d[6];
   result.stiffness *= per_side * per_side;
-  return result;
-}
-
-TouchResult EnergyHermite::do_evaluate_border(const CellTree::Leaf& leaf,
-                                              const Vec3& s) const noexcept {
-  return do_evaluate(leaf, s);
-}
-
-TouchResult EnergyHermite::do_check_point(std::int32_t node) const noexcept {
-  const double* d = data_.data() + std::size_t{kHermiteData} * node;
-  const auto at = [&](int a, int b, int c) { return d[hermite_index(a, b, c)]; };
-  TouchResult result;
-  result.energy = at(0, 0, 0);
-  result.force = per_spacing_ * Vec3(at(1, 0, 0), at(0, 1, 0), at(0, 0, 1));
-  result.stiffness << at(2, 0, 0), at(1, 1, 0), at(1, 0, 1),  //
-      at(1, 1, 0), at(0, 2, 0), at(0, 1, 1),                  //
-      at(1, 0, 1), at(0, 1, 1), at(0, 0, 2);
-  result.stiffness *= per_spacing_ * per_spacing_;
   return result;
 }
 

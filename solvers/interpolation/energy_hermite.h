@@ -12,6 +12,7 @@
 // around a closed loop is zero.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "interpolation/interpolator.h"
@@ -20,18 +21,25 @@ namespace palpate {
 
 class EnergyHermite final : public Interpolator {
  public:
-  explicit EnergyHermite(const TouchSite& site);
+  EnergyHermite(const TouchSite& site, const InterpolationOptions& options);
+
+  /// D of a node in the order in which it is summed up: c, b, a with a place left free after each
+  /// three of a.
+  struct alignas(32) Node {
+    double of[3][3][4];
+  };
+  /// Π and its derivatives in a leaf with respect to s: Π, x, y, z, xx, yy, zz, xy, xz, yz.
+  using Sums = std::array<double, 10>;
+  using Kernel = void (*)(const Node* nodes, const CellTree::Leaf& leaf, const Vec3& s, Sums& sums);
 
  private:
-  [[nodiscard]] TouchResult do_evaluate(const CellTree::Leaf& leaf,
-                                        const Vec3& s) const noexcept override;
-  [[nodiscard]] TouchResult do_evaluate_border(const CellTree::Leaf& leaf,
-                                               const Vec3& s) const noexcept override;
-  [[nodiscard]] TouchResult do_check_point(std::int32_t node) const noexcept override;
+  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override;
+  [[nodiscard]] std::size_t do_bytes() const override { return nodes_.size() * sizeof(Node); }
 
-  /// D [num_nodes × 27], see hermite_data.h.
-  std::vector<double> data_;
+  std::vector<Node> nodes_;
   double per_spacing_;
+  /// For the processor.
+  Kernel kernel_;
 };
 
 }  // namespace palpate

@@ -26,6 +26,14 @@ constexpr int kSamples = 5;
 constexpr int kNodes = kHermiteStencil;
 constexpr int kFewerNodes = 3;
 
+/// What ghosts give is no matter of refinement.
+HermiteDataOptions options_with(int most) {
+  HermiteDataOptions options;
+  options.most = most;
+  options.ghosts = false;
+  return options;
+}
+
 class Estimator {
  public:
   Estimator(const Site& site, const std::vector<ConfigurationSummary>& configurations)
@@ -33,11 +41,11 @@ class Estimator {
         configurations_(configurations),
         grid_(site, configurations),
         branch_test_(grid_, site, configurations),
-        data_(hermite_data(grid_, configurations)),
-        difference_(hermite_data(grid_, configurations, kFewerNodes)),
+        data_(hermite_data(grid_, configurations, options_with(kNodes))),
+        difference_(hermite_data(grid_, configurations, options_with(kFewerNodes))),
         hanging_(grid_.tree().leaves().size(), 0.0) {
     for (std::size_t i = 0; i < data_.size(); ++i) difference_[i] -= data_[i];
-    for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_nodes()) {
+    for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_on_complete()) {
       const Vec3 force = force_of(data_, grid_.leaf(hanging.leaf), hanging.s);
       double& error = hanging_[hanging.leaf];
       error = std::max(error, (force - at(hanging.node).force).norm());

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "interpolation/ghost.h"
 #include "interpolation/hermite_basis.h"
 
 namespace palpate {
@@ -67,13 +68,13 @@ void fill_weights(const double* x, int n, int p, double* weights) {
 }
 
 /// The differences at the nodes, of `most` nodes at the most. A row that ends at the side of a
-/// larger leaf goes on into it by ghosts: points at which the data are those that the leaf gives.
+/// larger leaf goes on into it by inserted points, at which the data are those that the leaf gives.
 class StencilFinder {
  public:
   StencilFinder(const CheckPointGrid& grid, int most)
       : grid_(grid), links_(find_links(grid)), most_(most) {}
 
-  [[nodiscard]] Stencil find(std::int32_t node, int axis, bool with_ghosts) {
+  [[nodiscard]] Stencil find(std::int32_t node, int axis, bool with_inserted) {
     Row row;
     row.nodes[kMiddle] = node;
     const CheckPoint origin = grid_.tree().point(node);
@@ -86,21 +87,21 @@ class StencilFinder {
         row.add(up, n, grid_.tree().point(n)[axis] - origin[axis]);
       }
     }
-    for (int up = 0; up < 2 && with_ghosts; ++up) {
+    for (int up = 0; up < 2 && with_inserted; ++up) {
       while (ends_in_leaf[up] && row.count[up] < kStencil / 2 && row.size() < most_) {
         const double x = row.next(up);
         CheckPoint p = origin;
         p[axis] += static_cast<std::int32_t>(x);
-        const std::int32_t ghost = x == 0 ? -1 : find_ghost(p);
-        if (ghost < 0) break;
-        row.add(up, ghost, x);
+        const std::int32_t inserted = x == 0 ? -1 : find_inserted(p);
+        if (inserted < 0) break;
+        row.add(up, inserted, x);
       }
     }
     return best_of(row);
   }
 
-  /// The places of the ghosts; they are numbered after the nodes.
-  [[nodiscard]] const std::vector<CellTree::Place>& ghosts() const { return ghosts_; }
+  /// The places of the inserted points; they are numbered after the nodes.
+  [[nodiscard]] const std::vector<CellTree::Place>& inserted() const { return inserted_; }
 
  private:
   static constexpr int kMiddle = kStencil - 1;
@@ -148,8 +149,8 @@ class StencilFinder {
     return stencil;
   }
 
-  /// The node at a point, or a new ghost; −1: no usable node and no complete leaf is there.
-  [[nodiscard]] std::int32_t find_ghost(const CheckPoint& p) {
+  /// The node at a point, or a new inserted one; −1: no usable node and no complete leaf is there.
+  [[nodiscard]] std::int32_t find_inserted(const CheckPoint& p) {
     const std::int32_t node = grid_.tree().find(p);
     if (node >= 0) return grid_.usable(node) ? node : -1;
     const std::int32_t reach = grid_.reach();
@@ -159,44 +160,60 @@ class StencilFinder {
     const CellTree::Place place =
         grid_.tree().locate(Vec3(p[0] + reach, p[1] + reach, p[2] + reach));
     if (!grid_.is_complete(place.leaf)) return -1;
-    ghosts_.push_back(place);
-    return grid_.num_nodes() + static_cast<std::int32_t>(ghosts_.size()) - 1;
+    inserted_.push_back(place);
+    return grid_.num_nodes() + static_cast<std::int32_t>(inserted_.size()) - 1;
   }
 
   const CheckPointGrid& grid_;
   const std::vector<Links> links_;
   const int most_;
-  std::vector<CellTree::Place> ghosts_;
+  std::vector<CellTree::Place> inserted_;
 };
 
-void fill_known(const ConfigurationSummary& c, double h, double* d) {
-  d[hermite_index(0, 0, 0)] = c.energy;
-  d[hermite_index(1, 0, 0)] = h * c.force[0];
-  d[hermite_index(0, 1, 0)] = h * c.force[1];
-  d[hermite_index(0, 0, 1)] = h * c.force[2];
-  const Mat3 k = 0.5 * h * h * (c.stiffness + c.stiffness.transpose());
+void fill_known(const NodeData& node, double h, double* d) {
+  d[hermite_index(0, 0, 0)] = node.energy;
+  d[hermite_index(1, 0, 0)] = h * node.force[0];
+  d[hermite_index(0, 1, 0)] = h * node.force[1];
+  d[hermite_index(0, 0, 1)] = h * node.force[2];
+  const Mat3 k = 0.5 * h * h * (node.stiffness + node.stiffness.transpose());
   d[hermite_index(2, 0, 0)] = k(0, 0);
   d[hermite_index(0, 2, 0)] = k(1, 1);
   d[hermite_index(0, 0, 2)] = k(2, 2);
   d[hermite_index(1, 1, 0)] = k(0, 1);
   d[hermite_index(1, 0, 1)] = k(0, 2);
   d[hermite_index(0, 1, 1)] = k(1, 2);
+  if (!node.has_third_derivative()) return;
+  const ThirdDerivative t = h * h * h * node.third_derivative;
+  d[hermite_index(2, 1, 0)] = t[kThirdIndex[0][0][1]];
+  d[hermite_index(2, 0, 1)] = t[kThirdIndex[0][0][2]];
+  d[hermite_index(1, 2, 0)] = t[kThirdIndex[0][1][1]];
+  d[hermite_index(1, 1, 1)] = t[kThirdIndex[0][1][2]];
+  d[hermite_index(1, 0, 2)] = t[kThirdIndex[0][2][2]];
+  d[hermite_index(0, 2, 1)] = t[kThirdIndex[1][1][2]];
+  d[hermite_index(0, 1, 2)] = t[kThirdIndex[1][2][2]];
 }
 
-/// Fills in the derivatives of a + b + c > 2 of the nodes.
-void fill_missing(const std::vector<std::int32_t>& nodes,
-                  const std::vector<std::array<Stencil, 3>>& stencils, std::vector<double>& data) {
+/// A node of which the derivatives are to be filled in.
+struct Incomplete {
+  std::int32_t node = 0;
+  /// Those of a + b + c up to it are known.
+  int known = 2;
+  std::array<Stencil, 3> stencils;
+};
+
+void fill_missing(const std::vector<Incomplete>& nodes, std::vector<double>& data) {
   for (int total = 3; total <= 6; ++total) {
     for (int a = 0; a <= 2; ++a) {
       for (int b = 0; b <= 2; ++b) {
         const int c = total - a - b;
         if (c < 0 || c > 2) continue;
         const Order order{a, b, c};
-        for (std::size_t i = 0; i < nodes.size(); ++i) {
+        for (const Incomplete& to_fill : nodes) {
+          if (total <= to_fill.known) continue;
           double sum = 0;
           int num_axes = 0;
           for (int axis = 0; axis < 3; ++axis) {
-            const Stencil& stencil = stencils[i][axis];
+            const Stencil& stencil = to_fill.stencils[axis];
             if (order[axis] == 0 || stencil.size == 1) continue;
             Order lower = order;
             --lower[axis];
@@ -208,7 +225,7 @@ void fill_missing(const std::vector<std::int32_t>& nodes,
             ++num_axes;
           }
           if (num_axes > 0) {
-            data[std::size_t{kHermiteData} * nodes[i] + hermite_index(a, b, c)] = sum / num_axes;
+            data[std::size_t{kHermiteData} * to_fill.node + hermite_index(a, b, c)] = sum / num_axes;
           }
         }
       }
@@ -220,42 +237,44 @@ void fill_missing(const std::vector<std::int32_t>& nodes,
 
 std::vector<double> hermite_data(const CheckPointGrid& grid,
                                  const std::vector<ConfigurationSummary>& configurations,
-                                 int most) {
+                                 const HermiteDataOptions& options) {
   const auto num_nodes = static_cast<std::size_t>(grid.num_nodes());
   std::vector<double> data(num_nodes * kHermiteData, 0.0);
-  std::vector<std::int32_t> nodes;
+  if (!grid.any_usable()) return data;
+  StencilFinder finder(grid, options.most);
+  std::vector<Incomplete> nodes;
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
+    if (!grid.usable(n) && !options.ghosts) continue;
+    const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
+    fill_known(known, grid.spacing(), data.data() + std::size_t{kHermiteData} * n);
     if (!grid.usable(n)) continue;
-    nodes.push_back(n);
-    fill_known(configurations[grid.configuration(n)], grid.spacing(),
-               data.data() + std::size_t{kHermiteData} * n);
+    Incomplete& node = nodes.emplace_back();
+    node.node = n;
+    node.known = known.has_third_derivative() ? 3 : 2;
+    for (int axis = 0; axis < 3; ++axis) node.stencils[axis] = finder.find(n, axis, false);
   }
-  StencilFinder finder(grid, most);
-  std::vector<std::array<Stencil, 3>> stencils(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    for (int axis = 0; axis < 3; ++axis) stencils[i][axis] = finder.find(nodes[i], axis, false);
-  }
-  fill_missing(nodes, stencils, data);
+  fill_missing(nodes, data);
 
-  // Once more with ghosts, whose data come from what is there now.
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
+  // Once more with inserted points, whose data come from what is there now.
+  for (Incomplete& node : nodes) {
     for (int axis = 0; axis < 3; ++axis) {
-      Stencil& stencil = stencils[i][axis];
-      if (stencil.size < most) stencil = finder.find(nodes[i], axis, true);
+      Stencil& stencil = node.stencils[axis];
+      if (stencil.size < options.most) stencil = finder.find(node.node, axis, true);
     }
   }
-  if (!finder.ghosts().empty()) {
-    data.resize((num_nodes + finder.ghosts().size()) * kHermiteData);
-    for (std::size_t i = 0; i < finder.ghosts().size(); ++i) {
-      const CellTree::Place& place = finder.ghosts()[i];
+  if (!finder.inserted().empty()) {
+    data.resize((num_nodes + finder.inserted().size()) * kHermiteData);
+    for (std::size_t i = 0; i < finder.inserted().size(); ++i) {
+      const CellTree::Place& place = finder.inserted()[i];
       evaluate_hermite_data(data, grid.leaf(place.leaf), place.s,
                             data.data() + (num_nodes + i) * kHermiteData);
     }
-    fill_missing(nodes, stencils, data);
+    fill_missing(nodes, data);
     data.resize(num_nodes * kHermiteData);
   }
 
-  for (const CheckPointGrid::HangingNode& hanging : grid.hanging_nodes()) {
+  const auto& hanging_nodes = options.ghosts ? grid.hanging_nodes() : grid.hanging_on_complete();
+  for (const CheckPointGrid::HangingNode& hanging : hanging_nodes) {
     evaluate_hermite_data(data, grid.leaf(hanging.leaf), hanging.s,
                           data.data() + std::size_t{kHermiteData} * hanging.node);
   }

@@ -2,8 +2,8 @@
 // The derivatives of the energy that triquintic Hermite interpolation takes from each node.
 //
 // D^{abc} = H^{a+b+c} ∂^{abc}Π for a, b, c ∈ {0, 1, 2}, H the spacing of the check-points, whatever
-// the side of the cells around. Known are those of a + b + c ≤ 2: Π, h, k. The others follow by
-// increasing |α| = a + b + c:
+// the side of the cells around. Known are those of a + b + c ≤ 2: Π, h, k, and where a node has its
+// third derivatives those of a + b + c = 3. The others follow by increasing |α| = a + b + c:
 //
 //   D^α = mean over the axes k with α_k > 0 of the difference along k of D^{α − e_k}
 //
@@ -15,8 +15,11 @@
 //
 // A row goes along edges of leaves, and takes in hanging nodes with the configurations they have.
 // Where it ends, with fewer than five, at the side of a larger leaf, it goes on into that by points
-// at which the leaf gives the data, up to two on a side of the node. Last of all the data of
-// hanging nodes are put in the place of what the larger leaf gives there.
+// at which the leaf gives the data, up to two on a side of the node.
+//
+// Ghosts (ghost.h) have what their Taylor expansion gives up to a + b + c = 3 and zero beyond, and
+// take no part in the differences of others. Last of all the data of hanging nodes are put in the
+// place of what the larger leaf gives there.
 #pragma once
 
 #include <vector>
@@ -33,11 +36,19 @@ inline constexpr int kHermiteStencil = 5;
 /// Place of D^{abc} among the data of a node.
 [[nodiscard]] constexpr int hermite_index(int a, int b, int c) { return 9 * c + 3 * b + a; }
 
-/// D [num_nodes × 27], node by node; zero at nodes that are not usable.
-/// @param most Nodes in a difference, kHermiteStencil or fewer.
+struct HermiteDataOptions {
+  /// Nodes in a difference, kHermiteStencil or fewer.
+  int most = kHermiteStencil;
+  /// Third derivatives are used where they are known.
+  bool third_derivatives = true;
+  /// Without, nodes that are not usable are zero, and no node hangs on a leaf that has one.
+  bool ghosts = true;
+};
+
+/// D [num_nodes × 27], node by node; zero where no node is usable.
 [[nodiscard]] std::vector<double> hermite_data(
     const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
-    int most = kHermiteStencil);
+    const HermiteDataOptions& options = {});
 
 /// D [27] in a leaf.
 /// @param data As of hermite_data. @param out May be those of a node that is no corner of the leaf.

@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interpolation/interpolator.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "interpolation/energy_hermite.h"
+#include "interpolation/linear.h"
+#include "interpolation/radial_basis.h"
+#include "interpolation/tricubic.h"
 #include "interpolation/trilinear.h"
 
 namespace palpate {
 namespace {
+
+/// How much larger than at the configurations the force may be between them.
+constexpr double kBetween = 2;
+
+void limit(TouchResult& result, double size, double most) {
+  const Vec3 direction = result.force / size;
+  const Mat3 along = direction * (direction.transpose() * result.stiffness);
+  result.stiffness = (most / size) * (result.stiffness - along);
+  result.force = most * direction;
+}
 
 void expand(TouchResult& result, const Vec3& offset) {
   const Vec3 change = result.stiffness * offset;
@@ -18,41 +33,89 @@ void expand(TouchResult& result, const Vec3& offset) {
 
 }  // namespace
 
+std::vector<Method> all_methods() {
+  return {Method::trilinear, Method::tricubic,       Method::rbf_linear,
+          Method::rbf_cubic, Method::energy_hermite, Method::linear};
+}
+
 std::string to_string(Method method) {
   switch (method) {
     case Method::trilinear: return "Trilinear";
+    case Method::tricubic: return "Tricubic";
+    case Method::rbf_linear: return "RBF linear";
+    case Method::rbf_cubic: return "RBF cubic";
     case Method::energy_hermite: return "Energy Hermite";
+    case Method::linear: return "Linear";
   }
   return "unknown";
 }
 
-TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
-  using Place = CheckPointGrid::Place;
-  const CheckPointGrid::Location at = grid_.locate(t);
-  TouchResult result;
-  switch (at.place) {
-    case Place::nowhere: return result;
-    case Place::cell:
-      result = do_evaluate(grid_.leaf(at.leaf), at.s);
-      result.found = at.marked ? Found::marked : Found::inside;
-      return result;
-    case Place::beside_cell: result = do_evaluate_border(grid_.leaf(at.leaf), at.s); break;
-    case Place::check_point: result = do_check_point(at.node); break;
+Interpolator::Interpolator(const TouchSite& site)
+    : grid_(site),
+      force_limit_(site.site.force_limit),
+      largest_force_(std::numeric_limits<double>::infinity()) {
+  double largest = 0;
+  for (std::int32_t n = 0; n < grid_.num_nodes(); ++n) {
+    if (!grid_.usable(n)) continue;
+    ++num_samples_;
+    const ConfigurationSummary& c = site.configurations[grid_.configuration(n)];
+    largest = std::max(largest, c.force.norm());
+    if (grid_.reach() == 0) rest_ = {c.force, c.stiffness, c.energy, Found::extrapolated};
   }
-  expand(result, at.offset);
-  result.found = Found::extrapolated;
-  // So far out that the energy overflows there is nothing to go by.
-  return std::isfinite(result.energy) && result.force.allFinite() ? result : TouchResult();
+  if (grid_.has_ghosts()) largest_force_ = std::max(force_limit_, kBetween * largest);
 }
 
-std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchSite& site) {
+void Interpolator::set_linear_from_rest(const TouchResult& rest) {
+  rest_ = rest;
+  largest_force_ = std::numeric_limits<double>::infinity();
+}
+
+void Interpolator::do_smooth_stiffness(const Location& /*at*/, Mat3& /*stiffness*/) const noexcept {
+}
+
+TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
+  using Place = CheckPointGrid::Place;
+  const Location at = grid_.locate(t);
+  if (at.place == Place::nowhere) return {};
+  TouchResult result = at.place == Place::rest ? rest_ : do_evaluate(at);
+  result.found = at.found;
+  if (at.place == Place::cell) {
+    const double size2 = result.force.squaredNorm();
+    if (size2 > largest_force_ * largest_force_) limit(result, std::sqrt(size2), largest_force_);
+    return result;
+  }
+  double size = result.force.norm();
+  if (size > largest_force_) {
+    result.force *= largest_force_ / size;
+    size = largest_force_;
+  }
+  if (at.place == Place::beside_cell) do_smooth_stiffness(at, result.stiffness);
+  expand(result, at.offset);
+  if (!std::isfinite(result.energy) || !result.force.allFinite()) return {};
+  if (force_limit_ > 0) {
+    const double most = std::max(force_limit_, size);
+    size = result.force.stableNorm();
+    if (size > most) limit(result, size, most);
+  }
+  return result;
+}
+
+std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchSite& site,
+                                                const InterpolationOptions& options) {
   switch (method) {
-    case Method::trilinear: return std::make_unique<Trilinear>(site);
-    case Method::energy_hermite: return std::make_unique<EnergyHermite>(site);
+    case Method::trilinear: return std::make_unique<Trilinear>(site, options);
+    case Method::tricubic: return std::make_unique<Tricubic>(site, options);
+    case Method::rbf_linear:
+    case Method::rbf_cubic: return make_radial_basis(method, site, options);
+    case Method::energy_hermite: return std::make_unique<EnergyHermite>(site, options);
+    case Method::linear: return std::make_unique<Linear>(site);
+  }
+  std::string names;
+  for (Method known : all_methods()) {
+    names += (names.empty() ? "'" : ", '") + to_string(known) + '\'';
   }
   throw InputError("There is no interpolation with the number " +
-                   std::to_string(static_cast<int>(method)) +
-                   ". Choose 'Trilinear' or 'Energy Hermite'.");
+                   std::to_string(static_cast<int>(method)) + ". There are " + names + '.');
 }
 
 }  // namespace palpate

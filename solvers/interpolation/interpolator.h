@@ -1,22 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The force that answers a displacement t of the active node, from the configurations around it.
 //
-// This is the call of the servo loop: no lock, no allocation, no exception, never a NaN. The space
-// has an edge, and beyond it the answer goes on by Taylor's expansion
+// This is the call of the servo loop: no lock, no allocation, no exception, never a NaN, and within
+// the box and at its border no jump of the force.
+//
+// Where there is a hole. A node without a usable configuration is a ghost: it has the data of the
+// Taylor expansion at the nearest usable node (ghost.h), and a leaf with such a corner is evaluated
+// as any other; Found says extrapolated. Where cells of different size meet, the smaller ones take
+// at their hanging nodes what the larger one gives there. A ghost that is far from what it comes
+// from can be wild: in a box with ghosts
+//
+//   |h| ≤ max(force limit, twice the largest |h| of a usable configuration).
+//
+// Outside the box. Beyond the border the answer goes on by Taylor's expansion from the nearest point
+// t₀ of the box:
 //
 //   Π(t) = Π₀ + h₀·Δ + ½ Δ·k₀Δ,   h(t) = h₀ + k₀Δ,   Δ = t − t₀
 //
-// - outside the box of check-points t₀ is the nearest point of the box, and the force goes on
-//   without a jump (it is there no longer the exact gradient of Π: k₀ varies along the box);
-// - in a cell that has a corner without a usable configuration t₀ is the usable check-point nearest
-//   to the corner that t is nearest to; entering such a cell the force may jump.
+// with a k₀ that is continuous along the border, and where the site has a force limit, up to
+// |h| ≤ max(force limit, |h₀|). It is there no longer the exact gradient of Π: k₀ varies along the
+// box. So far out that Π or h overflows there is nothing to go by: nothing is found.
 //
-// Where cells of different size meet, the smaller ones take at their hanging nodes what the larger
-// one gives there: the force has no jump.
+// Where the force is limited the stiffness is that of a force of this size, the direction of which
+// follows t: (limit/|h|)(I − ĥĥᵀ)k; Π is not.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "interpolation/check_point_grid.h"
 
@@ -33,18 +45,19 @@ enum class Method : int {
   linear = 5,
 };
 
-/// 'Trilinear', 'Energy Hermite'.
+/// In the order of their numbers.
+[[nodiscard]] std::vector<Method> all_methods();
+
+/// 'Trilinear', 'Tricubic', 'RBF linear', 'RBF cubic', 'Energy Hermite', 'Linear'.
 [[nodiscard]] std::string to_string(Method method);
 
-/// How much a result can be trusted. The numbers are stored in data arrays: keep them.
-enum class Found : int {
-  /// Nothing to interpolate, or t is not finite: force, stiffness and energy are zero.
-  no = 0,
-  inside = 1,
-  /// Outside the box, or in a cell that lacks a usable corner.
-  extrapolated = 2,
-  /// Inside, but a corner of the cell is inverted, unstable or near a fold.
-  marked = 3,
+struct InterpolationOptions {
+  /// RBF: with a linear polynomial besides the radial functions.
+  bool linear_polynomial = true;
+  /// RBF: intermediate states are centres too.
+  bool intermediate_states = true;
+  /// Energy Hermite and ghosts: third derivatives are used where they are known.
+  bool third_derivatives = true;
 };
 
 struct TouchResult {
@@ -67,25 +80,41 @@ class Interpolator {
   /// @note Realtime-safe.
   [[nodiscard]] TouchResult evaluate(const Vec3& t) const noexcept;
 
+  /// Memory that is held for evaluating.
+  [[nodiscard]] std::size_t bytes() const { return grid_.bytes() + do_bytes(); }
+
+  /// Configurations and intermediate states that it interpolates between.
+  [[nodiscard]] std::size_t num_samples() const { return num_samples_; }
+
  protected:
-  explicit Interpolator(const TouchSite& site) : grid_(site) {}
+  using Location = CheckPointGrid::Location;
+
+  explicit Interpolator(const TouchSite& site);
   [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
+  void set_num_samples(std::size_t num) { num_samples_ = num; }
+  /// Where nothing comes from ghosts: the force is h + kΔ from rest whatever is missing.
+  void set_linear_from_rest(const TouchResult& rest);
 
  private:
-  /// Energy, force and stiffness in a leaf whose corners are all usable.
-  /// @param s In [0, 1]³.
-  [[nodiscard]] virtual TouchResult do_evaluate(const CellTree::Leaf& leaf,
-                                                const Vec3& s) const noexcept = 0;
-  /// The same, with a stiffness that is continuous across cells.
-  [[nodiscard]] virtual TouchResult do_evaluate_border(const CellTree::Leaf& leaf,
-                                                       const Vec3& s) const noexcept = 0;
-  /// The same at a usable check-point.
-  [[nodiscard]] virtual TouchResult do_check_point(std::int32_t node) const noexcept = 0;
+  /// Energy, force and stiffness at the place in the box that is given.
+  [[nodiscard]] virtual TouchResult do_evaluate(const Location& at) const noexcept = 0;
+  /// Puts in a stiffness that is continuous across cells, if that of do_evaluate() is not.
+  virtual void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept;
+  [[nodiscard]] virtual std::size_t do_bytes() const = 0;
 
   CheckPointGrid grid_;
+  double force_limit_;
+  /// Largest |force| within the box, N.
+  double largest_force_;
+  /// Where rest is the only check-point: what is there.
+  TouchResult rest_;
+  std::size_t num_samples_ = 0;
 };
 
-/// @throws InputError the site has no grid, see CheckPointGrid.
-[[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchSite& site);
+/// @throws InputError the site has no grid, see CheckPointGrid; its grid is not uniform and the
+///   method needs one (tricubic); it has no usable configuration at rest (linear); there is no such
+///   method.
+[[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(
+    Method method, const TouchSite& site, const InterpolationOptions& options = {});
 
 }  // namespace palpate

@@ -300,6 +300,14 @@ TouchSite restricted(const TouchSite& site, const std::vector<std::int32_t>& con
     part.coefficients.col(i) = site.coefficients.col(of_site);
     part.coefficient_gradients.col(i) = site.coefficient_gradients.col(of_site);
   }
+  // Those on the way to a first level: the others have none.
+  const auto leads_here = [&](const IntermediateState& state) {
+    ConfigurationSummary target;
+    target.check_point = state.target;
+    return std::binary_search(part.configurations.begin(), part.configurations.end(), target);
+  };
+  std::copy_if(site.intermediate_states.begin(), site.intermediate_states.end(),
+               std::back_inserter(part.intermediate_states), leads_here);
   return part;
 }
 

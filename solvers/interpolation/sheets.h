@@ -45,7 +45,8 @@ class Sheets {
   std::vector<std::int16_t> next_;
 };
 
-/// The same site with these configurations alone.
+/// The same site with these configurations alone, and the intermediate states on the way to them.
+/// @param configurations Places in the site's list, ascending.
 [[nodiscard]] TouchSite restricted(const TouchSite& site,
                                    const std::vector<std::int32_t>& configurations);
 

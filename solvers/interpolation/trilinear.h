@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trilinear interpolation [P08, 4.1]: of the force, component by component, and of the energy.
 //
-// At a hanging node all are those of the larger cell.
-//
 // The stiffness is the exact gradient of the interpolated force, piecewise: it jumps at the sides
 // of a cell, and is not symmetrised. The interpolated force is not the gradient of an energy.
 //
@@ -13,27 +11,27 @@
 #include <vector>
 
 #include "interpolation/interpolator.h"
+#include "interpolation/nodal_stiffness.h"
 
 namespace palpate {
 
 class Trilinear final : public Interpolator {
  public:
-  explicit Trilinear(const TouchSite& site);
+  Trilinear(const TouchSite& site, const InterpolationOptions& options);
 
  private:
-  struct Node {
-    /// Force, then energy: taken together.
-    Eigen::Vector4d values = Eigen::Vector4d::Zero();
-    Mat3 stiffness = Mat3::Zero();
-  };
+  /// Force, then energy: taken together.
+  using Values = Eigen::Vector4d;
 
-  [[nodiscard]] TouchResult do_evaluate(const CellTree::Leaf& leaf,
-                                        const Vec3& s) const noexcept override;
-  [[nodiscard]] TouchResult do_evaluate_border(const CellTree::Leaf& leaf,
-                                               const Vec3& s) const noexcept override;
-  [[nodiscard]] TouchResult do_check_point(std::int32_t node) const noexcept override;
+  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override;
+  void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept override;
+  [[nodiscard]] std::size_t do_bytes() const override {
+    return nodes_.size() * sizeof(Values) + stiffness_.bytes();
+  }
+  [[nodiscard]] TouchResult in_leaf(const CellTree::Leaf& leaf, const Vec3& s) const noexcept;
 
-  std::vector<Node> nodes_;
+  std::vector<Values> nodes_;
+  NodalStiffness stiffness_;
 };
 
 }  // namespace palpate

@@ -121,6 +121,29 @@ CREATE TABLE intermediate (           -- equilibria on the straight way to a con
                                       -- seconds, 8 bytes each, NaN as -1, flags without bit 4
   PRIMARY KEY (scene_id, active_node, i, j, k, number)
 );
+CREATE TABLE test_point (             -- equilibria by which interpolation is measured
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  active_node INTEGER NOT NULL,
+  tip_radius  NOT NULL,               -- m
+  half_width  NOT NULL,               -- of the box they were drawn in, m
+  seed        INTEGER NOT NULL,       -- of the random numbers
+  kind        INTEGER NOT NULL,       -- 0 anywhere in the box, 1 on a walk, 2 near rest
+  number      INTEGER NOT NULL,       -- among those of its kind, from 0
+  t_x, t_y, t_z,                      -- displacement of the active node, m
+  energy,                             -- J
+  force_x, force_y, force_z,          -- that holds the node, N
+  stiffness_xx, stiffness_xy, stiffness_xz,                    -- d force / d t, N/m
+  stiffness_yx, stiffness_yy, stiffness_yz,
+  stiffness_zx, stiffness_zy, stiffness_zz,
+  outcome     INTEGER NOT NULL,       -- as those of a configuration
+  flags       INTEGER NOT NULL,
+  seconds,
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of displacement, seeded with that
+                                      -- of the columns from active_node to seconds, 8 bytes each
+  displacement BLOB,                  -- float32 [up to 64 points of the surface x 3], m; NULL where
+                                      -- it did not converge
+  PRIMARY KEY (scene_id, active_node, tip_radius, half_width, seed, kind, number)
+);
 )sql";
 
 }  // namespace palpate

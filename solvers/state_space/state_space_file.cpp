@@ -217,7 +217,10 @@ struct BindNumber {
   Statement& statement;
   void operator()(double x) const { statement.bind(x); }
   void operator()(std::int32_t x) const { statement.bind(std::int64_t{x}); }
-  void operator()(Outcome x) const { statement.bind(static_cast<std::int64_t>(x)); }
+  template <class Enumeration>
+  void operator()(Enumeration x) const {
+    statement.bind(static_cast<std::int64_t>(x));
+  }
   void operator()(const ThirdDerivative& x) const {
     statement.bind(x.allFinite() ? x.data() : nullptr, sizeof x);
   }
@@ -230,7 +233,10 @@ struct TakeNumber {
   void operator()(std::int32_t& x) const {
     x = static_cast<std::int32_t>(statement.take_integer());
   }
-  void operator()(Outcome& x) const { x = static_cast<Outcome>(statement.take_integer()); }
+  template <class Enumeration>
+  void operator()(Enumeration& x) const {
+    x = static_cast<Enumeration>(statement.take_integer());
+  }
   void operator()(ThirdDerivative& x) const {
     const auto [data, bytes] = statement.take_blob();
     x.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -266,7 +272,10 @@ struct GatherNumber {
     bits.push_back(of_x);
   }
   void operator()(std::int32_t x) const { bits.push_back(x); }
-  void operator()(Outcome x) const { bits.push_back(static_cast<std::int64_t>(x)); }
+  template <class Enumeration>
+  void operator()(Enumeration x) const {
+    bits.push_back(static_cast<std::int64_t>(x));
+  }
   void operator()(const ThirdDerivative& x) const {
     if (!x.allFinite()) return;
     for (const double component : x) (*this)(component);
@@ -322,6 +331,22 @@ std::int64_t checksum(Index active_node, IntermediateState state) {
   std::vector<std::int64_t> bits{active_node};
   for_each_number_of_intermediate(state, GatherNumber{bits});
   return checksum(bits);
+}
+
+constexpr char kTestPointColumns[] =
+    "kind, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, stiffness_xx, stiffness_xy, "
+    "stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, stiffness_zx, stiffness_zy, "
+    "stiffness_zz, outcome, flags, seconds";
+constexpr int kNumTestPointColumns = 21;
+
+std::int64_t checksum(const TestSet& set, const TestPoint& point) {
+  std::vector<std::int64_t> bits{set.active_node, set.seed};
+  GatherNumber{bits}(set.tip_radius);
+  GatherNumber{bits}(set.half_width);
+  for_each_number_of_test_point(point, GatherNumber{bits});
+  const auto size = static_cast<std::size_t>(point.displacement.size()) * sizeof(float);
+  return static_cast<std::int64_t>(XXH3_64bits_withSeed(
+      point.displacement.data(), size, static_cast<XXH64_hash_t>(checksum(bits))));
 }
 
 /// Whether they are those of a body with so many points; p may have any length.
@@ -860,6 +885,52 @@ StateSpace StateSpaceFile::read(bool with_fields) const {
   return space;
 }
 
+void StateSpaceFile::add(const TestSet& set, const TestPoint& point) {
+  std::string parameters = "1, ?, ?, ?, ?";
+  for (int c = 0; c < kNumTestPointColumns + 2; ++c) parameters += ", ?";
+  Statement insert(impl_->database,
+                   std::string("INSERT OR IGNORE INTO test_point (scene_id, active_node, "
+                               "tip_radius, half_width, seed, ") +
+                       kTestPointColumns + ", checksum, displacement) VALUES (" + parameters + ')');
+  insert.bind(std::int64_t{set.active_node});
+  insert.bind(set.tip_radius);
+  insert.bind(set.half_width);
+  insert.bind(set.seed);
+  for_each_number_of_test_point(point, BindNumber{insert});
+  insert.bind(checksum(set, point));
+  const auto size = static_cast<std::size_t>(point.displacement.size()) * sizeof(float);
+  insert.bind(size == 0 ? nullptr : point.displacement.data(), size);
+  insert.run();
+}
+
+std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) const {
+  Statement select(impl_->database,
+                   std::string("SELECT ") + kTestPointColumns +
+                       ", checksum, displacement FROM test_point WHERE scene_id = 1 AND active_node "
+                       "= ? AND tip_radius = ? AND half_width = ? AND seed = ? ORDER BY kind, number");
+  select.bind(std::int64_t{set.active_node});
+  select.bind(set.tip_radius);
+  select.bind(set.half_width);
+  select.bind(set.seed);
+  std::vector<TestPoint> points;
+  while (select.step()) {
+    TestPoint& point = points.emplace_back();
+    for_each_number_of_test_point(point, TakeNumber{select, path()});
+    const std::int64_t stored_checksum = select.take_integer();
+    const Statement::Blob blob = select.take_blob();
+    point.displacement.resize(static_cast<Eigen::Index>(blob.bytes / sizeof(float)));
+    if (blob.bytes > 0) {
+      std::memcpy(point.displacement.data(), blob.data,
+                  static_cast<std::size_t>(point.displacement.size()) * sizeof(float));
+    }
+    if (checksum(set, point) != stored_checksum) {
+      throw_damaged(path(), "test point " + std::to_string(point.number) + " of active node " +
+                                std::to_string(set.active_node));
+    }
+  }
+  return points;
+}
+
 void StateSpaceFile::merge(const std::vector<fs::path>& others) {
   const Database& database = impl_->database;
   for (const fs::path& other_path : others) {
@@ -907,6 +978,7 @@ void StateSpaceFile::merge(const std::vector<fs::path>& others) {
           node + " ORDER BY i, j, k, number");
       transaction.commit();
     }
+    database.execute("INSERT OR IGNORE INTO main.test_point SELECT * FROM other.test_point");
   }
 }
 

@@ -10,6 +10,7 @@
 //                  base/outcome.h
 //   transition     which level is reached from where, in a space with levels
 //   intermediate   states on the way to each configuration, where they were asked for
+//   test_point     equilibria beside the configurations, see state_space/test_point.h
 //
 // schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
 // or uint8. scene_id is 1; it and parent_scene_id leave room for a body whose topology changes.
@@ -34,6 +35,7 @@
 #include <vector>
 
 #include "state_space/state_space.h"
+#include "state_space/test_point.h"
 
 namespace palpate {
 
@@ -114,7 +116,12 @@ class StateSpaceFile {
   /// Everything; without fields unless `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
-  /// Takes over sites and configurations of other files of the same scene, such as those of the
+  /// Adds a test point, unless it is there. Needs no site.
+  void add(const TestSet& set, const TestPoint& point);
+  /// Those of a set, in the order of operator<.
+  [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
+
+  /// Takes over sites, configurations and test points of other files of the same scene, such as those of the
   /// ranks of a run. What is here stays, except that a configuration that converged there replaces
   /// one that did not converge here. The other files stay as they are; killed half-way, it can be
   /// done again.

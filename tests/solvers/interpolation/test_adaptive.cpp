@@ -204,11 +204,12 @@ TEST(Adaptive, HangingNodesOfOneSplitCell) {
     EXPECT_TRUE(p[0] == 0 || p[1] == 0 || p[2] == 0);
     EXPECT_EQ(grid.leaf(hanging.leaf).cell.side, 2);
   }
-  // A larger leaf without a usable corner holds nothing back.
+  // On a leaf that lacks a usable corner they hang too, where that is asked for.
   for (const CheckPoint& p : {CheckPoint{2, 0, 0}, CheckPoint{0, 2, 0}, CheckPoint{0, 0, 2}}) {
     test::at(site, p).outcome = Outcome::not_converged;
   }
-  EXPECT_TRUE(CheckPointGrid(site).hanging_nodes().empty());
+  EXPECT_EQ(CheckPointGrid(site).hanging_nodes().size(), 12U);
+  EXPECT_TRUE(CheckPointGrid(site).hanging_on_complete().empty());
 }
 
 // A grid in which every cell is split is the uniform one.
@@ -343,18 +344,6 @@ TEST(Adaptive, MarkedLeavesOfAnySizeSaySo) {
     EXPECT_EQ(interpolator->evaluate(site.site.spacing() * x).found,
               marked ? Found::marked : Found::inside);
   }
-}
-
-// What a leaf lacks is answered from the nearest usable node, larger leaves being no exception.
-TEST(Adaptive, BesideAHoleTaylorOfTheNearestNode) {
-  TouchSite site = graded_site(exponential);
-  test::at(site, {-32, -32, -32}).outcome = Outcome::not_converged;
-  const auto interpolator = make_interpolator(Method::energy_hermite, site);
-  const ConfigurationSummary& nearest = test::at(site, {-16, -32, -32});
-  const Vec3 offset = site.site.spacing() * Vec3(-6, 3, 1);
-  const TouchResult r = interpolator->evaluate(nearest.t + offset);
-  EXPECT_EQ(r.found, Found::extrapolated);
-  EXPECT_LT((r.force - nearest.force - nearest.stiffness * offset).norm(), 1e-9);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <limits>
 
 #include "base/error.h"
@@ -31,28 +32,38 @@ TEST(CheckPointGrid, LocatesWithinTheBoxAndOnItsBorder) {
   const auto outside = grid.locate(h * Vec3(0.25, -4, 3.5));
   EXPECT_EQ(outside.place, Place::beside_cell);
   EXPECT_LT((outside.offset - h * Vec3(0, -1, 0.5)).norm(), 1e-15);
+  EXPECT_LT((outside.x - Vec3(0.25, -3, 3)).norm(), 1e-14);
   EXPECT_EQ(outside.s, Vec3(outside.s.x(), 0, 1));
 }
 
-TEST(CheckPointGrid, CellsThatLackACornerGiveTheNearestUsableCheckPoint) {
+TEST(CheckPointGrid, NodesThatAreNotUsableKnowTheNearestThatIs) {
   TouchSite site = analytic_site(exponential);
+  EXPECT_FALSE(CheckPointGrid(site).has_ghosts());
   at(site, {1, 1, 1}).outcome = Outcome::not_converged;
   at(site, {0, 0, 2}).stiffness(1, 1) = std::numeric_limits<double>::quiet_NaN();
+  for (ConfigurationSummary& c : site.configurations) {
+    if (c.check_point[2] == -3) c.outcome = Outcome::not_converged;
+  }
   const CheckPointGrid grid(site);
+  EXPECT_TRUE(grid.has_ghosts());
+  for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
+    const CheckPoint p = grid.tree().point(n);
+    const CheckPoint q = grid.tree().point(grid.nearest(n));
+    EXPECT_TRUE(grid.usable(grid.nearest(n)));
+    if (grid.usable(n)) {
+      EXPECT_EQ(p, q);
+    } else if (p[2] == -3) {
+      EXPECT_EQ(q, (CheckPoint{p[0], p[1], -2}));
+    } else {
+      EXPECT_EQ(std::abs(q[0] - p[0]) + std::abs(q[1] - p[1]) + std::abs(q[2] - p[2]), 1);
+    }
+  }
   const double h = grid.spacing();
-  const auto near_corner = grid.locate(h * Vec3(0.2, 0.3, 0.9));
-  EXPECT_EQ(near_corner.place, Place::check_point);
-  EXPECT_EQ(near_corner.node, grid.tree().find({0, 0, 1}));
-  EXPECT_LT((near_corner.offset - h * Vec3(0.2, 0.3, -0.1)).norm(), 1e-15);
-  const auto near_failed = grid.locate(h * Vec3(0.9, 0.9, 0.9));
-  EXPECT_EQ(near_failed.place, Place::check_point);
-  EXPECT_TRUE(grid.usable(near_failed.node));
-  EXPECT_LE(near_failed.offset.norm(), 1.2 * h);
-  // A side that a complete cell shares belongs to that.
-  const auto on_side = grid.locate(h * Vec3(0, 0.5, 0.5));
-  EXPECT_EQ(on_side.place, Place::cell);
-  EXPECT_EQ(grid.leaf(on_side.leaf).cell, (Cell{{-1, 0, 0}, 1}));
-  EXPECT_EQ(on_side.s.x(), 1);
+  const auto in_ghost_cell = grid.locate(h * Vec3(0.9, 0.9, 0.9));
+  EXPECT_EQ(in_ghost_cell.place, Place::cell);
+  EXPECT_EQ(in_ghost_cell.found, Found::extrapolated);
+  EXPECT_FALSE(grid.is_complete(in_ghost_cell.leaf));
+  EXPECT_EQ(grid.locate(h * Vec3(-0.1, 0.9, 0.9)).found, Found::inside);
 }
 
 TEST(CheckPointGrid, MarksCells) {
@@ -60,12 +71,12 @@ TEST(CheckPointGrid, MarksCells) {
     TouchSite site = analytic_site(exponential);
     at(site, {1, 1, 1}).flags = flag | flags::beyond_force_limit;
     const CheckPointGrid grid(site);
-    EXPECT_TRUE(grid.locate(grid.spacing() * Vec3(1.9, 0.1, 0.5)).marked);
-    EXPECT_FALSE(grid.locate(grid.spacing() * Vec3(2.1, 0.1, 0.5)).marked);
+    EXPECT_EQ(grid.locate(grid.spacing() * Vec3(1.9, 0.1, 0.5)).found, Found::marked);
+    EXPECT_EQ(grid.locate(grid.spacing() * Vec3(2.1, 0.1, 0.5)).found, Found::inside);
   }
   TouchSite site = analytic_site(exponential);
   at(site, {1, 1, 1}).flags = flags::beyond_force_limit | flags::inertia_not_computed;
-  EXPECT_FALSE(CheckPointGrid(site).locate(Vec3(0.005, 0.005, 0.005)).marked);
+  EXPECT_EQ(CheckPointGrid(site).locate(Vec3(0.005, 0.005, 0.005)).found, Found::inside);
 }
 
 TEST(CheckPointGrid, TakesTheFirstUsableLevel) {
@@ -86,7 +97,8 @@ TEST(CheckPointGrid, OneCheckPoint) {
   TouchSite site = analytic_site(exponential, 1);
   const CheckPointGrid grid(site);
   const auto found = grid.locate(Vec3(0.01, 0, 0));
-  EXPECT_EQ(found.place, Place::check_point);
+  EXPECT_EQ(found.place, Place::rest);
+  EXPECT_EQ(found.found, Found::extrapolated);
   EXPECT_EQ(found.offset, Vec3(0.01, 0, 0));
   site.configurations[0].outcome = Outcome::aborted;
   EXPECT_EQ(CheckPointGrid(site).locate(Vec3::Zero()).place, Place::nowhere);

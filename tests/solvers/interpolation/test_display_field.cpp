@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "solvers/interpolation/analytic_site.h"
 
 namespace palpate {
@@ -85,12 +87,14 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
       (c.cast<double>() - quadratic.value(border) - quadratic.gradient(border) * offset).norm(),
       kSingle);
 
-  const Vec3 nearest = at(site, {2, 1, 1}).t;
-  const Vec3 step(-0.001, 0.0005, 0);
-  EXPECT_EQ(field.coefficients(nearest + step, c.data()), Found::extrapolated);
-  EXPECT_LT(
-      (c.cast<double>() - quadratic.value(nearest) - quadratic.gradient(nearest) * step).norm(),
-      kSingle);
+  // At the hole itself stands the expansion at the nearest node.
+  const Vec3 hole = at(site, {1, 1, 1}).t;
+  const Vec3 nearest = at(site, {0, 1, 1}).t;
+  EXPECT_EQ(field.coefficients(hole, c.data()), Found::extrapolated);
+  EXPECT_LT((c.cast<double>() - quadratic.value(nearest) -
+             quadratic.gradient(nearest) * (hole - nearest))
+                .norm(),
+            kSingle);
 
   test::RandomPoints points(1.5 * kHalfWidth);
   for (int i = 0; i < 500; ++i) {
@@ -100,6 +104,41 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
   }
   EXPECT_EQ(field.coefficients(Vec3::Constant(std::nan("")), c.data()), Found::no);
   EXPECT_TRUE(c.isZero(0));
+}
+
+TEST(DisplayField, IsContinuousBesideHoles) {
+  TouchSite site = analytic_site(exponential);
+  const auto n = static_cast<Eigen::Index>(site.configurations.size());
+  site.coefficients.setRandom(kModes, n);
+  site.coefficient_gradients.setRandom(3 * kModes, n);
+  std::mt19937 random(3);
+  for (ConfigurationSummary& c : site.configurations) {
+    if (random() % 4 == 0) c.outcome = Outcome::not_converged;
+  }
+  const DisplayField field(site);
+  const double h = site.site.spacing();
+  test::RandomPoints points(1.2 * kHalfWidth);
+  Eigen::VectorXf a(kModes);
+  Eigen::VectorXf b(kModes);
+  for (int i = 0; i < 20000; ++i) {
+    Vec3 t = points();
+    const int axis = i % 3;
+    t[axis] = h * (i % 7 - 3);
+    const Vec3 across = 1e-12 * Vec3::Unit(axis);
+    field.coefficients(t - across, a.data());
+    field.coefficients(t + across, b.data());
+    ASSERT_LT((a - b).norm(), 2e-6) << t.transpose();
+  }
+}
+
+TEST(DisplayField, FarOutNothingIsFound) {
+  const DisplayField field(quadratic_site(Quadratic()));
+  Eigen::VectorXf c(kModes);
+  for (double far : {1.0, 1e30, 1e39, 1e300, 1e308}) {
+    const Found found = field.coefficients(Vec3(far, -far, far), c.data());
+    EXPECT_TRUE(c.allFinite()) << far;
+    EXPECT_EQ(found, far < 1e38 ? Found::extrapolated : Found::no);
+  }
 }
 
 TEST(DisplayField, SiteWithoutModes) {

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "interpolation/interpolator.h"
 #include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/methods.h"
 
 namespace palpate {
 namespace {
@@ -23,6 +24,13 @@ class AnyMethod : public testing::TestWithParam<Method> {
   }
 };
 
+/// What is left at a check-point, as a share of the largest values: rounding; of a dense system that
+/// of its condition.
+double rounding(Method method) {
+  if (method == Method::rbf_linear) return 1e-13;
+  return method == Method::rbf_cubic ? 1e-11 : 0;
+}
+
 bool is_finite(const TouchResult& r) {
   return std::isfinite(r.energy) && r.force.allFinite() && r.stiffness.allFinite();
 }
@@ -33,8 +41,9 @@ TEST_P(AnyMethod, IsExactAtTheCheckPoints) {
   for (const ConfigurationSummary& c : site.configurations) {
     const TouchResult r = interpolator->evaluate(c.t);
     EXPECT_EQ(r.found, Found::inside);
-    EXPECT_NEAR(r.energy, c.energy, 1e-13 * std::abs(c.energy));
-    EXPECT_LT((r.force - c.force).norm(), 1e-12 * (1 + c.force.norm()));
+    EXPECT_NEAR(r.energy, c.energy, (1e-13 + rounding(GetParam())) * std::abs(c.energy));
+    EXPECT_LT((r.force - c.force).norm(),
+              (1e-12 + rounding(GetParam())) * (1 + c.force.norm()));
   }
 }
 
@@ -46,7 +55,7 @@ TEST_P(AnyMethod, RestGivesTheStoredForce) {
     return s;
   });
   at(site, {0, 0, 0}).force.setZero();
-  EXPECT_TRUE(make(site)->evaluate(Vec3::Zero()).force.isZero(0));
+  EXPECT_LE(make(site)->evaluate(Vec3::Zero()).force.norm(), rounding(GetParam()));
 }
 
 TEST_P(AnyMethod, StiffnessIsTheGradientOfTheForce) {
@@ -65,7 +74,7 @@ TEST_P(AnyMethod, StiffnessIsTheGradientOfTheForce) {
   }
 }
 
-TEST_P(AnyMethod, ForceIsContinuousEverywhereButBesideHoles) {
+TEST_P(AnyMethod, ForceIsContinuousAcrossCellsAndAtTheBorder) {
   const auto interpolator = make(analytic_site(exponential));
   const double h = 2 * kHalfWidth / 6;
   test::RandomPoints points(1.6 * kHalfWidth);
@@ -92,24 +101,6 @@ TEST_P(AnyMethod, OutsideTheForceFollowsTheStiffness) {
   EXPECT_EQ(out.found, Found::extrapolated);
   EXPECT_LT((out.force - at_border.force - out.stiffness * Vec3(0.004, 0, 0)).norm(), 1e-9);
   EXPECT_GT((out.stiffness * Vec3(0.004, 0, 0)).x(), 0);
-}
-
-TEST_P(AnyMethod, BesideAHoleTaylorOfTheNearestCheckPoint) {
-  TouchSite site = analytic_site(exponential);
-  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
-  at(site, {1, 1, 1}).force.setConstant(std::numeric_limits<double>::quiet_NaN());
-  const auto interpolator = make(site);
-  const ConfigurationSummary& nearest = at(site, {2, 1, 1});
-  const Vec3 offset(-0.001, 0.0005, 0.0003);
-  const TouchResult r = interpolator->evaluate(nearest.t + offset);
-  EXPECT_EQ(r.found, Found::extrapolated);
-  EXPECT_LT((r.force - nearest.force - nearest.stiffness * offset).norm(), 1e-9);
-  EXPECT_NEAR(
-      r.energy,
-      nearest.energy + nearest.force.dot(offset) + 0.5 * offset.dot(nearest.stiffness * offset),
-      1e-12);
-  test::RandomPoints points(2 * kHalfWidth);
-  for (int i = 0; i < 2000; ++i) EXPECT_TRUE(is_finite(interpolator->evaluate(points())));
 }
 
 // Configurations that were never computed: beyond the force limit nothing is expanded.
@@ -195,10 +186,7 @@ TEST_P(AnyMethod, OutlivesItsSite) {
   EXPECT_EQ(interpolator->evaluate(Vec3(0.001, 0.002, 0.003)).force, before.force);
 }
 
-INSTANTIATE_TEST_SUITE_P(, AnyMethod, testing::Values(Method::trilinear, Method::energy_hermite),
-                         [](const auto& method) {
-                           return method.param == Method::trilinear ? "Trilinear" : "EnergyHermite";
-                         });
+INSTANTIATE_TEST_SUITE_P(, AnyMethod, testing::ValuesIn(test::interpolating_methods()), test::name_of_method);
 
 TEST(Trilinear, ReproducesTrilinearForcesAndItsStiffnessIsNotSymmetrised) {
   TouchSite site = analytic_site(exponential);
@@ -270,7 +258,7 @@ TEST(UniformGrid, GivesTheKnownResults) {
 }
 
 TEST(MakeInterpolator, RefusesMethodsThatAreNotThere) {
-  EXPECT_THROW((void)make_interpolator(static_cast<Method>(1), analytic_site(exponential, 3)),
+  EXPECT_THROW((void)make_interpolator(static_cast<Method>(9), analytic_site(exponential, 3)),
                InputError);
   EXPECT_EQ(to_string(Method::energy_hermite), "Energy Hermite");
 }

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/ghost.h"
+
+namespace palpate {
+
+NodeData node_data(const CheckPointGrid& grid,
+                   const std::vector<ConfigurationSummary>& configurations, std::int32_t node,
+                   bool with_third_derivatives) {
+  const std::int32_t nearest = grid.nearest(node);
+  const ConfigurationSummary& c = configurations[grid.configuration(nearest)];
+  NodeData data;
+  data.energy = c.energy;
+  data.force = c.force;
+  data.stiffness = c.stiffness;
+  const bool has_third = with_third_derivatives && c.has_third_derivative();
+  if (has_third) data.third_derivative = c.third_derivative;
+  if (nearest == node) return data;
+
+  const CheckPoint to = grid.tree().point(node);
+  const CheckPoint from = grid.tree().point(nearest);
+  const Vec3 offset =
+      grid.spacing() * Vec3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  Mat3 change = Mat3::Zero();
+  if (has_third) {
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) {
+        for (int i = 0; i < 3; ++i) {
+          change(a, b) += c.third_derivative[kThirdIndex[a][b][i]] * offset[i];
+        }
+      }
+    }
+  }
+  data.energy += offset.dot(c.force + (0.5 * c.stiffness + change / 6) * offset);
+  data.force += (c.stiffness + 0.5 * change) * offset;
+  data.stiffness += change;
+  return data;
+}
+
+}  // namespace palpate

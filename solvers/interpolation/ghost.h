@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What interpolation takes from a node: of its configuration, or where it has no usable one, of a
+// ghost. A ghost is the Taylor expansion at the nearest usable node, a distance Δ away:
+//
+//   Π + h·Δ + ½ Δ·kΔ + ⅙ T(Δ,Δ,Δ),   h + kΔ + ½ T(Δ,Δ),   k + TΔ,   T
+//
+// T where it is known and wanted, else 0. A node has one value for all the leaves around it, so that
+// what is interpolated does not jump beside a hole.
+#pragma once
+
+#include <vector>
+
+#include "interpolation/check_point_grid.h"
+
+namespace palpate {
+
+/// Place of ∂³Π/∂t_a∂t_b∂t_c in ThirdDerivative.
+inline constexpr int kThirdIndex[3][3][3] = {{{0, 1, 2}, {1, 3, 4}, {2, 4, 5}},
+                                             {{1, 3, 4}, {3, 6, 7}, {4, 7, 8}},
+                                             {{2, 4, 5}, {4, 7, 8}, {5, 8, 9}}};
+
+struct NodeData {
+  /// J.
+  double energy = 0;
+  /// N.
+  Vec3 force = Vec3::Zero();
+  /// N/m.
+  Mat3 stiffness = Mat3::Zero();
+  /// N/m²; NaN where it is not known.
+  ThirdDerivative third_derivative =
+      ThirdDerivative::Constant(std::numeric_limits<double>::quiet_NaN());
+
+  [[nodiscard]] bool has_third_derivative() const { return third_derivative.allFinite(); }
+};
+
+/// @param node Of a grid that has a usable one.
+[[nodiscard]] NodeData node_data(const CheckPointGrid& grid,
+                                 const std::vector<ConfigurationSummary>& configurations,
+                                 std::int32_t node, bool with_third_derivatives = true);
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/linear.h"
+
+#include "base/error.h"
+
+namespace palpate {
+
+Linear::Linear(const TouchSite& site) : Interpolator(site) {
+  const std::int32_t rest = grid().tree().find({0, 0, 0});
+  if (rest < 0 || !grid().usable(rest)) {
+    throw InputError("The site at active node " + std::to_string(site.site.active_node) +
+                     " has no usable configuration at rest, whose stiffness 'Linear' takes. " +
+                     "Choose another interpolation.");
+  }
+  stiffness_ = site.configurations[grid().configuration(rest)].stiffness;
+  set_linear_from_rest({Vec3::Zero(), stiffness_, 0, Found::extrapolated});
+  set_num_samples(1);
+}
+
+TouchResult Linear::do_evaluate(const Location& at) const noexcept {
+  const Vec3 t = grid().spacing() * at.x;
+  TouchResult result;
+  result.force = stiffness_ * t;
+  result.stiffness = stiffness_;
+  result.energy = 0.5 * t.dot(result.force);
+  return result;
+}
+
+}  // namespace palpate

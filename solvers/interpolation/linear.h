@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The force of a linear body: the stiffness at rest times t, and Π = ½ t·k t. All that elementary
+// displacements [Cotin] give for one node; a baseline.
+//
+// [Cotin] Cotin, Delingette & Ayache, Real-time Elastic Deformations of Soft Tissues for Surgery
+// Simulation, IEEE TVCG 5 (1999).
+#pragma once
+
+#include "interpolation/interpolator.h"
+
+namespace palpate {
+
+class Linear final : public Interpolator {
+ public:
+  /// @throws InputError there is no usable configuration at rest; and as Interpolator.
+  explicit Linear(const TouchSite& site);
+
+ private:
+  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override;
+  [[nodiscard]] std::size_t do_bytes() const override { return sizeof stiffness_; }
+
+  Mat3 stiffness_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The stiffness of the configurations, trilinear between them: continuous, which the gradient of an
+// interpolated force need not be.
+#pragma once
+
+#include <vector>
+
+#include "interpolation/check_point_grid.h"
+
+namespace palpate {
+
+/// Immutable, and holds all it needs but the grid.
+class NodalStiffness {
+ public:
+  NodalStiffness(const CheckPointGrid& grid,
+                 const std::vector<ConfigurationSummary>& configurations,
+                 bool with_third_derivatives);
+
+  /// N/m.
+  /// @note Realtime-safe.
+  [[nodiscard]] Mat3 at(const CellTree::Leaf& leaf, const Vec3& s) const noexcept;
+
+  [[nodiscard]] std::size_t bytes() const { return nodes_.size() * sizeof(Mat3); }
+
+ private:
+  std::vector<Mat3> nodes_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Radial basis functions [P08, 4.2]: of the force, component by component, and of the energy,
+//
+//   f(x) = Σ w_i φ(|x − x_i|) + p(x),   φ(r) = r or r³,   Σ w_i q(x_i) = 0 for each q like p,
+//
+// through the values at all centres x_i at once: the usable configurations, one a check-point, and
+// the usable intermediate states. p is a linear polynomial or not there. x is t in spacings.
+//
+// The stiffness is the exact gradient of the interpolated force, and is not symmetrised; at a centre
+// that of r, which has none, counts as 0. The interpolated force is not the gradient of an energy.
+//
+// A dense system of as many unknowns as there are centres is solved once: its time grows with the
+// cube of their number, that of an evaluation with the number.
+//
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
+// Approximation, EuroHaptics 2008.
+#pragma once
+
+#include <memory>
+
+#include "interpolation/interpolator.h"
+
+namespace palpate {
+
+/// @param method Method::rbf_linear or Method::rbf_cubic.
+/// @throws InputError as Interpolator.
+[[nodiscard]] std::unique_ptr<Interpolator> make_radial_basis(Method method, const TouchSite& site,
+                                                              const InterpolationOptions& options);
+
+}  // namespace palpate
