@@ -35,8 +35,7 @@ struct PrecomputeOptions {
   /// Automatic with a tolerance is flat.
   History history = History::automatic;
   /// Equilibria at equal parts of the straight way to each configuration of level 0, as more places
-  /// at which the force is known [P08]; each costs about as much as a configuration without its
-  /// tangent.
+  /// at which the force is known [P08]; each costs about 60 % of a configuration.
   int intermediate_states = 0;
   /// Where the space is kept and resumed; empty: in memory alone.
   std::filesystem::path file;
