@@ -2,8 +2,8 @@
 // From a scene to a state space: the transitions that a frontier asks for are made on all ranks, and
 // what they find is recorded.
 //
-// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space Approximation,
-// EuroHaptics 2008.
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
+// Approximation, EuroHaptics 2008.
 #pragma once
 
 #include <filesystem>
@@ -119,8 +119,8 @@ using Progress = std::function<bool(const ProgressState&)>;
 /// @param scene The same on every rank.
 /// @note Collective
 /// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of
-///   its range; more ranks a solve than there are; a file of another scene, or of a space that holds
-///   other things, see StateSpaceFile::add_site.
+///   its range; more ranks a solve than there are; a file of another scene, or of a space that
+///   holds other things, see StateSpaceFile::add_site.
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                                           Communicator& communicator, const Progress& progress);
 

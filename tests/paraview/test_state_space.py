@@ -306,8 +306,8 @@ def test_additions():
 
     with sqlite3.connect("file:additions.palpate?mode=ro", uri=True) as database:
         for check_point, t in zip(configurations["CheckPoint"], third):
-            (blob,), = database.execute("SELECT third_derivative FROM configuration WHERE i = ? AND "
-                                        "j = ? AND k = ?", [int(x) for x in check_point])
+            (blob,), = database.execute("SELECT third_derivative FROM configuration WHERE i = ? "
+                                        "AND j = ? AND k = ?", [int(x) for x in check_point])
             assert (numpy.frombuffer(blob) == t).all()
         assert database.execute("SELECT count(*) FROM intermediate").fetchone() == (26 * 5,)
     # T is the derivative of the stiffness; between neighbours far apart only roughly.
