@@ -13,8 +13,8 @@ namespace {
 const Vec3 kPull(-0.008, 0.006, 0.007);
 /// Of the differences of k: a fiftieth of the pull, extrapolated to O(h⁶).
 constexpr double kStep = 2e-4;
-/// The strain of a second difference is 1e-3, its error about the square.
-constexpr double kDifference = 1e-5;
+/// The strain of a second difference is 3e-4: its error is about the square.
+constexpr double kDifference = 1e-6;
 /// v of an iterated tangent is off by up to 1e-4, and T by thrice that.
 constexpr double kIterated = 3e-4;
 

@@ -8,8 +8,6 @@ import sqlite3
 import struct
 import tempfile
 
-# On the way to each configuration, as palpate_test_explore asks for.
-INTERMEDIATE_STATES = 2
 # Two runs that reach a configuration from the same start find the same numbers but for rounding.
 AGREEMENT = 1e-7
 
@@ -36,12 +34,14 @@ def configurations(file):
                 if ("configuration",) not in tables:
                     continue
                 ways = {}
+                states_of = dict(database.execute(
+                    "SELECT active_node, intermediate_states FROM site"))
                 for row in database.execute(
                         "SELECT active_node, i, j, k, outcome, energy, force_x, force_y, force_z, u"
                         " FROM configuration"):
                     if row[4] == 0:
                         found[row[:4]] = (row[5], row[6:9], row[9])
-                        ways[row[:4]] = 0 if row[1:4] == (0, 0, 0) else INTERMEDIATE_STATES
+                        ways[row[:4]] = 0 if row[1:4] == (0, 0, 0) else states_of[row[0]]
                 num_states = dict.fromkeys(ways, 0)
                 for *key, count in database.execute(
                         "SELECT active_node, i, j, k, count(*) FROM intermediate"

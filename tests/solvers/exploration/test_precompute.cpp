@@ -99,6 +99,12 @@ class Precompute : public testing::Test {
   test::Block block_ = test::make_block(Law::neo_hookean);
   PrecomputeOptions options_;
   Progress progress_;
+  /// A body for many short runs.
+  void make_small() {
+    block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear});
+    options_.active_nodes = {block_.corner};
+  }
+
   fs::path folder_;
 };
 
@@ -465,7 +471,7 @@ void remove_additions(TouchSpace& space) {
 
 // [P08]: five between a start and its target.
 TEST_F(Precompute, IntermediateStatesLieBetweenAStartAndItsTarget) {
-  options_.active_nodes = {block_.corner};
+  make_small();
   options_.resolution = 3;
   PrecomputeResult plain = run(*world_);
   options_.intermediate_states = 5;
@@ -512,8 +518,8 @@ TEST_F(Precompute, IntermediateStatesLieBetweenAStartAndItsTarget) {
 }
 
 TEST_F(Precompute, WhatASpaceHoldsInAdditionIsTheSameOnAnyNumberOfRanksInAFileAndResumed) {
-  options_.active_nodes = {block_.corner};
-  options_.intermediate_states = 2;
+  make_small();
+  options_.intermediate_states = 1;
   options_.equilibrium.third_derivatives = true;
   options_.half_width = 0.04;
   options_.force_limit = 0.4;
@@ -530,7 +536,7 @@ TEST_F(Precompute, WhatASpaceHoldsInAdditionIsTheSameOnAnyNumberOfRanksInAFileAn
     for (const ConfigurationSummary& c : site.configurations) {
       num_targets += c.usable() && c.check_point != CheckPoint{} ? 1 : 0;
     }
-    EXPECT_EQ(static_cast<std::int64_t>(site.intermediate_states.size()), 2 * num_targets);
+    EXPECT_EQ(static_cast<std::int64_t>(site.intermediate_states.size()), num_targets);
     EXPECT_GT(num_targets, 0);
   }
   agree(*world_, [] {});
@@ -550,37 +556,30 @@ TEST_F(Precompute, WhatASpaceHoldsInAdditionIsTheSameOnAnyNumberOfRanksInAFileAn
     expect_equal(run(*serial_).space, in_memory.space);
     options_.file = folder_ / "a.palpate";
   }
-  options_.intermediate_states = 3;
-  EXPECT_THROW((void)run(*world_), InputError);
   options_.intermediate_states = 2;
+  EXPECT_THROW((void)run(*world_), InputError);
+  options_.intermediate_states = 1;
   options_.equilibrium.third_derivatives = false;
   EXPECT_THROW((void)run(*world_), InputError);
 }
 
-// Failed ones are kept with their outcome, and those of a target that failed are not sought.
-TEST_F(Precompute, IntermediateStatesMayFailWhereTheirTargetDoesNot) {
-  options_.active_nodes = {block_.corner};
+TEST_F(Precompute, NoIntermediateStatesAreSoughtOnTheWayToATargetThatFailed) {
+  make_small();
   options_.half_width = 0.05;
   options_.resolution = 5;
   options_.intermediate_states = 1;
   options_.equilibrium.max_halvings = 0;
   options_.equilibrium.max_iterations = 14;
   const PrecomputeResult result = run(*world_);
-  if (world_->rank() != 0) return;
-  std::int64_t failed = 0;
-  for (const IntermediateState& state : result.space.sites.front().intermediate_states) {
-    failed += state.usable() ? 0 : 1;
-  }
   const auto& outcomes = result.report.num_by_outcome;
   ASSERT_EQ(outcomes.count(Outcome::not_converged), 1U);
   EXPECT_EQ(result.report.num_intermediate_states, outcomes.at(Outcome::converged) - 1);
-  EXPECT_EQ(failed, result.report.num_intermediate_states_failed);
 }
 
 TEST_F(Precompute, ASpaceThatRefinesItselfHasIntermediateStatesToo) {
-  options_.active_nodes = {block_.corner};
+  make_small();
   options_.half_width = 0.03;
-  options_.tolerance = 0.02;
+  options_.tolerance = 3e-4;
   options_.intermediate_states = 1;
   const PrecomputeResult result = run(*world_);
   EXPECT_GT(result.report.num_solved, 125);
