@@ -2,9 +2,10 @@
 """Where the error sits: test points as balls in front of the organ."""
 from paraview.simple import *
 
-from pictures import INK, PALE, SIZE, VIEW_FROM
+from pictures import INK, SIZE, VIEW_FROM
 from sources import source_of
 
+MESH = (0.6,) * 3
 # Of a ball, in sides of the box of test points.
 BALL = 0.02
 SCALE = ((0.05, 0.19, 0.42), (0.28, 0.58, 0.72), (0.96, 0.87, 0.60), (0.88, 0.42, 0.16),
@@ -26,7 +27,7 @@ class Where:
         display = Show(body, self.view)
         display.Representation = "Wireframe"
         display.ColorArrayName = ["POINTS", ""]
-        display.AmbientColor = display.DiffuseColor = PALE
+        display.AmbientColor = display.DiffuseColor = MESH
         bounds = points.GetBounds()
         side = max(bounds[2 * k + 1] - bounds[2 * k] for k in range(3))
         centre = [0.5 * (bounds[2 * k] + bounds[2 * k + 1]) for k in range(3)]

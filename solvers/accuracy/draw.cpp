@@ -2,6 +2,7 @@
 #include "accuracy/draw.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "schedule/home.h"
@@ -45,6 +46,16 @@ void add_walk(const TestSet& set, int walk, int length, std::vector<TestPoint>& 
 }
 
 }  // namespace
+
+Vec3 anchor_of(const Vec3& t, double half_width) {
+  const double side = 2 * half_width / kAnchors;
+  Vec3 anchor;
+  for (int k = 0; k < 3; ++k) {
+    const double part = std::clamp(std::floor((t[k] + half_width) / side), 0.0, kAnchors - 1.0);
+    anchor[k] = (part - 0.5 * (kAnchors - 1)) * side;
+  }
+  return anchor;
+}
 
 std::vector<TestPoint> draw_test_points(const TestSet& set, int num) {
   const int num_walk = num / 5;

@@ -16,6 +16,12 @@ inline constexpr double kWalkStep = 1.0 / 12;
 /// How far from rest the points near rest are at most, in half-widths.
 inline constexpr double kNearRest = 0.01;
 
+/// Anchors along an axis: test points anywhere in the box are reached by way of the nearest one.
+inline constexpr int kAnchors = 3;
+
+/// The middle of that of kAnchors³ equal parts of the box that a place lies in.
+[[nodiscard]] Vec3 anchor_of(const Vec3& t, double half_width);
+
 /// @param num Of which a fifth are on walks, a tenth are near rest, and the others anywhere.
 /// @returns Not solved, in the order of operator<.
 [[nodiscard]] std::vector<TestPoint> draw_test_points(const TestSet& set, int num);

@@ -2,10 +2,13 @@
 #include "accuracy/exact.h"
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <type_traits>
 #include <utility>
 
@@ -19,45 +22,63 @@
 namespace palpate {
 namespace {
 
-/// Points anywhere that make a task.
-constexpr std::size_t kTaskSize = 4;
+/// Points of one anchor that make a task, at the most.
+constexpr std::size_t kTaskSize = 16;
 
 TestSet set_of(const Site& site, std::int64_t seed) {
   return {site.active_node, site.tip_radius, site.half_width, seed};
 }
 
-/// Points that one rank solves one after the other: a walk, or a few that begin at rest.
+/// Points that one rank solves one after the other: a walk, or some that have an anchor in common.
 struct Task {
   std::int32_t site = 0;
-  std::int32_t first = 0;
-  std::int32_t count = 0;
+  /// Places in the list of the site's points.
+  std::vector<std::int32_t> points;
 };
 
-/// The tasks of a site.
-/// @param points In their order. @param known A walk is known when all its points are.
+void put(const Task& task, Packer& message) {
+  message.put(task.site);
+  message.put(task.points.size());
+  for (const std::int32_t point : task.points) message.put(point);
+}
+
+Task take_task(Unpacker& content) {
+  Task task;
+  task.site = content.take<std::int32_t>();
+  task.points.resize(content.take<std::size_t>());
+  for (std::int32_t& point : task.points) point = content.take<std::int32_t>();
+  return task;
+}
+
+/// The tasks of a site: of points that are not known; a walk is made whole.
+/// @param known In their order.
 std::vector<Task> make_tasks(std::int32_t site, const std::vector<TestPoint>& points,
-                             const std::vector<TestPoint>& known) {
-  std::vector<Task> tasks;
-  std::size_t begin = 0;
-  const auto close = [&](std::size_t end) {
-    const auto is_known = [&](const TestPoint& point) {
-      return std::binary_search(known.begin(), known.end(), point);
-    };
-    const auto first = points.begin() + static_cast<std::ptrdiff_t>(begin);
-    const auto last = points.begin() + static_cast<std::ptrdiff_t>(end);
-    if (!std::all_of(first, last, is_known)) {
-      tasks.push_back({site, static_cast<std::int32_t>(begin),
-                       static_cast<std::int32_t>(end - begin)});
+                             const std::vector<TestPoint>& known, double half_width) {
+  using Key = std::array<double, 3>;
+  std::map<Key, std::vector<std::int32_t>> of_anchor;
+  std::map<std::int32_t, std::vector<std::int32_t>> of_walk;
+  std::set<std::int32_t> incomplete;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const TestPoint& point = points[i];
+    const auto place = static_cast<std::int32_t>(i);
+    const bool is_known = std::binary_search(known.begin(), known.end(), point);
+    if (point.kind == TestKind::walk) {
+      of_walk[point.number / kWalkLength].push_back(place);
+      if (!is_known) incomplete.insert(point.number / kWalkLength);
+    } else if (!is_known) {
+      const Vec3 anchor = anchor_of(point.t, half_width);
+      of_anchor[{anchor[0], anchor[1], anchor[2]}].push_back(place);
     }
-    begin = end;
-  };
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const TestPoint& last = points[i - 1];
-    const bool walks = last.kind == TestKind::walk;
-    const bool new_walk = walks && points[i].number % kWalkLength == 0;
-    if (points[i].kind != last.kind || new_walk || (!walks && i - begin == kTaskSize)) close(i);
   }
-  if (!points.empty()) close(points.size());
+  std::vector<Task> tasks;
+  for (const std::int32_t walk : incomplete) tasks.push_back({site, of_walk.at(walk)});
+  for (const auto& [anchor, places] : of_anchor) {
+    for (std::size_t first = 0; first < places.size(); first += kTaskSize) {
+      const auto begin = places.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto left = static_cast<std::ptrdiff_t>(std::min(kTaskSize, places.size() - first));
+      tasks.push_back({site, {begin, begin + left}});
+    }
+  }
   return tasks;
 }
 
@@ -109,33 +130,31 @@ class Solver final : public Worker {
       if (rest_.outcome != Outcome::converged) throw InputError(rest_.message);
       held_ = task.site;
     }
-    Equilibrium at = rest_;
-    // A walk goes on, also from the state before one that could not be reached; what led across a
-    // fold once is marked from there on.
+    const auto point_at = [&](std::int32_t i) {
+      return points_[static_cast<std::size_t>(task.site)][static_cast<std::size_t>(i)];
+    };
+    const bool walks = point_at(task.points.front()).kind == TestKind::walk;
+    Equilibrium start = rest_;
+    if (!walks) {
+      const Vec3 anchor = anchor_of(point_at(task.points.front()).t, site.half_width);
+      if (!anchor.isZero()) start = solver_.solve(anchor, rest_);
+      if (start.outcome == Outcome::aborted) return mail.stop();
+      if (!is_regular(start)) start = rest_;
+    }
+    // What led a walk across a fold once is marked from there on.
     Flags on_the_way = 0;
-    for (std::int32_t i = task.first; i < task.first + task.count; ++i) {
-      TestPoint point = points_[static_cast<std::size_t>(task.site)][static_cast<std::size_t>(i)];
-      const bool walks = point.kind == TestKind::walk;
-      Equilibrium found =
-          solver_.solve(point.t, walks ? at : rest_, Tangent::iterated);
+    for (const std::int32_t i : task.points) {
+      TestPoint point = point_at(i);
+      Equilibrium found = solver_.solve(point.t, start, Tangent::iterated);
+      if (!walks && !is_regular(found) && found.outcome != Outcome::aborted) {
+        found = solver_.solve(point.t, rest_, Tangent::iterated);
+      }
       if (found.outcome == Outcome::aborted) return mail.stop();
-      point.energy = found.energy;
-      point.force = found.reaction;
-      point.stiffness = found.stiffness;
-      point.outcome = found.outcome;
-      point.flags = found.flags;
-      point.seconds = found.seconds;
-      if (found.outcome == Outcome::converged) {
-        if (walks) {
-          on_the_way |= found.flags & flags::near_fold;
-          point.flags |= on_the_way;
-        }
-        point.displacement.resize(3 * static_cast<Eigen::Index>(samples_.size()));
-        for (std::size_t s = 0; s < samples_.size(); ++s) {
-          point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s)) =
-              found.u.segment<3>(3 * Eigen::Index{samples_[s]}).cast<float>();
-        }
-        if (walks) at = std::move(found);
+      take(found, point);
+      if (walks && found.outcome == Outcome::converged) {
+        on_the_way |= found.flags & flags::near_fold;
+        point.flags |= on_the_way;
+        start = std::move(found);
       }
       keep_(task.site, point);
       ++num_solved;
@@ -146,19 +165,41 @@ class Solver final : public Worker {
   [[nodiscard]] Bytes give() override {
     Packer share;
     for (std::size_t half = tasks.size() / 2; half > 0; --half) {
-      share.put(tasks.back());
+      put(tasks.back(), share);
       tasks.pop_back();
     }
     return share.take();
   }
 
   void take(const Bytes& share, Mail& /*mail*/) override {
-    for (Unpacker content(share); !content.at_end();) tasks.push_back(content.take<Task>());
+    for (Unpacker content(share); !content.at_end();) tasks.push_back(take_task(content));
   }
 
   void discard() override { tasks.clear(); }
 
  private:
+  [[nodiscard]] static bool is_regular(const Equilibrium& found) {
+    TestPoint point;
+    point.outcome = found.outcome;
+    point.flags = found.flags;
+    return point.regular();
+  }
+
+  void take(const Equilibrium& found, TestPoint& point) const {
+    point.energy = found.energy;
+    point.force = found.reaction;
+    point.stiffness = found.stiffness;
+    point.outcome = found.outcome;
+    point.flags = found.flags;
+    point.seconds = found.seconds;
+    if (found.outcome != Outcome::converged) return;
+    point.displacement.resize(3 * static_cast<Eigen::Index>(samples_.size()));
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s)) =
+          found.u.segment<3>(3 * Eigen::Index{samples_[s]}).cast<float>();
+    }
+  }
+
   void tell(Mail& mail) {
     const bool first = mail.rank() == 0;
     const Monitor::Count count{num_solved + (first ? num_known_ : 0), first ? num_known_ : 0,
@@ -303,27 +344,26 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites
   for (const Site& site : sites) {
     points.push_back(draw_test_points(set_of(site, options.seed), options.test_points));
   }
-  Packer known;
+  Packer to_solve;
   const std::vector<std::vector<TestPoint>> found_before = record.known();
   for (std::size_t s = 0; s < found_before.size(); ++s) {
-    const auto tasks = make_tasks(static_cast<std::int32_t>(s), points[s], found_before[s]);
-    auto missing = points[s].size();
     if (communicator.rank() != 0) continue;
-    std::size_t to_solve = 0;
-    for (const Task& task : tasks) {
-      known.put(task);
-      to_solve += static_cast<std::size_t>(task.count);
+    result.num_reused += static_cast<std::int64_t>(points[s].size());
+    for (const Task& task : make_tasks(static_cast<std::int32_t>(s), points[s], found_before[s],
+                                       sites[s].half_width)) {
+      put(task, to_solve);
+      result.num_reused -= static_cast<std::int64_t>(task.points.size());
     }
-    missing -= to_solve;
-    result.num_reused += static_cast<std::int64_t>(missing);
   }
-  const std::vector<Bytes> tasks = communicator.all_gather(known.take());
+  const std::vector<Bytes> tasks = communicator.all_gather(to_solve.take());
   Solver worker(scene, sites, points, result.num_reused, *solver, monitor,
                 [&](std::int32_t site, const TestPoint& point) { record.keep(site, point); });
   int next = 0;
   for (Unpacker content(tasks.front()); !content.at_end(); ++next) {
-    const auto task = content.take<Task>();
-    if (next % communicator.size() == communicator.rank()) worker.tasks.push_back(task);
+    Task task = take_task(content);
+    if (next % communicator.size() == communicator.rank()) {
+      worker.tasks.push_back(std::move(task));
+    }
   }
   result.complete = run(worker, communicator);
   monitor.set_mail(nullptr);

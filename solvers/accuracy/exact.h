@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exact equilibria at test points, found on all ranks. A point is reached straight from rest, one on
-// a walk from the one before it.
+// Exact equilibria at test points, found on all ranks. A point is reached from rest by way of its
+// anchor (draw.h), which the points around it share, with its factor; where the anchor or what is
+// found from there is not regular, straight from rest. One on a walk is reached from the one before
+// it.
 #pragma once
 
 #include <filesystem>

@@ -123,6 +123,11 @@ void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& sub
       sheet = 0;
       at.setZero();
     }
+    if (point.kind == TestKind::uniform) {
+      const Vec3 anchor = anchor_of(point.t, site.site.half_width);
+      sheet = subject.move(sheet, at, anchor);
+      at = anchor;
+    }
     sheet = subject.move(sheet, at, point.t);
     at = point.t;
     const TouchResult touch = subject.on(sheet).evaluate(point.t);

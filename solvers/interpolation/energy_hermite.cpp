@@ -130,11 +130,10 @@ EnergyHermite::EnergyHermite(const TouchSite& site, const InterpolationOptions& 
   }
 }
 
-TouchResult EnergyHermite::do_evaluate(const Location& at) const noexcept {
+void EnergyHermite::do_evaluate(const Location& at, TouchResult& result) const noexcept {
   const CellTree::Leaf& leaf = grid().leaf(at.leaf);
   Sums d;
   kernel_(nodes_.data(), leaf, at.s, d);
-  TouchResult result;
   result.energy = d[0];
   const double per_side = per_spacing_ / leaf.cell.side;
   result.force = per_side * Vec3(d[1], d[2], d[3]);
@@ -142,7 +141,6 @@ TouchResult EnergyHermite::do_evaluate(const Location& at) const noexcept {
       d[7], d[5], d[9],                  //
       d[8], d[9], d[6];
   result.stiffness *= per_side * per_side;
-  return result;
 }
 
 }  // namespace palpate

@@ -33,7 +33,7 @@ class EnergyHermite final : public Interpolator {
   using Kernel = void (*)(const Node* nodes, const CellTree::Leaf& leaf, const Vec3& s, Sums& sums);
 
  private:
-  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override;
+  void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
   [[nodiscard]] std::size_t do_bytes() const override { return nodes_.size() * sizeof(Node); }
 
   std::vector<Node> nodes_;

@@ -76,13 +76,19 @@ void Interpolator::do_smooth_stiffness(const Location& /*at*/, Mat3& /*stiffness
 TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
   using Place = CheckPointGrid::Place;
   const Location at = grid_.locate(t);
-  if (at.place == Place::nowhere) return {};
-  TouchResult result = at.place == Place::rest ? rest_ : do_evaluate(at);
+  TouchResult result;
   result.found = at.found;
+  if (at.place == Place::nowhere) return result;
   if (at.place == Place::cell) {
+    do_evaluate(at, result);
     const double size2 = result.force.squaredNorm();
     if (size2 > largest_force_ * largest_force_) limit(result, std::sqrt(size2), largest_force_);
     return result;
+  }
+  if (at.place == Place::rest) {
+    result = rest_;
+  } else {
+    do_evaluate(at, result);
   }
   double size = result.force.norm();
   if (size > largest_force_) {

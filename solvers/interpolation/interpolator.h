@@ -97,7 +97,7 @@ class Interpolator {
 
  private:
   /// Energy, force and stiffness at the place in the box that is given.
-  [[nodiscard]] virtual TouchResult do_evaluate(const Location& at) const noexcept = 0;
+  virtual void do_evaluate(const Location& at, TouchResult& result) const noexcept = 0;
   /// Puts in a stiffness that is continuous across cells, if that of do_evaluate() is not.
   virtual void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept;
   [[nodiscard]] virtual std::size_t do_bytes() const = 0;

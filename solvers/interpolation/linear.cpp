@@ -17,13 +17,11 @@ Linear::Linear(const TouchSite& site) : Interpolator(site) {
   set_num_samples(1);
 }
 
-TouchResult Linear::do_evaluate(const Location& at) const noexcept {
+void Linear::do_evaluate(const Location& at, TouchResult& result) const noexcept {
   const Vec3 t = grid().spacing() * at.x;
-  TouchResult result;
   result.force = stiffness_ * t;
   result.stiffness = stiffness_;
   result.energy = 0.5 * t.dot(result.force);
-  return result;
 }
 
 }  // namespace palpate

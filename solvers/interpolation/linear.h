@@ -16,7 +16,7 @@ class Linear final : public Interpolator {
   explicit Linear(const TouchSite& site);
 
  private:
-  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override;
+  void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
   [[nodiscard]] std::size_t do_bytes() const override { return sizeof stiffness_; }
 
   Mat3 stiffness_;

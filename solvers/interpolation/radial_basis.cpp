@@ -227,7 +227,7 @@ class RadialBasis final : public Interpolator {
     }
   }
 
-  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override {
+  void do_evaluate(const Location& at, TouchResult& result) const noexcept override {
     Sums sums = polynomial_;
     for (int k = 0; k < 3; ++k) {
       for (int i = 0; i < kValues; ++i) {
@@ -236,14 +236,12 @@ class RadialBasis final : public Interpolator {
       }
     }
     kernel_(groups_.data(), groups_.size(), at.x, sums);
-    TouchResult result;
     const double per_spacing = 1 / grid().spacing();
     for (int i = 0; i < 3; ++i) {
       result.force[i] = sums.value[i];
       for (int k = 0; k < 3; ++k) result.stiffness(i, k) = per_spacing * sums.slope[i][k];
     }
     result.energy = sums.value[3];
-    return result;
   }
 
   void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept override {

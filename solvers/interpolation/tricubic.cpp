@@ -123,7 +123,7 @@ Tricubic::Tricubic(const TouchSite& site, const InterpolationOptions& options)
   }
 }
 
-TouchResult Tricubic::do_evaluate(const Location& at) const noexcept {
+void Tricubic::do_evaluate(const Location& at, TouchResult& result) const noexcept {
   const Cell& cell = grid().leaf(at.leaf).cell;
   Weights weights;
   std::ptrdiff_t first = 0;
@@ -136,14 +136,12 @@ TouchResult Tricubic::do_evaluate(const Location& at) const noexcept {
   const std::ptrdiff_t n = resolution_;
   Sums sums;
   kernel_(nodes_.data() + first, {n * n, n, 1}, count_, weights, sums);
-  TouchResult result;
   const double per_spacing = 1 / grid().spacing();
   for (int i = 0; i < 3; ++i) {
     result.force[i] = sums[0][i];
     for (int k = 0; k < 3; ++k) result.stiffness(i, k) = per_spacing * sums[k + 1][i];
   }
   result.energy = sums[0][3];
-  return result;
 }
 
 void Tricubic::do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept {

@@ -36,7 +36,7 @@ class Tricubic final : public Interpolator {
                           int count, const Weights& weights, Sums& sums);
 
  private:
-  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override;
+  void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
   void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept override;
   [[nodiscard]] std::size_t do_bytes() const override {
     return nodes_.size() * sizeof(Eigen::Vector4d) + stiffness_.bytes();

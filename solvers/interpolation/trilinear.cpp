@@ -14,20 +14,22 @@ Trilinear::Trilinear(const TouchSite& site, const InterpolationOptions& options)
     nodes_.emplace_back() << data.force, data.energy;
   }
   for (const CheckPointGrid::HangingNode& hanging : grid().hanging_nodes()) {
-    const TouchResult r = in_leaf(grid().leaf(hanging.leaf), hanging.s);
-    nodes_[hanging.node] << r.force, r.energy;
+    TouchResult there;
+    in_leaf(grid().leaf(hanging.leaf), hanging.s, there);
+    nodes_[hanging.node] << there.force, there.energy;
   }
 }
 
-TouchResult Trilinear::do_evaluate(const Location& at) const noexcept {
-  return in_leaf(grid().leaf(at.leaf), at.s);
+void Trilinear::do_evaluate(const Location& at, TouchResult& result) const noexcept {
+  in_leaf(grid().leaf(at.leaf), at.s, result);
 }
 
 void Trilinear::do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept {
   stiffness = stiffness_.at(grid().leaf(at.leaf), at.s);
 }
 
-TouchResult Trilinear::in_leaf(const CellTree::Leaf& leaf, const Vec3& s) const noexcept {
+void Trilinear::in_leaf(const CellTree::Leaf& leaf, const Vec3& s,
+                        TouchResult& result) const noexcept {
   // So written a corner is met exactly.
   const auto between = [](const Values& a, const Values& b, double at) -> Values {
     return (1 - at) * a + at * b;
@@ -47,13 +49,11 @@ TouchResult Trilinear::in_leaf(const CellTree::Leaf& leaf, const Vec3& s) const 
   }
   const Values values = between(along_yz[0], along_yz[1], s[0]);
   const double per_side = 1 / (leaf.cell.side * grid().spacing());
-  TouchResult result;
   result.force = values.head<3>();
   result.energy = values[3];
   result.stiffness << per_side * (along_yz[1] - along_yz[0]).head<3>(),
       per_side * between(slope_y[0], slope_y[1], s[0]).head<3>(),
       per_side * between(slope_z[0], slope_z[1], s[0]).head<3>();
-  return result;
 }
 
 }  // namespace palpate

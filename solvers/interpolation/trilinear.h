@@ -23,12 +23,12 @@ class Trilinear final : public Interpolator {
   /// Force, then energy: taken together.
   using Values = Eigen::Vector4d;
 
-  [[nodiscard]] TouchResult do_evaluate(const Location& at) const noexcept override;
+  void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
   void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept override;
   [[nodiscard]] std::size_t do_bytes() const override {
     return nodes_.size() * sizeof(Values) + stiffness_.bytes();
   }
-  [[nodiscard]] TouchResult in_leaf(const CellTree::Leaf& leaf, const Vec3& s) const noexcept;
+  void in_leaf(const CellTree::Leaf& leaf, const Vec3& s, TouchResult& result) const noexcept;
 
   std::vector<Values> nodes_;
   NodalStiffness stiffness_;

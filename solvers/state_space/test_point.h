@@ -16,7 +16,7 @@ namespace palpate {
 
 /// How a place was chosen. The numbers are stored: keep them.
 enum class TestKind : std::int32_t {
-  /// Evenly in the box of check-points, reached straight from rest.
+  /// Evenly in the box of check-points.
   uniform = 0,
   /// A step of a walk from one place to the next, which began at rest [P08].
   walk = 1,

@@ -81,6 +81,12 @@ TEST(Draw, WalksBeginAtRestAndTakeSmallSteps) {
   EXPECT_EQ(num, 200);
 }
 
+TEST(Draw, AnchorsAreTheMiddlesOfEqualParts) {
+  EXPECT_EQ(anchor_of({0.001, -0.006, 0}, 0.02), Vec3(0, 0, 0));
+  EXPECT_LE((anchor_of({0.019, -0.0067, 0.0066}, 0.02) - 0.04 / 3 * Vec3(1, -1, 0)).norm(), 1e-15);
+  EXPECT_LE((anchor_of({0.02, -0.02, 0.03}, 0.02) - 0.04 / 3 * Vec3(1, -1, 1)).norm(), 1e-15);
+}
+
 TEST(Statistics, AreThoseOfTheNumbers) {
   const std::vector<double> values{5, 1, 4, 2, 3};
   EXPECT_EQ(mean(values), 3);

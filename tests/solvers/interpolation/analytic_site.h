@@ -6,8 +6,10 @@
 #include <cmath>
 #include <functional>
 #include <random>
+#include <vector>
 
 #include "interpolation/cell_tree.h"
+#include "interpolation/ghost.h"
 #include "state_space/touch_space.h"
 
 namespace palpate::test {
@@ -61,6 +63,49 @@ inline Energy monomial(int a, int b, int c) {
     }
     return s;
   };
+}
+
+/// ∂³ of exponential().
+inline ThirdDerivative exponential_third(const Vec3& t) {
+  const Sample s = exponential(t);
+  const Vec3 g = kUnit * s.force / s.energy;
+  const Mat3 a = kUnit * kUnit * s.stiffness / s.energy - g * g.transpose();
+  ThirdDerivative third;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      for (int k = j; k < 3; ++k) {
+        third[kThirdIndex[i][j][k]] = g[i] * g[j] * g[k] + g[i] * a(j, k) + g[j] * a(i, k) +
+                                      g[k] * a(i, j);
+      }
+    }
+  }
+  return s.energy * third / (kUnit * kUnit * kUnit);
+}
+
+/// ∂³ of monomial().
+inline std::function<ThirdDerivative(const Vec3&)> monomial_third(int a, int b, int c) {
+  return [a, b, c](const Vec3& t) {
+    ThirdDerivative third;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j) {
+        for (int k = j; k < 3; ++k) {
+          int powers[3] = {a, b, c};
+          double value = 1 / (kUnit * kUnit * kUnit);
+          for (int axis : {i, j, k}) value *= powers[axis]--;
+          for (int axis = 0; axis < 3 && value != 0; ++axis) {
+            value *= std::pow(t[axis] / kUnit, powers[axis]);
+          }
+          third[kThirdIndex[i][j][k]] = value;
+        }
+      }
+    }
+    return third;
+  };
+}
+
+inline void add_third_derivatives(TouchSite& site,
+                                  const std::function<ThirdDerivative(const Vec3&)>& third) {
+  for (ConfigurationSummary& c : site.configurations) c.third_derivative = third(c.t);
 }
 
 inline ConfigurationSummary analytic_configuration(const Site& site, const Energy& energy,
@@ -153,6 +198,51 @@ inline ConfigurationSummary& at(TouchSite& site, const CheckPoint& check_point) 
     if (c.check_point == check_point) return c;
   }
   throw std::logic_error("no such check-point");
+}
+
+/// A displacement on a side of a leaf, and the step across it.
+struct OnSide {
+  Vec3 t;
+  Vec3 across;
+};
+
+/// Random ones, on sides within the box.
+inline std::vector<OnSide> points_on_sides(const TouchSite& site, int count) {
+  // Enough to be on the other side after the rounding of t / spacing, and no more.
+  constexpr double step = 3e-17;
+  const CellTree tree(site.site, site.configurations);
+  std::mt19937 random(11);
+  std::uniform_int_distribution<std::size_t> any_leaf(0, tree.leaves().size() - 1);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<OnSide> points;
+  while (static_cast<int>(points.size()) < count) {
+    const Cell& cell = tree.leaves()[any_leaf(random)].cell;
+    const int axis = static_cast<int>(random() % 3);
+    const std::int32_t side = cell.first[axis] + (random() % 2 == 0 ? 0 : cell.side);
+    if (std::abs(side) == site.site.reach()) continue;
+    Vec3 x;
+    for (int k = 0; k < 3; ++k) x[k] = cell.first[k] + cell.side * uniform(random);
+    x[axis] = side;
+    points.push_back({site.site.spacing() * x, step * Vec3::Unit(axis)});
+  }
+  return points;
+}
+
+/// Takes away configurations, and lets others fail, at random.
+inline void make_holes(TouchSite& site, double share, unsigned seed = 3) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<ConfigurationSummary> left;
+  for (const ConfigurationSummary& c : site.configurations) {
+    const double u = uniform(random);
+    // Without those at the corners of the coarsest cells there is no telling the cells' size.
+    if (u < share / 2 && site.site.coarsest == 1) continue;
+    left.push_back(c);
+    if (u >= share) continue;
+    left.back().outcome = Outcome::not_converged;
+    left.back().force.setConstant(std::nan(""));
+  }
+  site.configurations = std::move(left);
 }
 
 /// Displacements within a box, the same in every run.

@@ -19,35 +19,8 @@ using test::exponential;
 using test::graded_site;
 using test::kHalfWidth;
 using test::monomial;
+using test::points_on_sides;
 using test::unbalanced_site;
-
-/// A point on a side of leaves, and the step across it.
-struct OnSide {
-  Vec3 t;
-  Vec3 across;
-};
-
-/// Random points on the sides of the leaves within the box.
-std::vector<OnSide> points_on_sides(const TouchSite& site, int count) {
-  // Enough to be on the other side after the rounding of t / spacing, and no more.
-  constexpr double step = 3e-17;
-  const CellTree tree(site.site, site.configurations);
-  std::mt19937 random(11);
-  std::uniform_int_distribution<std::size_t> any_leaf(0, tree.leaves().size() - 1);
-  std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<OnSide> points;
-  while (static_cast<int>(points.size()) < count) {
-    const Cell& cell = tree.leaves()[any_leaf(random)].cell;
-    const int axis = static_cast<int>(random() % 3);
-    const std::int32_t side = cell.first[axis] + (random() % 2 == 0 ? 0 : cell.side);
-    if (std::abs(side) == site.site.reach()) continue;
-    Vec3 x;
-    for (int k = 0; k < 3; ++k) x[k] = cell.first[k] + cell.side * uniform(random);
-    x[axis] = side;
-    points.push_back({site.site.spacing() * x, step * Vec3::Unit(axis)});
-  }
-  return points;
-}
 
 struct Sites : testing::TestWithParam<const char*> {
   [[nodiscard]] static TouchSite make(const test::Energy& energy) {

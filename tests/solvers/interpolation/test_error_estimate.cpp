@@ -106,6 +106,27 @@ TEST(ErrorEstimate, RefinementKeepsTheTolerance) {
   }
 }
 
+TEST(ErrorEstimate, RefinementKeepsTheToleranceWithThirdDerivatives) {
+  for (double relative : {0.01, 0.001}) {
+    const double tolerance = relative * largest_force(exponential);
+    TouchSite site = analytic_site(exponential, 129, 64);
+    const std::size_t without = refined(exponential, tolerance).configurations.size();
+    for (std::vector<Cell> cells{{}}; !cells.empty();) {
+      test::add_third_derivatives(site, test::exponential_third);
+      cells = cells_to_split(site.site, site.configurations, tolerance);
+      for (const Cell& cell : cells) test::split(site, exponential, cell);
+    }
+    RecordProperty("configurations", std::to_string(site.configurations.size()));
+    EXPECT_LE(site.configurations.size(), without);
+    const auto interpolator = make_interpolator(Method::energy_hermite, site);
+    test::RandomPoints points;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3 t = points();
+      ASSERT_LT((interpolator->evaluate(t).force - exponential(t).force).norm(), tolerance);
+    }
+  }
+}
+
 // At the side of a larger leaf the error is that of the larger one.
 TEST(ErrorEstimate, FollowsTheErrorOfTheCells) {
   const TouchSite site = graded_site(exponential);

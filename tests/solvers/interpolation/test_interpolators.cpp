@@ -2,7 +2,12 @@
 // What holds for every method.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <limits>
+#include <random>
+#include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "interpolation/interpolator.h"
@@ -257,10 +262,130 @@ TEST(UniformGrid, GivesTheKnownResults) {
   }
 }
 
-TEST(MakeInterpolator, RefusesMethodsThatAreNotThere) {
-  EXPECT_THROW((void)make_interpolator(static_cast<Method>(9), analytic_site(exponential, 3)),
-               InputError);
-  EXPECT_EQ(to_string(Method::energy_hermite), "Energy Hermite");
+TEST(Tricubic, ReproducesCubicForces) {
+  for (std::int32_t resolution : {5, 7, 9}) {
+    TouchSite site = analytic_site(exponential, resolution);
+    const auto force = [](const Vec3& t) {
+      const Vec3 x = t / kHalfWidth;
+      const double p = x.x() * x.x() * x.x() - 2 * x.y() * x.y() * x.z() + x.z();
+      return Vec3(p, std::pow(x.x() * x.y() * x.z(), 3) + 1, std::pow(x.z(), 3) * x.x() * x.x());
+    };
+    for (ConfigurationSummary& c : site.configurations) c.force = force(c.t);
+    const auto interpolator = make_interpolator(Method::tricubic, site);
+    test::RandomPoints points;
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 t = points();
+      EXPECT_LT((interpolator->evaluate(t).force - force(t)).norm(), 1e-13);
+    }
+  }
+  // Of three check-points an axis, quadratic ones.
+  TouchSite three = analytic_site(exponential, 3);
+  const auto force = [](const Vec3& t) { return Vec3(1e4 * t.cwiseProduct(t) + t); };
+  for (ConfigurationSummary& c : three.configurations) c.force = force(c.t);
+  const auto interpolator = make_interpolator(Method::tricubic, three);
+  test::RandomPoints points;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 t = points();
+    EXPECT_LT((interpolator->evaluate(t).force - force(t)).norm(), 1e-14);
+  }
+}
+
+/// The polynomial along an axis, from its definition.
+double lagrange(const std::vector<double>& nodes, std::size_t j, double x) {
+  double product = 1;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (i != j) product *= (x - nodes[i]) / (nodes[j] - nodes[i]);
+  }
+  return product;
+}
+
+// Random data, and the sum over 64 products as it is written in a book.
+TEST(Tricubic, AgreesWithTheTensorProductWrittenOut) {
+  TouchSite site = analytic_site(exponential, 7);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (ConfigurationSummary& c : site.configurations) {
+    c.energy = uniform(random);
+    for (int k = 0; k < 3; ++k) c.force[k] = uniform(random);
+  }
+  const auto interpolator = make_interpolator(Method::tricubic, site);
+  const double h = site.site.spacing();
+  test::RandomPoints points;
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 t = points();
+    std::array<std::vector<double>, 3> nodes;
+    std::array<int, 3> first{};
+    for (int k = 0; k < 3; ++k) {
+      const int cell = static_cast<int>(std::floor(t[k] / h));
+      first[k] = std::min(std::max(cell - 1, -3), 0);
+      for (int i = 0; i < 4; ++i) nodes[k].push_back(h * (first[k] + i));
+    }
+    Vec3 force = Vec3::Zero();
+    double energy = 0;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        for (int k = 0; k < 4; ++k) {
+          const double weight = lagrange(nodes[0], i, t.x()) * lagrange(nodes[1], j, t.y()) *
+                                lagrange(nodes[2], k, t.z());
+          const ConfigurationSummary& c =
+              at(site, {first[0] + i, first[1] + j, first[2] + k});
+          force += weight * c.force;
+          energy += weight * c.energy;
+        }
+      }
+    }
+    const TouchResult r = interpolator->evaluate(t);
+    EXPECT_LT((r.force - force).norm(), 1e-13);
+    EXPECT_NEAR(r.energy, energy, 1e-13);
+  }
+}
+
+TEST(Tricubic, RefusesCellsOfDifferentSize) {
+  try {
+    (void)make_interpolator(Method::tricubic, test::graded_site(exponential));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'Energy Hermite'"), std::string::npos);
+  }
+}
+
+TEST(Linear, IsTheStiffnessAtRest) {
+  TouchSite site = analytic_site(exponential);
+  const Mat3 k = at(site, {0, 0, 0}).stiffness;
+  for (std::int32_t resolution : {7, 1}) {
+    const auto interpolator =
+        make_interpolator(Method::linear, analytic_site(exponential, resolution));
+    EXPECT_EQ(interpolator->num_samples(), 1U);
+    test::RandomPoints points(2 * kHalfWidth);
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 t = points();
+      const TouchResult r = interpolator->evaluate(t);
+      EXPECT_LT((r.force - k * t).norm(), 1e-12);
+      EXPECT_LT((r.stiffness - k).norm(), 1e-9);
+      EXPECT_NEAR(r.energy, 0.5 * t.dot(k * t), 1e-13);
+      const bool inside = resolution > 1 && t.lpNorm<Eigen::Infinity>() <= kHalfWidth;
+      EXPECT_EQ(r.found, inside ? Found::inside : Found::extrapolated);
+    }
+  }
+  at(site, {0, 0, 0}).outcome = Outcome::not_converged;
+  EXPECT_THROW((void)make_interpolator(Method::linear, site), InputError);
+}
+
+TEST(MakeInterpolator, KnowsItsMethods) {
+  std::string names;
+  for (Method method : all_methods()) {
+    names += to_string(method) + ' ';
+    const auto interpolator = make_interpolator(method, analytic_site(exponential, 3));
+    EXPECT_GT(interpolator->bytes(), 100U);
+    EXPECT_EQ(interpolator->num_samples(), method == Method::linear ? 1U : 27U);
+  }
+  EXPECT_EQ(names, "Trilinear Tricubic RBF linear RBF cubic Energy Hermite Linear ");
+  try {
+    (void)make_interpolator(static_cast<Method>(9), analytic_site(exponential, 3));
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("'RBF cubic'"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -175,6 +175,28 @@ TEST(Sheets, WithoutLevelsThereIsOneOfAll) {
             flags::near_fold);
 }
 
+TEST(Sheets, IntermediateStatesGoWithTheConfigurationTheyLeadTo) {
+  TouchSite site = make_site(Bistable(), 9);
+  for (const ConfigurationSummary& c : site.configurations) {
+    if (c.level != 0) continue;
+    IntermediateState state;
+    state.target = c.check_point;
+    for (int number : {1, 2}) {
+      state.number = number;
+      site.intermediate_states.push_back(state);
+    }
+  }
+  const Sheets sheets(site);
+  ASSERT_GT(sheets.size(), 1);
+  for (int s = 0; s < sheets.size(); ++s) {
+    const TouchSite part = restricted(site, sheets.configurations(s));
+    std::size_t expected = 0;
+    for (const ConfigurationSummary& c : part.configurations) expected += c.level == 0 ? 2 : 0;
+    EXPECT_EQ(part.intermediate_states.size(), expected);
+    EXPECT_LT(expected, site.intermediate_states.size());
+  }
+}
+
 TEST(Sheets, NothingUnstableIsOnASheet) {
   TouchSite site = make_site(Bistable(), 9);
   std::size_t num_unstable = 0;
