@@ -341,11 +341,71 @@ TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
                   {", third derivatives", "no third derivatives"});
 }
 
+constexpr TestSet kTestSet{3, 0.001, 0.02, 7};
+
+TestPoint example_test_point(std::int32_t number) {
+  TestPoint point;
+  point.kind = static_cast<TestKind>(number % 3);
+  point.number = number;
+  point.t = Vec3(0.1, -0.0, 0.3) * number;
+  point.energy = std::exp(-number);
+  point.force = Vec3(1, 2.5, -1.0 / 3) * number;
+  point.stiffness = Mat3::Identity() / (1 + number);
+  point.outcome = number == 4 ? Outcome::not_converged : Outcome::converged;
+  point.flags = number % 2 == 0 ? 0 : flags::inverted | flags::inertia_not_computed;
+  point.seconds = 0.01 * number;
+  if (point.outcome == Outcome::converged) {
+    point.displacement = Eigen::VectorXf::LinSpaced(192, 0, static_cast<float>(number));
+  }
+  return point;
+}
+
+void expect_same(const TestPoint& a, const TestPoint& b) {
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.number, b.number);
+  EXPECT_EQ(a.t, b.t);
+  EXPECT_EQ(a.energy, b.energy);
+  EXPECT_EQ(a.force, b.force);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.outcome, b.outcome);
+  EXPECT_EQ(a.flags, b.flags);
+  EXPECT_EQ(a.seconds, b.seconds);
+  EXPECT_EQ(a.displacement, b.displacement);
+}
+
+TEST_F(StateSpaceFileTest, TestPointsAreKeptBySetAndMerged) {
+  const fs::path other_path = path_.string() + ".other";
+  TestSet other_set = kTestSet;
+  other_set.seed = 8;
+  {
+    StateSpaceFile file = create();
+    StateSpaceFile other = StateSpaceFile::create(other_path, scene_, kTolerance);
+    for (std::int32_t number = 0; number < 6; ++number) {
+      (number < 3 ? file : other).add(kTestSet, example_test_point(number));
+    }
+    file.add(other_set, example_test_point(1));
+    file.add(kTestSet, example_test_point(2));
+    other.close();
+    file.merge({other_path});
+    file.close();
+  }
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  const std::vector<TestPoint> points = file.read_test_points(kTestSet);
+  ASSERT_EQ(points.size(), 6U);
+  EXPECT_TRUE(std::is_sorted(points.begin(), points.end()));
+  for (const TestPoint& point : points) expect_same(point, example_test_point(point.number));
+  EXPECT_EQ(file.read_test_points(other_set).size(), 1U);
+  other_set.half_width = 0.03;
+  EXPECT_TRUE(file.read_test_points(other_set).empty());
+  fs::remove(other_path);
+}
+
 // Where the file is damaged, what is read from it is what was written, or an error.
 TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
   std::map<CheckPoint, Configuration> written;
   std::vector<IntermediateState> states;
   constexpr int kStates = 60;
+  constexpr std::int32_t kTestPoints = 100;
   {
     StateSpaceFile file = create();
     for (std::int32_t i = -1; i <= 1; ++i) {
@@ -361,6 +421,9 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
         file.add(site_.active_node, LevelTransition{c.check_point, 0, next, j + 1});
         kept.reached[neighbour_number(c.check_point, next)] = static_cast<std::int8_t>(j + 1);
       }
+    }
+    for (std::int32_t number = 0; number < kTestPoints; ++number) {
+      file.add(kTestSet, example_test_point(number));
     }
     file.close();
   }
@@ -384,6 +447,10 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
         });
         ASSERT_NE(right, states.end()) << place;
         expect_same(state, *right);
+      }
+      for (const TestPoint& point : file.read_test_points(kTestSet)) {
+        ASSERT_LT(point.number, kTestPoints) << place;
+        expect_same(point, example_test_point(point.number));
       }
       for (Configuration& c : file.read_summaries(site_.active_node)) {
         file.read_fields(site_.active_node, c);
