@@ -2,9 +2,12 @@
 // Where something is missing, and where the space ends: no jump, no NaN, no more than the limit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <random>
+#include <vector>
 
 #include "interpolation/interpolator.h"
 #include "solvers/interpolation/analytic_site.h"
