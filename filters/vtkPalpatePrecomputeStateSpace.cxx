@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpatePrecomputeStateSpace.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <filesystem>
-#include <iostream>
 #include <sstream>
 
 #include "exploration/precompute.h"
@@ -18,6 +14,7 @@
 #include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateProgress.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateWholeBody.h"
@@ -27,9 +24,6 @@
 
 namespace
 {
-/// Progress is told this often at the most, s: each time ParaView handles its events.
-constexpr double ProgressInterval = 0.1;
-
 /// All that a state space depends on.
 std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptions& options)
 {
@@ -37,8 +31,8 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
   text << std::hexfloat << palpate::hash(scene) << ' ' << options.tip_radius << ' '
        << options.half_width << ' ' << options.resolution << ' ' << options.tolerance << ' '
        << options.tolerance_is_relative << ' ' << options.force_limit << ' '
-       << static_cast<int>(options.history) << ' '
-       << options.touch_bound << ' '
+       << static_cast<int>(options.history) << ' ' << options.intermediate_states << ' '
+       << options.equilibrium.third_derivatives << ' ' << options.touch_bound << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
        << options.equilibrium.single_precision << ' ' << options.ranks_per_solve << ' '
        << options.file << " nodes";
@@ -57,19 +51,6 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
 /// Check-points along an axis that a space with a tolerance begins with: the fewest that its errors
 /// can be estimated from.
 constexpr int CoarsestResolution = 5;
-
-std::string ToText(const palpate::ProgressState& state)
-{
-  std::ostringstream text;
-  text << state.num_done << " of " << state.num_expected << " configurations";
-  if (state.seconds_left >= 0)
-  {
-    const bool minutes = state.seconds_left >= 90;
-    text << ", " << std::lround(minutes ? state.seconds_left / 60 : state.seconds_left)
-         << (minutes ? " min" : " s") << " left";
-  }
-  return text.str();
-}
 
 /// Counts of the configurations that are not as they should be; empty when all are.
 std::string Doubts(const palpate::PrecomputeReport& report)
@@ -116,6 +97,9 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("NotReached", static_cast<double>(report.num_not_reached));
   add("LevelTransitions", static_cast<double>(report.num_transitions));
   add("Levels", static_cast<double>(report.num_levels));
+  add("IntermediateStatesSolved", static_cast<double>(report.num_intermediate_states));
+  add("IntermediateStatesFailed", static_cast<double>(report.num_intermediate_states_failed));
+  add("IntermediateStatesSeconds", report.intermediate_seconds);
   add("ExplorationSeconds", report.exploration_seconds);
   add("FinishingSeconds", report.finishing_seconds);
   add("AssemblySeconds", mean(work.assembly_seconds, work.assemblies));
@@ -158,7 +142,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   {
     vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
     const auto communicator = vtkPalpateCommunicator(controller);
-    vtkPalpateNameBlocks(output);
+    vtkPalpateNameBlocks(output, this->IntermediateStates > 0);
 
     vtkSmartPointer<vtkUnstructuredGrid> body;
     palpate::agree(*communicator,
@@ -179,6 +163,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.tolerance_is_relative = this->ToleranceType == RELATIVE;
     options.force_limit = this->ForceLimit;
     options.history = static_cast<palpate::History>(this->History);
+    options.intermediate_states = this->IntermediateStates;
+    options.equilibrium.third_derivatives = this->ThirdDerivatives;
     options.file = this->FileName;
     options.touch_bound = this->DisplacementBound;
     options.equilibrium.tolerance = this->SolverTolerance;
@@ -196,25 +182,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
     this->LastOf.clear();
 
-    using Clock = std::chrono::steady_clock;
-    const auto progress = [this, rank = communicator->rank(), last = Clock::time_point(),
-                            logged = 0.0](const palpate::ProgressState& state) mutable
-    {
-      const Clock::time_point now = Clock::now();
-      if (std::chrono::duration<double>(now - last).count() >= ProgressInterval)
-      {
-        last = now;
-        const std::string text = ToText(state);
-        this->SetProgressText(text.c_str());
-        this->UpdateProgress(std::min(1.0, state.share()));
-        if (rank == 0 && this->LogInterval > 0 && state.seconds - logged >= this->LogInterval)
-        {
-          logged = state.seconds;
-          std::cerr << "Precompute State Space: " << text << std::endl;
-        }
-      }
-      return this->GetAbortExecute() == 0;
-    };
+    const palpate::Progress progress = vtkPalpateProgress(
+      this, communicator->rank(), this->LogInterval, "Precompute State Space", "configurations");
     const palpate::PrecomputeResult result =
       palpate::precompute(scene, options, *communicator, progress);
     const auto keep = [&]
@@ -278,6 +247,8 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ToleranceType: " << this->ToleranceType << '\n'
      << indent << "ForceLimit: " << this->ForceLimit << '\n'
      << indent << "History: " << this->History << '\n'
+     << indent << "IntermediateStates: " << this->IntermediateStates << '\n'
+     << indent << "ThirdDerivatives: " << this->ThirdDerivatives << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'

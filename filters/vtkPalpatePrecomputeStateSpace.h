@@ -11,6 +11,8 @@
  *   `Solved`, `Reused`      configurations of this run, and those taken from the file
  *   `NotReached`            check-points that no usable configuration leads to, or that an abort left
  *   `Complete`              1 unless aborted
+ *   `IntermediateStatesSolved`, `IntermediateStatesFailed`, `IntermediateStatesSeconds`   of this
+ *                           run, beside its configurations; the time is the sum of all ranks
  *   `ExplorationSeconds`, `FinishingSeconds`   wall time of the solves, and of what follows them
  *   `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`   mean of one, in this run
  *   `FloorSeconds`          of a configuration: one assembly, one factorisation, three solves
@@ -90,6 +92,18 @@ public:
   vtkGetMacro(History, int);
   ///@}
   ///@{
+  /// Equilibria at equal parts of the straight way to each configuration, 0 to 100: more places at
+  /// which the force is known.
+  vtkSetMacro(IntermediateStates, int);
+  vtkGetMacro(IntermediateStates, int);
+  ///@}
+  ///@{
+  /// Whether configurations have the third derivative of the energy.
+  vtkSetMacro(ThirdDerivatives, bool);
+  vtkGetMacro(ThirdDerivatives, bool);
+  vtkBooleanMacro(ThirdDerivatives, bool);
+  ///@}
+  ///@{
   /// Where the space is kept (.palpate) and resumed; empty: in memory alone.
   vtkSetStdStringFromCharMacro(FileName);
   vtkGetCharFromStdStringMacro(FileName);
@@ -147,6 +161,8 @@ private:
   int ToleranceType = RELATIVE;
   double ForceLimit = 0;
   int History = AUTOMATIC;
+  int IntermediateStates = 0;
+  bool ThirdDerivatives = false;
   std::string FileName;
   double SolverTolerance = 1e-9;
   bool SinglePrecisionFactors = true;

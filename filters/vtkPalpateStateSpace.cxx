@@ -36,10 +36,12 @@ using palpate::CheckPoint;
 using palpate::ConfigurationSummary;
 using palpate::Index;
 using palpate::InputError;
+using palpate::IntermediateState;
 using palpate::TouchSite;
 using palpate::TouchSpace;
 
-constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations" };
+constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations", "IntermediateStates" };
+constexpr const char* ThirdDerivative = "ThirdDerivative";
 constexpr const char* LevelsReached = "LevelsReached";
 constexpr int BlockTag = 7402;
 
@@ -123,6 +125,51 @@ void ForEachIntArray(Visit&& visit)
   visit("Iterations", 1, [](auto& c) { return &c.iterations; });
 }
 
+/// The same for the figures of an intermediate state that are doubles.
+template <class Visit>
+void ForEachDoubleArrayOfStates(Visit&& visit)
+{
+  visit("Displacement", 3, [](auto& s) { return s.t.data(); });
+  visit("Force", 3, [](auto& s) { return s.force.data(); });
+  visit("Energy", 1, [](auto& s) { return &s.energy; });
+  visit("Seconds", 1, [](auto& s) { return &s.seconds; });
+}
+
+/// The same for those that are integers.
+template <class Visit>
+void ForEachIntArrayOfStates(Visit&& visit)
+{
+  visit("TargetCheckPoint", 3, [](auto& s) { return s.target.data(); });
+  visit("Number", 1, [](auto& s) { return &s.number; });
+  visit("Flags", 1, [](auto& s) { return &s.flags; });
+}
+
+/// What makes an array of a figure of each of the items, as ForEachDoubleArray or the like visits it.
+template <class Array, class Item>
+auto ArrayMaker(vtkPointData* arrays, const std::vector<const Item*>& all)
+{
+  return [arrays, &all](const char* name, int components, auto get)
+  {
+    const auto count = static_cast<vtkIdType>(all.size());
+    auto* array = AddArray<Array>(arrays, name, components, count);
+    for (vtkIdType i = 0; i < count; ++i)
+    {
+      array->SetTypedTuple(i, get(*all[i]));
+    }
+  };
+}
+
+template <class Item>
+void AddOutcomes(vtkPointData* arrays, const std::vector<const Item*>& all)
+{
+  const auto count = static_cast<vtkIdType>(all.size());
+  auto* outcomes = AddArray<vtkIntArray>(arrays, "Outcome", 1, count);
+  for (vtkIdType i = 0; i < count; ++i)
+  {
+    outcomes->SetValue(i, static_cast<int>(all[i]->outcome));
+  }
+}
+
 vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
 {
   auto data = vtkSmartPointer<vtkPolyData>::New();
@@ -166,28 +213,13 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
 
   vtkPointData* arrays = data->GetPointData();
   const auto count = static_cast<vtkIdType>(all.size());
-  ForEachDoubleArray(
-    [&](const char* name, int components, auto get)
-    {
-      auto* array = AddArray<vtkDoubleArray>(arrays, name, components, count);
-      for (vtkIdType i = 0; i < count; ++i)
-      {
-        array->SetTypedTuple(i, get(*all[i]));
-      }
-    });
-  ForEachIntArray(
-    [&](const char* name, int components, auto get)
-    {
-      auto* array = AddArray<vtkIntArray>(arrays, name, components, count);
-      for (vtkIdType i = 0; i < count; ++i)
-      {
-        array->SetTypedTuple(i, get(*all[i]));
-      }
-    });
-  auto* outcomes = AddArray<vtkIntArray>(arrays, "Outcome", 1, count);
-  for (vtkIdType i = 0; i < count; ++i)
+  ForEachDoubleArray(ArrayMaker<vtkDoubleArray>(arrays, all));
+  ForEachIntArray(ArrayMaker<vtkIntArray>(arrays, all));
+  AddOutcomes(arrays, all);
+  if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->has_third_derivative(); }))
   {
-    outcomes->SetValue(i, static_cast<int>(all[i]->outcome));
+    ArrayMaker<vtkDoubleArray>(arrays, all)(
+      ThirdDerivative, 10, [](auto& c) { return c.third_derivative.data(); });
   }
   if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->has_history(); }))
   {
@@ -224,6 +256,36 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   return data;
 }
 
+vtkSmartPointer<vtkPolyData> IntermediateStateData(const TouchSpace& space)
+{
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  std::vector<const IntermediateState*> all;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> vertices;
+  vtkNew<vtkIdTypeArray> nodes;
+  nodes->SetName("ActiveNode");
+  for (const TouchSite& site : space.sites)
+  {
+    for (const IntermediateState& state : site.intermediate_states)
+    {
+      const palpate::Vec3 place = site.rest_position + state.t;
+      vertices->InsertNextCell({ points->InsertNextPoint(place.data()) });
+      nodes->InsertNextValue(site.site.active_node);
+      all.push_back(&state);
+    }
+  }
+  data->SetPoints(points);
+  data->SetVerts(vertices);
+  vtkPointData* arrays = data->GetPointData();
+  ForEachDoubleArrayOfStates(ArrayMaker<vtkDoubleArray>(arrays, all));
+  ForEachIntArrayOfStates(ArrayMaker<vtkIntArray>(arrays, all));
+  AddOutcomes(arrays, all);
+  arrays->AddArray(nodes);
+  arrays->SetActiveScalars("Energy");
+  return data;
+}
+
 void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 {
   vtkNew<vtkStringArray> hash;
@@ -242,6 +304,8 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   auto* tolerances = AddArray<vtkDoubleArray>(fields, "Tolerance", 1, count);
   auto* relative = AddArray<vtkIntArray>(fields, "ToleranceIsRelative", 1, count);
   auto* history = AddArray<vtkIntArray>(fields, "History", 1, count);
+  auto* states = AddArray<vtkIntArray>(fields, "IntermediateStates", 1, count);
+  auto* thirdDerivatives = AddArray<vtkIntArray>(fields, "ThirdDerivatives", 1, count);
   auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
   for (vtkIdType i = 0; i < count; ++i)
   {
@@ -255,6 +319,8 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
     tolerances->SetValue(i, site.tolerance);
     relative->SetValue(i, site.tolerance_is_relative ? 1 : 0);
     history->SetValue(i, static_cast<int>(site.history));
+    states->SetValue(i, site.intermediate_states);
+    thirdDerivatives->SetValue(i, site.third_derivatives ? 1 : 0);
     numbers->SetValue(i, static_cast<vtkIdType>(space.sites[i].configurations.size()));
   }
   AddNumber(fields, "LargestDisplacement", space.largest_displacement);
@@ -325,36 +391,60 @@ void ReadSurface(vtkPolyData* data, TouchSpace& space)
   }
 }
 
+/// What reads the array of a figure of each of the items, as ForEachDoubleArray or the like visits it.
+template <class Item>
+auto DoubleReader(vtkPointData* arrays, std::vector<Item>& all)
+{
+  return [arrays, &all](const char* name, int components, auto get)
+  {
+    vtkDataArray* array = Required(arrays, name, components);
+    for (std::size_t i = 0; i < all.size(); ++i)
+    {
+      array->GetTuple(static_cast<vtkIdType>(i), get(all[i]));
+    }
+  };
+}
+
+/// The same for figures that are integers.
+template <class Item>
+auto IntReader(vtkPointData* arrays, std::vector<Item>& all)
+{
+  return [arrays, &all](const char* name, int components, auto get)
+  {
+    vtkDataArray* array = Required(arrays, name, components);
+    for (std::size_t i = 0; i < all.size(); ++i)
+    {
+      for (int c = 0; c < components; ++c)
+      {
+        get(all[i])[c] = static_cast<int>(array->GetComponent(static_cast<vtkIdType>(i), c));
+      }
+    }
+  };
+}
+
+template <class Item>
+void ReadOutcomes(vtkPointData* arrays, std::vector<Item>& all)
+{
+  vtkDataArray* outcomes = Required(arrays, "Outcome", 1);
+  for (std::size_t i = 0; i < all.size(); ++i)
+  {
+    const double outcome = outcomes->GetComponent(static_cast<vtkIdType>(i), 0);
+    all[i].outcome = static_cast<palpate::Outcome>(static_cast<int>(outcome));
+  }
+}
+
 void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
 {
   vtkPointData* arrays = data->GetPointData();
   const vtkIdType count = data->GetNumberOfPoints();
   std::vector<ConfigurationSummary> all(count);
-  ForEachDoubleArray(
-    [&](const char* name, int components, auto get)
-    {
-      vtkDataArray* array = Required(arrays, name, components);
-      for (vtkIdType i = 0; i < count; ++i)
-      {
-        array->GetTuple(i, get(all[i]));
-      }
-    });
-  ForEachIntArray(
-    [&](const char* name, int components, auto get)
-    {
-      vtkDataArray* array = Required(arrays, name, components);
-      for (vtkIdType i = 0; i < count; ++i)
-      {
-        for (int c = 0; c < components; ++c)
-        {
-          get(all[i])[c] = static_cast<int>(array->GetComponent(i, c));
-        }
-      }
-    });
-  vtkDataArray* outcomes = Required(arrays, "Outcome", 1);
-  for (vtkIdType i = 0; i < count; ++i)
+  ForEachDoubleArray(DoubleReader(arrays, all));
+  ForEachIntArray(IntReader(arrays, all));
+  ReadOutcomes(arrays, all);
+  if (arrays->HasArray(ThirdDerivative))
   {
-    all[i].outcome = static_cast<palpate::Outcome>(static_cast<int>(outcomes->GetComponent(i, 0)));
+    DoubleReader(arrays, all)(
+      ThirdDerivative, 10, [](auto& c) { return c.third_derivative.data(); });
   }
 
   if (arrays->HasArray(LevelsReached))
@@ -386,6 +476,8 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
   vtkDataArray* tolerances = Required(fields, "Tolerance", 1);
   vtkDataArray* relative = Required(fields, "ToleranceIsRelative", 1);
   vtkDataArray* history = Required(fields, "History", 1);
+  vtkDataArray* states = Required(fields, "IntermediateStates", 1);
+  vtkDataArray* thirdDerivatives = Required(fields, "ThirdDerivatives", 1);
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
   const int modes = space.num_modes();
@@ -404,6 +496,8 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
     site.site.tolerance = tolerances->GetComponent(s, 0);
     site.site.tolerance_is_relative = relative->GetComponent(s, 0) != 0;
     site.site.history = static_cast<palpate::History>(static_cast<int>(history->GetComponent(s, 0)));
+    site.site.intermediate_states = static_cast<int>(states->GetComponent(s, 0));
+    site.site.third_derivatives = thirdDerivatives->GetComponent(s, 0) != 0;
     std::vector<vtkIdType> ids;
     for (vtkIdType i = 0; i < count; ++i)
     {
@@ -438,8 +532,32 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
     { return a.site.active_node < b.site.active_node; });
 }
 
+/// Of the sites that the space has.
+void ReadIntermediateStates(vtkPolyData* data, TouchSpace& space)
+{
+  vtkPointData* arrays = data->GetPointData();
+  std::vector<IntermediateState> all(data->GetNumberOfPoints());
+  ForEachDoubleArrayOfStates(DoubleReader(arrays, all));
+  ForEachIntArrayOfStates(IntReader(arrays, all));
+  ReadOutcomes(arrays, all);
+  vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
+  for (TouchSite& site : space.sites)
+  {
+    std::vector<IntermediateState>& states = site.intermediate_states;
+    for (std::size_t i = 0; i < all.size(); ++i)
+    {
+      if (nodes->GetComponent(static_cast<vtkIdType>(i), 0) == site.site.active_node)
+      {
+        states.push_back(all[i]);
+      }
+    }
+    std::sort(states.begin(), states.end());
+  }
+}
+
 /// The block of a name on this rank that has points, else null.
-vtkPolyData* FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name)
+template <class Data = vtkPolyData>
+Data* FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name)
 {
   for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
   {
@@ -452,7 +570,7 @@ vtkPolyData* FindBlock(vtkPartitionedDataSetCollection* collection, const std::s
     }
     for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
     {
-      auto* data = vtkPolyData::SafeDownCast(collection->GetPartitionAsDataObject(i, p));
+      auto* data = Data::SafeDownCast(collection->GetPartitionAsDataObject(i, p));
       if (data && data->GetNumberOfPoints() > 0)
       {
         return data;
@@ -492,11 +610,12 @@ vtkSmartPointer<vtkPolyData> GatherBlock(vtkPartitionedDataSetCollection* collec
 }
 }
 
-void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output)
+void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output, bool hasIntermediateStates)
 {
   output->Initialize();
-  output->SetNumberOfPartitionedDataSets(3);
-  for (unsigned int i = 0; i < 3; ++i)
+  const unsigned int count = hasIntermediateStates ? 4 : 3;
+  output->SetNumberOfPartitionedDataSets(count);
+  for (unsigned int i = 0; i < count; ++i)
   {
     output->SetPartitionedDataSet(i, vtkNew<vtkPartitionedDataSet>());
     output->GetMetaData(i)->Set(vtkCompositeDataSet::NAME(), BlockNames[i]);
@@ -511,6 +630,16 @@ void vtkPalpateFillCollection(const palpate::Scene& scene, const TouchSpace& spa
   output->SetPartition(0, 0, vtkPalpateGridFromScene(scene));
   output->SetPartition(1, 0, SurfaceData(space));
   output->SetPartition(2, 0, configurations);
+  if (vtkPalpateHasIntermediateStates(space))
+  {
+    output->SetPartition(3, 0, IntermediateStateData(space));
+  }
+}
+
+bool vtkPalpateHasIntermediateStates(const TouchSpace& space)
+{
+  return std::any_of(space.sites.begin(), space.sites.end(),
+    [](const TouchSite& site) { return !site.intermediate_states.empty(); });
 }
 
 void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData* fields)
@@ -520,6 +649,11 @@ void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData*
   file->InsertNextValue(fileName);
   fields->AddArray(file);
   AddArray<vtkIntArray>(fields, "Complete", 1, 1)->SetValue(0, complete ? 1 : 0);
+}
+
+vtkUnstructuredGrid* vtkPalpateBody(vtkPartitionedDataSetCollection* collection)
+{
+  return FindBlock<vtkUnstructuredGrid>(collection, BlockNames[0]);
 }
 
 vtkPolyData* vtkPalpateConfigurations(vtkPartitionedDataSetCollection* collection)
@@ -532,6 +666,7 @@ TouchSpace vtkPalpateSpaceFromCollection(
 {
   const auto surface = GatherBlock(collection, BlockNames[1], controller);
   const auto configurations = GatherBlock(collection, BlockNames[2], controller);
+  const auto states = GatherBlock(collection, BlockNames[3], controller);
   TouchSpace space;
   if (controller && controller->GetLocalProcessId() != 0)
   {
@@ -545,5 +680,9 @@ TouchSpace vtkPalpateSpaceFromCollection(
   }
   ReadSurface(surface, space);
   ReadConfigurations(configurations, space);
+  if (states)
+  {
+    ReadIntermediateStates(states, space);
+  }
   return space;
 }

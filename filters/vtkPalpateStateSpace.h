@@ -19,15 +19,25 @@
 //     `Force`                                 that holds it, N [3]
 //     `Energy`                                J
 //     `Stiffness`                             ∂force/∂displacement, N/m [9]
+//     `ThirdDerivative`                       ∂stiffness/∂displacement, N/m²: xxx, xxy, xxz, xyy, xyz,
+//                                             xzz, yyy, yyz, yzz, zzz [10]; of a space that has them,
+//                                             NaN where it was not found
 //     `Coefficients`                          of the modes [r]
 //     `CoefficientGradient`                   ∂/∂x of all, then ∂/∂y, ∂/∂z, 1/m [3r]
 //     `Outcome`, `Flags`                      see solvers/base/outcome.h
 //     `Residual`, `MinimumDetF`, `NegativePivots`, `Iterations`, `Seconds`
+//   `IntermediateStates`  vtkPolyData        of a space that has them alone: a vertex for each, at the
+//                                           displaced active node; point arrays
+//     `ActiveNode`
+//     `TargetCheckPoint`                      of the configuration to which it is on the way [3]
+//     `Number`                                along that way, from 1
+//     `Displacement`, `Force`, `Energy`, `Outcome`, `Flags`, `Seconds`   as those of configurations
 //   Field arrays of `Configurations`: `SceneHash`, `SchemaVersion`, and for each active node
 //     `ActiveNodes`, `TipRadius` (m), `HalfWidth` (m), `Resolution`, `ForceLimit` (N),
 //     `CoarsestCell` (in steps of the grid), `Tolerance` (of the force, 0: uniform grid),
 //     `ToleranceIsRelative` (1: a share of the largest force, 0: N), `History` (0 flat, 1 automatic,
-//     2 levels), `NumberOfConfigurations`;
+//     2 levels), `IntermediateStates` (to each configuration), `ThirdDerivatives` (1: there are),
+//     `NumberOfConfigurations`;
 //     `LargestDisplacement`, `DisplacementError`, `SensitivityError` (m, of the modes).
 #pragma once
 
@@ -41,17 +51,27 @@ class vtkFieldData;
 class vtkMultiProcessController;
 class vtkPartitionedDataSetCollection;
 class vtkPolyData;
+class vtkUnstructuredGrid;
 
-/// Names the three blocks of an empty collection, as every rank needs them.
-PALPATEFILTERS_EXPORT void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output);
+/// Names the blocks of an empty collection, as every rank needs them: three, and a fourth one for
+/// intermediate states.
+PALPATEFILTERS_EXPORT void vtkPalpateNameBlocks(
+  vtkPartitionedDataSetCollection* output, bool hasIntermediateStates);
 
-/// Fills the collection on the rank that has the space.
+PALPATEFILTERS_EXPORT bool vtkPalpateHasIntermediateStates(const palpate::TouchSpace& space);
+
+/// Fills the collection on the rank that has the space. Its blocks are named; the fourth one is, if
+/// the space has intermediate states.
 PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(const palpate::Scene& scene,
   const palpate::TouchSpace& space, vtkPartitionedDataSetCollection* output);
 
 /// Adds the field arrays `FileName` and `Complete` (1: nothing is left to find).
 PALPATEFILTERS_EXPORT void vtkPalpateAddFile(
   const std::string& fileName, bool complete, vtkFieldData* fields);
+
+/// The dataset of `Body`, null where there is none.
+PALPATEFILTERS_EXPORT vtkUnstructuredGrid* vtkPalpateBody(
+  vtkPartitionedDataSetCollection* collection);
 
 /// The dataset of `Configurations`, null where there is none.
 PALPATEFILTERS_EXPORT vtkPolyData* vtkPalpateConfigurations(

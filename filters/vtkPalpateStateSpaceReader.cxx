@@ -9,6 +9,7 @@
 #include "vtkFieldData.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPartitionedDataSetCollection.h"
@@ -27,27 +28,44 @@ int vtkPalpateStateSpaceReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
-  return vtkPalpateProduce(this, output,
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  const bool reads = !controller || controller->GetLocalProcessId() == 0;
+  // Every rank meets the same error; rank 0 reports it.
+  return vtkPalpateProduce(reads ? this : nullptr, output,
     [&]
     {
-      vtkPalpateNameBlocks(output);
-      vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-      if (controller && controller->GetLocalProcessId() != 0)
+      const auto communicator = vtkPalpateCommunicator(controller);
+      palpate::Scene scene;
+      palpate::TouchSpace space;
+      bool complete = false;
+      palpate::agree(*communicator,
+        [&]
+        {
+          if (!reads)
+          {
+            return;
+          }
+          if (this->FileName.empty())
+          {
+            throw palpate::InputError("No file is named. Set FileName to a .palpate file.");
+          }
+          const auto file = palpate::StateSpaceFile::open_read_only(this->FileName);
+          scene = file.read_scene();
+          space = palpate::make_touch_space(file, this->DisplacementBound);
+          const auto sites = file.read_sites();
+          complete = std::all_of(
+            sites.begin(), sites.end(), [](const auto& site) { return site.complete; });
+        });
+      // The blocks are the same on every rank.
+      vtkPalpateNameBlocks(
+        output, palpate::any(*communicator, vtkPalpateHasIntermediateStates(space)));
+      if (!reads)
       {
         return;
       }
-      if (this->FileName.empty())
-      {
-        throw palpate::InputError("No file is named. Set FileName to a .palpate file.");
-      }
-      const auto file = palpate::StateSpaceFile::open_read_only(this->FileName);
-      vtkPalpateFillCollection(
-        file.read_scene(), palpate::make_touch_space(file, this->DisplacementBound), output);
+      vtkPalpateFillCollection(scene, space, output);
       if (vtkPolyData* configurations = vtkPalpateConfigurations(output))
       {
-        const auto sites = file.read_sites();
-        const bool complete = std::all_of(
-          sites.begin(), sites.end(), [](const auto& site) { return site.complete; });
         vtkPalpateAddFile(this->FileName, complete, configurations->GetFieldData());
         output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
       }

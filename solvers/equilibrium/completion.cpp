@@ -80,9 +80,7 @@ void set_stiffness(const Eigen::MatrixXd& k, Equilibrium& equilibrium) {
   equilibrium.stiffness = 0.5 * (k + k.transpose());
 }
 
-/// Relative error of v that conjugate gradients leave, and their iterations at most: more would cost
-/// as much as a factorisation.
-constexpr double kSensitivityError = 1e-4;
+/// Iterations of conjugate gradients at most: more would cost as much as a factorisation.
 constexpr int kMaxIterations = 14;
 
 /// A step of refinement that is this small beside v leaves an error of about its square.
@@ -161,7 +159,7 @@ void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& stat
 }
 
 bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
-                           const Equilibrium& start, const NodalVector& state,
+                           const Equilibrium& start, const NodalVector& state, double error,
                            Equilibrium& equilibrium) {
   TangentFactor* factor = body.find_factor(state_of(body, start));
   if (factor == nullptr || body.is_saddle()) return false;
@@ -185,7 +183,7 @@ bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
   Eigen::MatrixXd p = z;
   Eigen::RowVectorXd rho = residual.cwiseProduct(z).colwise().sum();
   const auto is_done = [&] {
-    return (z.colwise().norm().array() <= kSensitivityError * v.colwise().norm().array()).all();
+    return (z.colwise().norm().array() <= error * v.colwise().norm().array()).all();
   };
   for (int i = 0; !is_done(); ++i) {
     if (i == kMaxIterations) return false;

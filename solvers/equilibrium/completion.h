@@ -27,14 +27,20 @@ namespace palpate {
 void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& state,
                Equilibrium& equilibrium);
 
+/// Errors that v may be left with, relative: that of a state to be kept, and that of one whose k is
+/// asked for alone.
+inline constexpr double kSensitivityError = 1e-4;
+inline constexpr double kRoughSensitivityError = 1e-2;
+
 /// The same without a factor of the tangent at x: v by conjugate gradients, preconditioned with the
 /// factor at `start`, from which x was reached, and from its v; k by the functional that is stationary
 /// in v, so that its relative error is the square of v's. Costs about half a factorisation. The
 /// inertia is not computed; negative curvature along the way is seen.
+/// @param error That is left in v, relative.
 /// @returns false, and leaves the equilibrium to complete(), where there is no such factor, it does
 ///   not serve well, the tangent is not positive definite, or x needs another Newton step.
 [[nodiscard]] bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
                                          const Equilibrium& start, const NodalVector& state,
-                                         Equilibrium& equilibrium);
+                                         double error, Equilibrium& equilibrium);
 
 }  // namespace palpate

@@ -13,6 +13,7 @@
 #include "equilibrium/corrector.h"
 #include "equilibrium/explanation.h"
 #include "equilibrium/held_body.h"
+#include "equilibrium/third_derivative.h"
 
 namespace palpate {
 namespace {
@@ -107,6 +108,8 @@ class EquilibriumSolver::Impl {
                    Progress& progress);
   /// Completes the equilibrium at a state, after Newton steps where the displacement needs them.
   Outcome polish(NodalVector& state, Equilibrium& next, Progress& progress);
+  /// Of one that has converged, if it is asked for.
+  void add_third_derivative(Equilibrium& state);
   /// Takes the next equilibrium into progress.
   void advance(double stride, const Eigen::VectorXd& way, Equilibrium next, Progress& progress);
   /// A state near the equilibrium at next_t, at which the energy is finite; none if there is none.
@@ -155,8 +158,14 @@ Equilibrium EquilibriumSolver::Impl::rest() {
   state.stiffness.setZero(parameters, parameters);
   state.outcome = complete(body_, NodalVector::Zero(assembly.state_size()), state);
   if (state.outcome != Outcome::converged) state.message = explain_singular(body_);
+  add_third_derivative(state);
   state.seconds = seconds_since(start_);
   return state;
+}
+
+void EquilibriumSolver::Impl::add_third_derivative(Equilibrium& state) {
+  if (!options_.third_derivatives || state.outcome != Outcome::converged) return;
+  if (body_.constraint().num_sites == 1) state.third_derivative = third_derivative(body_, state);
 }
 
 std::optional<NodalVector> EquilibriumSolver::Impl::predict(double stride,
@@ -195,8 +204,9 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
     superpose(body_, progress.state, *state, next);
     return next;
   }
-  if (tangent == Tangent::iterated && !is_linear &&
-      complete_by_iteration(body_, options_, progress.state, *state, next)) {
+  const double error = tangent == Tangent::rough ? kRoughSensitivityError : kSensitivityError;
+  if (tangent != Tangent::factorised && !is_linear &&
+      complete_by_iteration(body_, options_, progress.state, *state, error, next)) {
     return next;
   }
   next.outcome = polish(*state, next, progress);
@@ -316,6 +326,8 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   if (!state.folds.empty()) state.flags |= flags::near_fold;
   state.iterations = progress.iterations;
   state.steps = progress.steps;
+  state.third_derivative.resize(0);  // of the start
+  if (tangent != Tangent::rough) add_third_derivative(state);
   state.seconds = seconds_since(start_);
   state.message = explain(body_, state, t, progress.way);
   return std::move(progress.state);
@@ -330,6 +342,7 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
   if (t == start.t) throw InputError("A path needs a target that differs from its start.");
   Path path =
       follow_path(body_, options_, options, [this] { return interruption(); }, start, t);
+  path.end.third_derivative.resize(0);  // of the start
   path.end.seconds = seconds_since(start_);
   path.end.message = explain(body_, path.end, t, path.points.back().way);
   return path;

@@ -11,7 +11,7 @@
 //   v_i = −K_ii⁻¹ K_ia                              sensitivity v = ∂u/∂t
 //   k = ∂h/∂t = K_aa + K_ai v_i                     haptic stiffness, symmetric, N/m
 //
-// and h = ∂Π/∂t, k = ∂²Π/∂t².
+// and h = ∂Π/∂t, k = ∂²Π/∂t². Where it is asked for, T = ∂³Π/∂t³ (third_derivative.h).
 //
 // A step goes from one equilibrium to the next: predictor u + v Δt, of second order from the second
 // step on; corrector quasi-Newton (updates of the factor at the start of the step) with a line
@@ -48,6 +48,9 @@ enum class Tangent {
   /// By iteration with the factor at the start where that serves, which is cheaper and sets
   /// flags::inertia_not_computed; else as before. For states from which no other solve starts.
   iterated,
+  /// As before, but v is rough, with an error of a hundredth, and there is no third derivative. For
+  /// states of which no more than u, Π and h is of use.
+  rough,
 };
 
 class EquilibriumSolver {

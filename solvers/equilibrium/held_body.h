@@ -56,6 +56,9 @@ class HeldBody {
   /// Of the last evaluation: the force that holds each site [num_parameters], N.
   [[nodiscard]] Eigen::VectorXd reaction() const;
 
+  /// ∂Π/∂x of the last evaluation [state_size], N.
+  [[nodiscard]] const NodalVector& force() const { return force_; }
+
   /// Puts the points of the sites at t.
   void place_sites(const Eigen::VectorXd& t, NodalVector& state) const;
   /// The free unknowns of a change of the state, those of sites 0.

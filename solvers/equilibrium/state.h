@@ -45,6 +45,9 @@ struct Equilibrium {
   Eigen::VectorXd reaction;
   /// k [3 × num_sites, 3 × num_sites], N/m.
   Eigen::MatrixXd stiffness;
+  /// ∂³Π/∂t³ [10], N/m², see third_derivative.h; empty unless it was asked for, with several sites,
+  /// and for a solve that did not converge.
+  Eigen::VectorXd third_derivative;
 
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;

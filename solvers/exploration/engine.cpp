@@ -69,6 +69,7 @@ Configuration to_configuration(Equilibrium&& e) {
   c.energy = e.energy;
   c.force = e.reaction;
   c.stiffness = e.stiffness;
+  if (e.third_derivative.size() > 0) c.third_derivative = e.third_derivative;
   c.outcome = e.outcome;
   c.flags = e.flags;
   c.residual = e.residual;
@@ -84,6 +85,10 @@ Configuration to_configuration(Equilibrium&& e) {
     c.p_v = std::move(e.p_v);
   }
   return c;
+}
+
+bool is_beyond_limit(const Site& site, const Vec3& force) {
+  return site.force_limit > 0 && force.norm() > site.force_limit;
 }
 
 void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& report) {
@@ -248,7 +253,7 @@ void Engine::hand_out(Index active_node, Mail& mail) {
       ++num_not_reached_;
       continue;
     }
-    record_.keep(active_node, {failed->second, {}, {}, {}, {}});
+    record_.keep(active_node, {failed->second, {}, {}, {}, {}}, {});
     count(failed->second, false, *report_);
     home.failed.erase(failed);
   }
@@ -304,7 +309,14 @@ void Engine::work(Mail& mail) {
     current_.reset();
     return mail.stop();
   }
-  if (found.usable()) record_.keep(node, found);
+  if (found.usable()) {
+    const std::vector<IntermediateState> way = make_way(*current_, found);
+    if (!way.empty() && way.back().outcome == Outcome::aborted) {
+      current_.reset();
+      return mail.stop();
+    }
+    record_.keep(node, found, way);
+  }
   const ConfigurationSummary summary = found;
   Packer message;
   message.put(Kind::found);
@@ -374,10 +386,37 @@ Configuration Engine::make(const Branch& branch, const Target& target) {
   found.parent_level = branch.start.level;
   found.iterations += target.iterations;
   found.seconds += target.seconds;
-  if (site.force_limit > 0 && found.force.norm() > site.force_limit) {
-    found.flags |= flags::beyond_force_limit;
-  }
+  if (is_beyond_limit(site, found.force)) found.flags |= flags::beyond_force_limit;
   return found;
+}
+
+std::vector<IntermediateState> Engine::make_way(const Branch& branch,
+                                                const ConfigurationSummary& found) {
+  std::vector<IntermediateState> way;
+  if (!branch.has_start() || found.level != 0) return way;
+  const Site& site = sites_.at(branch.active_node);
+  const Equilibrium& start = *branch.state;
+  for (std::int32_t number = 1; number <= site.intermediate_states; ++number) {
+    const double share = static_cast<double>(number) / (site.intermediate_states + 1);
+    const Eigen::VectorXd t = start.t + share * (found.t - start.t);
+    const Equilibrium between = solver_.solve(t, start, Tangent::rough);
+    if (between.outcome == Outcome::converged) solver_.forget(between);
+    IntermediateState& state = way.emplace_back();
+    state.target = found.check_point;
+    state.number = number;
+    state.t = between.t;
+    state.energy = between.energy;
+    state.force = between.reaction;
+    state.outcome = between.outcome;
+    state.flags = between.flags;
+    if (is_beyond_limit(site, state.force)) state.flags |= flags::beyond_force_limit;
+    state.seconds = between.seconds;
+    if (state.outcome == Outcome::aborted) break;
+    ++report_->num_intermediate_states;
+    if (!state.usable()) ++report_->num_intermediate_states_failed;
+    report_->intermediate_seconds += state.seconds;
+  }
+  return way;
 }
 
 Bytes Engine::give() {

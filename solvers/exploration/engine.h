@@ -92,6 +92,10 @@ class Engine final : public Worker {
   /// Has the state of its start read where that is needed.
   void load_state(Branch& branch) const;
   [[nodiscard]] Configuration make(const Branch& branch, const Target& target);
+  /// The intermediate states on the straight way to a configuration that was made; where it was
+  /// aborted, the last has that outcome.
+  [[nodiscard]] std::vector<IntermediateState> make_way(const Branch& branch,
+                                                        const ConfigurationSummary& found);
 
   EquilibriumSolver& solver_;
   const Tip& tip_;

@@ -55,6 +55,8 @@ std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& option
     Site site{node, options.half_width, options.resolution, options.force_limit,
               options.tip_radius};
     site.history = options.history;
+    site.intermediate_states = options.intermediate_states;
+    site.third_derivatives = options.equilibrium.third_derivatives;
     if (options.tolerance > 0) refine(options, site);
     sites.push_back(site);
   }
@@ -111,6 +113,9 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
   mine.put(report.num_transitions);
   mine.put(report.num_levels);
   mine.put(report.iterations);
+  mine.put(report.num_intermediate_states);
+  mine.put(report.num_intermediate_states_failed);
+  mine.put(report.intermediate_seconds);
   mine.put(report.work);
   mine.put(report.complete);
   mine.put(report.num_unknowns);
@@ -128,6 +133,8 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
   }
   report.num_solved = report.num_reused = report.num_expected = report.iterations = 0;
   report.num_transitions = report.num_levels = 0;
+  report.num_intermediate_states = report.num_intermediate_states_failed = 0;
+  report.intermediate_seconds = 0;
   report.work = {};
   report.schedule = sum(communicator, report.schedule);
   report.num_by_outcome.clear();
@@ -140,6 +147,9 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
     report.num_transitions += of_rank.take<std::int64_t>();
     report.num_levels += of_rank.take<std::int64_t>();
     report.iterations += of_rank.take<std::int64_t>();
+    report.num_intermediate_states += of_rank.take<std::int64_t>();
+    report.num_intermediate_states_failed += of_rank.take<std::int64_t>();
+    report.intermediate_seconds += of_rank.take<double>();
     report.work += of_rank.take<Work>();
     report.complete = of_rank.take<bool>() || report.complete;
     report.num_unknowns = std::max(report.num_unknowns, of_rank.take<Index>());
@@ -221,6 +231,10 @@ void validate(const PrecomputeOptions& options) {
   if (options.history == History::levels && options.tolerance > 0) {
     throw InputError("Levels are explored on a uniform grid. Choose a resolution instead of a "
                      "tolerance, or another history.");
+  }
+  if (options.intermediate_states < 0 || options.intermediate_states > kMostIntermediateStates) {
+    throw InputError("The intermediate states are " + std::to_string(options.intermediate_states) +
+                     "; they must be from 0 to " + std::to_string(kMostIntermediateStates) + '.');
   }
   if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
     throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From a scene to a state space: the transitions that a frontier asks for are made on all ranks, and
 // what they find is recorded.
+//
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space Approximation,
+// EuroHaptics 2008.
 #pragma once
 
 #include <filesystem>
@@ -31,11 +34,16 @@ struct PrecomputeOptions {
   double force_limit = 0;
   /// Automatic with a tolerance is flat.
   History history = History::automatic;
+  /// Equilibria at equal parts of the straight way to each configuration of level 0, as more places
+  /// at which the force is known [P08]; each costs about as much as a configuration without its
+  /// tangent.
+  int intermediate_states = 0;
   /// Where the space is kept and resumed; empty: in memory alone.
   std::filesystem::path file;
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
   double touch_bound = kDefaultTouchBound;
-  /// How many factors are kept follows from the resolution.
+  /// How many factors are kept follows from the resolution; with third_derivatives, configurations
+  /// have theirs.
   EquilibriumOptions equilibrium;
   /// Name of a linear solver; empty: the default.
   std::string linear_solver;
@@ -69,6 +77,11 @@ struct PrecomputeReport {
   std::int64_t num_transitions = 0;
   std::int64_t num_levels = 0;
   std::int64_t iterations = 0;
+  /// Intermediate states that were solved for in this run, those of them that did not converge, and
+  /// the time of all ranks that they took, s; they count as no configurations.
+  std::int64_t num_intermediate_states = 0;
+  std::int64_t num_intermediate_states_failed = 0;
+  double intermediate_seconds = 0;
   /// Wall time of the exploration, and of the POD and the rest that follows, s, of the slowest rank.
   double exploration_seconds = 0;
   double finishing_seconds = 0;
@@ -107,7 +120,8 @@ using Progress = std::function<bool(const ProgressState&)>;
 /// @param scene The same on every rank.
 /// @note Collective
 /// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of
-///   its range; more ranks a solve than there are; a file of another scene.
+///   its range; more ranks a solve than there are; a file of another scene, or of a space that holds
+///   other things, see StateSpaceFile::add_site.
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                                           Communicator& communicator, const Progress& progress);
 

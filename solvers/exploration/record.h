@@ -30,7 +30,9 @@ class Record {
   /// On rank 0, empty elsewhere.
   [[nodiscard]] virtual Known known() const = 0;
   /// Told on the rank that found the configuration, before anyone else hears of it.
-  virtual void keep(Index active_node, const Configuration& found) = 0;
+  /// @param way The intermediate states on the way to it: they are kept with it, or neither is.
+  virtual void keep(Index active_node, const Configuration& found,
+                    const std::vector<IntermediateState>& way) = 0;
   /// On any rank, before the candidate that it has found is settled.
   virtual void keep(Index active_node, const LevelTransition& transition) = 0;
   /// Gives a candidate that was kept or is known here its level, or removes it.
@@ -55,9 +57,9 @@ class Record {
                                                          double solver_tolerance,
                                                          Communicator& communicator);
 
-/// In a state-space file, which may hold part of it already. Each rank writes a file of its own
-/// beside it (<path>.rank<r>); they are merged at the end, or by the next run after a kill.
-/// @throws InputError a file of another scene, tolerance, tip or grid.
+/// In a state-space file, which may hold part of it already, see rank_files.h.
+/// @throws InputError a file of another scene, tolerance, tip or grid, with another number of
+///   intermediate states, or where third derivatives are there or asked for alone.
 /// @note Collective
 [[nodiscard]] std::unique_ptr<Record> make_file_record(const std::filesystem::path& path,
                                                        const Scene& scene,

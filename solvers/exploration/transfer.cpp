@@ -29,6 +29,8 @@ void Packer::put(const Configuration& configuration) {
   });
 }
 
+void Packer::put(const IntermediateState& state) { put(&state, sizeof state); }
+
 void Unpacker::take(void* data, std::size_t size) {
   if (size > 0) std::memcpy(data, bytes_.data() + at_, size);
   at_ += size;
@@ -49,6 +51,12 @@ Configuration Unpacker::take_configuration() {
     take(field.data(), num_bytes(field.size()));
   });
   return configuration;
+}
+
+IntermediateState Unpacker::take_intermediate_state() {
+  IntermediateState state;
+  take(static_cast<void*>(&state), sizeof state);
+  return state;
 }
 
 }  // namespace palpate

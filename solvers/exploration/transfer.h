@@ -22,6 +22,7 @@ class Packer {
   void put(const ConfigurationSummary& summary);
   /// With fields, which may be empty.
   void put(const Configuration& configuration);
+  void put(const IntermediateState& state);
 
   [[nodiscard]] Bytes take() { return std::move(bytes_); }
 
@@ -47,6 +48,7 @@ class Unpacker {
   }
   [[nodiscard]] ConfigurationSummary take_summary();
   [[nodiscard]] Configuration take_configuration();
+  [[nodiscard]] IntermediateState take_intermediate_state();
 
  private:
   void take(void* data, std::size_t size);

@@ -124,6 +124,11 @@ struct IntermediateState {
   [[nodiscard]] bool usable() const { return outcome == Outcome::converged; }
 };
 
+/// The order in which intermediate states are kept: by target, then along the way.
+[[nodiscard]] inline bool operator<(const IntermediateState& a, const IntermediateState& b) {
+  return a.target != b.target ? a.target < b.target : a.number < b.number;
+}
+
 /// What a transition between neighbours has reached, where history matters.
 struct LevelTransition {
   CheckPoint start{};
@@ -175,6 +180,9 @@ enum class History : std::int32_t {
   /// All transitions between neighbours are made [P07].
   levels = 2,
 };
+
+/// Intermediate states on the way to a configuration at the most; [P08] has 5.
+inline constexpr std::int32_t kMostIntermediateStates = 100;
 
 /// Check-points along an axis at the most: more would overflow the number of a node of the grid.
 inline constexpr std::int32_t kLargestResolution = 1001;

@@ -51,6 +51,8 @@ CREATE TABLE site (
   tolerance,                          -- error of the force that was asked for; 0: uniform grid
   tolerance_is_relative INTEGER NOT NULL,  -- 1: a share of the largest force, 0: N
   history     INTEGER NOT NULL,       -- 0 flat, 1 levels where there are signs of them, 2 levels
+  intermediate_states INTEGER NOT NULL,  -- on the way to each configuration
+  third_derivatives INTEGER NOT NULL, -- 1: configurations have their third derivative
   complete    INTEGER NOT NULL,       -- 1: nothing is left to find
   PRIMARY KEY (scene_id, active_node)
 );
@@ -79,8 +81,11 @@ CREATE TABLE configuration (
   seconds,
   signature_x, signature_y, signature_z,  -- sum over the points of +-u / sqrt(num_points), the signs
                                       -- at random, m: tells levels apart
+  third_derivative BLOB,              -- float64 [10], d stiffness / d t: xxx xxy xxz xyy xyz xzz yyy
+                                      -- yyz yzz zzz, N/m2; NULL: not computed
   summary_checksum INTEGER NOT NULL,  -- XXH3 (64 bit) of active_node and of the columns from i to
-                                      -- signature_z, 8 bytes each, NaN as -1, flags without bit 4
+                                      -- signature_z, 8 bytes each, NaN as -1, flags without bit 4;
+                                      -- then of third_derivative, where there is one
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
                                       -- that of v, and so on for p and p_v
   -- The fields: NULL where the transition failed.
@@ -100,6 +105,44 @@ CREATE TABLE transition (             -- between neighbours, where history matte
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from active_node to reached, 8
                                       -- bytes each
   PRIMARY KEY (scene_id, active_node, i, j, k, level, to_i, to_j, to_k)
+);
+CREATE TABLE intermediate (           -- equilibria on the straight way to a configuration of level 0
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  active_node INTEGER NOT NULL,
+  i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point of the configuration
+  number      INTEGER NOT NULL,       -- along the way from its parent, from 1
+  t_x, t_y, t_z,                      -- displacement of the active node, m
+  energy,                             -- J
+  force_x, force_y, force_z,          -- that holds the node, N
+  outcome     INTEGER NOT NULL,       -- as those of a configuration
+  flags       INTEGER NOT NULL,
+  seconds,
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of active_node and of the columns from i to
+                                      -- seconds, 8 bytes each, NaN as -1, flags without bit 4
+  PRIMARY KEY (scene_id, active_node, i, j, k, number)
+);
+CREATE TABLE test_point (             -- equilibria by which interpolation is measured
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  active_node INTEGER NOT NULL,
+  tip_radius  NOT NULL,               -- m
+  half_width  NOT NULL,               -- of the box they were drawn in, m
+  seed        INTEGER NOT NULL,       -- of the random numbers
+  kind        INTEGER NOT NULL,       -- 0 anywhere in the box, 1 on a walk, 2 near rest
+  number      INTEGER NOT NULL,       -- among those of its kind, from 0
+  t_x, t_y, t_z,                      -- displacement of the active node, m
+  energy,                             -- J
+  force_x, force_y, force_z,          -- that holds the node, N
+  stiffness_xx, stiffness_xy, stiffness_xz,                    -- d force / d t, N/m
+  stiffness_yx, stiffness_yy, stiffness_yz,
+  stiffness_zx, stiffness_zy, stiffness_zz,
+  outcome     INTEGER NOT NULL,       -- as those of a configuration
+  flags       INTEGER NOT NULL,
+  seconds,
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of displacement, seeded with that
+                                      -- of the columns from active_node to seconds, 8 bytes each
+  displacement BLOB,                  -- float32 [up to 64 points of the surface x 3], m; NULL where
+                                      -- it did not converge
+  PRIMARY KEY (scene_id, active_node, tip_radius, half_width, seed, kind, number)
 );
 )sql";
 

@@ -26,6 +26,7 @@ void sort(StateSpace& space) {
   });
   for (SiteSpace& site : space.sites) {
     std::sort(site.configurations.begin(), site.configurations.end());
+    std::sort(site.intermediate_states.begin(), site.intermediate_states.end());
   }
 }
 

@@ -19,6 +19,8 @@ struct SiteSpace {
   bool complete = false;
   /// In the order of operator<.
   std::vector<Configuration> configurations;
+  /// In their order; empty where the site has none.
+  std::vector<IntermediateState> intermediate_states;
 
   /// The configuration at a check-point, or nullptr.
   [[nodiscard]] const Configuration* find(const CheckPoint& check_point,

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -198,14 +199,15 @@ void for_each_number(Summary& c, Visit&& visit) {
   visit(c.iterations);
   visit(c.seconds);
   for (int a = 0; a < 3; ++a) visit(c.signature[a]);
+  visit(c.third_derivative);
 }
 
 constexpr char kSummaryColumns[] =
     "i, j, k, level, parent_i, parent_j, parent_k, parent_level, t_x, t_y, t_z, energy, force_x, force_y, "
     "force_z, stiffness_xx, stiffness_xy, stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, "
     "stiffness_zx, stiffness_zy, stiffness_zz, outcome, flags, residual, minimum_det_f, "
-    "negative_pivots, iterations, seconds, signature_x, signature_y, signature_z";
-constexpr int kNumSummaryColumns = 34;
+    "negative_pivots, iterations, seconds, signature_x, signature_y, signature_z, third_derivative";
+constexpr int kNumSummaryColumns = 35;
 constexpr char kFieldColumns[] = "u, v, p, p_v";
 
 constexpr char kAtKey[] =
@@ -215,16 +217,33 @@ struct BindNumber {
   Statement& statement;
   void operator()(double x) const { statement.bind(x); }
   void operator()(std::int32_t x) const { statement.bind(std::int64_t{x}); }
-  void operator()(Outcome x) const { statement.bind(static_cast<std::int64_t>(x)); }
+  template <class Enumeration>
+  void operator()(Enumeration x) const {
+    statement.bind(static_cast<std::int64_t>(x));
+  }
+  void operator()(const ThirdDerivative& x) const {
+    statement.bind(x.allFinite() ? x.data() : nullptr, sizeof x);
+  }
 };
 
 struct TakeNumber {
   Statement& statement;
+  const fs::path& path;
   void operator()(double& x) const { x = statement.take_double(); }
   void operator()(std::int32_t& x) const {
     x = static_cast<std::int32_t>(statement.take_integer());
   }
-  void operator()(Outcome& x) const { x = static_cast<Outcome>(statement.take_integer()); }
+  template <class Enumeration>
+  void operator()(Enumeration& x) const {
+    x = static_cast<Enumeration>(statement.take_integer());
+  }
+  void operator()(ThirdDerivative& x) const {
+    const auto [data, bytes] = statement.take_blob();
+    x.setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (bytes == 0) return;
+    if (bytes != sizeof x) throw_damaged(path, "a third derivative has another size");
+    std::memcpy(static_cast<void*>(x.data()), data, bytes);
+  }
 };
 
 /// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
@@ -253,7 +272,14 @@ struct GatherNumber {
     bits.push_back(of_x);
   }
   void operator()(std::int32_t x) const { bits.push_back(x); }
-  void operator()(Outcome x) const { bits.push_back(static_cast<std::int64_t>(x)); }
+  template <class Enumeration>
+  void operator()(Enumeration x) const {
+    bits.push_back(static_cast<std::int64_t>(x));
+  }
+  void operator()(const ThirdDerivative& x) const {
+    if (!x.allFinite()) return;
+    for (const double component : x) (*this)(component);
+  }
 };
 
 std::int64_t checksum(const std::vector<std::int64_t>& bits) {
@@ -284,6 +310,45 @@ std::int64_t checksum(Index active_node, const LevelTransition& transition) {
   return checksum(bits);
 }
 
+/// Calls visit for each number of an intermediate state, in the order of the columns.
+template <class State, class Visit>
+void for_each_number_of_intermediate(State& state, Visit&& visit) {
+  for (auto& x : state.target) visit(x);
+  visit(state.number);
+  for (int a = 0; a < 3; ++a) visit(state.t[a]);
+  visit(state.energy);
+  for (int a = 0; a < 3; ++a) visit(state.force[a]);
+  visit(state.outcome);
+  visit(state.flags);
+  visit(state.seconds);
+}
+
+constexpr char kIntermediateColumns[] =
+    "i, j, k, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, outcome, flags, seconds";
+
+std::int64_t checksum(Index active_node, IntermediateState state) {
+  state.flags &= ~flags::beyond_force_limit;
+  std::vector<std::int64_t> bits{active_node};
+  for_each_number_of_intermediate(state, GatherNumber{bits});
+  return checksum(bits);
+}
+
+constexpr char kTestPointColumns[] =
+    "kind, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, stiffness_xx, stiffness_xy, "
+    "stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, stiffness_zx, stiffness_zy, "
+    "stiffness_zz, outcome, flags, seconds";
+constexpr int kNumTestPointColumns = 21;
+
+std::int64_t checksum(const TestSet& set, const TestPoint& point) {
+  std::vector<std::int64_t> bits{set.active_node, set.seed};
+  GatherNumber{bits}(set.tip_radius);
+  GatherNumber{bits}(set.half_width);
+  for_each_number_of_test_point(point, GatherNumber{bits});
+  const auto size = static_cast<std::size_t>(point.displacement.size()) * sizeof(float);
+  return static_cast<std::int64_t>(XXH3_64bits_withSeed(
+      point.displacement.data(), size, static_cast<XXH64_hash_t>(checksum(bits))));
+}
+
 /// Whether they are those of a body with so many points; p may have any length.
 bool fit(const Fields& fields, std::int64_t num_points) {
   const auto& [u, v, p, p_v] = fields;
@@ -299,7 +364,7 @@ std::string describe(const CheckPoint& c) {
 
 constexpr char kSiteColumns[] =
     "active_node, tip_radius, half_width, resolution, force_limit, coarsest, tolerance, "
-    "tolerance_is_relative, history, complete";
+    "tolerance_is_relative, history, intermediate_states, third_derivatives, complete";
 
 SiteSpace take_site(Statement& select) {
   SiteSpace space;
@@ -312,6 +377,8 @@ SiteSpace take_site(Statement& select) {
   space.site.tolerance = select.take_double();
   space.site.tolerance_is_relative = select.take_integer() != 0;
   space.site.history = static_cast<History>(select.take_integer());
+  space.site.intermediate_states = static_cast<std::int32_t>(select.take_integer());
+  space.site.third_derivatives = select.take_integer() != 0;
   space.complete = select.take_integer() != 0;
   return space;
 }
@@ -320,7 +387,9 @@ std::string describe(const Site& s) {
   return "tip radius " + number(s.tip_radius) + " m, half-width " + number(s.half_width) +
          " m, resolution " + std::to_string(s.resolution) + ", coarsest cells of side " +
          std::to_string(s.coarsest) + ", force limit " + number(s.force_limit) + " N, tolerance " +
-         number(s.tolerance) + (s.tolerance_is_relative ? " of the largest force" : " N");
+         number(s.tolerance) + (s.tolerance_is_relative ? " of the largest force" : " N") + ", " +
+         std::to_string(s.intermediate_states) + " intermediate states, " +
+         (s.third_derivatives ? "third derivatives" : "no third derivatives");
 }
 
 /// Spacings that differ by less than this share are equal but for rounding.
@@ -331,7 +400,9 @@ void require_extension(const fs::path& path, const Site& there, const Site& aske
   const bool same_grid =
       there.tip_radius == asked.tip_radius && there.coarsest == asked.coarsest &&
       std::abs(there.spacing() - asked.spacing()) <= kSpacingRounding * there.spacing() &&
-      (there.tolerance > 0) == (asked.tolerance > 0);
+      (there.tolerance > 0) == (asked.tolerance > 0) &&
+      there.intermediate_states == asked.intermediate_states &&
+      there.third_derivatives == asked.third_derivatives;
   if (same_grid && asked.resolution >= there.resolution) return;
   throw InputError(
       quoted(path) + " holds active node " + std::to_string(asked.active_node) + " with " +
@@ -547,7 +618,7 @@ void StateSpaceFile::add_site(const Site& site) {
     if (!(*there == site)) extend(site);
     return;
   }
-  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
+  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
   insert.bind(std::int64_t{site.active_node});
   insert.bind(site.tip_radius);
   insert.bind(site.half_width);
@@ -557,6 +628,8 @@ void StateSpaceFile::add_site(const Site& site) {
   insert.bind(site.tolerance);
   insert.bind(std::int64_t{site.tolerance_is_relative});
   insert.bind(static_cast<std::int64_t>(site.history));
+  insert.bind(std::int64_t{site.intermediate_states});
+  insert.bind(std::int64_t{site.third_derivatives});
   insert.run();
 }
 
@@ -577,14 +650,16 @@ void StateSpaceFile::extend(const Site& site) {
     update.run();
   }
   const std::string beyond = std::to_string(flags::beyond_force_limit);
-  Statement flag(impl_->database,
-                 "UPDATE configuration SET flags = (flags & ~" + beyond +
-                     ") | CASE WHEN ?1 > 0 AND force_x * force_x + force_y * force_y + force_z * "
-                     "force_z > ?1 * ?1 THEN " +
-                     beyond + " ELSE 0 END WHERE scene_id = 1 AND active_node = ?2");
-  flag.bind(site.force_limit);
-  flag.bind(std::int64_t{site.active_node});
-  flag.run();
+  for (const std::string table : {"configuration", "intermediate"}) {
+    Statement flag(impl_->database,
+                   "UPDATE " + table + " SET flags = (flags & ~" + beyond +
+                       ") | CASE WHEN ?1 > 0 AND force_x * force_x + force_y * force_y + force_z * "
+                       "force_z > ?1 * ?1 THEN " +
+                       beyond + " ELSE 0 END WHERE scene_id = 1 AND active_node = ?2");
+    flag.bind(site.force_limit);
+    flag.bind(std::int64_t{site.active_node});
+    flag.run();
+  }
   transaction.commit();
 }
 
@@ -612,7 +687,16 @@ std::optional<Site> StateSpaceFile::find_site(Index active_node) const {
   return take_site(select).site;
 }
 
-void StateSpaceFile::add(Index active_node, const Configuration& configuration) {
+void StateSpaceFile::add(Index active_node, const Configuration& configuration,
+                         const std::vector<IntermediateState>& way) {
+  if (way.empty()) return add_alone(active_node, configuration);
+  Transaction transaction(impl_->database);
+  for (const IntermediateState& state : way) add_alone(active_node, state);
+  add_alone(active_node, configuration);
+  transaction.commit();
+}
+
+void StateSpaceFile::add_alone(Index active_node, const Configuration& configuration) {
   const Fields fields = blobs_of(configuration);
   if (!fit(fields, impl_->num_points)) {
     throw InputError("Configuration " + describe(configuration.check_point) + " of active node " +
@@ -651,7 +735,7 @@ std::vector<Configuration> StateSpaceFile::read_where(Index active_node, const c
   std::vector<Configuration> configurations;
   while (select.step()) {
     Configuration& configuration = configurations.emplace_back();
-    for_each_number(configuration, TakeNumber{select});
+    for_each_number(configuration, TakeNumber{select, path()});
     if (select.take_integer() != checksum(active_node, configuration)) {
       throw_damaged(path(), "configuration " + describe(configuration.check_point) +
                                 " of active node " + std::to_string(active_node));
@@ -719,7 +803,7 @@ std::vector<LevelTransition> StateSpaceFile::read_transitions(Index active_node)
   std::vector<LevelTransition> transitions;
   while (select.step()) {
     LevelTransition& transition = transitions.emplace_back();
-    for_each_number_of_transition(transition, TakeNumber{select});
+    for_each_number_of_transition(transition, TakeNumber{select, path()});
     if (select.take_integer() != checksum(active_node, transition) ||
         neighbour_number(transition.start, transition.target) < 0) {
       throw_damaged(path(), "a transition from " + describe(transition.start) + " of active node " +
@@ -727,6 +811,34 @@ std::vector<LevelTransition> StateSpaceFile::read_transitions(Index active_node)
     }
   }
   return transitions;
+}
+
+void StateSpaceFile::add_alone(Index active_node, const IntermediateState& state) {
+  Statement insert(impl_->database,
+                   std::string("INSERT OR REPLACE INTO intermediate (scene_id, active_node, ") +
+                       kIntermediateColumns +
+                       ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  insert.bind(std::int64_t{active_node});
+  for_each_number_of_intermediate(state, BindNumber{insert});
+  insert.bind(checksum(active_node, state));
+  insert.run();
+}
+
+std::vector<IntermediateState> StateSpaceFile::read_intermediate_states(Index active_node) const {
+  Statement select(impl_->database, std::string("SELECT ") + kIntermediateColumns +
+                                        ", checksum FROM intermediate WHERE scene_id = 1 AND "
+                                        "active_node = ? ORDER BY i, j, k, number");
+  select.bind(std::int64_t{active_node});
+  std::vector<IntermediateState> states;
+  while (select.step()) {
+    IntermediateState& state = states.emplace_back();
+    for_each_number_of_intermediate(state, TakeNumber{select, path()});
+    if (select.take_integer() != checksum(active_node, state)) {
+      throw_damaged(path(), "an intermediate state on the way to " + describe(state.target) +
+                                " of active node " + std::to_string(active_node));
+    }
+  }
+  return states;
 }
 
 void StateSpaceFile::read_fields(Index active_node, Configuration& configuration) const {
@@ -766,10 +878,57 @@ StateSpace StateSpaceFile::read(bool with_fields) const {
   for (SiteSpace& site : space.sites) {
     const Index node = site.site.active_node;
     site.configurations = read_summaries(node);
+    site.intermediate_states = read_intermediate_states(node);
     if (!with_fields) continue;
     for (Configuration& configuration : site.configurations) read_fields(node, configuration);
   }
   return space;
+}
+
+void StateSpaceFile::add(const TestSet& set, const TestPoint& point) {
+  std::string parameters = "1, ?, ?, ?, ?";
+  for (int c = 0; c < kNumTestPointColumns + 2; ++c) parameters += ", ?";
+  Statement insert(impl_->database,
+                   std::string("INSERT OR IGNORE INTO test_point (scene_id, active_node, "
+                               "tip_radius, half_width, seed, ") +
+                       kTestPointColumns + ", checksum, displacement) VALUES (" + parameters + ')');
+  insert.bind(std::int64_t{set.active_node});
+  insert.bind(set.tip_radius);
+  insert.bind(set.half_width);
+  insert.bind(set.seed);
+  for_each_number_of_test_point(point, BindNumber{insert});
+  insert.bind(checksum(set, point));
+  const auto size = static_cast<std::size_t>(point.displacement.size()) * sizeof(float);
+  insert.bind(size == 0 ? nullptr : point.displacement.data(), size);
+  insert.run();
+}
+
+std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) const {
+  Statement select(impl_->database,
+                   std::string("SELECT ") + kTestPointColumns +
+                       ", checksum, displacement FROM test_point WHERE scene_id = 1 AND active_node "
+                       "= ? AND tip_radius = ? AND half_width = ? AND seed = ? ORDER BY kind, number");
+  select.bind(std::int64_t{set.active_node});
+  select.bind(set.tip_radius);
+  select.bind(set.half_width);
+  select.bind(set.seed);
+  std::vector<TestPoint> points;
+  while (select.step()) {
+    TestPoint& point = points.emplace_back();
+    for_each_number_of_test_point(point, TakeNumber{select, path()});
+    const std::int64_t stored_checksum = select.take_integer();
+    const Statement::Blob blob = select.take_blob();
+    point.displacement.resize(static_cast<Eigen::Index>(blob.bytes / sizeof(float)));
+    if (blob.bytes > 0) {
+      std::memcpy(point.displacement.data(), blob.data,
+                  static_cast<std::size_t>(point.displacement.size()) * sizeof(float));
+    }
+    if (checksum(set, point) != stored_checksum) {
+      throw_damaged(path(), "test point " + std::to_string(point.number) + " of active node " +
+                                std::to_string(set.active_node));
+    }
+  }
+  return points;
 }
 
 void StateSpaceFile::merge(const std::vector<fs::path>& others) {
@@ -813,8 +972,13 @@ void StateSpaceFile::merge(const std::vector<fs::path>& others) {
           "INSERT OR IGNORE INTO main.transition SELECT * FROM other.transition WHERE scene_id = 1 "
           "AND active_node = " +
           node);
+      database.execute(
+          "INSERT OR IGNORE INTO main.intermediate SELECT * FROM other.intermediate WHERE scene_id "
+          "= 1 AND active_node = " +
+          node + " ORDER BY i, j, k, number");
       transaction.commit();
     }
+    database.execute("INSERT OR IGNORE INTO main.test_point SELECT * FROM other.test_point");
   }
 }
 

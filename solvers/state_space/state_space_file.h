@@ -9,6 +9,8 @@
 //   configuration  one row each: all of state_space/configuration.h; outcome and flags are those of
 //                  base/outcome.h
 //   transition     which level is reached from where, in a space with levels
+//   intermediate   states on the way to each configuration, where they were asked for
+//   test_point     equilibria beside the configurations, see state_space/test_point.h
 //
 // schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
 // or uint8. scene_id is 1; it and parent_scene_id leave room for a body whose topology changes.
@@ -33,6 +35,7 @@
 #include <vector>
 
 #include "state_space/state_space.h"
+#include "state_space/test_point.h"
 
 namespace palpate {
 
@@ -42,7 +45,7 @@ namespace palpate {
 /// where the disk, its space, the permissions or another writer stand in the way.
 class StateSpaceFile {
  public:
-  static constexpr int schema_version = 4;
+  static constexpr int schema_version = 5;
 
   /// Makes the file for a scene, open to append. It appears complete or not at all.
   /// @throws InputError there is such a file, or its folder is missing.
@@ -80,16 +83,19 @@ class StateSpaceFile {
   /// Adds a site. One that is there is extended: its box may become larger, with the same spacing,
   /// its force limit, its tolerance and its history may be others; then it is no longer complete.
   /// @throws InputError it is there with a box that is larger, or with another tip radius, spacing or
-  ///   coarsest cells.
+  ///   coarsest cells, another number of intermediate states, or with third derivatives where there
+  ///   are none or the other way round.
   void add_site(const Site& site);
   void set_complete(Index active_node, bool complete);
   /// The sites without configurations, by active node.
   [[nodiscard]] std::vector<SiteSpace> read_sites() const;
 
   /// Adds a configuration to a site, in place of one with the same check-point and level.
+  /// @param way The intermediate states on the way to it: they are there as soon as it is.
   /// @throws InputError there is no such site, or a field has a size that is not the body's; all
   ///   may be empty.
-  void add(Index active_node, const Configuration& configuration);
+  void add(Index active_node, const Configuration& configuration,
+           const std::vector<IntermediateState>& way = {});
 
   /// All configurations of a site without fields, in the order of operator<.
   [[nodiscard]] std::vector<Configuration> read_summaries(Index active_node) const;
@@ -102,12 +108,20 @@ class StateSpaceFile {
   void add(Index active_node, const LevelTransition& transition);
   [[nodiscard]] std::vector<LevelTransition> read_transitions(Index active_node) const;
 
+  /// All of a site, in their order.
+  [[nodiscard]] std::vector<IntermediateState> read_intermediate_states(Index active_node) const;
+
   /// Fills in the fields: u, v, p and p_v.
   void read_fields(Index active_node, Configuration& configuration) const;
   /// Everything; without fields unless `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
-  /// Takes over sites and configurations of other files of the same scene, such as those of the
+  /// Adds a test point, unless it is there. Needs no site.
+  void add(const TestSet& set, const TestPoint& point);
+  /// Those of a set, in the order of operator<.
+  [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
+
+  /// Takes over sites, configurations and test points of other files of the same scene, such as those of the
   /// ranks of a run. What is here stays, except that a configuration that converged there replaces
   /// one that did not converge here. The other files stay as they are; killed half-way, it can be
   /// done again.
@@ -121,6 +135,8 @@ class StateSpaceFile {
   /// @param level A condition on it.
   [[nodiscard]] std::vector<Configuration> read_where(Index active_node, const char* level) const;
   void extend(const Site& site);
+  void add_alone(Index active_node, const Configuration& configuration);
+  void add_alone(Index active_node, const IntermediateState& state);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -53,7 +53,7 @@ class Builder {
   /// @param fields_of Gives the configuration with its fields for an index.
   template <class FieldsOf>
   void add(const Site& site, const std::vector<ConfigurationSummary>& summaries,
-           FieldsOf&& fields_of) {
+           std::vector<IntermediateState> intermediate_states, FieldsOf&& fields_of) {
     if (site.active_node < 0 || site.active_node >= mesh_.num_points()) {
       throw InputError("Active node " + std::to_string(site.active_node) + " is not one of the " +
                        std::to_string(mesh_.num_points()) + " points of the body.");
@@ -81,6 +81,7 @@ class Builder {
     added.site = site;
     added.rest_position = mesh_.points[site.active_node];
     added.configurations = summaries;
+    added.intermediate_states = std::move(intermediate_states);
     const Eigen::Index rank = fit.coefficients.rows();
     const auto total = static_cast<Eigen::Index>(added.configurations.size());
     added.coefficients.setZero(rank, total);
@@ -139,7 +140,7 @@ const TouchSite* TouchSpace::find(Index active_node) const {
 TouchSpace make_touch_space(const StateSpace& space, double bound) {
   Builder builder(space.scene, space.scene_hash, bound);
   for (const SiteSpace& site : space.sites) {
-    builder.add(site.site, summaries_of(site.configurations),
+    builder.add(site.site, summaries_of(site.configurations), site.intermediate_states,
                 [&](std::size_t c) -> const Configuration& { return site.configurations[c]; });
   }
   return builder.finish();
@@ -152,11 +153,12 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   for (const SiteSpace& site : file.read_sites()) {
     const Index node = site.site.active_node;
     const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(node));
-    builder.add(site.site, summaries, [&](std::size_t c) -> const Configuration& {
-      static_cast<ConfigurationSummary&>(current) = summaries[c];
-      file.read_fields(node, current);
-      return current;
-    });
+    builder.add(site.site, summaries, file.read_intermediate_states(node),
+                [&](std::size_t c) -> const Configuration& {
+                  static_cast<ConfigurationSummary&>(current) = summaries[c];
+                  file.read_fields(node, current);
+                  return current;
+                });
   }
   return builder.finish();
 }

@@ -59,7 +59,7 @@ def solver_units():
         "schedule": {"MPI"},
     }
     parts = ["base", "mesh", "materials", "elements", "assembly", "linear", "equilibrium",
-             "state_space", "interpolation", "schedule", "exploration"]
+             "state_space", "interpolation", "schedule", "exploration", "accuracy"]
     return {
         f"solvers/{part}": Unit({"std", "Eigen"} | wrapped.get(part, set()),
                                 {f"solvers/{earlier}" for earlier in parts[:index]})

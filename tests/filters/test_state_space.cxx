@@ -22,10 +22,22 @@ TEST(StateSpaceData, RoundTrip)
   sites[1].coarsest = 2;
   sites[1].tolerance = 0.003;
   sites[1].tolerance_is_relative = true;
-  const palpate::TouchSpace space =
-    palpate::make_touch_space(palpate::test::example_space(scene, sites));
+  sites[1].intermediate_states = 2;
+  sites[1].third_derivatives = true;
+  palpate::StateSpace whole = palpate::test::example_space(scene, sites);
+  for (palpate::Configuration& c : whole.sites[1].configurations)
+  {
+    const auto way = palpate::test::example_way(c, 2);
+    auto& states = whole.sites[1].intermediate_states;
+    states.insert(states.end(), way.begin(), way.end());
+    if (c.check_point != palpate::CheckPoint{ 1, 1, 1 })
+    {
+      c.third_derivative = palpate::test::example_third_derivative(c.t);
+    }
+  }
+  const palpate::TouchSpace space = palpate::make_touch_space(whole);
   vtkNew<vtkPartitionedDataSetCollection> collection;
-  vtkPalpateNameBlocks(collection);
+  vtkPalpateNameBlocks(collection, true);
   vtkPalpateFillCollection(scene, space, collection);
 
   const palpate::TouchSpace read = vtkPalpateSpaceFromCollection(collection, nullptr);
@@ -43,6 +55,22 @@ TEST(StateSpaceData, RoundTrip)
     EXPECT_EQ(site.coarsest, sites[i].coarsest);
     EXPECT_EQ(site.tolerance, sites[i].tolerance);
     EXPECT_EQ(site.tolerance_is_relative, sites[i].tolerance_is_relative);
+    EXPECT_EQ(site, sites[i]);
+    const auto& states = space.sites[i].intermediate_states;
+    ASSERT_EQ(read.sites[i].intermediate_states.size(), states.size());
+    EXPECT_EQ(states.size(), i == 0 ? 0U : 2 * space.sites[1].configurations.size());
+    for (std::size_t s = 0; s < states.size(); ++s)
+    {
+      const palpate::IntermediateState& state = read.sites[i].intermediate_states[s];
+      EXPECT_EQ(state.target, states[s].target);
+      EXPECT_EQ(state.number, states[s].number);
+      EXPECT_EQ(state.t, states[s].t);
+      EXPECT_EQ(state.force, states[s].force);
+      EXPECT_EQ(state.energy, states[s].energy);
+      EXPECT_EQ(state.outcome, states[s].outcome);
+      EXPECT_EQ(state.flags, states[s].flags);
+      EXPECT_EQ(state.seconds, states[s].seconds);
+    }
     EXPECT_EQ(read.sites[i].coefficients, space.sites[i].coefficients);
     ASSERT_EQ(read.sites[i].configurations.size(), space.sites[i].configurations.size());
     for (std::size_t c = 0; c < read.sites[i].configurations.size(); ++c)
@@ -50,6 +78,13 @@ TEST(StateSpaceData, RoundTrip)
       EXPECT_EQ(read.sites[i].configurations[c].check_point,
         space.sites[i].configurations[c].check_point);
       EXPECT_EQ(read.sites[i].configurations[c].force, space.sites[i].configurations[c].force);
+      const palpate::ConfigurationSummary& written = space.sites[i].configurations[c];
+      EXPECT_EQ(read.sites[i].configurations[c].has_third_derivative(),
+        written.has_third_derivative());
+      if (written.has_third_derivative())
+      {
+        EXPECT_EQ(read.sites[i].configurations[c].third_derivative, written.third_derivative);
+      }
     }
   }
 

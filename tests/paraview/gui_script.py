@@ -13,6 +13,14 @@ touch = FindSource("Touch State Space")
 print("state: points", touch.GetDataInformation().GetNumberOfPoints(), flush=True)
 print("state: force", touch.FieldData["Force"].GetRange(-1)[1], flush=True)
 
+report = AccuracyReport(Input=touch.Input, TestPoints=20)
+table = CreateView("SpreadSheetView")
+AssignViewToLayout(view=table)
+Show(report, table)
+Render(table)
+print("state: report", report.GetDataInformation().GetNumberOfRows(), flush=True)
+SaveScreenshot("report.png", GetLayout(table), ImageResolution=[1600, 600])
+
 # What the clicks start from: points enough for a body, few enough for a space of all of them.
 SetActiveSource(Sphere(Radius=0.1, ThetaResolution=6, PhiResolution=6))
 known = {name for name, _ in GetSources()}

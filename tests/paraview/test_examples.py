@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The examples at a reduced size: examples/liver on one rank and on two, with the same table and
-pictures, and the three reports.
-pictures, the two reports, and examples/cluster with the batch job.
+pictures, the reports, and examples/cluster with the batch job.
 
 Arguments: pvbatch and, where there is MPI, mpiexec with its options.
 """
@@ -363,6 +362,33 @@ def check_tolerance():
     assert done.stderr.startswith("tolerance.py: the scene has no material"), done.stderr
 
 
+def check_accuracy():
+    """On two ranks, then of a file on one, with what was solved for before."""
+    small = ["--points", "20", "--output", "accuracy"]
+    done = run(2 if MPIEXEC else 1, *small, "--elements", "150", "--resolutions", "3", "5",
+               "--intermediate-states", "1", example="accuracy")
+    assert done.returncode == 0, done.stderr
+    with open("accuracy/report.md", encoding="utf-8") as file:
+        text = file.read()
+    assert text.strip() in done.stdout and "Energy Hermite has the least mean error" in text, text
+    rows = rows_of("accuracy/table.csv")
+    error = {(row["method"], row["grid"]): float(row["mean (%)"]) for row in rows}
+    assert len(rows) == len(error) == 22, rows
+    assert error["Energy Hermite", "5³"] < 0.1 * error["RBF cubic", "5³"], error
+    assert error["Energy Hermite", "5³"] < 0.5 * error["Energy Hermite", "3³"], error
+    assert all(float(row["TestPoints"]) == 20 for row in rows), rows
+    pictures = re.findall(r"\((\w[^)]*)\.png\)", text)
+    assert len(pictures) == 7, pictures
+    expect_pictures("accuracy", *pictures)
+
+    done = run(1, "accuracy/space_neo-hookean_5.palpate", *small, example="accuracy")
+    assert done.returncode == 0, done.stderr
+    # The space contains the coarser one.
+    assert {row["grid"] for row in rows_of("accuracy/table.csv")} == {"3³", "5³"}
+    done = run(1, *small, "--resolutions", "4", example="accuracy")
+    assert done.returncode == 1 and done.stderr.startswith("accuracy.py: "), done.stderr
+
+
 check_one_rank()
 check_that_the_file_is_used_again()
 if MPIEXEC:
@@ -376,6 +402,7 @@ check_discretisation()
 check_stability()
 check_roof()
 check_tolerance()
+check_accuracy()
 check_cluster()
 check_options_of_the_job()
 if MPIEXEC:

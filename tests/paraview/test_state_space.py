@@ -22,6 +22,7 @@ def test_every_property():
                                  HalfWidth=0.02, Resolution=5, ForceLimit=3, Tolerance=0.1,
                                  ToleranceType="Absolute", History="Flat", LogInterval=3,
                                  SinglePrecisionFactors=0,
+                                 IntermediateStates=2, ThirdDerivatives=1,
                                  FileName="every.palpate", SolverTolerance=1e-9,
                                  MaximumSeconds=60, RanksPerSolve=2, DisplacementBound=1e-2)
     assert list(space.ActiveNodes) == [1, 2] and space.TipRadius == 0.01
@@ -31,6 +32,7 @@ def test_every_property():
     assert space.RanksPerSolve == 2
     assert space.MaximumSeconds == 60 and space.SinglePrecisionFactors == 0
     assert space.LogInterval == 3
+    assert space.IntermediateStates == 2 and space.ThirdDerivatives == 1
     for history in ("Flat", "Automatic", "Levels"):
         space.History = history
         assert space.History == history
@@ -262,6 +264,76 @@ def test_resume():
     body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
     again = fetch_space(precompute(body, nodes, FileName="resume.palpate"))["Configurations"]
     assert field(again, "Solved")[0] == 0
+
+
+def test_additions():
+    """Intermediate states and third derivatives: in memory, in the file and read back from it."""
+    boundary = scene("additions")
+    node = node_at(boundary, CORNER)
+    settings = {"Resolution": 3, "FileName": "additions.palpate"}
+    plain = fetch_space(precompute(boundary, [node], Resolution=3))
+    kept = precompute(boundary, [node], IntermediateStates=5, ThirdDerivatives=1, **settings)
+    blocks = fetch_space(kept)
+    space, states = blocks["Configurations"], blocks["IntermediateStates"]
+    for name in ("Solved", "IntermediateStatesSolved", "IntermediateStatesFailed"):
+        print(f"{name}: {field(space, name)[0]:g}")
+    assert field(space, "Solved")[0] == 27
+    assert field(space, "IntermediateStatesSolved")[0] == 26 * 5
+    assert field(space, "IntermediateStatesFailed")[0] == 0
+    assert field(space, "IntermediateStatesSeconds")[0] > 0
+    assert states.GetNumberOfPoints() == states.GetNumberOfVerts() == 26 * 5
+    arrays = arrays_of(states.GetPointData())
+    assert {name: 1 if array.ndim == 1 else array.shape[1] for name, array in arrays.items()} == {
+        "ActiveNode": 1, "TargetCheckPoint": 3, "Number": 1, "Displacement": 3, "Force": 3,
+        "Energy": 1, "Outcome": 1, "Flags": 1, "Seconds": 1}
+    assert (arrays["Outcome"] == 0).all() and (arrays["ActiveNode"] == node).all()
+    share = arrays["Number"][:, None] / 6
+    assert numpy.allclose(arrays["Displacement"], 0.02 * share * arrays["TargetCheckPoint"])
+    at_rest = places(blocks["Body"])[node]
+    assert numpy.allclose(places(states), at_rest + arrays["Displacement"], rtol=0, atol=1e-15)
+    exact = SolveEquilibrium(Input=boundary, ActiveNode=[node])
+    for i in (0, 61, 129):
+        exact.Displacement = list(arrays["Displacement"][i])
+        assert numpy.allclose(field(fetch(exact), "ReactionForce")[0], arrays["Force"][i],
+                              rtol=1e-6)
+    # What is there without them is the same to the bit, and no larger.
+    configurations = arrays_of(space.GetPointData())
+    third = configurations.pop("ThirdDerivative")
+    without = arrays_of(plain["Configurations"].GetPointData())
+    assert configurations.keys() == without.keys() and "IntermediateStates" not in plain
+    for name in configurations.keys() - {"Seconds"}:
+        assert (configurations[name] == without[name]).all(), name
+
+    with sqlite3.connect("file:additions.palpate?mode=ro", uri=True) as database:
+        for check_point, t in zip(configurations["CheckPoint"], third):
+            (blob,), = database.execute("SELECT third_derivative FROM configuration WHERE i = ? AND "
+                                        "j = ? AND k = ?", [int(x) for x in check_point])
+            assert (numpy.frombuffer(blob) == t).all()
+        assert database.execute("SELECT count(*) FROM intermediate").fetchone() == (26 * 5,)
+    # T is the derivative of the stiffness; between neighbours far apart only roughly.
+    stiffness = dict(zip(map(tuple, configurations["CheckPoint"]), configurations["Stiffness"]))
+    of_rest = dict(zip(map(tuple, configurations["CheckPoint"]), third))[0, 0, 0]
+    for axis, component in ((0, 0), (1, 1), (2, 2)):
+        step = tuple(int(i == axis) for i in range(3))
+        back = tuple(-x for x in step)
+        slope = (stiffness[step][0] - stiffness[back][0]) / 0.04
+        assert abs(slope - of_rest[component]) < 0.2 * numpy.abs(of_rest).max(), axis
+
+    SaveData("additions.vtpc", proxy=kept, DataMode="Binary")
+    for other in (StateSpaceReader(FileName="additions.palpate"),
+                  OpenDataFile(os.path.abspath("additions.vtpc"))):
+        read = fetch_space(other)
+        expect_same_space(blocks, read)
+        for name, value in (("IntermediateStates", 5), ("ThirdDerivatives", 1)):
+            assert field(read["Configurations"], name)[0] == value
+        touch = TouchStateSpace(Input=other, Displacement=[0.003, 0.002, -0.004])
+        assert field(fetch(touch), "Found")[0] == INSIDE
+    expect_error(precompute(boundary, [node], ThirdDerivatives=1, **settings).UpdatePipeline,
+                 "5 intermediate states", "0 intermediate states")
+    expect_error(precompute(boundary, [node], IntermediateStates=5, **settings).UpdatePipeline,
+                 "no third derivatives")
+    expect_error(precompute(boundary, [node], IntermediateStates=-1).UpdatePipeline,
+                 "intermediate states")
 
 
 def test_tolerance():

@@ -19,13 +19,16 @@ def fetch_touch(source, node):
 
 boundary = scene("ranks")
 node = node_at(boundary, [0.2, 0.1, 0.1])
-kept = precompute(boundary, [node], FileName="ranks.palpate")
+# All blocks are there on both ranks.
+whole = {"IntermediateStates": 1, "ThirdDerivatives": 1}
+kept = precompute(boundary, [node], FileName="ranks.palpate", **whole)
 # pvbatch runs this script on rank 0 alone: the others follow.
 assert RANK == 0
 in_file = fetch_space(kept)
 assert field(in_file["Configurations"], "Ranks")[0] == 2
 assert field(in_file["Configurations"], "Solved")[0] == 125
-in_memory = fetch_space(precompute(boundary, [node]))
+assert in_file["IntermediateStates"].GetNumberOfPoints() == 124
+in_memory = fetch_space(precompute(boundary, [node], **whole))
 expect_same_space(in_file, in_memory)
 # In a group of two; 27 configurations, since two ranks of a busy machine wait for each other.
 together, alone = (fetch_space(precompute(boundary, [node], Resolution=3, RanksPerSolve=ranks))

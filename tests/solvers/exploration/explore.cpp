@@ -27,6 +27,8 @@ int explore(const char* path, double tolerance) {
   options.half_width = 0.02;
   options.resolution = 5;
   options.tolerance = tolerance;
+  options.intermediate_states = tolerance > 0 ? 0 : 1;
+  options.equilibrium.third_derivatives = true;
   options.file = path;
   try {
     const auto report = precompute(block.scene, options, *communicator, nullptr).report;

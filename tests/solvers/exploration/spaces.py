@@ -19,7 +19,8 @@ def solved_and_reused(output):
 
 
 def configurations(file):
-    """{(node, i, j, k): (outcome, energy, force, u)} of a file and those of the ranks beside it."""
+    """{(node, i, j, k): (energy, force, u)} of a file and those of the ranks beside it. None of them
+    is without the intermediate states on the way to it, nor the other way round."""
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         # Copies: what a killed run has left is taken up by whoever opens it.
@@ -32,11 +33,21 @@ def configurations(file):
                 tables = database.execute("SELECT name FROM sqlite_master").fetchall()
                 if ("configuration",) not in tables:
                     continue
+                ways = {}
+                states_of = dict(database.execute(
+                    "SELECT active_node, intermediate_states FROM site"))
                 for row in database.execute(
                         "SELECT active_node, i, j, k, outcome, energy, force_x, force_y, force_z, u"
                         " FROM configuration"):
                     if row[4] == 0:
                         found[row[:4]] = (row[5], row[6:9], row[9])
+                        ways[row[:4]] = 0 if row[1:4] == (0, 0, 0) else states_of[row[0]]
+                num_states = dict.fromkeys(ways, 0)
+                for *key, count in database.execute(
+                        "SELECT active_node, i, j, k, count(*) FROM intermediate"
+                        " GROUP BY active_node, i, j, k"):
+                    num_states[tuple(key)] = count
+                assert num_states == ways, name
     return found
 
 

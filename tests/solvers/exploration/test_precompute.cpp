@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 
 #include "base/error.h"
@@ -47,6 +48,22 @@ void expect_equal(const TouchSpace& a, const TouchSpace& b) {
       EXPECT_TRUE(same_bits(c.force.data(), d.force.data(), 3));
       EXPECT_TRUE(same_bits(c.stiffness.data(), d.stiffness.data(), 9));
       EXPECT_TRUE(same_bits(&c.energy, &d.energy, 1));
+      EXPECT_EQ(c.has_third_derivative(), d.has_third_derivative());
+      if (c.has_third_derivative()) {
+        EXPECT_TRUE(same_bits(c.third_derivative.data(), d.third_derivative.data(), 10));
+      }
+    }
+    ASSERT_EQ(x.intermediate_states.size(), y.intermediate_states.size());
+    for (std::size_t i = 0; i < x.intermediate_states.size(); ++i) {
+      const IntermediateState& c = x.intermediate_states[i];
+      const IntermediateState& d = y.intermediate_states[i];
+      EXPECT_EQ(c.target, d.target);
+      EXPECT_EQ(c.number, d.number);
+      EXPECT_EQ(c.outcome, d.outcome);
+      EXPECT_EQ(c.flags, d.flags);
+      EXPECT_TRUE(same_bits(c.t.data(), d.t.data(), 3));
+      EXPECT_TRUE(same_bits(c.force.data(), d.force.data(), 3));
+      EXPECT_TRUE(same_bits(&c.energy, &d.energy, 1));
     }
   }
 }
@@ -82,6 +99,12 @@ class Precompute : public testing::Test {
   test::Block block_ = test::make_block(Law::neo_hookean);
   PrecomputeOptions options_;
   Progress progress_;
+  /// A body for many short runs.
+  void make_small() {
+    block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear});
+    options_.active_nodes = {block_.corner};
+  }
+
   fs::path folder_;
 };
 
@@ -436,6 +459,145 @@ TEST_F(Precompute, WhatAKilledRunLeftOfARemovedFileIsNotTakenForIts) {
   }
 }
 
+/// Without what they have in addition.
+void remove_additions(TouchSpace& space) {
+  for (TouchSite& site : space.sites) {
+    site.intermediate_states.clear();
+    for (ConfigurationSummary& c : site.configurations) {
+      c.third_derivative.setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+}
+
+// [P08]: five between a start and its target.
+TEST_F(Precompute, IntermediateStatesLieBetweenAStartAndItsTarget) {
+  make_small();
+  options_.resolution = 3;
+  PrecomputeResult plain = run(*world_);
+  options_.intermediate_states = 5;
+  options_.equilibrium.third_derivatives = true;
+  options_.force_limit = 0.1;
+  PrecomputeResult result = run(*world_);
+  EXPECT_EQ(result.report.num_solved, 27);
+  EXPECT_EQ(result.report.num_intermediate_states, 26 * 5);
+  EXPECT_EQ(result.report.num_intermediate_states_failed, 0);
+  EXPECT_GT(result.report.intermediate_seconds, 0);
+  EXPECT_EQ(plain.report.num_intermediate_states, 0);
+  if (world_->rank() != 0) return;
+  const TouchSite& site = result.space.sites.front();
+  EXPECT_EQ(site.site.intermediate_states, 5);
+  EXPECT_TRUE(site.site.third_derivatives);
+  ASSERT_EQ(site.intermediate_states.size(), 26U * 5);
+  EXPECT_TRUE(std::is_sorted(site.intermediate_states.begin(), site.intermediate_states.end()));
+  EquilibriumSolver solver(block_.scene, {});
+  solver.hold(hold_nodes({block_.corner}));
+  std::size_t next = 0;
+  for (const ConfigurationSummary& c : site.configurations) {
+    EXPECT_TRUE(c.has_third_derivative());
+    if (c.check_point == CheckPoint{}) continue;
+    for (int number = 1; number <= 5; ++number) {
+      const IntermediateState& state = site.intermediate_states[next++];
+      ASSERT_EQ(state.target, c.check_point);
+      ASSERT_EQ(state.number, number);
+      EXPECT_LT((state.t - number / 6.0 * c.t).norm(), 1e-15);
+      EXPECT_EQ((state.flags & flags::beyond_force_limit) != 0, state.force.norm() > 0.1);
+      if (number != 3) continue;
+      const Equilibrium exact = solver.solve(state.t, solver.rest());
+      EXPECT_LT((state.force - exact.reaction).norm(), 1e-7 * exact.reaction.norm());
+      EXPECT_NEAR(state.energy, exact.energy, 1e-7 * exact.energy);
+      EXPECT_GT(state.energy, 0);
+      EXPECT_LT(state.energy, c.energy);
+    }
+  }
+  // The configurations are what they are without them.
+  options_.intermediate_states = 0;
+  options_.equilibrium.third_derivatives = false;
+  PrecomputeResult without = run(*serial_);
+  remove_additions(result.space);
+  expect_equal(result.space, without.space);
+}
+
+TEST_F(Precompute, WhatASpaceHoldsInAdditionIsTheSameOnAnyNumberOfRanksInAFileAndResumed) {
+  make_small();
+  options_.intermediate_states = 1;
+  options_.equilibrium.third_derivatives = true;
+  options_.half_width = 0.04;
+  options_.force_limit = 0.4;
+  const PrecomputeResult in_memory = run(*world_);
+  options_.file = folder_ / "a.palpate";
+  progress_ = [](const ProgressState& state) { return state.share() < 0.4; };
+  const PrecomputeResult part = run(*world_);
+  EXPECT_FALSE(part.report.complete);
+  progress_ = nullptr;
+  if (world_->rank() == 0) {
+    // No target without the states on the way to it.
+    const TouchSite& site = part.space.sites.front();
+    std::int64_t num_targets = 0;
+    for (const ConfigurationSummary& c : site.configurations) {
+      num_targets += c.usable() && c.check_point != CheckPoint{} ? 1 : 0;
+    }
+    EXPECT_EQ(static_cast<std::int64_t>(site.intermediate_states.size()), num_targets);
+    EXPECT_GT(num_targets, 0);
+  }
+  agree(*world_, [] {});
+  const PrecomputeResult rest = run(*world_);
+  EXPECT_TRUE(rest.report.complete);
+  EXPECT_EQ(rest.report.num_reused + rest.report.num_solved, in_memory.report.num_solved);
+  EXPECT_LT(rest.report.num_intermediate_states, in_memory.report.num_intermediate_states);
+  const PrecomputeResult again = run(*world_);
+  EXPECT_EQ(again.report.num_intermediate_states, 0);
+  EXPECT_EQ(again.report.num_solved, 0);
+  if (world_->rank() == 0) {
+    EXPECT_EQ(static_cast<std::int64_t>(in_memory.space.sites.front().intermediate_states.size()),
+              in_memory.report.num_intermediate_states);
+    expect_equal(rest.space, in_memory.space);
+    expect_equal(again.space, in_memory.space);
+    options_.file.clear();
+    expect_equal(run(*serial_).space, in_memory.space);
+    options_.file = folder_ / "a.palpate";
+  }
+  options_.intermediate_states = 2;
+  EXPECT_THROW((void)run(*world_), InputError);
+  options_.intermediate_states = 1;
+  options_.equilibrium.third_derivatives = false;
+  EXPECT_THROW((void)run(*world_), InputError);
+}
+
+TEST_F(Precompute, NoIntermediateStatesAreSoughtOnTheWayToATargetThatFailed) {
+  make_small();
+  options_.half_width = 0.05;
+  options_.resolution = 5;
+  options_.intermediate_states = 1;
+  options_.equilibrium.max_halvings = 0;
+  options_.equilibrium.max_iterations = 14;
+  const PrecomputeResult result = run(*world_);
+  const auto& outcomes = result.report.num_by_outcome;
+  ASSERT_EQ(outcomes.count(Outcome::not_converged), 1U);
+  EXPECT_EQ(result.report.num_intermediate_states, outcomes.at(Outcome::converged) - 1);
+}
+
+TEST_F(Precompute, ASpaceThatRefinesItselfHasIntermediateStatesToo) {
+  make_small();
+  options_.half_width = 0.03;
+  options_.tolerance = 3e-4;
+  options_.intermediate_states = 1;
+  const PrecomputeResult result = run(*world_);
+  EXPECT_GT(result.report.num_solved, 125);
+  EXPECT_EQ(result.report.num_intermediate_states,
+            result.report.num_by_outcome.at(Outcome::converged) - 1);
+  if (world_->rank() != 0) return;
+  const TouchSite& site = result.space.sites.front();
+  for (const IntermediateState& state : site.intermediate_states) {
+    const auto target = std::find_if(
+        site.configurations.begin(), site.configurations.end(),
+        [&](const ConfigurationSummary& c) { return c.check_point == state.target; });
+    const auto start = std::find_if(
+        site.configurations.begin(), site.configurations.end(),
+        [&](const ConfigurationSummary& c) { return c.check_point == target->parent; });
+    EXPECT_LT((state.t - 0.5 * (start->t + target->t)).norm(), 1e-15);
+  }
+}
+
 TEST_F(Precompute, BadOptionsAreOneClearError) {
   const auto message = [this] {
     try {
@@ -463,6 +625,11 @@ TEST_F(Precompute, BadOptionsAreOneClearError) {
   options_ = good;
   options_.force_limit = -1;
   EXPECT_NE(message().find("force limit"), std::string::npos);
+  options_ = good;
+  for (const int wrong : {-1, 101}) {
+    options_.intermediate_states = wrong;
+    EXPECT_NE(message().find("intermediate states"), std::string::npos);
+  }
   options_ = good;
   options_.touch_bound = 2;
   EXPECT_FALSE(message().empty());

@@ -96,6 +96,28 @@ inline Configuration example_configuration(const Scene& scene, const Site& site,
   return c;
 }
 
+/// A third derivative as a configuration at t may have it: no two components are alike.
+inline ThirdDerivative example_third_derivative(const Vec3& t) {
+  return ThirdDerivative::LinSpaced(-100, 80) * (1 + t.sum());
+}
+
+/// So many states on the straight way to a configuration.
+inline std::vector<IntermediateState> example_way(const ConfigurationSummary& target, int count) {
+  std::vector<IntermediateState> way;
+  for (int number = 1; number <= count; ++number) {
+    IntermediateState& state = way.emplace_back();
+    state.target = target.check_point;
+    state.number = number;
+    state.t = target.t * number / (count + 1);
+    state.energy = 50 * state.t.squaredNorm();
+    state.force = 100 * state.t;
+    state.outcome = Outcome::converged;
+    state.flags = flags::inertia_not_computed;
+    state.seconds = 0.01 * number;
+  }
+  return way;
+}
+
 inline Site example_site(Index active_node = 8, std::int32_t resolution = 5) {
   Site site;
   site.active_node = active_node;

@@ -27,6 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 using test::example_configuration;
 using test::example_site;
+using test::example_third_derivative;
+using test::example_way;
 using test::for_each_check_point;
 
 constexpr double kTolerance = 1e-8;
@@ -48,12 +50,27 @@ void expect_same_summary(const ConfigurationSummary& a, const ConfigurationSumma
   EXPECT_EQ(std::memcmp(&a.energy, &b.energy, sizeof a.energy), 0);
   EXPECT_TRUE(same_bits(a.force, b.force));
   EXPECT_TRUE(same_bits(a.stiffness, b.stiffness));
+  EXPECT_EQ(a.has_third_derivative(), b.has_third_derivative());
+  if (a.has_third_derivative()) {
+    EXPECT_TRUE(same_bits(a.third_derivative, b.third_derivative));
+  }
   EXPECT_EQ(a.outcome, b.outcome);
   EXPECT_EQ(a.flags, b.flags);
   EXPECT_EQ(a.residual, b.residual);
   EXPECT_EQ(a.minimum_det_f, b.minimum_det_f);
   EXPECT_EQ(a.negative_pivots, b.negative_pivots);
   EXPECT_EQ(a.iterations, b.iterations);
+  EXPECT_EQ(a.seconds, b.seconds);
+}
+
+void expect_same(const IntermediateState& a, const IntermediateState& b) {
+  EXPECT_EQ(a.target, b.target);
+  EXPECT_EQ(a.number, b.number);
+  EXPECT_TRUE(same_bits(a.t, b.t));
+  EXPECT_EQ(std::memcmp(&a.energy, &b.energy, sizeof a.energy), 0);
+  EXPECT_TRUE(same_bits(a.force, b.force));
+  EXPECT_EQ(a.outcome, b.outcome);
+  EXPECT_EQ(a.flags, b.flags);
   EXPECT_EQ(a.seconds, b.seconds);
 }
 
@@ -137,6 +154,8 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   odd.force = Vec3(1.0 / 3, 1e-320, -7);
   odd.flags = flags::inverted | flags::beyond_force_limit;
   odd.negative_pivots = 2;
+  odd.third_derivative = example_third_derivative(odd.t);
+  odd.third_derivative[3] = -0.0;
   odd.u[4] = -0.0;
   odd.u[5] = std::numeric_limits<double>::quiet_NaN();
   odd.p = Eigen::VectorXd::LinSpaced(7, -1, 1);
@@ -258,15 +277,84 @@ TEST_F(StateSpaceFileTest, ASiteMayGrow) {
   EXPECT_EQ(read().site, site);
 }
 
+TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
+  Site site = example_site(26, 3);
+  site.intermediate_states = 5;
+  site.third_derivatives = true;
+  Configuration first = example_configuration(scene_, site, {1, 0, 0});
+  first.third_derivative = example_third_derivative(first.t);
+  const Configuration second = example_configuration(scene_, site, {-1, 0, 1});
+  std::vector<IntermediateState> way = example_way(first, 5);
+  way[1].outcome = Outcome::not_converged;
+  way[1].energy = -0.0;
+  way[1].force = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  const std::vector<IntermediateState> other_way = example_way(second, 5);
+  const fs::path rank = folder_ / "rank";
+  {
+    StateSpaceFile file = create();
+    EXPECT_THROW(file.add(26, first, way), InputError);
+    EXPECT_TRUE(file.read_intermediate_states(26).empty()) << "without their configuration";
+    file.add_site(site);
+    file.add(26, first, way);
+    file.close();
+    StateSpaceFile of_rank = StateSpaceFile::create(rank, scene_, kTolerance);
+    of_rank.add_site(site);
+    of_rank.add(26, second, other_way);
+    of_rank.add(26, first, way);
+    of_rank.close();
+  }
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+  file.merge({rank});
+  const StateSpace space = file.read(false);
+  EXPECT_EQ(space.sites[1].site, site);
+  EXPECT_TRUE(space.sites[0].intermediate_states.empty());
+  std::vector<IntermediateState> expected = other_way;
+  expected.insert(expected.end(), way.begin(), way.end());
+  ASSERT_EQ(space.sites[1].intermediate_states.size(), 10U);
+  for (std::size_t i = 0; i < 10; ++i) {
+    const IntermediateState& read = space.sites[1].intermediate_states[i];
+    if (i == 6) {
+      EXPECT_FALSE(read.usable());
+      EXPECT_TRUE(read.force.hasNaN());
+      continue;
+    }
+    expect_same(read, expected[i]);
+  }
+  ASSERT_EQ(space.sites[1].configurations.size(), 2U);
+  EXPECT_FALSE(space.sites[1].configurations[0].has_third_derivative());
+  expect_same_summary(space.sites[1].configurations[1], first);
+
+  // The force limit marks them as it does configurations.
+  site.force_limit = 0.5;
+  file.add_site(site);
+  for (const IntermediateState& state : file.read_intermediate_states(26)) {
+    EXPECT_EQ((state.flags & flags::beyond_force_limit) != 0, state.force.norm() > 0.5);
+  }
+
+  Site other = site;
+  other.intermediate_states = 3;
+  expect_mentions(message_of<InputError>([&] { file.add_site(other); }),
+                  {"5 intermediate states", "3 intermediate states"});
+  other = site;
+  other.third_derivatives = false;
+  expect_mentions(message_of<InputError>([&] { file.add_site(other); }),
+                  {", third derivatives", "no third derivatives"});
+}
+
 // Where the file is damaged, what is read from it is what was written, or an error.
 TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
   std::map<CheckPoint, Configuration> written;
+  std::vector<IntermediateState> states;
+  constexpr int kStates = 30;
   {
     StateSpaceFile file = create();
     for (std::int32_t i = -1; i <= 1; ++i) {
       for (std::int32_t j = -1; j <= 1; ++j) {
-        const Configuration c = example_configuration(scene_, site_, {i, j, 0});
-        file.add(site_.active_node, c);
+        Configuration c = example_configuration(scene_, site_, {i, j, 0});
+        c.third_derivative = example_third_derivative(c.t);
+        const std::vector<IntermediateState> way = example_way(c, kStates);
+        states.insert(states.end(), way.begin(), way.end());
+        file.add(site_.active_node, c, way);
         Configuration& kept = written.emplace(c.check_point, c).first->second;
         if (i == 1) continue;
         const CheckPoint next{i + 1, j, 0};
@@ -290,6 +378,13 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
     try {
       const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
       (void)file.read_scene();
+      for (const IntermediateState& state : file.read_intermediate_states(site_.active_node)) {
+        const auto right = std::find_if(states.begin(), states.end(), [&](const auto& other) {
+          return !(other < state) && !(state < other);
+        });
+        ASSERT_NE(right, states.end()) << place;
+        expect_same(state, *right);
+      }
       for (Configuration& c : file.read_summaries(site_.active_node)) {
         file.read_fields(site_.active_node, c);
         const auto right = written.find(c.check_point);
@@ -429,9 +524,9 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0\5", 4));  // user_version
-  expect_mentions(message_of<InputError>(open), {"version 5", "newer"});
-  for (char older : {'\1', '\2', '\3'}) {
+  poke(60, std::string("\0\0\0\6", 4));  // user_version
+  expect_mentions(message_of<InputError>(open), {"version 6", "newer"});
+  for (char older : {'\1', '\2', '\3', '\4'}) {
     poke(60, std::string("\0\0\0", 3) + older);
     expect_mentions(message_of<InputError>(open),
                     {"version " + std::to_string(int{older}), "again"});

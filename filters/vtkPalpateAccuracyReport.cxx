@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateAccuracyReport.h"
+
+#include <filesystem>
+#include <limits>
+#include <sstream>
+
+#include "accuracy/accuracy.h"
+#include "base/error.h"
+#include "vtkCellArray.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkIdTypeArray.h"
+#include "vtkInformation.h"
+#include "vtkIntArray.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateProgress.h"
+#include "vtkPalpateStateSpace.h"
+#include "vtkPalpateWholeBody.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+using palpate::AccuracyPoint;
+using palpate::AccuracyResult;
+using palpate::AccuracyRow;
+
+constexpr double PerCent = 100;
+
+/// All that a report depends on.
+std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
+{
+  std::ostringstream text;
+  text << std::hexfloat << space.scene_hash << ' ' << space.num_modes();
+  for (const palpate::TouchSite& site : space.sites)
+  {
+    const palpate::Site& s = site.site;
+    text << ' ' << s.active_node << ' ' << s.tip_radius << ' ' << s.half_width << ' '
+         << s.resolution << ' ' << s.coarsest << ' ' << static_cast<int>(s.history) << ' '
+         << site.configurations.size() << ' ' << site.intermediate_states.size() << ' '
+         << s.third_derivatives;
+  }
+  text << " with " << options.exact.test_points << ' ' << options.exact.seed << ' '
+       << options.exact.equilibrium.tolerance << ' ' << options.exact.file;
+  for (const palpate::Method method : options.methods)
+  {
+    text << ' ' << static_cast<int>(method);
+  }
+  return text.str();
+}
+
+template <class Array, class Rows, class Get>
+vtkSmartPointer<Array> Column(const std::string& name, const Rows& rows, Get&& get)
+{
+  auto array = vtkSmartPointer<Array>::New();
+  array->SetName(name.c_str());
+  for (const auto& row : rows)
+  {
+    array->InsertNextValue(get(row));
+  }
+  return array;
+}
+
+void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* table)
+{
+  table->Initialize();
+  const auto integer = [&](const char* name, auto member)
+  {
+    table->AddColumn(
+      Column<vtkIntArray>(name, rows, [=](const AccuracyRow& row) { return row.*member; }));
+  };
+  const auto number = [&](const char* name, double AccuracyRow::*member, double factor = 1)
+  {
+    table->AddColumn(Column<vtkDoubleArray>(
+      name, rows, [=](const AccuracyRow& row) { return factor * row.*member; }));
+  };
+  table->AddColumn(Column<vtkStringArray>(
+    "Method", rows, [](const AccuracyRow& row) { return row.method; }));
+  if (ofNodes)
+  {
+    integer("ActiveNode", &AccuracyRow::active_node);
+  }
+  integer("Resolution", &AccuracyRow::resolution);
+  number("Samples", &AccuracyRow::samples);
+  number("PrecomputeSeconds", &AccuracyRow::precompute_seconds);
+  number("EvaluationP50", &AccuracyRow::p50_nanoseconds);
+  number("EvaluationP999", &AccuracyRow::p999_nanoseconds);
+  number("Bytes", &AccuracyRow::bytes);
+  number("SetupSeconds", &AccuracyRow::setup_seconds);
+  number("MeanError", &AccuracyRow::mean_error, PerCent);
+  number("P99Error", &AccuracyRow::p99_error, PerCent);
+  number("LargestError", &AccuracyRow::largest_error, PerCent);
+  number("MeanErrorN", &AccuracyRow::mean_absolute_error);
+  number("P99ErrorN", &AccuracyRow::p99_absolute_error);
+  number("LargestErrorN", &AccuracyRow::largest_absolute_error);
+  number("Noticeable", &AccuracyRow::noticeable, PerCent);
+  number("NearRestError", &AccuracyRow::near_rest_error, PerCent);
+  number("MeanMarkedError", &AccuracyRow::mean_marked_error, PerCent);
+  number("LargestMarkedError", &AccuracyRow::largest_marked_error, PerCent);
+  number("LargestExtrapolatedError", &AccuracyRow::largest_extrapolated_error, PerCent);
+  number("MeanStiffnessError", &AccuracyRow::mean_stiffness_error, PerCent);
+  number("MeanDisplacementError", &AccuracyRow::mean_displacement_error, PerCent);
+  number("LargestDisplacementError", &AccuracyRow::largest_displacement_error, PerCent);
+  number("LoopWork", &AccuracyRow::loop_work);
+  number("ForceJump", &AccuracyRow::force_jump);
+  number("StiffnessJump", &AccuracyRow::stiffness_jump);
+  integer("TestPoints", &AccuracyRow::test_points);
+  integer("Counted", &AccuracyRow::counted);
+  integer("Marked", &AccuracyRow::marked);
+  integer("Extrapolated", &AccuracyRow::extrapolated);
+  integer("Irregular", &AccuracyRow::irregular);
+  integer("Failed", &AccuracyRow::failed);
+}
+
+void AddVectors(vtkPolyData* data, const char* name, const std::vector<AccuracyPoint>& all,
+  palpate::Vec3 palpate::TestPoint::*member)
+{
+  vtkNew<vtkDoubleArray> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(3);
+  for (const AccuracyPoint& point : all)
+  {
+    array->InsertNextTuple((point.exact.*member).data());
+  }
+  data->GetPointData()->AddArray(array);
+}
+
+void FillPoints(
+  const palpate::TouchSpace& space, const AccuracyResult& result, vtkPolyData* data)
+{
+  data->Initialize();
+  const std::vector<AccuracyPoint>& all = result.points;
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkCellArray> vertices;
+  for (const AccuracyPoint& point : all)
+  {
+    const palpate::Vec3 place =
+      space.find(point.active_node)->rest_position + point.exact.t;
+    vertices->InsertNextCell({ points->InsertNextPoint(place.data()) });
+  }
+  data->SetPoints(points);
+  data->SetVerts(vertices);
+
+  vtkPointData* arrays = data->GetPointData();
+  const auto integers = [&](const char* name, auto&& get)
+  { arrays->AddArray(Column<vtkIntArray>(name, all, get)); };
+  arrays->AddArray(Column<vtkIdTypeArray>(
+    "ActiveNode", all, [](const AccuracyPoint& point) { return point.active_node; }));
+  integers("Kind", [](const AccuracyPoint& p) { return static_cast<int>(p.exact.kind); });
+  AddVectors(data, "Displacement", all, &palpate::TestPoint::t);
+  AddVectors(data, "Force", all, &palpate::TestPoint::force);
+  arrays->AddArray(Column<vtkDoubleArray>(
+    "Energy", all, [](const AccuracyPoint& point) { return point.exact.energy; }));
+  integers("Outcome", [](const AccuracyPoint& p) { return static_cast<int>(p.exact.outcome); });
+  integers("Flags", [](const AccuracyPoint& p) { return p.exact.flags; });
+  integers("Found", [](const AccuracyPoint& p) { return static_cast<int>(p.found); });
+  integers("Class", [](const AccuracyPoint& p) { return static_cast<int>(p.point_class); });
+  for (std::size_t m = 0; m < result.methods.size(); ++m)
+  {
+    const std::string name = "Error (" + result.methods[m] + ')';
+    arrays->AddArray(Column<vtkDoubleArray>(
+      name, all, [m](const AccuracyPoint& point) { return PerCent * point.errors[m]; }));
+    arrays->SetActiveScalars(name.c_str());
+  }
+}
+
+void AddRun(const AccuracyResult& result, int numberOfRanks, vtkFieldData* fields)
+{
+  const auto add = [&](const char* name, double value)
+  {
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(name);
+    array->InsertNextValue(value);
+    fields->AddArray(array);
+  };
+  add("Ranks", numberOfRanks);
+  add("Solved", static_cast<double>(result.num_solved));
+  add("Reused", static_cast<double>(result.num_reused));
+  add("ExactSeconds", result.exact_seconds);
+  add("MeasureSeconds", result.measure_seconds);
+  add("SolveSeconds", result.mean_solve_seconds);
+  add("Complete", result.complete ? 1 : 0);
+}
+}
+
+vtkStandardNewMacro(vtkPalpateAccuracyReport);
+
+vtkPalpateAccuracyReport::vtkPalpateAccuracyReport()
+{
+  this->SetNumberOfOutputPorts(3);
+}
+
+vtkPalpateAccuracyReport::~vtkPalpateAccuracyReport() = default;
+
+void vtkPalpateAccuracyReport::AddMethod(int method)
+{
+  this->Methods.push_back(method);
+  this->Modified();
+}
+
+void vtkPalpateAccuracyReport::ClearMethods()
+{
+  this->Methods.clear();
+  this->Modified();
+}
+
+int vtkPalpateAccuracyReport::FillInputPortInformation(int, vtkInformation* info)
+{
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPartitionedDataSetCollection");
+  return 1;
+}
+
+int vtkPalpateAccuracyReport::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 1 ? "vtkPolyData" : "vtkTable");
+  return 1;
+}
+
+int vtkPalpateAccuracyReport::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* rows = vtkTable::GetData(outputVector, 0);
+  auto* points = vtkPolyData::GetData(outputVector, 1);
+  auto* rowsOfNodes = vtkTable::GetData(outputVector, 2);
+  // Nobody else takes back the abort of an earlier run.
+  this->SetAbortExecute(0);
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  const auto compute = [&]
+  {
+    auto* input = vtkPartitionedDataSetCollection::GetData(inputVector[0]);
+    const auto communicator = vtkPalpateCommunicator(controller);
+    const int rank = communicator->rank();
+    if (palpate::any(*communicator, vtkPalpatePassFailure(input, rows)))
+    {
+      return;
+    }
+    palpate::TouchSpace space;
+    vtkSmartPointer<vtkUnstructuredGrid> body;
+    palpate::agree(*communicator,
+      [&]
+      {
+        space = vtkPalpateSpaceFromCollection(input, controller);
+        vtkNew<vtkUnstructuredGrid> nothing;
+        vtkUnstructuredGrid* piece = vtkPalpateBody(input);
+        body = vtkPalpateGatherBody(piece ? piece : nothing.Get(), controller);
+      });
+
+    palpate::AccuracyOptions options;
+    options.exact.test_points = this->TestPoints;
+    options.exact.seed = this->Seed;
+    options.exact.file = this->FileName;
+    options.exact.equilibrium.tolerance = this->SolverTolerance;
+    options.exact.equilibrium.single_precision = true;
+    for (const int method : this->Methods)
+    {
+      options.methods.push_back(static_cast<palpate::Method>(method));
+    }
+    const std::string of = rank == 0 ? Describe(space, options) : "";
+    if (!palpate::any(*communicator, rank == 0 && of != this->LastOf))
+    {
+      rows->ShallowCopy(this->LastRows);
+      points->ShallowCopy(this->LastPoints);
+      rowsOfNodes->ShallowCopy(this->LastRowsOfNodes);
+      return;
+    }
+    this->LastOf.clear();
+
+    const palpate::Scene scene = vtkPalpateShareScene(body, controller);
+    const AccuracyResult result = palpate::measure_accuracy(scene, space, options, *communicator,
+      vtkPalpateProgress(this, rank, this->LogInterval, "Accuracy Report", "test points"));
+    if (rank != 0)
+    {
+      return;
+    }
+    FillTable(result.rows, false, rows);
+    FillPoints(space, result, points);
+    FillTable(result.rows_of_sites, true, rowsOfNodes);
+    AddRun(result, communicator->size(), rows->GetFieldData());
+    if (!result.complete)
+    {
+      vtkWarningMacro("Aborted. "
+        << (this->FileName.empty()
+               ? std::string("Nothing is kept.")
+               : "The test points that were solved are in " + this->FileName +
+                   ": the next run goes on from there."));
+      return;
+    }
+    this->LastOf = of;
+    this->LastRows->ShallowCopy(rows);
+    this->LastPoints->ShallowCopy(points);
+    this->LastRowsOfNodes->ShallowCopy(rowsOfNodes);
+  };
+
+  // Every rank meets the same error; rank 0 reports it.
+  const bool reports = !controller || controller->GetLocalProcessId() == 0;
+  return vtkPalpateProduce(reports ? this : nullptr, rows, compute);
+}
+
+void vtkPalpateAccuracyReport::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "TestPoints: " << this->TestPoints << '\n'
+     << indent << "Seed: " << this->Seed << '\n'
+     << indent << "Methods:";
+  for (const int method : this->Methods)
+  {
+    os << ' ' << method;
+  }
+  os << '\n'
+     << indent << "FileName: " << this->FileName << '\n'
+     << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
+     << indent << "LogInterval: " << this->LogInterval << '\n';
+}

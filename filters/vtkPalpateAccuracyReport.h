@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class vtkPalpateAccuracyReport
+ * @brief how wrong each way to interpolate a state space is, and what it costs
+ *
+ * Input: a state space (see vtkPalpateStateSpace.h). Outputs:
+ *
+ *   0  vtkTable: a row for each method and grid; errors in per cent, see palpate::AccuracyRow
+ *     `Method`, `Resolution` (check-points along an axis)
+ *     `Samples`               configurations and intermediate states
+ *     `PrecomputeSeconds` (on one core), `SetupSeconds`, `Bytes`     for each active node
+ *     `EvaluationP50`, `EvaluationP999`                              ns
+ *     `MeanError`, `P99Error`, `LargestError`                        relative, of the force, %
+ *     `MeanErrorN`, `P99ErrorN`, `LargestErrorN`                     absolute, N
+ *     `Noticeable`            share of test points at which the relative error exceeds 10 %, %
+ *     `NearRestError`         largest relative error within 1 % of the half-width, %
+ *     `MeanMarkedError`, `LargestMarkedError`, `LargestExtrapolatedError`   relative, elsewhere, %
+ *     `MeanStiffnessError`    relative, %
+ *     `MeanDisplacementError`, `LargestDisplacementError`   of the surface, % of the largest
+ *     `LoopWork`              around closed paths, share of the largest energy on it
+ *     `ForceJump`, `StiffnessJump`                           across cells, share of the largest
+ *     `TestPoints`, `Counted`, `Marked`, `Extrapolated`, `Irregular`, `Failed`   numbers of points
+ *   1  vtkPolyData: the test points, a vertex each at the displaced active node
+ *     `ActiveNode`, `Kind` (0 anywhere, 1 on a walk, 2 near rest), `Displacement` (m),
+ *     `Force` (N), `Energy` (J), `Outcome`, `Flags`, `Found`,
+ *     `Class` (0 counted, 1 marked, 2 extrapolated, 3 irregular, 4 failed), and for each method
+ *     `Error (<method>)`      relative, %; NaN where nothing is known
+ *   2  vtkTable: as 0 for each active node, with the column `ActiveNode`
+ *
+ * Field arrays of 0: `Solved`, `Reused` (test points), `Ranks`, `ExactSeconds`, `MeasureSeconds`,
+ * `SolveSeconds` (mean of an exact solve), `Complete`.
+ *
+ * Runs on all ranks of the global controller. The results are whole on rank 0 and empty elsewhere.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "vtkNew.h"
+#include "vtkPolyData.h"
+#include "vtkTable.h"
+#include "vtkTableAlgorithm.h"
+
+class PALPATEFILTERS_EXPORT vtkPalpateAccuracyReport : public vtkTableAlgorithm
+{
+public:
+  static vtkPalpateAccuracyReport* New();
+  vtkTypeMacro(vtkPalpateAccuracyReport, vtkTableAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{
+  /// Test points of each active node, at least 1.
+  vtkSetMacro(TestPoints, int);
+  vtkGetMacro(TestPoints, int);
+  ///@}
+  ///@{
+  /// Of the random numbers.
+  vtkSetMacro(Seed, int);
+  vtkGetMacro(Seed, int);
+  ///@}
+  ///@{
+  /// Numbers of palpate::Method; none: all.
+  void AddMethod(int method);
+  void ClearMethods();
+  ///@}
+  ///@{
+  /// Where exact equilibria are kept (.palpate) and taken from; empty: in memory alone.
+  vtkSetStdStringFromCharMacro(FileName);
+  vtkGetCharFromStdStringMacro(FileName);
+  ///@}
+  ///@{
+  /// Largest residual of an exact equilibrium, as a share of the scene's force scale.
+  vtkSetMacro(SolverTolerance, double);
+  vtkGetMacro(SolverTolerance, double);
+  ///@}
+  ///@{
+  /// A line on the terminal says how far the run is each time so many s have gone by; 0: none.
+  vtkSetMacro(LogInterval, double);
+  vtkGetMacro(LogInterval, double);
+  ///@}
+
+protected:
+  vtkPalpateAccuracyReport();
+  ~vtkPalpateAccuracyReport() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+
+private:
+  vtkPalpateAccuracyReport(const vtkPalpateAccuracyReport&) = delete;
+  void operator=(const vtkPalpateAccuracyReport&) = delete;
+
+  int TestPoints = 500;
+  int Seed = 1;
+  std::vector<int> Methods;
+  std::string FileName;
+  double SolverTolerance = 1e-9;
+  double LogInterval = 10;
+
+  /// The last complete result and what it is of, as in vtkPalpatePrecomputeStateSpace.
+  std::string LastOf;
+  vtkNew<vtkTable> LastRows;
+  vtkNew<vtkPolyData> LastPoints;
+  vtkNew<vtkTable> LastRowsOfNodes;
+};

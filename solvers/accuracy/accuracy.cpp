@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "accuracy/accuracy.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "accuracy/statistics.h"
+#include "base/error.h"
+#include "exploration/transfer.h"
+
+namespace palpate {
+namespace {
+
+/// The sites of rank 0, on every rank.
+std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
+                              Communicator& communicator) {
+  Packer mine;
+  agree(communicator, [&] {
+    if (communicator.rank() != 0) return;
+    if (space.sites.empty()) {
+      throw InputError("The state space has no active node. Compute it again.");
+    }
+    if (space.scene_hash != hash(scene)) {
+      throw InputError("The state space is not of this body: its scene (mesh, materials, fixed "
+                       "points) has the hash " +
+                       space.scene_hash + ", that of the body is " + hash(scene) +
+                       ". Compute the state space again.");
+    }
+    for (const TouchSite& site : space.sites) mine.put(site.site);
+  });
+  const std::vector<Bytes> all = communicator.all_gather(mine.take());
+  std::vector<Site> sites;
+  for (Unpacker content(all.front()); !content.at_end();) sites.push_back(content.take<Site>());
+  return sites;
+}
+
+double share_above(const std::vector<double>& values, double limit) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto count = std::count_if(values.begin(), values.end(),
+                                   [&](double value) { return value > limit; });
+  return static_cast<double>(count) / static_cast<double>(values.size());
+}
+
+AccuracyRow row_of(const std::string& method, Index active_node, const Measurement& m) {
+  AccuracyRow row;
+  row.method = method;
+  row.active_node = active_node;
+  row.resolution = m.resolution;
+  const auto sites = static_cast<double>(m.sites);
+  row.samples = m.samples / sites;
+  row.precompute_seconds = m.precompute_seconds / sites;
+  row.bytes = m.bytes / sites;
+  row.setup_seconds = m.setup_seconds / sites;
+  const auto count = [&](PointClass c) { return m.points[static_cast<std::size_t>(c)]; };
+  row.counted = count(PointClass::inside);
+  row.marked = count(PointClass::marked);
+  row.extrapolated = count(PointClass::extrapolated);
+  row.irregular = count(PointClass::irregular);
+  row.failed = count(PointClass::failed);
+  row.test_points =
+      row.counted + row.marked + row.extrapolated + row.irregular + row.failed;
+  row.mean_error = mean(m.relative);
+  row.p99_error = quantile(m.relative, 0.99);
+  row.largest_error = largest(m.relative);
+  row.mean_absolute_error = mean(m.absolute);
+  row.p99_absolute_error = quantile(m.absolute, 0.99);
+  row.largest_absolute_error = largest(m.absolute);
+  row.noticeable = share_above(m.relative, kNoticeable);
+  row.near_rest_error = largest(m.near_rest);
+  row.mean_marked_error = mean(m.marked);
+  row.largest_marked_error = largest(m.marked);
+  row.largest_extrapolated_error = largest(m.extrapolated);
+  row.mean_stiffness_error = mean(m.stiffness);
+  row.mean_displacement_error = mean(m.displacement);
+  row.largest_displacement_error = largest(m.displacement);
+  row.loop_work = largest(m.loop_work);
+  row.force_jump = largest(m.force_jump);
+  row.stiffness_jump = largest(m.stiffness_jump);
+  row.p50_nanoseconds = quantile(m.nanoseconds, 0.5);
+  row.p999_nanoseconds = quantile(m.nanoseconds, 0.999);
+  return row;
+}
+
+bool is_plain(const Variant& variant) {
+  const InterpolationOptions& o = variant.options;
+  return variant.factor == 1 && o.linear_polynomial && o.intermediate_states &&
+         o.third_derivatives;
+}
+
+/// Of all sites, on rank 0.
+/// @param done Told after each site; false ends it.
+/// @returns false when it was ended.
+bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
+                   std::vector<std::vector<TestPoint>>&& points,
+                   const std::function<bool(std::size_t)>& done, AccuracyResult& result) {
+  // In the order in which they first come.
+  std::vector<std::pair<std::string, std::int32_t>> order;
+  std::map<std::pair<std::string, std::int32_t>, Measurement> together;
+  std::map<std::string, std::size_t> columns;
+  const double nothing = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t s = 0; s < space.sites.size(); ++s) {
+    const TouchSite& site = space.sites[s];
+    const std::size_t first_point = result.points.size();
+    for (TestPoint& point : points[s]) {
+      AccuracyPoint& added = result.points.emplace_back();
+      added.active_node = site.site.active_node;
+      added.exact = point;
+    }
+    for (const Variant& variant : variants(site, methods)) {
+      std::vector<PointError> errors;
+      const Measurement measured = measure(space, site, variant, points[s], errors);
+      const std::string name = to_string(variant);
+      result.rows_of_sites.push_back(row_of(name, site.site.active_node, measured));
+      const auto [place, is_new] = together.try_emplace({name, measured.resolution});
+      if (is_new) order.emplace_back(name, measured.resolution);
+      place->second += measured;
+      if (!is_plain(variant)) continue;
+      const auto [column, is_new_method] = columns.try_emplace(name, columns.size());
+      if (is_new_method) result.methods.push_back(name);
+      for (std::size_t i = 0; i < errors.size(); ++i) {
+        AccuracyPoint& point = result.points[first_point + i];
+        point.errors.resize(columns.size(), nothing);
+        point.errors[column->second] = errors[i].error;
+        point.found = errors[i].found;
+        point.point_class = errors[i].point_class;
+      }
+    }
+    if (!done(s + 1)) return false;
+  }
+  for (const auto& key : order) {
+    result.rows.push_back(row_of(key.first, -1, together.at(key)));
+  }
+  for (AccuracyPoint& point : result.points) point.errors.resize(columns.size(), nothing);
+  return true;
+}
+
+}  // namespace
+
+AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
+                                const AccuracyOptions& options, Communicator& communicator,
+                                const Progress& progress) {
+  agree(communicator, [&] {
+    const std::vector<Method> known = all_methods();
+    for (const Method method : options.methods) {
+      if (std::find(known.begin(), known.end(), method) != known.end()) continue;
+      throw InputError("There is no interpolation with the number " +
+                       std::to_string(static_cast<int>(method)) + ". Choose from 0 to " +
+                       std::to_string(known.size() - 1) + '.');
+    }
+  });
+  const std::vector<Site> sites = share_sites(scene, space, communicator);
+  AccuracyResult result;
+  const Clock::time_point start = Clock::now();
+  ExactResult exact = solve_test_points(scene, sites, options.exact, communicator, progress);
+  result.num_solved = exact.num_solved;
+  result.num_reused = exact.num_reused;
+  result.exact_seconds = seconds_since(start);
+  result.complete = exact.complete;
+  if (!exact.complete) return result;
+
+  const Clock::time_point measure_start = Clock::now();
+  bool complete = true;
+  agree(communicator, [&] {
+    if (communicator.rank() != 0) return;
+    double seconds = 0;
+    std::int64_t num_points = 0;
+    for (const auto& of_site : exact.points) {
+      for (const TestPoint& point : of_site) seconds += point.seconds;
+      num_points += static_cast<std::int64_t>(of_site.size());
+    }
+    result.mean_solve_seconds = num_points > 0 ? seconds / static_cast<double>(num_points) : 0;
+    const auto done = [&](std::size_t num_sites) {
+      if (!progress) return true;
+      ProgressState state;
+      state.num_done = num_points;
+      state.num_expected = num_points;
+      state.seconds = seconds_since(start);
+      state.seconds_left = seconds_since(measure_start) / static_cast<double>(num_sites) *
+                           static_cast<double>(sites.size() - num_sites);
+      return progress(state);
+    };
+    complete = measure_sites(space, options.methods, std::move(exact.points), done, result);
+  });
+  result.complete = !any(communicator, !complete);
+  result.measure_seconds = seconds_since(measure_start);
+  return result;
+}
+
+}  // namespace palpate

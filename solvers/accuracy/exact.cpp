@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "accuracy/exact.h"
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <type_traits>
+#include <utility>
+
+#include "accuracy/draw.h"
+#include "base/error.h"
+#include "equilibrium/tip.h"
+#include "exploration/monitor.h"
+#include "exploration/rank_files.h"
+#include "exploration/transfer.h"
+
+namespace palpate {
+namespace {
+
+/// Points of one anchor that make a task, at the most.
+constexpr std::size_t kTaskSize = 16;
+
+TestSet set_of(const Site& site, std::int64_t seed) {
+  return {site.active_node, site.tip_radius, site.half_width, seed};
+}
+
+/// Points that one rank solves one after the other: a walk, or some that have an anchor in common.
+struct Task {
+  std::int32_t site = 0;
+  /// Places in the list of the site's points.
+  std::vector<std::int32_t> points;
+};
+
+void put(const Task& task, Packer& message) {
+  message.put(task.site);
+  message.put(task.points.size());
+  for (const std::int32_t point : task.points) message.put(point);
+}
+
+Task take_task(Unpacker& content) {
+  Task task;
+  task.site = content.take<std::int32_t>();
+  task.points.resize(content.take<std::size_t>());
+  for (std::int32_t& point : task.points) point = content.take<std::int32_t>();
+  return task;
+}
+
+/// The tasks of a site: of points that are not known; a walk is made whole.
+/// @param known In their order.
+std::vector<Task> make_tasks(std::int32_t site, const std::vector<TestPoint>& points,
+                             const std::vector<TestPoint>& known, double half_width) {
+  using Key = std::array<double, 3>;
+  std::map<Key, std::vector<std::int32_t>> of_anchor;
+  std::map<std::int32_t, std::vector<std::int32_t>> of_walk;
+  std::set<std::int32_t> incomplete;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const TestPoint& point = points[i];
+    const auto place = static_cast<std::int32_t>(i);
+    const bool is_known = std::binary_search(known.begin(), known.end(), point);
+    if (point.kind == TestKind::walk) {
+      of_walk[point.number / kWalkLength].push_back(place);
+      if (!is_known) incomplete.insert(point.number / kWalkLength);
+    } else if (!is_known) {
+      const Vec3 anchor = anchor_of(point.t, half_width);
+      of_anchor[{anchor[0], anchor[1], anchor[2]}].push_back(place);
+    }
+  }
+  std::vector<Task> tasks;
+  for (const std::int32_t walk : incomplete) tasks.push_back({site, of_walk.at(walk)});
+  for (const auto& [anchor, places] : of_anchor) {
+    for (std::size_t first = 0; first < places.size(); first += kTaskSize) {
+      const auto begin = places.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto left = static_cast<std::ptrdiff_t>(std::min(kTaskSize, places.size() - first));
+      tasks.push_back({site, {begin, begin + left}});
+    }
+  }
+  return tasks;
+}
+
+/// Solves the tasks of one rank.
+class Solver final : public Worker {
+ public:
+  using Keep = std::function<void(std::int32_t site, const TestPoint& point)>;
+
+  /// @param points Of all sites. @param num_known Of all points.
+  Solver(const Scene& scene, const std::vector<Site>& sites,
+         const std::vector<std::vector<TestPoint>>& points, std::int64_t num_known,
+         EquilibriumSolver& solver, Monitor& monitor, Keep keep)
+      : scene_(scene),
+        sites_(sites),
+        points_(points),
+        num_known_(num_known),
+        solver_(solver),
+        monitor_(monitor),
+        keep_(std::move(keep)) {
+    const Surface surface = make_surface(scene.mesh);
+    for (const Index p : sample_points(surface)) samples_.push_back(surface.mesh_points[p]);
+    for (const auto& of_site : points) num_all_ += static_cast<std::int64_t>(of_site.size());
+  }
+
+  /// Of this rank.
+  std::deque<Task> tasks;
+  std::int64_t num_solved = 0;
+
+  void start(Mail& mail) override { monitor_.set_mail(&mail); }
+
+  void receive(int from, const Bytes& message, Mail& /*mail*/) override {
+    Unpacker content(message);
+    monitor_.set_count(from, content.take<Monitor::Count>());
+  }
+
+  [[nodiscard]] bool has_work() const override { return !tasks.empty(); }
+
+  void work(Mail& mail) override {
+    const Task task = tasks.front();
+    tasks.pop_front();
+    const Site& site = sites_[static_cast<std::size_t>(task.site)];
+    if (held_ != task.site) {
+      if (!tip_ || tip_radius_ != site.tip_radius) {
+        tip_.emplace(scene_, site.tip_radius);
+        tip_radius_ = site.tip_radius;
+      }
+      solver_.hold(tip_->hold({site.active_node}));
+      rest_ = solver_.rest();
+      if (rest_.outcome != Outcome::converged) throw InputError(rest_.message);
+      held_ = task.site;
+    }
+    const auto point_at = [&](std::int32_t i) {
+      return points_[static_cast<std::size_t>(task.site)][static_cast<std::size_t>(i)];
+    };
+    const bool walks = point_at(task.points.front()).kind == TestKind::walk;
+    Equilibrium start = rest_;
+    if (!walks) {
+      const Vec3 anchor = anchor_of(point_at(task.points.front()).t, site.half_width);
+      if (!anchor.isZero()) start = solver_.solve(anchor, rest_);
+      if (start.outcome == Outcome::aborted) return mail.stop();
+      if (!is_regular(start)) start = rest_;
+    }
+    // What led a walk across a fold once is marked from there on.
+    Flags on_the_way = 0;
+    for (const std::int32_t i : task.points) {
+      TestPoint point = point_at(i);
+      Equilibrium found = solver_.solve(point.t, start, Tangent::iterated);
+      if (!walks && !is_regular(found) && found.outcome != Outcome::aborted) {
+        found = solver_.solve(point.t, rest_, Tangent::iterated);
+      }
+      if (found.outcome == Outcome::aborted) return mail.stop();
+      take(found, point);
+      if (walks && found.outcome == Outcome::converged) {
+        on_the_way |= found.flags & flags::near_fold;
+        point.flags |= on_the_way;
+        start = std::move(found);
+      }
+      keep_(task.site, point);
+      ++num_solved;
+      tell(mail);
+    }
+  }
+
+  [[nodiscard]] Bytes give() override {
+    Packer share;
+    for (std::size_t half = tasks.size() / 2; half > 0; --half) {
+      put(tasks.back(), share);
+      tasks.pop_back();
+    }
+    return share.take();
+  }
+
+  void take(const Bytes& share, Mail& /*mail*/) override {
+    for (Unpacker content(share); !content.at_end();) tasks.push_back(take_task(content));
+  }
+
+  void discard() override { tasks.clear(); }
+
+ private:
+  [[nodiscard]] static bool is_regular(const Equilibrium& found) {
+    TestPoint point;
+    point.outcome = found.outcome;
+    point.flags = found.flags;
+    return point.regular();
+  }
+
+  void take(const Equilibrium& found, TestPoint& point) const {
+    point.energy = found.energy;
+    point.force = found.reaction;
+    point.stiffness = found.stiffness;
+    point.outcome = found.outcome;
+    point.flags = found.flags;
+    point.seconds = found.seconds;
+    if (found.outcome != Outcome::converged) return;
+    point.displacement.resize(3 * static_cast<Eigen::Index>(samples_.size()));
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s)) =
+          found.u.segment<3>(3 * Eigen::Index{samples_[s]}).cast<float>();
+    }
+  }
+
+  void tell(Mail& mail) {
+    const bool first = mail.rank() == 0;
+    const Monitor::Count count{num_solved + (first ? num_known_ : 0), first ? num_known_ : 0,
+                               first ? num_all_ : 0};
+    monitor_.set_count(mail.rank(), count);
+    if (first || !monitor_.is_due()) return;
+    Packer message;
+    message.put(count);
+    mail.send(0, message.take());
+  }
+
+  const Scene& scene_;
+  const std::vector<Site>& sites_;
+  const std::vector<std::vector<TestPoint>>& points_;
+  const std::int64_t num_known_;
+  std::int64_t num_all_ = 0;
+  std::optional<Tip> tip_;
+  double tip_radius_ = 0;
+  EquilibriumSolver& solver_;
+  Monitor& monitor_;
+  Keep keep_;
+  /// Points of the mesh.
+  std::vector<Index> samples_;
+  std::int32_t held_ = -1;
+  Equilibrium rest_;
+};
+
+void put(const TestPoint& point, Packer& message) {
+  for_each_number_of_test_point(point, [&](const auto& number) { message.put(number); });
+  message.put(point.displacement.size());
+  for (const float x : point.displacement) message.put(x);
+}
+
+TestPoint take_test_point(Unpacker& content) {
+  TestPoint point;
+  for_each_number_of_test_point(point, [&](auto& number) {
+    number = content.take<std::decay_t<decltype(number)>>();
+  });
+  point.displacement.resize(content.take<Eigen::Index>());
+  for (float& x : point.displacement) x = content.take<float>();
+  return point;
+}
+
+/// In the file of this rank, or in memory.
+class TestRecord {
+ public:
+  TestRecord(const Scene& scene, const std::vector<Site>& sites, const ExactOptions& options,
+             Communicator& communicator)
+      : sites_(sites), seed_(options.seed), communicator_(communicator), found_(sites.size()) {
+    if (options.file.empty()) return;
+    files_.emplace(options.file, scene, options.equilibrium.tolerance, communicator);
+    files_->open([](StateSpaceFile&) {});
+  }
+
+  /// Of earlier runs, by site; on rank 0, empty elsewhere.
+  [[nodiscard]] std::vector<std::vector<TestPoint>> known() {
+    std::vector<std::vector<TestPoint>> all(sites_.size());
+    agree(communicator_, [&] {
+      if (communicator_.rank() != 0 || !files_) return;
+      for (std::size_t s = 0; s < sites_.size(); ++s) {
+        all[s] = files_->own().read_test_points(set_of(sites_[s], seed_));
+      }
+    });
+    return all;
+  }
+
+  void keep(std::int32_t site, const TestPoint& point) {
+    const auto s = static_cast<std::size_t>(site);
+    if (files_) {
+      files_->own().add(set_of(sites_[s], seed_), point);
+    } else {
+      found_[s].push_back(point);
+    }
+  }
+
+  /// All of them, by site, in order; on rank 0, empty elsewhere.
+  /// @note Collective
+  [[nodiscard]] std::vector<std::vector<TestPoint>> finish() {
+    if (files_) {
+      files_->merge();
+      std::vector<std::vector<TestPoint>> all = known();
+      agree(communicator_, [&] {
+        if (communicator_.rank() == 0) files_->own().close();
+      });
+      return all;
+    }
+    Packer mine;
+    for (std::size_t s = 0; s < found_.size() && communicator_.rank() != 0; ++s) {
+      for (const TestPoint& point : found_[s]) {
+        mine.put(s);
+        put(point, mine);
+      }
+      found_[s].clear();
+    }
+    for (const Bytes& bytes : communicator_.gather(mine.take())) {
+      for (Unpacker content(bytes); !content.at_end();) {
+        const auto s = content.take<std::size_t>();
+        found_[s].push_back(take_test_point(content));
+      }
+    }
+    for (auto& points : found_) std::sort(points.begin(), points.end());
+    return std::move(found_);
+  }
+
+ private:
+  const std::vector<Site>& sites_;
+  std::int64_t seed_;
+  Communicator& communicator_;
+  std::optional<RankFiles> files_;
+  std::vector<std::vector<TestPoint>> found_;
+};
+
+}  // namespace
+
+void validate(const ExactOptions& options) {
+  if (options.test_points < 1) {
+    throw InputError("The number of test points is " + std::to_string(options.test_points) +
+                     "; there must be at least 1 for each active node.");
+  }
+  validate(options.equilibrium);
+}
+
+ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites,
+                              const ExactOptions& options, Communicator& communicator,
+                              const Progress& progress) {
+  Monitor monitor(progress, communicator.size());
+  std::unique_ptr<EquilibriumSolver> solver;
+  // All that can be wrong, before a file is touched.
+  agree(communicator, [&] {
+    validate(options);
+    EquilibriumOptions of_solver = options.equilibrium;
+    of_solver.follow_folds = false;
+    of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
+    of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
+    solver = std::make_unique<EquilibriumSolver>(scene, of_solver);
+    for (const Site& site : sites) (void)Tip(scene, site.tip_radius).hold({site.active_node});
+  });
+  TestRecord record(scene, sites, options, communicator);
+
+  ExactResult result;
+  std::vector<std::vector<TestPoint>> points;
+  for (const Site& site : sites) {
+    points.push_back(draw_test_points(set_of(site, options.seed), options.test_points));
+  }
+  Packer to_solve;
+  const std::vector<std::vector<TestPoint>> found_before = record.known();
+  for (std::size_t s = 0; s < found_before.size(); ++s) {
+    if (communicator.rank() != 0) continue;
+    result.num_reused += static_cast<std::int64_t>(points[s].size());
+    for (const Task& task : make_tasks(static_cast<std::int32_t>(s), points[s], found_before[s],
+                                       sites[s].half_width)) {
+      put(task, to_solve);
+      result.num_reused -= static_cast<std::int64_t>(task.points.size());
+    }
+  }
+  const std::vector<Bytes> tasks = communicator.all_gather(to_solve.take());
+  Solver worker(scene, sites, points, result.num_reused, *solver, monitor,
+                [&](std::int32_t site, const TestPoint& point) { record.keep(site, point); });
+  int next = 0;
+  for (Unpacker content(tasks.front()); !content.at_end(); ++next) {
+    Task task = take_task(content);
+    if (next % communicator.size() == communicator.rank()) {
+      worker.tasks.push_back(std::move(task));
+    }
+  }
+  result.complete = run(worker, communicator);
+  monitor.set_mail(nullptr);
+
+  Packer mine;
+  mine.put(worker.num_solved);
+  for (const Bytes& bytes : communicator.gather(mine.take())) {
+    result.num_solved += Unpacker(bytes).take<std::int64_t>();
+  }
+  result.points = record.finish();
+  // A file may hold more than was asked for.
+  for (std::size_t s = 0; s < result.points.size(); ++s) {
+    auto& of_site = result.points[s];
+    of_site.erase(std::remove_if(of_site.begin(), of_site.end(),
+                                 [&](const TestPoint& point) {
+                                   return !std::binary_search(points[s].begin(), points[s].end(),
+                                                              point);
+                                 }),
+                  of_site.end());
+  }
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "accuracy/measure.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include "accuracy/coarsen.h"
+#include "accuracy/draw.h"
+#include "accuracy/statistics.h"
+#include "equilibrium/work.h"
+#include "interpolation/display_field.h"
+#include "interpolation/sheets.h"
+
+namespace palpate {
+namespace {
+
+constexpr int kLoops = 20;
+constexpr int kFacePoints = 1000;
+/// At least: so many that a thousandth of them is a few.
+constexpr std::size_t kTimedCalls = 8192;
+
+/// A site with its branches, and one interpolator for each that is needed.
+class Subject {
+ public:
+  Subject(const TouchSite& site, const Variant& variant)
+      : site_(site), variant_(variant), sheets_(site) {
+    (void)on(0);
+  }
+
+  /// The branch that the body is on when it is moved, see Sheets::move.
+  [[nodiscard]] int move(int sheet, const Vec3& from, const Vec3& to) const {
+    return sheets_.move(sheet, from, to);
+  }
+
+  [[nodiscard]] const Interpolator& on(int sheet) { return *branch(sheet).interpolator; }
+  [[nodiscard]] const DisplayField& field_on(int sheet) {
+    Branch& here = branch(sheet);
+    if (!here.field) here.field = std::make_unique<DisplayField>(part(sheet));
+    return *here.field;
+  }
+
+ private:
+  struct Branch {
+    std::unique_ptr<Interpolator> interpolator;
+    std::unique_ptr<DisplayField> field;
+  };
+
+  [[nodiscard]] TouchSite part(int sheet) const {
+    return restricted(site_, sheets_.configurations(sheet));
+  }
+
+  Branch& branch(int sheet) {
+    branches_.resize(static_cast<std::size_t>(sheets_.size()));
+    Branch& here = branches_[static_cast<std::size_t>(sheet)];
+    if (!here.interpolator) {
+      here.interpolator = make_interpolator(variant_.method, part(sheet), variant_.options);
+    }
+    return here;
+  }
+
+  const TouchSite& site_;
+  const Variant& variant_;
+  Sheets sheets_;
+  std::vector<Branch> branches_;
+};
+
+double largest_force(const TouchSite& site) {
+  double largest = 0;
+  for (const ConfigurationSummary& c : site.configurations) {
+    if (c.leads_on()) largest = std::max(largest, c.force.norm());
+  }
+  return largest;
+}
+
+double largest_stiffness(const TouchSite& site) {
+  double largest = 0;
+  for (const ConfigurationSummary& c : site.configurations) {
+    if (c.leads_on()) largest = std::max(largest, c.stiffness.norm());
+  }
+  return largest;
+}
+
+PointClass class_of(const TestPoint& point, Found found) {
+  if (point.outcome != Outcome::converged) return PointClass::failed;
+  if (!point.regular()) return PointClass::irregular;
+  switch (found) {
+    case Found::inside: return PointClass::inside;
+    case Found::marked: return PointClass::marked;
+    default: return PointClass::extrapolated;
+  }
+}
+
+/// Largest error of the displacement at the sample points.
+double displacement_error(const TouchSpace& space, const std::vector<Index>& samples,
+                          const DisplayField& field, const TestPoint& point) {
+  Eigen::VectorXf c(field.num_modes());
+  field.coefficients(point.t, c.data());
+  double largest = 0;
+  for (std::size_t s = 0; s < samples.size(); ++s) {
+    const Eigen::Vector3f u =
+        space.modes.middleRows<3>(3 * Eigen::Index{samples[s]}) * c -
+        point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s));
+    largest = std::max(largest, static_cast<double>(u.norm()));
+  }
+  return space.largest_displacement > 0 ? largest / space.largest_displacement : largest;
+}
+
+void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& subject,
+                    const std::vector<TestPoint>& points, std::vector<PointError>& errors,
+                    Measurement& result) {
+  const double floor = kErrorFloor * largest_force(site);
+  const std::vector<Index> samples = sample_points(space.surface);
+  int sheet = 0;
+  Vec3 at = Vec3::Zero();
+  for (const TestPoint& point : points) {
+    const bool goes_on = point.kind == TestKind::walk && point.number % kWalkLength != 0;
+    if (!goes_on) {
+      sheet = 0;
+      at.setZero();
+    }
+    if (point.kind == TestKind::uniform) {
+      const Vec3 anchor = anchor_of(point.t, site.site.half_width);
+      sheet = subject.move(sheet, at, anchor);
+      at = anchor;
+    }
+    sheet = subject.move(sheet, at, point.t);
+    at = point.t;
+    const TouchResult touch = subject.on(sheet).evaluate(point.t);
+    PointError& error = errors.emplace_back();
+    error.found = touch.found;
+    error.point_class = class_of(point, touch.found);
+    ++result.points[static_cast<std::size_t>(error.point_class)];
+    error.error = std::numeric_limits<double>::quiet_NaN();
+    if (error.point_class == PointClass::failed) continue;
+    const double absolute = (touch.force - point.force).norm();
+    error.error = absolute / std::max({point.force.norm(), floor,
+                                       std::numeric_limits<double>::min()});
+    if (error.point_class == PointClass::irregular) continue;
+    if (point.kind == TestKind::near_rest) result.near_rest.push_back(error.error);
+    if (error.point_class == PointClass::marked) result.marked.push_back(error.error);
+    if (error.point_class == PointClass::extrapolated) result.extrapolated.push_back(error.error);
+    if (error.point_class != PointClass::inside) continue;
+    result.relative.push_back(error.error);
+    result.absolute.push_back(absolute);
+    result.stiffness.push_back((touch.stiffness - point.stiffness).norm() /
+                               point.stiffness.norm());
+    if (point.displacement.size() == 3 * static_cast<Eigen::Index>(samples.size())) {
+      result.displacement.push_back(
+          displacement_error(space, samples, subject.field_on(sheet), point));
+    }
+  }
+}
+
+/// Gauss-Legendre quadrature on [0, 1], exact up to degree 15: that of the derivative of a
+/// triquintic along a straight line is 14.
+struct Gauss {
+  static constexpr int kPoints = 8;
+  std::array<double, kPoints> x{};
+  std::array<double, kPoints> weight{};
+
+  Gauss() {
+    constexpr std::array<double, 4> at{0.1834346424956498, 0.5255324099163290,
+                                       0.7966664774136267, 0.9602898564975363};
+    constexpr std::array<double, 4> of{0.3626837833783620, 0.3137066458778873,
+                                       0.2223810344533745, 0.1012285362903763};
+    for (std::size_t i = 0; i < 4; ++i) {
+      x[i] = 0.5 * (1 - at[i]);
+      x[7 - i] = 0.5 * (1 + at[i]);
+      weight[i] = weight[7 - i] = 0.5 * of[i];
+    }
+  }
+};
+
+/// ∫ h·dt along a straight way, cell by cell.
+/// @param peak The largest energy on it, J, is kept. @returns NaN where a part of it is extrapolated.
+double work_along(const Interpolator& interpolator, const Site& site, const Vec3& from,
+                  const Vec3& to, double& peak) {
+  static const Gauss gauss;
+  const Vec3 way = to - from;
+  std::vector<double> cuts{0, 1};
+  for (int k = 0; k < 3; ++k) {
+    if (way[k] == 0) continue;
+    for (std::int32_t i = -site.reach(); i <= site.reach(); ++i) {
+      const double s = (i * site.spacing() - from[k]) / way[k];
+      if (s > 0 && s < 1) cuts.push_back(s);
+    }
+  }
+  std::sort(cuts.begin(), cuts.end());
+  double work = 0;
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double length = cuts[i] - cuts[i - 1];
+    for (int q = 0; q < Gauss::kPoints; ++q) {
+      const auto p = static_cast<std::size_t>(q);
+      const TouchResult touch = interpolator.evaluate(from + (cuts[i - 1] + length * gauss.x[p]) * way);
+      if (touch.found == Found::extrapolated || touch.found == Found::no) {
+        return std::numeric_limits<double>::quiet_NaN();
+      }
+      work += length * gauss.weight[p] * touch.force.dot(way);
+      peak = std::max(peak, std::abs(touch.energy));
+    }
+  }
+  return work;
+}
+
+/// Evenly in the box, the same for every method.
+class Places {
+ public:
+  explicit Places(double half_width) : uniform_(-half_width, half_width) {}
+  Vec3 operator()() {
+    const double x = uniform_(random_);
+    const double y = uniform_(random_);
+    return {x, y, uniform_(random_)};
+  }
+  std::mt19937_64& random() { return random_; }
+
+ private:
+  std::mt19937_64 random_{2008};
+  std::uniform_real_distribution<double> uniform_;
+};
+
+void measure_loops(const Interpolator& interpolator, const Site& site, Measurement& result) {
+  Places place(site.half_width);
+  for (int loop = 0; loop < kLoops; ++loop) {
+    const std::array<Vec3, 4> corners{place(), place(), place(), place()};
+    double peak = 0;
+    double work = 0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      work += work_along(interpolator, site, corners[i], corners[(i + 1) % corners.size()], peak);
+    }
+    if (std::isfinite(work) && peak > 0) result.loop_work.push_back(std::abs(work) / peak);
+  }
+}
+
+void measure_jumps(const Interpolator& interpolator, const TouchSite& site, Measurement& result) {
+  const std::int32_t reach = site.site.reach();
+  if (reach < 1) return;
+  const double force = largest_force(site);
+  const double stiffness = largest_stiffness(site);
+  if (!(force > 0 && stiffness > 0)) return;
+  Places place(site.site.half_width);
+  std::uniform_int_distribution<std::int32_t> any_plane(1 - reach, reach - 1);
+  std::uniform_int_distribution<int> any_axis(0, 2);
+  const double apart = 4 * std::numeric_limits<double>::epsilon() * site.site.half_width;
+  for (int i = 0; i < kFacePoints; ++i) {
+    const int axis = any_axis(place.random());
+    Vec3 t = place();
+    t[axis] = site.site.spacing() * any_plane(place.random());
+    const Vec3 step = apart * Vec3::Unit(axis);
+    const TouchResult a = interpolator.evaluate(t - step);
+    const TouchResult b = interpolator.evaluate(t + step);
+    result.force_jump.push_back((b.force - a.force).norm() / force);
+    result.stiffness_jump.push_back((b.stiffness - a.stiffness).norm() / stiffness);
+  }
+}
+
+/// Calls that jump about in the box, each timed by itself; what reading the clock takes is taken off.
+void measure_time(const Interpolator& interpolator, const Site& site, Measurement& result) {
+  Places place(site.half_width);
+  std::vector<Vec3> places(kTimedCalls);
+  for (Vec3& t : places) t = place();
+  const auto nanoseconds = [](Clock::time_point a, Clock::time_point b) {
+    return std::chrono::duration<double, std::nano>(b - a).count();
+  };
+  std::vector<double> of_clock;
+  double sum = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto a = Clock::now();
+    of_clock.push_back(nanoseconds(a, Clock::now()));
+    sum += interpolator.evaluate(places[static_cast<std::size_t>(i)]).energy;  // warms up
+  }
+  const double overhead = quantile(of_clock, 0.5);
+  for (const Vec3& t : places) {
+    const auto a = Clock::now();
+    const TouchResult touch = interpolator.evaluate(t);
+    const auto b = Clock::now();
+    sum += touch.energy;
+    result.nanoseconds.push_back(std::max(nanoseconds(a, b) - overhead, 0.0));
+  }
+  // The sum is used, or the calls could be left out.
+  volatile double used = sum;
+  (void)used;
+}
+
+template <class Values>
+void append(Values& to, const Values& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+Measurement& Measurement::operator+=(const Measurement& other) {
+  samples += other.samples;
+  precompute_seconds += other.precompute_seconds;
+  setup_seconds += other.setup_seconds;
+  bytes += other.bytes;
+  resolution = std::max(resolution, other.resolution);
+  sites += other.sites;
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] += other.points[i];
+  append(relative, other.relative);
+  append(absolute, other.absolute);
+  append(stiffness, other.stiffness);
+  append(displacement, other.displacement);
+  append(marked, other.marked);
+  append(near_rest, other.near_rest);
+  append(extrapolated, other.extrapolated);
+  append(loop_work, other.loop_work);
+  append(force_jump, other.force_jump);
+  append(stiffness_jump, other.stiffness_jump);
+  append(nanoseconds, other.nanoseconds);
+  return *this;
+}
+
+std::string to_string(const Variant& variant) {
+  std::string name = to_string(variant.method);
+  const InterpolationOptions& o = variant.options;
+  if (!o.linear_polynomial) name += ", no polynomial";
+  if (!o.intermediate_states) name += ", no intermediate states";
+  if (!o.third_derivatives) name += ", no third derivatives";
+  return name;
+}
+
+std::vector<Variant> variants(const TouchSite& site, const std::vector<Method>& methods) {
+  const auto& all = site.configurations;
+  const bool has_third = std::any_of(all.begin(), all.end(), [](const ConfigurationSummary& c) {
+    return c.has_third_derivative();
+  });
+  const std::int32_t full = 1;
+  std::vector<Variant> result;
+  for (const Method method : methods.empty() ? all_methods() : methods) {
+    for (const std::int32_t factor : coarsening_factors(site.site)) {
+      if (method == Method::tricubic && site.site.coarsest > factor) continue;
+      // The stiffness at rest is the same on every grid.
+      if (method == Method::linear && factor != full) continue;
+      const bool is_rbf = method == Method::rbf_linear || method == Method::rbf_cubic;
+      Variant variant{method, {}, factor};
+      result.push_back(variant);
+      if (is_rbf && factor == full) {
+        variant.options.linear_polynomial = false;
+        result.push_back(variant);
+        variant.options.linear_polynomial = true;
+        variant.options.intermediate_states = false;
+        if (!site.intermediate_states.empty()) result.push_back(variant);
+      }
+      if (method == Method::energy_hermite && has_third) {
+        variant.options.third_derivatives = false;
+        result.push_back(variant);
+      }
+    }
+  }
+  return result;
+}
+
+Measurement measure(const TouchSpace& space, const TouchSite& whole, const Variant& variant,
+                    const std::vector<TestPoint>& points, std::vector<PointError>& errors) {
+  const TouchSite site = coarsened(whole, variant.factor);
+  Measurement result;
+  result.sites = 1;
+  result.resolution = site.site.resolution;
+  const auto start = Clock::now();
+  Subject subject(site, variant);
+  result.setup_seconds = seconds_since(start);
+  const Interpolator& interpolator = subject.on(0);
+  result.samples = static_cast<double>(interpolator.num_samples());
+  result.bytes = static_cast<double>(interpolator.bytes());
+  if (variant.method == Method::linear) {
+    for (const ConfigurationSummary& c : site.configurations) {
+      if (c.check_point == CheckPoint{}) result.precompute_seconds += c.seconds;
+    }
+  } else {
+    for (const ConfigurationSummary& c : site.configurations) result.precompute_seconds += c.seconds;
+  }
+  const bool is_rbf =
+      variant.method == Method::rbf_linear || variant.method == Method::rbf_cubic;
+  if (is_rbf && variant.options.intermediate_states) {
+    for (const IntermediateState& s : site.intermediate_states) {
+      result.precompute_seconds += s.seconds;
+    }
+  }
+  measure_errors(space, site, subject, points, errors, result);
+  measure_loops(interpolator, site.site, result);
+  measure_jumps(interpolator, site, result);
+  measure_time(interpolator, site.site, result);
+  return result;
+}
+
+}  // namespace palpate

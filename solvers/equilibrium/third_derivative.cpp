@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "equilibrium/third_derivative.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "equilibrium/completion.h"
+
+namespace palpate {
+namespace {
+
+/// The largest strain that a step makes. The error of a difference is its square, and rounding, which
+/// is 1e-16 over the square, has come to as much at a third of it: 1e-7 of T in all, also where the
+/// body is stiff against a change of volume. v may be off by more.
+constexpr double kStrain = 3e-4;
+/// A step may be halved this often where an end of it inverts a cell.
+constexpr int kMaxHalvings = 12;
+
+/// Axes of the components.
+constexpr int kAxes[10][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 1}, {0, 1, 2},
+                              {0, 2, 2}, {1, 1, 1}, {1, 1, 2}, {1, 2, 2}, {2, 2, 2}};
+
+/// D²r[v_a, v_b] · v_c for each pair of axes.
+struct SecondDifferences {
+  Vec3 of[3][3];
+};
+
+/// About the largest strain that the columns of v make for a unit of t each: of the ways from node to
+/// node of a cell, 1/m.
+double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
+  double largest_square = 0;
+  const int nodes = nodes_per_cell(mesh.order);
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    const Index* cell = mesh.cell(c);
+    for (int i = 0; i < nodes; ++i) {
+      const Index p = cell[i];
+      const Index q = cell[(i + 1) % nodes];
+      const Mat3 change = v.middleRows<3>(3 * Eigen::Index{p}) - v.middleRows<3>(3 * Eigen::Index{q});
+      largest_square = std::max(
+          largest_square, change.squaredNorm() / (mesh.points[p] - mesh.points[q]).squaredNorm());
+    }
+  }
+  return std::sqrt(largest_square);
+}
+
+/// @returns nothing where a residual is not defined.
+std::optional<SecondDifferences> differences(HeldBody& body, const NodalVector& state,
+                                             const Eigen::MatrixXd& v, double step) {
+  bool defined = true;
+  const auto residual_along_v = [&](const NodalVector& at) -> Vec3 {
+    defined = defined && std::isfinite(body.evaluate(at));
+    return v.transpose() * body.force();
+  };
+  const Vec3 middle = residual_along_v(state);
+  const auto along = [&](const NodalVector& direction) -> Vec3 {
+    const Vec3 ends = residual_along_v(state + step * direction) +
+                      residual_along_v(state - step * direction);
+    return (ends - 2 * middle) / (step * step);
+  };
+  SecondDifferences second;
+  for (int a = 0; a < 3; ++a) second.of[a][a] = along(v.col(a));
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < a; ++b) {
+      const Vec3 both = along(v.col(a) + v.col(b));
+      second.of[a][b] = 0.5 * (both - second.of[a][a] - second.of[b][b]);
+      second.of[b][a] = second.of[a][b];
+    }
+  }
+  if (!defined) return std::nullopt;
+  return second;
+}
+
+}  // namespace
+
+Eigen::VectorXd third_derivative(HeldBody& body, const Equilibrium& equilibrium) {
+  assert(body.constraint().num_sites == 1);
+  Eigen::VectorXd t = Eigen::VectorXd::Zero(10);
+  if (body.assembly().is_linear()) return t;
+  const NodalVector state = state_of(body, equilibrium);
+  const Eigen::MatrixXd v = sensitivity_of(body, equilibrium);
+  double step = kStrain / largest_strain(body.mesh(), equilibrium.v);
+  std::optional<SecondDifferences> second = differences(body, state, v, step);
+  for (int i = 0; !second && i < kMaxHalvings; ++i) {
+    step *= 0.5;
+    second = differences(body, state, v, step);
+  }
+  if (!second) return Eigen::VectorXd::Constant(10, std::numeric_limits<double>::quiet_NaN());
+  for (int i = 0; i < 10; ++i) {
+    const auto& [a, b, c] = kAxes[i];
+    t[i] = (second->of[a][b][c] + second->of[b][c][a] + second->of[c][a][b]) / 3;
+  }
+  return t;
+}
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/rank_files.h"
+
+#include <string>
+#include <system_error>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace fs = std::filesystem;
+
+void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
+  // Rank 0 first: where it fails, no other rank leaves a file behind.
+  agree(communicator_, [&] {
+    if (communicator_.rank() != 0) return;
+    if (const auto left = left_by_ranks(); !left.empty() && !fs::exists(path_)) {
+      throw InputError("The file " + path_.string() + " is gone, but " + left.front().string() +
+                       " of its last run is there. Remove that too, or give another file name.");
+    }
+    own_ = StateSpaceFile::open_or_create(path_, scene_, solver_tolerance_);
+    take_over();
+    prepare(*own_);
+  });
+  agree(communicator_, [&] {
+    if (communicator_.rank() == 0) return;
+    own_ = StateSpaceFile::create(path_.string() + ".rank" + std::to_string(communicator_.rank()),
+                                  scene_, solver_tolerance_);
+    prepare(*own_);
+  });
+}
+
+void RankFiles::merge() {
+  agree(communicator_, [&] {
+    if (communicator_.rank() != 0) own_->close();
+  });
+  agree(communicator_, [&] {
+    if (communicator_.rank() == 0) take_over();
+  });
+}
+
+/// What ranks of this or of an earlier, killed run have left.
+std::vector<fs::path> RankFiles::left_by_ranks() const {
+  std::vector<fs::path> files;
+  const std::string prefix = path_.filename().string() + ".rank";
+  const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
+  std::error_code missing;  // StateSpaceFile says so
+  for (const auto& entry : fs::directory_iterator(folder, missing)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() > prefix.size() && name.compare(0, prefix.size(), prefix) == 0 &&
+        name.find_first_not_of("0123456789", prefix.size()) == std::string::npos) {
+      files.push_back(entry.path());
+    }
+  }
+  return files;
+}
+
+/// Merges and removes one after the other: never more than one of them is on the disk twice.
+void RankFiles::take_over() {
+  for (const fs::path& file : left_by_ranks()) {
+    own_->merge({file});
+    std::error_code error;
+    if (!fs::remove(file, error)) {
+      throw BackendError("The file " + file.string() + ", whose content is in " + path_.string() +
+                         " now, cannot be removed: " + error.message() + ". Remove it by hand.");
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A state-space file that all ranks of a run write to: each a file of its own beside it
+// (<path>.rank<r>), but rank 0, which writes to the file itself. They are merged at the end, or by
+// the next run after a kill.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "schedule/communicator.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+
+class RankFiles {
+ public:
+  /// Nothing is touched before open().
+  RankFiles(std::filesystem::path path, const Scene& scene, double solver_tolerance,
+            Communicator& communicator)
+      : path_(std::move(path)),
+        scene_(scene),
+        solver_tolerance_(solver_tolerance),
+        communicator_(communicator) {}
+
+  /// @param prepare Called with the open file of each rank.
+  /// @throws InputError a file of another scene or tolerance.
+  /// @note Collective
+  void open(const std::function<void(StateSpaceFile&)>& prepare);
+
+  /// Of this rank; none is there between merge() and the end on ranks other than 0.
+  [[nodiscard]] StateSpaceFile& own() { return *own_; }
+  [[nodiscard]] const StateSpaceFile& own() const { return *own_; }
+
+  /// Everything into the file of rank 0.
+  /// @note Collective
+  void merge();
+
+ private:
+  [[nodiscard]] std::vector<std::filesystem::path> left_by_ranks() const;
+  void take_over();
+
+  std::filesystem::path path_;
+  const Scene& scene_;
+  double solver_tolerance_;
+  Communicator& communicator_;
+  std::optional<StateSpaceFile> own_;
+};
+
+}  // namespace palpate

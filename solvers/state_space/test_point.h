@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Equilibria beside the configurations of a space, by which the accuracy of interpolating between
+// these is measured.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include "base/outcome.h"
+#include "base/types.h"
+#include "state_space/surface.h"
+
+namespace palpate {
+
+/// How a place was chosen. The numbers are stored: keep them.
+enum class TestKind : std::int32_t {
+  /// Evenly in the box of check-points.
+  uniform = 0,
+  /// A step of a walk from one place to the next, which began at rest [P08].
+  walk = 1,
+  /// Within a hundredth of the half-width from rest.
+  near_rest = 2,
+};
+
+/// What test points belong to: the tip, the box and the seed of the random numbers.
+struct TestSet {
+  Index active_node = 0;
+  /// m
+  double tip_radius = 0;
+  /// m
+  double half_width = 0;
+  std::int64_t seed = 1;
+};
+
+struct TestPoint {
+  TestKind kind = TestKind::uniform;
+  /// Among those of its kind, from 0.
+  std::int32_t number = 0;
+  /// Displacement of the active site from rest t [3], m.
+  Vec3 t = Vec3::Zero();
+  /// Potential energy, J, force that holds the site, N, and its stiffness, N/m.
+  double energy = 0;
+  Vec3 force = Vec3::Zero();
+  Mat3 stiffness = Mat3::Zero();
+  Outcome outcome = Outcome::not_converged;
+  Flags flags = 0;
+  /// Time it took, s.
+  double seconds = 0;
+  /// Displacement of sample_points() [3 × their number], m; empty where it did not converge.
+  Eigen::VectorXf displacement;
+
+  /// It converged to a state that is stable and not inverted, without a jump on the way.
+  [[nodiscard]] bool regular() const {
+    return outcome == Outcome::converged &&
+           (flags & (flags::inverted | flags::unstable | flags::near_fold)) == 0;
+  }
+};
+
+/// Calls visit for each number of a test point, in the order of the columns of the file;
+/// not for the displacement.
+template <class Point, class Visit>
+void for_each_number_of_test_point(Point& point, Visit&& visit) {
+  visit(point.kind);
+  visit(point.number);
+  for (int a = 0; a < 3; ++a) visit(point.t[a]);
+  visit(point.energy);
+  for (int a = 0; a < 3; ++a) visit(point.force[a]);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) visit(point.stiffness(a, b));
+  }
+  visit(point.outcome);
+  visit(point.flags);
+  visit(point.seconds);
+}
+
+[[nodiscard]] inline bool operator<(const TestPoint& a, const TestPoint& b) {
+  return std::tie(a.kind, a.number) < std::tie(b.kind, b.number);
+}
+
+/// Points of the surface at which displacements are compared, as many.
+inline constexpr Index kSamplePoints = 64;
+
+/// Places in the surface's list, ascending, spread at random but always the same; all where the
+/// surface has no more than kSamplePoints.
+[[nodiscard]] std::vector<Index> sample_points(const Surface& surface);
+
+}  // namespace palpate

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The accuracy report, on one rank or two: its three outputs, its file, and bad input."""
+
+import numpy
+from paraview import servermanager
+from paraview.simple import AccuracyReport, Delete
+from state_space_support import precompute
+from support import Messages, expect_error, expect_silence, field, node_at, point_array, scene
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+RANKS = servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()
+METHODS = {"Trilinear", "Tricubic", "RBF linear", "RBF cubic", "Energy Hermite", "Linear"}
+VARIANTS = {f"RBF {kind}, no {what}" for kind in ("linear", "cubic")
+            for what in ("polynomial", "intermediate states")}
+WITHOUT_THIRD = "Energy Hermite, no third derivatives"
+# Columns of which no two runs are alike.
+TIMES = {"PrecomputeSeconds", "SetupSeconds", "EvaluationP50", "EvaluationP999"}
+
+
+def fetch_report(report):
+    report.UpdatePipeline()
+    return (servermanager.Fetch(report), servermanager.Fetch(report, idx=1),
+            servermanager.Fetch(report, idx=2))
+
+
+def columns(table):
+    names = [table.GetColumnName(i) for i in range(table.GetNumberOfColumns())]
+    rows = table.GetNumberOfRows()
+    return {name: numpy.array([table.GetValueByName(row, name).ToString() for row in range(rows)])
+            if name == "Method" else vtk_to_numpy(table.GetColumnByName(name)) for name in names}
+
+
+def row(table, method, resolution):
+    found = numpy.flatnonzero((table["Method"] == method) & (table["Resolution"] == resolution))
+    assert len(found) == 1, (method, resolution, table["Method"])
+    return {name: values[found[0]] for name, values in table.items()}
+
+
+boundary = scene("accuracy", quadratic=False)
+nodes = sorted((node_at(boundary, [0.2, 0.1, 0.1]), node_at(boundary, [0.2, 0.05, 0.1])))
+space = precompute(boundary, nodes, IntermediateStates=1, ThirdDerivatives=1)
+report = AccuracyReport(Input=space, TestPoints=40, FileName="points.palpate")
+methods, points, of_nodes = expect_silence(lambda: fetch_report(report))
+assert field(methods, "Ranks")[0] == RANKS and field(methods, "Complete")[0] == 1
+solved = field(methods, "Solved")[0]
+assert solved + field(methods, "Reused")[0] == 80
+
+table = columns(methods)
+assert set(table["Method"][table["Resolution"] == 5]) == METHODS | VARIANTS | {WITHOUT_THIRD}
+assert set(table["Method"][table["Resolution"] == 3]) == METHODS - {"Linear"} | {WITHOUT_THIRD}
+assert (table["TestPoints"] == 80).all()
+assert (table["Counted"] + table["Marked"] + table["Extrapolated"] + table["Irregular"]
+        + table["Failed"] == 80).all()
+best = row(table, "Energy Hermite", 5)
+assert best["Counted"] == 80 and best["Samples"] == 125, best
+assert 0 < best["MeanError"] < 0.1 and best["NearRestError"] < 0.1, best
+assert best["LoopWork"] <= 1e-12 and best["ForceJump"] <= 1e-12, best
+assert 0 < best["EvaluationP50"] <= best["EvaluationP999"], best
+assert best["MeanError"] < row(table, WITHOUT_THIRD, 5)["MeanError"]
+assert best["MeanError"] < 0.5 * row(table, "Tricubic", 5)["MeanError"]
+assert row(table, "Trilinear", 5)["LoopWork"] > 1e-6
+assert row(table, "RBF cubic", 5)["Samples"] == 125 + 124
+assert row(table, "RBF cubic, no intermediate states", 5)["Samples"] == 125
+
+table_of_nodes = columns(of_nodes)
+assert set(table_of_nodes["ActiveNode"]) == set(nodes)
+assert len(table_of_nodes["Method"]) == 2 * len(table["Method"])
+
+assert points.GetNumberOfPoints() == points.GetNumberOfCells() == 80
+errors = point_array(points, "Error (Energy Hermite)")
+assert numpy.isclose(errors.mean(), best["MeanError"]) and numpy.isclose(
+    errors.max(), best["LargestError"])
+assert (point_array(points, "Outcome") == 0).all() and (point_array(points, "Class") == 0).all()
+assert sorted(set(point_array(points, "Kind"))) == [0, 1, 2]
+
+if RANKS == 1:
+    # Some methods alone; the equilibria are in the file.
+    assert solved == 80
+    report.Methods = ["Energy Hermite", "Trilinear"]
+    some = fetch_report(report)[0]
+    assert field(some, "Solved")[0] == 0 and field(some, "Reused")[0] == 80
+    chosen = columns(some)
+    assert set(chosen["Method"]) == {"Energy Hermite", WITHOUT_THIRD, "Trilinear"}
+    again = row(chosen, "Energy Hermite", 5)
+    for name in best.keys() - TIMES - {"Method"}:
+        numpy.testing.assert_equal(again[name], best[name], name)
+    Delete(report)
+
+    for settings, words in (({"TestPoints": 0}, ["test points is 0", "at least 1"]),
+                            ({"FileName": "no/such/a.palpate"}, ["no/such"]),
+                            ({"SolverTolerance": 2}, ["tolerance"]),
+                            ({"FileName": "points.palpate", "SolverTolerance": 1e-8},
+                             ["points.palpate", "1e-08"])):
+        bad = AccuracyReport(Input=space, **{"TestPoints": 5, **settings})
+        expect_error(bad.UpdatePipeline, *words)
+        Delete(bad)
+    # What went wrong before is not said again.
+    wrong = precompute(boundary, nodes, Resolution=4)
+    with Messages() as messages:
+        fetch_report(AccuracyReport(Input=wrong))
+    assert messages.errors == 1 and "odd" in messages.text, messages.text
+else:
+    in_memory = fetch_report(AccuracyReport(Input=space, TestPoints=40))[1]
+    assert (point_array(in_memory, "Force") == point_array(points, "Force")).all()
+print("accuracy reported on", RANKS, "ranks")

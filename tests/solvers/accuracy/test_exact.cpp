@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "accuracy/draw.h"
+#include "accuracy/exact.h"
+#include "base/error.h"
+#include "equilibrium/tip.h"
+#include "solvers/support/block.h"
+#include "solvers/support/communicators.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Exact : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() /
+              ("palpate_exact_" + std::to_string(world_->size()) + '_' + info->name());
+    if (world_->rank() == 0) {
+      fs::remove_all(folder_);
+      fs::create_directory(folder_);
+    }
+    agree(*world_, [] {});
+    for (const Index node : {block_.middle, block_.corner}) {
+      Site site;
+      site.active_node = node;
+      site.half_width = 0.02;
+      site.resolution = 7;
+      sites_.push_back(site);
+    }
+    options_.test_points = 60;
+    options_.equilibrium.tolerance = 1e-9;
+  }
+
+  void TearDown() override {
+    agree(*world_, [] {});
+    if (world_->rank() == 0) fs::remove_all(folder_);
+  }
+
+  ExactResult run(Communicator& communicator) const {
+    return solve_test_points(block_.scene, sites_, options_, communicator, progress_);
+  }
+
+  std::unique_ptr<Communicator> world_ = test::make_world();
+  std::unique_ptr<Communicator> serial_ = make_serial_communicator();
+  test::Block block_ =
+      test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
+  std::vector<Site> sites_;
+  ExactOptions options_;
+  Progress progress_;
+  fs::path folder_;
+};
+
+void expect_equal(const ExactResult& a, const ExactResult& b) {
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t s = 0; s < a.points.size(); ++s) {
+    ASSERT_EQ(a.points[s].size(), b.points[s].size());
+    for (std::size_t i = 0; i < a.points[s].size(); ++i) {
+      const TestPoint& x = a.points[s][i];
+      const TestPoint& y = b.points[s][i];
+      EXPECT_EQ(x.kind, y.kind);
+      EXPECT_EQ(x.number, y.number);
+      EXPECT_EQ(x.t, y.t);
+      EXPECT_EQ(x.outcome, y.outcome);
+      EXPECT_EQ(x.flags, y.flags);
+      EXPECT_EQ(x.energy, y.energy);
+      EXPECT_EQ(x.force, y.force);
+      EXPECT_EQ(x.stiffness, y.stiffness);
+      EXPECT_EQ(x.displacement, y.displacement);
+    }
+  }
+}
+
+TEST_F(Exact, SeveralRanksFindWhatOneFindsToTheBit) {
+  const ExactResult parallel = run(*world_);
+  EXPECT_TRUE(parallel.complete);
+  if (world_->rank() != 0) return;
+  EXPECT_EQ(parallel.num_solved, 120);
+  expect_equal(parallel, run(*serial_));
+}
+
+TEST_F(Exact, PointsAreEquilibria) {
+  const ExactResult result = run(*world_);
+  if (world_->rank() != 0) return;
+  EquilibriumSolver solver(block_.scene, options_.equilibrium);
+  for (std::size_t s = 0; s < sites_.size(); ++s) {
+    solver.hold(Tip(block_.scene, 0).hold({sites_[s].active_node}));
+    const Equilibrium rest = solver.rest();
+    for (const TestPoint& point : result.points[s]) {
+      ASSERT_EQ(point.outcome, Outcome::converged);
+      if (point.number % 7 != 0) continue;  // some of each kind
+      const Equilibrium found = solver.solve(point.t, rest);
+      const double scale = (found.stiffness * point.t).norm();
+      EXPECT_LE((found.reaction - point.force).norm(), 1e-7 * scale);
+      EXPECT_LE((found.stiffness - point.stiffness).norm(), 1e-6 * found.stiffness.norm());
+      const std::vector<Index> samples = sample_points(make_surface(block_.scene.mesh));
+      ASSERT_EQ(point.displacement.size(), 3 * static_cast<Eigen::Index>(samples.size()));
+    }
+  }
+}
+
+TEST_F(Exact, AFileIsTakenUpAndExtended) {
+  options_.file = folder_ / "points.palpate";
+  options_.test_points = 30;
+  const ExactResult few = run(*world_);
+  options_.test_points = 60;
+  const ExactResult more = run(*world_);
+  const ExactResult again = run(*world_);
+  options_.file.clear();
+  const ExactResult in_memory = run(*world_);
+  if (world_->rank() != 0) return;
+  EXPECT_EQ(few.num_solved, 60);
+  // Of the first 30 six are on a walk, which is made anew from rest for twelve, and what is solved
+  // together with points that are missing.
+  EXPECT_GT(more.num_reused, 30);
+  EXPECT_EQ(more.num_solved + more.num_reused, 120);
+  EXPECT_EQ(again.num_solved, 0);
+  EXPECT_EQ(again.num_reused, 120);
+  expect_equal(more, in_memory);
+  expect_equal(again, in_memory);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(Exact, AnAbortedRunGoesOn) {
+  options_.file = folder_ / "points.palpate";
+  progress_ = [](const ProgressState& state) { return state.num_done < 20; };
+  const ExactResult aborted = run(*world_);
+  EXPECT_FALSE(aborted.complete);
+  progress_ = nullptr;
+  const ExactResult rest = run(*world_);
+  EXPECT_TRUE(rest.complete);
+  options_.file.clear();
+  const ExactResult in_memory = run(*world_);
+  if (world_->rank() != 0) return;
+  EXPECT_GT(rest.num_reused, 0);
+  expect_equal(rest, in_memory);
+}
+
+TEST_F(Exact, TheFileOfASpaceHasRoomForThem) {
+  if (world_->rank() != 0) return;
+  options_.file = folder_ / "space.palpate";
+  options_.test_points = 10;
+  {
+    StateSpaceFile file = StateSpaceFile::create(options_.file, block_.scene, 1e-9);
+    file.add_site(sites_[0]);
+  }
+  EXPECT_EQ(run(*serial_).num_solved, 20);
+  EXPECT_EQ(StateSpaceFile::open_read_only(options_.file).read_sites().size(), 1U);
+  EXPECT_EQ(run(*serial_).num_reused, 20);
+}
+
+TEST_F(Exact, WhatIsWrongIsSaid) {
+  const auto message = [&] {
+    try {
+      (void)run(*world_);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  options_.test_points = 0;
+  EXPECT_NE(message().find("test points is 0"), std::string::npos);
+  options_.test_points = 10;
+  sites_[0].active_node = 1 << 20;
+  EXPECT_NE(message().find("1048576"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate
