@@ -20,3 +20,10 @@ if(NOT PALPATE_SHARED_DATA AND IS_DIRECTORY "${PROJECT_SOURCE_DIR}/../shared/dat
   cmake_path(GET source PARENT_PATH beside)
   set(PALPATE_SHARED_DATA "${beside}/shared/data" CACHE PATH "" FORCE)
 endif()
+
+# What two presets compile alike is compiled once.
+find_program(PALPATE_CCACHE ccache)
+mark_as_advanced(PALPATE_CCACHE)
+if(PALPATE_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${PALPATE_CCACHE}")
+endif()

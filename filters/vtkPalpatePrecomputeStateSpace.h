@@ -162,7 +162,7 @@ private:
   double ForceLimit = 0;
   int History = AUTOMATIC;
   int IntermediateStates = 0;
-  bool ThirdDerivatives = false;
+  bool ThirdDerivatives = true;
   std::string FileName;
   double SolverTolerance = 1e-9;
   bool SinglePrecisionFactors = true;

@@ -144,7 +144,7 @@ void ForEachIntArrayOfStates(Visit&& visit)
   visit("Flags", 1, [](auto& s) { return &s.flags; });
 }
 
-/// What makes an array of a figure of each of the items, as ForEachDoubleArray or the like visits it.
+/// What makes an array of a figure of each of the items; ForEachDoubleArray or the like visits it.
 template <class Array, class Item>
 auto ArrayMaker(vtkPointData* arrays, const std::vector<const Item*>& all)
 {
@@ -391,7 +391,7 @@ void ReadSurface(vtkPolyData* data, TouchSpace& space)
   }
 }
 
-/// What reads the array of a figure of each of the items, as ForEachDoubleArray or the like visits it.
+/// What reads the array of a figure of each of the items; ForEachDoubleArray or the like visits it.
 template <class Item>
 auto DoubleReader(vtkPointData* arrays, std::vector<Item>& all)
 {

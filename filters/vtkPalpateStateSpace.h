@@ -19,14 +19,14 @@
 //     `Force`                                 that holds it, N [3]
 //     `Energy`                                J
 //     `Stiffness`                             ∂force/∂displacement, N/m [9]
-//     `ThirdDerivative`                       ∂stiffness/∂displacement, N/m²: xxx, xxy, xxz, xyy, xyz,
-//                                             xzz, yyy, yyz, yzz, zzz [10]; of a space that has them,
+//     `ThirdDerivative`                       of a space that has them: ∂stiffness/∂displacement, N/m²,
+//                                             xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10];
 //                                             NaN where it was not found
 //     `Coefficients`                          of the modes [r]
 //     `CoefficientGradient`                   ∂/∂x of all, then ∂/∂y, ∂/∂z, 1/m [3r]
 //     `Outcome`, `Flags`                      see solvers/base/outcome.h
 //     `Residual`, `MinimumDetF`, `NegativePivots`, `Iterations`, `Seconds`
-//   `IntermediateStates`  vtkPolyData        of a space that has them alone: a vertex for each, at the
+//   `IntermediateStates`  vtkPolyData       where a space has them: a vertex for each, at the
 //                                           displaced active node; point arrays
 //     `ActiveNode`
 //     `TargetCheckPoint`                      of the configuration to which it is on the way [3]

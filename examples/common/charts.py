@@ -42,7 +42,9 @@ def chart(title, x_title, y_title, curves, path, logarithmic=(True, True)):
     for number, curve in enumerate(curves):
         # A name of its own: the series of a chart are told apart by it.
         name = f"y{number}"
-        source = source_of(vtk_table([{"x": x, name: y} for x, y in curve.points], ("x", name)))
+        # A single point twice: the chart complains of a line of one.
+        points = curve.points * (2 if len(curve.points) == 1 else 1)
+        source = source_of(vtk_table([{"x": x, name: y} for x, y in points], ("x", name)))
         display = Show(source, view, "XYChartRepresentation")
         display.AttributeType = "Row Data"
         display.UseIndexForXAxis = 0

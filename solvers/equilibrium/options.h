@@ -37,8 +37,8 @@ struct EquilibriumOptions {
   /// with as many iterations; v has a relative error of 1e-8 then. Energies and residuals are always
   /// in double precision.
   bool single_precision = false;
-  /// Whether an equilibrium of one site has its third derivative: for 13 residuals, about a tenth of
-  /// a solve.
+  /// Whether an equilibrium of one site has its third derivative, for about a tenth of the time of a
+  /// solve.
   bool third_derivatives = false;
   /// Asked before each iteration; true ends the solve with Outcome::aborted.
   std::function<bool()> abort_requested;

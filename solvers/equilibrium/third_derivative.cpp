@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-/// The largest strain that a step makes. The error of a difference is its square, and rounding, which
-/// is 1e-16 over the square, has come to as much at a third of it: 1e-7 of T in all, also where the
-/// body is stiff against a change of volume. v may be off by more.
+/// The largest strain that a step makes. The error of a difference is its square, and rounding,
+/// which is 1e-16 over the square, comes to as much at a third of it: 1e-7 of T in all, also where
+/// the body is stiff against a change of volume. v may be off by more.
 constexpr double kStrain = 3e-4;
 /// A step may be halved this often where an end of it inverts a cell.
 constexpr int kMaxHalvings = 12;
@@ -28,8 +28,8 @@ struct SecondDifferences {
   Vec3 of[3][3];
 };
 
-/// About the largest strain that the columns of v make for a unit of t each: of the ways from node to
-/// node of a cell, 1/m.
+/// About the largest strain that the columns of v make for a unit of t each: of the ways from node
+/// to node of a cell, 1/m.
 double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
   double largest_square = 0;
   const int nodes = nodes_per_cell(mesh.order);
@@ -38,7 +38,8 @@ double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
     for (int i = 0; i < nodes; ++i) {
       const Index p = cell[i];
       const Index q = cell[(i + 1) % nodes];
-      const Mat3 change = v.middleRows<3>(3 * Eigen::Index{p}) - v.middleRows<3>(3 * Eigen::Index{q});
+      const Mat3 change =
+          v.middleRows<3>(3 * Eigen::Index{p}) - v.middleRows<3>(3 * Eigen::Index{q});
       largest_square = std::max(
           largest_square, change.squaredNorm() / (mesh.points[p] - mesh.points[q]).squaredNorm());
     }

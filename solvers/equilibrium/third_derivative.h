@@ -4,8 +4,8 @@
 //
 //   T_abc = Σ D³Π[v_a, v_b, v_c] = v_c · D²r[v_a, v_b]
 //
-// since what ∂v/∂t would add is multiplied by D²Π[v, ·], which is zero for all that the free unknowns
-// may do. So no system is solved: D²r comes of central second differences of the residual,
+// since what ∂v/∂t would add is multiplied by D²Π[v, ·], which is zero for all that the free
+// unknowns may do. So no system is solved: D²r comes of central second differences of the residual,
 //
 //   D²r[d, d] = (r(x + εd) − 2 r(x) + r(x − εd)) / ε² + O(ε²)
 //

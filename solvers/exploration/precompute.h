@@ -2,8 +2,8 @@
 // From a scene to a state space: the transitions that a frontier asks for are made on all ranks, and
 // what they find is recorded.
 //
-// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space Approximation,
-// EuroHaptics 2008.
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
+// Approximation, EuroHaptics 2008.
 #pragma once
 
 #include <filesystem>
@@ -35,8 +35,7 @@ struct PrecomputeOptions {
   /// Automatic with a tolerance is flat.
   History history = History::automatic;
   /// Equilibria at equal parts of the straight way to each configuration of level 0, as more places
-  /// at which the force is known [P08]; each costs about as much as a configuration without its
-  /// tangent.
+  /// at which the force is known [P08]; each costs about 60 % of a configuration.
   int intermediate_states = 0;
   /// Where the space is kept and resumed; empty: in memory alone.
   std::filesystem::path file;
@@ -120,8 +119,8 @@ using Progress = std::function<bool(const ProgressState&)>;
 /// @param scene The same on every rank.
 /// @note Collective
 /// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of
-///   its range; more ranks a solve than there are; a file of another scene, or of a space that holds
-///   other things, see StateSpaceFile::add_site.
+///   its range; more ranks a solve than there are; a file of another scene, or of a space that
+///   holds other things, see StateSpaceFile::add_site.
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                                           Communicator& communicator, const Progress& progress);
 

@@ -35,7 +35,9 @@ class MemoryRecord final : public Record {
   void keep(Index active_node, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
     found_[active_node].emplace(key_of(found), found);
-    for (const IntermediateState& state : way) intermediate_states_.emplace_back(active_node, state);
+    for (const IntermediateState& state : way) {
+      intermediate_states_.emplace_back(active_node, state);
+    }
   }
 
   void keep(Index active_node, const LevelTransition& transition) override {

@@ -71,8 +71,14 @@ void fill_weights(const double* x, int n, int p, double* weights) {
 /// larger leaf goes on into it by inserted points, at which the data are those that the leaf gives.
 class StencilFinder {
  public:
-  StencilFinder(const CheckPointGrid& grid, int most)
-      : grid_(grid), links_(find_links(grid)), most_(most) {}
+  StencilFinder(const CheckPointGrid& grid,
+                const std::vector<ConfigurationSummary>& configurations, int most)
+      : grid_(grid), links_(find_links(grid)), most_(most) {
+    for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
+      marked_.push_back(grid.usable(n) &&
+                        (configurations[grid.configuration(n)].flags & kMarking) != 0);
+    }
+  }
 
   [[nodiscard]] Stencil find(std::int32_t node, int axis, bool with_inserted) {
     Row row;
@@ -83,7 +89,7 @@ class StencilFinder {
       for (std::int32_t n = node; row.count[up] + 1 < most_;) {
         n = links_[n][axis][up];
         ends_in_leaf[up] = n < 0;
-        if (n < 0 || !grid_.usable(n)) break;
+        if (n < 0 || !grid_.usable(n) || (marked_[n] && !marked_[node])) break;
         row.add(up, n, grid_.tree().point(n)[axis] - origin[axis]);
       }
     }
@@ -166,6 +172,8 @@ class StencilFinder {
 
   const CheckPointGrid& grid_;
   const std::vector<Links> links_;
+  /// By node: its configuration marks.
+  std::vector<bool> marked_;
   const int most_;
   std::vector<CellTree::Place> inserted_;
 };
@@ -242,7 +250,7 @@ std::vector<double> hermite_data(const CheckPointGrid& grid,
   const auto num_nodes = static_cast<std::size_t>(grid.num_nodes());
   std::vector<double> data(num_nodes * kHermiteData, 0.0);
   if (!grid.any_usable()) return data;
-  StencilFinder finder(grid, options.most);
+  StencilFinder finder(grid, configurations, options.most);
   std::vector<Incomplete> nodes;
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
     if (!grid.usable(n) && !options.ghosts) continue;

@@ -81,8 +81,8 @@ CREATE TABLE configuration (
   seconds,
   signature_x, signature_y, signature_z,  -- sum over the points of +-u / sqrt(num_points), the signs
                                       -- at random, m: tells levels apart
-  third_derivative BLOB,              -- float64 [10], d stiffness / d t: xxx xxy xxz xyy xyz xzz yyy
-                                      -- yyz yzz zzz, N/m2; NULL: not computed
+  third_derivative BLOB,              -- float64 [10], d stiffness / d t: xxx xxy xxz xyy xyz xzz
+                                      -- yyy yyz yzz zzz, N/m2; NULL: not computed
   summary_checksum INTEGER NOT NULL,  -- XXH3 (64 bit) of active_node and of the columns from i to
                                       -- signature_z, 8 bytes each, NaN as -1, flags without bit 4;
                                       -- then of third_derivative, where there is one
@@ -106,11 +106,11 @@ CREATE TABLE transition (             -- between neighbours, where history matte
                                       -- bytes each
   PRIMARY KEY (scene_id, active_node, i, j, k, level, to_i, to_j, to_k)
 );
-CREATE TABLE intermediate (           -- equilibria on the straight way to a configuration of level 0
+CREATE TABLE intermediate (           -- equilibria on the way to a configuration of level 0
   scene_id    INTEGER NOT NULL REFERENCES scene,
   active_node INTEGER NOT NULL,
   i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point of the configuration
-  number      INTEGER NOT NULL,       -- along the way from its parent, from 1
+  number      INTEGER NOT NULL,       -- along the straight way from its parent, from 1
   t_x, t_y, t_z,                      -- displacement of the active node, m
   energy,                             -- J
   force_x, force_y, force_z,          -- that holds the node, N

@@ -618,7 +618,8 @@ void StateSpaceFile::add_site(const Site& site) {
     if (!(*there == site)) extend(site);
     return;
   }
-  Statement insert(impl_->database, "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
+  Statement insert(impl_->database,
+                   "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
   insert.bind(std::int64_t{site.active_node});
   insert.bind(site.tip_radius);
   insert.bind(site.half_width);

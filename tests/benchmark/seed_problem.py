@@ -36,6 +36,8 @@ parser.add_argument("--resolution", type=int, default=7, help="check-points alon
 parser.add_argument("--exponent", type=float, default=1.0, help="of the law Fung")
 parser.add_argument("--tip-radius", type=float, default=0.0, help="m")
 parser.add_argument("--file", default="", help=".palpate file; none: in memory")
+parser.add_argument("--third-derivatives", action="store_true",
+                    help="of the energy, which the floor has not")
 parser.add_argument("--json", default="", help="a file for the figures")
 arguments = parser.parse_args()
 
@@ -44,11 +46,12 @@ scene = AssignMaterial(Input=body, Law=arguments.law, Exponent=arguments.exponen
                        **LAWS[arguments.law])
 space = PrecomputeStateSpace(Input=scene, ActiveNodes=arguments.active_nodes,
                              HalfWidth=arguments.half_width, TipRadius=arguments.tip_radius,
-                             Resolution=arguments.resolution, FileName=arguments.file)
+                             Resolution=arguments.resolution, FileName=arguments.file,
+                             ThirdDerivatives=int(arguments.third_derivatives))
 # The floor is that of full precision: of a few configurations.
 few = PrecomputeStateSpace(Input=scene, ActiveNodes=arguments.active_nodes[:1],
                            HalfWidth=arguments.half_width, TipRadius=arguments.tip_radius,
-                           Resolution=3, SinglePrecisionFactors=0)
+                           Resolution=3, SinglePrecisionFactors=0, ThirdDerivatives=0)
 few.UpdatePipeline()
 space.UpdatePipeline()
 configurations = servermanager.Fetch(space, 0).GetPartition(2, 0)

@@ -38,8 +38,11 @@ def row(table, method, resolution):
 
 boundary = scene("accuracy", quadratic=False)
 nodes = sorted((node_at(boundary, [0.2, 0.1, 0.1]), node_at(boundary, [0.2, 0.05, 0.1])))
-space = precompute(boundary, nodes, IntermediateStates=1, ThirdDerivatives=1)
-report = AccuracyReport(Input=space, TestPoints=40, FileName="points.palpate")
+space = precompute(boundary, nodes, IntermediateStates=1)
+report = AccuracyReport(Input=space, TestPoints=40, Seed=2, FileName="points.palpate",
+                        SolverTolerance=1e-9, LogInterval=3)
+assert (report.TestPoints, report.Seed, report.FileName) == (40, 2, "points.palpate")
+assert (report.SolverTolerance, report.LogInterval) == (1e-9, 3)
 methods, points, of_nodes = expect_silence(lambda: fetch_report(report))
 assert field(methods, "Ranks")[0] == RANKS and field(methods, "Complete")[0] == 1
 solved = field(methods, "Solved")[0]
@@ -100,6 +103,6 @@ if RANKS == 1:
         fetch_report(AccuracyReport(Input=wrong))
     assert messages.errors == 1 and "odd" in messages.text, messages.text
 else:
-    in_memory = fetch_report(AccuracyReport(Input=space, TestPoints=40))[1]
+    in_memory = fetch_report(AccuracyReport(Input=space, TestPoints=40, Seed=2))[1]
     assert (point_array(in_memory, "Force") == point_array(points, "Force")).all()
 print("accuracy reported on", RANKS, "ranks")

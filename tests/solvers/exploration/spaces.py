@@ -19,8 +19,8 @@ def solved_and_reused(output):
 
 
 def configurations(file):
-    """{(node, i, j, k): (energy, force, u)} of a file and those of the ranks beside it. None of them
-    is without the intermediate states on the way to it, nor the other way round."""
+    """{(node, i, j, k): (energy, force, u)} of a file and those of the ranks beside it. None of
+    them is without the intermediate states on the way to it, nor the other way round."""
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         # Copies: what a killed run has left is taken up by whoever opens it.

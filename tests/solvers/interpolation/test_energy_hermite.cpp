@@ -176,6 +176,34 @@ TEST(EnergyHermite, ReproducesTheMonomialsItShouldWithThirdDerivatives) {
   }
 }
 
+// What lies behind an inverted configuration, or one beyond a jump, is another matter: it must not
+// leak into the cells before it by the differences.
+TEST(EnergyHermite, CellsBeforeMarkedOnesAreAsGoodAsElsewhere) {
+  const test::Energy energy = monomial(2, 2, 1);
+  for (const Flags flag : {flags::inverted, flags::unstable, flags::near_fold}) {
+    TouchSite site = analytic_site(energy, 7);
+    for (ConfigurationSummary& c : site.configurations) {
+      if (c.check_point[0] < 2) continue;
+      c.flags = flag;
+      c.energy *= 3;
+      c.force *= -2;
+      c.stiffness *= 5;
+    }
+    const auto interpolator = hermite(site);
+    test::RandomPoints points;
+    int num_inside = 0;
+    for (int i = 0; i < 500; ++i) {
+      const Vec3 t = points();
+      const TouchResult touch = interpolator->evaluate(t);
+      EXPECT_EQ(touch.found, t[0] > kHalfWidth / 3 ? Found::marked : Found::inside);
+      if (touch.found != Found::inside) continue;
+      ++num_inside;
+      EXPECT_LE((touch.force - energy(t).force).norm(), 1e-11);
+    }
+    EXPECT_GT(num_inside, 200);
+  }
+}
+
 /// Root mean square of the force's error over that of the force.
 double relative_error(const Interpolator& interpolator, double half_width) {
   test::RandomPoints points(half_width);

@@ -142,7 +142,9 @@ TEST_P(AnyMethod, MarkedRegionIsInterpolatedAndSaidSo) {
   const TouchResult marked = make(site)->evaluate(Vec3(0.005, 0.005, 0.005));
   EXPECT_EQ(plain.found, Found::inside);
   EXPECT_EQ(marked.found, Found::marked);
-  EXPECT_EQ(plain.force, marked.force);
+  // The differences of Energy Hermite at the other corners do without the one that is marked.
+  const double change = GetParam() == Method::energy_hermite ? 1e-3 : 0;
+  EXPECT_LE((plain.force - marked.force).norm(), change * plain.force.norm());
 }
 
 TEST_P(AnyMethod, SmallGrids) {

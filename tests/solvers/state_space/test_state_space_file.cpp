@@ -345,7 +345,7 @@ TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
 TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
   std::map<CheckPoint, Configuration> written;
   std::vector<IntermediateState> states;
-  constexpr int kStates = 30;
+  constexpr int kStates = 60;
   {
     StateSpaceFile file = create();
     for (std::int32_t i = -1; i <= 1; ++i) {
