@@ -92,8 +92,8 @@ class CheckPointGrid {
   /// The usable node nearest to a node, itself if it is usable; −1: no node is usable.
   [[nodiscard]] std::int32_t nearest(std::int32_t node) const { return nearest_[node]; }
 
-  /// A node that hangs on a leaf, the largest of those around it. What is interpolated is continuous
-  /// where such a node takes what that leaf gives at it.
+  /// A node that hangs on a leaf, the largest of those around it. What is interpolated is
+  /// continuous where such a node takes what that leaf gives at it.
   struct HangingNode {
     std::int32_t node = 0;
     std::int32_t leaf = 0;

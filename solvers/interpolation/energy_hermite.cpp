@@ -132,15 +132,18 @@ EnergyHermite::EnergyHermite(const TouchSite& site, const InterpolationOptions& 
 
 void EnergyHermite::do_evaluate(const Location& at, TouchResult& result) const noexcept {
   const CellTree::Leaf& leaf = grid().leaf(at.leaf);
+  const double per_side = per_spacing_ / leaf.cell.side;
+  const double per_side2 = per_side * per_side;
   Sums d;
   kernel_(nodes_.data(), leaf, at.s, d);
   result.energy = d[0];
-  const double per_side = per_spacing_ / leaf.cell.side;
-  result.force = per_side * Vec3(d[1], d[2], d[3]);
-  result.stiffness << d[4], d[7], d[8],  //
-      d[7], d[5], d[9],                  //
-      d[8], d[9], d[6];
-  result.stiffness *= per_side * per_side;
+  for (int i = 0; i < 3; ++i) {
+    result.force[i] = per_side * d[1 + i];
+    result.stiffness(i, i) = per_side2 * d[4 + i];
+  }
+  result.stiffness(0, 1) = result.stiffness(1, 0) = per_side2 * d[7];
+  result.stiffness(0, 2) = result.stiffness(2, 0) = per_side2 * d[8];
+  result.stiffness(1, 2) = result.stiffness(2, 1) = per_side2 * d[9];
 }
 
 }  // namespace palpate

@@ -233,7 +233,8 @@ void fill_missing(const std::vector<Incomplete>& nodes, std::vector<double>& dat
             ++num_axes;
           }
           if (num_axes > 0) {
-            data[std::size_t{kHermiteData} * to_fill.node + hermite_index(a, b, c)] = sum / num_axes;
+            double* of_node = data.data() + std::size_t{kHermiteData} * to_fill.node;
+            of_node[hermite_index(a, b, c)] = sum / num_axes;
           }
         }
       }

@@ -12,8 +12,8 @@
 //
 //   |h| ≤ max(force limit, twice the largest |h| of a usable configuration).
 //
-// Outside the box. Beyond the border the answer goes on by Taylor's expansion from the nearest point
-// t₀ of the box:
+// Outside the box. Beyond the border the answer goes on by Taylor's expansion from the nearest
+// point t₀ of the box:
 //
 //   Π(t) = Π₀ + h₀·Δ + ½ Δ·k₀Δ,   h(t) = h₀ + k₀Δ,   Δ = t − t₀
 //

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Doubles that are computed with as one, and which of the instruction sets the processor has.
 //
-// Written with the vector extension of GCC and Clang. A kernel is a template over the vector, always
-// inlined, and has an instance for each instruction set: a function with the attribute `target`, so
-// that nothing else of the source is compiled for more than the baseline.
+// Written with the vector extension of GCC and Clang. A kernel is always inlined, and has an
+// instance for each instruction set: a function with the attribute `target`, so that nothing else
+// of the source is compiled for more than the baseline. The constructor of an interpolator picks.
 #pragma once
 
 #if defined(__x86_64__) && defined(__GNUC__)

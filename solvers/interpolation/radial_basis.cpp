@@ -3,7 +3,9 @@
 
 #include <Eigen/LU>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "interpolation/lanes.h"
 #include "interpolation/nodal_stiffness.h"
@@ -23,7 +25,7 @@ constexpr int kValues = 4;
 /// The coefficients of 1, x, y and z.
 constexpr int kPolynomial = 4;
 
-/// Centres a lane; so many of each coordinate and weight stand side by side.
+/// Centres: so many of each coordinate and weight stand side by side.
 constexpr int kGroup = 8;
 
 struct alignas(64) Group {
@@ -58,8 +60,8 @@ template <class V>
 }
 
 template <class V, bool cubic>
-[[gnu::always_inline]] inline void sum_up(const Group* groups, std::size_t num_groups, const Vec3& x,
-                                          Sums& sums) {
+[[gnu::always_inline]] inline void sum_up(const Group* groups, std::size_t num_groups,
+                                          const Vec3& x, Sums& sums) {
   V value[kValues] = {};
   V slope[3][3] = {};
   for (std::size_t g = 0; g < num_groups; ++g) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tricubic interpolation [P08, 4.1]: of the force, component by component, and of the energy, by the
-// product of the cubic Lagrange polynomials through the 4 × 4 × 4 check-points around a cell. At the
-// border of the box they are the nearest four along an axis, of three the three; ghosts (ghost.h)
-// are taken in as any other.
+// Tricubic interpolation [P08, 4.1]: of the force, component by component, and of the energy, by
+// the product of the cubic Lagrange polynomials through the 4 × 4 × 4 check-points around a cell. At
+// the border of the box they are the nearest four along an axis, of three the three; ghosts
+// (ghost.h) are taken in as any other.
 //
 // The stiffness is the exact gradient of the interpolated force, piecewise: it jumps at the sides
 // of a cell, and is not symmetrised. The interpolated force is not the gradient of an energy.
@@ -32,8 +32,10 @@ class Tricubic final : public Interpolator {
   /// Values in the lanes of Eigen::Vector4d: of the field, and its slopes along x, y and z.
   using Sums = std::array<std::array<double, 4>, 4>;
   /// @param first Of the 4 × 4 × 4 nodes. @param strides To the next along each axis.
-  using Kernel = void (*)(const Eigen::Vector4d* first, const std::array<std::ptrdiff_t, 3>& strides,
-                          int count, const Weights& weights, Sums& sums);
+  /// @param count Polynomials along an axis, 4 or 3.
+  using Kernel = void (*)(const Eigen::Vector4d* first,
+                          const std::array<std::ptrdiff_t, 3>& strides, int count,
+                          const Weights& weights, Sums& sums);
 
  private:
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What an answer of the servo loop costs: force, stiffness and energy at points that jump about in
-// a space of 7³ check-points and in one of cells of five sizes, and the surface that is displayed.
+// a space of 7³ check-points, of these with five intermediate states on the way to each, and in one
+// of cells of five sizes; and the surface that is displayed. The floor of the triquintic is what it
+// cannot do without: 8 × 27 values are read, and the sums take 3 · 216 + 6 · 36 + 10 · 6
+// multiply-adds.
+//
+//   palpate_benchmark_interpolation --benchmark_repetitions=9
+//     --benchmark_enable_random_interleaving=true --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
 
+#include <random>
 #include <vector>
 
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/lanes.h"
 #include "solvers/interpolation/analytic_site.h"
 
 namespace palpate {
@@ -22,6 +30,40 @@ std::vector<Vec3> random_points() {
   return points;
 }
 
+/// 7³ check-points.
+TouchSite uniform() { return test::analytic_site(test::exponential); }
+
+TouchSite with_third_derivatives() {
+  TouchSite site = uniform();
+  test::add_third_derivatives(site, test::exponential_third);
+  return site;
+}
+
+/// Five on the way to each check-point from its neighbour towards rest: 2053 centres.
+TouchSite with_intermediate_states() {
+  TouchSite site = uniform();
+  const double spacing = site.site.spacing();
+  for (const ConfigurationSummary& c : site.configurations) {
+    Vec3 step;
+    for (int k = 0; k < 3; ++k) {
+      step[k] = spacing * ((c.check_point[k] > 0) - (c.check_point[k] < 0));
+    }
+    if (step.isZero(0)) continue;
+    for (int number = 1; number <= 5; ++number) {
+      IntermediateState state;
+      state.target = c.check_point;
+      state.number = number;
+      state.t = c.t + (number / 6.0 - 1) * step;
+      const test::Sample sample = test::exponential(state.t);
+      state.energy = sample.energy;
+      state.force = sample.force;
+      state.outcome = Outcome::converged;
+      site.intermediate_states.push_back(state);
+    }
+  }
+  return site;
+}
+
 void evaluate(benchmark::State& state, Method method, const TouchSite& site) {
   const auto interpolator = make_interpolator(method, site);
   const std::vector<Vec3> points = random_points();
@@ -30,15 +72,84 @@ void evaluate(benchmark::State& state, Method method, const TouchSite& site) {
     TouchResult result = interpolator->evaluate(points[i++ % points.size()]);
     benchmark::DoNotOptimize(result);
   }
+  state.counters["samples"] = static_cast<double>(interpolator->num_samples());
+  state.counters["bytes"] = static_cast<double>(interpolator->bytes());
 }
-BENCHMARK_CAPTURE(evaluate, trilinear, Method::trilinear,
-                  test::analytic_site(test::exponential));
-BENCHMARK_CAPTURE(evaluate, energy_hermite, Method::energy_hermite,
-                  test::analytic_site(test::exponential));
+BENCHMARK_CAPTURE(evaluate, linear, Method::linear, uniform());
+BENCHMARK_CAPTURE(evaluate, trilinear, Method::trilinear, uniform());
+BENCHMARK_CAPTURE(evaluate, tricubic, Method::tricubic, uniform());
+BENCHMARK_CAPTURE(evaluate, energy_hermite, Method::energy_hermite, uniform());
+BENCHMARK_CAPTURE(evaluate, energy_hermite_third, Method::energy_hermite,
+                  with_third_derivatives());
+BENCHMARK_CAPTURE(evaluate, rbf_linear, Method::rbf_linear, uniform());
+BENCHMARK_CAPTURE(evaluate, rbf_linear_intermediate, Method::rbf_linear,
+                  with_intermediate_states());
+BENCHMARK_CAPTURE(evaluate, rbf_cubic, Method::rbf_cubic, uniform());
+BENCHMARK_CAPTURE(evaluate, rbf_cubic_intermediate, Method::rbf_cubic,
+                  with_intermediate_states());
 BENCHMARK_CAPTURE(evaluate, trilinear_adaptive, Method::trilinear,
                   test::graded_site(test::exponential));
 BENCHMARK_CAPTURE(evaluate, energy_hermite_adaptive, Method::energy_hermite,
                   test::graded_site(test::exponential));
+
+/// The system of the radial functions; the rest of the set-up is small.
+void set_up(benchmark::State& state, Method method) {
+  const TouchSite site = with_intermediate_states();
+  for (auto _ : state) benchmark::DoNotOptimize(make_interpolator(method, site));
+}
+BENCHMARK_CAPTURE(set_up, rbf_cubic_intermediate, Method::rbf_cubic)
+    ->Unit(benchmark::kSecond)
+    ->Iterations(1);
+
+#ifdef PALPATE_X86_LANES
+/// Reads numbers in groups of four that stand together, each `times` in a multiply-add.
+/// @param num In groups.
+template <int times>
+[[gnu::always_inline]] inline Four read_and_add(const double* data, int num,
+                                                const double* weights) {
+  Four sums[times] = {};
+  for (int i = 0; i < num; ++i) {
+    Four v;
+    load(data + 4 * i, v);
+#pragma GCC unroll 16
+    for (int k = 0; k < times; ++k) sums[k] += weights[k] * v;
+  }
+  Four sum{};
+  for (const Four& of_k : sums) sum += of_k;
+  return sum;
+}
+
+/// Of a leaf of 7³ check-points: eight times 27 numbers; 54 groups with (648 + 216 + 60) / 216 ≈ 4
+/// multiply-adds each.
+[[gnu::target("avx2,fma")]] void floor_of_hermite(benchmark::State& state) {
+  const std::vector<double> data(343 * 28, 1.0);
+  const std::vector<double> weights(4, 0.5);
+  std::mt19937 random(1);
+  std::vector<int> leaves(4096);
+  for (int& leaf : leaves) {
+    leaf = static_cast<int>(49 * (random() % 6) + 7 * (random() % 6) + random() % 6);
+  }
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const int leaf = leaves[i++ % leaves.size()];
+    Four sum{};
+    for (int corner = 0; corner < 8; ++corner) {
+      const int node = leaf + 49 * (corner >> 2) + 7 * ((corner >> 1) & 1) + (corner & 1);
+      sum += read_and_add<4>(data.data() + 28 * node, 7, weights.data());
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+}
+
+void floor_energy_hermite(benchmark::State& state) {
+  if (best_instruction_set() == InstructionSet::baseline) {
+    state.SkipWithError("There is no AVX2.");
+  } else {
+    floor_of_hermite(state);
+  }
+}
+BENCHMARK(floor_energy_hermite);
+#endif
 
 void display(benchmark::State& state) {
   TouchSite site = test::analytic_site(test::exponential);

@@ -29,8 +29,8 @@ class AnyMethod : public testing::TestWithParam<Method> {
   }
 };
 
-/// What is left at a check-point, as a share of the largest values: rounding; of a dense system that
-/// of its condition.
+/// What a dense system leaves at a check-point, as a share of the values: rounding times its
+/// condition.
 double rounding(Method method) {
   if (method == Method::rbf_linear) return 1e-13;
   return method == Method::rbf_cubic ? 1e-11 : 0;
@@ -193,7 +193,8 @@ TEST_P(AnyMethod, OutlivesItsSite) {
   EXPECT_EQ(interpolator->evaluate(Vec3(0.001, 0.002, 0.003)).force, before.force);
 }
 
-INSTANTIATE_TEST_SUITE_P(, AnyMethod, testing::ValuesIn(test::interpolating_methods()), test::name_of_method);
+INSTANTIATE_TEST_SUITE_P(, AnyMethod, testing::ValuesIn(test::interpolating_methods()),
+                         test::name_of_method);
 
 TEST(Trilinear, ReproducesTrilinearForcesAndItsStiffnessIsNotSymmetrised) {
   TouchSite site = analytic_site(exponential);
