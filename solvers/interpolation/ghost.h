@@ -4,7 +4,7 @@
 //
 //   Π + h·Δ + ½ Δ·kΔ + ⅙ T(Δ,Δ,Δ),   h + kΔ + ½ T(Δ,Δ),   k + TΔ,   T
 //
-// T where it is known and wanted, else 0. A node has one value for all the leaves around it, so
+// T where it is known and wanted and the configuration does not mark, else 0. A node has one value for all the leaves around it, so
 // that what is interpolated does not jump beside a hole.
 #pragma once
 
@@ -27,7 +27,7 @@ struct NodeData {
   Vec3 force = Vec3::Zero();
   /// N/m.
   Mat3 stiffness = Mat3::Zero();
-  /// N/m²; NaN where it is not known.
+  /// N/m²; NaN where it is not known or of no use.
   ThirdDerivative third_derivative =
       ThirdDerivative::Constant(std::numeric_limits<double>::quiet_NaN());
 

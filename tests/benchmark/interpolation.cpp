@@ -30,6 +30,20 @@ std::vector<Vec3> random_points() {
   return points;
 }
 
+/// A hand at 12 mm/s, once a ms: from one random place to the next in steps of 12 µm.
+std::vector<Vec3> walk() {
+  const double step = 1e-3 * test::kHalfWidth;
+  test::RandomPoints random;
+  std::vector<Vec3> points{random()};
+  while (points.size() < (1 << 16)) {
+    const Vec3 goal = random();
+    while ((goal - points.back()).norm() > step) {
+      points.push_back(points.back() + step * (goal - points.back()).normalized());
+    }
+  }
+  return points;
+}
+
 /// 7³ check-points.
 TouchSite uniform() { return test::analytic_site(test::exponential); }
 
@@ -64,9 +78,9 @@ TouchSite with_intermediate_states() {
   return site;
 }
 
-void evaluate(benchmark::State& state, Method method, const TouchSite& site) {
+void evaluate(benchmark::State& state, Method method, const TouchSite& site,
+              const std::vector<Vec3>& points = random_points()) {
   const auto interpolator = make_interpolator(method, site);
-  const std::vector<Vec3> points = random_points();
   std::size_t i = 0;
   for (auto _ : state) {
     TouchResult result = interpolator->evaluate(points[i++ % points.size()]);
@@ -81,6 +95,9 @@ BENCHMARK_CAPTURE(evaluate, tricubic, Method::tricubic, uniform());
 BENCHMARK_CAPTURE(evaluate, energy_hermite, Method::energy_hermite, uniform());
 BENCHMARK_CAPTURE(evaluate, energy_hermite_third, Method::energy_hermite,
                   with_third_derivatives());
+BENCHMARK_CAPTURE(evaluate, trilinear_walk, Method::trilinear, uniform(), walk());
+BENCHMARK_CAPTURE(evaluate, energy_hermite_walk, Method::energy_hermite,
+                  with_third_derivatives(), walk());
 BENCHMARK_CAPTURE(evaluate, rbf_linear, Method::rbf_linear, uniform());
 BENCHMARK_CAPTURE(evaluate, rbf_linear_intermediate, Method::rbf_linear,
                   with_intermediate_states());
