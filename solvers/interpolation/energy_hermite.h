@@ -23,10 +23,10 @@ class EnergyHermite final : public Interpolator {
  public:
   EnergyHermite(const TouchSite& site, const InterpolationOptions& options);
 
-  /// D of a node in the order in which it is summed up: c, b, a with a place left free after each
-  /// three of a.
+  /// D of a node, see hermite_index(). Four are read at a time, the last of which does not count:
+  /// after the last three there is room.
   struct alignas(32) Node {
-    double of[3][3][4];
+    double of[28];
   };
   /// Π and its derivatives in a leaf with respect to s: Π, x, y, z, xx, yy, zz, xy, xz, yz.
   using Sums = std::array<double, 10>;
