@@ -405,7 +405,7 @@ def test_many_materials():
 
 
 def test_bad_input():
-    boundary = scene("bad", quadratic=False)
+    boundary = scene("bad")
     node = node_at(boundary, CORNER)
 
     def run(**settings):
@@ -427,7 +427,7 @@ def test_bad_input():
 
     good = precompute(boundary, [node], Resolution=3, FileName="bad.palpate")
     good.UpdatePipeline()
-    other = scene("bad-other", "St. Venant-Kirchhoff", False)
+    other = scene("bad-other", "St. Venant-Kirchhoff")
     expect_error(lambda: precompute(other, [node], Resolution=3, FileName="bad.palpate")
                  .UpdatePipeline(), "bad.palpate", "another scene")
     expect_error(lambda: precompute(boundary, [node], Resolution=5, FileName="bad.palpate")
