@@ -19,7 +19,14 @@ AssignViewToLayout(view=table)
 Show(report, table)
 Render(table)
 print("state: report", report.GetDataInformation().GetNumberOfRows(), flush=True)
-SaveScreenshot("report.png", GetLayout(table), ImageResolution=[1600, 600])
+view = CreateRenderView()
+points = Show(OutputPort(report, 1), view)
+points.PointSize = 12
+ColorBy(points, ("POINTS", "Error (Energy Hermite)"))
+view.UseColorPaletteForBackground = 0
+view.Background = [1, 1, 1]
+ResetCamera(view)
+SaveScreenshot("report.png", view, ImageResolution=[800, 600])
 
 # What the clicks start from: points enough for a body, few enough for a space of all of them.
 SetActiveSource(Sphere(Radius=0.1, ThetaResolution=6, PhiResolution=6))
