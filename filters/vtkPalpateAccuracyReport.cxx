@@ -2,7 +2,6 @@
 #include "vtkPalpateAccuracyReport.h"
 
 #include <filesystem>
-#include <limits>
 #include <sstream>
 
 #include "accuracy/accuracy.h"
@@ -38,14 +37,23 @@ constexpr double PerCent = 100;
 std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
 {
   std::ostringstream text;
-  text << std::hexfloat << space.scene_hash << ' ' << space.num_modes();
+  text << std::hexfloat << space.scene_hash << ' ' << space.modes.sum();
   for (const palpate::TouchSite& site : space.sites)
   {
     const palpate::Site& s = site.site;
     text << ' ' << s.active_node << ' ' << s.tip_radius << ' ' << s.half_width << ' '
-         << s.resolution << ' ' << s.coarsest << ' ' << static_cast<int>(s.history) << ' '
-         << site.configurations.size() << ' ' << site.intermediate_states.size() << ' '
-         << s.third_derivatives;
+         << s.resolution << ' ' << s.coarsest << ' ' << s.force_limit << ' '
+         << site.coefficients.sum();
+    for (const palpate::ConfigurationSummary& c : site.configurations)
+    {
+      text << ' ' << c.energy << ' ' << c.force.transpose() << ' ' << c.stiffness.sum() << ' '
+           << c.third_derivative.sum() << ' ' << c.flags << ' ' << static_cast<int>(c.outcome)
+           << ' ' << c.seconds;
+    }
+    for (const palpate::IntermediateState& state : site.intermediate_states)
+    {
+      text << ' ' << state.energy << ' ' << state.force.transpose();
+    }
   }
   text << " with " << options.exact.test_points << ' ' << options.exact.seed << ' '
        << options.exact.equilibrium.tolerance << ' ' << options.exact.file;
@@ -244,10 +252,12 @@ int vtkPalpateAccuracyReport::RequestData(
     }
     palpate::TouchSpace space;
     vtkSmartPointer<vtkUnstructuredGrid> body;
+    // One after the other: both are collective, and may fail on the first rank alone.
+    palpate::agree(
+      *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
     palpate::agree(*communicator,
       [&]
       {
-        space = vtkPalpateSpaceFromCollection(input, controller);
         vtkNew<vtkUnstructuredGrid> nothing;
         vtkUnstructuredGrid* piece = vtkPalpateBody(input);
         body = vtkPalpateGatherBody(piece ? piece : nothing.Get(), controller);
@@ -264,7 +274,8 @@ int vtkPalpateAccuracyReport::RequestData(
       options.methods.push_back(static_cast<palpate::Method>(method));
     }
     const std::string of = rank == 0 ? Describe(space, options) : "";
-    if (!palpate::any(*communicator, rank == 0 && of != this->LastOf))
+    const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
+    if (!palpate::any(*communicator, rank == 0 && (of != this->LastOf || !fileIsThere)))
     {
       rows->ShallowCopy(this->LastRows);
       points->ShallowCopy(this->LastPoints);

@@ -112,11 +112,11 @@ struct vtkPalpateTouchStateSpace::Prepared
     return this->Branches[{ node, this->OnBranch }];
   }
 
-  /// What of the site is on the branch; its parts hold all they need of it.
-  [[nodiscard]] TouchSite SiteOnBranch(const TouchSite& site) const
+  /// What of the site is on a branch; its parts hold all they need of it.
+  [[nodiscard]] TouchSite SiteOnBranch(const TouchSite& site, int branch) const
   {
     return palpate::restricted(
-      site, this->Sheets.at(site.site.active_node).configurations(this->OnBranch));
+      site, this->Sheets.at(site.site.active_node).configurations(branch));
   }
 };
 
@@ -171,12 +171,15 @@ int vtkPalpateTouchStateSpace::RequestData(
       auto& interpolator = branch.Interpolators[this->Interpolation];
       if (!interpolator)
       {
-        interpolator = palpate::make_interpolator(
-          static_cast<palpate::Method>(this->Interpolation), this->Cache->SiteOnBranch(site));
+        const auto method = static_cast<palpate::Method>(this->Interpolation);
+        // The stiffness at rest is that of the branch that rest is on.
+        const int of = method == palpate::Method::linear ? 0 : this->Cache->OnBranch;
+        interpolator = palpate::make_interpolator(method, this->Cache->SiteOnBranch(site, of));
       }
       if (!branch.Field)
       {
-        branch.Field = std::make_unique<palpate::DisplayField>(this->Cache->SiteOnBranch(site));
+        branch.Field = std::make_unique<palpate::DisplayField>(
+          this->Cache->SiteOnBranch(site, this->Cache->OnBranch));
       }
       const palpate::DisplayField& field = *branch.Field;
 

@@ -2,12 +2,15 @@
 #include "accuracy/accuracy.h"
 
 #include <algorithm>
+#include <exception>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
 
 #include "accuracy/statistics.h"
 #include "base/error.h"
+#include "equilibrium/work.h"
 #include "exploration/transfer.h"
 
 namespace palpate {
@@ -28,7 +31,10 @@ std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
                        space.scene_hash + ", that of the body is " + hash(scene) +
                        ". Compute the state space again.");
     }
-    for (const TouchSite& site : space.sites) mine.put(site.site);
+    for (const TouchSite& site : space.sites) {
+      (void)CheckPointGrid(site);  // says what is wrong with it before anything is solved for
+      mine.put(site.site);
+    }
   });
   const std::vector<Bytes> all = communicator.all_gather(mine.take());
   std::vector<Site> sites;
@@ -89,12 +95,36 @@ bool is_plain(const Variant& variant) {
          o.third_derivatives;
 }
 
+/// Runs the body on rank 0 while the others sleep: ranks that wait by asking again and again would
+/// take from the time that is measured.
+/// @note Collective. What the body throws is thrown on all ranks.
+void run_on_first_rank(Communicator& communicator, const std::function<void()>& body) {
+  constexpr int kTag = 0;
+  Network& network = communicator.network();
+  std::exception_ptr error;
+  if (communicator.rank() == 0) {
+    try {
+      body();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    for (int rank = 1; rank < communicator.size(); ++rank) network.send(rank, kTag, {});
+    network.flush();
+  } else {
+    constexpr double kRest = 1e-3;
+    while (!network.receive()) network.rest(network.now() + kRest);
+  }
+  agree(communicator, [&] {
+    if (error) std::rethrow_exception(error);
+  });
+}
+
 /// Of all sites, on rank 0.
-/// @param done Told after each site; false ends it.
+/// @param done Told the sites that are done, with their share; false ends it.
 /// @returns false when it was ended.
 bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
                    std::vector<std::vector<TestPoint>>&& points,
-                   const std::function<bool(std::size_t)>& done, AccuracyResult& result) {
+                   const std::function<bool(double)>& done, AccuracyResult& result) {
   // In the order in which they first come.
   std::vector<std::pair<std::string, std::int32_t>> order;
   std::map<std::pair<std::string, std::int32_t>, Measurement> together;
@@ -108,8 +138,12 @@ bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
       added.active_node = site.site.active_node;
       added.exact = point;
     }
-    for (const Variant& variant : variants(site, methods)) {
+    const std::vector<Variant> all = variants(site, methods);
+    for (std::size_t v = 0; v < all.size(); ++v) {
+      const Variant& variant = all[v];
       std::vector<PointError> errors;
+      const double share = static_cast<double>(v) / static_cast<double>(all.size());
+      if (!done(static_cast<double>(s) + share)) return false;
       const Measurement measured = measure(space, site, variant, points[s], errors);
       const std::string name = to_string(variant);
       result.rows_of_sites.push_back(row_of(name, site.site.active_node, measured));
@@ -119,20 +153,18 @@ bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
       if (!is_plain(variant)) continue;
       const auto [column, is_new_method] = columns.try_emplace(name, columns.size());
       if (is_new_method) result.methods.push_back(name);
+      for (AccuracyPoint& point : result.points) point.errors.resize(columns.size(), nothing);
       for (std::size_t i = 0; i < errors.size(); ++i) {
         AccuracyPoint& point = result.points[first_point + i];
-        point.errors.resize(columns.size(), nothing);
         point.errors[column->second] = errors[i].error;
         point.found = errors[i].found;
         point.point_class = errors[i].point_class;
       }
     }
-    if (!done(s + 1)) return false;
   }
   for (const auto& key : order) {
     result.rows.push_back(row_of(key.first, -1, together.at(key)));
   }
-  for (AccuracyPoint& point : result.points) point.errors.resize(columns.size(), nothing);
   return true;
 }
 
@@ -141,9 +173,12 @@ bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
 AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                 const AccuracyOptions& options, Communicator& communicator,
                                 const Progress& progress) {
+  std::vector<Method> methods;
   agree(communicator, [&] {
     const std::vector<Method> known = all_methods();
     for (const Method method : options.methods) {
+      const bool is_named = std::find(methods.begin(), methods.end(), method) != methods.end();
+      if (!is_named) methods.push_back(method);
       if (std::find(known.begin(), known.end(), method) != known.end()) continue;
       throw InputError("There is no interpolation with the number " +
                        std::to_string(static_cast<int>(method)) + ". Choose from 0 to " +
@@ -162,8 +197,7 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
 
   const Clock::time_point measure_start = Clock::now();
   bool complete = true;
-  agree(communicator, [&] {
-    if (communicator.rank() != 0) return;
+  run_on_first_rank(communicator, [&] {
     double seconds = 0;
     std::int64_t num_points = 0;
     for (const auto& of_site : exact.points) {
@@ -171,17 +205,17 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
       num_points += static_cast<std::int64_t>(of_site.size());
     }
     result.mean_solve_seconds = num_points > 0 ? seconds / static_cast<double>(num_points) : 0;
-    const auto done = [&](std::size_t num_sites) {
+    const auto done = [&](double num_sites) {
       if (!progress) return true;
       ProgressState state;
       state.num_done = num_points;
       state.num_expected = num_points;
       state.seconds = seconds_since(start);
-      state.seconds_left = seconds_since(measure_start) / static_cast<double>(num_sites) *
-                           static_cast<double>(sites.size() - num_sites);
+      const double seconds_each = num_sites > 0 ? seconds_since(measure_start) / num_sites : 0;
+      state.seconds_left = seconds_each * (static_cast<double>(sites.size()) - num_sites);
       return progress(state);
     };
-    complete = measure_sites(space, options.methods, std::move(exact.points), done, result);
+    complete = measure_sites(space, methods, std::move(exact.points), done, result);
   });
   result.complete = !any(communicator, !complete);
   result.measure_seconds = seconds_since(measure_start);

@@ -117,6 +117,7 @@ class Solver final : public Worker {
   [[nodiscard]] bool has_work() const override { return !tasks.empty(); }
 
   void work(Mail& mail) override {
+    tell(mail);
     const Task task = tasks.front();
     tasks.pop_front();
     const Site& site = sites_[static_cast<std::size_t>(task.site)];
@@ -147,7 +148,9 @@ class Solver final : public Worker {
       TestPoint point = point_at(i);
       Equilibrium found = solver_.solve(point.t, start, Tangent::iterated);
       if (!walks && !is_regular(found) && found.outcome != Outcome::aborted) {
+        const double seconds = found.seconds;
         found = solver_.solve(point.t, rest_, Tangent::iterated);
+        found.seconds += seconds;
       }
       if (found.outcome == Outcome::aborted) return mail.stop();
       take(found, point);
@@ -186,13 +189,13 @@ class Solver final : public Worker {
   }
 
   void take(const Equilibrium& found, TestPoint& point) const {
-    point.energy = found.energy;
-    point.force = found.reaction;
-    point.stiffness = found.stiffness;
     point.outcome = found.outcome;
     point.flags = found.flags;
     point.seconds = found.seconds;
     if (found.outcome != Outcome::converged) return;
+    point.energy = found.energy;
+    point.force = found.reaction;
+    point.stiffness = found.stiffness;
     point.displacement.resize(3 * static_cast<Eigen::Index>(samples_.size()));
     for (std::size_t s = 0; s < samples_.size(); ++s) {
       point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s)) =

@@ -58,7 +58,9 @@ class Subject {
     branches_.resize(static_cast<std::size_t>(sheets_.size()));
     Branch& here = branches_[static_cast<std::size_t>(sheet)];
     if (!here.interpolator) {
-      here.interpolator = make_interpolator(variant_.method, part(sheet), variant_.options);
+      // The stiffness at rest is that of the branch that rest is on.
+      const int of = variant_.method == Method::linear ? 0 : sheet;
+      here.interpolator = make_interpolator(variant_.method, part(of), variant_.options);
     }
     return here;
   }
@@ -329,17 +331,23 @@ std::vector<Variant> variants(const TouchSite& site, const std::vector<Method>& 
   const bool has_third = std::any_of(all.begin(), all.end(), [](const ConfigurationSummary& c) {
     return c.has_third_derivative();
   });
-  const std::int32_t full = 1;
+  const bool has_rest = std::any_of(all.begin(), all.end(), [](const ConfigurationSummary& c) {
+    return c.check_point == CheckPoint{} && c.usable();
+  });
   std::vector<Variant> result;
   for (const Method method : methods.empty() ? all_methods() : methods) {
     for (const std::int32_t factor : coarsening_factors(site.site)) {
       if (method == Method::tricubic && site.site.coarsest > factor) continue;
       // The stiffness at rest is the same on every grid.
-      if (method == Method::linear && factor != full) continue;
+      if (method == Method::linear && (factor != 1 || !has_rest)) continue;
       const bool is_rbf = method == Method::rbf_linear || method == Method::rbf_cubic;
       Variant variant{method, {}, factor};
+      // A coarser grid has none.
+      if (is_rbf && factor != 1) {
+        variant.options.intermediate_states = site.intermediate_states.empty();
+      }
       result.push_back(variant);
-      if (is_rbf && factor == full) {
+      if (is_rbf && factor == 1) {
         variant.options.linear_polynomial = false;
         result.push_back(variant);
         variant.options.linear_polynomial = true;
@@ -367,12 +375,10 @@ Measurement measure(const TouchSpace& space, const TouchSite& whole, const Varia
   const Interpolator& interpolator = subject.on(0);
   result.samples = static_cast<double>(interpolator.num_samples());
   result.bytes = static_cast<double>(interpolator.bytes());
-  if (variant.method == Method::linear) {
-    for (const ConfigurationSummary& c : site.configurations) {
-      if (c.check_point == CheckPoint{}) result.precompute_seconds += c.seconds;
-    }
-  } else {
-    for (const ConfigurationSummary& c : site.configurations) result.precompute_seconds += c.seconds;
+  for (const ConfigurationSummary& c : site.configurations) {
+    const bool counts = variant.method != Method::linear ||
+                        (c.check_point == CheckPoint{} && c.level == 0);
+    if (counts) result.precompute_seconds += c.seconds;
   }
   const bool is_rbf =
       variant.method == Method::rbf_linear || variant.method == Method::rbf_cubic;

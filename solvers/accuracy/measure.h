@@ -99,8 +99,11 @@ struct PointError {
   double error = 0;
 };
 
-/// @param points Solved. @param errors At each of them [points.size()].
-[[nodiscard]] Measurement measure(const TouchSpace& space, const TouchSite& site,
+/// Of a site with levels, what is held and evaluated is that of the branch of rest; errors are those
+/// of the branch that the body is on.
+/// @param whole Before it is coarsened. @param points Solved.
+/// @param errors At each of them [points.size()].
+[[nodiscard]] Measurement measure(const TouchSpace& space, const TouchSite& whole,
                                   const Variant& variant, const std::vector<TestPoint>& points,
                                   std::vector<PointError>& errors);
 

@@ -152,7 +152,8 @@ class FileRecord final : public Record {
     if (communicator_.rank() != 0) return all;
     for (const Site& site : sites_) {
       const Index node = site.active_node;
-      for (const auto& found : {files_.own().read_summaries(node), files_.own().read_candidates(node)}) {
+      const StateSpaceFile& file = files_.own();
+      for (const auto& found : {file.read_summaries(node), file.read_candidates(node)}) {
         for (const Configuration& c : found) all.configurations.emplace_back(node, c);
       }
       for (const LevelTransition& transition : files_.own().read_transitions(node)) {

@@ -5,7 +5,8 @@
 // The estimate of a leaf of side H is the largest of
 //
 //   2 · |difference of the force from the one whose mixed derivatives are differences of three
-//        nodes instead of five|, of those that are not known (hermite_data.h), over 5³ points of the leaf, its sides and edges among them;
+//        nodes instead of five|, of those that are not known (hermite_data.h), over 5³ points of
+//        the leaf, its sides and edges among them;
 //   ¼ · |error of its parent's polynomial| at the corners that the leaf does not share with its
 //        parent, where the force is known;
 //   ½ · |Π₁ − Π₀ − H/2 (h₀ + h₁) − H²/12 (k₀ − k₁)| / H over its edges, h and k along the edge;

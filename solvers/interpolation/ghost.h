@@ -4,8 +4,8 @@
 //
 //   Π + h·Δ + ½ Δ·kΔ + ⅙ T(Δ,Δ,Δ),   h + kΔ + ½ T(Δ,Δ),   k + TΔ,   T
 //
-// T where it is known and wanted and the configuration does not mark, else 0. A node has one value for all the leaves around it, so
-// that what is interpolated does not jump beside a hole.
+// T where it is known and wanted and the configuration does not mark, else 0. A node has one value
+// for all the leaves around it, so that what is interpolated does not jump beside a hole.
 #pragma once
 
 #include <limits>

@@ -11,8 +11,9 @@
 // product of the distances from it is least. That is central where it can be, one-sided at the
 // border of the box, beside a node without a usable configuration and, unless the node is such a one
 // itself, beside one that is inverted, unstable or near a fold: what lies behind does not continue
-// what lies before. It goes across a change of the cells' size. It is of fewer where fewer than five stand in a row. An axis along which the
-// node stands alone takes no part; where no axis does, the derivative is taken as zero.
+// what lies before. It goes across a change of the cells' size. It is of fewer where fewer than five
+// stand in a row. An axis along which the node stands alone takes no part; where no axis does, the
+// derivative is taken as zero.
 //
 // A row goes along edges of leaves, and takes in hanging nodes with the configurations they have.
 // Where it ends, with fewer than five, at the side of a larger leaf, it goes on into that by points

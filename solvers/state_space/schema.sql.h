@@ -139,7 +139,8 @@ CREATE TABLE test_point (             -- equilibria by which interpolation is me
   flags       INTEGER NOT NULL,
   seconds,
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of displacement, seeded with that
-                                      -- of the columns from active_node to seconds, 8 bytes each
+                                      -- of active_node, seed, tip_radius, half_width and of the
+                                      -- columns from kind to seconds, 8 bytes each, NaN as -1
   displacement BLOB,                  -- float32 [up to 64 points of the surface x 3], m; NULL where
                                       -- it did not converge
   PRIMARY KEY (scene_id, active_node, tip_radius, half_width, seed, kind, number)

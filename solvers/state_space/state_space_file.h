@@ -121,8 +121,8 @@ class StateSpaceFile {
   /// Those of a set, in the order of operator<.
   [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
 
-  /// Takes over sites, configurations and test points of other files of the same scene, such as those of the
-  /// ranks of a run. What is here stays, except that a configuration that converged there replaces
+  /// Takes over sites, configurations and test points of other files of the same scene, such as
+  /// those of the ranks of a run. What is here stays, except that a configuration that converged there replaces
   /// one that did not converge here. The other files stay as they are; killed half-way, it can be
   /// done again.
   /// @throws InputError another scene or tolerance, or another tip or grid of the same site.

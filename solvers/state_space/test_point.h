@@ -40,18 +40,20 @@ struct TestPoint {
   std::int32_t number = 0;
   /// Displacement of the active site from rest t [3], m.
   Vec3 t = Vec3::Zero();
-  /// Potential energy, J, force that holds the site, N, and its stiffness, N/m.
+  /// Potential energy, J, force that holds the site, N, and its stiffness, N/m; 0 where it did not
+  /// converge.
   double energy = 0;
   Vec3 force = Vec3::Zero();
   Mat3 stiffness = Mat3::Zero();
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
-  /// Time it took, s.
+  /// Time it took, s, without that of its anchor.
   double seconds = 0;
   /// Displacement of sample_points() [3 × their number], m; empty where it did not converge.
   Eigen::VectorXf displacement;
 
-  /// It converged to a state that is stable and not inverted, without a jump on the way.
+  /// It converged to a state that is not inverted nor found to be unstable, without a jump on the
+  /// way. Only directions along which the solve looked would tell of an instability.
   [[nodiscard]] bool regular() const {
     return outcome == Outcome::converged &&
            (flags & (flags::inverted | flags::unstable | flags::near_fold)) == 0;

@@ -109,8 +109,8 @@ def test_size():
         for cells in (space.GetVerts(), space.GetLines()):
             arrays += [cells.GetConnectivityArray(), cells.GetOffsetsArray()]
         size = sum(array.GetNumberOfValues() * array.GetDataTypeSize() for array in arrays) / count
-        # 352 for the figures, 80 of them the third derivatives, and of each mode a coefficient and its gradient in single precision;
-        # the end of the offsets of both kinds of cells is shared by all.
+        # 352 for the figures, 80 of them the third derivatives, and of each mode a coefficient and
+        # its gradient in single precision; the end of the offsets of both kinds of cells is shared by all.
         assert size <= 352 + 16 * modes + 16 / count, (size, modes)
         assert coefficients.dtype == gradients.dtype == numpy.float32
 

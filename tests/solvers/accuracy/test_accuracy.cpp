@@ -59,7 +59,7 @@ TEST_F(Accuracy, ReportsEveryMethodAndGrid) {
     EXPECT_EQ(r.counted, 80) << r.method;
     EXPECT_GT(r.mean_error, 0) << r.method;
     EXPECT_GE(r.largest_error, r.p99_error) << r.method;
-    EXPECT_GE(r.p99_error, 0.2 * r.mean_error) << r.method;
+    EXPECT_GE(r.p99_error, r.mean_error) << r.method;
     EXPECT_GT(r.precompute_seconds, 0) << r.method;
     EXPECT_GT(r.bytes, 0) << r.method;
   }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "accuracy/draw.h"
 #include "accuracy/statistics.h"
