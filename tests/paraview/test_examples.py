@@ -343,9 +343,9 @@ def check_roof():
 def check_tolerance():
     small = ["--elements", "150", "--points", "12"]
     rows, text = tolerance_rows("tolerance", *small, "--laws", "Fung", "--exponent", "20",
-                                "--half-width", "0.025", "--tolerances", "5", "0.2",
+                                "--half-width", "0.025", "--tolerances", "5", "0.02",
                                 "--uniform", "3", "5")
-    assert [row["space"] for row in rows] == ["5 %", "0.2 %", "uniform, 3³", "uniform, 5³"], rows
+    assert [row["space"] for row in rows] == ["5 %", "0.02 %", "uniform, 3³", "uniform, 5³"], rows
     coarse, fine, three, five = rows
     assert (three["configurations"], five["configurations"]) == ("27", "125"), rows
     assert 125 <= int(coarse["configurations"]) < int(fine["configurations"]), rows
