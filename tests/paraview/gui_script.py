@@ -13,20 +13,20 @@ touch = FindSource("Touch State Space")
 print("state: points", touch.GetDataInformation().GetNumberOfPoints(), flush=True)
 print("state: force", touch.FieldData["Force"].GetRange(-1)[1], flush=True)
 
+picture = GetActiveView()
 report = AccuracyReport(Input=touch.Input, TestPoints=20)
 table = CreateView("SpreadSheetView")
 AssignViewToLayout(view=table)
 Show(report, table)
 Render(table)
 print("state: report", report.GetDataInformation().GetNumberOfRows(), flush=True)
-view = CreateRenderView()
-points = Show(OutputPort(report, 1), view)
+HideAll(picture)
+points = Show(OutputPort(report, 1), picture)
 points.PointSize = 12
 ColorBy(points, ("POINTS", "Error (Energy Hermite)"))
-view.UseColorPaletteForBackground = 0
-view.Background = [1, 1, 1]
-ResetCamera(view)
-SaveScreenshot("report.png", view, ImageResolution=[800, 600])
+ResetCamera(picture)
+SaveScreenshot("report.png", picture, ImageResolution=[800, 600])
+SetActiveView(picture)
 
 # What the clicks start from: points enough for a body, few enough for a space of all of them.
 SetActiveSource(Sphere(Radius=0.1, ThetaResolution=6, PhiResolution=6))
