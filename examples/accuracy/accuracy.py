@@ -24,16 +24,16 @@ sys.path += [os.path.join(sys.path[0], "..", folder) for folder in ("common", "l
 import numpy as np
 from paraview.simple import *
 
-from bodies import SLACK, add_scene_arguments, corners_of, on_surface, places, read_scene, save_body
+from bodies import (SLACK, add_box_arguments, add_scene_arguments, corners_of, on_surface, places,
+                    read_scene, save_body)
 from charts import Curve, chart
-from materials import LAWS, assign
+from materials import OWN, add_law_arguments, check_laws, scene_of
 from pipeline import Failure, field, output, save_surface, update
 from script import Arguments, run
 from tables import markdown, save_csv, vtk_table
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from where import Where
 
-OWN = "Own"
 COUNTED = 0
 # What a hand notices, % (just noticeable difference of forces).
 NOTICED = 10
@@ -57,15 +57,8 @@ POINTS = ("TestPoints", "Counted", "Marked", "Extrapolated", "Irregular", "Faile
 def arguments():
     parser = Arguments("accuracy.py", __doc__.splitlines()[0])
     add_scene_arguments(parser)
-    parser.add_argument("--laws", nargs="+", choices=(*LAWS, OWN), metavar="LAW",
-                        default=["Neo-Hookean"], help="of: " + ", ".join(LAWS) +
-                        "; or Own, that of the scene")
-    parser.add_argument("--young", type=float, default=1e4, help="Young's modulus, Pa")
-    parser.add_argument("--poisson", type=float, default=0.45, help="Poisson's ratio")
-    parser.add_argument("--exponent", type=float, default=1.0, help="of the law Fung")
-    parser.add_argument("--half-width", type=float, help="of the box of displacements, m; by "
-                        "default 6 %% of the longest side")
-    parser.add_argument("--force-limit", type=float, default=0.0, help="N; 0 for none")
+    add_law_arguments(parser, ["Neo-Hookean"])
+    add_box_arguments(parser)
     parser.add_argument("--resolutions", type=int, nargs="+", default=[3, 5, 7],
                         help="points along an axis, of each space")
     parser.add_argument("--intermediate-states", type=int, default=5,
@@ -172,16 +165,14 @@ def spaces_of(args):
         yield OWN, space, False
         return
     grid, node, organ = read_scene(args)
-    if OWN in args.laws and not grid.GetCellData().HasArray("Law"):
-        raise Failure("the scene has no material of its own (Assign Material gives it one).")
+    check_laws(grid, args)
     half_width = args.half_width or 0.06 * organ.size
     nodes = args.active_nodes or [node]
     if args.nodes:
         nodes = spread(grid, args.nodes, 1.1 * organ.tip_radius)
     body = save_body(grid, os.path.join(args.output, "scene.vtu"))
     for law in args.laws:
-        more = {"Exponent": args.exponent} if law == "Fung" else {}
-        scene = body if law == OWN else assign(body, law, args.young, args.poisson, **more)
+        scene = scene_of(body, law, args)
         for resolution in sorted(args.resolutions):
             space = update(PrecomputeStateSpace(
                 Input=scene, ActiveNodes=nodes, HalfWidth=half_width, Resolution=resolution,

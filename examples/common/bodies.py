@@ -148,6 +148,13 @@ def add_scene_arguments(parser):
                         "default 7 %% of the longest side")
 
 
+def add_box_arguments(parser):
+    """Where a state space is computed."""
+    parser.add_argument("--half-width", type=float, help="of the box of displacements, m; by "
+                        "default 6 %% of the longest side")
+    parser.add_argument("--force-limit", type=float, default=0.0, help="N; 0 for none")
+
+
 def read_scene(args):
     """The body with `Fixed` (vtkUnstructuredGrid), the node that is touched, a corner on the
     surface that is not held, and the organ."""

@@ -23,15 +23,14 @@ import time
 import numpy as np
 from paraview.simple import *
 
-from bodies import SLACK, add_scene_arguments, read_scene, save_body
+from bodies import SLACK, add_box_arguments, add_scene_arguments, read_scene, save_body
 from charts import Curve, chart
-from materials import LAWS, assign
+from materials import OWN, add_law_arguments, check_laws, scene_of
 from pipeline import Failure, field, output, update
 from script import Arguments, run
 from tables import markdown, save_csv, vtk_table
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-OWN = "Own"
 INSIDE = 1
 BEYOND_FORCE_LIMIT = 4
 COLUMNS = {"law": "s", "space": "s", "asked (%)": "g", "reached (%)": ".2g", "mean (%)": ".2g",
@@ -43,15 +42,8 @@ COLUMNS = {"law": "s", "space": "s", "asked (%)": "g", "reached (%)": ".2g", "me
 def arguments():
     parser = Arguments("tolerance.py", __doc__.splitlines()[0])
     add_scene_arguments(parser)
-    parser.add_argument("--laws", nargs="+", choices=(*LAWS, OWN), metavar="LAW",
-                        default=["Neo-Hookean", "St. Venant-Kirchhoff", "Fung"],
-                        help="of: " + ", ".join(LAWS) + "; or Own, that of the scene")
-    parser.add_argument("--young", type=float, default=1e4, help="Young's modulus, Pa")
-    parser.add_argument("--poisson", type=float, default=0.45, help="Poisson's ratio")
-    parser.add_argument("--exponent", type=float, default=1.0, help="of the law Fung")
-    parser.add_argument("--half-width", type=float, help="of the box of displacements, m; by "
-                        "default 6 %% of the longest side")
-    parser.add_argument("--force-limit", type=float, default=0.0, help="N; 0 for none")
+    add_law_arguments(parser, ["Neo-Hookean", "St. Venant-Kirchhoff", "Fung"])
+    add_box_arguments(parser)
     parser.add_argument("--tolerances", type=float, nargs="+", default=[5, 2, 1, 0.5, 0.2],
                         help="of the force, %% of the largest")
     parser.add_argument("--uniform", type=int, nargs="*", default=[5, 7, 9],
@@ -134,8 +126,7 @@ def compare(space, exact):
 
 def measure(args):
     grid, node, organ = read_scene(args)
-    if OWN in args.laws and not grid.GetCellData().HasArray("Law"):
-        raise Failure("the scene has no material of its own (Assign Material gives it one).")
+    check_laws(grid, args)
     half_width = args.half_width or 0.06 * organ.size
     body = save_body(grid, os.path.join(args.output, "scene.vtu"))
     tip = {"TipRadius": organ.tip_radius * SLACK}
@@ -144,8 +135,7 @@ def measure(args):
     spaces += [(f"uniform, {count}³", {"Resolution": count}, None) for count in args.uniform]
     rows = []
     for law in args.laws:
-        more = {"Exponent": args.exponent} if law == "Fung" else {}
-        scene = body if law == OWN else assign(body, law, args.young, args.poisson, **more)
+        scene = scene_of(body, law, args)
         exact = Exact(scene, half_width, args.points, {"ActiveNode": [node], **tip})
         print(f"{law}: {exact.regular.sum()} of {args.points} places are reached from rest by a "
               "regular way", flush=True)
