@@ -11,7 +11,7 @@ palpate_add_library(<part>
   [PRIVATE_DEPENDS <part or imported target>…])
 
 Makes the static, position-independent library palpate_<part> (alias palpate::<part>) of a folder
-of solvers/. A dependency without "::" is the name of another part. DEPENDS are those that the
+of solvers/ or haptic/. A dependency without "::" is the name of another part. DEPENDS are those that the
 part's headers include.
 ]]
 function(palpate_add_library part)
@@ -32,6 +32,9 @@ function(palpate_add_library part)
     VISIBILITY_INLINES_HIDDEN ON)
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/solvers>")
+  if(part MATCHES "^haptic_")
+    target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>")
+  endif()
   target_link_libraries(${target}
     PUBLIC ${public}
     PRIVATE ${private} "$<BUILD_INTERFACE:palpate_warnings>")

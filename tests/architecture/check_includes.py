@@ -28,6 +28,9 @@ LIBRARIES = [
     ("xxHash", r"xxh\w+\.h"),
     ("TetGen", r"tetgen\.h"),
     ("hidapi", r"(hidapi/)?hidapi\w*\.h"),
+    ("CSV", r"csv\.h"),
+    ("CLI11", r"CLI/.+"),
+    ("Linux", r"linux/\w+\.h"),
     ("Eigen", r"(unsupported/)?Eigen/.+"),
     ("GoogleTest", r"g(test|mock)/.+"),
     ("Google Benchmark", r"benchmark/.+"),
@@ -67,11 +70,20 @@ def solver_units():
     }
 
 
-HAPTIC_MAY_SEE = {"solvers/base", "solvers/state_space", "solvers/interpolation"}
+def haptic_units():
+    """The parts of haptic/ in order, as those of solvers/; the program sees them all."""
+    solvers = {"solvers/base", "solvers/state_space", "solvers/interpolation"}
+    wrapped = {"transport": {"hidapi"}, "recording": {"CSV"}, "palpate_servo": {"CLI11"}}
+    parts = ["realtime", "profile", "transport", "touching", "servo", "recording", "palpate_servo"]
+    return {
+        f"haptic/{part}": Unit({"std", "POSIX", "Eigen"} | wrapped.get(part, set()),
+                               {f"haptic/{earlier}" for earlier in parts[:index]} | solvers)
+        for index, part in enumerate(parts)
+    }
+
+
 # The longest folder that matches counts.
-UNITS = solver_units() | {
-    "haptic": Unit({"std", "POSIX"}, HAPTIC_MAY_SEE),
-    "haptic/transport": Unit({"std", "POSIX", "hidapi"}, {"haptic"} | HAPTIC_MAY_SEE),
+UNITS = solver_units() | haptic_units() | {
     "filters": Unit({"std", "POSIX", "VTK"}, {"solvers"}),
     "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}),
     "plugin/Palpate": Unit({"std", "VTK"}, {"filters"}),

@@ -12,7 +12,8 @@ from check_includes import check_tree
 HEADERS = [
     "solvers/base/error.h", "solvers/mesh/tet_mesh.h", "solvers/linear/linear_solver.h",
     "solvers/interpolation/interpolation.h", "solvers/state_space/state_space.h",
-    "haptic/pose.h", "filters/vtkPalpateGuard.h", "filters/tetgen/stream.h",
+    "haptic/profile/report.h", "haptic/servo/servo.h", "filters/vtkPalpateGuard.h",
+    "filters/tetgen/stream.h",
 ]
 
 
@@ -42,7 +43,9 @@ class AllowedTest(unittest.TestCase):
         self.check("filters/tetgen/main.cpp", "<tetgen.h>", '"stream.h"')
 
     def test_haptic(self):
-        self.check("haptic/a.cpp", '"haptic/pose.h"', '"interpolation/interpolation.h"')
+        self.check("haptic/servo/a.cpp", '"haptic/profile/report.h"',
+                   '"interpolation/interpolation.h"')
+        self.check("haptic/transport/a.cpp", "<hidapi/hidapi.h>", '"haptic/profile/report.h"')
 
     def test_filters(self):
         self.check("filters/a.cxx", '"vtkPalpateGuard.h"', '"mesh/tet_mesh.h"', "<vtkMPI.h>",
@@ -73,11 +76,11 @@ class ForbiddenTest(unittest.TestCase):
     def test_solvers_see_no_other_folder(self):
         self.check("solvers/exploration/a.cpp", '"vtkPalpateGuard.h"',
                    "vtkPalpateGuard.h: solvers/exploration may not include filters")
-        self.check("solvers/exploration/a.cpp", '"haptic/pose.h"',
-                   "haptic/pose.h: solvers/exploration may not include haptic")
+        self.check("solvers/exploration/a.cpp", '"haptic/profile/report.h"',
+                   "haptic/profile/report.h: solvers/exploration may not include haptic/profile")
 
     def test_no_vtk_or_qt_outside_filters_and_plugin(self):
-        for folder in ("solvers/exploration", "haptic"):
+        for folder in ("solvers/exploration", "haptic/servo"):
             self.check(f"{folder}/a.h", "<vtkPolyData.h>",
                        f"vtkPolyData.h: {folder} may not include VTK")
             self.check(f"{folder}/a.h", "<QWidget>", f"QWidget: {folder} may not include Qt")
@@ -93,6 +96,8 @@ class ForbiddenTest(unittest.TestCase):
                    "dmumps_c.h: solvers/equilibrium may not include MUMPS")
         self.check("solvers/exploration/a.cpp", "<mpi.h>",
                    "mpi.h: solvers/exploration may not include MPI")
+        self.check("haptic/servo/a.cpp", "<hidapi/hidapi.h>",
+                   "hidapi/hidapi.h: haptic/servo may not include hidapi")
         self.check("solvers/interpolation/a.cpp", "<sqlite3.h>",
                    "sqlite3.h: solvers/interpolation may not include SQLite")
         self.check("filters/a.cxx", "<tetgen.h>", "tetgen.h: filters may not include TetGen")
@@ -104,8 +109,12 @@ class ForbiddenTest(unittest.TestCase):
                    "base/error.h: filters/tetgen may not include solvers/base")
 
     def test_haptic_does_not_solve(self):
-        self.check("haptic/a.cpp", '"linear/linear_solver.h"',
-                   "linear/linear_solver.h: haptic may not include solvers/linear")
+        self.check("haptic/servo/a.cpp", '"linear/linear_solver.h"',
+                   "linear/linear_solver.h: haptic/servo may not include solvers/linear")
+
+    def test_haptic_parts_see_only_those_before(self):
+        self.check("haptic/profile/a.cpp", '"haptic/servo/servo.h"',
+                   "haptic/servo/servo.h: haptic/profile may not include haptic/servo")
 
     def test_unknown_library(self):
         self.check("solvers/base/a.h", "<boost/any.hpp>",

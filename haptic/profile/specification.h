@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a device can do.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "haptic/realtime/clock.h"
+
+namespace palpate {
+
+/// Who sets the pace of the servo loop.
+enum class Pacing {
+  /// The device reports on its own; the loop has its own clock.
+  free_running,
+  /// The device reports in answer to each force: the loop waits for that.
+  lock_step,
+  /// The device reports when something changes: silence means that nothing does.
+  on_change,
+};
+
+struct Specification {
+  std::string manufacturer;
+  std::string model;
+  /// Largest force that is ever sent, N; 0: the device has no motors.
+  double max_linear_force = 0;
+  /// Largest stiffness that it displays stably at 1 kHz, N/m.
+  double max_linear_stiffness = 0;
+  /// Largest damping that it displays stably at 1 kHz, N·s/m.
+  double max_linear_damping = 0;
+  /// Of the sphere that can be reached, m.
+  double workspace_radius = 0;
+  /// Steps of position and of force, m and N; 0: not known.
+  double position_resolution = 0;
+  double force_resolution = 0;
+  std::array<bool, 3> actuated{};
+  bool senses_rotation = false;
+  int num_buttons = 0;
+  Pacing pacing = Pacing::free_running;
+  /// Its reports say when they were measured.
+  bool has_device_time = false;
+  /// After so long without a force report the device switches its motors off by itself; 0: never.
+  Duration watchdog{0};
+};
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Time as the servo loop sees it: a real clock, or a virtual one that tests advance.
+#pragma once
+
+#include <chrono>
+
+namespace palpate {
+
+/// Since the origin of the clock that gave it.
+using Time = std::chrono::nanoseconds;
+using Duration = std::chrono::nanoseconds;
+
+/// A duration in s.
+[[nodiscard]] constexpr double seconds(Duration d) { return 1e-9 * static_cast<double>(d.count()); }
+
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  /// @note Realtime-safe.
+  [[nodiscard]] virtual Time now() noexcept = 0;
+  /// Returns at once where that time is past.
+  virtual void sleep_until(Time time) noexcept = 0;
+};
+
+/// The monotonic clock of the system: no jump when the time of day is set.
+class MonotonicClock final : public Clock {
+ public:
+  Time now() noexcept override;
+  void sleep_until(Time time) noexcept override;
+};
+
+/// Stands still but for sleep_until() and advance(): what is tested with it takes no time, and goes
+/// the same way each time.
+class VirtualClock final : public Clock {
+ public:
+  Time now() noexcept override { return now_; }
+  void sleep_until(Time time) noexcept override {
+    if (time > now_) now_ = time;
+  }
+  void advance(Duration duration) noexcept { now_ += duration; }
+
+ private:
+  Time now_{0};
+};
+
+}  // namespace palpate

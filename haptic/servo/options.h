@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the servo loop runs, and what the person at the device may change meanwhile.
+#pragma once
+
+#include "base/types.h"
+#include "haptic/realtime/clock.h"
+
+namespace palpate {
+
+/// What is fixed while the loop runs.
+struct ServoOptions {
+  /// Of the loop, where it has the pace.
+  Duration period = std::chrono::milliseconds(1);
+  /// A report older than this gives no force.
+  Duration stale_after = std::chrono::milliseconds(5);
+  /// Lock-step devices: without a report for so long, a zero-force report is sent to set it going.
+  Duration lock_step_timeout = std::chrono::milliseconds(2);
+  /// stop() returns after this, whatever the device does.
+  Duration stop_timeout = std::chrono::milliseconds(200);
+  /// Real-time priority (SCHED_FIFO) of the thread, 1 to 99, where the system permits; 0: none.
+  int priority = 80;
+};
+
+/// @throws InputError a value is out of range.
+void validate(const ServoOptions& options);
+
+/// What may change from tick to tick.
+struct ServoSettings {
+  /// Forces are sent; else the device is read and feels nothing.
+  bool engaged = true;
+  /// Place in the scene of the centre of the device's workspace [3], m.
+  Vec3 workspace_centre = Vec3::Zero();
+  /// From the device's axes to those of the scene: a rotation.
+  Mat3 workspace_rotation = Mat3::Identity();
+  /// Metres in the scene for a metre at the device.
+  double workspace_scale = 1;
+  /// Newtons at the device for a newton of the body.
+  double force_scale = 1;
+  /// Largest force, N; 0: that of the device. Never above that of the device.
+  double force_limit = 0;
+  /// Largest change of the force in a second, N/s; it may always fall to zero at once.
+  double slew_limit = 500;
+  /// Viscous damping of the hand while it touches, N·s/m at the device.
+  double damping = 0;
+  /// Damping is added when the sampled loop has made energy.
+  bool passivity_control = true;
+};
+
+/// @throws InputError a value is out of range.
+void validate(const ServoSettings& settings);
+
+}  // namespace palpate

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a recording keeps of a tick: all that a replay needs, and all that was made of it.
+#pragma once
+
+#include <array>
+
+#include "haptic/profile/report.h"
+#include "haptic/realtime/ring.h"
+#include "haptic/servo/tick.h"
+
+namespace palpate {
+
+struct TickRecord {
+  static constexpr int kReports = 4;
+
+  Tick tick;
+  /// The newest reports that were read in the tick, oldest first; the empty ones do not count.
+  std::array<Report, kReports> received{};
+  /// The report that was written.
+  Report sent;
+};
+
+using TickRing = Ring<TickRecord>;
+
+}  // namespace palpate

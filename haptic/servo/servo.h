@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The servo loop on a thread of its own.
+//
+// The thread has real-time priority and locked memory where the system permits, and signals go
+// elsewhere. It is paced by absolute times; after an overrun it takes up the rhythm anew, without
+// ticks that catch up. What it needs crosses to it, and what it has done comes back, without either
+// side waiting for the other.
+//
+// Every way out sends zero force: stop(), the destructor, a report that is too old, a force that is
+// not finite, a device that fails. A device whose driver hangs in a write cannot be sent anything;
+// stop() then returns in time all the same, the thread ends by itself when the driver lets go of it,
+// and until then the device's own watchdog is what cuts the motors.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "haptic/profile/profile.h"
+#include "haptic/servo/loop.h"
+#include "haptic/servo/options.h"
+#include "haptic/servo/statistics.h"
+#include "haptic/servo/tick.h"
+#include "haptic/touching/touchable.h"
+#include "haptic/transport/transport.h"
+
+namespace palpate {
+
+class Servo {
+ public:
+  /// Nothing runs yet, and the device is not read.
+  /// @throws InputError an option is out of range.
+  Servo(std::unique_ptr<Transport> transport, std::shared_ptr<const Profile> profile,
+        std::shared_ptr<Clock> clock, const ServoOptions& options = {});
+  /// Stops.
+  ~Servo();
+  Servo(const Servo&) = delete;
+  Servo& operator=(const Servo&) = delete;
+
+  /// @throws BackendError the thread cannot be started, or was started before.
+  void start();
+  /// Zero force, then the end of the loop. In time whatever the device does.
+  /// @return Whether the thread has ended.
+  bool stop() noexcept;
+
+  /// The body, from the next tick on; also while it is touched. nullptr: none.
+  void set_body(std::shared_ptr<const Touchable> body);
+  /// @throws InputError a value is out of range.
+  void set_settings(const ServoSettings& settings);
+  /// @throws InputError a value is out of range.
+  void set_touch_settings(const TouchSettings& settings);
+  /// Every tick goes into the ring from the next tick on; nullptr: none.
+  /// @note What is given must outlive the loop, or be taken away and a tick have passed.
+  void set_recording(std::shared_ptr<TickRing> ring);
+
+  [[nodiscard]] const Specification& specification() const;
+  /// The newest tick; where the thread hangs in the device's driver the state is stale.
+  [[nodiscard]] Tick latest();
+  [[nodiscard]] Statistics statistics() const;
+  /// What was last wrong with the device or with real-time priority, in words; empty: nothing.
+  [[nodiscard]] std::string problem() const;
+
+ private:
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What one tick of the servo loop has found and done.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "haptic/profile/device_state.h"
+#include "haptic/touching/contact.h"
+
+namespace palpate {
+
+/// Numbers are stored in recordings: keep them.
+enum class ServoState : int {
+  /// There is no loop.
+  closed = 0,
+  /// The device is read, forces are off.
+  ready = 1,
+  running = 2,
+  /// What the device says is too old, or it says nothing: no force until it is fresh again.
+  stale = 3,
+  /// Unplugged: the device must be opened anew.
+  gone = 4,
+};
+
+[[nodiscard]] std::string_view to_string(ServoState state) noexcept;
+
+/// Why the force that was sent is not the one that was computed (bits); stored in recordings.
+namespace limits {
+inline constexpr std::uint32_t magnitude = 1;
+inline constexpr std::uint32_t slew = 2;
+/// It was not finite.
+inline constexpr std::uint32_t not_finite = 4;
+}  // namespace limits
+
+struct Tick {
+  /// Since the loop began, from 1.
+  std::uint64_t number = 0;
+  /// When it began, by the loop's clock.
+  Time time{0};
+  ServoState state = ServoState::closed;
+  /// The newest report of the device, and how old it is at most.
+  DeviceState device;
+  Duration age{0};
+  /// Reports that were read in this tick.
+  std::int32_t num_reports = 0;
+  /// Place of the device in the scene [3], m, and its velocity there, m/s.
+  Vec3 position = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero();
+  Contact contact;
+  /// That was sent, in the axes of the scene [3], N at the device.
+  Vec3 force = Vec3::Zero();
+  std::uint32_t limited = 0;
+  /// What the hand has put into the sampled loop since it touched, less what the body stores, J at
+  /// the device; below zero the loop has made energy.
+  double dissipated = 0;
+  /// Damping that the passivity controller adds, N·s/m.
+  double added_damping = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body as the servo loop touches it: its surface at rest, and the force at each active node.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptic/touching/surface_tree.h"
+#include "interpolation/interpolator.h"
+#include "interpolation/sheets.h"
+#include "state_space/touch_space.h"
+
+namespace palpate {
+
+struct TouchableOptions {
+  Method method = Method::energy_hermite;
+  InterpolationOptions interpolation;
+};
+
+/// Immutable: a space that grows is touched by replacing this by a new one.
+class Touchable {
+ public:
+  /// @throws InputError the space has no site, or a site cannot be interpolated with the method.
+  explicit Touchable(const TouchSpace& space, const TouchableOptions& options = {});
+
+  struct Node {
+    /// Point of the mesh, and of the surface.
+    Index mesh_point = 0;
+    Index surface_point = 0;
+    Vec3 rest_position = Vec3::Zero();
+    double tip_radius = 0;
+    /// The branches of the body at this node, and the force on each of them.
+    Sheets sheets;
+    std::vector<std::unique_ptr<Interpolator>> branches;
+  };
+
+  [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
+  [[nodiscard]] const SurfaceTree& surface() const { return surface_; }
+  [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
+  /// Place in nodes() of a point of the surface; −1: it is not active.
+  [[nodiscard]] std::int32_t node_of_surface_point(Index point) const { return node_of_[point]; }
+  /// Place in nodes() of a point of the mesh; −1: it is not active.
+  /// @note Realtime-safe.
+  [[nodiscard]] std::int32_t find(Index mesh_point) const noexcept;
+  /// Place in nodes() of the active node nearest to a point, at rest; −1: there is none within reach.
+  /// @note Realtime-safe.
+  [[nodiscard]] std::int32_t nearest(const Vec3& point, double reach) const noexcept;
+  /// Largest eigenvalue of the stiffness of any usable configuration, N/m.
+  [[nodiscard]] double largest_stiffness() const { return largest_stiffness_; }
+  /// Memory that is held.
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  std::string scene_hash_;
+  SurfaceTree surface_;
+  std::vector<Node> nodes_;
+  std::vector<std::int32_t> node_of_;
+  double largest_stiffness_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Moves the bytes of reports between a device and the servo loop, and knows nothing of what they
+// mean.
+#pragma once
+
+#include <string>
+
+#include "haptic/profile/report.h"
+#include "haptic/realtime/clock.h"
+
+namespace palpate {
+
+enum class TransportStatus {
+  /// A report was read, or written.
+  data,
+  /// No report is there (yet).
+  nothing,
+  /// The device is unplugged: nothing will come any more.
+  gone,
+  /// It did not work this time; problem() says what.
+  error,
+};
+
+class Transport {
+ public:
+  virtual ~Transport() = default;
+
+  /// The oldest report that has not been read.
+  /// @param timeout To wait for one; 0: none.
+  /// @note Realtime-safe but for the device's own calls.
+  [[nodiscard]] virtual TransportStatus read(Report& report, Duration timeout) noexcept = 0;
+
+  /// May block for as long as the device's driver does, which can be seconds.
+  [[nodiscard]] virtual TransportStatus write(const Report& report) noexcept = 0;
+
+  /// What was last wrong, in words.
+  [[nodiscard]] virtual std::string problem() const = 0;
+};
+
+}  // namespace palpate
