@@ -43,20 +43,25 @@ class Touchable {
   /// Place in nodes() of a point of the mesh; −1: it is not active.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t find(Index mesh_point) const noexcept;
-  /// Place in nodes() of the active node nearest to a point, at rest; −1: there is none within reach.
+  /// Place in nodes() of the active node nearest to a point, at rest; −1: there is none within reach,
+  /// m.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t nearest(const Vec3& point, double reach) const noexcept;
   /// Largest eigenvalue of the stiffness of any usable configuration, N/m.
   [[nodiscard]] double largest_stiffness() const { return largest_stiffness_; }
+  /// Of any active node, m.
+  [[nodiscard]] double largest_tip_radius() const { return largest_tip_radius_; }
   /// Memory that is held.
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   std::string scene_hash_;
   SurfaceTree surface_;
+  /// By mesh point, ascending.
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_;
   double largest_stiffness_ = 0;
+  double largest_tip_radius_ = 0;
 };
 
 }  // namespace palpate

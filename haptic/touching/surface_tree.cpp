@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/touching/surface_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr Index kTrianglesPerLeaf = 4;
+/// Halving the number of triangles at each level, no index can need more.
+constexpr int kDeepest = 32;
+
+/// Zero where v is: a triangle without an area has no say.
+Vec3 unit(const Vec3& v) {
+  const double length = v.norm();
+  return length > 0 ? Vec3(v / length) : Vec3::Zero();
+}
+
+}  // namespace
+
+SurfaceTree::SurfaceTree(const Surface& surface)
+    : points_(surface.points), triangles_(surface.triangles), order_(surface.triangles.size()) {
+  if (triangles_.empty()) {
+    throw InputError("The surface of the state space has no triangle: there is nothing to touch.");
+  }
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    if (!points_[p].allFinite()) {
+      throw InputError("Point " + std::to_string(p) + " of the surface is not finite.");
+    }
+  }
+  std::iota(order_.begin(), order_.end(), 0);
+  std::vector<Vec3> centres;
+  for (const auto& [a, b, c] : triangles_) {
+    centres.push_back((points_[a] + points_[b] + points_[c]) / 3);
+  }
+  build(0, num_triangles(), centres);
+  find_normals();
+}
+
+void SurfaceTree::build(Index first, Index last, const std::vector<Vec3>& centres) {
+  const std::size_t node = nodes_.size();
+  nodes_.emplace_back();
+  Eigen::AlignedBox3d box;
+  Eigen::AlignedBox3d box_of_centres;
+  for (Index i = first; i < last; ++i) {
+    for (Index point : triangles_[order_[i]]) box.extend(points_[point]);
+    box_of_centres.extend(centres[order_[i]]);
+  }
+  nodes_[node].box = box;
+  if (last - first <= kTrianglesPerLeaf) {
+    nodes_[node].first = first;
+    nodes_[node].last = last;
+    return;
+  }
+  int axis = 0;
+  box_of_centres.sizes().maxCoeff(&axis);
+  const Index middle = first + (last - first) / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                   [&](Index a, Index b) { return centres[a][axis] < centres[b][axis]; });
+  build(first, middle, centres);
+  nodes_[node].last = static_cast<Index>(nodes_.size());
+  build(middle, last, centres);
+}
+
+void SurfaceTree::find_normals() {
+  point_normals_.assign(points_.size(), Vec3::Zero());
+  std::map<std::pair<Index, Index>, Vec3> of_side;
+  const auto side = [](Index a, Index b) { return std::minmax(a, b); };
+  for (const auto& triangle : triangles_) {
+    const Vec3 normal = unit((points_[triangle[1]] - points_[triangle[0]])
+                                 .cross(points_[triangle[2]] - points_[triangle[0]]));
+    face_normals_.push_back(normal);
+    for (int k = 0; k < 3; ++k) {
+      const Index here = triangle[k];
+      const Index next = triangle[(k + 1) % 3];
+      const Index after = triangle[(k + 2) % 3];
+      const Vec3 to_next = unit(points_[next] - points_[here]);
+      const Vec3 to_after = unit(points_[after] - points_[here]);
+      const double angle = std::atan2(to_next.cross(to_after).norm(), to_next.dot(to_after));
+      point_normals_[here] += angle * normal;
+      of_side.try_emplace(side(next, after), Vec3::Zero()).first->second += normal;
+    }
+  }
+  for (Vec3& normal : point_normals_) normal = unit(normal);
+  for (const auto& triangle : triangles_) {
+    std::array<Vec3, 3>& normals = side_normals_.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      normals[k] = unit(of_side.at(side(triangle[(k + 1) % 3], triangle[(k + 2) % 3])));
+    }
+  }
+}
+
+// Ericson, Real-Time Collision Detection, 2005, 5.1.5.
+SurfaceTree::OnTriangle SurfaceTree::nearest_on(Index triangle, const Vec3& place) const noexcept {
+  const auto& [ia, ib, ic] = triangles_[triangle];
+  const Vec3& a = points_[ia];
+  const Vec3& b = points_[ib];
+  const Vec3& c = points_[ic];
+  const auto at = [&](double wa, double wb, double wc) {
+    const Vec3 point = wa * a + wb * b + wc * c;
+    return OnTriangle{{wa, wb, wc}, point, (place - point).squaredNorm()};
+  };
+  const Vec3 ab = b - a;
+  const Vec3 ac = c - a;
+  const Vec3 ap = place - a;
+  const double d1 = ab.dot(ap);
+  const double d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return at(1, 0, 0);
+  const Vec3 bp = place - b;
+  const double d3 = ab.dot(bp);
+  const double d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return at(0, 1, 0);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    const double w = d1 / (d1 - d3);
+    return at(1 - w, w, 0);
+  }
+  const Vec3 cp = place - c;
+  const double d5 = ab.dot(cp);
+  const double d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return at(0, 0, 1);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    const double w = d2 / (d2 - d6);
+    return at(1 - w, 0, w);
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return at(0, 1 - w, w);
+  }
+  const double v = vb / (va + vb + vc);
+  const double w = vc / (va + vb + vc);
+  return at(1 - v - w, v, w);
+}
+
+Vec3 SurfaceTree::normal_at(Index triangle, const Vec3& weights) const noexcept {
+  int num_zero = 0;
+  int zero = 0;
+  int largest = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (weights[k] == 0) {
+      ++num_zero;
+      zero = k;
+    }
+    if (weights[k] > weights[largest]) largest = k;
+  }
+  if (num_zero == 2) return point_normals_[triangles_[triangle][largest]];
+  return num_zero == 1 ? side_normals_[triangle][zero] : face_normals_[triangle];
+}
+
+SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const noexcept {
+  Nearest result;
+  if (!place.allFinite()) return result;
+  OnTriangle best{Vec3::Zero(), Vec3::Zero(), std::numeric_limits<double>::infinity()};
+  const auto visit = [&](Index triangle) {
+    const OnTriangle here = nearest_on(triangle, place);
+    if (here.squared_distance < best.squared_distance) {
+      best = here;
+      result.triangle = triangle;
+    }
+  };
+  // Something near to begin with rules out most of the tree.
+  visit(hint >= 0 && hint < num_triangles() ? hint : order_[0]);
+
+  struct Waiting {
+    Index node;
+    double squared_distance;
+  };
+  Waiting stack[kDeepest];
+  int size = 0;
+  const auto push = [&](Index node, double squared_distance) {
+    if (squared_distance < best.squared_distance) stack[size++] = {node, squared_distance};
+  };
+  push(0, nodes_[0].box.squaredExteriorDistance(place));
+  while (size > 0) {
+    const Waiting waiting = stack[--size];
+    if (waiting.squared_distance >= best.squared_distance) continue;
+    const Node& node = nodes_[waiting.node];
+    if (node.first >= 0) {
+      for (Index i = node.first; i < node.last; ++i) visit(order_[i]);
+      continue;
+    }
+    const Index left = waiting.node + 1;
+    const Index right = node.last;
+    const double to_left = nodes_[left].box.squaredExteriorDistance(place);
+    const double to_right = nodes_[right].box.squaredExteriorDistance(place);
+    // The nearer one is popped first.
+    if (to_left < to_right) {
+      push(right, to_right);
+      push(left, to_left);
+    } else {
+      push(left, to_left);
+      push(right, to_right);
+    }
+  }
+  if (result.triangle < 0) return result;  // so far away that its square overflows
+  result.weights = best.weights;
+  result.point = best.point;
+  result.normal = normal_at(result.triangle, best.weights);
+  const double distance = std::sqrt(best.squared_distance);
+  result.distance = (place - best.point).dot(result.normal) < 0 ? -distance : distance;
+  return result;
+}
+
+double SurfaceTree::longest_side(Index triangle) const noexcept {
+  const auto& [a, b, c] = triangles_[triangle];
+  return std::sqrt(std::max({(points_[a] - points_[b]).squaredNorm(),
+                             (points_[b] - points_[c]).squaredNorm(),
+                             (points_[c] - points_[a]).squaredNorm()}));
+}
+
+std::size_t SurfaceTree::bytes() const {
+  return (points_.size() + point_normals_.size() + face_normals_.size()) * sizeof(Vec3) +
+         triangles_.size() * sizeof(triangles_[0]) + nodes_.size() * sizeof(Node) +
+         order_.size() * sizeof(Index) + side_normals_.size() * sizeof(side_normals_[0]);
+}
+
+}  // namespace palpate

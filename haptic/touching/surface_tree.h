@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The nearest point of a closed surface, and whether a place is inside: a tree of boxes around the
+// triangles. The sign of the distance is that of the angle-weighted normal at the nearest point,
+// which is right at edges and corners too [BA].
+//
+// [BA] Bærentzen & Aanæs, Signed Distance Computation Using the Angle Weighted Pseudonormal, IEEE
+// TVCG 11(3), 2005.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+#include "state_space/surface.h"
+
+namespace palpate {
+
+/// Immutable, and holds all it needs: the surface may go.
+class SurfaceTree {
+ public:
+  /// @throws InputError the surface has no triangle, or a point of it is not finite.
+  explicit SurfaceTree(const Surface& surface);
+
+  struct Nearest {
+    /// −1: the place is not finite.
+    Index triangle = -1;
+    /// Of the triangle's points, which sum to 1.
+    Vec3 weights = Vec3::Zero();
+    Vec3 point = Vec3::Zero();
+    /// Outward, of unit length.
+    Vec3 normal = Vec3::Zero();
+    /// m, negative inside.
+    double distance = 0;
+  };
+
+  /// @param hint A triangle that may be near, such as that of the last answer; −1: none.
+  /// @note Realtime-safe.
+  [[nodiscard]] Nearest nearest(const Vec3& place, Index hint = -1) const noexcept;
+
+  [[nodiscard]] Index num_points() const { return static_cast<Index>(points_.size()); }
+  [[nodiscard]] Index num_triangles() const { return static_cast<Index>(triangles_.size()); }
+  /// Its points, into those of the surface.
+  [[nodiscard]] const std::array<Index, 3>& points_of(Index triangle) const {
+    return triangles_[triangle];
+  }
+  [[nodiscard]] double longest_side(Index triangle) const noexcept;
+  /// Around all of the surface.
+  [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return nodes_[0].box; }
+  /// Memory that is held.
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  struct Node {
+    Eigen::AlignedBox3d box;
+    /// Of a leaf: its triangles [first, last) in order_. Else first is −1; the children are the next
+    /// node and the one at `last`.
+    Index first = -1;
+    Index last = 0;
+  };
+  struct OnTriangle {
+    Vec3 weights;
+    Vec3 point;
+    double squared_distance;
+  };
+
+  void build(Index first, Index last, const std::vector<Vec3>& centres);
+  void find_normals();
+  [[nodiscard]] OnTriangle nearest_on(Index triangle, const Vec3& place) const noexcept;
+  [[nodiscard]] Vec3 normal_at(Index triangle, const Vec3& weights) const noexcept;
+
+  std::vector<Vec3> points_;
+  std::vector<std::array<Index, 3>> triangles_;
+  std::vector<Node> nodes_;
+  std::vector<Index> order_;
+  std::vector<Vec3> face_normals_;
+  /// Of the side opposite to each of a triangle's points.
+  std::vector<std::array<Vec3, 3>> side_normals_;
+  std::vector<Vec3> point_normals_;
+};
+
+}  // namespace palpate

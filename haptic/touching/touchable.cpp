@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/touching/touchable.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace palpate {
+
+Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
+    : scene_hash_(space.scene_hash),
+      surface_(space.surface),
+      node_of_(space.surface.points.size(), -1) {
+  if (space.sites.empty()) {
+    throw InputError("The state space has no active node: there is nothing to touch. Precompute it "
+                     "for at least one.");
+  }
+  nodes_.reserve(space.sites.size());
+  for (const TouchSite& site : space.sites) {
+    const Index mesh_point = site.site.active_node;
+    const Index surface_point = space.surface.find(mesh_point);
+    if (surface_point < 0) {
+      throw InputError("Active node " + std::to_string(mesh_point) +
+                       " is not on the surface of the body: a tool cannot reach it.");
+    }
+    Sheets sheets(site);
+    std::vector<std::unique_ptr<Interpolator>> branches;
+    for (int sheet = 0; sheet < sheets.size(); ++sheet) {
+      branches.push_back(make_interpolator(
+          options.method,
+          sheets.size() == 1 ? site : restricted(site, sheets.configurations(sheet)),
+          options.interpolation));
+    }
+    node_of_[surface_point] = static_cast<std::int32_t>(nodes_.size());
+    nodes_.push_back({mesh_point, surface_point, site.rest_position, site.site.tip_radius,
+                      std::move(sheets), std::move(branches)});
+    largest_tip_radius_ = std::max(largest_tip_radius_, site.site.tip_radius);
+    for (const ConfigurationSummary& configuration : site.configurations) {
+      if (!configuration.usable() || !configuration.stiffness.allFinite()) continue;
+      const Eigen::SelfAdjointEigenSolver<Mat3> eigen(configuration.stiffness,
+                                                      Eigen::EigenvaluesOnly);
+      largest_stiffness_ = std::max(largest_stiffness_, eigen.eigenvalues()[2]);
+    }
+  }
+}
+
+std::int32_t Touchable::find(Index mesh_point) const noexcept {
+  const auto found = std::lower_bound(
+      nodes_.begin(), nodes_.end(), mesh_point,
+      [](const Node& node, Index point) { return node.mesh_point < point; });
+  return found != nodes_.end() && found->mesh_point == mesh_point
+             ? static_cast<std::int32_t>(found - nodes_.begin())
+             : -1;
+}
+
+std::int32_t Touchable::nearest(const Vec3& point, double reach) const noexcept {
+  std::int32_t nearest = -1;
+  double least = reach * reach;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const double squared = (nodes_[n].rest_position - point).squaredNorm();
+    if (squared > least) continue;
+    least = squared;
+    nearest = static_cast<std::int32_t>(n);
+  }
+  return nearest;
+}
+
+std::size_t Touchable::bytes() const {
+  std::size_t bytes = surface_.bytes() + node_of_.size() * sizeof(std::int32_t);
+  for (const Node& node : nodes_) {
+    for (const auto& branch : node.branches) bytes += branch->bytes();
+  }
+  return bytes;
+}
+
+}  // namespace palpate
