@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Replaces a large immutable object that a real-time thread is using. That thread neither waits nor
+// Replaces a large object that a real-time thread is using. That thread neither waits nor
 // frees: what it has let go of is taken back, and destroyed, by the one who replaces.
 #pragma once
 
@@ -22,7 +22,7 @@ class Handover {
   }
 
   /// In place of what is there; an earlier offer that was not taken is destroyed.
-  void offer(std::shared_ptr<const T> value) {
+  void offer(std::shared_ptr<T> value) {
     collect();
     delete offered_.exchange(new Held(std::move(value)), std::memory_order_acq_rel);
   }
@@ -33,7 +33,7 @@ class Handover {
 
   /// The newest offer, or nullptr before the first. Valid until the next call.
   /// @note Realtime-safe.
-  [[nodiscard]] const T* take() noexcept {
+  [[nodiscard]] T* take() noexcept {
     // With the last one not yet collected there is no place to return another: it stays in use, and
     // the offer waits.
     if (offered_.load(std::memory_order_relaxed) != nullptr &&
@@ -48,7 +48,7 @@ class Handover {
   }
 
  private:
-  using Held = std::shared_ptr<const T>;
+  using Held = std::shared_ptr<T>;
 
   std::atomic<Held*> offered_{nullptr};
   std::atomic<Held*> returned_{nullptr};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/types.h"
+#include "haptic/profile/specification.h"
 #include "haptic/realtime/clock.h"
 
 namespace palpate {
@@ -48,5 +49,11 @@ struct ServoSettings {
 
 /// @throws InputError a value is out of range.
 void validate(const ServoSettings& settings);
+
+/// Stiffness of the coupling with which a body is not felt stiffer than the device displays stably,
+/// N/m in the scene; 0: it needs none.
+/// @param body_stiffness Largest of the body, N/m.
+[[nodiscard]] double coupling_stiffness_for(const Specification& device, double body_stiffness,
+                                            const ServoSettings& settings);
 
 }  // namespace palpate

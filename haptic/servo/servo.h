@@ -25,6 +25,7 @@
 
 namespace palpate {
 
+/// All calls come from one thread.
 class Servo {
  public:
   /// Nothing runs yet, and the device is not read.
@@ -49,13 +50,12 @@ class Servo {
   /// @throws InputError a value is out of range.
   void set_touch_settings(const TouchSettings& settings);
   /// Every tick goes into the ring from the next tick on; nullptr: none.
-  /// @note What is given must outlive the loop, or be taken away and a tick have passed.
   void set_recording(std::shared_ptr<TickRing> ring);
 
   [[nodiscard]] const Specification& specification() const;
   /// The newest tick; where the thread hangs in the device's driver the state is stale.
   [[nodiscard]] Tick latest();
-  [[nodiscard]] Statistics statistics() const;
+  [[nodiscard]] Statistics statistics();
   /// What was last wrong with the device or with real-time priority, in words; empty: nothing.
   [[nodiscard]] std::string problem() const;
 

@@ -2,39 +2,26 @@
 // How well a servo loop keeps its time, and what it has sent.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "haptic/realtime/clock.h"
+#include "haptic/realtime/histogram.h"
 
 namespace palpate {
 
-/// Durations by size: buckets of a sixteenth of their size, 1 µs and more fine.
-class DurationHistogram;
-
-struct Percentiles {
-  Duration median{0};
-  Duration p99{0};
-  Duration p999{0};
-  Duration largest{0};
-};
-
-struct Statistics {
+/// What is counted from tick to tick.
+struct Counters {
   std::uint64_t ticks = 0;
-  /// Time since the first tick.
+  /// From the beginning of the first tick to that of the last.
   Duration running{0};
   /// Ticks that should have been and were not: the loop was late by a period or more.
   std::uint64_t missed = 0;
-  /// How late ticks began after their time.
-  Percentiles lateness;
-  /// From the beginning of a tick to its end: with, and without what the device's driver takes.
-  Percentiles tick_time;
-  Percentiles own_time;
   std::uint64_t reports = 0;
   /// Reports that were none of the profile's: short, or of another number.
   std::uint64_t bad_reports = 0;
   /// Reports that the device counted and that were not read.
   std::uint64_t lost_reports = 0;
+  std::uint64_t failed_reads = 0;
   std::uint64_t failed_writes = 0;
   /// Ticks in the state stale.
   std::uint64_t stale_ticks = 0;
@@ -42,18 +29,37 @@ struct Statistics {
   std::uint64_t magnitude_limited = 0;
   std::uint64_t slew_limited = 0;
   std::uint64_t not_finite = 0;
-  /// Ticks in which the tool was attached, and the mean and largest force that was sent in them, N.
+  /// Ticks in which the tool was attached, the sum of the forces that were sent in them, and the
+  /// largest force that was ever sent, N at the device.
   std::uint64_t touching_ticks = 0;
-  double mean_force = 0;
+  double sum_of_forces = 0;
   double largest_force = 0;
   /// Least of Tick::dissipated, J.
   double least_dissipated = 0;
-  /// The thread has real-time priority; its memory is locked.
+  /// Ticks in which the passivity controller added damping.
+  std::uint64_t damped_ticks = 0;
+};
+
+struct Statistics : Counters {
+  /// How late ticks began after their time.
+  Percentiles lateness;
+  /// Between the beginnings of ticks.
+  Percentiles interval;
+  /// From the beginning of a tick to its end, and of that what is not the device's driver's.
+  Percentiles tick_time;
+  Percentiles own_time;
+  /// The thread has real-time priority; the memory of the process is locked.
   bool realtime_priority = false;
   bool memory_locked = false;
 
   /// Ticks a second.
-  [[nodiscard]] double rate() const { return running.count() > 0 ? ticks / seconds(running) : 0; }
+  [[nodiscard]] double rate() const {
+    return ticks > 1 ? static_cast<double>(ticks - 1) / seconds(running) : 0;
+  }
+  /// Over the ticks in which the tool was attached, N.
+  [[nodiscard]] double mean_force() const {
+    return touching_ticks > 0 ? sum_of_forces / static_cast<double>(touching_ticks) : 0;
+  }
 };
 
 }  // namespace palpate

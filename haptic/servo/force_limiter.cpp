@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/servo/force_limiter.h"
+
+#include "haptic/servo/tick.h"
+
+namespace palpate {
+namespace {
+
+/// Whether it was longer. No square of a large finite number overflows on the way.
+bool cut(Vec3& v, double largest) {
+  const double length = v.stableNorm();
+  if (!(length > largest)) return false;
+  v *= largest / length;
+  return true;
+}
+
+}  // namespace
+
+Vec3 ForceLimiter::limit(const Vec3& wanted, double largest, double step,
+                         std::uint32_t& limited) noexcept {
+  if (!wanted.allFinite() || !(largest >= 0) || !(step >= 0)) {
+    limited |= limits::not_finite;
+    reset();
+    return last_;
+  }
+  Vec3 force = wanted;
+  if (cut(force, largest)) limited |= limits::magnitude;
+  Vec3 change = force - last_;
+  if (cut(change, step)) limited |= limits::slew;
+  force = last_ + change;
+  // The limit may have been lowered since the last one was sent, and the sum is rounded.
+  cut(force, largest);
+  if (!force.allFinite()) {
+    limited |= limits::not_finite;
+    force.setZero();
+  }
+  last_ = force;
+  return force;
+}
+
+}  // namespace palpate

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/servo/loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+const ServoOptions& checked(const ServoOptions& options) {
+  validate(options);
+  return options;
+}
+
+[[noreturn]] void refuse(const char* name, double value, const char* unit, const char* range) {
+  throw InputError(std::string(name) + " is " + std::to_string(value) + " " + unit + ". Give " +
+                   range + ".");
+}
+
+void check_positive(const char* name, Duration value) {
+  if (value.count() <= 0) refuse(name, seconds(value), "s", "more than 0");
+}
+
+void check_scale(const char* name, double value) {
+  if (!(std::isfinite(value) && value > 0)) refuse(name, value, "", "more than 0");
+}
+
+void check_not_negative(const char* name, double value, const char* unit) {
+  if (!(std::isfinite(value) && value >= 0)) refuse(name, value, unit, "0 or more");
+}
+
+}  // namespace
+
+void validate(const ServoOptions& options) {
+  check_positive("The period of the servo loop", options.period);
+  check_positive("The age at which a report is stale", options.stale_after);
+  check_positive("The time to wait for a device in lock-step", options.lock_step_timeout);
+  check_positive("The time to wait for the loop to end", options.stop_timeout);
+  if (options.priority < 0 || options.priority > 99) {
+    refuse("The real-time priority", options.priority, "", "1 to 99, or 0 for none");
+  }
+}
+
+void validate(const ServoSettings& settings) {
+  if (!settings.workspace_centre.allFinite()) {
+    throw InputError("The centre of the workspace is not finite.");
+  }
+  const Mat3& r = settings.workspace_rotation;
+  if (!((r.transpose() * r - Mat3::Identity()).norm() < 1e-6) || r.determinant() < 0) {
+    throw InputError("The rotation of the workspace is not a rotation: its columns have to be of "
+                     "unit length, at right angles, and right-handed.");
+  }
+  check_scale("The scale of the workspace", settings.workspace_scale);
+  check_not_negative("The scale of the force", settings.force_scale, "");
+  check_not_negative("The force limit", settings.force_limit, "N");
+  if (!(settings.slew_limit > 0)) {
+    refuse("The slew limit", settings.slew_limit, "N/s", "more than 0");
+  }
+  check_not_negative("The damping", settings.damping, "N·s/m");
+}
+
+std::string_view to_string(ServoState state) noexcept {
+  switch (state) {
+    case ServoState::closed: return "closed";
+    case ServoState::ready: return "ready";
+    case ServoState::running: return "running";
+    case ServoState::stale: return "stale";
+    case ServoState::gone: return "gone";
+  }
+  return "unknown";
+}
+
+double coupling_stiffness_for(const Specification& device, double body_stiffness,
+                              const ServoSettings& settings) {
+  const double per_scene = settings.force_scale * settings.workspace_scale;
+  const double displayed = device.max_linear_stiffness / per_scene;
+  return device.max_linear_stiffness > 0 && body_stiffness > displayed ? displayed : 0;
+}
+
+Loop::Loop(Transport& transport, const Profile& profile, Clock& clock, const ServoOptions& options,
+           LoopInbox& inbox, LoopOutbox& outbox)
+    : clock_(clock),
+      options_(checked(options)),
+      specification_(profile.specification()),
+      inbox_(inbox),
+      outbox_(outbox),
+      session_(transport, profile, clock, options),
+      velocity_(profile.specification().position_resolution) {}
+
+void Loop::tick() noexcept {
+  keep_time(clock_.now());
+  (void)session_.take_device_time();
+  session_.poll();
+  const LoopInbox::Settings& settings = inbox_.settings.read();
+  const Touchable* body = inbox_.body.take();
+  TickRing* recording = inbox_.recording.take();
+
+  tick_.state = session_.gone()             ? ServoState::gone
+                : !session_.fresh()         ? ServoState::stale
+                : !settings.servo.engaged   ? ServoState::ready
+                                            : ServoState::running;
+  locate(settings.servo);
+  // Before the device has said where it is there is no place to move the tool to.
+  tick_.contact = session_.known() ? tool_.move(body, tick_.position, settings.touch) : Contact{};
+  observe_energy(settings.servo);
+  send_force(settings.servo);
+
+  const Duration in_device = session_.take_device_time();
+  const Duration taken = clock_.now() - begin_;
+  count();
+  outbox_.tick_time.add(taken);
+  outbox_.own_time.add(taken - in_device);
+  outbox_.newest.write({tick_, counters_});
+  if (recording != nullptr) recording->push({tick_, session_.received(), session_.sent()});
+}
+
+void Loop::wait() noexcept {
+  if (specification_.pacing == Pacing::lock_step) {
+    // Two reports may be under way where one was thought lost; waiting lets them be read together,
+    // so that the next answer is one again.
+    clock_.sleep_until(begin_ + options_.period / 2);
+    due_ = begin_ + options_.period;
+    return;
+  }
+  due_ += options_.period;
+  clock_.sleep_until(due_);
+}
+
+void Loop::keep_time(Time begin) noexcept {
+  if (tick_.number == 0) {
+    first_begin_ = due_ = begin;
+    interval_ = 0;
+  } else {
+    outbox_.interval.add(begin - begin_);
+    interval_ = seconds(begin - begin_);
+  }
+  begin_ = begin;
+  const Duration late = begin - due_;
+  outbox_.lateness.add(late);
+  if (late >= options_.period) {
+    counters_.missed += static_cast<std::uint64_t>(late / options_.period);
+    due_ = begin;
+  }
+  ++tick_.number;
+  tick_.time = begin;
+}
+
+void Loop::locate(const ServoSettings& settings) noexcept {
+  const Vec3 before = tick_.device.position;
+  tick_.device = session_.state();
+  tick_.age = session_.age();
+  tick_.num_reports = session_.num_received();
+  device_moved_ = tick_.device.position - before;
+  device_velocity_ = velocity_.add(tick_.device.position, interval_);
+  const Mat3 to_scene = settings.workspace_scale * settings.workspace_rotation;
+  tick_.position = settings.workspace_centre + to_scene * tick_.device.position;
+  tick_.velocity = to_scene * device_velocity_;
+}
+
+void Loop::observe_energy(const ServoSettings& settings) noexcept {
+  const bool attached = tick_.contact.status == ContactStatus::attached;
+  const double scale = attached ? settings.force_scale / settings.workspace_scale : 0;
+  const double stored = scale * tick_.contact.energy;
+  if (scale != energy_scale_) {
+    balance_.begin(stored);
+  } else if (attached) {
+    balance_.add(device_force_, device_moved_, stored);
+  }
+  energy_scale_ = scale;
+  tick_.dissipated = attached ? balance_.dissipated() : 0;
+  tick_.added_damping =
+      attached && settings.passivity_control
+          ? balance_.damping(device_velocity_, seconds(options_.period),
+                             std::max(specification_.max_linear_damping - settings.damping, 0.0))
+          : 0;
+}
+
+// The limiter is the last step whatever came before it.
+void Loop::send_force(const ServoSettings& settings) noexcept {
+  tick_.limited = 0;
+  if (tick_.state != ServoState::running) {
+    limiter_.reset();
+    session_.send_zero();
+    device_force_.setZero();
+  } else {
+    Vec3 wanted = Vec3::Zero();
+    if (tick_.contact.status == ContactStatus::attached) {
+      wanted = settings.force_scale *
+                   (settings.workspace_rotation.transpose() * tick_.contact.force) -
+               (settings.damping + tick_.added_damping) * device_velocity_;
+    }
+    const double largest =
+        settings.force_limit > 0
+            ? std::min(settings.force_limit, specification_.max_linear_force)
+            : specification_.max_linear_force;
+    const double step = settings.slew_limit * std::min(interval_, 2 * seconds(options_.period));
+    device_force_ = session_.send(limiter_.limit(wanted, largest, step, tick_.limited));
+  }
+  tick_.force = settings.workspace_rotation * device_force_;
+}
+
+void Loop::count() noexcept {
+  ++counters_.ticks;
+  counters_.running = begin_ - first_begin_;
+  session_.count(counters_);
+  if (tick_.state == ServoState::stale) ++counters_.stale_ticks;
+  if (tick_.limited & limits::magnitude) ++counters_.magnitude_limited;
+  if (tick_.limited & limits::slew) ++counters_.slew_limited;
+  if (tick_.limited & limits::not_finite) ++counters_.not_finite;
+  const double force = tick_.force.norm();
+  counters_.largest_force = std::max(counters_.largest_force, force);
+  if (tick_.contact.status == ContactStatus::attached) {
+    ++counters_.touching_ticks;
+    counters_.sum_of_forces += force;
+    counters_.least_dissipated = std::min(counters_.least_dissipated, tick_.dissipated);
+    if (tick_.added_damping > 0) ++counters_.damped_ticks;
+  }
+}
+
+}  // namespace palpate

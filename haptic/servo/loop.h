@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The servo loop, a tick at a time: from the newest report of the device to the force that answers
+// it.
+//
+//   newest report → age → place in the scene → contact → coupling, damping → limiter → device
+//
+// One thread runs it. What it needs from others comes, and what it has done goes, without waiting:
+// the inbox and outbox are what crosses.
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "haptic/realtime/handover.h"
+#include "haptic/realtime/histogram.h"
+#include "haptic/realtime/triple_buffer.h"
+#include "haptic/servo/energy_balance.h"
+#include "haptic/servo/force_limiter.h"
+#include "haptic/servo/options.h"
+#include "haptic/servo/record.h"
+#include "haptic/servo/session.h"
+#include "haptic/servo/velocity.h"
+#include "haptic/touching/tool.h"
+
+namespace palpate {
+
+/// What one other thread gives the loop.
+struct LoopInbox {
+  Handover<const Touchable> body;
+  Handover<TickRing> recording;
+  struct Settings {
+    ServoSettings servo;
+    TouchSettings touch;
+  };
+  TripleBuffer<Settings> settings;
+};
+
+/// What the loop gives one other thread.
+struct LoopOutbox {
+  struct Newest {
+    Tick tick;
+    Counters counters;
+  };
+  TripleBuffer<Newest> newest;
+  DurationHistogram lateness;
+  DurationHistogram interval;
+  DurationHistogram tick_time;
+  DurationHistogram own_time;
+};
+
+class Loop {
+ public:
+  /// What is given must outlive the loop.
+  /// @throws InputError an option is out of range.
+  Loop(Transport& transport, const Profile& profile, Clock& clock, const ServoOptions& options,
+       LoopInbox& inbox, LoopOutbox& outbox);
+
+  /// One tick, now.
+  /// @note Realtime-safe but for the device's own calls.
+  void tick() noexcept;
+
+  /// Sleeps until the next tick is due. Where the device has the pace that is at once, since the tick
+  /// itself waits for it. Late by a period or more, the rhythm begins anew.
+  void wait() noexcept;
+
+  [[nodiscard]] const Tick& last() const noexcept { return tick_; }
+
+ private:
+  void keep_time(Time begin) noexcept;
+  void locate(const ServoSettings& settings) noexcept;
+  void observe_energy(const ServoSettings& settings) noexcept;
+  void send_force(const ServoSettings& settings) noexcept;
+  void count() noexcept;
+
+  Clock& clock_;
+  const ServoOptions options_;
+  const Specification& specification_;
+  LoopInbox& inbox_;
+  LoopOutbox& outbox_;
+  DeviceSession session_;
+  Tool tool_;
+  VelocityEstimator velocity_;
+  ForceLimiter limiter_;
+  EnergyBalance balance_;
+
+  Tick tick_;
+  Counters counters_;
+  /// At the device, in its axes: its velocity, m/s, how far it has moved since the tick before, m, and
+  /// the force that was sent then, N.
+  Vec3 device_velocity_ = Vec3::Zero();
+  Vec3 device_moved_ = Vec3::Zero();
+  Vec3 device_force_ = Vec3::Zero();
+  /// J at the device for a joule of the body; 0: no touch is observed.
+  double energy_scale_ = 0;
+  /// Of the tick, and since the one before, s.
+  Time begin_{0};
+  double interval_ = 0;
+  Time first_begin_{0};
+  /// When the tick was due.
+  Time due_{0};
+};
+
+}  // namespace palpate

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/servo/servo.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include <atomic>
+#include <cstring>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kHowToPermit =
+    " Give the user 'rtprio 95' and 'memlock unlimited' in /etc/security/limits.conf, and log in "
+    "again; or run without, where other work may delay the loop.";
+
+/// Blocks all signals of this thread, and those that it starts meanwhile.
+class SignalsBlocked {
+ public:
+  SignalsBlocked() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+  }
+  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_;
+};
+
+/// No page of the process is paged out. With a limit on locked memory a later allocation anywhere in
+/// the process could fail, so it is only done where there is none.
+bool lock_memory() noexcept {
+  rlimit limit{};
+  getrlimit(RLIMIT_MEMLOCK, &limit);
+  return limit.rlim_cur == RLIM_INFINITY && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
+}
+
+}  // namespace
+
+/// All that the thread uses: it may outlive the servo where a driver does not let go of it.
+struct Servo::Shared {
+  std::unique_ptr<Transport> transport;
+  std::shared_ptr<const Profile> profile;
+  std::shared_ptr<Clock> clock;
+  ServoOptions options;
+
+  LoopInbox inbox;
+  LoopOutbox outbox;
+  LoopInbox::Settings settings;
+  std::thread thread;
+  std::future<void> ended;
+  std::atomic<bool> stop{false};
+  std::atomic<bool> running{false};
+  std::atomic<bool> realtime_priority{false};
+  std::atomic<bool> memory_locked{false};
+  mutable std::mutex mutex;
+  /// Guarded by the mutex, which the loop never takes.
+  std::string problem;
+
+  void be_realtime() {
+    if (options.priority == 0) return;
+    sched_param parameters{};
+    parameters.sched_priority = options.priority;
+    const int failed = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+    realtime_priority = failed == 0;
+    memory_locked = lock_memory();
+    if (failed != 0) {
+      const std::lock_guard lock(mutex);
+      problem = std::string("The servo loop has no real-time priority: ") + std::strerror(failed) +
+                "." + kHowToPermit;
+    }
+  }
+
+  void run() {
+    be_realtime();
+    {
+      Loop loop(*transport, *profile, *clock, options, inbox, outbox);
+      while (!stop.load(std::memory_order_relaxed)) {
+        loop.tick();
+        loop.wait();
+      }
+    }  // zero force
+    if (memory_locked) munlockall();
+    running = false;
+    const std::string said = transport->problem();
+    const std::lock_guard lock(mutex);
+    if (!said.empty()) problem = said;
+  }
+};
+
+Servo::Servo(std::unique_ptr<Transport> transport, std::shared_ptr<const Profile> profile,
+             std::shared_ptr<Clock> clock, const ServoOptions& options)
+    : shared_(std::make_shared<Shared>()) {
+  validate(options);
+  shared_->transport = std::move(transport);
+  shared_->profile = std::move(profile);
+  shared_->clock = std::move(clock);
+  shared_->options = options;
+  shared_->inbox.settings.write(shared_->settings);
+}
+
+Servo::~Servo() { stop(); }
+
+void Servo::start() {
+  if (shared_->ended.valid()) {
+    throw BackendError("The servo loop was started before. Make a new one.");
+  }
+  std::promise<void> ended;
+  shared_->ended = ended.get_future();
+  shared_->running = true;
+  const SignalsBlocked blocked;
+  try {
+    shared_->thread = std::thread([shared = shared_, ended = std::move(ended)]() mutable {
+      shared->run();
+      ended.set_value();
+    });
+  } catch (const std::system_error& error) {
+    shared_->running = false;
+    throw BackendError(std::string("The thread of the servo loop cannot be started: ") +
+                       error.what());
+  }
+}
+
+bool Servo::stop() noexcept {
+  if (!shared_->thread.joinable()) return !shared_->running;
+  shared_->stop = true;
+  if (shared_->ended.wait_for(shared_->options.stop_timeout) == std::future_status::ready) {
+    shared_->thread.join();
+    return true;
+  }
+  shared_->thread.detach();
+  return false;
+}
+
+void Servo::set_body(std::shared_ptr<const Touchable> body) {
+  shared_->inbox.body.offer(std::move(body));
+}
+
+void Servo::set_settings(const ServoSettings& settings) {
+  validate(settings);
+  shared_->settings.servo = settings;
+  shared_->inbox.settings.write(shared_->settings);
+}
+
+void Servo::set_touch_settings(const TouchSettings& settings) {
+  validate(settings);
+  shared_->settings.touch = settings;
+  shared_->inbox.settings.write(shared_->settings);
+}
+
+void Servo::set_recording(std::shared_ptr<TickRing> ring) {
+  shared_->inbox.recording.offer(std::move(ring));
+}
+
+const Specification& Servo::specification() const { return shared_->profile->specification(); }
+
+Tick Servo::latest() {
+  Tick tick = shared_->outbox.newest.read().tick;
+  if (!shared_->running) {
+    tick.state = ServoState::closed;
+  } else if (shared_->clock->now() - tick.time >
+                 shared_->options.stale_after + 2 * shared_->options.period &&
+             tick.state != ServoState::gone) {
+    tick.state = ServoState::stale;
+  }
+  return tick;
+}
+
+Statistics Servo::statistics() {
+  Statistics statistics;
+  static_cast<Counters&>(statistics) = shared_->outbox.newest.read().counters;
+  statistics.lateness = shared_->outbox.lateness.percentiles();
+  statistics.interval = shared_->outbox.interval.percentiles();
+  statistics.tick_time = shared_->outbox.tick_time.percentiles();
+  statistics.own_time = shared_->outbox.own_time.percentiles();
+  statistics.realtime_priority = shared_->realtime_priority;
+  statistics.memory_locked = shared_->memory_locked;
+  return statistics;
+}
+
+std::string Servo::problem() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->problem;
+}
+
+}  // namespace palpate

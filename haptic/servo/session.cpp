@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/servo/session.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// In one poll: more than any queue holds, so that a device that never falls silent cannot keep the
+/// loop from sending forces.
+constexpr int kMostReports = 256;
+
+/// Of two clocks at the most: crystals keep to 1e-4, trimmed oscillators to 3e-3.
+constexpr double kClockDrift = 3e-3;
+/// A gap in the reports lets the offset grow by no more than a gap of so long.
+constexpr Duration kLongestDrift = milliseconds(10);
+
+/// A device the time of which has jumped, as by a restart, is believed anew after so long.
+constexpr Duration kLongestDispute = milliseconds(100);
+
+/// Attempts at the last zero force.
+constexpr int kLastAttempts = 3;
+
+}  // namespace
+
+DeviceSession::DeviceSession(Transport& transport, const Profile& profile, Clock& clock,
+                             const ServoOptions& options)
+    : transport_(transport), profile_(profile), clock_(clock), options_(options) {}
+
+DeviceSession::~DeviceSession() {
+  const Report zero = profile_.zero_force(state_);
+  if (zero.size == 0 || gone_) return;
+  for (int attempt = 0; attempt < kLastAttempts; ++attempt) {
+    if (write(zero) != TransportStatus::error) return;
+  }
+}
+
+TransportStatus DeviceSession::read(Report& report, Duration timeout) noexcept {
+  const Time before = clock_.now();
+  const TransportStatus status = transport_.read(report, timeout);
+  device_time_ += clock_.now() - before;
+  return status;
+}
+
+TransportStatus DeviceSession::write(const Report& report) noexcept {
+  const Time before = clock_.now();
+  const TransportStatus status = transport_.write(report);
+  device_time_ += clock_.now() - before;
+  sent_ = report;
+  if (status == TransportStatus::gone) gone_ = true;
+  if (status != TransportStatus::data) ++counted_.failed_writes;
+  return status;
+}
+
+void DeviceSession::poll() noexcept {
+  num_received_ = 0;
+  received_ = {};
+  if (gone_) return;
+  const Time begin = clock_.now();
+  if (known_) profile_.advance(state_, begin - read_at_);
+  const bool waits = profile_.specification().pacing == Pacing::lock_step;
+  Report report;
+  for (int n = 0; n < kMostReports; ++n) {
+    const TransportStatus status =
+        read(report, waits && n == 0 ? options_.lock_step_timeout : Duration(0));
+    if (status == TransportStatus::data) {
+      take(report);
+      continue;
+    }
+    if (status == TransportStatus::nothing) last_empty_ = begin;
+    if (status == TransportStatus::gone) gone_ = true;
+    if (status == TransportStatus::error) ++counted_.failed_reads;
+    break;
+  }
+  age_ = age_at(clock_.now());
+}
+
+void DeviceSession::take(const Report& report) noexcept {
+  if (num_received_ >= TickRecord::kReports) {
+    std::rotate(received_.begin(), received_.begin() + 1, received_.end());
+  }
+  received_[std::min(num_received_, TickRecord::kReports - 1)] = report;
+  ++num_received_;
+  ++counted_.reports;
+  const DeviceState before = state_;
+  if (!profile_.decode(report, state_)) {
+    ++counted_.bad_reports;
+    return;
+  }
+  // What waited in the queue before it was ever seen empty may be of any age.
+  if (!last_empty_) return;
+  not_before_ = *last_empty_;
+  const auto gap = static_cast<std::int32_t>(state_.counter - before.counter);
+  if (known_ && gap > 1) counted_.lost_reports += static_cast<std::uint64_t>(gap - 1);
+  take_device_time_of(before);
+  known_ = true;
+}
+
+void DeviceSession::take_device_time_of(const DeviceState& before) noexcept {
+  const Time now = clock_.now();
+  const Duration since_last = now - std::exchange(read_at_, now);
+  if (!profile_.specification().has_device_time) return;
+  const Duration sample = now - state_.device_time;
+  if (known_) {
+    const double drift = kClockDrift * static_cast<double>(
+        std::min(since_last, kLongestDrift).count());
+    offset_ = std::min(offset_ + Duration(static_cast<Duration::rep>(drift)), sample);
+  } else {
+    offset_ = sample;
+  }
+  age_when_read_ = sample - offset_;
+
+  const bool comes_in_time = now - not_before_ <= options_.stale_after;
+  if (age_when_read_ <= options_.stale_after || !comes_in_time ||
+      state_.device_time < before.device_time) {
+    dispute_.reset();
+  } else if (!dispute_) {
+    dispute_ = Dispute{now, state_.device_time};
+  } else if (now - dispute_->since >= kLongestDispute) {
+    // Believed only if it runs as ours does: an old report that comes again and again does not.
+    const Duration ours = now - dispute_->since;
+    const Duration theirs = state_.device_time - dispute_->device_time;
+    if (theirs > ours * 9 / 10 && theirs < ours * 11 / 10) {
+      offset_ = sample;
+      age_when_read_ = Duration(0);
+    }
+    dispute_.reset();
+  }
+}
+
+Duration DeviceSession::age_at(Time now) const noexcept {
+  if (!known_) return Duration::max();
+  if (profile_.specification().pacing == Pacing::on_change) return Duration(0);
+  if (profile_.specification().has_device_time) return age_when_read_ + (now - read_at_);
+  return now - not_before_;
+}
+
+Vec3 DeviceSession::send(const Vec3& force) noexcept {
+  if (!fresh()) {
+    send_zero();
+    return Vec3::Zero();
+  }
+  const Report report = profile_.encode(force, state_);
+  if (report.size == 0) return Vec3::Zero();
+  return write(report) == TransportStatus::data ? force : Vec3::Zero();
+}
+
+void DeviceSession::send_zero() noexcept {
+  const Report zero = profile_.zero_force(state_);
+  if (zero.size > 0 && !gone_) (void)write(zero);
+}
+
+Duration DeviceSession::take_device_time() noexcept {
+  return std::exchange(device_time_, Duration(0));
+}
+
+void DeviceSession::count(Counters& counters) noexcept {
+  counters.reports += counted_.reports;
+  counters.bad_reports += counted_.bad_reports;
+  counters.lost_reports += counted_.lost_reports;
+  counters.failed_reads += counted_.failed_reads;
+  counters.failed_writes += counted_.failed_writes;
+  counted_ = {};
+}
+
+}  // namespace palpate

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A device in use: its newest state and how old that is, and the forces that go to it.
+//
+// How old. A queue of the system keeps the oldest reports, 63 with hidraw: after a pause what is read
+// last is old too. Where the device tells its time, the age of a report is
+//
+//   age = now − (device time + offset),   offset = least (time of reading − device time),
+//
+// the least over what was read, which grows by the drift that clocks have. Where it does not, a
+// report cannot be older than the last time that the queue was seen empty before it, and is taken for
+// that old.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "haptic/profile/profile.h"
+#include "haptic/servo/options.h"
+#include "haptic/servo/record.h"
+#include "haptic/servo/statistics.h"
+#include "haptic/transport/transport.h"
+
+namespace palpate {
+
+class DeviceSession {
+ public:
+  /// What is given must outlive the session.
+  DeviceSession(Transport& transport, const Profile& profile, Clock& clock,
+                const ServoOptions& options);
+  /// Sends zero force.
+  ~DeviceSession();
+  DeviceSession(const DeviceSession&) = delete;
+  DeviceSession& operator=(const DeviceSession&) = delete;
+
+  /// Reads all reports that are there; a device in lock-step is waited for. One that has lost a report
+  /// stays silent until it is sent something: send() must follow whatever was read.
+  /// @note Realtime-safe but for the device's own calls.
+  void poll() noexcept;
+
+  /// Sends a force in the device's axes, N. Where the state is not fresh, zero.
+  /// @return What was sent, N.
+  /// @note Realtime-safe but for the device's own calls.
+  Vec3 send(const Vec3& force) noexcept;
+  /// Motors off.
+  void send_zero() noexcept;
+
+  [[nodiscard]] const DeviceState& state() const noexcept { return state_; }
+  /// Of the state at the last poll, at most.
+  [[nodiscard]] Duration age() const noexcept { return age_; }
+  /// The state may be answered by a force.
+  [[nodiscard]] bool fresh() const noexcept { return !gone_ && age_ <= options_.stale_after; }
+  [[nodiscard]] bool gone() const noexcept { return gone_; }
+  /// The device has said where it is.
+  [[nodiscard]] bool known() const noexcept { return known_; }
+
+  /// Of the last poll: how many reports, and the newest of them.
+  [[nodiscard]] std::int32_t num_received() const noexcept { return num_received_; }
+  [[nodiscard]] const std::array<Report, TickRecord::kReports>& received() const noexcept {
+    return received_;
+  }
+  /// The last report that was written.
+  [[nodiscard]] const Report& sent() const noexcept { return sent_; }
+  /// Time in the device's calls since the last one asked.
+  [[nodiscard]] Duration take_device_time() noexcept;
+
+  /// Adds what was counted since the last call.
+  void count(Counters& counters) noexcept;
+
+ private:
+  [[nodiscard]] TransportStatus read(Report& report, Duration timeout) noexcept;
+  void take(const Report& report) noexcept;
+  void take_device_time_of(const DeviceState& before) noexcept;
+  [[nodiscard]] TransportStatus write(const Report& report) noexcept;
+  [[nodiscard]] Duration age_at(Time now) const noexcept;
+
+  Transport& transport_;
+  const Profile& profile_;
+  Clock& clock_;
+  const ServoOptions options_;
+
+  DeviceState state_;
+  bool known_ = false;
+  bool gone_ = false;
+  Duration age_ = Duration::max();
+  /// When the queue was last seen empty, if it was.
+  std::optional<Time> last_empty_;
+  /// The newest report did not come before that.
+  Time not_before_{0};
+  /// When the newest report was read, and how old it was then by the device's time.
+  Time read_at_{0};
+  Duration age_when_read_{0};
+  Duration offset_{0};
+  /// The device's time says stale although reports come as they should: since when, by both clocks.
+  struct Dispute {
+    Time since;
+    Time device_time;
+  };
+  std::optional<Dispute> dispute_;
+
+  std::int32_t num_received_ = 0;
+  std::array<Report, TickRecord::kReports> received_{};
+  Report sent_;
+  Duration device_time_{0};
+  Counters counted_;
+};
+
+}  // namespace palpate
