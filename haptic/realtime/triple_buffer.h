@@ -30,7 +30,7 @@ class TripleBuffer {
   static constexpr int kSlot = 3;
   static constexpr int kFresh = 4;
 
-  std::array<T, 3> slots_{};
+  std::array<T, 3> slots_{T(), T(), T()};
   alignas(64) int back_ = 0;
   alignas(64) std::atomic<int> middle_{1};
   alignas(64) int front_ = 2;

@@ -73,7 +73,7 @@ void SurfaceTree::build(Index first, Index last, const std::vector<Vec3>& centre
 void SurfaceTree::find_normals() {
   point_normals_.assign(points_.size(), Vec3::Zero());
   std::map<std::pair<Index, Index>, Vec3> of_side;
-  const auto side = [](Index a, Index b) { return std::minmax(a, b); };
+  const auto side = [](Index a, Index b) { return std::pair(std::min(a, b), std::max(a, b)); };
   for (const auto& triangle : triangles_) {
     const Vec3 normal = unit((points_[triangle[1]] - points_[triangle[0]])
                                  .cross(points_[triangle[2]] - points_[triangle[0]]));

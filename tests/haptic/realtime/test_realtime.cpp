@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "haptic/realtime/clock.h"
+#include "haptic/realtime/handover.h"
+#include "haptic/realtime/histogram.h"
+#include "haptic/realtime/ring.h"
+#include "haptic/realtime/triple_buffer.h"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int kValues = 200000;
+
+/// Torn if its parts differ.
+struct Large {
+  std::array<int, 32> parts{};
+  explicit Large(int value = 0) { parts.fill(value); }
+  [[nodiscard]] bool whole() const {
+    for (int part : parts) {
+      if (part != parts[0]) return false;
+    }
+    return true;
+  }
+};
+
+TEST(TripleBuffer, TheNewestWholeValue) {
+  TripleBuffer<Large> buffer;
+  EXPECT_EQ(buffer.read().parts[0], 0);
+  std::thread writer([&] {
+    for (int i = 1; i <= kValues; ++i) buffer.write(Large(i));
+  });
+  int last = 0;
+  while (last < kValues) {
+    const Large& value = buffer.read();
+    ASSERT_TRUE(value.whole());
+    ASSERT_GE(value.parts[0], last);
+    last = value.parts[0];
+  }
+  writer.join();
+  EXPECT_EQ(buffer.read().parts[0], kValues);
+}
+
+TEST(Ring, AllInOrderOrCounted) {
+  Ring<Large> ring(64);
+  std::atomic<bool> done{false};
+  std::thread writer([&] {
+    for (int i = 1; i <= kValues; ++i) ring.push(Large(i));
+    done = true;
+  });
+  int last = 0;
+  int popped = 0;
+  Large value;
+  for (bool ended = false; !ended;) {
+    ended = done;
+    while (ring.pop(value)) {
+      ASSERT_TRUE(value.whole());
+      ASSERT_GT(value.parts[0], last);
+      last = value.parts[0];
+      ++popped;
+    }
+  }
+  writer.join();
+  EXPECT_EQ(static_cast<std::uint64_t>(popped) + ring.dropped(), std::uint64_t{kValues});
+}
+
+TEST(Ring, KeepsTheOldest) {
+  Ring<int> ring(4);
+  for (int i = 1; i <= 6; ++i) ring.push(i);
+  EXPECT_EQ(ring.dropped(), 2U);
+  int value = 0;
+  for (int i = 1; i <= 4; ++i) {
+    ASSERT_TRUE(ring.pop(value));
+    EXPECT_EQ(value, i);
+  }
+  EXPECT_FALSE(ring.pop(value));
+}
+
+/// Counts the living, and in which thread they die.
+class Counted {
+ public:
+  Counted(int number, std::thread::id owner) : number_(number), owner_(owner) { ++living; }
+  ~Counted() {
+    --living;
+    if (std::this_thread::get_id() != owner_) died_elsewhere = true;
+  }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+  [[nodiscard]] int number() const { return number_; }
+
+  static inline std::atomic<int> living{0};
+  static inline std::atomic<bool> died_elsewhere{false};
+
+ private:
+  int number_;
+  std::thread::id owner_;
+};
+
+TEST(Handover, TheTakerFreesNothing) {
+  {
+    Handover<const Counted> handover;
+    EXPECT_EQ(handover.take(), nullptr);
+    std::atomic<bool> stop{false};
+    std::atomic<int> newest{0};
+    std::thread taker([&] {
+      int last = 0;
+      while (!stop) {
+        const Counted* value = handover.take();
+        if (value == nullptr) continue;
+        ASSERT_GE(value->number(), last);
+        last = value->number();
+        newest = last;
+      }
+    });
+    for (int i = 1; i <= 20000; ++i) {
+      handover.offer(std::make_shared<const Counted>(i, std::this_thread::get_id()));
+      ASSERT_LE(Counted::living, 4);
+    }
+    // The last one is taken once there is a place for the one before it.
+    while (newest != 20000) handover.collect();
+    stop = true;
+    taker.join();
+  }
+  EXPECT_EQ(Counted::living, 0);
+  EXPECT_FALSE(Counted::died_elsewhere);
+}
+
+TEST(DurationHistogram, PercentilesAreAtMostASixteenthTooLarge) {
+  DurationHistogram histogram;
+  EXPECT_EQ(histogram.percentiles().largest.count(), 0);
+  for (int i = 1; i <= 100000; ++i) histogram.add(std::chrono::nanoseconds(37 * i));
+  const Percentiles p = histogram.percentiles();
+  const auto close = [](Duration found, double exact) {
+    EXPECT_GE(static_cast<double>(found.count()), exact);
+    EXPECT_LE(static_cast<double>(found.count()), exact * 17 / 16 + 1);
+  };
+  close(p.median, 37 * 50000);
+  close(p.p99, 37 * 99000);
+  close(p.p999, 37 * 99900);
+  EXPECT_EQ(p.largest.count(), 37 * 100000);
+}
+
+TEST(DurationHistogram, AnyDuration) {
+  DurationHistogram histogram;
+  histogram.add(-5ns);
+  EXPECT_EQ(histogram.percentiles().largest, 0ns);
+  for (int shift = 0; shift < 63; ++shift) histogram.add(Duration(std::int64_t{1} << shift));
+  EXPECT_EQ(histogram.percentiles().largest.count(), std::int64_t{1} << 62);
+  EXPECT_LE(histogram.percentiles().median.count(), std::int64_t{1} << 33);
+}
+
+TEST(Clock, MonotonicClockSleepsUntil) {
+  MonotonicClock clock;
+  const Time until = clock.now() + 3ms;
+  clock.sleep_until(until);
+  EXPECT_GE(clock.now(), until);
+  const Time before = clock.now();
+  clock.sleep_until(before - 1s);
+  EXPECT_LT(clock.now() - before, 1s);
+}
+
+}  // namespace
+}  // namespace palpate
