@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 3Dconnexion's SpaceMouse and its relatives: a cap that is pushed and turned, without motors.
+//
+// It tells how far the cap is out, which is taken as a rate and integrated; the point stays within
+// the workspace. Nothing comes while nothing changes.
+//
+// Input reports, little endian: 1 translation int16 × 3, or with the newer ones translation and
+// rotation int16 × 6; 2 rotation int16 × 3; 3 buttons, a bit each. Full deflection is about 350
+// counts. Its axes are right, towards the user, down, and turns are right-handed about them: the
+// kernel's drivers/hid, spacenavd (github.com/FreeSpacenav/spacenavd) and ROS's spacenav_node agree.
+#pragma once
+
+#include "haptic/profile/profile.h"
+
+namespace palpate {
+
+class SpaceMouse final : public Profile {
+ public:
+  /// Speed of the point, m/s, and turn, rad/s, at full deflection.
+  static constexpr double kFullSpeed = 0.1;
+  static constexpr double kFullTurn = 1.5;
+  static constexpr int kFullDeflection = 350;
+  /// Less than so many counts is no deflection: the cap does not come back to zero exactly.
+  static constexpr int kDeadZone = 10;
+
+  SpaceMouse();
+
+  [[nodiscard]] static bool matches(const DeviceInfo& device) noexcept;
+
+  bool decode(const Report& report, DeviceState& state) const noexcept override;
+  void advance(DeviceState& state, Duration duration) const noexcept override;
+  /// Empty.
+  Report zero_force(const DeviceState& state) const noexcept override;
+
+ private:
+  Report do_encode(const Vec3& force, const DeviceState& state) const noexcept override;
+};
+
+}  // namespace palpate
