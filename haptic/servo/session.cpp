@@ -60,7 +60,8 @@ void DeviceSession::poll() noexcept {
   received_ = {};
   if (gone_) return;
   const Time begin = clock_.now();
-  if (known_) profile_.advance(state_, begin - read_at_);
+  if (known_) profile_.advance(state_, begin - polled_at_);
+  polled_at_ = begin;
   const bool waits = profile_.specification().pacing == Pacing::lock_step;
   Report report;
   for (int n = 0; n < kMostReports; ++n) {

@@ -83,6 +83,7 @@ class DeviceSession {
   bool known_ = false;
   bool gone_ = false;
   Duration age_ = Duration::max();
+  Time polled_at_{0};
   /// When the queue was last seen empty, if it was.
   std::optional<Time> last_empty_;
   /// The newest report did not come before that.

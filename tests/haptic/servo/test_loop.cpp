@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The loop by a virtual clock, with each fault that a device has. What the board's motors do is what
+// counts.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "haptic/servo/rig.h"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Rig;
+
+/// Of the board's force, and of the interpolation of a smooth spring.
+constexpr double kForceUnit = 1e-3;
+constexpr double kInterpolation = 1e-3;
+
+/// What a hand at a place of the device feels of the box that is pressed at its middle.
+Vec3 exact_force(const Vec3& device) {
+  return -test::stiffening_spring(200)(device).force;
+}
+
+TEST(Loop, EachForceIsThatOfTheNewestReport) {
+  Rig rig(test::pressing());
+  ServoSettings settings;
+  settings.passivity_control = false;
+  rig.set(settings);
+  int touching = 0;
+  for (int i = 0; i < 3000; ++i, rig.loop->wait()) {
+    const Tick& tick = rig.tick();
+    const BoardStatus board = rig.board.status();
+    ASSERT_EQ(board.outputs, static_cast<std::uint64_t>(i + 1)) << "one force each tick";
+    if (i < 2) continue;
+    ASSERT_EQ(tick.state, ServoState::running);
+    ASSERT_EQ(board.last_output.counter, static_cast<std::uint16_t>(tick.device.counter));
+    ASSERT_EQ(board.reports, tick.device.counter + 1U) << "the newest";
+    if (tick.contact.status != ContactStatus::attached) {
+      ASSERT_EQ(tick.force, Vec3::Zero());
+      continue;
+    }
+    ++touching;
+    const Vec3 exact = exact_force(tick.position - tick.contact.anchor);
+    if (tick.limited == 0) {
+      ASSERT_LT((tick.force - exact).norm(), kInterpolation * exact.norm() + 1e-9);
+      ASSERT_LT((board.force - tick.force).norm(), 2 * kForceUnit);
+    }
+  }
+  EXPECT_GT(touching, 1500);
+  const Counters counters = rig.counters();
+  EXPECT_EQ(counters.lost_reports, 0U);
+  EXPECT_EQ(counters.bad_reports, 0U);
+  EXPECT_EQ(counters.missed, 0U);
+  EXPECT_EQ(counters.magnitude_limited, 0U);
+}
+
+TEST(Loop, TheHandIsPushedBack) {
+  Rig rig(test::holding());
+  rig.run(400ms);
+  EXPECT_GT(rig.motors()[2], 0.5);
+  EXPECT_LT(rig.motors()[0], 0);
+  EXPECT_LT(rig.motors()[1], 0);
+}
+
+TEST(Loop, KeepsItsRate) {
+  Rig rig(test::pressing());
+  rig.step();
+  const Time begin = rig.loop->last().time;
+  for (int i = 0; i < 10000; ++i) {
+    rig.tick();
+    rig.clock->advance(Duration((i * 7919) % 900'000));  // what a tick takes differs
+    rig.loop->wait();
+  }
+  rig.tick();
+  EXPECT_EQ(rig.loop->last().time - begin, 10001 * 1ms);
+  EXPECT_EQ(rig.counters().missed, 0U);
+}
+
+TEST(Loop, DoesNotCatchUpAfterAnOverrun) {
+  Rig rig(test::pressing());
+  rig.run(50ms);
+  rig.clock->advance(20500us);
+  const Time begin = rig.clock->now();
+  rig.step();
+  // The late tick at once, the next ones in the new rhythm.
+  for (int i = 1; i <= 20; ++i) {
+    rig.tick();
+    EXPECT_EQ(rig.loop->last().time - begin, i * 1ms);
+    rig.loop->wait();
+  }
+  EXPECT_EQ(rig.counters().missed, 20U);
+}
+
+// hidraw keeps the oldest reports: what is read last after a pause is old.
+TEST(Loop, NoForceFromStaleReportsAfterAPauseOfTheHost) {
+  Rig rig(test::holding());
+  rig.run(500ms);
+  ASSERT_GT(rig.motors().norm(), 0.5);
+  rig.clock->advance(200ms);
+  Tick tick = rig.tick();
+  EXPECT_GT(tick.num_reports, 60);
+  EXPECT_EQ(tick.state, ServoState::stale);
+  EXPECT_GT(tick.age, 100ms);
+  EXPECT_EQ(tick.force, Vec3::Zero());
+  EXPECT_EQ(rig.motors(), Vec3::Zero());
+  rig.loop->wait();
+  tick = rig.step();
+  EXPECT_EQ(tick.state, ServoState::running);
+  EXPECT_LE(tick.age, 1ms);
+  rig.run(20ms);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+  EXPECT_GT(rig.counters().lost_reports, 100U);
+}
+
+TEST(Loop, NoForceWhileTheDeviceIsSilent) {
+  BoardOptions options;
+  options.faults.silent = {500ms, 600ms};
+  Rig rig(test::holding(), options);
+  rig.run(499ms);
+  ASSERT_GT(rig.motors().norm(), 0.5);
+  while (rig.clock->now() < 599ms) {
+    const Tick& tick = rig.step();
+    if (tick.time < 507ms) continue;
+    ASSERT_EQ(tick.state, ServoState::stale);
+    ASSERT_EQ(rig.motors(), Vec3::Zero());
+  }
+  rig.run(20ms);
+  EXPECT_EQ(rig.loop->last().state, ServoState::running);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+}
+
+TEST(Loop, GoneIsForGood) {
+  BoardOptions options;
+  options.faults.unplugged = 500ms;
+  Rig rig(test::holding(), options);
+  rig.run(499ms);
+  ASSERT_EQ(rig.loop->last().state, ServoState::running);
+  rig.run(3ms);
+  EXPECT_EQ(rig.loop->last().state, ServoState::gone);
+  EXPECT_EQ(rig.loop->last().force, Vec3::Zero());
+  const std::uint64_t ticks = rig.loop->last().number;
+  rig.run(1s);
+  EXPECT_EQ(rig.loop->last().state, ServoState::gone);
+  EXPECT_EQ(rig.loop->last().number, ticks + 1000) << "it does not spin";
+}
+
+TEST(Loop, ShortReportsAreCountedAndGiveNoForce) {
+  BoardOptions options;
+  options.faults.short_reports = {500ms, 600ms};
+  Rig rig(test::holding(), options);
+  rig.run(590ms);
+  EXPECT_EQ(rig.loop->last().state, ServoState::stale);
+  EXPECT_EQ(rig.motors(), Vec3::Zero());
+  EXPECT_NEAR(static_cast<double>(rig.counters().bad_reports), 90, 2);
+  rig.run(50ms);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+}
+
+TEST(Loop, DuplicatesAndEmptyPacketsChangeNothing) {
+  for (bool duplicates : {true, false}) {
+    BoardOptions options;
+    (duplicates ? options.faults.duplicates : options.faults.empty_packets) = {400ms, 700ms};
+    Rig rig(test::pressing(), options);
+    rig.run(399ms);
+    while (rig.clock->now() < 700ms) {
+      const Tick& tick = rig.step();
+      ASSERT_EQ(tick.state, ServoState::running);
+      ASSERT_LE(tick.age, 2ms);
+      ASSERT_EQ(tick.contact.status, ContactStatus::attached);
+      ASSERT_GT(rig.motors().norm(), 0.1);
+    }
+    EXPECT_EQ(rig.counters().lost_reports, 0U);
+    EXPECT_EQ(rig.counters().bad_reports, 0U);
+  }
+}
+
+TEST(Loop, LockStepGoesOnAfterALostReport) {
+  BoardOptions options;
+  options.feature.flags |= palpate_report::kLockStep;
+  options.faults.first_report_lost = true;
+  Rig rig(test::holding(), options);
+  rig.run(500ms);
+  EXPECT_EQ(rig.loop->last().state, ServoState::running);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+  EXPECT_GT(rig.counters().reports, 400U);
+}
+
+TEST(Loop, WritesThatFailAreCountedAndTriedAgain) {
+  BoardOptions options;
+  options.faults.failing_writes = {500ms, 520ms};
+  Rig rig(test::holding(), options);
+  rig.run(519ms);
+  EXPECT_EQ(rig.loop->last().force, Vec3::Zero()) << "what was not sent was not felt";
+  rig.run(10ms);
+  EXPECT_NEAR(static_cast<double>(rig.counters().failed_writes), 20, 1);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+}
+
+TEST(Loop, ZeroForceOnTheWayOut) {
+  Rig rig(test::holding());
+  rig.run(500ms);
+  ASSERT_GT(rig.motors().norm(), 0.5);
+  rig.loop.reset();
+  EXPECT_EQ(rig.motors(), Vec3::Zero());
+  EXPECT_FALSE(rig.board.status().motors_on);
+  EXPECT_EQ(rig.board.status().cuts, 0U) << "not by the board's own watchdog";
+}
+
+TEST(Loop, ZeroForceOnTheWayOutThoughAWriteFails) {
+  class Flaky final : public Transport {
+   public:
+    Flaky(Transport& inner, int& failures) : inner_(inner), failures_(failures) {}
+    TransportStatus read(Report& report, Duration timeout) noexcept override {
+      return inner_.read(report, timeout);
+    }
+    TransportStatus write(const Report& report) noexcept override {
+      return failures_ > 0 && failures_-- > 0 ? TransportStatus::error : inner_.write(report);
+    }
+    std::string problem() const override { return inner_.problem(); }
+
+   private:
+    Transport& inner_;
+    int& failures_;
+  };
+  Rig rig(test::holding());
+  int failures = 0;
+  Flaky flaky(rig.board, failures);
+  rig.loop = std::make_unique<Loop>(flaky, *rig.profile, *rig.clock, ServoOptions{}, rig.inbox,
+                                    rig.outbox);
+  rig.run(500ms);
+  ASSERT_GT(rig.motors().norm(), 0.5);
+  failures = 2;
+  rig.loop.reset();
+  EXPECT_EQ(rig.motors(), Vec3::Zero());
+}
+
+TEST(Loop, NotEngagedNoForce) {
+  Rig rig(test::holding());
+  ServoSettings settings;
+  settings.engaged = false;
+  rig.set(settings);
+  rig.run(500ms);
+  EXPECT_EQ(rig.loop->last().state, ServoState::ready);
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::attached);
+  EXPECT_EQ(rig.motors(), Vec3::Zero());
+  settings.engaged = true;
+  rig.set(settings);
+  double before = 0;
+  for (int i = 0; i < 20; ++i) {
+    rig.step();
+    EXPECT_LE(rig.motors().norm() - before, settings.slew_limit * 1e-3 + 2 * kForceUnit);
+    before = rig.motors().norm();
+  }
+  EXPECT_GT(before, 0.5);
+}
+
+TEST(Loop, TheLimitsHoldWhateverTheBody) {
+  for (double stiffness : {1e3, 1e7, 1e300}) {
+    Rig rig(test::pressing());
+    rig.inbox.body.offer(test::box_body(stiffness));
+    ServoSettings settings;
+    settings.force_limit = 2;
+    settings.slew_limit = 300;
+    settings.damping = 5;
+    rig.set(settings);
+    Vec3 before = Vec3::Zero();
+    double largest = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Tick& tick = rig.step();
+      ASSERT_TRUE(tick.force.allFinite());
+      ASSERT_LE(tick.force.norm(), 2 * (1 + 1e-12));
+      ASSERT_LE((tick.force - before).norm(), 0.3 * (1 + 1e-9));
+      before = tick.force;
+      largest = std::max(largest, tick.force.norm());
+    }
+    EXPECT_GT(largest, 1.99);
+  }
+}
+
+TEST(Loop, ABodyReplacedWhileTouchedMakesNoJump) {
+  Rig rig(test::holding());
+  rig.run(500ms);
+  Vec3 before = rig.motors();
+  const Vec3 soft = before;
+  rig.inbox.body.offer(test::box_body(2000));
+  for (int i = 0; i < 30; ++i) {
+    rig.step();
+    EXPECT_LE((rig.motors() - before).norm(), 0.5 + 2 * kForceUnit);
+    before = rig.motors();
+  }
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::attached);
+  EXPECT_GT(before.norm(), 4 * soft.norm());
+  rig.inbox.body.collect();
+  rig.inbox.body.offer(nullptr);
+  rig.run(50ms);
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::nothing);
+  EXPECT_EQ(rig.motors(), Vec3::Zero());
+}
+
+// The device's x to the left of the scene, its z out of it, and half as long.
+TEST(Loop, WorkspaceIsTurnedAndScaled) {
+  Mat3 turn;
+  turn << 0, -1, 0,  //
+      1, 0, 0,       //
+      0, 0, 1;
+  Rig rig(test::holding());
+  ServoSettings settings;
+  settings.workspace_rotation = turn;
+  settings.workspace_scale = 0.5;
+  settings.force_scale = 3;
+  rig.set(settings);
+  rig.run(500ms);
+  const Tick& tick = rig.loop->last();
+  const Vec3 place = test::kMiddle + 0.5 * turn * tick.device.position;
+  EXPECT_LT((tick.position - place).norm(), 1e-15);
+  const Vec3 wanted = 3 * turn.transpose() * exact_force(place - tick.contact.anchor);
+  EXPECT_LT((rig.motors() - wanted).norm(), 2 * kForceUnit + kInterpolation * wanted.norm());
+}
+
+TEST(Loop, DampingIsAgainstTheVelocity) {
+  const auto moving = std::make_shared<ScriptedMotion>([](Time time) {
+    // Sideways along the top at a steady 50 mm/s, 4 mm deep from 200 ms on.
+    const double s = seconds(time);
+    return Motion::Pose{Vec3(0, 0.05 * (s - 0.3), s < 0.2 ? 0.005 - 0.045 * s : -0.004)};
+  });
+  Vec3 forces[2];
+  for (int damped : {0, 1}) {
+    Rig rig(moving);
+    ServoSettings settings;
+    settings.damping = 4.0 * damped;
+    settings.passivity_control = false;
+    rig.set(settings);
+    rig.run(300ms);
+    EXPECT_NEAR(rig.loop->last().velocity[1], 0.05, 0.002);
+    forces[damped] = rig.motors();
+  }
+  EXPECT_NEAR((forces[1] - forces[0])[1], -0.2, 0.01);
+}
+
+TEST(Loop, ClocksMayDrift) {
+  for (double drift : {-2e-3, 2e-3}) {
+    BoardOptions options;
+    options.clock_drift = drift;
+    options.first_time_us = 0xFFFFFFFF - 2'000'000;  // it wraps on the way
+    options.first_counter = 65000;
+    Rig rig(test::holding(), options);
+    rig.run(20s);
+    EXPECT_LE(rig.counters().stale_ticks, 3U) << drift;
+    EXPECT_EQ(rig.counters().lost_reports, 0U);
+  }
+}
+
+TEST(Loop, EveryTickIsRecorded) {
+  Rig rig(test::pressing());
+  const auto ring = std::make_shared<TickRing>(1024);
+  rig.inbox.recording.offer(ring);
+  rig.run(500ms);
+  TickRecord record;
+  for (std::uint64_t n = 1; n <= 500; ++n) {
+    ASSERT_TRUE(ring->pop(record));
+    EXPECT_EQ(record.tick.number, n);
+    if (n < 3) continue;
+    EXPECT_EQ(record.tick.num_reports, 1);
+    DeviceState state = record.tick.device;
+    EXPECT_TRUE(rig.profile->decode(record.received[0], state));
+    EXPECT_EQ(state.position, record.tick.device.position);
+    EXPECT_EQ(record.sent, rig.profile->encode(record.tick.force, record.tick.device));
+  }
+  EXPECT_FALSE(ring->pop(record));
+}
+
+TEST(Loop, CouplingForADeviceThatDisplaysLess) {
+  Specification device;
+  device.max_linear_stiffness = 1000;
+  ServoSettings settings;
+  EXPECT_EQ(coupling_stiffness_for(device, 900, settings), 0);
+  EXPECT_EQ(coupling_stiffness_for(device, 1100, settings), 1000);
+  settings.force_scale = 4;
+  settings.workspace_scale = 0.5;
+  EXPECT_EQ(coupling_stiffness_for(device, 900, settings), 500);
+  device.max_linear_stiffness = 0;
+  EXPECT_EQ(coupling_stiffness_for(device, 1e9, settings), 0);
+}
+
+TEST(Loop, BadOptionsAndSettings) {
+  const auto refuses_options = [](auto&& change) {
+    ServoOptions options;
+    EXPECT_NO_THROW(validate(options));
+    change(options);
+    EXPECT_THROW(validate(options), InputError);
+  };
+  refuses_options([](ServoOptions& o) { o.period = 0ms; });
+  refuses_options([](ServoOptions& o) { o.stale_after = -1ms; });
+  refuses_options([](ServoOptions& o) { o.lock_step_timeout = 0ms; });
+  refuses_options([](ServoOptions& o) { o.stop_timeout = 0ms; });
+  refuses_options([](ServoOptions& o) { o.priority = 100; });
+  refuses_options([](ServoOptions& o) { o.priority = -1; });
+  const auto refuses = [](auto&& change) {
+    ServoSettings settings;
+    EXPECT_NO_THROW(validate(settings));
+    change(settings);
+    EXPECT_THROW(validate(settings), InputError);
+  };
+  const double nan = std::nan("");
+  refuses([&](ServoSettings& s) { s.workspace_centre[1] = nan; });
+  refuses([](ServoSettings& s) { s.workspace_rotation *= 1.01; });
+  refuses([](ServoSettings& s) { s.workspace_rotation.col(0) *= -1; });
+  refuses([&](ServoSettings& s) { s.workspace_rotation(0, 1) = nan; });
+  refuses([](ServoSettings& s) { s.workspace_scale = 0; });
+  refuses([](ServoSettings& s) { s.force_scale = -1; });
+  refuses([](ServoSettings& s) { s.force_limit = -1; });
+  refuses([](ServoSettings& s) { s.slew_limit = 0; });
+  refuses([&](ServoSettings& s) { s.damping = nan; });
+}
+
+}  // namespace
+}  // namespace palpate

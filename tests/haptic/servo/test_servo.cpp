@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The thread, by the real clock. How fast this machine is decides nothing here.
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <signal.h>
+
+#include <atomic>
+#include <thread>
+
+#include "base/error.h"
+#include "haptic/servo/servo.h"
+#include "haptic/support/analytic_body.h"
+#include "haptic/transport/simulated_board.h"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+const Vec3 kMiddle(test::kBox[0] / 2, test::kBox[1] / 2, test::kBox[2]);
+
+/// A servo that presses the box, and the board that it owns.
+struct Pressing {
+  explicit Pressing(const BoardOptions& board_options = {}, const ServoOptions& options = {}) {
+    auto motion = std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
+        {0ms, Vec3(0, 0, 0.005)}, {50ms, Vec3(0, 0, -0.004)}});
+    auto clock = std::make_shared<MonotonicClock>();
+    auto owned = std::make_unique<SimulatedBoard>(clock, motion, board_options);
+    board = owned.get();
+    servo = std::make_unique<Servo>(
+        std::move(owned), make_profile(ProfileKind::palpate_report, board->feature()), clock,
+        options);
+    ServoSettings settings;
+    settings.workspace_centre = kMiddle;
+    servo->set_settings(settings);
+    servo->set_body(test::box_body());
+  }
+
+  /// The motors have that much force, N; false: not within a long time.
+  bool wait_for_force(double force) {
+    for (int i = 0; i < 5000; ++i) {
+      if (board->status().force.norm() > force) return true;
+      std::this_thread::sleep_for(1ms);
+    }
+    return false;
+  }
+
+  SimulatedBoard* board = nullptr;
+  std::unique_ptr<Servo> servo;
+};
+
+TEST(Servo, RunsAndStops) {
+  Pressing pressing;
+  EXPECT_EQ(pressing.servo->latest().state, ServoState::closed);
+  pressing.servo->start();
+  ASSERT_TRUE(pressing.wait_for_force(0.5));
+  EXPECT_GT(pressing.servo->latest().force[2], 0.4);
+  EXPECT_TRUE(pressing.servo->stop());
+  EXPECT_EQ(pressing.servo->latest().state, ServoState::closed);
+  EXPECT_FALSE(pressing.board->status().motors_on);
+  EXPECT_EQ(pressing.board->status().last_output.command, palpate_report::kMotorsOff);
+  const Statistics statistics = pressing.servo->statistics();
+  EXPECT_GT(statistics.ticks, 20U);
+  EXPECT_GT(statistics.touching_ticks, 1U);
+  EXPECT_GT(statistics.mean_force(), 0);
+  EXPECT_GE(statistics.lateness.largest, statistics.lateness.median);
+  EXPECT_GT(statistics.own_time.median.count(), 0);
+  EXPECT_LE(statistics.own_time.median, statistics.tick_time.median);
+  EXPECT_TRUE(pressing.servo->stop()) << "again";
+  EXPECT_THROW(pressing.servo->start(), BackendError);
+}
+
+TEST(Servo, AHundredTimes) {
+  for (int i = 0; i < 100; ++i) {
+    Pressing pressing;
+    pressing.servo->start();
+    if (i % 3 == 0) std::this_thread::sleep_for(2ms);
+    if (i % 2 == 0) {
+      EXPECT_TRUE(pressing.servo->stop());
+      EXPECT_FALSE(pressing.board->status().motors_on);
+    }
+  }
+}
+
+TEST(Servo, NeverStarted) {
+  Pressing pressing;
+  EXPECT_TRUE(pressing.servo->stop());
+}
+
+TEST(Servo, StopsInTimeThoughAWriteHangs) {
+  BoardOptions options;
+  options.faults.blocking_writes = {300ms, BoardFaults::kNever};
+  ServoOptions servo_options;
+  servo_options.stop_timeout = 50ms;
+  auto pressing = std::make_unique<Pressing>(options, servo_options);
+  pressing->servo->start();
+  ASSERT_TRUE(pressing->wait_for_force(0.5));
+  // The loop hangs; whoever looks sees it, and the board's watchdog cuts the motors.
+  for (int i = 0; i < 5000 && pressing->servo->latest().state != ServoState::stale; ++i) {
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(pressing->servo->latest().state, ServoState::stale);
+  std::this_thread::sleep_for(60ms);
+  EXPECT_FALSE(pressing->board->status().motors_on);
+  EXPECT_GE(pressing->board->status().cuts, 1U);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(pressing->servo->stop());
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, 5s);
+  // The thread lets go of the board only when the driver lets go of the thread.
+  pressing->board->release_writes();
+  pressing.reset();
+  std::this_thread::sleep_for(20ms);
+}
+
+TEST(Servo, UnpluggedWhileRunning) {
+  Pressing pressing;
+  pressing.servo->start();
+  ASSERT_TRUE(pressing.wait_for_force(0.5));
+  pressing.board->unplug();
+  for (int i = 0; i < 5000 && pressing.servo->latest().state != ServoState::gone; ++i) {
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(pressing.servo->latest().state, ServoState::gone);
+  EXPECT_TRUE(pressing.servo->stop());
+  EXPECT_FALSE(pressing.servo->problem().empty());
+}
+
+TEST(Servo, ChangedFromOutsideWhileItRuns) {
+  Pressing pressing;
+  pressing.servo->start();
+  ASSERT_TRUE(pressing.wait_for_force(0.5));
+  const auto soft = test::box_body(100);
+  const auto stiff = test::box_body(400);
+  ServoSettings settings;
+  settings.workspace_centre = kMiddle;
+  for (int i = 0; i < 300; ++i) {
+    pressing.servo->set_body(i % 2 ? soft : stiff);
+    settings.force_limit = 1 + 0.01 * (i % 100);
+    pressing.servo->set_settings(settings);
+    TouchSettings touch;
+    touch.coupling_stiffness = 100 * (i % 3);
+    pressing.servo->set_touch_settings(touch);
+    pressing.servo->set_recording(i % 5 ? std::make_shared<TickRing>(64) : nullptr);
+    const Tick tick = pressing.servo->latest();
+    EXPECT_TRUE(tick.force.allFinite());
+    EXPECT_LE(tick.force.norm(), 2);
+    std::this_thread::sleep_for(200us);
+  }
+  EXPECT_TRUE(pressing.servo->stop());
+  EXPECT_FALSE(pressing.board->status().motors_on);
+  settings.workspace_scale = -1;
+  EXPECT_THROW(pressing.servo->set_settings(settings), InputError);
+}
+
+std::thread::id handled_in;
+void handle(int) { handled_in = std::this_thread::get_id(); }
+
+// A signal whose handler ran in the loop would delay it.
+TEST(Servo, SignalsGoElsewhere) {
+  struct sigaction action {};
+  action.sa_handler = handle;
+  struct sigaction before {};
+  sigaction(SIGUSR1, &action, &before);
+  Pressing pressing;
+  pressing.servo->start();
+  for (int i = 0; i < 50; ++i) {
+    handled_in = {};
+    raise(SIGUSR1);
+    kill(getpid(), SIGUSR1);
+    std::this_thread::sleep_for(1ms);
+    EXPECT_EQ(handled_in, std::this_thread::get_id());
+  }
+  EXPECT_TRUE(pressing.servo->stop());
+  sigaction(SIGUSR1, &before, nullptr);
+}
+
+TEST(Servo, BadOptions) {
+  ServoOptions options;
+  options.period = 0ms;
+  EXPECT_THROW(Pressing({}, options), InputError);
+}
+
+}  // namespace
+}  // namespace palpate

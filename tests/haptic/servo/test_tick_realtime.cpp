@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A tick allocates nothing, takes no lock, and calls the system for nothing: a child runs ticks under
+// a filter that ends it at any call but the one by which it reports.
+#include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <pthread.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <functional>
+#include <mutex>
+
+#include "haptic/profile/palpate_report.h"
+#include "haptic/servo/loop.h"
+#include "haptic/support/analytic_body.h"
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PALPATE_COUNTS
+namespace {
+long num_allocations = 0;
+long num_locks = 0;
+}  // namespace
+
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void __libc_free(void* memory);
+extern "C" void* malloc(std::size_t size) noexcept {
+  ++num_allocations;
+  return __libc_malloc(size);
+}
+extern "C" void free(void* memory) noexcept {
+  if (memory != nullptr) ++num_allocations;
+  __libc_free(memory);
+}
+extern "C" int __pthread_mutex_lock(pthread_mutex_t* mutex);
+// Counts, and locks nothing: this program has one thread.
+extern "C" int pthread_mutex_lock(pthread_mutex_t*) noexcept {
+  ++num_locks;
+  return 0;
+}
+extern "C" int pthread_mutex_unlock(pthread_mutex_t*) noexcept { return 0; }
+#endif
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A board in memory that does nothing but answer: no call of the system, no lock.
+class MemoryBoard final : public Transport {
+ public:
+  explicit MemoryBoard(Clock& clock) : clock_(clock) {}
+  TransportStatus read(Report& report, Duration) noexcept override {
+    const auto now = static_cast<std::uint32_t>(clock_.now() / 1us);
+    if (now == last_) return TransportStatus::nothing;
+    last_ = now;
+    palpate_report::Input input;
+    input.time_us = now;
+    input.counter = static_cast<std::uint16_t>(now / 1000);
+    // Down to 4 mm below the top and 5 mm above, in all of a second, and round in a circle.
+    const double s = 2 * M_PI * 1e-6 * now;
+    const Vec3 place(0.01 * std::sin(3 * s), 0.01 * std::cos(2 * s), 0.0005 + 0.0045 * std::cos(s));
+    for (int k = 0; k < 3; ++k) input.position[k] = static_cast<std::int32_t>(place[k] / 1e-5);
+    report = palpate_report::encode_input(input);
+    return TransportStatus::data;
+  }
+  TransportStatus write(const Report& report) noexcept override {
+    palpate_report::Output output;
+    if (palpate_report::decode_output(report, output) && output.force[2] != 0) ++num_forces;
+    return TransportStatus::data;
+  }
+  std::string problem() const override { return {}; }
+
+  int num_forces = 0;
+
+ private:
+  Clock& clock_;
+  std::uint32_t last_ = 0;
+};
+
+struct Scene {
+  explicit Scene(double coupling)
+      : profile(palpate_report::Feature{}), loop(board, profile, clock, {}, inbox, outbox) {
+    inbox.body.offer(std::make_shared<const Touchable>(
+        test::box_space([](int n) { return test::stiffening_spring(100 * (n + 1)); })));
+    inbox.recording.offer(std::make_shared<TickRing>(64));
+    LoopInbox::Settings settings;
+    settings.servo.workspace_centre = Vec3(test::kBox[0] / 2, test::kBox[1] / 2, test::kBox[2]);
+    settings.touch.coupling_stiffness = coupling;
+    inbox.settings.write(settings);
+  }
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      loop.tick();
+      loop.wait();
+    }
+  }
+
+  VirtualClock clock;
+  MemoryBoard board{clock};
+  PalpateReport profile;
+  LoopInbox inbox;
+  LoopOutbox outbox;
+  Loop loop;
+};
+
+constexpr int kTicks = 5000;
+
+#ifdef PALPATE_COUNTS
+TEST(TickRealtime, NoAllocationAndNoLock) {
+  for (double coupling : {0.0, 300.0}) {
+    Scene scene(coupling);
+    scene.run(10);
+    const long allocations = num_allocations;
+    const long locks = num_locks;
+    ASSERT_GT(allocations, 0) << "allocations are not counted";
+    scene.run(kTicks);
+    EXPECT_EQ(num_allocations, allocations);
+    EXPECT_EQ(num_locks, locks);
+    EXPECT_GT(scene.board.num_forces, kTicks / 4);
+  }
+}
+
+TEST(TickRealtime, LocksAreCounted) {
+  const long locks = num_locks;
+  std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(num_locks, locks + 1);
+}
+#endif
+
+/// How a child ends that does work under the filter.
+int status_of_child(const std::function<void()>& work) {
+  const pid_t child = fork();
+  if (child == 0) {
+    sock_filter filter[] = {
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, __NR_exit_group, 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS),
+    };
+    const sock_fprog program{sizeof(filter) / sizeof(filter[0]), filter};
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+        prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0) {
+      _exit(77);
+    }
+    work();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
+
+TEST(TickRealtime, NoCallOfTheSystem) {
+  const int of_a_call = status_of_child([] { (void)getppid(); });
+  if (WIFEXITED(of_a_call) && WEXITSTATUS(of_a_call) == 77) {
+    GTEST_SKIP() << "calls cannot be filtered here";
+  }
+  ASSERT_TRUE(WIFSIGNALED(of_a_call) && WTERMSIG(of_a_call) == SIGSYS) << "the filter does nothing";
+  for (double coupling : {0.0, 300.0}) {
+    Scene scene(coupling);
+    const int of_ticks = status_of_child([&] { scene.run(kTicks); });
+    EXPECT_TRUE(WIFEXITED(of_ticks) && WEXITSTATUS(of_ticks) == 0)
+        << "ended by signal " << WTERMSIG(of_ticks);
+  }
+}
+
+}  // namespace
+}  // namespace palpate
