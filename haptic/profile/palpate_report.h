@@ -29,7 +29,7 @@ inline constexpr std::size_t kInputSize = 29;
 inline constexpr std::size_t kOutputSize = 10;
 
 /// What the board gives as its HID report descriptor.
-inline constexpr std::array<std::uint8_t, 42> kDescriptor{
+inline constexpr std::uint8_t kDescriptor[] = {
     0x06, 0x50, 0xFF,        // usage page (vendor-defined 0xFF50)
     0x09, 0x01,              // usage (1)
     0xA1, 0x01,              // collection (application)

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The reports of a real device, through hidapi (0.13) over the kernel's hidraw.
+//
+// What ordinary code gets wrong, and what is done here:
+// - hid_read_timeout() gives 0 when nothing came in time, and for an empty packet: it is asked once
+//   more, without waiting, before nothing is said.
+// - It gives −1 when a signal interrupts it (EINTR), and when the device is unplugged. Of the
+//   second, poll() tells hidapi by POLLHUP, which hidraw sets for no other reason and for which there
+//   is no errno, or read() by EIO, or any call by ENODEV. EINTR is tried again, kTries times in all,
+//   and is then an error that may pass; an unplug stays.
+// - hid_write() waits in the kernel until the device has taken the report, up to 5 s; nothing can be
+//   done about that in the thread that waits.
+// - Opening and asking for a feature report can take as long. Both are done by a thread of their own
+//   that owns the device jointly: when the answer comes too late it is dropped, and the device closed
+//   then.
+// - hidraw keeps the oldest 63 reports: after a pause those that are read are old. That is for the
+//   loop to see, by the device's time.
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "haptic/transport/hid.h"
+#include "haptic/transport/transport.h"
+
+namespace palpate {
+
+inline constexpr Duration kAnswerTime = std::chrono::seconds(2);
+
+/// @throws BackendError it cannot be opened, or not in time; the message says what to do.
+[[nodiscard]] std::shared_ptr<HidDevice> open_hid_device(const std::shared_ptr<Hid>& hid,
+                                                         const std::string& path,
+                                                         Duration deadline = kAnswerTime);
+
+/// @throws BackendError the device does not answer, or not in time.
+[[nodiscard]] Report get_feature_report(const std::shared_ptr<HidDevice>& device,
+                                        std::uint8_t number, Duration deadline = kAnswerTime);
+
+class HidTransport final : public Transport {
+ public:
+  /// Of each call that is interrupted.
+  static constexpr int kTries = 3;
+
+  explicit HidTransport(std::shared_ptr<HidDevice> device) : device_(std::move(device)) {}
+
+  TransportStatus read(Report& report, Duration timeout) noexcept override;
+  /// One that is empty is not sent.
+  TransportStatus write(const Report& report) noexcept override;
+  /// From any thread.
+  std::string problem() const override;
+
+ private:
+  std::shared_ptr<HidDevice> device_;
+  /// The last error of each, an errno.
+  std::atomic<int> read_error_{0};
+  std::atomic<int> write_error_{0};
+};
+
+}  // namespace palpate

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/transport/open_device.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+std::string vendor_and_product(const DeviceInfo& device) {
+  char text[10];
+  std::snprintf(text, sizeof text, "%04x:%04x", device.vendor_id, device.product_id);
+  return text;
+}
+
+bool is_meant(const DeviceInfo& device, std::string which) {
+  if (which.empty() || which == device.path) return true;
+  std::transform(which.begin(), which.end(), which.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return which == vendor_and_product(device);
+}
+
+OpenedDevice open(const DeviceInfo& info, ProfileKind kind, const std::shared_ptr<Hid>& hid,
+                  Duration deadline) {
+  const auto device = open_hid_device(hid, info.path, deadline);
+  Report feature;
+  if (const auto number = feature_report(kind)) {
+    feature = get_feature_report(device, *number, deadline);
+  }
+  OpenedDevice opened;
+  opened.profile = make_profile(kind, feature);
+  opened.transport = std::make_unique<HidTransport>(device);
+  opened.info = info;
+  return opened;
+}
+
+}  // namespace
+
+std::string to_string(const DeviceInfo& device) {
+  std::string text = device.path + ' ' + vendor_and_product(device);
+  if (!device.manufacturer.empty()) text += ' ' + device.manufacturer;
+  if (!device.product.empty()) text += ' ' + device.product;
+  return text;
+}
+
+OpenedDevice open_device(const std::string& which, const std::shared_ptr<Hid>& hid,
+                         Duration deadline) {
+  std::vector<std::string> others;
+  std::string failures;
+  for (const DeviceInfo& info : hid->list()) {
+    const std::string line = "\n  " + to_string(info);
+    const auto kind = match(info);
+    if (!kind || !is_meant(info, which)) {
+      // Once, whatever the number of its collections.
+      if (std::find(others.begin(), others.end(), line) == others.end()) others.push_back(line);
+      continue;
+    }
+    try {
+      return open(info, *kind, hid, deadline);
+    } catch (const std::runtime_error& error) {
+      failures += line + ": " + error.what();
+    }
+  }
+  if (!failures.empty()) throw BackendError("No haptic device could be opened:" + failures);
+  std::string what = "There is no haptic device";
+  if (!which.empty()) what += " " + which;
+  what += " (haptic/README.md says which can be used). ";
+  what += others.empty() ? "No HID device is plugged in at all." : "What is plugged in:";
+  for (const std::string& line : others) what += line;
+  throw InputError(what);
+}
+
+}  // namespace palpate
