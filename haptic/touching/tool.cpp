@@ -15,8 +15,9 @@ namespace {
 /// Of the balance of body and coupling within a tick; what is left is made up in the next ones.
 constexpr int kMostSteps = 4;
 constexpr int kMostHalvings = 4;
-/// The balance is good enough at this share of the coupling's force.
-constexpr double kBalanced = 1e-10;
+/// The balance is good enough at this share of the coupling's force: far below what a device's steps
+/// of force are, and far above what rounding leaves.
+constexpr double kBalanced = 1e-8;
 
 /// How certain, the worst first.
 int certainty(Found found) {
@@ -113,7 +114,8 @@ TouchResult Tool::evaluate(const Vec3& t) const noexcept {
   return sum;
 }
 
-// Newton's method on φ from where the nodes are, the step halved until φ falls.
+// Newton's method on φ from where the nodes are, the step halved until φ falls; near the minimum, where
+// φ no longer tells, until the residual does.
 TouchResult Tool::balance(const Vec3& offset, double coupling, Vec3& t) const noexcept {
   const auto potential = [&](const TouchResult& at, const Vec3& where) {
     return at.energy + 0.5 * coupling * (offset - where).squaredNorm();
@@ -134,7 +136,9 @@ TouchResult Tool::balance(const Vec3& offset, double coupling, Vec3& t) const no
     bool lower = false;
     for (int halving = 0; halving <= kMostHalvings && !lower; ++halving, direction /= 2) {
       const TouchResult there = evaluate(t + direction);
-      lower = potential(there, t + direction) < before;
+      lower = potential(there, t + direction) < before ||
+              (coupling * (offset - t - direction) - there.force).squaredNorm() <
+                  0.25 * residual.squaredNorm();
       if (!lower) continue;
       t += direction;
       here = there;

@@ -14,9 +14,6 @@ namespace palpate::test {
 
 /// Sides of the box, m. It lies between the origin and these; its top, z = kBox[2], is touched.
 inline const Vec3 kBox(0.08, 0.08, 0.04);
-/// Squares along a side of each face.
-inline constexpr int kSquares = 4;
-
 /// Π = ½ k (t·Dt + |t|⁴/(2 l²)), D = diag(0.7, 0.8, 1), l = kHalfWidth: stiffens, and is no isotropic
 /// spring.
 inline Energy stiffening_spring(double k) {
@@ -32,15 +29,16 @@ inline Energy stiffening_spring(double k) {
   };
 }
 
-/// The box's surface, four triangles a square of every face but outward, its points welded.
-inline Surface box_surface() {
+/// The box's surface, two triangles a square, its points welded.
+/// @param squares Along a side of each face.
+inline Surface box_surface(int squares = 4) {
   Surface surface;
   std::map<std::array<int, 3>, Index> numbers;
   const auto number = [&](const std::array<int, 3>& p) {
     const auto [place, is_new] = numbers.try_emplace(p, static_cast<Index>(numbers.size()));
     if (is_new) {
       surface.points.push_back(
-          Vec3(p[0], p[1], p[2]).cwiseProduct(kBox) / static_cast<double>(kSquares));
+          Vec3(p[0], p[1], p[2]).cwiseProduct(kBox) / static_cast<double>(squares));
       surface.mesh_points.push_back(place->second);
     }
     return place->second;
@@ -48,9 +46,9 @@ inline Surface box_surface() {
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3;
     const int v = (axis + 2) % 3;
-    for (int side : {0, kSquares}) {
-      for (int i = 0; i < kSquares; ++i) {
-        for (int j = 0; j < kSquares; ++j) {
+    for (int side : {0, squares}) {
+      for (int i = 0; i < squares; ++i) {
+        for (int j = 0; j < squares; ++j) {
           const auto corner = [&](int a, int b) {
             std::array<int, 3> p{};
             p[axis] = side;
@@ -73,10 +71,10 @@ inline Surface box_surface() {
 /// @param only_active Points of the surface that are active; empty: all of the top's inner ones.
 /// @param energy_of Of each active node, by its number among them.
 inline TouchSpace box_space(const std::function<Energy(int)>& energy_of,
-                            std::vector<Index> only_active = {}) {
+                            std::vector<Index> only_active = {}, int squares = 4) {
   TouchSpace space;
   space.scene_hash = "box";
-  space.surface = box_surface();
+  space.surface = box_surface(squares);
   if (only_active.empty()) {
     for (Index p = 0; p < space.surface.num_points(); ++p) {
       const Vec3& x = space.surface.points[p];
