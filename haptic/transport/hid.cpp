@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <hidapi/hidapi.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,6 +11,9 @@
 
 namespace palpate {
 namespace {
+
+/// HIDIOCGRDESCSIZE of linux/hidraw.h; other files do not know it (ENOTTY).
+constexpr unsigned long kDescriptorSize = _IOR('H', 0x01, int);
 
 /// hidapi keeps one error text for all calls that are not about an open device: no two of these at
 /// once.
@@ -99,10 +103,13 @@ class Hidapi final : public Hid {
 
   std::shared_ptr<HidDevice> open(const std::string& path, int& error) override {
     // The first open wakes the device, which can take long, and says by errno why it fails; hidapi's
-    // own comes after it and is quick, so that the lock is not held for long.
+    // own comes after it and is quick, so that the lock is not held for long. And where hidapi does
+    // not get the size of the descriptor it crashes (0.13.1): it is asked for beforehand.
     const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-    if (file < 0) {
+    int size = 0;
+    if (file < 0 || ::ioctl(file, kDescriptorSize, &size) < 0) {
       error = errno;
+      if (file >= 0) ::close(file);
       return nullptr;
     }
     hid_device* device = nullptr;
@@ -112,7 +119,7 @@ class Hidapi final : public Hid {
     }
     ::close(file);
     if (device == nullptr) {
-      error = ENOTTY;  // it is no hidraw node
+      error = ENODEV;  // it could be opened just before
       return nullptr;
     }
     return std::make_shared<HidapiDevice>(device);
