@@ -30,9 +30,9 @@ Specification specification_of(const WoodenHapticsGeometry& g) {
   // With the longest lever of each joint.
   const Vec3 lever(g.centre[0], g.length[1], g.length[2]);
   const Vec3 gear = g.body_diameter.cwiseQuotient(g.capstan_diameter);
-  s.position_resolution = angle_per_count(g).cwiseProduct(lever).maxCoeff();
+  s.position_resolution = angle_per_count(g).cwiseProduct(lever).cwiseAbs().maxCoeff();
   s.force_resolution =
-      1e-3 * g.torque_constant.cwiseProduct(gear).cwiseQuotient(lever).maxCoeff();
+      1e-3 * g.torque_constant.cwiseProduct(gear).cwiseQuotient(lever).cwiseAbs().maxCoeff();
   s.actuated = {true, true, true};
   s.num_buttons = 1;
   s.pacing = Pacing::lock_step;

@@ -31,6 +31,7 @@ namespace palpate {
 
 /// The arrays are by joint: a, b, c.
 struct WoodenHapticsGeometry {
+  /// m; the capstan's is negative where the motor turns against the body.
   Vec3 capstan_diameter{0.010, 0.010, 0.010};
   Vec3 body_diameter{0.160, 0.120, 0.120};
   /// L, m.

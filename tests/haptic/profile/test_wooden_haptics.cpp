@@ -71,8 +71,9 @@ TEST(WoodenHaptics, JacobianIsTheDerivativeOfThePosition) {
 }
 
 TEST(WoodenHaptics, MotorsGiveThePowerThatTheHandTakes) {
-  const WoodenHapticsGeometry geometry;
-  const WoodenHaptics profile;
+  WoodenHapticsGeometry geometry;
+  geometry.capstan_diameter[1] *= -1;
+  const WoodenHaptics profile(geometry);
   const Vec3 gear = geometry.body_diameter.cwiseQuotient(geometry.capstan_diameter);
   const Vec3 force(0.4, -1.1, 0.8);
   const Vec3 rate(0.7, -0.4, 0.9);
@@ -82,7 +83,8 @@ TEST(WoodenHaptics, MotorsGiveThePowerThatTheHandTakes) {
     const double motors = motor_torque.dot(gear.cwiseProduct(rate));
     const double hand = force.dot(profile.jacobian(angles) * rate);
     // Currents are cut to whole mA.
-    const double cut = 1e-3 * geometry.torque_constant.cwiseProduct(gear).dot(rate.cwiseAbs());
+    const double cut =
+        1e-3 * geometry.torque_constant.cwiseProduct(gear).cwiseAbs().dot(rate.cwiseAbs());
     EXPECT_NEAR(motors, hand, cut);
     EXPECT_GT(std::abs(hand), 10 * cut);
   }
@@ -155,6 +157,21 @@ TEST(WoodenHaptics, Specification) {
   EXPECT_EQ(s.watchdog, std::chrono::milliseconds(500));
   EXPECT_FALSE(s.has_device_time);
   EXPECT_EQ(s.actuated, (std::array<bool, 3>{true, true, true}));
+  // A count of c at the end of its link; 1 mA of a.
+  EXPECT_NEAR(s.position_resolution, 2 * EIGEN_PI / 2000 / 12 * 0.245, 1e-12);
+  EXPECT_NEAR(s.force_resolution, 1e-3 * 0.0259 * 16 / 0.22, 1e-12);
+}
+
+TEST(WoodenHaptics, AMotorThatTurnsAgainstItsBody) {
+  WoodenHapticsGeometry geometry;
+  geometry.capstan_diameter *= -1;
+  const WoodenHaptics profile(geometry);
+  DeviceState state;
+  ASSERT_TRUE(profile.decode(report({0, 0, 0, 0, 0x90, 0xE8, 0, 0, 0, 0, 0, 0, 0, 0}), state));
+  EXPECT_TRUE(state.position.isApprox(Vec3(0.025, 0, 0.205), 1e-12)) << state.position;
+  EXPECT_EQ(currents(profile.encode({0, 1, 0}, state)), Vec3(-591, 0, 0));
+  EXPECT_GT(profile.specification().position_resolution, 0);
+  EXPECT_GT(profile.specification().force_resolution, 0);
 }
 
 }  // namespace
