@@ -4,10 +4,10 @@
 // It tells how far the cap is out, which is taken as a rate and integrated; the point stays within
 // the workspace. Nothing comes while nothing changes.
 //
-// Input reports, little endian: 1 translation int16 × 3, or with the newer ones translation and
-// rotation int16 × 6; 2 rotation int16 × 3; 3 buttons, a bit each. Full deflection is about 350
-// counts. Its axes are right, towards the user, down, and turns are right-handed about them: the
-// kernel's drivers/hid, spacenavd (github.com/FreeSpacenav/spacenavd) and ROS's spacenav_node agree.
+// Input reports, little endian: 1 translation int16 × 3, or of newer ones translation and rotation
+// int16 × 6; 2 rotation int16 × 3; 3 buttons, a bit each. Full deflection is about 350
+// counts. Its axes are right, towards the user, down, and turns are right-handed about them, as in
+// spacenavd (github.com/FreeSpacenav/spacenavd) with ROS's spacenav_node.
 #pragma once
 
 #include "haptic/profile/profile.h"

@@ -11,8 +11,8 @@
 //
 // Encoder count n_i of motor i, by the capstan's and the body's diameter d_i and D_i:
 //   θ_i = 2π n_i / counts_per_turn_i · d_i / D_i
-// with θ_a about the vertical and θ_b, θ_c of the two links from the vertical. With r = L_b sin θ_b +
-// L_c sin θ_c and the centre of the workspace o,
+// with θ_a about the vertical and θ_b, θ_c of the two links from the vertical. With o the centre of
+// the workspace and r = L_b sin θ_b + L_c sin θ_c,
 //   x = cos θ_a · r − o_x,  y = sin θ_a · r − o_y,  z = L_a + L_b cos θ_b − L_c cos θ_c − o_z.
 // With J = ∂x/∂θ the torques of the joints are τ = Jᵀ f, and the current of motor i is
 // τ_i d_i / D_i / (torque constant).

@@ -114,7 +114,10 @@ void Loop::tick() noexcept {
   outbox_.tick_time.add(taken);
   outbox_.own_time.add(taken - in_device);
   outbox_.newest.write({tick_, counters_});
-  if (recording != nullptr) recording->push({tick_, session_.received(), session_.sent()});
+  if (recording != nullptr) {
+    recording->push(
+        {tick_, settings.servo, settings.touch, session_.received(), session_.sent()});
+  }
 }
 
 void Loop::wait() noexcept {

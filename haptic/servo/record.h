@@ -6,7 +6,9 @@
 
 #include "haptic/profile/report.h"
 #include "haptic/realtime/ring.h"
+#include "haptic/servo/options.h"
 #include "haptic/servo/tick.h"
+#include "haptic/touching/settings.h"
 
 namespace palpate {
 
@@ -14,6 +16,9 @@ struct TickRecord {
   static constexpr int kReports = 4;
 
   Tick tick;
+  /// That held in the tick.
+  ServoSettings settings;
+  TouchSettings touch;
   /// The newest reports that were read in the tick, oldest first; the empty ones do not count.
   std::array<Report, kReports> received{};
   /// The report that was written.

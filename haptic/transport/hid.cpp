@@ -102,9 +102,9 @@ class Hidapi final : public Hid {
   }
 
   std::shared_ptr<HidDevice> open(const std::string& path, int& error) override {
-    // The first open wakes the device, which can take long, and says by errno why it fails; hidapi's
-    // own comes after it and is quick, so that the lock is not held for long. And where hidapi does
-    // not get the size of the descriptor it crashes (0.13.1): it is asked for beforehand.
+    // The first open wakes the device, which can take long, and says by errno why it fails;
+    // hidapi's own comes after it and is quick, so that the lock is not held for long. And where
+    // hidapi does not get the size of the descriptor it crashes (0.13.1): it is asked for before.
     const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
     int size = 0;
     if (file < 0 || ::ioctl(file, kDescriptorSize, &size) < 0) {

@@ -2,17 +2,17 @@
 // The reports of a real device, through hidapi (0.13) over the kernel's hidraw.
 //
 // What ordinary code gets wrong, and what is done here:
-// - hid_read_timeout() gives 0 when nothing came in time, and for an empty packet: it is asked once
-//   more, without waiting, before nothing is said.
+// - hid_read_timeout() gives 0 when nothing came in time, and for an empty packet: it is asked
+//   once more, without waiting, before nothing is said.
 // - It gives −1 when a signal interrupts it (EINTR), and when the device is unplugged. Of the
-//   second, poll() tells hidapi by POLLHUP, which hidraw sets for no other reason and for which there
-//   is no errno, or read() by EIO, or any call by ENODEV. EINTR is tried again, kTries times in all,
-//   and is then an error that may pass; an unplug stays.
-// - hid_write() waits in the kernel until the device has taken the report, up to 5 s; nothing can be
-//   done about that in the thread that waits.
-// - Opening and asking for a feature report can take as long. Both are done by a thread of their own
-//   that owns the device jointly: when the answer comes too late it is dropped, and the device closed
-//   then.
+//   second, poll() tells hidapi by POLLHUP, which hidraw sets for no other reason and for which
+//   there is no errno; read() by EIO; any call by ENODEV. EINTR is tried again, kTries times in
+//   all, and is then an error that may pass; an unplug stays.
+// - hid_write() waits in the kernel until the device has taken the report, up to 5 s; nothing can
+//   be done about that in the thread that waits.
+// - Opening and asking for a feature report can take as long. Both are done by a thread of their
+//   own that owns the device jointly: an answer that comes too late is dropped, and the device
+//   closed then.
 // - hidraw keeps the oldest 63 reports: after a pause those that are read are old. That is for the
 //   loop to see, by the device's time.
 #pragma once

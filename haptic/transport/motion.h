@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What moves the point of a simulated device: the hand, and the mechanics between it and the motors.
+// What moves the point of a simulated device: the hand, and the mechanics between it and the
+// motors.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -26,12 +26,12 @@ bool is_meant(const DeviceInfo& device, std::string which) {
 OpenedDevice open(const DeviceInfo& info, ProfileKind kind, const std::shared_ptr<Hid>& hid,
                   Duration deadline) {
   const auto device = open_hid_device(hid, info.path, deadline);
-  Report feature;
-  if (const auto number = feature_report(kind)) {
-    feature = get_feature_report(device, *number, deadline);
-  }
   OpenedDevice opened;
-  opened.profile = make_profile(kind, feature);
+  opened.kind = kind;
+  if (const auto number = feature_report(kind)) {
+    opened.feature = get_feature_report(device, *number, deadline);
+  }
+  opened.profile = make_profile(kind, opened.feature);
   opened.transport = std::make_unique<HidTransport>(device);
   opened.info = info;
   return opened;

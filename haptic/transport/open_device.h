@@ -14,6 +14,9 @@ struct OpenedDevice {
   std::unique_ptr<Transport> transport;
   std::shared_ptr<const Profile> profile;
   DeviceInfo info;
+  ProfileKind kind{};
+  /// That the profile was made from; empty: it needs none.
+  Report feature;
 };
 
 /// @param which Its path (/dev/hidraw3), or vendor and product in hexadecimal digits (1234:0006);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <condition_variable>
+#include <limits>
 #include <mutex>
 
 #include "base/error.h"
@@ -33,6 +34,8 @@ class Queue {
   std::size_t first_ = 0;
   std::size_t size_ = 0;
 };
+
+constexpr double kMostCounts = std::numeric_limits<std::int32_t>::max();
 
 template <class T>
 struct Dated {
@@ -126,7 +129,7 @@ struct SimulatedBoard::Firmware {
     const double unit = profile.specification().position_resolution;
     for (std::size_t i = 0; i < 3; ++i) {
       const double counts = std::round(status.pose.position[static_cast<int>(i)] / unit);
-      input.position[i] = static_cast<std::int32_t>(std::clamp(counts, -2147483647.0, 2147483647.0));
+      input.position[i] = static_cast<std::int32_t>(std::clamp(counts, -kMostCounts, kMostCounts));
     }
     const Eigen::Quaterniond& q = status.pose.rotation;
     const std::array<double, 4> rotation{q.w(), q.x(), q.y(), q.z()};
@@ -179,6 +182,7 @@ struct SimulatedBoard::Firmware {
   Time last_force{0};
   bool was_cut = false;
   bool writes_are_released = false;
+  bool write_failed = false;
   BoardStatus status;
   Queue<Dated<Report>, kOnTheWay> reports;
   Queue<Dated<Output>, kOnTheWay> forces;
@@ -240,10 +244,14 @@ TransportStatus SimulatedBoard::write(const Report& report) noexcept {
       f.clock->sleep_until(f.on + end);
       lock.lock();
     }
+    f.write_failed = true;
     return f.is_gone(f.now()) ? TransportStatus::gone : TransportStatus::error;
   }
   if (f.is_gone(now)) return TransportStatus::gone;
-  if (faults.failing_writes.contains(now)) return TransportStatus::error;
+  if (faults.failing_writes.contains(now)) {
+    f.write_failed = true;
+    return TransportStatus::error;
+  }
 
   Output output;
   if (!palpate_report::decode_output(report, output) || f.forces.full()) {
@@ -262,7 +270,8 @@ TransportStatus SimulatedBoard::write(const Report& report) noexcept {
 std::string SimulatedBoard::problem() const {
   Firmware& f = *firmware_;
   const std::lock_guard lock(f.mutex);
-  return f.is_gone(f.now()) ? "The simulated board is unplugged." : "A write failed.";
+  if (f.is_gone(f.now())) return "The simulated board is unplugged.";
+  return f.write_failed ? "A write failed." : "";
 }
 
 BoardStatus SimulatedBoard::status() noexcept {

@@ -40,6 +40,13 @@ void check_fields(const Configuration& configuration, Index num_points, Index ac
   }
 }
 
+void check_active_node(const Site& site, const TetMesh& mesh) {
+  if (site.active_node < 0 || site.active_node >= mesh.num_points()) {
+    throw InputError("Active node " + std::to_string(site.active_node) + " is not one of the " +
+                     std::to_string(mesh.num_points()) + " points of the body.");
+  }
+}
+
 /// Adds sites one by one to a touch space without any.
 class Builder {
  public:
@@ -54,10 +61,7 @@ class Builder {
   template <class FieldsOf>
   void add(const Site& site, const std::vector<ConfigurationSummary>& summaries,
            std::vector<IntermediateState> intermediate_states, FieldsOf&& fields_of) {
-    if (site.active_node < 0 || site.active_node >= mesh_.num_points()) {
-      throw InputError("Active node " + std::to_string(site.active_node) + " is not one of the " +
-                       std::to_string(mesh_.num_points()) + " points of the body.");
-    }
+    check_active_node(site, mesh_);
     std::vector<std::size_t> usable;
     for (std::size_t c = 0; c < summaries.size(); ++c) {
       if (summaries[c].usable()) usable.push_back(c);
@@ -161,6 +165,27 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
                 });
   }
   return builder.finish();
+}
+
+TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
+  const Scene scene = file.read_scene();
+  TouchSpace space;
+  space.scene_hash = file.scene_hash();
+  space.surface = make_surface(scene.mesh);
+  space.modes.resize(3 * Eigen::Index{space.surface.num_points()}, 0);
+  for (const SiteSpace& from : file.read_sites()) {
+    const Index node = from.site.active_node;
+    check_active_node(from.site, scene.mesh);
+    TouchSite& site = space.sites.emplace_back();
+    site.site = from.site;
+    site.rest_position = scene.mesh.points[node];
+    site.configurations = summaries_of(file.read_summaries(node));
+    site.intermediate_states = file.read_intermediate_states(node);
+    const auto num_configurations = static_cast<Eigen::Index>(site.configurations.size());
+    site.coefficients.resize(0, num_configurations);
+    site.coefficient_gradients.resize(0, num_configurations);
+  }
+  return space;
 }
 
 }  // namespace palpate

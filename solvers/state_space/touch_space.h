@@ -60,4 +60,7 @@ inline constexpr double kDefaultTouchBound = 1e-3;
 [[nodiscard]] TouchSpace make_touch_space(const StateSpaceFile& file,
                                           double bound = kDefaultTouchBound);
 
+/// Without modes, for a program that feels and does not show: no field is read.
+[[nodiscard]] TouchSpace make_touch_space_without_modes(const StateSpaceFile& file);
+
 }  // namespace palpate

@@ -89,7 +89,8 @@ TEST(SpaceMouse, RatesBecomeAPlaceWithinTheWorkspace) {
   state.angular_rate = Vec3(0, 0, 1);
   for (int i = 0; i < 1000; ++i) profile.advance(state, std::chrono::milliseconds(1));
   EXPECT_TRUE(state.position.isApprox(Vec3(0.03, -0.04, 0), 1e-12)) << state.position;
-  EXPECT_TRUE(state.rotation.isApprox(Eigen::Quaterniond(std::cos(0.5), 0, 0, std::sin(0.5)), 1e-12));
+  const Eigen::Quaterniond turned(std::cos(0.5), 0, 0, std::sin(0.5));
+  EXPECT_TRUE(state.rotation.isApprox(turned, 1e-12));
   profile.advance(state, std::chrono::seconds(100));
   EXPECT_TRUE(state.position.isApprox(Vec3(0.06, -0.08, 0), 1e-12)) << "stays at its edge";
 }

@@ -78,17 +78,32 @@ TEST(TouchSpace, KeepsItsBoundOfTheWholeSpace) {
   EXPECT_LE(sensitivity_error, 2e-2 * displacement);
 }
 
-TEST(TouchSpace, FromAFileEqualsFromMemory) {
-  const Scene scene = cube_scene();
-  const StateSpace space = example_space(scene, {example_site(8, 3), example_site(26, 3)});
-  std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
-  const std::filesystem::path folder = mkdtemp(pattern.data());
-  const std::filesystem::path path = folder / "space.palpate";
-  StateSpaceFile file = StateSpaceFile::create(path, scene, space.solver_tolerance);
-  for (const SiteSpace& site : space.sites) {
-    file.add_site(site.site);
-    for (const Configuration& c : site.configurations) file.add(site.site.active_node, c);
+/// A space as a file, for as long as the test lasts.
+class TouchSpaceFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
+    folder_ = mkdtemp(pattern.data());
   }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] StateSpaceFile file_of(const StateSpace& space) const {
+    StateSpaceFile file =
+        StateSpaceFile::create(folder_ / "space.palpate", space.scene, space.solver_tolerance);
+    for (const SiteSpace& site : space.sites) {
+      file.add_site(site.site);
+      for (const Configuration& c : site.configurations) file.add(site.site.active_node, c);
+    }
+    return file;
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+TEST_F(TouchSpaceFile, EqualsTheSpaceInMemory) {
+  const StateSpace space = example_space(cube_scene(), {example_site(8, 3), example_site(26, 3)});
+  const StateSpaceFile file = file_of(space);
   const TouchSpace a = make_touch_space(space);
   const TouchSpace b = make_touch_space(file);
   EXPECT_EQ(a.modes, b.modes);
@@ -97,8 +112,35 @@ TEST(TouchSpace, FromAFileEqualsFromMemory) {
   EXPECT_EQ(a.sites[1].coefficients, b.sites[1].coefficients);
   EXPECT_EQ(a.sites[1].coefficient_gradients, b.sites[1].coefficient_gradients);
   EXPECT_EQ(a.sites[1].configurations.size(), b.sites[1].configurations.size());
-  file.close();
-  std::filesystem::remove_all(folder);
+}
+
+TEST_F(TouchSpaceFile, WithoutModesAllButTheModesIsThere) {
+  StateSpace space = example_space(cube_scene(), {example_site(8, 3), example_site(26, 3)});
+  const TouchSpace whole = make_touch_space(space);
+  for (SiteSpace& site : space.sites) {
+    for (Configuration& c : site.configurations) {
+      for_each_field(c, [](auto& field) { field = {}; });
+    }
+  }
+  // Nor does it ask for fields.
+  const TouchSpace bare = make_touch_space_without_modes(file_of(space));
+  EXPECT_EQ(bare.scene_hash, whole.scene_hash);
+  EXPECT_EQ(bare.surface.points, whole.surface.points);
+  EXPECT_EQ(bare.surface.mesh_points, whole.surface.mesh_points);
+  EXPECT_EQ(bare.surface.triangles, whole.surface.triangles);
+  EXPECT_EQ(bare.num_modes(), 0);
+  ASSERT_EQ(bare.sites.size(), 2U);
+  for (std::size_t s = 0; s < 2; ++s) {
+    EXPECT_EQ(bare.sites[s].site, whole.sites[s].site);
+    EXPECT_EQ(bare.sites[s].rest_position, whole.sites[s].rest_position);
+    EXPECT_EQ(bare.sites[s].coefficients.cols(), 27);
+    EXPECT_EQ(bare.sites[s].coefficient_gradients.cols(), 27);
+    ASSERT_EQ(bare.sites[s].configurations.size(), 27U);
+    for (std::size_t c = 0; c < 27; ++c) {
+      EXPECT_EQ(bare.sites[s].configurations[c].t, whole.sites[s].configurations[c].t);
+      EXPECT_EQ(bare.sites[s].configurations[c].force, whole.sites[s].configurations[c].force);
+    }
+  }
 }
 
 TEST(TouchSpace, ConfigurationsThatFailedNeedNoFields) {

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/palpate_servo/command_line.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+/// "energy-hermite".
+std::map<std::string, Method> methods() {
+  std::map<std::string, Method> result;
+  for (const Method method : all_methods()) {
+    std::string name = to_string(method);
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
+      return c == ' ' ? '-' : static_cast<char>(std::tolower(c));
+    });
+    result[name] = method;
+  }
+  return result;
+}
+
+template <class Value>
+std::string names(const std::map<std::string, Value>& values) {
+  std::string text;
+  for (const auto& [name, value] : values) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+template <class Value>
+void add_choice(CLI::App& app, const std::string& option, Value& value,
+                const std::map<std::string, Value>& choices, const std::string& meaning,
+                const std::string& usual) {
+  app.add_option_function<std::string>(
+         option,
+         [&value, choices, option](const std::string& name) {
+           const auto found = choices.find(name);
+           if (found == choices.end()) {
+             throw CLI::ValidationError(option, '"' + name + "\" is none of " + names(choices));
+           }
+           value = found->second;
+         },
+         meaning + ": " + names(choices) + " (" + usual + ")")
+      ->type_name("NAME");
+}
+
+/// A flag that takes something away.
+void add_without(CLI::App& app, const std::string& option, bool& value,
+                 const std::string& meaning) {
+  app.add_flag_callback(option, [&value] { value = false; }, meaning);
+}
+
+}  // namespace
+
+std::optional<CommandLine> parse_command_line(int argc, char** argv) {
+  CommandLine line;
+  ServoSettings& settings = line.settings;
+  TouchSettings& touch = line.touch;
+  bool realtime = true;
+  CLI::App app("Lets a haptic device touch a state space, and prints how well the loop kept its time "
+               "and its safety rules.\nEnds after --seconds, or with Ctrl+C.",
+               "palpate-servo");
+  app.option_defaults()->always_capture_default();
+  app.add_option("space", line.space, "The state space (.palpate)")->type_name("FILE");
+  app.add_option("--device", line.device,
+                 "simulated; list, to print what is plugged in; or a device by its path "
+                 "(/dev/hidraw3) or vendor and product (1234:0006)")
+      ->type_name("NAME");
+  add_choice<HandMotion>(app, "--motion", line.motion,
+                         {{"tap", HandMotion::tap},
+                          {"press", HandMotion::press},
+                          {"slide", HandMotion::slide},
+                          {"circle", HandMotion::circle}},
+                         "What the simulated hand does", "press");
+  app.add_option("--depth", line.depth,
+                 "How deep the simulated hand presses, m; 0: half of what the space reaches");
+  app.add_option("--node", line.node, "The active node that is touched (the first)")
+      ->type_name("POINT");
+  app.add_option("--seconds", line.seconds, "How long; 0: until Ctrl+C");
+  app.add_option("--record", line.record, "Writes every tick into a new table")->type_name("CSV");
+  app.add_option("--replay", line.replay,
+                 "Runs the ticks of a recording again, and compares the forces")
+      ->type_name("CSV");
+  add_choice(app, "--method", line.touchable.method, methods(), "Interpolation",
+             "energy-hermite");
+  app.add_option("--scale", settings.workspace_scale, "Metres in the scene for a metre at the device");
+  app.add_option("--force-scale", settings.force_scale,
+                 "Newtons at the device for a newton of the body");
+  app.add_option("--force-limit", settings.force_limit,
+                 "Largest force, N; 0: that of the device, which is never exceeded");
+  app.add_option("--slew-limit", settings.slew_limit, "Largest change of the force in a second, N/s");
+  app.add_option("--damping", settings.damping, "Damping of the hand while it touches, N·s/m");
+  app.add_option("--coupling", line.coupling,
+                 "Stiffness between tool and body, N/m; 0: none (what the device displays, where "
+                 "the body is stiffer)")
+      ->type_name("FLOAT");
+  app.add_flag("--bonded", touch.bonded, "The tool also pulls");
+  app.add_option("--release-force", touch.release_force,
+                 "A bonded tool lets go above this, N; 0: never");
+  add_without(app, "--no-blending", touch.blended,
+              "The nearest active node is moved alone, not the three of the triangle");
+  add_without(app, "--no-passivity-control", settings.passivity_control,
+              "No damping is added when the loop makes energy");
+  add_without(app, "--no-realtime", realtime, "No real-time priority is asked for");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& help) {
+    app.exit(help);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw InputError(std::string(error.what()) + ". palpate-servo --help says what there is.");
+  }
+  if (!realtime) line.options.priority = 0;
+  if (line.device != "list" && line.space.empty()) {
+    throw InputError("Which state space? Give a .palpate file. palpate-servo --help says more.");
+  }
+  if (!line.replay.empty() && !line.record.empty()) {
+    throw InputError("--replay and --record do not go together: there would be the same once more.");
+  }
+  if (!(std::isfinite(line.seconds) && line.seconds >= 0)) {
+    throw InputError("--seconds is " + std::to_string(line.seconds) + ". Give 0 or more.");
+  }
+  if (!(std::isfinite(line.depth) && line.depth >= 0)) {
+    throw InputError("--depth is " + std::to_string(line.depth) + " m. Give 0 or more.");
+  }
+  if (line.coupling) touch.coupling_stiffness = *line.coupling;
+  validate(settings);
+  validate(touch);
+  return line;
+}
+
+}  // namespace palpate

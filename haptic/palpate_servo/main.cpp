@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A haptic device touches a state space, from the command line.
+//
+//   palpate-servo liver.palpate                                  a simulated board and hand
+//   palpate-servo --device list                                  what is plugged in
+//   palpate-servo liver.palpate --device 1234:0006 --seconds 0   a real one, until Ctrl+C
+//   palpate-servo liver.palpate --record run.csv                 every tick into a table
+//   palpate-servo liver.palpate --replay run.csv                 the same ticks again
+//
+// Prints a line a subject: the device, the body, how well the loop kept its time, what was sent. Ends
+// with 1 and one line on stderr where something is wrong with what was given or with the device.
+#include <pthread.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <set>
+
+#include "base/error.h"
+#include "haptic/palpate_servo/command_line.h"
+#include "haptic/palpate_servo/report.h"
+#include "haptic/recording/recorder.h"
+#include "haptic/recording/replay.h"
+#include "haptic/servo/servo.h"
+#include "haptic/transport/open_device.h"
+#include "haptic/transport/simulated_board.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Ctrl+C and the like, as long as it lasts, for this thread and those that it starts: they are
+/// taken by wait_for() and break nothing off.
+class Signals {
+ public:
+  Signals() {
+    sigemptyset(&signals_);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals_, signal);
+    pthread_sigmask(SIG_BLOCK, &signals_, &before_);
+  }
+  ~Signals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+
+  /// @return Whether one has come.
+  [[nodiscard]] bool wait_for(std::chrono::milliseconds time) const {
+    const timespec timeout{0, static_cast<long>(time.count()) * 1'000'000};
+    return sigtimedwait(&signals_, nullptr, &timeout) > 0;
+  }
+
+ private:
+  sigset_t signals_{};
+  sigset_t before_{};
+};
+
+void list_devices() {
+  std::set<std::string> told;
+  for (const DeviceInfo& device : hidapi()->list()) {
+    // One with several collections is there several times.
+    const auto kind = match(device);
+    const std::string name = to_string(device);
+    if (!told.insert(name + (kind ? "+" : "-")).second) continue;
+    if (!kind) {
+      std::printf("%s: no haptic device that is known\n", name.c_str());
+      continue;
+    }
+    try {
+      const OpenedDevice opened = open_device(device.path);
+      std::printf("%s: can be used\n", name.c_str());
+      print(opened.profile->specification());
+    } catch (const std::exception& error) {
+      std::printf("%s: %s\n", name.c_str(), error.what());
+    }
+  }
+  if (told.empty()) std::printf("No HID device is plugged in.\n");
+  std::printf("simulated: is always there\n");
+}
+
+TouchSpace read_space(const std::string& path) {
+  return make_touch_space_without_modes(StateSpaceFile::open_read_only(path));
+}
+
+const Touchable::Node& chosen_node(const Touchable& body, const CommandLine& line) {
+  const std::int32_t place = line.node ? body.find(*line.node) : 0;
+  if (place < 0) {
+    std::string active;
+    for (const Touchable::Node& node : body.nodes()) {
+      if (active.size() > 60) {
+        active += ", …";
+        break;
+      }
+      active += (active.empty() ? "" : ", ") + std::to_string(node.mesh_point);
+    }
+    throw InputError("Point " + std::to_string(*line.node) + " is no active node of " + line.space +
+                     ". Give one of " + active + ".");
+  }
+  return body.nodes()[static_cast<std::size_t>(place)];
+}
+
+/// Of the workspace's radius: how far its centre is above the surface.
+constexpr double kClearance = 0.25;
+
+/// Puts the device's workspace over a node, its z along the outward normal: down is into the body.
+void place_workspace(const Touchable& body, const Touchable::Node& node,
+                     const Specification& device, ServoSettings& settings) {
+  const Vec3 normal = body.surface().nearest(node.rest_position).normal;
+  const double height = kClearance * device.workspace_radius * settings.workspace_scale;
+  settings.workspace_centre = node.rest_position + height * normal;
+  settings.workspace_rotation =
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
+}
+
+/// From the centre of the workspace down to the node and into the body, again and again.
+/// @param clearance From the centre to the surface, m at the device. @param depth The same.
+std::shared_ptr<Motion> hand_motion(HandMotion motion, double clearance, double depth) {
+  const Vec3 up = Vec3::Zero();
+  const Vec3 down(0, 0, -clearance - depth);
+  const Vec3 aside(depth, 0, 0);
+  using Waypoints = std::vector<ScriptedMotion::Waypoint>;
+  switch (motion) {
+    case HandMotion::tap:
+      return std::make_shared<ScriptedMotion>(
+          Waypoints{{0ms, up}, {400ms, down}, {800ms, up}, {1000ms, up}}, true);
+    case HandMotion::press:
+      return std::make_shared<ScriptedMotion>(
+          Waypoints{{0ms, up}, {1000ms, down}, {3000ms, down}, {4000ms, up}}, true);
+    case HandMotion::slide:
+      return std::make_shared<ScriptedMotion>(
+          Waypoints{{0ms, up}, {1000ms, down}, {2000ms, down + aside}, {4000ms, down - aside},
+                    {5000ms, down}, {6000ms, up}},
+          true);
+    case HandMotion::circle:
+      break;
+  }
+  // A turn a second, down and up in four.
+  return std::make_shared<ScriptedMotion>([=](Time time) {
+    const double turn = 2 * M_PI * seconds(time);
+    const double part = 0.5 * (1 - std::cos(turn / 4));
+    Motion::Pose pose;
+    pose.position = part * Vec3(depth * std::cos(turn), depth * std::sin(turn), down.z());
+    return pose;
+  });
+}
+
+struct Device {
+  std::unique_ptr<Transport> transport;
+  std::shared_ptr<const Profile> profile;
+  RecordedSetup setup;
+  /// The same as the transport where it is simulated.
+  SimulatedBoard* board = nullptr;
+};
+
+/// @param depth Of the hand in the body, m in the scene.
+Device simulated_device(const std::shared_ptr<Clock>& clock, HandMotion motion, double depth,
+                        double scale) {
+  Device device;
+  const BoardOptions options;
+  const double radius = PalpateReport(options.feature).specification().workspace_radius;
+  const double reach = (1 - kClearance) * radius * scale;
+  if (depth > reach) {
+    throw InputError("The simulated hand cannot press " + std::to_string(depth) +
+                     " m deep: its workspace ends at " + std::to_string(reach) +
+                     " m. Give a smaller --depth, or a larger --scale.");
+  }
+  auto board = std::make_unique<SimulatedBoard>(
+      clock, hand_motion(motion, kClearance * radius, depth / scale), options);
+  device.board = board.get();
+  device.setup.device = "simulated";
+  device.setup.feature = board->feature();
+  device.profile = make_profile(device.setup.profile, device.setup.feature);
+  device.transport = std::move(board);
+  return device;
+}
+
+Device opened_device(const std::string& which) {
+  OpenedDevice opened = open_device(which);
+  Device device;
+  device.transport = std::move(opened.transport);
+  device.profile = std::move(opened.profile);
+  device.setup.device = to_string(opened.info);
+  device.setup.profile = opened.kind;
+  device.setup.feature = opened.feature;
+  return device;
+}
+
+double limit_of(const Specification& device, const ServoSettings& settings) {
+  return settings.force_limit > 0 ? std::min(settings.force_limit, device.max_linear_force)
+                                  : device.max_linear_force;
+}
+
+int run(CommandLine line) {
+  const Signals signals;
+  const TouchSpace space = read_space(line.space);
+  const auto body = std::make_shared<const Touchable>(space, line.touchable);
+  const Touchable::Node& node = chosen_node(*body, line);
+  const auto clock = std::make_shared<MonotonicClock>();
+  if (line.depth == 0) line.depth = space.find(node.mesh_point)->site.half_width / 2;
+  Device device = line.device == "simulated"
+                      ? simulated_device(clock, line.motion, line.depth,
+                                         line.settings.workspace_scale)
+                      : opened_device(line.device);
+  const Specification& specification = device.profile->specification();
+  place_workspace(*body, node, specification, line.settings);
+  if (!line.coupling) {
+    line.touch.coupling_stiffness =
+        coupling_stiffness_for(specification, body->largest_stiffness(), line.settings);
+  }
+  print(specification);
+  print(*body, line.touchable.method);
+  std::printf("touching     node %d, coupling %.4g N/m\n", node.mesh_point,
+              line.touch.coupling_stiffness);
+  std::fflush(stdout);
+
+  std::unique_ptr<Recorder> recorder;
+  if (!line.record.empty()) {
+    device.setup.scene_hash = body->scene_hash();
+    device.setup.touchable = line.touchable;
+    device.setup.options = line.options;
+    recorder = std::make_unique<Recorder>(line.record, device.setup);
+  }
+  Servo servo(std::move(device.transport), device.profile, clock, line.options);
+  servo.set_body(body);
+  servo.set_settings(line.settings);
+  servo.set_touch_settings(line.touch);
+  if (recorder) servo.set_recording(recorder->ring());
+
+  const Time begin = clock->now();
+  servo.start();
+  bool gone = false;
+  while (!gone && !signals.wait_for(50ms)) {
+    if (line.seconds > 0 && seconds(clock->now() - begin) >= line.seconds) break;
+    gone = servo.latest().state == ServoState::gone;
+  }
+  const bool ended = servo.stop();
+
+  const Statistics statistics = servo.statistics();
+  print(statistics, limit_of(specification, line.settings));
+  print_timing(statistics);
+  if (device.board != nullptr && ended) {
+    std::printf("at the end   motors %s\n", device.board->status().motors_on ? "on" : "off");
+  }
+  const std::string problem = servo.problem();
+  if (!problem.empty()) std::printf("problem      %s\n", problem.c_str());
+  if (recorder) {
+    recorder->close();
+    std::printf("recording    %llu ticks, %llu dropped\n",
+                static_cast<unsigned long long>(recorder->written()),
+                static_cast<unsigned long long>(recorder->dropped()));
+  }
+  if (gone) throw BackendError("The device is gone. " + problem);
+  if (!ended) {
+    throw BackendError("The device's driver hangs: its watchdog has to switch the motors off.");
+  }
+  return EXIT_SUCCESS;
+}
+
+int replay(CommandLine line) {
+  RecordingReader reader(line.replay);
+  const RecordedSetup& setup = reader.setup();
+  line.touchable = setup.touchable;
+  const auto body = std::make_shared<const Touchable>(read_space(line.space), line.touchable);
+  if (body->scene_hash() != setup.scene_hash) {
+    throw InputError("The recording " + line.replay + " is of another scene than " + line.space +
+                     ". Give the state space that was touched.");
+  }
+  const auto clock = std::make_shared<VirtualClock>();
+  ReplayTransport device(clock);
+  const auto profile = make_profile(setup.profile, setup.feature);
+  print(profile->specification());
+  print(*body, setup.touchable.method);
+
+  LoopInbox inbox;
+  LoopOutbox outbox;
+  inbox.body.offer(body);
+  std::uint64_t num_different = 0;
+  double largest_difference = 0;
+  double limit = 0;
+  {
+    Loop loop(device, *profile, *clock, setup.options, inbox, outbox);
+    for (TickRecord record; reader.next(record);) {
+      inbox.settings.write({record.settings, record.touch});
+      limit = std::max(limit, limit_of(profile->specification(), record.settings));
+      device.play(record);
+      loop.tick();
+      loop.wait();
+      const Vec3 difference = loop.last().force - record.tick.force;
+      if (!difference.isZero(0)) ++num_different;
+      largest_difference = std::max(largest_difference, difference.norm());
+    }
+  }
+  print(outbox.newest.read().counters, limit);
+  std::printf("replay       forces differ in %llu ticks, by up to %.3g N\n",
+              static_cast<unsigned long long>(num_different), largest_difference);
+  if (!reader.notice().empty()) std::printf("notice       %s\n", reader.notice().c_str());
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  try {
+    const auto line = palpate::parse_command_line(argc, argv);
+    if (!line) return EXIT_SUCCESS;
+    if (line->device == "list") {
+      palpate::list_devices();
+      return EXIT_SUCCESS;
+    }
+    return line->replay.empty() ? palpate::run(*line) : palpate::replay(*line);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "palpate-servo: %s\n", error.what());
+    return EXIT_FAILURE;
+  }
+}

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/recording/recorder.h"
+
+#include <csv.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <mutex>
+#include <thread>
+
+#include "base/error.h"
+#include "haptic/recording/columns.h"
+#include "haptic/recording/text.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kRoom = 8192;
+constexpr auto kInterval = std::chrono::milliseconds(20);
+
+/// "name=value;" of each.
+class SettingsText {
+ public:
+  template <class Value>
+  void operator()(const recording::Name& name, const Value& value) {
+    text_.append(name.text()).push_back('=');
+    recording::append(text_, value);
+    text_.push_back(';');
+  }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+std::string settings_text(const TickRecord& record) {
+  SettingsText settings;
+  recording::visit_settings(record, settings);
+  return settings.text();
+}
+
+std::string setup_text(const RecordedSetup& setup) {
+  SettingsText text;
+  recording::visit_setup(setup, text);
+  return text.text();
+}
+
+std::string header() {
+  std::string row;
+  const TickRecord any;
+  recording::visit_columns(any, [&](const recording::Name& name, const auto&) {
+    row.append(name.text()).push_back(',');
+  });
+  return row.append(recording::kSettings).append("\n");
+}
+
+void append_quoted(std::string& row, const std::string& text) {
+  const std::size_t begin = row.size();
+  // Twice as long where each character is a quotation mark.
+  row.resize(begin + 2 * text.size() + 2);
+  row.resize(begin + csv_write(&row[begin], row.size() - begin, text.data(), text.size()));
+}
+
+}  // namespace
+
+struct Recorder::Impl {
+  Impl(std::filesystem::path where, const RecordedSetup& setup)
+      : path(std::move(where)),
+        ring(std::make_shared<TickRing>(kRoom)),
+        setup_of_first_row(setup_text(setup)) {
+    file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0) {
+      const std::string name = path.string();
+      if (errno == EEXIST) {
+        throw InputError("There is a file " + name +
+                         " already. Choose another name for the recording, or remove it.");
+      }
+      throw InputError("The recording " + name + " cannot be made: " + std::strerror(errno) +
+                       ". Choose another place.");
+    }
+    rows = header();
+    thread = std::thread([this] { run(); });
+  }
+
+  ~Impl() { finish(); }
+
+  void run() {
+    std::unique_lock<std::mutex> lock(mutex);
+    for (bool last = false; !last;) {
+      stop_asked.wait_for(lock, kInterval, [this] { return stop; });
+      last = stop;
+      lock.unlock();
+      drain();
+      lock.lock();
+    }
+  }
+
+  /// From the ring to the file.
+  void drain() {
+    std::uint64_t num_rows = 0;
+    while (ring->pop(record)) {
+      ++num_rows;
+      if (failed) continue;
+      add_row();
+      if (rows.size() >= kBlock) {
+        write_rows(num_rows);
+        num_rows = 0;
+      }
+    }
+    write_rows(num_rows);
+  }
+
+  void add_row() {
+    recording::visit_columns(record, [this](const recording::Name&, const auto& value) {
+      recording::append(rows, value);
+      rows.push_back(',');
+    });
+    std::string settings = settings_text(record);
+    if (settings != last_settings) {
+      append_quoted(rows, setup_of_first_row + settings);
+      setup_of_first_row.clear();
+      last_settings = std::move(settings);
+    }
+    rows.push_back('\n');
+  }
+
+  void write_rows(std::uint64_t num_rows) {
+    std::size_t done = 0;
+    while (!failed && done < rows.size()) {
+      const ssize_t count = ::write(file, rows.data() + done, rows.size() - done);
+      if (count >= 0) {
+        done += static_cast<std::size_t>(count);
+      } else if (errno != EINTR) {
+        fail(std::strerror(errno));
+      }
+    }
+    if (failed) {
+      // What is there of these rows ends in the middle of one.
+      if (done > 0) (void)!::ftruncate(file, static_cast<off_t>(size));
+      unwritten += num_rows;
+    } else {
+      size += rows.size();
+      written += num_rows;
+    }
+    rows.clear();
+  }
+
+  void fail(const char* why) {
+    failed = true;
+    const std::lock_guard<std::mutex> lock(mutex);
+    problem = "The recording " + path.string() + " cannot be written any more: " + why;
+  }
+
+  /// Nothing is written afterwards.
+  void finish() {
+    if (!thread.joinable()) return;
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      stop = true;
+    }
+    stop_asked.notify_one();
+    thread.join();
+    if (!failed && ::fsync(file) != 0) fail(std::strerror(errno));
+    ::close(file);
+  }
+
+  static constexpr std::size_t kBlock = 1 << 20;
+
+  std::filesystem::path path;
+  int file = -1;
+  std::shared_ptr<TickRing> ring;
+  std::thread thread;
+  std::atomic<std::uint64_t> written{0};
+  std::atomic<std::uint64_t> unwritten{0};
+
+  std::mutex mutex;
+  std::condition_variable stop_asked;
+  bool stop = false;
+  std::string problem;
+
+  // Of the thread.
+  bool failed = false;
+  TickRecord record;
+  std::string rows;
+  /// Of what is in the file.
+  std::size_t size = 0;
+  std::string setup_of_first_row;
+  std::string last_settings;
+};
+
+Recorder::Recorder(const std::filesystem::path& path, const RecordedSetup& setup)
+    : impl_(std::make_unique<Impl>(path, setup)) {}
+
+Recorder::~Recorder() = default;
+
+std::shared_ptr<TickRing> Recorder::ring() const { return impl_->ring; }
+
+void Recorder::close() {
+  impl_->finish();
+  if (impl_->problem.empty()) return;
+  throw BackendError(impl_->problem + ". It holds the first " + std::to_string(written()) +
+                     " ticks; " + std::to_string(dropped()) +
+                     " are not in it. Make room, or choose another place.");
+}
+
+std::uint64_t Recorder::written() const { return impl_->written; }
+
+std::uint64_t Recorder::dropped() const { return impl_->unwritten + impl_->ring->dropped(); }
+
+std::string Recorder::problem() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  return impl_->problem;
+}
+
+}  // namespace palpate

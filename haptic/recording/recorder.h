@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writes every tick of a servo loop into a file, on a thread of its own.
+//
+// The file is a table of comma-separated values: a header row with names and units, then a row a
+// tick, columns.h says which. ParaView opens it as a table: numbers are numbers, and a report is the
+// letter x and its bytes in hexadecimal. Of a quaternion, "w" comes last.
+//
+// What a replay needs besides is in the last column, `settings`, as "name=value;" with numbers as in
+// the other columns: in the first row all of it, later in the rows where something has changed. So
+// there is one file, which cannot lose its other half, is complete from the first row on, and has no
+// line that a reader of tables would trip over.
+//
+// Every 20 ms the rows are handed to the system: of a process that is killed more than that is not
+// lost, and at the most the last row is cut short. A loss of power may take what the system has not
+// yet written, which is some seconds.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "haptic/recording/setup.h"
+#include "haptic/servo/record.h"
+
+namespace palpate {
+
+class Recorder {
+ public:
+  /// @throws InputError there is such a file (a recording cannot be made again), or it cannot be
+  ///   made.
+  Recorder(const std::filesystem::path& path, const RecordedSetup& setup);
+  /// Closes without a word when something fails: call close() to know.
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// For the servo loop; room for eight seconds at 1 kHz.
+  [[nodiscard]] std::shared_ptr<TickRing> ring() const;
+
+  /// Writes what is in the ring and closes the file; then it is on the disk.
+  /// @throws BackendError not all could be written: the disk is full, say. The message says how much
+  ///   there is; it is whole rows.
+  void close();
+
+  /// Ticks that are in the file.
+  [[nodiscard]] std::uint64_t written() const;
+  /// Ticks that are not: the ring was full, or the file cannot be written any more.
+  [[nodiscard]] std::uint64_t dropped() const;
+  /// Why the file cannot be written any more; empty: it can.
+  [[nodiscard]] std::string problem() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A recording as a device: what the loop has read comes again at the same times, so that the same
+// loop does the same.
+//
+//   RecordingReader reader(path);
+//   ReplayTransport device(clock);
+//   for (TickRecord record; reader.next(record);) {
+//     device.play(record);
+//     loop.tick();
+//     loop.wait();
+//   }
+//
+// Forces are equal to the bit where the recording begins with the loop and has every tick, and where
+// no tick read more than TickRecord::kReports reports. A body that was replaced meanwhile is not in
+// it, but the hash of its scene.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "haptic/recording/setup.h"
+#include "haptic/servo/record.h"
+#include "haptic/transport/transport.h"
+
+namespace palpate {
+
+/// Reads a recording from its beginning, a tick at a time.
+class RecordingReader {
+ public:
+  /// @throws InputError the file is missing or is no recording.
+  explicit RecordingReader(const std::filesystem::path& path);
+  ~RecordingReader();
+  RecordingReader(const RecordingReader&) = delete;
+  RecordingReader& operator=(const RecordingReader&) = delete;
+
+  [[nodiscard]] const RecordedSetup& setup() const;
+
+  /// The next tick; false: there is none.
+  /// @throws InputError the row is not as it should be; the message says which.
+  [[nodiscard]] bool next(TickRecord& record);
+
+  /// What is missing of what was read, in words: ticks, or the end of the last row; empty: nothing.
+  [[nodiscard]] std::string notice() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+class ReplayTransport final : public Transport {
+ public:
+  explicit ReplayTransport(std::shared_ptr<VirtualClock> clock) : clock_(std::move(clock)) {}
+
+  /// Sets the clock to the time of a tick, and lets what it read be read.
+  void play(const TickRecord& record) noexcept;
+
+  [[nodiscard]] TransportStatus read(Report& report, Duration timeout) noexcept override;
+  [[nodiscard]] TransportStatus write(const Report& report) noexcept override;
+  [[nodiscard]] std::string problem() const override;
+
+  /// The last report that was written.
+  [[nodiscard]] const Report& written() const { return written_; }
+
+ private:
+  std::shared_ptr<VirtualClock> clock_;
+  std::array<Report, TickRecord::kReports> reports_{};
+  std::size_t next_ = 0;
+  bool gone_ = false;
+  Report written_;
+};
+
+}  // namespace palpate

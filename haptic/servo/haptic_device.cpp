@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/servo/haptic_device.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate {
+
+HapticDevice::HapticDevice(std::unique_ptr<Transport> transport,
+                           std::shared_ptr<const Profile> profile, std::shared_ptr<Clock> clock,
+                           const HapticDeviceOptions& options)
+    : transport_(std::move(transport)),
+      profile_(std::move(profile)),
+      clock_(std::move(clock)),
+      options_(options),
+      velocity_(profile_->specification().position_resolution) {
+  ServoOptions servo;
+  servo.stale_after = options.stale_after;
+  validate(servo);
+  ServoSettings settings;
+  settings.force_limit = options.force_limit;
+  settings.slew_limit = options.slew_limit;
+  validate(settings);
+}
+
+HapticDevice::~HapticDevice() = default;
+
+bool HapticDevice::open() noexcept {
+  if (session_) return false;
+  ServoOptions options;
+  options.stale_after = options_.stale_after;
+  session_.emplace(*transport_, *profile_, *clock_, options);
+  velocity_.reset();
+  limiter_.reset();
+  linear_velocity_.setZero();
+  read_at_.reset();
+  sent_at_.reset();
+  return true;
+}
+
+bool HapticDevice::close() noexcept {
+  if (!session_) return false;
+  session_.reset();
+  sent_.setZero();
+  return true;
+}
+
+bool HapticDevice::getPosition(Vec3& position) noexcept {
+  if (session_) {
+    session_->poll();
+    const Time now = clock_->now();
+    // Before the device has said where it is there is nothing to take.
+    if (session_->known()) {
+      state_ = session_->state();
+      linear_velocity_ = velocity_.add(state_.position, read_at_ ? seconds(now - *read_at_) : 0);
+      read_at_ = now;
+    }
+  }
+  position = state_.position;
+  return fresh();
+}
+
+bool HapticDevice::getLinearVelocity(Vec3& velocity) const noexcept {
+  velocity = linear_velocity_;
+  return fresh();
+}
+
+bool HapticDevice::getRotation(Mat3& rotation) const noexcept {
+  rotation = state_.rotation.toRotationMatrix();
+  return fresh();
+}
+
+bool HapticDevice::getUserSwitch(int index, bool& is_down) const noexcept {
+  is_down = index >= 0 && index < 32 && (state_.buttons >> index & 1U) != 0;
+  return fresh();
+}
+
+bool HapticDevice::getUserSwitches(std::uint32_t& switches) const noexcept {
+  switches = state_.buttons;
+  return fresh();
+}
+
+bool HapticDevice::setForce(const Vec3& force) noexcept {
+  if (!session_) return false;
+  const Time now = clock_->now();
+  const Duration since_last = sent_at_ ? now - *sent_at_ : Duration(0);
+  sent_at_ = now;
+  if (!fresh()) {
+    limiter_.reset();
+    session_->send_zero();
+    sent_.setZero();
+    return false;
+  }
+  const double of_device = getSpecifications().max_linear_force;
+  const double largest =
+      options_.force_limit > 0 ? std::min(options_.force_limit, of_device) : of_device;
+  // After a pause of the caller no more than after a report that is just not too old.
+  const double step = options_.slew_limit * seconds(std::min(since_last, options_.stale_after));
+  std::uint32_t limited = 0;
+  const Vec3 allowed = limiter_.limit(force, largest, step, limited);
+  sent_ = session_->send(allowed);
+  return sent_ == allowed && (limited & limits::not_finite) == 0;
+}
+
+}  // namespace palpate

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A haptic device for a program that has a loop of its own, with the names of CHAI3D's
+// cGenericHapticDevice and its axes: x towards the user, y to the user's right, z up.
+//
+//   HapticDevice device(std::move(opened.transport), opened.profile);
+//   device.open();
+//   while (running) {  // about 1000 times a second
+//     device.getPosition(position);
+//     device.getLinearVelocity(velocity);
+//     device.setForce(force_at(position, velocity));
+//   }
+//   device.close();
+//
+// It goes the way of the servo loop: the newest report counts, a state that is too old is told and
+// gets no force, the limiter is the last step, and the end is zero force. Not thread-safe. A device
+// whose driver hangs holds the caller up; Servo does not have that fault.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "haptic/profile/profile.h"
+#include "haptic/servo/force_limiter.h"
+#include "haptic/servo/session.h"
+#include "haptic/servo/velocity.h"
+#include "haptic/transport/transport.h"
+
+namespace palpate {
+
+struct HapticDeviceOptions {
+  /// A report older than this gives no force.
+  Duration stale_after = std::chrono::milliseconds(5);
+  /// Largest force, N; 0: that of the device. Never above that of the device.
+  double force_limit = 0;
+  /// Largest change of the force in a second, N/s; it may always fall to zero at once.
+  double slew_limit = 500;
+};
+
+class HapticDevice {
+ public:
+  /// @throws InputError an option is out of range.
+  HapticDevice(std::unique_ptr<Transport> transport, std::shared_ptr<const Profile> profile,
+               std::shared_ptr<Clock> clock = std::make_shared<MonotonicClock>(),
+               const HapticDeviceOptions& options = {});
+  /// Closes.
+  ~HapticDevice();
+  HapticDevice(const HapticDevice&) = delete;
+  HapticDevice& operator=(const HapticDevice&) = delete;
+
+  /// @return false: it is open already.
+  bool open() noexcept;
+  /// Zero force. @return false: it is not open.
+  bool close() noexcept;
+
+  /// m_maxLinearForce and the others are max_linear_force and so on here.
+  [[nodiscard]] const Specification& getSpecifications() const noexcept {
+    return profile_->specification();
+  }
+
+  /// Reads the device; what the others give is of the same moment.
+  /// @param position From the centre of the workspace [3], m.
+  /// @return false: the device is closed or gone, or what it says is too old. Then the position is
+  ///   the last that is known, zero before there is one.
+  /// @note Realtime-safe but for the device's own calls.
+  bool getPosition(Vec3& position) noexcept;
+  /// @param velocity m/s. @return As getPosition().
+  bool getLinearVelocity(Vec3& velocity) const noexcept;
+  /// @param rotation From the tool's axes to the device's. @return As getPosition().
+  bool getRotation(Mat3& rotation) const noexcept;
+  bool getUserSwitch(int index, bool& is_down) const noexcept;
+  /// @param switches Bit i: button i is held down.
+  bool getUserSwitches(std::uint32_t& switches) const noexcept;
+
+  /// Sends a force, limited. To be called in every round of the loop: a device in lock-step measures
+  /// when it gets one, and a watchdog cuts the motors of one that gets none.
+  /// @param force In the device's axes [3], N.
+  /// @return false: zero was sent in place of it, or nothing could be.
+  /// @note Realtime-safe but for the device's own calls.
+  bool setForce(const Vec3& force) noexcept;
+  /// What was last sent, N.
+  [[nodiscard]] const Vec3& getForce() const noexcept { return sent_; }
+
+  /// What was last wrong with the device, in words; empty: nothing.
+  [[nodiscard]] std::string problem() const { return transport_->problem(); }
+
+ private:
+  [[nodiscard]] bool fresh() const noexcept { return session_ && session_->fresh(); }
+
+  std::unique_ptr<Transport> transport_;
+  std::shared_ptr<const Profile> profile_;
+  std::shared_ptr<Clock> clock_;
+  HapticDeviceOptions options_;
+  VelocityEstimator velocity_;
+  ForceLimiter limiter_;
+  DeviceState state_;
+  Vec3 linear_velocity_ = Vec3::Zero();
+  Vec3 sent_ = Vec3::Zero();
+  std::optional<Time> read_at_;
+  std::optional<Time> sent_at_;
+  /// The last: it sends zero force through what is above.
+  std::optional<DeviceSession> session_;
+};
+
+}  // namespace palpate

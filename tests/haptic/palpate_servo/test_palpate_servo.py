@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""palpate-servo as somebody uses it: runs, safety rules, recording and replay, bad input, signals.
+
+  test_palpate_servo.py <palpate-servo> <palpate_test_make_space>
+
+Nothing here depends on how fast or how busy the machine is.
+"""
+
+import csv
+import math
+import os
+import re
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAM, MAKE_SPACE = sys.argv[1:3]
+RUNNING, ATTACHED = 2, 3  # as in haptic/servo/tick.h and haptic/touching/contact.h
+BOARD_LIMIT = 7.9  # N, of the simulated board
+# The simulated board takes force in steps of 1 mN, each axis rounded.
+STEP = 1e-3
+
+
+def command(*arguments):
+    return [PROGRAM, *map(str, arguments)]
+
+
+def run(*arguments):
+    return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=120,
+                          check=False)
+
+
+def number(output, form):
+    """The number in parentheses of a regular expression."""
+    return float(re.search(form, output).group(1))
+
+
+def sent_force(row):
+    """Of a row of a recording, N; None: motors off."""
+    report = bytes.fromhex(row["sent"][1:])
+    kind, _, x, y, z, force = struct.unpack("<BHhhhB", report)
+    assert kind == 3 and force in (0, 1), row["sent"]
+    return math.hypot(x, y, z) * STEP if force else None
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+class PalpateServo(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.space = cls.path("block.palpate")
+        made = subprocess.run([MAKE_SPACE, cls.space], capture_output=True, text=True, check=True)
+        cls.corner, cls.middle = map(int, made.stdout.split())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder.name, name)
+
+    def check_safety(self, output, rows, limit):
+        self.assertIn("motors off", output)
+        self.assertLessEqual(number(output, r"largest ([\d.]+) N, limit"), limit + 1e-4)
+        self.assertAlmostEqual(number(output, r"limit ([\d.]+) N"), limit, places=4)
+        for row in rows:
+            force = sent_force(row)
+            if int(row["state"]) == RUNNING:
+                self.assertLessEqual(force, limit + STEP)
+            else:
+                self.assertIsNone(force)
+
+    def touch(self, name, *arguments, limit=BOARD_LIMIT):
+        """A run of 1.5 s with a recording of that name."""
+        done = run(self.space, "--seconds", 1.5, "--record", self.path(name), *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = rows_of(self.path(name))
+        self.assertEqual(len(rows), number(done.stdout, r"ticks +(\d+) in"))
+        self.assertEqual(len(rows), number(done.stdout, r"recording +(\d+) ticks, 0 dropped"))
+        self.assertGreaterEqual(number(done.stdout, r"ticks +\d+ in ([\d.]+) s"), 1.4)
+        touching = [row for row in rows if int(row["contact"]) == ATTACHED]
+        self.assertEqual(len(touching), number(done.stdout, r"(\d+) ticks touching"))
+        self.assertGreater(len(touching), 10)
+        self.check_safety(done.stdout, rows, limit)
+        return done.stdout, rows
+
+    def test_run_and_replay(self):
+        output, rows = self.touch("press.csv")
+        self.assertIn("2 active node(s)", output)
+        self.assertIn(f"node {min(self.corner, self.middle)}", output)
+        self.assertGreater(number(output, r"largest ([\d.]+) N, limit"), 0.1)
+        for line in ("lateness", "interval", "tick", "own work"):
+            self.assertRegex(output, rf"{line} +median [\d.]+ us, .*99.9 % [\d.]+ us, largest")
+        self.assertRegex(output, r"realtime +priority (yes|no), memory locked (yes|no)")
+        # It comes down along the inward normal: the tool moves the node into the body.
+        inward = [row for row in rows if int(row["contact"]) == ATTACHED][-1]
+        force = [float(row) for row in (inward["force_x_N"], inward["force_y_N"],
+                                        inward["force_z_N"])]
+        moved = [float(inward[f"displacement_{axis}_m"]) for axis in "xyz"]
+        self.assertLess(sum(f * u for f, u in zip(force, moved)), 0)
+
+        again = run(self.space, "--replay", self.path("press.csv"))
+        self.assertEqual(again.returncode, 0, again.stderr)
+        # Reports are read some microseconds after a tick begins, and replayed at its beginning: on a
+        # busy machine a report may be just too old in one of them.
+        self.assertLessEqual(number(again.stdout, r"forces differ in (\d+) ticks"),
+                             0.01 * len(rows))
+        self.assertEqual(number(again.stdout, r"ticks +(\d+) in"), len(rows))
+
+    def test_limits(self):
+        output, rows = self.touch("limited.csv", "--force-limit", 0.05, "--force-scale", 10,
+                                  "--motion", "tap", "--node", self.corner, limit=0.05)
+        self.assertGreater(number(output, r"limiter +(\d+) ticks by size"), 0)
+        self.assertGreater(max(sent_force(row) or 0 for row in rows), 0.04)
+        output, rows = self.touch("slow.csv", "--slew-limit", 0.1, "--motion", "tap")
+        self.assertGreater(number(output, r"(\d+) by change"), 0)
+        for before, row in zip(rows, rows[1:]):
+            # After a late tick it may change by as much as in two.
+            rise = float(row["force_z_N"]) - float(before["force_z_N"])
+            self.assertLessEqual(rise, 0.1 * 2e-3 + 1e-9)
+
+    def test_motions_and_options(self):
+        for motion in ("slide", "circle"):
+            self.touch(motion + ".csv", "--motion", motion, "--depth", 0.004, "--scale", 0.5,
+                       "--method", "trilinear", "--bonded", "--damping", 1, "--coupling", 500,
+                       "--no-blending", "--no-passivity-control", "--no-realtime")
+
+    def test_list_and_help(self):
+        done = run("--device", "list")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("simulated", done.stdout)
+        done = run("--help")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertIn("--force-limit", done.stdout)
+
+    def expect_error(self, arguments, *words):
+        done = run(*arguments)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertTrue(done.stderr.startswith("palpate-servo: "), done.stderr)
+        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        for word in words:
+            self.assertIn(word, done.stderr)
+
+    def test_bad_input(self):
+        text = self.path("text.palpate")
+        with open(text, "w", encoding="utf-8") as file:
+            file.write("no space")
+        self.expect_error([], "palpate-servo --help")
+        self.expect_error([self.path("none.palpate")], "none.palpate")
+        self.expect_error([text], "text.palpate")
+        for option, value, *words in (
+                ("--seconds", "soon", "soon"), ("--seconds", -1, "-1"),
+                ("--motion", "dance", "dance", "press, slide, tap"),
+                ("--method", "best", "best", "energy-hermite"),
+                ("--node", 3, "3", f"{min(self.corner, self.middle)}, "),
+                ("--node", -1, "-1"), ("--force-limit", -1, "force limit"),
+                ("--slew-limit", 0, "slew limit"), ("--scale", 0, "scale"),
+                ("--damping", "nan", "damping"), ("--coupling", -1, "coupling"),
+                ("--depth", 1, "--depth"), ("--depth", "inf", "--depth"),
+                ("--what", 1, "--what"),
+                ("--record", self.path("none/a.csv"), "none/a.csv"),
+                ("--record", text, "text.palpate", "already"),
+                ("--replay", self.path("none.csv"), "none.csv"), ("--replay", text, "recording")):
+            with self.subTest(option=option, value=value):
+                self.expect_error([self.space, option, value], *words)
+
+    def test_no_such_device(self):
+        for device in ("ffff:ffff", "/dev/none"):
+            done = run(self.space, "--device", device)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn("There is no haptic device " + device, done.stderr)
+
+    def test_another_scene(self):
+        self.touch("scene.csv")
+        with open(self.path("scene.csv"), encoding="utf-8") as file:
+            text = file.read()
+        with open(self.path("other.csv"), "w", encoding="utf-8") as file:
+            file.write(re.sub(r"scene=\w+", "scene=0123", text))
+        self.expect_error([self.space, "--replay", self.path("other.csv")], "another scene")
+
+    def stopped(self, name, with_signal):
+        """A run without an end that is sent a signal when it touches."""
+        path = self.path(name)
+        with subprocess.Popen(command(self.space, "--seconds", 0, "--motion", "tap", "--record",
+                                      path),
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            end = time.monotonic() + 60
+            while time.monotonic() < end:
+                time.sleep(0.05)
+                if os.path.exists(path) and os.path.getsize(path) > 500_000:
+                    break
+            process.send_signal(with_signal)
+            output, errors = process.communicate(timeout=60)
+        return process.returncode, output, errors
+
+    def test_signals(self):
+        for name, with_signal in (("int.csv", signal.SIGINT), ("term.csv", signal.SIGTERM)):
+            code, output, errors = self.stopped(name, with_signal)
+            self.assertEqual(code, 0, errors)
+            rows = rows_of(self.path(name))
+            self.assertEqual(len(rows), number(output, r"ticks +(\d+) in"))
+            self.check_safety(output, rows, BOARD_LIMIT)
+
+    def test_a_recording_outlives_kill(self):
+        code, _, _ = self.stopped("kill.csv", signal.SIGKILL)
+        self.assertEqual(code, -signal.SIGKILL)
+        again = run(self.space, "--replay", self.path("kill.csv"))
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertGreater(number(again.stdout, r"ticks +(\d+) in"), 100)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
