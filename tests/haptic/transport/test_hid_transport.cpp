@@ -122,14 +122,6 @@ TEST(OpenHidDevice, SaysWhyElse) {
   EXPECT_TRUE(contains(what("busy"), "busy cannot be opened: Device or resource busy"));
 }
 
-TEST(OpenHidDevice, SystemSaysWhatIsNoDevice) {
-  const auto what = [](const char* path) {
-    return error_of<BackendError>([&] { (void)open_hid_device(hidapi(), path); });
-  };
-  EXPECT_TRUE(contains(what("/dev/null"), "not a hidraw device")) << what("/dev/null");
-  EXPECT_TRUE(contains(what("/dev/hidraw-none"), "is not there")) << what("/dev/hidraw-none");
-}
-
 /// Whether the last owner lets go of it.
 bool is_let_go(const std::weak_ptr<FakeDevice>& device) {
   for (int i = 0; i < 1000 && !device.expired(); ++i) std::this_thread::sleep_for(milliseconds(5));
