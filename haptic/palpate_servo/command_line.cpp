@@ -67,11 +67,15 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
                "and its safety rules.\nEnds after --seconds, or with Ctrl+C.",
                "palpate-servo");
   app.option_defaults()->always_capture_default();
-  app.add_option("space", line.space, "The state space (.palpate)")->type_name("FILE");
-  app.add_option("--device", line.device,
-                 "simulated; list, to print what is plugged in; or a device by its path "
-                 "(/dev/hidraw3) or vendor and product (1234:0006)")
-      ->type_name("NAME");
+  app.add_option("space", line.space,
+                 "The state space (.palpate); none: with --device, to see where the device is, "
+                 "without forces")
+      ->type_name("FILE");
+  const CLI::Option* device =
+      app.add_option("--device", line.device,
+                     "simulated; list, to print what is plugged in; or a device by its path "
+                     "(/dev/hidraw3) or vendor and product (1234:0006)")
+          ->type_name("NAME");
   add_choice<HandMotion>(app, "--motion", line.motion,
                          {{"tap", HandMotion::tap},
                           {"press", HandMotion::press},
@@ -118,7 +122,7 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
     throw InputError(std::string(error.what()) + ". palpate-servo --help says what there is.");
   }
   if (!realtime) line.options.priority = 0;
-  if (line.device != "list" && line.space.empty()) {
+  if (line.space.empty() && (device->count() == 0 || !line.replay.empty())) {
     throw InputError("Which state space? Give a .palpate file. palpate-servo --help says more.");
   }
   if (!line.replay.empty() && !line.record.empty()) {

@@ -3,6 +3,7 @@
 //
 //   palpate-servo liver.palpate                                  a simulated board and hand
 //   palpate-servo --device list                                  what is plugged in
+//   palpate-servo --device 1234:0006                             where it is, without forces
 //   palpate-servo liver.palpate --device 1234:0006 --seconds 0   a real one, until Ctrl+C
 //   palpate-servo liver.palpate --record run.csv                 every tick into a table
 //   palpate-servo liver.palpate --replay run.csv                 the same ticks again
@@ -193,32 +194,48 @@ double limit_of(const Specification& device, const ServoSettings& settings) {
                                   : device.max_linear_force;
 }
 
+/// The device over a node of the body that the command line says.
+std::shared_ptr<const Touchable> read_body(CommandLine& line) {
+  const TouchSpace space = read_space(line.space);
+  auto body = std::make_shared<const Touchable>(space, line.touchable);
+  const Touchable::Node& node = chosen_node(*body, line);
+  line.node = node.mesh_point;
+  if (line.depth == 0) line.depth = space.find(node.mesh_point)->site.half_width / 2;
+  return body;
+}
+
+void place_device(const Touchable& body, const Specification& device, CommandLine& line) {
+  place_workspace(body, chosen_node(body, line), device, line.settings);
+  if (!line.coupling) {
+    line.touch.coupling_stiffness =
+        coupling_stiffness_for(device, body.largest_stiffness(), line.settings);
+  }
+  print(body, line.touchable.method);
+  std::printf("touching     node %d, coupling %.4g N/m\n", *line.node,
+              line.touch.coupling_stiffness);
+}
+
 int run(CommandLine line) {
   const Signals signals;
-  const TouchSpace space = read_space(line.space);
-  const auto body = std::make_shared<const Touchable>(space, line.touchable);
-  const Touchable::Node& node = chosen_node(*body, line);
+  const auto body = line.space.empty() ? nullptr : read_body(line);
   const auto clock = std::make_shared<MonotonicClock>();
-  if (line.depth == 0) line.depth = space.find(node.mesh_point)->site.half_width / 2;
   Device device = line.device == "simulated"
                       ? simulated_device(clock, line.motion, line.depth,
                                          line.settings.workspace_scale)
                       : opened_device(line.device);
   const Specification& specification = device.profile->specification();
-  place_workspace(*body, node, specification, line.settings);
-  if (!line.coupling) {
-    line.touch.coupling_stiffness =
-        coupling_stiffness_for(specification, body->largest_stiffness(), line.settings);
-  }
   print(specification);
-  print(*body, line.touchable.method);
-  std::printf("touching     node %d, coupling %.4g N/m\n", node.mesh_point,
-              line.touch.coupling_stiffness);
+  if (body) {
+    place_device(*body, specification, line);
+  } else {
+    std::printf("body         none: no forces are sent\n");
+    line.settings.engaged = false;
+  }
   std::fflush(stdout);
 
   std::unique_ptr<Recorder> recorder;
   if (!line.record.empty()) {
-    device.setup.scene_hash = body->scene_hash();
+    if (body) device.setup.scene_hash = body->scene_hash();
     device.setup.touchable = line.touchable;
     device.setup.options = line.options;
     recorder = std::make_unique<Recorder>(line.record, device.setup);
@@ -232,9 +249,19 @@ int run(CommandLine line) {
   const Time begin = clock->now();
   servo.start();
   bool gone = false;
+  Time told = begin;
   while (!gone && !signals.wait_for(50ms)) {
-    if (line.seconds > 0 && seconds(clock->now() - begin) >= line.seconds) break;
-    gone = servo.latest().state == ServoState::gone;
+    const Time now = clock->now();
+    if (line.seconds > 0 && seconds(now - begin) >= line.seconds) break;
+    const Tick tick = servo.latest();
+    gone = tick.state == ServoState::gone;
+    if (!body && now - told >= 500ms) {
+      told = now;
+      const Vec3& place = tick.device.position;
+      std::printf("position     %8.5f %8.5f %8.5f m, buttons %x, %s\n", place.x(), place.y(),
+                  place.z(), tick.device.buttons, to_string(tick.state).data());
+      std::fflush(stdout);
+    }
   }
   const bool ended = servo.stop();
 

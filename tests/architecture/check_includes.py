@@ -88,6 +88,9 @@ UNITS = solver_units() | haptic_units() | {
     "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}),
     "plugin/Palpate": Unit({"std", "VTK"}, {"filters"}),
     "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt"}, {"filters", "haptic"}),
+    # What somebody else's program would be.
+    "examples": Unit({"std", "Eigen"}, {"haptic", "solvers/base", "solvers/state_space",
+                                        "solvers/interpolation"}),
     "tests": Unit({name for name, _ in LIBRARIES}, {"solvers", "haptic", "filters", "plugin"}),
 }
 

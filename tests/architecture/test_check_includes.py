@@ -51,6 +51,10 @@ class AllowedTest(unittest.TestCase):
         self.check("filters/a.cxx", '"vtkPalpateGuard.h"', '"mesh/tet_mesh.h"', "<vtkMPI.h>",
                    '"vtkPolyData.h"', '"PalpateFiltersModule.h"', "<vtkSMPTools.h>", "<spawn.h>")
 
+    def test_examples(self):
+        self.check("examples/a/a.cpp", '"haptic/servo/servo.h"',
+                   '"state_space/state_space.h"', "<cstdio>")
+
     def test_tests_see_all(self):
         self.check("tests/filters/a.cpp", '"vtkPalpateGuard.h"', '"base/error.h"',
                    "<gtest/gtest.h>")
@@ -111,6 +115,12 @@ class ForbiddenTest(unittest.TestCase):
     def test_haptic_does_not_solve(self):
         self.check("haptic/servo/a.cpp", '"linear/linear_solver.h"',
                    "linear/linear_solver.h: haptic/servo may not include solvers/linear")
+
+    def test_examples_neither_show_nor_solve(self):
+        self.check("examples/a/a.cpp", "<vtkPolyData.h>",
+                   "vtkPolyData.h: examples may not include VTK")
+        self.check("examples/a/a.cpp", '"linear/linear_solver.h"',
+                   "linear/linear_solver.h: examples may not include solvers/linear")
 
     def test_haptic_parts_see_only_those_before(self):
         self.check("haptic/profile/a.cpp", '"haptic/servo/servo.h"',

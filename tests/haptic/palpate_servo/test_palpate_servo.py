@@ -134,6 +134,13 @@ class PalpateServo(unittest.TestCase):
                        "--method", "trilinear", "--bonded", "--damping", 1, "--coupling", 500,
                        "--no-blending", "--no-passivity-control", "--no-realtime")
 
+    def test_without_a_space_there_is_no_force(self):
+        done = run("--device", "simulated", "--seconds", 1.2, "--record", self.path("none.csv"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"position +\S+ +\S+ +\S+ m, buttons 0, (ready|stale)")
+        self.assertEqual(number(done.stdout, r"largest ([\d.]+) N, limit"), 0)
+        self.assertTrue(all(sent_force(row) is None for row in rows_of(self.path("none.csv"))))
+
     def test_list_and_help(self):
         done = run("--device", "list")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
@@ -155,6 +162,7 @@ class PalpateServo(unittest.TestCase):
         with open(text, "w", encoding="utf-8") as file:
             file.write("no space")
         self.expect_error([], "palpate-servo --help")
+        self.expect_error(["--device", "simulated", "--replay", text], "state space")
         self.expect_error([self.path("none.palpate")], "none.palpate")
         self.expect_error([text], "text.palpate")
         for option, value, *words in (

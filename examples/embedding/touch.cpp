@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The haptic loop in a program of one's own, without VTK: a device touches a state space.
+//
+//   touch liver.palpate             a simulated board, which presses on the first active node
+//   touch liver.palpate 1234:0006   a real device, by vendor and product or its path
+#include <cstdio>
+#include <stdexcept>
+#include <thread>
+
+#include "haptic/servo/servo.h"
+#include "haptic/transport/open_device.h"
+#include "haptic/transport/simulated_board.h"
+#include "state_space/state_space_file.h"
+
+using namespace palpate;
+using namespace std::chrono_literals;
+
+int main(int argc, char** argv) try {
+  if (argc < 2) throw std::runtime_error("Which state space? Give a .palpate file.");
+  // 1. The body: what of the space can be felt.
+  const auto file = StateSpaceFile::open_read_only(argv[1]);
+  const auto body = std::make_shared<const Touchable>(make_touch_space_without_modes(file));
+
+  // 2. The device.
+  const auto clock = std::make_shared<MonotonicClock>();
+  OpenedDevice device;
+  if (argc > 2) {
+    device = open_device(argv[2]);
+  } else {
+    const std::vector<ScriptedMotion::Waypoint> way{{0ms, {0, 0, 0.01}}, {1000ms, {0, 0, -0.005}}};
+    auto board = std::make_unique<SimulatedBoard>(clock, std::make_shared<ScriptedMotion>(way));
+    device.profile = make_profile(ProfileKind::palpate_report, board->feature());
+    device.transport = std::move(board);
+  }
+
+  // 3. Where its workspace is: at the first active node, down is into the body.
+  const Vec3 node = body->nodes().front().rest_position;
+  const Vec3 outward = body->surface().nearest(node).normal;
+  ServoSettings settings;
+  settings.workspace_centre = node;
+  settings.workspace_rotation =
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), outward).toRotationMatrix();
+
+  // 4. The loop, on a thread of its own. Here the program would draw, or simulate something else.
+  Servo servo(std::move(device.transport), device.profile, clock);
+  servo.set_settings(settings);
+  servo.set_body(body);
+  servo.start();
+  for (int i = 0; i < 10; ++i) {
+    std::this_thread::sleep_for(200ms);
+    const Tick tick = servo.latest();
+    std::printf("%s: node moved by %.4f m, %.4f N\n", to_string(tick.state).data(),
+                tick.contact.displacement.norm(), tick.force.norm());
+  }
+  return servo.stop() ? 0 : 1;  // zero force
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "touch: %s\n", error.what());
+  return 1;
+}
