@@ -309,13 +309,16 @@ TEST(SimulatedBoard, WritesThatBlockUntilTheyAreReleased) {
     BoardFaults faults;
     faults.blocking_writes.from = Time(0);
     Board b(with(faults));
+    std::atomic<bool> began{false};
     std::atomic<bool> returned{false};
     std::atomic<int> status{-1};
     std::thread writer([&] {
+      began = true;
       status = static_cast<int>(b.push(1000));
       returned = true;
     });
-    std::this_thread::sleep_for(milliseconds(20));
+    while (!began) std::this_thread::yield();
+    std::this_thread::sleep_for(milliseconds(50));
     EXPECT_FALSE(returned);
     if (by_unplug) {
       b.board.unplug();
