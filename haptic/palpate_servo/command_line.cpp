@@ -63,8 +63,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   ServoSettings& settings = line.settings;
   TouchSettings& touch = line.touch;
   bool realtime = true;
-  CLI::App app("Lets a haptic device touch a state space, and prints how well the loop kept its time "
-               "and its safety rules.\nEnds after --seconds, or with Ctrl+C.",
+  CLI::App app("Lets a haptic device touch a state space, and prints how well the loop kept its "
+               "time and its safety rules.\nEnds after --seconds, or with Ctrl+C.",
                "palpate-servo");
   app.option_defaults()->always_capture_default();
   app.add_option("space", line.space,
@@ -93,12 +93,14 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
       ->type_name("CSV");
   add_choice(app, "--method", line.touchable.method, methods(), "Interpolation",
              "energy-hermite");
-  app.add_option("--scale", settings.workspace_scale, "Metres in the scene for a metre at the device");
+  app.add_option("--scale", settings.workspace_scale,
+                 "Metres in the scene for a metre at the device");
   app.add_option("--force-scale", settings.force_scale,
                  "Newtons at the device for a newton of the body");
   app.add_option("--force-limit", settings.force_limit,
                  "Largest force, N; 0: that of the device, which is never exceeded");
-  app.add_option("--slew-limit", settings.slew_limit, "Largest change of the force in a second, N/s");
+  app.add_option("--slew-limit", settings.slew_limit,
+                 "Largest change of the force in a second, N/s");
   app.add_option("--damping", settings.damping, "Damping of the hand while it touches, N·s/m");
   app.add_option("--coupling", line.coupling,
                  "Stiffness between tool and body, N/m; 0: none (what the device displays, where "
@@ -126,7 +128,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
     throw InputError("Which state space? Give a .palpate file. palpate-servo --help says more.");
   }
   if (!line.replay.empty() && !line.record.empty()) {
-    throw InputError("--replay and --record do not go together: there would be the same once more.");
+    throw InputError(
+        "--replay and --record do not go together: there would be the same once more.");
   }
   if (!(std::isfinite(line.seconds) && line.seconds >= 0)) {
     throw InputError("--seconds is " + std::to_string(line.seconds) + ". Give 0 or more.");

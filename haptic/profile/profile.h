@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the bytes of a kind of device mean. Pure functions: nothing is kept between calls, nothing is
-// read or written; see transport/ for that.
+// What the bytes of a kind of device mean. Pure functions: nothing is kept between calls, nothing
+// is read or written; see transport/ for that.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bytes of one HID report, as hidapi takes and gives them: where a device numbers its reports the
-// first byte is the number; where it does not, what is read begins with the data, and what is written
-// begins with a 0 that is not sent.
+// The bytes of one HID report, as hidapi takes and gives them: where a device numbers its reports
+// the first byte is the number; where it does not, what is read begins with the data, and what is
+// written begins with a 0 that is not sent.
 #pragma once
 
 #include <array>

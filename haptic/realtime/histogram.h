@@ -17,8 +17,8 @@ struct Percentiles {
   Duration largest{0};
 };
 
-/// Counts by size: sixteen buckets for each doubling, so that a percentile is at most a sixteenth too
-/// large. One thread adds; any may read meanwhile.
+/// Counts by size: sixteen buckets for each doubling, so that a percentile is at most a sixteenth
+/// too large. One thread adds; any may read meanwhile.
 class DurationHistogram {
  public:
   /// @note Realtime-safe.

@@ -10,9 +10,9 @@
 //     loop.wait();
 //   }
 //
-// Forces are equal to the bit where the recording begins with the loop and has every tick, and where
-// no tick read more than TickRecord::kReports reports. A body that was replaced meanwhile is not in
-// it, but the hash of its scene.
+// Forces are equal to the bit where the recording begins with the loop and has every tick, and
+// where no tick read more than TickRecord::kReports reports. A body that was replaced meanwhile is
+// not in it, but the hash of its scene.
 #pragma once
 
 #include <cstdint>

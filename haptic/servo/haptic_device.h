@@ -73,8 +73,8 @@ class HapticDevice {
   /// @param switches Bit i: button i is held down.
   bool getUserSwitches(std::uint32_t& switches) const noexcept;
 
-  /// Sends a force, limited. To be called in every round of the loop: a device in lock-step measures
-  /// when it gets one, and a watchdog cuts the motors of one that gets none.
+  /// Sends a force, limited. To be called in every round of the loop: a device in lock-step
+  /// measures when it gets one, and a watchdog cuts the motors of one that gets none.
   /// @param force In the device's axes [3], N.
   /// @return false: zero was sent in place of it, or nothing could be.
   /// @note Realtime-safe but for the device's own calls.

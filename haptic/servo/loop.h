@@ -59,8 +59,8 @@ class Loop {
   /// @note Realtime-safe but for the device's own calls.
   void tick() noexcept;
 
-  /// Sleeps until the next tick is due. Where the device has the pace that is at once, since the tick
-  /// itself waits for it. Late by a period or more, the rhythm begins anew.
+  /// Sleeps until the next tick is due. Where the device has the pace that is at once, since the
+  /// tick itself waits for it. Late by a period or more, the rhythm begins anew.
   void wait() noexcept;
 
   [[nodiscard]] const Tick& last() const noexcept { return tick_; }
@@ -85,8 +85,8 @@ class Loop {
 
   Tick tick_;
   Counters counters_;
-  /// At the device, in its axes: its velocity, m/s, how far it has moved since the tick before, m, and
-  /// the force that was sent then, N.
+  /// At the device, in its axes: its velocity, m/s, how far it has moved since the tick before, m,
+  /// and the force that was sent then, N.
   Vec3 device_velocity_ = Vec3::Zero();
   Vec3 device_moved_ = Vec3::Zero();
   Vec3 device_force_ = Vec3::Zero();

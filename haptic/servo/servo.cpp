@@ -39,8 +39,8 @@ class SignalsBlocked {
   sigset_t before_;
 };
 
-/// No page of the process is paged out. With a limit on locked memory a later allocation anywhere in
-/// the process could fail, so it is only done where there is none.
+/// No page of the process is paged out. With a limit on locked memory a later allocation anywhere
+/// in the process could fail, so it is only done where there is none.
 bool lock_memory() noexcept {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);

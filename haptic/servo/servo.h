@@ -8,8 +8,8 @@
 //
 // Every way out sends zero force: stop(), the destructor, a report that is too old, a force that is
 // not finite, a device that fails. A device whose driver hangs in a write cannot be sent anything;
-// stop() then returns in time all the same, the thread ends by itself when the driver lets go of it,
-// and until then the device's own watchdog is what cuts the motors.
+// stop() then returns in time all the same, the thread ends by itself when the driver lets go of
+// it, and until then the device's own watchdog is what cuts the motors.
 #pragma once
 
 #include <memory>

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A device in use: its newest state and how old that is, and the forces that go to it.
 //
-// How old. A queue of the system keeps the oldest reports, 63 with hidraw: after a pause what is read
-// last is old too. Where the device tells its time, the age of a report is
+// How old. A queue of the system keeps the oldest reports, 63 with hidraw: after a pause what is
+// read last is old too. Where the device tells its time, the age of a report is
 //
 //   age = now − (device time + offset),   offset = least (time of reading − device time),
 //
 // the least over what was read, which grows by the drift that clocks have. Where it does not, a
-// report cannot be older than the last time that the queue was seen empty before it, and is taken for
-// that old.
+// report cannot be older than the last time that the queue was seen empty before it, and is taken
+// for that old.
 #pragma once
 
 #include <array>
@@ -33,8 +33,8 @@ class DeviceSession {
   DeviceSession(const DeviceSession&) = delete;
   DeviceSession& operator=(const DeviceSession&) = delete;
 
-  /// Reads all reports that are there; a device in lock-step is waited for. One that has lost a report
-  /// stays silent until it is sent something: send() must follow whatever was read.
+  /// Reads all reports that are there; a device in lock-step is waited for. One that has lost a
+  /// report stays silent until it is sent something: send() must follow whatever was read.
   /// @note Realtime-safe but for the device's own calls.
   void poll() noexcept;
 

@@ -15,8 +15,8 @@ enum class ContactStatus : int {
   nothing = 0,
   /// Outside the body.
   free = 1,
-  /// Inside the body at rest without touching it: the tool began there, was let go there, or came in
-  /// where no active node is near.
+  /// Inside the body at rest without touching it: the tool began there, was let go there, or came
+  /// in where no active node is near.
   inside = 2,
   /// Attached to the surface.
   attached = 3,

@@ -9,8 +9,8 @@ struct TouchSettings {
   /// as they are while attached; where one of them is not active, and without this, the nearest
   /// active node alone.
   bool blended = true;
-  /// Bonded: the tool also pulls, and lets go only above release_force. Else it lets go as soon as it
-  /// would pull.
+  /// Bonded: the tool also pulls, and lets go only above release_force. Else it lets go as soon as
+  /// it would pull.
   bool bonded = false;
   /// A bonded tool lets go where the body pulls with more than this, N; 0: never.
   double release_force = 0;

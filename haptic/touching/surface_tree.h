@@ -52,8 +52,8 @@ class SurfaceTree {
  private:
   struct Node {
     Eigen::AlignedBox3d box;
-    /// Of a leaf: its triangles [first, last) in order_. Else first is −1; the children are the next
-    /// node and the one at `last`.
+    /// Of a leaf: its triangles [first, last) in order_. Else first is −1; the children are the
+    /// next node and the one at `last`.
     Index first = -1;
     Index last = 0;
   };

@@ -15,8 +15,8 @@ namespace {
 /// Of the balance of body and coupling within a tick; what is left is made up in the next ones.
 constexpr int kMostSteps = 4;
 constexpr int kMostHalvings = 4;
-/// The balance is good enough at this share of the coupling's force: far below what a device's steps
-/// of force are, and far above what rounding leaves.
+/// The balance is good enough at this share of the coupling's force: far below what a device's
+/// steps of force are, and far above what rounding leaves.
 constexpr double kBalanced = 1e-8;
 
 /// How certain, the worst first.
@@ -114,8 +114,8 @@ TouchResult Tool::evaluate(const Vec3& t) const noexcept {
   return sum;
 }
 
-// Newton's method on φ from where the nodes are, the step halved until φ falls; near the minimum, where
-// φ no longer tells, until the residual does.
+// Newton's method on φ from where the nodes are, the step halved until φ falls; near the minimum,
+// where φ no longer tells, until the residual does.
 TouchResult Tool::balance(const Vec3& offset, double coupling, Vec3& t) const noexcept {
   const auto potential = [&](const TouchResult& at, const Vec3& where) {
     return at.energy + 0.5 * coupling * (offset - where).squaredNorm();

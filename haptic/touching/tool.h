@@ -6,9 +6,9 @@
 //
 //   f = −h(t),   h = Σ w_n h_n(t) = ∇Π,   Π = Σ w_n Π_n(t),   t = p − a
 //
-// with the weights w of a in its triangle, or the nearest active node alone. The weights stay as they
-// are as long as it is attached: a force the weights of which followed the tool would do work around
-// a closed path. The force is zero where the tool comes in, t = 0.
+// with the weights w of a in its triangle, or the nearest active node alone. The weights stay as
+// they are as long as it is attached: a force the weights of which followed the tool would do work
+// around a closed path. The force is zero where the tool comes in, t = 0.
 //
 // With a coupling of stiffness c the tool holds the nodes by a spring: t is where
 // φ(t) = Π(t) + ½ c |p − a − t|² has its minimum, f = −c (p − a − t), and no stiffness above c is

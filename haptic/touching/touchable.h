@@ -43,8 +43,8 @@ class Touchable {
   /// Place in nodes() of a point of the mesh; −1: it is not active.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t find(Index mesh_point) const noexcept;
-  /// Place in nodes() of the active node nearest to a point, at rest; −1: there is none within reach,
-  /// m.
+  /// Place in nodes() of the active node nearest to a point, at rest; −1: there is none within
+  /// reach, m.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t nearest(const Vec3& point, double reach) const noexcept;
   /// Largest eigenvalue of the stiffness of any usable configuration, N/m.

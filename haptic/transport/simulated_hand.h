@@ -3,12 +3,12 @@
 //
 //   (m_d + m_h) x'' = f − b_d x' + k_h (x_w − x) + b_h (x_w' − x')
 //
-// m_d and b_d of the device, m_h, k_h and b_h of the arm and the grip, f of the motors, and x_w where
-// the person wants to be. What a grip is like differs from person to person and from moment to moment;
-// the defaults are those of a light one, at the lower end of what is measured [KH].
+// m_d and b_d of the device, m_h, k_h and b_h of the arm and the grip, f of the motors, and x_w
+// where the person wants to be. What a grip is like differs from person to person and from moment
+// to moment; the defaults are those of a light one, at the lower end of what is measured [KH].
 //
-// [KH] Kuchenbecker, Park & Niemeyer, Characterizing the Human Wrist for Improved Haptic Interaction,
-// ASME IMECE 2003.
+// [KH] Kuchenbecker, Park & Niemeyer, Characterizing the Human Wrist for Improved Haptic
+// Interaction, ASME IMECE 2003.
 #pragma once
 
 #include <memory>

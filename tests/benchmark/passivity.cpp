@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How stiff a body a hand can touch stably, by device: stiffness × delay × steps of position, with and
-// without the passivity controller. The servo loop as it is, on a simulated board that a simulated
-// hand holds, by a virtual clock. Prints the tables of README.md.
+// How stiff a body a hand can touch stably, by device: stiffness × delay × steps of position, with
+// and without the passivity controller. The servo loop as it is, on a simulated board that a
+// simulated hand holds, by a virtual clock. Prints the tables of README.md.
 #include <cstdio>
 #include <memory>
 

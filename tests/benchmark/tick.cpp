@@ -5,8 +5,8 @@
 //   palpate_benchmark_tick [space.palpate]
 //
 // With a state space: its nodes. Always: boxes with 9 to 1000 active nodes of 343 configurations.
-// Warm: ticks one after the other. Cold: between two ticks 64 MB of other memory are gone through, as
-// a program that draws does.
+// Warm: ticks one after the other. Cold: between two ticks 64 MB of other memory are gone through,
+// as a program that draws does.
 #include <cmath>
 #include <cstdio>
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The loop by a virtual clock, with each fault that a device has. What the board's motors do is what
-// counts.
+// The loop by a virtual clock, with each fault that a device has. What the board's motors do is
+// what counts.
 #include <gtest/gtest.h>
 
 #include <cmath>

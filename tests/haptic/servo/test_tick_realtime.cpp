@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tick allocates nothing, takes no lock, and calls the system for nothing: a child runs ticks under
-// a filter that ends it at any call but the one by which it reports.
+// A tick allocates nothing, takes no lock, and calls the system for nothing: a child runs ticks
+// under a filter that ends it at any call but the one by which it reports.
 #include <gtest/gtest.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>

@@ -14,8 +14,8 @@ namespace palpate::test {
 
 /// Sides of the box, m. It lies between the origin and these; its top, z = kBox[2], is touched.
 inline const Vec3 kBox(0.08, 0.08, 0.04);
-/// Π = ½ k (t·Dt + |t|⁴/(2 l²)), D = diag(0.7, 0.8, 1), l = kHalfWidth: stiffens, and is no isotropic
-/// spring.
+/// Π = ½ k (t·Dt + |t|⁴/(2 l²)), D = diag(0.7, 0.8, 1), l = kHalfWidth: stiffens, and is no
+/// isotropic spring.
 inline Energy stiffening_spring(double k) {
   return [k](const Vec3& t) {
     const Mat3 d = Vec3(0.7, 0.8, 1).asDiagonal();
