@@ -128,8 +128,7 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
     throw InputError("Which state space? Give a .palpate file. palpate-servo --help says more.");
   }
   if (!line.replay.empty() && !line.record.empty()) {
-    throw InputError(
-        "--replay and --record do not go together: there would be the same once more.");
+    throw InputError("--replay and --record do not go together: it would be the same again.");
   }
   if (!(std::isfinite(line.seconds) && line.seconds >= 0)) {
     throw InputError("--seconds is " + std::to_string(line.seconds) + ". Give 0 or more.");

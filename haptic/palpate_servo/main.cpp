@@ -9,8 +9,7 @@
 //   palpate-servo liver.palpate --replay run.csv                 the same ticks again
 //
 // Prints a line a subject: the device, the body, how well the loop kept its time, what was sent.
-// Ends with 1 and one line on stderr where something is wrong with what was given or with the
-// device.
+// Ends with 1 and a message on stderr where something is wrong with what was given or the device.
 #include <pthread.h>
 #include <signal.h>
 

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <condition_variable>
@@ -101,17 +102,17 @@ struct Recorder::Impl {
 
   /// From the ring to the file.
   void drain() {
-    std::uint64_t num_rows = 0;
+    std::uint64_t num_ticks = 0;
     while (ring->pop(record)) {
-      ++num_rows;
+      ++num_ticks;
       if (failed) continue;
       add_row();
       if (rows.size() >= kBlock) {
-        write_rows(num_rows);
-        num_rows = 0;
+        write_rows(num_ticks);
+        num_ticks = 0;
       }
     }
-    write_rows(num_rows);
+    write_rows(num_ticks);
   }
 
   void add_row() {
@@ -128,7 +129,7 @@ struct Recorder::Impl {
     rows.push_back('\n');
   }
 
-  void write_rows(std::uint64_t num_rows) {
+  void write_rows(std::uint64_t num_ticks) {
     std::size_t done = 0;
     while (!failed && done < rows.size()) {
       const ssize_t count = ::write(file, rows.data() + done, rows.size() - done);
@@ -138,14 +139,16 @@ struct Recorder::Impl {
         fail(std::strerror(errno));
       }
     }
-    if (failed) {
-      // What is there of these rows ends in the middle of one.
-      if (done > 0) (void)!::ftruncate(file, static_cast<off_t>(size));
-      unwritten += num_rows;
-    } else {
-      size += rows.size();
-      written += num_rows;
-    }
+    // What fitted may end in the middle of a row.
+    const std::size_t whole = done > 0 ? rows.rfind('\n', done - 1) + 1 : 0;
+    if (whole < done) (void)!::ftruncate(file, static_cast<off_t>(size + whole));
+    auto num_rows = static_cast<std::uint64_t>(
+        std::count(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(whole), '\n'));
+    // The header is no tick.
+    if (size == 0 && num_rows > 0) --num_rows;
+    size += whole;
+    written += num_rows;
+    unwritten += num_ticks - num_rows;
     rows.clear();
   }
 

@@ -2,13 +2,13 @@
 // Writes every tick of a servo loop into a file, on a thread of its own.
 //
 // The file is a table of comma-separated values: a header row with names and units, then a row a
-// tick, columns.h says which. ParaView opens it as a table: numbers are numbers, and a report is
-// the letter x and its bytes in hexadecimal. Of a quaternion, "w" comes last.
+// tick, about 700 bytes; columns.h says which. ParaView opens it as a table: numbers are numbers,
+// and a report is the letter x and its bytes in hexadecimal.
 //
 // What a replay needs besides is in the last column, `settings`, as "name=value;" with numbers as
 // in the other columns: in the first row all of it, later in the rows where something has changed.
-// So there is one file, which cannot lose its other half, is complete from the first row on, and
-// has no line that a reader of tables would trip over.
+// So there is one file, which cannot lose its other half, is complete from the first row on, and has
+// no line that a reader of tables would trip over.
 //
 // Every 20 ms the rows are handed to the system: of a process that is killed more than that is not
 // lost, and at the most the last row is cut short. A loss of power may take what the system has not
@@ -40,8 +40,7 @@ class Recorder {
 
   /// Writes what is in the ring and closes the file; then it is on the disk.
   /// @throws BackendError not all could be written: the disk is full, say. The message says how
-  /// much
-  ///   there is; it is whole rows.
+  ///   much there is; it is whole rows.
   void close();
 
   /// Ticks that are in the file.

@@ -86,7 +86,7 @@ class PalpateServo(unittest.TestCase):
         rows = rows_of(self.path(name))
         self.assertEqual(len(rows), number(done.stdout, r"ticks +(\d+) in"))
         self.assertEqual(len(rows), number(done.stdout, r"recording +(\d+) ticks, 0 dropped"))
-        self.assertGreaterEqual(number(done.stdout, r"ticks +\d+ in ([\d.]+) s"), 1.4)
+        self.assertLessEqual(len(rows), 1000 * number(done.stdout, r"ticks +\d+ in ([\d.]+) s") + 1)
         touching = [row for row in rows if int(row["contact"]) == ATTACHED]
         self.assertEqual(len(touching), number(done.stdout, r"(\d+) ticks touching"))
         self.assertGreater(len(touching), 10)
@@ -110,8 +110,8 @@ class PalpateServo(unittest.TestCase):
 
         again = run(self.space, "--replay", self.path("press.csv"))
         self.assertEqual(again.returncode, 0, again.stderr)
-        # Reports are read some microseconds after a tick begins, and replayed at its beginning: on a
-        # busy machine a report may be just too old in one of them.
+        # Reports are read some microseconds after a tick begins, and replayed at its beginning: on
+        # a busy machine a report may be just too old in one of them.
         self.assertLessEqual(number(again.stdout, r"forces differ in (\d+) ticks"),
                              0.01 * len(rows))
         self.assertEqual(number(again.stdout, r"ticks +(\d+) in"), len(rows))
