@@ -97,6 +97,8 @@ bool Tool::attach(const SurfaceTree::Nearest& at, const TouchSettings& settings)
   anchor_ = at.point;
   normal_ = at.normal;
   displacement_.setZero();
+  offset_.setZero();
+  followed_.setZero();
   return true;
 }
 
@@ -114,8 +116,8 @@ TouchResult Tool::evaluate(const Vec3& t) const noexcept {
   return sum;
 }
 
-// Newton's method on φ from where the nodes are, the step halved until φ falls; near the minimum,
-// where φ no longer tells, until the residual does.
+// Newton's method on φ from where the nodes are expected, the step halved until φ falls; near the
+// minimum, where φ no longer tells, until the residual does.
 TouchResult Tool::balance(const Vec3& offset, double coupling, Vec3& t) const noexcept {
   const auto potential = [&](const TouchResult& at, const Vec3& where) {
     return at.energy + 0.5 * coupling * (offset - where).squaredNorm();
@@ -149,7 +151,7 @@ TouchResult Tool::balance(const Vec3& offset, double coupling, Vec3& t) const no
 }
 
 Contact Tool::touch(const Vec3& offset, double coupling) noexcept {
-  Vec3 t = coupling > 0 ? displacement_ : offset;
+  Vec3 t = coupling > 0 ? Vec3(displacement_ + followed_ * (offset - offset_)) : offset;
   // The branch that each node is on where it has been moved to.
   const auto follow = [&](const Vec3& to) {
     for (int i = 0; i < num_held_; ++i) {
@@ -167,7 +169,11 @@ Contact Tool::touch(const Vec3& offset, double coupling) noexcept {
     contact.energy = at.energy + 0.5 * coupling * stretch.squaredNorm();
     Mat3 tangent = at.stiffness;
     tangent.diagonal().array() += coupling;
-    contact.stiffness = coupling * tangent.inverse() * at.stiffness;
+    const Mat3 follows = coupling * tangent.inverse();
+    // Where the tangent is singular nothing is foretold.
+    followed_ = follows.allFinite() ? follows : Mat3::Zero();
+    contact.stiffness = followed_ * at.stiffness;
+    offset_ = offset;
   } else {
     follow(t);
     at = evaluate(t);

@@ -63,6 +63,9 @@ class Tool {
   Vec3 anchor_ = Vec3::Zero();
   Vec3 normal_ = Vec3::Zero();
   Vec3 displacement_ = Vec3::Zero();
+  /// With a coupling: the tool's displacement, and ∂(nodes' displacement)/∂(tool's).
+  Vec3 offset_ = Vec3::Zero();
+  Mat3 followed_ = Mat3::Zero();
   Index last_triangle_ = -1;
 };
 
