@@ -26,33 +26,42 @@ Vec3 unit(const Vec3& v) {
 
 }  // namespace
 
-SurfaceTree::SurfaceTree(const Surface& surface)
-    : points_(surface.points), triangles_(surface.triangles), order_(surface.triangles.size()) {
-  if (triangles_.empty()) {
+SurfaceTree::SurfaceTree(const Surface& surface) {
+  if (surface.triangles.empty()) {
     throw InputError("The surface of the state space has no triangle: there is nothing to touch.");
   }
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    if (!points_[p].allFinite()) {
+  for (std::size_t p = 0; p < surface.points.size(); ++p) {
+    if (!surface.points[p].allFinite()) {
       throw InputError("Point " + std::to_string(p) + " of the surface is not finite.");
     }
   }
-  std::iota(order_.begin(), order_.end(), 0);
-  std::vector<Vec3> centres;
-  for (const auto& [a, b, c] : triangles_) {
-    centres.push_back((points_[a] + points_[b] + points_[c]) / 3);
+  std::vector<Corners> corners;
+  for (const auto& [a, b, c] : surface.triangles) {
+    corners.push_back({surface.points[a], surface.points[b], surface.points[c]});
   }
-  build(0, num_triangles(), centres);
-  find_normals();
+  std::vector<Index> order(surface.triangles.size());
+  std::iota(order.begin(), order.end(), 0);
+  build(0, static_cast<Index>(order.size()), order, corners);
+  for (Index triangle : order) {
+    triangles_.push_back(surface.triangles[triangle]);
+    corners_.push_back(corners[triangle]);
+  }
+  find_normals(surface.num_points());
 }
 
-void SurfaceTree::build(Index first, Index last, const std::vector<Vec3>& centres) {
+void SurfaceTree::build(Index first, Index last, std::vector<Index>& order,
+                        const std::vector<Corners>& corners) {
+  const auto centre = [&](Index triangle) {
+    const Corners& of = corners[triangle];
+    return Vec3((of[0] + of[1] + of[2]) / 3);
+  };
   const std::size_t node = nodes_.size();
   nodes_.emplace_back();
   Eigen::AlignedBox3d box;
   Eigen::AlignedBox3d box_of_centres;
   for (Index i = first; i < last; ++i) {
-    for (Index point : triangles_[order_[i]]) box.extend(points_[point]);
-    box_of_centres.extend(centres[order_[i]]);
+    for (const Vec3& corner : corners[order[i]]) box.extend(corner);
+    box_of_centres.extend(centre(order[i]));
   }
   nodes_[node].box = box;
   if (last - first <= kTrianglesPerLeaf) {
@@ -63,30 +72,30 @@ void SurfaceTree::build(Index first, Index last, const std::vector<Vec3>& centre
   int axis = 0;
   box_of_centres.sizes().maxCoeff(&axis);
   const Index middle = first + (last - first) / 2;
-  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
-                   [&](Index a, Index b) { return centres[a][axis] < centres[b][axis]; });
-  build(first, middle, centres);
+  std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last,
+                   [&](Index a, Index b) { return centre(a)[axis] < centre(b)[axis]; });
+  build(first, middle, order, corners);
   nodes_[node].last = static_cast<Index>(nodes_.size());
-  build(middle, last, centres);
+  build(middle, last, order, corners);
 }
 
-void SurfaceTree::find_normals() {
-  point_normals_.assign(points_.size(), Vec3::Zero());
+void SurfaceTree::find_normals(Index num_points) {
+  point_normals_.assign(num_points, Vec3::Zero());
   std::map<std::pair<Index, Index>, Vec3> of_side;
   const auto side = [](Index a, Index b) { return std::pair(std::min(a, b), std::max(a, b)); };
-  for (const auto& triangle : triangles_) {
-    const Vec3 normal = unit((points_[triangle[1]] - points_[triangle[0]])
-                                 .cross(points_[triangle[2]] - points_[triangle[0]]));
+  for (Index t = 0; t < num_triangles(); ++t) {
+    const Corners& at = corners_[t];
+    const Vec3 normal = unit((at[1] - at[0]).cross(at[2] - at[0]));
     face_normals_.push_back(normal);
     for (int k = 0; k < 3; ++k) {
-      const Index here = triangle[k];
-      const Index next = triangle[(k + 1) % 3];
-      const Index after = triangle[(k + 2) % 3];
-      const Vec3 to_next = unit(points_[next] - points_[here]);
-      const Vec3 to_after = unit(points_[after] - points_[here]);
+      const int next = (k + 1) % 3;
+      const int after = (k + 2) % 3;
+      const Vec3 to_next = unit(at[next] - at[k]);
+      const Vec3 to_after = unit(at[after] - at[k]);
       const double angle = std::atan2(to_next.cross(to_after).norm(), to_next.dot(to_after));
-      point_normals_[here] += angle * normal;
-      of_side.try_emplace(side(next, after), Vec3::Zero()).first->second += normal;
+      point_normals_[triangles_[t][k]] += angle * normal;
+      of_side.try_emplace(side(triangles_[t][next], triangles_[t][after]), Vec3::Zero())
+          .first->second += normal;
     }
   }
   for (Vec3& normal : point_normals_) normal = unit(normal);
@@ -100,10 +109,7 @@ void SurfaceTree::find_normals() {
 
 // Ericson, Real-Time Collision Detection, 2005, 5.1.5.
 SurfaceTree::OnTriangle SurfaceTree::nearest_on(Index triangle, const Vec3& place) const noexcept {
-  const auto& [ia, ib, ic] = triangles_[triangle];
-  const Vec3& a = points_[ia];
-  const Vec3& b = points_[ib];
-  const Vec3& c = points_[ic];
+  const auto& [a, b, c] = corners_[triangle];
   const auto at = [&](double wa, double wb, double wc) {
     const Vec3 point = wa * a + wb * b + wc * c;
     return OnTriangle{{wa, wb, wc}, point, (place - point).squaredNorm()};
@@ -169,7 +175,7 @@ SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const n
     }
   };
   // Something near to begin with rules out most of the tree.
-  visit(hint >= 0 && hint < num_triangles() ? hint : order_[0]);
+  visit(hint >= 0 && hint < num_triangles() ? hint : 0);
 
   struct Waiting {
     Index node;
@@ -186,7 +192,7 @@ SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const n
     if (waiting.squared_distance >= best.squared_distance) continue;
     const Node& node = nodes_[waiting.node];
     if (node.first >= 0) {
-      for (Index i = node.first; i < node.last; ++i) visit(order_[i]);
+      for (Index triangle = node.first; triangle < node.last; ++triangle) visit(triangle);
       continue;
     }
     const Index left = waiting.node + 1;
@@ -212,16 +218,15 @@ SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const n
 }
 
 double SurfaceTree::longest_side(Index triangle) const noexcept {
-  const auto& [a, b, c] = triangles_[triangle];
-  return std::sqrt(std::max({(points_[a] - points_[b]).squaredNorm(),
-                             (points_[b] - points_[c]).squaredNorm(),
-                             (points_[c] - points_[a]).squaredNorm()}));
+  const auto& [a, b, c] = corners_[triangle];
+  return std::sqrt(
+      std::max({(a - b).squaredNorm(), (b - c).squaredNorm(), (c - a).squaredNorm()}));
 }
 
 std::size_t SurfaceTree::bytes() const {
-  return (points_.size() + point_normals_.size() + face_normals_.size()) * sizeof(Vec3) +
-         triangles_.size() * sizeof(triangles_[0]) + nodes_.size() * sizeof(Node) +
-         order_.size() * sizeof(Index) + side_normals_.size() * sizeof(side_normals_[0]);
+  return (point_normals_.size() + face_normals_.size()) * sizeof(Vec3) +
+         triangles_.size() * (sizeof(triangles_[0]) + sizeof(Corners)) +
+         nodes_.size() * sizeof(Node) + side_normals_.size() * sizeof(side_normals_[0]);
 }
 
 }  // namespace palpate

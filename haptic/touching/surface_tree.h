@@ -37,9 +37,9 @@ class SurfaceTree {
   /// @note Realtime-safe.
   [[nodiscard]] Nearest nearest(const Vec3& place, Index hint = -1) const noexcept;
 
-  [[nodiscard]] Index num_points() const { return static_cast<Index>(points_.size()); }
+  /// They are numbered anew, neighbours close together.
   [[nodiscard]] Index num_triangles() const { return static_cast<Index>(triangles_.size()); }
-  /// Its points, into those of the surface.
+  /// The points of a triangle, into those of the surface.
   [[nodiscard]] const std::array<Index, 3>& points_of(Index triangle) const {
     return triangles_[triangle];
   }
@@ -57,21 +57,24 @@ class SurfaceTree {
     Index first = -1;
     Index last = 0;
   };
+  /// Positions of a triangle's points.
+  using Corners = std::array<Vec3, 3>;
   struct OnTriangle {
     Vec3 weights;
     Vec3 point;
     double squared_distance;
   };
 
-  void build(Index first, Index last, const std::vector<Vec3>& centres);
-  void find_normals();
+  void build(Index first, Index last, std::vector<Index>& order,
+             const std::vector<Corners>& corners);
+  void find_normals(Index num_points);
   [[nodiscard]] OnTriangle nearest_on(Index triangle, const Vec3& place) const noexcept;
   [[nodiscard]] Vec3 normal_at(Index triangle, const Vec3& weights) const noexcept;
 
-  std::vector<Vec3> points_;
   std::vector<std::array<Index, 3>> triangles_;
+  /// In the order of triangles_: what a leaf needs lies together.
+  std::vector<Corners> corners_;
   std::vector<Node> nodes_;
-  std::vector<Index> order_;
   std::vector<Vec3> face_normals_;
   /// Of the side opposite to each of a triangle's points.
   std::vector<std::array<Vec3, 3>> side_normals_;

@@ -105,21 +105,28 @@ double largest_stable(Case what) {
   return stable;
 }
 
+/// Of a length in µm.
+int digits(double length) { return length < 1e-4 ? 1 : 0; }
+
 void print() {
   constexpr Duration delays[] = {0ms, 1ms, 3ms};
   constexpr std::uint32_t resolutions[] = {1000, 10000, 50000};
   const HandOptions hand;
-  std::printf("| body, N/m | delay, ms | step, µm | swing, µm: off | on | energy made, µJ: off | on |\n"
-              "|---|---|---|---|---|---|---|\n");
+  std::printf("| body, N/m | delay, ms | swing, µm, at steps of 1 µm: off | on | 10 µm: off | on | "
+              "50 µm: off | on | energy made, µJ, at 10 µm: off | on |\n"
+              "|---|---|---|---|---|---|---|---|---|---|\n");
   for (double stiffness : {200.0, 1000.0, 2000.0, 4000.0, 8000.0}) {
     for (Duration delay : delays) {
+      std::printf("| %.0f | %.0f |", stiffness, 1e3 * seconds(delay));
+      Result middle[2];
       for (std::uint32_t resolution : resolutions) {
-        const Result off = press({stiffness, delay, resolution, false});
-        const Result on = press({stiffness, delay, resolution, true});
-        std::printf("| %.0f | %.0f | %.0f | %.1f | %.1f | %.1f | %.1f |\n", stiffness,
-                    1e3 * seconds(delay), 1e-3 * resolution, 1e6 * off.swing, 1e6 * on.swing,
-                    1e6 * off.made, 1e6 * on.made);
+        for (bool controller : {false, true}) {
+          const Result result = press({stiffness, delay, resolution, controller});
+          std::printf(" %.*f |", digits(result.swing), 1e6 * result.swing);
+          if (resolution == resolutions[1]) middle[controller] = result;
+        }
       }
+      std::printf(" %.0f | %.0f |\n", 1e6 * middle[0].made, 1e6 * middle[1].made);
     }
   }
   std::printf("\n| delay, ms | step, µm | largest stable, N/m: off | on | b/(T/2 + delay) |\n"

@@ -34,7 +34,7 @@
 namespace palpate {
 namespace {
 
-constexpr int kTicks = 5000;
+constexpr int kTicks = 3000;
 constexpr int kRuns = 5;
 /// From one node to the next.
 constexpr int kTicksPerTouch = 100;
