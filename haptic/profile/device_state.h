@@ -26,6 +26,8 @@ struct DeviceState {
   /// Where the device tells rates: of the position [3], m/s, and of the rotation [3], rad/s.
   Vec3 rate = Vec3::Zero();
   Vec3 angular_rate = Vec3::Zero();
+  /// A device that has to be calibrated was.
+  bool calibrated = false;
   /// Angles of the joints [3], rad, where forces take the way by these.
   Vec3 joints = Vec3::Zero();
 };

@@ -11,6 +11,9 @@ namespace palpate {
 namespace palpate_report {
 namespace {
 
+/// Of the workspace's radius: what is further away is no position.
+constexpr double kFarthest = 10;
+
 constexpr std::array<std::uint8_t, 4> kMagic{'P', 'L', 'P', 'T'};
 constexpr std::size_t kModelAt = 28;
 constexpr std::size_t kModelSize = kFeatureSize - kModelAt;
@@ -187,14 +190,16 @@ PalpateReport::PalpateReport(const Feature& feature)
 bool PalpateReport::decode(const Report& report, DeviceState& state) const noexcept {
   palpate_report::Input input;
   if (!palpate_report::decode_input(report, input)) return false;
+  const double unit = specification().position_resolution;
+  const Vec3 position = unit * Vec3(input.position[0], input.position[1], input.position[2]);
+  if (position.norm() > palpate_report::kFarthest * specification().workspace_radius) return false;
   if (specification().senses_rotation) {
     const auto& q = input.rotation;
     const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
     if (rotation.squaredNorm() == 0) return false;
     state.rotation = rotation.normalized();
   }
-  const double unit = specification().position_resolution;
-  state.position = unit * Vec3(input.position[0], input.position[1], input.position[2]);
+  state.position = position;
   state.buttons = input.buttons;
   const auto last = std::chrono::duration_cast<std::chrono::microseconds>(state.device_time);
   state.device_time =
@@ -217,9 +222,7 @@ Report PalpateReport::do_encode(const Vec3& force, const DeviceState& state) con
   output.counter = static_cast<std::uint16_t>(state.counter);
   output.command = palpate_report::kForce;
   for (int i = 0; i < 3; ++i) {
-    if (specification().actuated[i]) {
-      output.force[i] = toward_zero(1e6 * force[i] / feature_.force_unit_un);
-    }
+    output.force[i] = toward_zero(1e6 * force[i] / feature_.force_unit_un);
   }
   return palpate_report::encode_output(output);
 }

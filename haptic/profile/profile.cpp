@@ -9,12 +9,27 @@ namespace palpate {
 
 void Profile::advance(DeviceState&, Duration) const noexcept {}
 
-Report Profile::encode(const Vec3& force, const DeviceState& state) const noexcept {
+Vec3 Profile::displayed(const Vec3& force, const DeviceState& state) const noexcept {
   // Room for the rounding of a force that was cut to the limit, and no more.
   constexpr double kSlack = 1e-9;
   const double largest = (1 + kSlack) * specification_.max_linear_force;
-  const bool allowed = force.allFinite() && force.stableNorm() <= largest;
-  return allowed ? do_encode(force, state) : zero_force(state);
+  if (!force.allFinite() || force.stableNorm() > largest) return Vec3::Zero();
+  return do_display(on_motors(force), state);
+}
+
+Vec3 Profile::on_motors(const Vec3& force) const noexcept {
+  Vec3 result = force;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!specification_.actuated[static_cast<std::size_t>(axis)]) result[axis] = 0;
+  }
+  return result;
+}
+
+Vec3 Profile::do_display(const Vec3& force, const DeviceState&) const noexcept { return force; }
+
+Report Profile::encode(const Vec3& force, const DeviceState& state) const noexcept {
+  const Vec3 given = displayed(force, state);
+  return given.isZero(0) && !force.isZero(0) ? zero_force(state) : do_encode(given, state);
 }
 
 std::optional<ProfileKind> match(const DeviceInfo& device) noexcept {

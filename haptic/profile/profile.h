@@ -35,8 +35,17 @@ class Profile {
   /// @note Realtime-safe.
   virtual void advance(DeviceState& state, Duration duration) const noexcept;
 
-  /// The report of a force in the device's axes, N, that answers the state. What exceeds
-  /// max_linear_force, or is not finite, is not a caller's right: it gives zero force.
+  /// A force on the axes that have motors alone.
+  /// @note Realtime-safe.
+  [[nodiscard]] Vec3 on_motors(const Vec3& force) const noexcept;
+
+  /// What the device makes of a force: what it has no motor for is left out, and what its motors
+  /// cannot give, or must not yet, is less.
+  /// @param force N; not finite, or above max_linear_force: nothing. @return N, no longer.
+  /// @note Realtime-safe.
+  [[nodiscard]] Vec3 displayed(const Vec3& force, const DeviceState& state) const noexcept;
+
+  /// The report of displayed(force), that answers the state.
   /// @return Empty where the device has no motors.
   /// @note Realtime-safe.
   [[nodiscard]] Report encode(const Vec3& force, const DeviceState& state) const noexcept;
@@ -49,6 +58,9 @@ class Profile {
   explicit Profile(Specification specification) : specification_(std::move(specification)) {}
 
  private:
+  /// @param force On the axes that have motors alone.
+  [[nodiscard]] virtual Vec3 do_display(const Vec3& force, const DeviceState& state) const noexcept;
+  /// @param force As displayed() gives it.
   [[nodiscard]] virtual Report do_encode(const Vec3& force,
                                          const DeviceState& state) const noexcept = 0;
 

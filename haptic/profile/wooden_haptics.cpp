@@ -76,6 +76,7 @@ bool WoodenHaptics::decode(const Report& report, DeviceState& state) const noexc
   state.joints = angle_per_count(geometry_).cwiseProduct(counts);
   state.position = position(state.joints);
   state.buttons = get<std::int16_t>(report, 12) == 1 ? kCalibrationSwitch : 0;
+  if (state.buttons != 0) state.calibrated = true;
   return true;
 }
 
@@ -91,18 +92,27 @@ Report WoodenHaptics::zero_force(const DeviceState& state) const noexcept {
   return report;
 }
 
-Report WoodenHaptics::do_encode(const Vec3& force, const DeviceState& state) const noexcept {
-  Report report = zero_force(state);
-  if ((state.buttons & kCalibrationSwitch) != 0) return report;
+/// Of the motors [3], A.
+Vec3 WoodenHaptics::current_of(const Vec3& force, const DeviceState& state) const noexcept {
   const WoodenHapticsGeometry& g = geometry_;
   const Vec3 torque = jacobian(state.joints).transpose() * force;
-  const Vec3 current = torque.cwiseProduct(g.capstan_diameter)
-                           .cwiseQuotient(g.body_diameter)
-                           .cwiseQuotient(g.torque_constant);
-  const double largest = current.cwiseAbs().maxCoeff();
-  const double factor = largest > g.max_current ? g.max_current / largest : 1;
+  return torque.cwiseProduct(g.capstan_diameter)
+      .cwiseQuotient(g.body_diameter)
+      .cwiseQuotient(g.torque_constant);
+}
+
+Vec3 WoodenHaptics::do_display(const Vec3& force, const DeviceState& state) const noexcept {
+  if (!state.calibrated || (state.buttons & kCalibrationSwitch) != 0) return Vec3::Zero();
+  const double largest = current_of(force, state).cwiseAbs().maxCoeff();
+  return largest > geometry_.max_current ? Vec3(geometry_.max_current / largest * force) : force;
+}
+
+Report WoodenHaptics::do_encode(const Vec3& force, const DeviceState& state) const noexcept {
+  Report report = zero_force(state);
+  if (force.isZero(0)) return report;
+  const Vec3 current = current_of(force, state);
   for (std::size_t i = 0; i < 3; ++i) {
-    put(report, kOut + 2 * i, toward_zero(1e3 * factor * current[static_cast<int>(i)]));
+    put(report, kOut + 2 * i, toward_zero(1e3 * current[static_cast<int>(i)]));
   }
   return report;
 }

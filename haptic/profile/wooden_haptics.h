@@ -59,14 +59,16 @@ class WoodenHaptics final : public Profile {
   /// ∂position/∂angles [3×3], m/rad.
   [[nodiscard]] Mat3 jacobian(const Vec3& angles) const noexcept;
 
-  /// Button 0 is the switch for calibration.
+  /// Button 0 is the switch for calibration; calibrated after it was pressed.
   bool decode(const Report& report, DeviceState& state) const noexcept override;
   /// Answers the switch with a calibration, as the other one does.
   Report zero_force(const DeviceState& state) const noexcept override;
 
  private:
-  /// Where a motor would have to give more than it can all three give less by the same factor: the
-  /// direction of the force stays.
+  /// Nothing before the calibration, and while the switch is pressed. Where a motor would have to
+  /// give more than it can all three give less by the same factor: the direction of the force stays.
+  Vec3 do_display(const Vec3& force, const DeviceState& state) const noexcept override;
+  [[nodiscard]] Vec3 current_of(const Vec3& force, const DeviceState& state) const noexcept;
   Report do_encode(const Vec3& force, const DeviceState& state) const noexcept override;
 
   WoodenHapticsGeometry geometry_;

@@ -16,26 +16,22 @@ bool cut(Vec3& v, double largest) {
 
 }  // namespace
 
-Vec3 ForceLimiter::limit(const Vec3& wanted, double largest, double step,
-                         std::uint32_t& limited) noexcept {
+Vec3 limit_force(const Vec3& wanted, const Vec3& last, double largest, double step,
+                 std::uint32_t& limited) noexcept {
   if (!wanted.allFinite() || !(largest >= 0) || !(step >= 0)) {
     limited |= limits::not_finite;
-    reset();
-    return last_;
+    return Vec3::Zero();
   }
   Vec3 force = wanted;
   if (cut(force, largest)) limited |= limits::magnitude;
-  Vec3 change = force - last_;
+  Vec3 change = force - last;
   if (cut(change, step)) limited |= limits::slew;
-  force = last_ + change;
+  force = last + change;
   // The limit may have been lowered since the last one was sent, and the sum is rounded.
   cut(force, largest);
-  if (!force.allFinite()) {
-    limited |= limits::not_finite;
-    force.setZero();
-  }
-  last_ = force;
-  return force;
+  if (force.allFinite()) return force;
+  limited |= limits::not_finite;
+  return Vec3::Zero();
 }
 
 }  // namespace palpate

@@ -8,21 +8,13 @@
 
 namespace palpate {
 
-class ForceLimiter {
- public:
-  /// What may be sent of a force: finite, not above the largest, and not further from the last one
-  /// than the step. What is not finite becomes zero, at once.
-  /// @param largest N. @param step N.
-  /// @param limited Bits of namespace limits, set where they hold.
-  /// @note Realtime-safe.
-  [[nodiscard]] Vec3 limit(const Vec3& wanted, double largest, double step,
-                           std::uint32_t& limited) noexcept;
-
-  /// Zero was sent.
-  void reset() noexcept { last_.setZero(); }
-
- private:
-  Vec3 last_ = Vec3::Zero();
-};
+/// What may be sent of a force: finite, not longer than the largest, and not further from the last
+/// one than the step. What is not finite becomes zero, at once.
+/// @param last What the motors have, N.
+/// @param largest N. @param step N.
+/// @param limited Bits of namespace limits (tick.h), set where they hold.
+/// @note Realtime-safe.
+[[nodiscard]] Vec3 limit_force(const Vec3& wanted, const Vec3& last, double largest, double step,
+                               std::uint32_t& limited) noexcept;
 
 }  // namespace palpate

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "haptic/servo/force_limiter.h"
+#include "haptic/servo/tick.h"
 
 namespace palpate {
 
@@ -14,8 +16,7 @@ HapticDevice::HapticDevice(std::unique_ptr<Transport> transport,
     : transport_(std::move(transport)),
       profile_(std::move(profile)),
       clock_(std::move(clock)),
-      options_(options),
-      velocity_(profile_->specification().position_resolution) {
+      options_(options) {
   ServoOptions servo;
   servo.stale_after = options.stale_after;
   validate(servo);
@@ -32,10 +33,7 @@ bool HapticDevice::open() noexcept {
   ServoOptions options;
   options.stale_after = options_.stale_after;
   session_.emplace(*transport_, *profile_, *clock_, options);
-  velocity_.reset();
-  limiter_.reset();
-  linear_velocity_.setZero();
-  read_at_.reset();
+  sent_.setZero();
   sent_at_.reset();
   return true;
 }
@@ -50,12 +48,10 @@ bool HapticDevice::close() noexcept {
 bool HapticDevice::getPosition(Vec3& position) noexcept {
   if (session_) {
     session_->poll();
-    const Time now = clock_->now();
     // Before the device has said where it is there is nothing to take.
     if (session_->known()) {
       state_ = session_->state();
-      linear_velocity_ = velocity_.add(state_.position, read_at_ ? seconds(now - *read_at_) : 0);
-      read_at_ = now;
+      linear_velocity_ = session_->velocity();
     }
   }
   position = state_.position;
@@ -88,7 +84,6 @@ bool HapticDevice::setForce(const Vec3& force) noexcept {
   const Duration since_last = sent_at_ ? now - *sent_at_ : Duration(0);
   sent_at_ = now;
   if (!fresh()) {
-    limiter_.reset();
     session_->send_zero();
     sent_.setZero();
     return false;
@@ -98,8 +93,10 @@ bool HapticDevice::setForce(const Vec3& force) noexcept {
       options_.force_limit > 0 ? std::min(options_.force_limit, of_device) : of_device;
   // After a pause of the caller no more than after a report that is just not too old.
   const double step = options_.slew_limit * seconds(std::min(since_last, options_.stale_after));
+  if (session_->cut()) sent_.setZero();
   std::uint32_t limited = 0;
-  const Vec3 allowed = limiter_.limit(force, largest, step, limited);
+  const Vec3 allowed =
+      limit_force(profile_->on_motors(force), sent_, largest, step, limited);
   sent_ = session_->send(allowed);
   return sent_ == allowed && (limited & limits::not_finite) == 0;
 }

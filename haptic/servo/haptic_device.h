@@ -22,9 +22,7 @@
 #include <string>
 
 #include "haptic/profile/profile.h"
-#include "haptic/servo/force_limiter.h"
 #include "haptic/servo/session.h"
-#include "haptic/servo/velocity.h"
 #include "haptic/transport/transport.h"
 
 namespace palpate {
@@ -92,12 +90,9 @@ class HapticDevice {
   std::shared_ptr<const Profile> profile_;
   std::shared_ptr<Clock> clock_;
   HapticDeviceOptions options_;
-  VelocityEstimator velocity_;
-  ForceLimiter limiter_;
   DeviceState state_;
   Vec3 linear_velocity_ = Vec3::Zero();
   Vec3 sent_ = Vec3::Zero();
-  std::optional<Time> read_at_;
   std::optional<Time> sent_at_;
   /// The last: it sends zero force through what is above.
   std::optional<DeviceSession> session_;

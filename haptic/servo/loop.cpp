@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "haptic/servo/force_limiter.h"
 
 namespace palpate {
 namespace {
@@ -30,6 +31,15 @@ void check_scale(const char* name, double value) {
 
 void check_not_negative(const char* name, double value, const char* unit) {
   if (!(std::isfinite(value) && value >= 0)) refuse(name, value, unit, "0 or more");
+}
+
+/// Whether energies under the one and the other can be added up.
+bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
+  return a.servo.workspace_centre == b.servo.workspace_centre &&
+         a.servo.workspace_rotation == b.servo.workspace_rotation &&
+         a.servo.workspace_scale == b.servo.workspace_scale &&
+         a.servo.force_scale == b.servo.force_scale &&
+         a.touch.coupling_stiffness == b.touch.coupling_stiffness;
 }
 
 }  // namespace
@@ -82,13 +92,13 @@ double coupling_stiffness_for(const Specification& device, double body_stiffness
 
 Loop::Loop(Transport& transport, const Profile& profile, Clock& clock, const ServoOptions& options,
            LoopInbox& inbox, LoopOutbox& outbox)
-    : clock_(clock),
+    : profile_(profile),
+      clock_(clock),
       options_(checked(options)),
       specification_(profile.specification()),
       inbox_(inbox),
       outbox_(outbox),
-      session_(transport, profile, clock, options),
-      velocity_(profile.specification().position_resolution) {}
+      session_(transport, profile, clock, options) {}
 
 void Loop::tick() noexcept {
   keep_time(clock_.now());
@@ -98,14 +108,10 @@ void Loop::tick() noexcept {
   const Touchable* body = inbox_.body.take();
   TickRing* recording = inbox_.recording.take();
 
-  tick_.state = session_.gone()             ? ServoState::gone
-                : !session_.fresh()         ? ServoState::stale
-                : !settings.servo.engaged   ? ServoState::ready
-                                            : ServoState::running;
   locate(settings.servo);
   // Before the device has said where it is there is no place to move the tool to.
   tick_.contact = session_.known() ? tool_.move(body, tick_.position, settings.touch) : Contact{};
-  observe_energy(settings.servo);
+  observe_energy(body, settings);
   send_force(settings.servo);
 
   const Duration in_device = session_.take_device_time();
@@ -157,35 +163,50 @@ void Loop::locate(const ServoSettings& settings) noexcept {
   tick_.age = session_.age();
   tick_.num_reports = session_.num_received();
   device_moved_ = tick_.device.position - before;
-  device_velocity_ = velocity_.add(tick_.device.position, interval_);
   const Mat3 to_scene = settings.workspace_scale * settings.workspace_rotation;
   tick_.position = settings.workspace_centre + to_scene * tick_.device.position;
-  tick_.velocity = to_scene * device_velocity_;
+  tick_.velocity = to_scene * session_.velocity();
 }
 
-void Loop::observe_energy(const ServoSettings& settings) noexcept {
-  const bool attached = tick_.contact.status == ContactStatus::attached;
-  const double scale = attached ? settings.force_scale / settings.workspace_scale : 0;
-  const double stored = scale * tick_.contact.energy;
-  if (scale != energy_scale_) {
+void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& settings) noexcept {
+  const ServoSettings& servo = settings.servo;
+  const double stored = servo.force_scale / servo.workspace_scale * tick_.contact.energy;
+  // Of the tick before: one that was not running has sent nothing.
+  const bool observable =
+      tick_.contact.status == ContactStatus::attached && tick_.state == ServoState::running;
+  // A force that was cut has nothing to do with what is stored.
+  const bool was_cut = (tick_.limited & ~limits::slew) != 0;
+  if (!observable || !observing_ || was_cut || body != observed_body_ ||
+      !same_energy(settings, observed_settings_)) {
     balance_.begin(stored);
-  } else if (attached) {
+  } else if (tick_.limited != 0) {
+    balance_.add_late(device_force_, device_moved_, stored);
+  } else {
     balance_.add(device_force_, device_moved_, stored);
   }
-  energy_scale_ = scale;
-  tick_.dissipated = attached ? balance_.dissipated() : 0;
+  observing_ = observable;
+  observed_body_ = body;
+  observed_settings_ = settings;
+  tick_.dissipated = balance_.dissipated();
   tick_.added_damping =
-      attached && settings.passivity_control
-          ? balance_.damping(device_velocity_, seconds(options_.period),
-                             std::max(specification_.max_linear_damping - settings.damping, 0.0))
+      servo.passivity_control
+          ? balance_.damping(session_.velocity(), seconds(options_.period),
+                             std::max(specification_.max_linear_damping - servo.damping, 0.0))
           : 0;
+}
+
+ServoState Loop::state(const ServoSettings& settings) const noexcept {
+  if (session_.gone()) return ServoState::gone;
+  if (!session_.fresh()) return ServoState::stale;
+  return settings.engaged ? ServoState::running : ServoState::ready;
 }
 
 // The limiter is the last step whatever came before it.
 void Loop::send_force(const ServoSettings& settings) noexcept {
+  // As late as can be: the thread may have been held up since it has read the device.
+  tick_.state = state(settings);
   tick_.limited = 0;
   if (tick_.state != ServoState::running) {
-    limiter_.reset();
     session_.send_zero();
     device_force_.setZero();
   } else {
@@ -193,14 +214,19 @@ void Loop::send_force(const ServoSettings& settings) noexcept {
     if (tick_.contact.status == ContactStatus::attached) {
       wanted = settings.force_scale *
                    (settings.workspace_rotation.transpose() * tick_.contact.force) -
-               (settings.damping + tick_.added_damping) * device_velocity_;
+               (settings.damping + tick_.added_damping) * session_.velocity();
     }
     const double largest =
         settings.force_limit > 0
             ? std::min(settings.force_limit, specification_.max_linear_force)
             : specification_.max_linear_force;
     const double step = settings.slew_limit * std::min(interval_, 2 * seconds(options_.period));
-    device_force_ = session_.send(limiter_.limit(wanted, largest, step, tick_.limited));
+    // What changes is what the motors have, which is not always what they were to have.
+    if (session_.cut()) device_force_.setZero();
+    const Vec3 limited = limit_force(profile_.on_motors(wanted), device_force_, largest, step,
+                                     tick_.limited);
+    device_force_ = session_.send(limited);
+    if (device_force_ != limited) tick_.limited |= limits::device;
   }
   tick_.force = settings.workspace_rotation * device_force_;
 }

@@ -15,11 +15,9 @@
 #include "haptic/realtime/histogram.h"
 #include "haptic/realtime/triple_buffer.h"
 #include "haptic/servo/energy_balance.h"
-#include "haptic/servo/force_limiter.h"
 #include "haptic/servo/options.h"
 #include "haptic/servo/record.h"
 #include "haptic/servo/session.h"
-#include "haptic/servo/velocity.h"
 #include "haptic/touching/tool.h"
 
 namespace palpate {
@@ -68,10 +66,12 @@ class Loop {
  private:
   void keep_time(Time begin) noexcept;
   void locate(const ServoSettings& settings) noexcept;
-  void observe_energy(const ServoSettings& settings) noexcept;
+  void observe_energy(const Touchable* body, const LoopInbox::Settings& settings) noexcept;
+  [[nodiscard]] ServoState state(const ServoSettings& settings) const noexcept;
   void send_force(const ServoSettings& settings) noexcept;
   void count() noexcept;
 
+  const Profile& profile_;
   Clock& clock_;
   const ServoOptions options_;
   const Specification& specification_;
@@ -79,19 +79,18 @@ class Loop {
   LoopOutbox& outbox_;
   DeviceSession session_;
   Tool tool_;
-  VelocityEstimator velocity_;
-  ForceLimiter limiter_;
   EnergyBalance balance_;
 
   Tick tick_;
   Counters counters_;
-  /// At the device, in its axes: its velocity, m/s, how far it has moved since the tick before, m,
-  /// and the force that was sent then, N.
-  Vec3 device_velocity_ = Vec3::Zero();
+  /// At the device, in its axes: how far it has moved since the tick before, m, and what its motors
+  /// were given then, N.
   Vec3 device_moved_ = Vec3::Zero();
   Vec3 device_force_ = Vec3::Zero();
-  /// J at the device for a joule of the body; 0: no touch is observed.
-  double energy_scale_ = 0;
+  /// What the energy that is observed belongs to: with anything else it begins anew.
+  const Touchable* observed_body_ = nullptr;
+  LoopInbox::Settings observed_settings_;
+  bool observing_ = false;
   /// Of the tick, and since the one before, s.
   Time begin_{0};
   double interval_ = 0;

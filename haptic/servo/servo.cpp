@@ -39,12 +39,24 @@ class SignalsBlocked {
   sigset_t before_;
 };
 
+/// Of this process: the last one to end unlocks its memory.
+std::atomic<int> num_locking{0};
+
 /// No page of the process is paged out. With a limit on locked memory a later allocation anywhere
 /// in the process could fail, so it is only done where there is none.
 bool lock_memory() noexcept {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
-  return limit.rlim_cur == RLIM_INFINITY && mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0;
+  if (limit.rlim_cur != RLIM_INFINITY ||
+      mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
+    return false;
+  }
+  ++num_locking;
+  return true;
+}
+
+void unlock_memory() noexcept {
+  if (--num_locking == 0) munlockall();
 }
 
 }  // namespace
@@ -83,20 +95,21 @@ struct Servo::Shared {
     }
   }
 
-  void run() {
-    be_realtime();
-    {
+  void run() noexcept {
+    try {
+      be_realtime();
       Loop loop(*transport, *profile, *clock, options, inbox, outbox);
       while (!stop.load(std::memory_order_relaxed)) {
         loop.tick();
         loop.wait();
       }
-    }  // zero force
-    if (memory_locked) munlockall();
+      // zero force
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex);
+      problem = std::string("The servo loop has ended: ") + error.what();
+    }
+    if (memory_locked) unlock_memory();
     running = false;
-    const std::string said = transport->problem();
-    const std::lock_guard lock(mutex);
-    if (!said.empty()) problem = said;
   }
 };
 
@@ -190,9 +203,27 @@ Statistics Servo::statistics() {
   return statistics;
 }
 
-std::string Servo::problem() const {
-  const std::lock_guard lock(shared_->mutex);
-  return shared_->problem;
+std::string Servo::problem() {
+  std::string text;
+  {
+    const std::lock_guard lock(shared_->mutex);
+    text = shared_->problem;
+  }
+  const auto add = [&](const std::string& more) {
+    if (!text.empty() && !more.empty()) text += ' ';
+    text += more;
+  };
+  add(shared_->transport->problem());
+  const Counters counters = shared_->outbox.newest.read().counters;
+  // A few are stale at the beginning and after each pause of the machine.
+  constexpr std::uint64_t kManyTicks = 1000;
+  constexpr std::uint64_t kShare = 50;
+  if (counters.ticks > kManyTicks && counters.stale_ticks > counters.ticks / kShare) {
+    add("In " + std::to_string(counters.stale_ticks) + " of " + std::to_string(counters.ticks) +
+        " ticks the device's reports were too old for a force: it was silent, its reports are held "
+        "up, or its clock is more than 0.3 % slow.");
+  }
+  return text;
 }
 
 }  // namespace palpate

@@ -56,8 +56,8 @@ class Servo {
   /// The newest tick; where the thread hangs in the device's driver the state is stale.
   [[nodiscard]] Tick latest();
   [[nodiscard]] Statistics statistics();
-  /// What was last wrong with the device or with real-time priority, in words; empty: nothing.
-  [[nodiscard]] std::string problem() const;
+  /// What is wrong with the device, its clock, or the thread's priority, in words; empty: nothing.
+  [[nodiscard]] std::string problem();
 
  private:
   struct Shared;

@@ -18,8 +18,8 @@ constexpr double kClockDrift = 3e-3;
 /// A gap in the reports lets the offset grow by no more than a gap of so long.
 constexpr Duration kLongestDrift = milliseconds(10);
 
-/// A device the time of which has jumped, as by a restart, is believed anew after so long.
-constexpr Duration kLongestDispute = milliseconds(100);
+/// A device the time of which has gone back, as by a restart, is believed anew after so long.
+constexpr Duration kOnTrial = milliseconds(100);
 
 /// Attempts at the last zero force.
 constexpr int kLastAttempts = 3;
@@ -28,7 +28,11 @@ constexpr int kLastAttempts = 3;
 
 DeviceSession::DeviceSession(Transport& transport, const Profile& profile, Clock& clock,
                              const ServoOptions& options)
-    : transport_(transport), profile_(profile), clock_(clock), options_(options) {}
+    : transport_(transport),
+      profile_(profile),
+      clock_(clock),
+      options_(options),
+      estimator_(profile.specification().position_resolution) {}
 
 DeviceSession::~DeviceSession() {
   const Report zero = profile_.zero_force(state_);
@@ -51,7 +55,11 @@ TransportStatus DeviceSession::write(const Report& report) noexcept {
   device_time_ += clock_.now() - before;
   sent_ = report;
   if (status == TransportStatus::gone) gone_ = true;
-  if (status != TransportStatus::data) ++counted_.failed_writes;
+  if (status == TransportStatus::data) {
+    written_at_ = before;
+  } else {
+    ++counted_.failed_writes;
+  }
   return status;
 }
 
@@ -76,6 +84,10 @@ void DeviceSession::poll() noexcept {
     if (status == TransportStatus::error) ++counted_.failed_reads;
     break;
   }
+  // Of reports that came together without a time nobody knows when they were measured.
+  const Specification& device = profile_.specification();
+  const bool moves_on = device.pacing == Pacing::on_change || read_at_ >= begin;
+  if (known_ && !device.has_device_time && moves_on) take_velocity(begin);
   age_ = age_at(clock_.now());
 }
 
@@ -91,13 +103,21 @@ void DeviceSession::take(const Report& report) noexcept {
     ++counted_.bad_reports;
     return;
   }
-  // What waited in the queue before it was ever seen empty may be of any age.
+  // What waited in the queue before it was ever seen empty may be of any age, and a clock cannot be
+  // learnt from what may have waited.
   if (!last_empty_) return;
   not_before_ = *last_empty_;
+  if (!known_ && clock_.now() - not_before_ > options_.stale_after) return;
   const auto gap = static_cast<std::int32_t>(state_.counter - before.counter);
   if (known_ && gap > 1) counted_.lost_reports += static_cast<std::uint64_t>(gap - 1);
   take_device_time_of(before);
   known_ = true;
+  if (profile_.specification().has_device_time) take_velocity(state_.device_time);
+}
+
+void DeviceSession::take_velocity(Time now) noexcept {
+  velocity_ = estimator_.add(state_.position, velocity_at_ ? seconds(now - *velocity_at_) : 0);
+  velocity_at_ = now;
 }
 
 void DeviceSession::take_device_time_of(const DeviceState& before) noexcept {
@@ -105,35 +125,30 @@ void DeviceSession::take_device_time_of(const DeviceState& before) noexcept {
   const Duration since_last = now - std::exchange(read_at_, now);
   if (!profile_.specification().has_device_time) return;
   const Duration sample = now - state_.device_time;
-  if (known_) {
-    const double drift = kClockDrift * static_cast<double>(
-        std::min(since_last, kLongestDrift).count());
-    offset_ = std::min(offset_ + Duration(static_cast<Duration::rep>(drift)), sample);
-  } else {
+  if (!known_) {
     offset_ = sample;
-  }
-  age_when_read_ = sample - offset_;
-
-  const bool comes_in_time = now - not_before_ <= options_.stale_after;
-  if (age_when_read_ <= options_.stale_after || !comes_in_time ||
-      state_.device_time < before.device_time) {
-    dispute_.reset();
-  } else if (!dispute_) {
-    dispute_ = Dispute{now, state_.device_time};
-  } else if (now - dispute_->since >= kLongestDispute) {
-    // Believed only if it runs as ours does: an old report that comes again and again does not.
-    const Duration ours = now - dispute_->since;
-    const Duration theirs = state_.device_time - dispute_->device_time;
+  } else if (state_.device_time < before.device_time) {
+    restart_ = Restart{now, state_.device_time};
+    estimator_.reset();
+  } else if (restart_ && now - restart_->at >= kOnTrial) {
+    // An old report that comes again and again does not run as our clock does.
+    const Duration ours = now - restart_->at;
+    const Duration theirs = state_.device_time - restart_->device_time;
     if (theirs > ours * 9 / 10 && theirs < ours * 11 / 10) {
+      restart_.reset();
       offset_ = sample;
-      age_when_read_ = Duration(0);
+    } else {
+      restart_ = Restart{now, state_.device_time};
     }
-    dispute_.reset();
   }
+  const double drift =
+      kClockDrift * static_cast<double>(std::min(since_last, kLongestDrift).count());
+  offset_ = std::min(offset_ + Duration(static_cast<Duration::rep>(drift)), sample);
+  age_when_read_ = sample - offset_;
 }
 
 Duration DeviceSession::age_at(Time now) const noexcept {
-  if (!known_) return Duration::max();
+  if (!known_ || restart_) return Duration::max();
   if (profile_.specification().pacing == Pacing::on_change) return Duration(0);
   if (profile_.specification().has_device_time) return age_when_read_ + (now - read_at_);
   return now - not_before_;
@@ -145,8 +160,13 @@ Vec3 DeviceSession::send(const Vec3& force) noexcept {
     return Vec3::Zero();
   }
   const Report report = profile_.encode(force, state_);
-  if (report.size == 0) return Vec3::Zero();
-  return write(report) == TransportStatus::data ? force : Vec3::Zero();
+  if (report.size == 0 || write(report) != TransportStatus::data) return Vec3::Zero();
+  return profile_.displayed(force, state_);
+}
+
+bool DeviceSession::cut() const noexcept {
+  const Duration watchdog = profile_.specification().watchdog;
+  return watchdog.count() > 0 && (!written_at_ || clock_.now() - *written_at_ >= watchdog);
 }
 
 void DeviceSession::send_zero() noexcept {

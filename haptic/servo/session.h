@@ -6,7 +6,8 @@
 //
 //   age = now − (device time + offset),   offset = least (time of reading − device time),
 //
-// the least over what was read, which grows by the drift that clocks have. Where it does not, a
+// the least over what was read, which grows by the drift that clocks have. A device's time that goes
+// back has begun anew, and is believed when it has run as ours does for a while. Where there is none, a
 // report cannot be older than the last time that the queue was seen empty before it, and is taken
 // for that old.
 #pragma once
@@ -19,6 +20,7 @@
 #include "haptic/servo/options.h"
 #include "haptic/servo/record.h"
 #include "haptic/servo/statistics.h"
+#include "haptic/servo/velocity.h"
 #include "haptic/transport/transport.h"
 
 namespace palpate {
@@ -38,8 +40,8 @@ class DeviceSession {
   /// @note Realtime-safe but for the device's own calls.
   void poll() noexcept;
 
-  /// Sends a force in the device's axes, N. Where the state is not fresh, zero.
-  /// @return What was sent, N.
+  /// Sends a force in the device's axes, N; where the state is no longer fresh, zero.
+  /// @return What the device gives of it, N; zero where it could not be sent.
   /// @note Realtime-safe but for the device's own calls.
   Vec3 send(const Vec3& force) noexcept;
   /// Motors off.
@@ -48,8 +50,14 @@ class DeviceSession {
   [[nodiscard]] const DeviceState& state() const noexcept { return state_; }
   /// Of the state at the last poll, at most.
   [[nodiscard]] Duration age() const noexcept { return age_; }
-  /// The state may be answered by a force.
-  [[nodiscard]] bool fresh() const noexcept { return !gone_ && age_ <= options_.stale_after; }
+  /// The state may be answered by a force, now.
+  [[nodiscard]] bool fresh() const noexcept {
+    return !gone_ && age_at(clock_.now()) <= options_.stale_after;
+  }
+  /// The device's watchdog has cut the motors, or is about to: it was long without a force.
+  [[nodiscard]] bool cut() const noexcept;
+  /// Of the position, from report to report [3], m/s.
+  [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] bool gone() const noexcept { return gone_; }
   /// The device has said where it is.
   [[nodiscard]] bool known() const noexcept { return known_; }
@@ -71,6 +79,7 @@ class DeviceSession {
   [[nodiscard]] TransportStatus read(Report& report, Duration timeout) noexcept;
   void take(const Report& report) noexcept;
   void take_device_time_of(const DeviceState& before) noexcept;
+  void take_velocity(Time now) noexcept;
   [[nodiscard]] TransportStatus write(const Report& report) noexcept;
   [[nodiscard]] Duration age_at(Time now) const noexcept;
 
@@ -92,12 +101,18 @@ class DeviceSession {
   Time read_at_{0};
   Duration age_when_read_{0};
   Duration offset_{0};
-  /// The device's time says stale although reports come as they should: since when, by both clocks.
-  struct Dispute {
-    Time since;
+  /// The device's time went back: when that was, by both clocks. Not believed as long as this is set.
+  struct Restart {
+    Time at;
     Time device_time;
   };
-  std::optional<Dispute> dispute_;
+  std::optional<Restart> restart_;
+  VelocityEstimator estimator_;
+  Vec3 velocity_ = Vec3::Zero();
+  /// Of the last position that it has, by the clock that tells its time.
+  std::optional<Time> velocity_at_;
+  /// When the last report was written, if one was.
+  std::optional<Time> written_at_;
 
   std::int32_t num_received_ = 0;
   std::array<Report, TickRecord::kReports> received_{};

@@ -31,6 +31,8 @@ inline constexpr std::uint32_t magnitude = 1;
 inline constexpr std::uint32_t slew = 2;
 /// It was not finite.
 inline constexpr std::uint32_t not_finite = 4;
+/// The device's motors cannot give it, or it could not be sent.
+inline constexpr std::uint32_t device = 8;
 }  // namespace limits
 
 struct Tick {

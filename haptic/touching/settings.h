@@ -10,7 +10,8 @@ struct TouchSettings {
   /// active node alone.
   bool blended = true;
   /// Bonded: the tool also pulls, and lets go only above release_force. Else it lets go as soon as
-  /// it would pull.
+  /// it would pull, and slips where it has gone aside beyond what the space holds: it goes on from
+  /// where it then is.
   bool bonded = false;
   /// A bonded tool lets go where the body pulls with more than this, N; 0: never.
   double release_force = 0;

@@ -194,8 +194,12 @@ Contact Tool::touch(const Vec3& offset, double coupling) noexcept {
 }
 
 bool Tool::lets_go(const Contact& contact, const TouchSettings& settings) const noexcept {
-  const bool pulls = contact.force.dot(normal_) < 0 && contact.displacement.dot(normal_) > 0;
-  if (!settings.bonded) return pulls;
+  const double height = contact.displacement.dot(normal_);
+  const bool pulls = contact.force.dot(normal_) < 0 && height > 0;
+  if (!settings.bonded) {
+    const double aside = (contact.displacement - height * normal_).norm();
+    return pulls || (contact.found == Found::extrapolated && aside > std::abs(height));
+  }
   return pulls && settings.release_force > 0 && contact.force.norm() > settings.release_force;
 }
 

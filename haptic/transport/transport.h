@@ -33,7 +33,7 @@ class Transport {
   /// May block for as long as the device's driver does, which can be seconds.
   [[nodiscard]] virtual TransportStatus write(const Report& report) noexcept = 0;
 
-  /// What was last wrong, in words.
+  /// What was last wrong, in words; empty: nothing. From any thread.
   [[nodiscard]] virtual std::string problem() const = 0;
 };
 

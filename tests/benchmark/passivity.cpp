@@ -73,7 +73,6 @@ Result press(const Case& what) {
       test::box_space([&](int) { return spring(what.stiffness); })));
   LoopInbox::Settings settings;
   settings.servo.workspace_centre = Vec3(test::kBox[0] / 2, test::kBox[1] / 2, test::kBox[2]);
-  settings.servo.slew_limit = 1e6;
   settings.servo.passivity_control = what.controller;
   // Bonded, or a loop that is not stable would lift off and fall back.
   settings.touch.bonded = true;

@@ -23,6 +23,7 @@ DeviceState state_at(const WoodenHaptics& profile, const Vec3& angles) {
   DeviceState state;
   state.joints = angles;
   state.position = profile.position(angles);
+  state.calibrated = true;
   return state;
 }
 
@@ -137,6 +138,21 @@ TEST(WoodenHaptics, SwitchIsAnsweredWithACalibrationAndNoForce) {
       report({0, 4, 0, 5, 0, 0xFA, 0xFF, 1, 0, 1, 0, 0xFE, 0xFF, 0x70, 0x17});
   EXPECT_EQ(bytes(profile.encode({0, 1, 0}, state)), bytes(expected));
   EXPECT_EQ(bytes(profile.zero_force(state)), bytes(expected));
+  EXPECT_EQ(profile.displayed({0, 1, 0}, state), Vec3::Zero());
+}
+
+// It counts from where it was switched on: where it is nobody knows before.
+TEST(WoodenHaptics, NoForceBeforeTheCalibration) {
+  const WoodenHaptics profile;
+  DeviceState state;
+  ASSERT_TRUE(profile.decode(kInput, state));
+  EXPECT_EQ(currents(profile.encode({0, 1, 0}, state)), Vec3::Zero());
+  Report pressed = kInput;
+  pressed.data[12] = 1;
+  ASSERT_TRUE(profile.decode(pressed, state));
+  ASSERT_TRUE(profile.decode(kInput, state));
+  EXPECT_NE(currents(profile.encode({0, 1, 0}, state)), Vec3::Zero());
+  EXPECT_EQ(profile.displayed({0, 1, 0}, state), Vec3(0, 1, 0));
 }
 
 TEST(WoodenHaptics, RefusesReportsThatAreNotWhole) {
@@ -167,6 +183,7 @@ TEST(WoodenHaptics, AMotorThatTurnsAgainstItsBody) {
   geometry.capstan_diameter *= -1;
   const WoodenHaptics profile(geometry);
   DeviceState state;
+  state.calibrated = true;
   ASSERT_TRUE(profile.decode(report({0, 0, 0, 0, 0x90, 0xE8, 0, 0, 0, 0, 0, 0, 0, 0}), state));
   EXPECT_TRUE(state.position.isApprox(Vec3(0.025, 0, 0.205), 1e-12)) << state.position;
   EXPECT_EQ(currents(profile.encode({0, 1, 0}, state)), Vec3(-591, 0, 0));

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "base/error.h"
 #include "haptic/servo/rig.h"
@@ -199,6 +199,107 @@ TEST(Loop, WritesThatFailAreCountedAndTriedAgain) {
   EXPECT_GT(rig.motors().norm(), 0.5);
 }
 
+/// The motors' force never grows by more than the slew limit allows; a late tick has the time of two.
+void expect_no_jump(Rig& rig, Duration duration) {
+  double before = rig.motors().norm();
+  for (const Time until = rig.clock->now() + duration; rig.clock->now() < until;) {
+    rig.step();
+    const double now = rig.motors().norm();
+    ASSERT_LE(now - before, rig.settings.slew_limit * 2e-3 + 2 * kForceUnit)
+        << "at " << seconds(rig.clock->now()) << " s";
+    before = now;
+  }
+}
+
+// The device's own watchdog has cut the motors: the force must grow from nothing, whatever it was.
+TEST(Loop, NoJumpAfterTheWatchdogOrFailingWrites) {
+  for (std::uint16_t watchdog : {10, 50}) {
+    for (Duration pause : {14ms, 52ms, 56ms, 63ms, 70ms}) {
+      BoardOptions options;
+      options.feature.watchdog_ms = watchdog;
+      Rig rig(test::holding(), options);
+      rig.inbox.body.offer(test::box_body(2000));
+      rig.run(500ms);
+      ASSERT_GT(rig.motors().norm(), 5);
+      rig.clock->advance(pause);
+      (void)rig.motors();  // the board sees the pause
+      expect_no_jump(rig, 50ms);
+      EXPECT_GT(rig.motors().norm(), 5);
+    }
+  }
+  BoardOptions options;
+  options.faults.failing_writes = {500ms, 560ms};
+  Rig rig(test::holding(), options);
+  rig.inbox.body.offer(test::box_body(2000));
+  rig.run(499ms);
+  ASSERT_GT(rig.motors().norm(), 5);
+  expect_no_jump(rig, 200ms);
+  EXPECT_GT(rig.motors().norm(), 5);
+}
+
+// The thread may be held up between reading and writing.
+TEST(Loop, NoForceFromAStateThatBecameStaleInTheTick) {
+  class SlowRead final : public Transport {
+   public:
+    SlowRead(Transport& inner, VirtualClock& clock) : inner_(inner), clock_(clock) {}
+    TransportStatus read(Report& report, Duration timeout) noexcept override {
+      const TransportStatus status = inner_.read(report, timeout);
+      if (status == TransportStatus::nothing) clock_.advance(std::exchange(hold_up, 0ms));
+      return status;
+    }
+    TransportStatus write(const Report& report) noexcept override { return inner_.write(report); }
+    std::string problem() const override { return {}; }
+
+    Duration hold_up{0};
+
+   private:
+    Transport& inner_;
+    VirtualClock& clock_;
+  };
+  Rig rig(test::holding());
+  SlowRead slow(rig.board, *rig.clock);
+  rig.loop = std::make_unique<Loop>(slow, *rig.profile, *rig.clock, ServoOptions{}, rig.inbox,
+                                    rig.outbox);
+  rig.run(500ms);
+  ASSERT_GT(rig.motors().norm(), 0.5);
+  slow.hold_up = 20ms;
+  EXPECT_EQ(rig.tick().state, ServoState::stale);
+  EXPECT_EQ(rig.motors(), Vec3::Zero());
+}
+
+TEST(Loop, OnlyWhatTheMotorsGiveIsTold) {
+  BoardOptions options;
+  options.feature.flags = 4;  // a motor for z alone
+  Rig rig(test::holding(), options);
+  rig.run(500ms);
+  const Tick& tick = rig.loop->last();
+  EXPECT_EQ(tick.force[0], 0);
+  EXPECT_EQ(tick.force[1], 0);
+  EXPECT_GT(tick.force[2], 0.5);
+  EXPECT_NEAR(rig.motors()[2], tick.force[2], kForceUnit);
+}
+
+TEST(Loop, EnergyIsOnlyThatOfTheLoop) {
+  Rig plain(test::pressing());
+  plain.inbox.body.offer(test::box_body(300));
+  plain.run(3s);
+  // Off, cut, another body: none of these makes energy.
+  Rig rig(test::pressing());
+  ServoSettings settings;
+  settings.engaged = false;
+  rig.set(settings);
+  rig.run(1s);
+  settings.engaged = true;
+  settings.force_limit = 0.3;
+  rig.set(settings);
+  for (int i = 0; i < 40; ++i) {
+    rig.run(50ms);
+    rig.inbox.body.offer(test::box_body(100 + 100 * (i % 3)));
+  }
+  EXPECT_LT(plain.counters().least_dissipated, 0);
+  EXPECT_GT(rig.counters().least_dissipated, 2 * plain.counters().least_dissipated);
+}
+
 TEST(Loop, ZeroForceOnTheWayOut) {
   Rig rig(test::holding());
   rig.run(500ms);
@@ -338,6 +439,22 @@ TEST(Loop, DampingIsAgainstTheVelocity) {
     forces[damped] = rig.motors();
   }
   EXPECT_NEAR((forces[1] - forces[0])[1], -0.2, 0.01);
+}
+
+// Every second tick has no report: that is no stop of the hand.
+TEST(Loop, VelocityIsThatBetweenReports) {
+  for (std::uint16_t interval_us : {1003, 1500, 2000}) {
+    BoardOptions options;
+    options.feature.interval_us = interval_us;
+    Rig rig(std::make_shared<ScriptedMotion>([](Time time) {
+              return Motion::Pose{Vec3(0.1 * seconds(time), 0, 0.02)};
+            }),
+            options);
+    rig.run(50ms);
+    for (int i = 0; i < 100; ++i) {
+      EXPECT_NEAR(rig.step().velocity[0], 0.1, 0.005) << interval_us;
+    }
+  }
 }
 
 TEST(Loop, ClocksMayDrift) {

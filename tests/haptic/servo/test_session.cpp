@@ -143,6 +143,33 @@ TEST_F(Session, AReportThatComesAgainAndAgainIsNot) {
   EXPECT_LE(fresh, 5);
 }
 
+TEST_F(Session, ReportsThatAreHeldUpDoNotBecomeFresh) {
+  poll();
+  for (std::uint32_t t = 0; t < 200; ++t) {
+    report_at(1000 * t);
+    poll();
+  }
+  ASSERT_TRUE(session_.fresh());
+  // From now on each takes 20 ms longer.
+  for (int i = 0; i < 20; ++i) poll();
+  for (std::uint32_t t = 200; t < 2200; ++t) {
+    report_at(1000 * t);
+    poll();
+    ASSERT_FALSE(session_.fresh()) << t;
+  }
+}
+
+TEST_F(Session, AClockIsNotLearntFromAReportThatMayHaveWaited) {
+  session_.poll();
+  report_at(0);
+  clock_.advance(1s);
+  session_.poll();
+  EXPECT_FALSE(session_.fresh());
+  report_at(1'001'000);
+  poll();
+  EXPECT_TRUE(session_.fresh());
+}
+
 TEST_F(Session, LostReportsAreCountedAcrossTheWrap) {
   poll();
   counter_ = 65530;
