@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The haptic loop in a program of one's own, without VTK: a device touches a state space.
-//
 //   touch liver.palpate             a simulated board, which presses on the first active node
 //   touch liver.palpate 1234:0006   a real device, by vendor and product or its path
 #include <cstdio>
@@ -23,27 +22,28 @@ int main(int argc, char** argv) try {
 
   // 2. The device.
   const auto clock = std::make_shared<MonotonicClock>();
-  OpenedDevice device;
-  if (argc > 2) {
-    device = open_device(argv[2]);
-  } else {
+  auto device = argc > 2 ? open_device(argv[2]) : OpenedDevice{};
+  if (!device.transport) {
     const std::vector<ScriptedMotion::Waypoint> way{{0ms, {0, 0, 0.01}}, {1000ms, {0, 0, -0.005}}};
     auto board = std::make_unique<SimulatedBoard>(clock, std::make_shared<ScriptedMotion>(way));
     device.profile = make_profile(ProfileKind::palpate_report, board->feature());
     device.transport = std::move(board);
   }
 
-  // 3. Where its workspace is: at the first active node, down is into the body.
-  const Vec3 node = body->nodes().front().rest_position;
-  const Vec3 outward = body->surface().nearest(node).normal;
+  // 3. Where its workspace is: at the first active node, down is into the body. Safe limits.
   ServoSettings settings;
-  settings.workspace_centre = node;
-  settings.workspace_rotation =
-      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), outward).toRotationMatrix();
+  settings.workspace_centre = body->nodes().front().rest_position;
+  settings.workspace_rotation = Eigen::Quaterniond::FromTwoVectors(
+      Vec3::UnitZ(), body->surface().nearest(settings.workspace_centre).normal).toRotationMatrix();
+  settings.force_limit = 1;  // N
+  TouchSettings touch;  // as stiff as the device displays, where the body is stiffer
+  touch.coupling_stiffness = coupling_stiffness_for(device.profile->specification(),
+                                                    body->largest_stiffness(), settings);
 
   // 4. The loop, on a thread of its own. Here the program would draw, or simulate something else.
   Servo servo(std::move(device.transport), device.profile, clock);
   servo.set_settings(settings);
+  servo.set_touch_settings(touch);
   servo.set_body(body);
   servo.start();
   for (int i = 0; i < 10; ++i) {

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -64,13 +65,15 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   TouchSettings& touch = line.touch;
   bool realtime = true;
   CLI::App app("Lets a haptic device touch a state space, and prints how well the loop kept its "
-               "time and its safety rules.\nEnds after --seconds, or with Ctrl+C.",
+               "time and its safety rules.\nEnds after --seconds, or with Ctrl+C, Ctrl+\\ or "
+               "Ctrl+Z.",
                "palpate-servo");
   app.option_defaults()->always_capture_default();
-  app.add_option("space", line.space,
-                 "The state space (.palpate); none: with --device, to see where the device is, "
-                 "without forces")
-      ->type_name("FILE");
+  const CLI::Option* space =
+      app.add_option("space", line.space,
+                     "The state space (.palpate); none: with --device, to see where the device is, "
+                     "without forces")
+          ->type_name("FILE");
   const CLI::Option* device =
       app.add_option("--device", line.device,
                      "simulated; list, to print what is plugged in; or a device by its path "
@@ -81,16 +84,19 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
                           {"press", HandMotion::press},
                           {"slide", HandMotion::slide},
                           {"circle", HandMotion::circle}},
-                         "What the simulated hand does", "press");
+                         "What the simulated hand wants to do", "press");
   app.add_option("--depth", line.depth,
-                 "How deep the simulated hand presses, m; 0: half of what the space reaches");
+                 "How deep the simulated hand wants to be, m; the body holds it up. 0: half of "
+                 "what the space reaches");
   app.add_option("--node", line.node, "The active node that is touched (the first)")
       ->type_name("POINT");
   app.add_option("--seconds", line.seconds, "How long; 0: until Ctrl+C");
   app.add_option("--record", line.record, "Writes every tick into a new table")->type_name("CSV");
-  app.add_option("--replay", line.replay,
-                 "Runs the ticks of a recording again, and compares the forces")
-      ->type_name("CSV");
+  const CLI::Option* replay =
+      app.add_option("--replay", line.replay,
+                     "Runs the ticks of a recording again, with its settings, and compares the "
+                     "forces")
+          ->type_name("CSV");
   add_choice(app, "--method", line.touchable.method, methods(), "Interpolation",
              "energy-hermite");
   app.add_option("--scale", settings.workspace_scale,
@@ -127,14 +133,18 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   if (line.space.empty() && (device->count() == 0 || !line.replay.empty())) {
     throw InputError("Which state space? Give a .palpate file. palpate-servo --help says more.");
   }
-  if (!line.replay.empty() && !line.record.empty()) {
-    throw InputError("--replay and --record do not go together: it would be the same again.");
+  if (!line.replay.empty()) {
+    for (const CLI::Option* option : app.get_options()) {
+      if (option->count() == 0 || option == space || option == replay) continue;
+      throw InputError("--replay and " + option->get_name() + " do not go together: a replay has "
+                       "the settings of the recording. Leave one of them out.");
+    }
   }
   if (!(std::isfinite(line.seconds) && line.seconds >= 0)) {
-    throw InputError("--seconds is " + std::to_string(line.seconds) + ". Give 0 or more.");
+    throw InputError("--seconds is " + quantity(line.seconds, "s") + ". Give 0 or more.");
   }
   if (!(std::isfinite(line.depth) && line.depth >= 0)) {
-    throw InputError("--depth is " + std::to_string(line.depth) + " m. Give 0 or more.");
+    throw InputError("--depth is " + quantity(line.depth, "m") + ". Give 0 or more.");
   }
   if (line.coupling) touch.coupling_stiffness = *line.coupling;
   validate(settings);

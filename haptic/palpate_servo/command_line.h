@@ -18,7 +18,7 @@ struct CommandLine {
   /// "simulated", "list", or as for open_device().
   std::string device = "simulated";
   HandMotion motion = HandMotion::press;
-  /// Of the simulated hand, m in the scene; 0: half of what the space reaches.
+  /// Where the simulated hand wants to be, m in the scene; 0: half of what the space reaches.
   double depth = 0;
   /// Point of the mesh; none: the first active one.
   std::optional<Index> node;

@@ -21,6 +21,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "haptic/palpate_servo/command_line.h"
 #include "haptic/palpate_servo/report.h"
 #include "haptic/recording/recorder.h"
@@ -28,6 +29,7 @@
 #include "haptic/servo/servo.h"
 #include "haptic/transport/open_device.h"
 #include "haptic/transport/simulated_board.h"
+#include "haptic/transport/simulated_hand.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -35,13 +37,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Ctrl+C and the like, as long as it lasts, for this thread and those that it starts: they are
-/// taken by wait_for() and break nothing off.
+/// Ctrl+C, Ctrl+\ (SIGQUIT), Ctrl+Z (SIGTSTP) and the like, as long as it lasts, for this thread
+/// and those that it starts: they are taken by wait_for(), and neither break off nor freeze a loop
+/// that sends forces.
 class Signals {
  public:
   Signals() {
     sigemptyset(&signals_);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals_, signal);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP}) {
+      sigaddset(&signals_, signal);
+    }
     pthread_sigmask(SIG_BLOCK, &signals_, &before_);
   }
   ~Signals() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
@@ -116,9 +121,10 @@ void place_workspace(const Touchable& body, const Touchable::Node& node,
       Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
 }
 
-/// From the centre of the workspace down to the node and into the body, again and again.
+/// What a hand wants: from the centre of the workspace down to the node and into the body, again
+/// and again.
 /// @param clearance From the centre to the surface, m at the device. @param depth The same.
-std::shared_ptr<Motion> hand_motion(HandMotion motion, double clearance, double depth) {
+std::shared_ptr<Motion> wished_motion(HandMotion motion, double clearance, double depth) {
   const Vec3 up = Vec3::Zero();
   const Vec3 down(0, 0, -clearance - depth);
   const Vec3 aside(depth, 0, 0);
@@ -156,7 +162,7 @@ struct Device {
   SimulatedBoard* board = nullptr;
 };
 
-/// @param depth Of the hand in the body, m in the scene.
+/// @param depth Where the hand wants to be in the body, m in the scene.
 Device simulated_device(const std::shared_ptr<Clock>& clock, HandMotion motion, double depth,
                         double scale) {
   Device device;
@@ -164,12 +170,13 @@ Device simulated_device(const std::shared_ptr<Clock>& clock, HandMotion motion, 
   const double radius = PalpateReport(options.feature).specification().workspace_radius;
   const double reach = (1 - kClearance) * radius * scale;
   if (depth > reach) {
-    throw InputError("The simulated hand cannot press " + std::to_string(depth) +
-                     " m deep: its workspace ends at " + std::to_string(reach) +
-                     " m. Give a smaller --depth, or a larger --scale.");
+    throw InputError("The simulated hand cannot press " + quantity(depth, "m") +
+                     " deep: its workspace ends at " + quantity(reach, "m") +
+                     ". Give a smaller --depth, or a larger --scale.");
   }
-  auto board = std::make_unique<SimulatedBoard>(
-      clock, hand_motion(motion, kClearance * radius, depth / scale), options);
+  const auto wish = wished_motion(motion, kClearance * radius, depth / scale);
+  auto board =
+      std::make_unique<SimulatedBoard>(clock, std::make_shared<SimulatedHand>(wish), options);
   device.board = board.get();
   device.setup.device = "simulated";
   device.setup.feature = board->feature();
@@ -217,6 +224,9 @@ void place_device(const Touchable& body, const Specification& device, CommandLin
 
 int run(CommandLine line) {
   const Signals signals;
+  // First of all: without a place for it there is no reason to open a device.
+  const auto recorder =
+      line.record.empty() ? nullptr : std::make_unique<Recorder>(line.record);
   const auto body = line.space.empty() ? nullptr : read_body(line);
   const auto clock = std::make_shared<MonotonicClock>();
   Device device = line.device == "simulated"
@@ -233,12 +243,11 @@ int run(CommandLine line) {
   }
   std::fflush(stdout);
 
-  std::unique_ptr<Recorder> recorder;
-  if (!line.record.empty()) {
+  if (recorder) {
     if (body) device.setup.scene_hash = body->scene_hash();
     device.setup.touchable = line.touchable;
     device.setup.options = line.options;
-    recorder = std::make_unique<Recorder>(line.record, device.setup);
+    recorder->start(device.setup);
   }
   Servo servo(std::move(device.transport), device.profile, clock, line.options);
   servo.set_body(body);

@@ -66,28 +66,48 @@ void append_quoted(std::string& row, const std::string& text) {
   row.resize(begin + csv_write(&row[begin], row.size() - begin, text.data(), text.size()));
 }
 
+/// Why no file of that name can be made.
+std::string refusal(const std::filesystem::path& path, int error) {
+  const std::string name = path.string();
+  if (error != EEXIST) {
+    return "The recording " + name + " cannot be made: " + std::strerror(error) +
+           ". Choose another place.";
+  }
+  std::error_code ignored;
+  const auto kind = std::filesystem::status(path, ignored).type();
+  if (kind == std::filesystem::file_type::directory) {
+    return name + " is a folder. Give the name of a new file in it for the recording.";
+  }
+  if (kind != std::filesystem::file_type::regular &&
+      kind != std::filesystem::file_type::not_found) {
+    return name + " is a device or the like, not a file. Give the name of a new file for the "
+                  "recording.";
+  }
+  return "There is a file " + name +
+         " already. Choose another name for the recording, or remove it.";
+}
+
 }  // namespace
 
 struct Recorder::Impl {
-  Impl(std::filesystem::path where, const RecordedSetup& setup)
-      : path(std::move(where)),
-        ring(std::make_shared<TickRing>(kRoom)),
-        setup_of_first_row(setup_text(setup)) {
+  explicit Impl(std::filesystem::path where)
+      : path(std::move(where)), ring(std::make_shared<TickRing>(kRoom)) {
     file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file < 0) {
-      const std::string name = path.string();
-      if (errno == EEXIST) {
-        throw InputError("There is a file " + name +
-                         " already. Choose another name for the recording, or remove it.");
-      }
-      throw InputError("The recording " + name + " cannot be made: " + std::strerror(errno) +
-                       ". Choose another place.");
-    }
+    if (file < 0) throw InputError(refusal(path, errno));
+  }
+
+  ~Impl() {
+    finish();
+    ::close(file);
+    if (!started) ::unlink(path.c_str());
+  }
+
+  void start(const RecordedSetup& setup) {
+    started = true;
+    setup_of_first_row = setup_text(setup);
     rows = header();
     thread = std::thread([this] { run(); });
   }
-
-  ~Impl() { finish(); }
 
   void run() {
     std::unique_lock<std::mutex> lock(mutex);
@@ -168,13 +188,13 @@ struct Recorder::Impl {
     stop_asked.notify_one();
     thread.join();
     if (!failed && ::fsync(file) != 0) fail(std::strerror(errno));
-    ::close(file);
   }
 
   static constexpr std::size_t kBlock = 1 << 20;
 
   std::filesystem::path path;
   int file = -1;
+  bool started = false;
   std::shared_ptr<TickRing> ring;
   std::thread thread;
   std::atomic<std::uint64_t> written{0};
@@ -195,10 +215,11 @@ struct Recorder::Impl {
   std::string last_settings;
 };
 
-Recorder::Recorder(const std::filesystem::path& path, const RecordedSetup& setup)
-    : impl_(std::make_unique<Impl>(path, setup)) {}
+Recorder::Recorder(const std::filesystem::path& path) : impl_(std::make_unique<Impl>(path)) {}
 
 Recorder::~Recorder() = default;
+
+void Recorder::start(const RecordedSetup& setup) { impl_->start(setup); }
 
 std::shared_ptr<TickRing> Recorder::ring() const { return impl_->ring; }
 

@@ -27,13 +27,18 @@ namespace palpate {
 
 class Recorder {
  public:
+  /// Makes the file.
   /// @throws InputError there is such a file (a recording cannot be made again), or it cannot be
   ///   made.
-  Recorder(const std::filesystem::path& path, const RecordedSetup& setup);
-  /// Closes without a word when something fails: call close() to know.
+  explicit Recorder(const std::filesystem::path& path);
+  /// Closes without a word when something fails: call close() to know. What was never started
+  /// leaves no file.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
+
+  /// From now on what is in the ring is written. To be called once.
+  void start(const RecordedSetup& setup);
 
   /// For the servo loop; room for eight seconds at 1 kHz.
   [[nodiscard]] std::shared_ptr<TickRing> ring() const;

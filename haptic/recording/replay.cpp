@@ -96,7 +96,12 @@ struct RecordingReader::Impl {
       }
       ++column;
     });
-    if (!texts.back().empty()) take_settings(texts.back());
+    if (!texts.back().empty()) {
+      take_settings(texts.back());
+    } else if (row == 2) {
+      throw error("it lacks the settings, which are in the first row of ticks: the beginning of "
+                  "the recording is missing");
+    }
     record.settings = settings.settings;
     record.touch = settings.touch;
     if (row == 2 ? record.tick.number != 1 : record.tick.number != last_number + 1) {
@@ -126,11 +131,18 @@ struct RecordingReader::Impl {
     };
     if (row == 2) recording::visit_setup(setup, take);
     recording::visit_settings(settings, take);
+    try {
+      validate(setup.options);
+      validate(settings.settings);
+      validate(settings.touch);
+    } catch (const InputError& wrong) {
+      throw error(wrong.what());
+    }
   }
 
   [[nodiscard]] InputError error(const std::string& what) const {
     return InputError("Row " + std::to_string(row) + " of the recording " + name +
-                      " cannot be read: " + what + '.');
+                      " cannot be used: " + what + (what.back() == '.' ? "" : "."));
   }
 
   std::string name;

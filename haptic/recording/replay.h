@@ -32,7 +32,7 @@ namespace palpate {
 /// Reads a recording from its beginning, a tick at a time.
 class RecordingReader {
  public:
-  /// @throws InputError the file is missing or is no recording.
+  /// @throws InputError the file is missing or is no recording, or as next().
   explicit RecordingReader(const std::filesystem::path& path);
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
@@ -41,7 +41,8 @@ class RecordingReader {
   [[nodiscard]] const RecordedSetup& setup() const;
 
   /// The next tick; false: there is none.
-  /// @throws InputError the row is not as it should be; the message says which.
+  /// @throws InputError the row is not as it should be, or its settings are out of range; the
+  ///   message says which.
   [[nodiscard]] bool next(TickRecord& record);
 
   /// What is missing of what was read, in words: ticks, or the end of the last row; empty: nothing.

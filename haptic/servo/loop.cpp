@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "haptic/servo/force_limiter.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -17,8 +18,7 @@ const ServoOptions& checked(const ServoOptions& options) {
 }
 
 [[noreturn]] void refuse(const char* name, double value, const char* unit, const char* range) {
-  throw InputError(std::string(name) + " is " + std::to_string(value) + " " + unit + ". Give " +
-                   range + ".");
+  throw InputError(std::string(name) + " is " + quantity(value, unit) + ". Give " + range + ".");
 }
 
 void check_positive(const char* name, Duration value) {

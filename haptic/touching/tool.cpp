@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -32,8 +33,7 @@ int certainty(Found found) {
 
 void check(double value, const char* name, const char* unit) {
   if (std::isfinite(value) && value >= 0) return;
-  throw InputError(std::string(name) + " is " + std::to_string(value) + " " + unit +
-                   ". Give 0 or more.");
+  throw InputError(std::string(name) + " is " + quantity(value, unit) + ". Give 0 or more.");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -17,8 +18,8 @@ constexpr Duration kStep = std::chrono::microseconds(20);
 
 void check(const char* name, double value, bool positive) {
   if (std::isfinite(value) && (positive ? value > 0 : value >= 0)) return;
-  throw InputError(std::string("The ") + name + " of the simulated hand is " +
-                   std::to_string(value) + ". Give " + (positive ? "more than 0." : "0 or more."));
+  throw InputError(std::string("The ") + name + " of the simulated hand is " + quantity(value) +
+                   ". Give " + (positive ? "more than 0." : "0 or more."));
 }
 
 }  // namespace

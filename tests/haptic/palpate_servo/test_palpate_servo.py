@@ -21,6 +21,7 @@ import unittest
 PROGRAM, MAKE_SPACE = sys.argv[1:3]
 RUNNING, ATTACHED = 2, 3  # as in haptic/servo/tick.h and haptic/touching/contact.h
 BOARD_LIMIT = 7.9  # N, of the simulated board
+WORKSPACE = 0.08  # m, its radius
 # The simulated board takes force in steps of 1 mN, each axis rounded.
 STEP = 1e-3
 
@@ -108,6 +109,14 @@ class PalpateServo(unittest.TestCase):
         moved = [float(inward[f"displacement_{axis}_m"]) for axis in "xyz"]
         self.assertLess(sum(f * u for f, u in zip(force, moved)), 0)
 
+        # The hand rests where its spring of 150 N/m balances the body: not where it wants to be, a
+        # quarter of the board's workspace and 5 mm down.
+        begin = float(rows[0]["time_s"])
+        held = [(float(row["device_position_z_m"]), sent_force(row) or 0) for row in rows
+                if float(row["time_s"]) - begin > 1.1 and int(row["contact"]) == ATTACHED]
+        wish = -(0.25 * WORKSPACE + 0.005)
+        self.assertTrue(any(z - wish > 0.5 * force / 150 > 1e-4 for z, force in held))
+
         again = run(self.space, "--replay", self.path("press.csv"))
         self.assertEqual(again.returncode, 0, again.stderr)
         # Reports are read some microseconds after a tick begins, and replayed at its beginning: on
@@ -174,12 +183,26 @@ class PalpateServo(unittest.TestCase):
                 ("--slew-limit", 0, "slew limit"), ("--scale", 0, "scale"),
                 ("--damping", "nan", "damping"), ("--coupling", -1, "coupling"),
                 ("--depth", 1, "--depth"), ("--depth", "inf", "--depth"),
+                ("--scale", 1e-9, "at 6e-11 m"), ("--force-scale", -1, "is -1. Give"),
                 ("--what", 1, "--what"),
                 ("--record", self.path("none/a.csv"), "none/a.csv"),
                 ("--record", text, "text.palpate", "already"),
+                ("--record", self.folder.name, "is a folder"), ("--record", "/dev/full", "device"),
                 ("--replay", self.path("none.csv"), "none.csv"), ("--replay", text, "recording")):
             with self.subTest(option=option, value=value):
                 self.expect_error([self.space, option, value], *words)
+
+    def test_a_replay_takes_no_other_settings(self):
+        for option in (["--force-limit", 1], ["--method", "trilinear"], ["--bonded"],
+                       ["--no-realtime"], ["--device", "list"], ["--record", "again.csv"]):
+            self.expect_error([self.space, "--replay", "any.csv", *option], "--replay", option[0])
+
+    def test_without_a_recording_no_device_is_opened(self):
+        self.expect_error([self.space, "--device", "ffff:ffff", "--record", self.folder.name],
+                          "is a folder")
+        path = self.path("unused.csv")
+        self.assertEqual(run(self.space, "--device", "ffff:ffff", "--record", path).returncode, 1)
+        self.assertFalse(os.path.exists(path))
 
     def test_no_such_device(self):
         for device in ("ffff:ffff", "/dev/none"):
@@ -211,7 +234,9 @@ class PalpateServo(unittest.TestCase):
         return process.returncode, output, errors
 
     def test_signals(self):
-        for name, with_signal in (("int.csv", signal.SIGINT), ("term.csv", signal.SIGTERM)):
+        for name, with_signal in (("int.csv", signal.SIGINT), ("term.csv", signal.SIGTERM),
+                                  ("hup.csv", signal.SIGHUP), ("quit.csv", signal.SIGQUIT),
+                                  ("stop.csv", signal.SIGTSTP)):
             code, output, errors = self.stopped(name, with_signal)
             self.assertEqual(code, 0, errors)
             rows = rows_of(self.path(name))

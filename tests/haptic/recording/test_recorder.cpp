@@ -56,6 +56,21 @@ class AnyValue {
   std::mt19937_64 random_{7};
 };
 
+/// A reader refuses settings that are out of range.
+class InRange {
+ public:
+  template <class Value>
+  void operator()(const recording::Name&, Value& value) const {
+    if constexpr (std::is_same_v<Value, double>) {
+      value = std::isfinite(value) && value != 0 ? std::abs(value) : 1;
+    } else if constexpr (std::is_same_v<Value, Duration>) {
+      value = std::max(std::chrono::abs(value), Duration(1));
+    } else if constexpr (std::is_same_v<Value, int>) {
+      value = value & 63;
+    }
+  }
+};
+
 /// Of both, value by value; a double by its bits.
 template <class Visit, class Thing>
 void expect_equal(Visit&& visit, const Thing& a, const Thing& b) {
@@ -80,14 +95,23 @@ TEST_F(Recording, EveryValueComesBack) {
   AnyValue any;
   RecordedSetup setup;
   recording::visit_setup(setup, any);
+  recording::visit_setup(setup, InRange());
   std::vector<TickRecord> records(200);
   for (std::size_t i = 0; i < records.size(); ++i) {
     recording::visit_columns(records[i], any);
     records[i].tick.number = i + 1;
-    if (i % 10 == 0) recording::visit_settings(records[i], any);
-    else records[i].settings = records[i - 1].settings, records[i].touch = records[i - 1].touch;
+    if (i % 10 == 0) {
+      recording::visit_settings(records[i], any);
+      recording::visit_settings(records[i], InRange());
+      records[i].settings.workspace_rotation =
+          Eigen::AngleAxisd(static_cast<double>(i), Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    } else {
+      records[i].settings = records[i - 1].settings;
+      records[i].touch = records[i - 1].touch;
+    }
   }
-  Recorder recorder(file("a.csv"), setup);
+  Recorder recorder(file("a.csv"));
+  recorder.start(setup);
   for (const TickRecord& record : records) recorder.ring()->push(record);
   recorder.close();
   EXPECT_EQ(recorder.written(), 200U);
@@ -113,7 +137,8 @@ TEST_F(Recording, ANumberThatIsNoneIsToldAndComesBackAsOne) {
   TickRecord record;
   record.tick.number = 1;
   record.tick.contact.distance = -std::nan("");
-  Recorder recorder(file("a.csv"), {});
+  Recorder recorder(file("a.csv"));
+  recorder.start({});
   recorder.ring()->push(record);
   recorder.close();
   EXPECT_TRUE(std::isnan(ticks_of(file("a.csv")).at(0).tick.contact.distance));
@@ -124,7 +149,7 @@ TEST_F(Recording, ANumberThatIsNoneIsToldAndComesBackAsOne) {
 TEST_F(Recording, IsNotWrittenOverAnother) {
   test::write_text(file("a.csv"), "precious");
   try {
-    const Recorder recorder(file("a.csv"), {});
+    const Recorder recorder(file("a.csv"));
     FAIL() << "nothing was thrown";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find(file("a.csv")), std::string::npos) << error.what();
@@ -132,8 +157,29 @@ TEST_F(Recording, IsNotWrittenOverAnother) {
   EXPECT_EQ(text_of(file("a.csv")), "precious");
 }
 
+TEST_F(Recording, IsAFileAndNothingElse) {
+  const std::pair<std::filesystem::path, const char*> others[] = {{file(""), "is a folder"},
+                                                                  {"/dev/full", "is a device"}};
+  for (const auto& [path, what] : others) {
+    try {
+      const Recorder recorder(path);
+      ADD_FAILURE() << path << " was taken";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST_F(Recording, ThatWasNeverStartedLeavesNoFile) {
+  {
+    const Recorder recorder(file("a.csv"));
+    EXPECT_TRUE(std::filesystem::exists(file("a.csv")));
+  }
+  EXPECT_FALSE(std::filesystem::exists(file("a.csv")));
+}
+
 TEST_F(Recording, NeedsAFolder) {
-  EXPECT_THROW(Recorder(file("none") / "a.csv", {}), InputError);
+  EXPECT_THROW(Recorder(file("none") / "a.csv"), InputError);
 }
 
 TickRecord numbered(std::uint64_t number) {
@@ -144,7 +190,8 @@ TickRecord numbered(std::uint64_t number) {
 }
 
 TEST_F(Recording, WhatFindsNoPlaceInTheRingIsCounted) {
-  Recorder recorder(file("a.csv"), {});
+  Recorder recorder(file("a.csv"));
+  recorder.start({});
   std::uint64_t pushed = 0;
   while (recorder.dropped() == 0 && pushed < 10'000'000) recorder.ring()->push(numbered(++pushed));
   ASSERT_GT(recorder.dropped(), 0U);
@@ -167,7 +214,8 @@ TEST_F(Recording, AFullDiskIsToldAndWhatWasWrittenStays) {
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
   const rlimit small{1'000'000, limit.rlim_max};
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  Recorder recorder(file("a.csv"), {});
+  Recorder recorder(file("a.csv"));
+  recorder.start({});
   // In any number of blocks: also if the first is larger than the disk.
   std::uint64_t pushed = 0;
   while (recorder.problem().empty() && pushed < 100'000) {
@@ -199,7 +247,8 @@ TEST_F(Recording, OutlivesTheDeathOfTheProcess) {
   constexpr std::uint64_t kTicks = 500;
   const pid_t child = fork();
   if (child == 0) {
-    Recorder recorder(file("a.csv"), {});
+    Recorder recorder(file("a.csv"));
+    recorder.start({});
     for (std::uint64_t i = 1; i <= kTicks; ++i) recorder.ring()->push(numbered(i));
     while (recorder.written() < kTicks) std::this_thread::yield();
     raise(SIGKILL);

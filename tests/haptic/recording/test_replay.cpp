@@ -37,7 +37,8 @@ class Replay : public test::RecordingTest {
     RecordedSetup setup;
     setup.feature = board.feature();
     setup.scene_hash = body_->scene_hash();
-    Recorder recorder(file(name), setup);
+    Recorder recorder(file(name));
+    recorder.start(setup);
     const auto profile = make_profile(setup.profile, setup.feature);
     LoopInbox inbox;
     LoopOutbox outbox;
@@ -75,7 +76,8 @@ class Replay : public test::RecordingTest {
     const auto clock = std::make_shared<VirtualClock>();
     ReplayTransport device(clock);
     const auto profile = make_profile(setup.profile, setup.feature);
-    Recorder recorder(file(to), setup);
+    Recorder recorder(file(to));
+    recorder.start(setup);
     LoopInbox inbox;
     LoopOutbox outbox;
     inbox.body.offer(body_);
@@ -202,6 +204,14 @@ TEST_F(Replay, RefusesWhatIsNoRecording) {
   expect(with(",x02", ",x0z"), {"Row 3", "column received_0"});
   expect(with("damping_Ns_per_m=2;", "damping_Ns_per_m=much;"), {"Row 2", "\"much\"", "damping"});
   expect(with(";bonded=0;", ";"), {"Row 2", "bonded"});
+  expect(with(";workspace_scale=1;", ";workspace_scale=nan;"),
+         {"Row 2", "The scale of the workspace is nan. Give"});
+  expect(with(";coupling_stiffness_N_per_m=0;", ";coupling_stiffness_N_per_m=-1;"),
+         {"Row 2", "coupling is -1 N/m"});
+  expect(with(";period_s=0.001000000;", ";period_s=0.000000000;"), {"Row 2", "period"});
+  const std::size_t first_row = whole.find('\n') + 1;
+  expect(std::string(whole).erase(first_row, whole.find('\n', first_row) + 1 - first_row),
+         {"Row 2", "lacks the settings", "beginning"});
   expect(with("profile=palpate_report", "profile=glove"), {"Row 2", "\"glove\"", "profile"});
 }
 
