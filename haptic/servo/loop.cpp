@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/error.h"
-#include "haptic/servo/force_limiter.h"
 #include "base/quantity.h"
+#include "haptic/servo/force_limiter.h"
 
 namespace palpate {
 namespace {
