@@ -69,22 +69,20 @@ void append_quoted(std::string& row, const std::string& text) {
 /// Why no file of that name can be made.
 std::string refusal(const std::filesystem::path& path, int error) {
   const std::string name = path.string();
-  if (error != EEXIST) {
-    return "The recording " + name + " cannot be made: " + std::strerror(error) +
-           ". Choose another place.";
-  }
   std::error_code ignored;
-  const auto kind = std::filesystem::status(path, ignored).type();
-  if (kind == std::filesystem::file_type::directory) {
+  const std::filesystem::file_status there = std::filesystem::status(path, ignored);
+  if (is_directory(there)) {
     return name + " is a folder. Give the name of a new file in it for the recording.";
   }
-  if (kind != std::filesystem::file_type::regular &&
-      kind != std::filesystem::file_type::not_found) {
-    return name + " is a device or the like, not a file. Give the name of a new file for the "
-                  "recording.";
+  if (is_other(there)) {
+    return name + " is a device or the like. Give the name of a new file for the recording.";
   }
-  return "There is a file " + name +
-         " already. Choose another name for the recording, or remove it.";
+  if (error == EEXIST) {
+    return "There is a file " + name +
+           " already. Choose another name for the recording, or remove it.";
+  }
+  return "The recording " + name + " cannot be made: " + std::strerror(error) +
+         ". Choose another place.";
 }
 
 }  // namespace

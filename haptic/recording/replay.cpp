@@ -96,12 +96,8 @@ struct RecordingReader::Impl {
       }
       ++column;
     });
-    if (!texts.back().empty()) {
-      take_settings(texts.back());
-    } else if (row == 2) {
-      throw error("it lacks the settings, which are in the first row of ticks: the beginning of "
-                  "the recording is missing");
-    }
+    // The first row has to have them.
+    if (row == 2 || !texts.back().empty()) take_settings(texts.back());
     record.settings = settings.settings;
     record.touch = settings.touch;
     if (row == 2 ? record.tick.number != 1 : record.tick.number != last_number + 1) {
@@ -119,7 +115,12 @@ struct RecordingReader::Impl {
       std::size_t begin = text.rfind(key, 0);
       if (begin == text.npos) {
         begin = text.find(';' + key);
-        if (begin == text.npos) throw error("its settings lack " + what.text());
+        if (begin == text.npos) {
+          throw error("its settings lack " + what.text() +
+                      (row == 2 ? ", and the first row of ticks has to have all of them; the "
+                                  "beginning of the recording may be missing"
+                                : ""));
+        }
         ++begin;
       }
       begin += key.size();
