@@ -95,7 +95,8 @@ class PalpateServo(unittest.TestCase):
         return done.stdout, rows
 
     def test_run_and_replay(self):
-        output, rows = self.touch("press.csv")
+        # With passivity control one tick that differs would change the damping of all that follow.
+        output, rows = self.touch("press.csv", "--no-passivity-control")
         self.assertIn("2 active node(s)", output)
         self.assertIn(f"node {min(self.corner, self.middle)}", output)
         self.assertGreater(number(output, r"largest ([\d.]+) N, limit"), 0.1)
@@ -252,4 +253,4 @@ class PalpateServo(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
