@@ -5,9 +5,8 @@
 //   HapticDevice device(std::move(opened.transport), opened.profile);
 //   device.open();
 //   while (running) {  // about 1000 times a second
-//     device.getPosition(position);
-//     device.getLinearVelocity(velocity);
-//     device.setForce(force_at(position, velocity));
+//     if (device.getPosition(position)) force = force_at(position);
+//     device.setForce(force);  // in every round; zero is sent where the position is too old
 //   }
 //   device.close();
 //
