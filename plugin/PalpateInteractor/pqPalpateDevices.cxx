@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpateDevices.h"
+
+#include <cmath>
+#include <exception>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "haptic/transport/hid.h"
+#include "haptic/transport/open_device.h"
+#include "haptic/transport/simulated_board.h"
+
+const char* const pqPalpateMouseDevice = "mouse";
+const char* const pqPalpateHandDevice = "hand";
+
+QVector<pqPalpateDeviceName> pqPalpateListDevices(const QString& inUse)
+{
+  QVector<pqPalpateDeviceName> names;
+  names.push_back({ pqPalpateMouseDevice, "Mouse", {} });
+  names.push_back({ pqPalpateHandDevice, "Simulated hand", {} });
+  try
+  {
+    // One with several collections is there several times.
+    std::set<std::string> told;
+    for (const palpate::DeviceInfo& device : palpate::hidapi()->list())
+    {
+      if (!palpate::match(device) || !told.insert(device.path).second)
+      {
+        continue;
+      }
+      const QString path = QString::fromStdString(device.path);
+      QString fault;
+      try
+      {
+        if (path != inUse)
+        {
+          static_cast<void>(palpate::open_device(device.path));
+        }
+      }
+      catch (const std::exception& error)
+      {
+        fault = error.what();
+      }
+      names.push_back({ path, QString::fromStdString(palpate::to_string(device)), fault });
+    }
+  }
+  catch (const std::exception& error)
+  {
+    names.push_back({ {}, "Other devices", error.what() });
+  }
+  return names;
+}
+
+pqPalpateDevice pqPalpateSimulatedDevice(
+  const std::shared_ptr<palpate::Clock>& clock, std::shared_ptr<palpate::Motion> motion)
+{
+  palpate::BoardOptions options;
+  // The mouse places the tool on the surface to a small part of what is seen.
+  options.feature.position_unit_nm = 100;
+  auto board = std::make_unique<palpate::SimulatedBoard>(clock, std::move(motion), options);
+  pqPalpateDevice device;
+  device.Profile = palpate::make_profile(palpate::ProfileKind::palpate_report, board->feature());
+  device.Transport = std::move(board);
+  return device;
+}
+
+std::shared_ptr<palpate::Motion> pqPalpateHandMotion(double depth)
+{
+  return std::make_shared<palpate::ScriptedMotion>(
+    [depth](palpate::Time time)
+    {
+      constexpr double turn = 2 * 3.14159265358979323846; // a second
+      const double angle = turn * palpate::seconds(time);
+      const double part = 0.5 * (1 - std::cos(angle / 4));
+      const double aside = 0.4 * depth * part;
+      palpate::Motion::Pose pose;
+      pose.position =
+        palpate::Vec3(aside * std::cos(angle), aside * std::sin(angle), -depth * part);
+      return pose;
+    });
+}
+
+pqPalpateDevice pqPalpateOpenDevice(const QString& path)
+{
+  palpate::OpenedDevice opened = palpate::open_device(path.toStdString());
+  pqPalpateDevice device;
+  device.Transport = std::move(opened.transport);
+  device.Profile = std::move(opened.profile);
+  return device;
+}

@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpateInteractorDock.h"
+
+#include <QCheckBox>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QFormLayout>
+#include <QGroupBox>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QPushButton>
+#include <QScrollArea>
+#include <QSignalBlocker>
+#include <QStandardItemModel>
+#include <QVBoxLayout>
+
+#include "pqActiveObjects.h"
+#include "pqApplicationCore.h"
+#include "pqOutputPort.h"
+#include "pqPalpateDevices.h"
+#include "pqPalpateFetch.h"
+#include "pqPipelineSource.h"
+#include "pqRenderView.h"
+#include "pqServerManagerModel.h"
+#include "vtkSMSourceProxy.h"
+
+namespace
+{
+constexpr int FiguresInterval = 200; // ms
+
+template <class T>
+T* Named(T* widget, const char* name, const char* tip = "")
+{
+  widget->setObjectName(name);
+  widget->setToolTip(tip);
+  return widget;
+}
+
+QDoubleSpinBox* NumberBox(double value, double most, double step, const char* suffix)
+{
+  auto* box = new QDoubleSpinBox();
+  box->setDecimals(3);
+  box->setRange(0, most);
+  box->setSingleStep(step);
+  box->setValue(value);
+  box->setSuffix(suffix);
+  box->setKeyboardTracking(false);
+  return box;
+}
+
+/// By the proxy: names are the user's, and may be the same.
+QString IdOf(pqOutputPort* port)
+{
+  return QString("%1:%2").arg(port->getSourceProxy()->GetGlobalID()).arg(port->getPortNumber());
+}
+}
+
+pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
+  : Superclass("Palpate", parent)
+{
+  auto* content = Named(new QWidget(), "content");
+  auto* column = new QVBoxLayout(content);
+  const auto addGroup = [&](const char* title, const char* name)
+  {
+    auto* group = Named(new QGroupBox(title), name);
+    column->addWidget(group);
+    auto* form = new QFormLayout(group);
+    form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+    return form;
+  };
+  this->makeChoices(addGroup("Touch", "touch"));
+  this->makeSettings(addGroup("Settings", "settings"));
+  this->makeFigures(addGroup("Live", "live"));
+  column->addStretch();
+  // What is said in the dock shall not change the size of the view.
+  auto* area = Named(new QScrollArea(this), "area");
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  area->setWidget(content);
+  area->setMinimumWidth(content->minimumSizeHint().width());
+  this->setWidget(area);
+
+  QObject::connect(&this->Touch, &pqPalpateTouch::started, this,
+    &pqPalpateInteractorDock::showState);
+  QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this,
+    [this](const QString& why)
+    {
+      this->showState();
+      this->say(why, !why.isEmpty());
+    });
+  this->FiguresTimer.setInterval(FiguresInterval);
+  QObject::connect(
+    &this->FiguresTimer, &QTimer::timeout, this, &pqPalpateInteractorDock::showFigures);
+
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  const auto list = [this] { this->listSpaces(); };
+  QObject::connect(model, &pqServerManagerModel::sourceRemoved, this, list);
+  // While it runs the touched body is updated each frame.
+  QObject::connect(model, &pqServerManagerModel::dataUpdated, this,
+    [this]
+    {
+      if (!this->Touch.isRunning())
+      {
+        this->listSpaces();
+      }
+    });
+  QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this, list);
+  QObject::connect(model, &pqServerManagerModel::nameChanged, this, list);
+
+  this->listSpaces();
+  this->listDevices();
+  this->showState();
+}
+
+void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
+{
+  this->Space = Named(new QComboBox(), "space",
+    "State spaces of the pipeline, from Precompute State Space or State Space Reader.");
+  this->Device = Named(new QComboBox(), "device",
+    "Mouse: press the left button on the body and drag; the wheel goes in and out; Ctrl moves the "
+    "camera. Simulated hand: presses the first active node again and again.");
+  this->Refresh = Named(new QPushButton("Refresh"), "refresh", "Look for devices again.");
+  this->Start = Named(new QPushButton("Start"), "start");
+  this->Message = Named(new QLabel(), "message");
+  this->Message->setWordWrap(true);
+  auto* devices = new QHBoxLayout();
+  devices->addWidget(this->Device, 1);
+  devices->addWidget(this->Refresh);
+  form->addRow("State space", this->Space);
+  form->addRow("Device", devices);
+  form->addRow(this->Start);
+  form->addRow(this->Message);
+  QObject::connect(
+    this->Refresh, &QPushButton::clicked, this, &pqPalpateInteractorDock::listDevices);
+  QObject::connect(
+    this->Start, &QPushButton::clicked, this, &pqPalpateInteractorDock::startOrStop);
+}
+
+void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
+{
+  const pqPalpateTouch::Settings settings;
+  this->WorkspaceScale = Named(NumberBox(settings.WorkspaceScale, 1000, 0.1, ""), "workspaceScale",
+    "Metres in the scene for a metre at the device. Of real devices.");
+  this->WorkspaceScale->setSpecialValueText("fits the body");
+  this->FollowsCamera = Named(new QCheckBox("Turns with the camera"), "followsCamera",
+    "What is right at the device is right in the view; else its axes are those of the scene, y "
+    "up.");
+  this->FollowsCamera->setChecked(settings.FollowsCamera);
+  this->ForceScale = Named(NumberBox(settings.ForceScale, 1000, 0.1, ""), "forceScale",
+    "Newtons at the device for a newton of the body.");
+  this->ForceLimit = Named(NumberBox(settings.ForceLimit, 100, 0.5, " N"), "forceLimit",
+    "Largest force at the device, N. Never above what the device gives.");
+  this->ForceLimit->setSpecialValueText("the device's");
+  this->Bonded = Named(new QCheckBox("Also pulls"), "bonded",
+    "The tool is bonded to what it touches. The mouse always is.");
+  this->Bonded->setChecked(settings.Bonded);
+  form->addRow("Workspace scale", this->WorkspaceScale);
+  form->addRow("Workspace", this->FollowsCamera);
+  form->addRow("Force scale", this->ForceScale);
+  form->addRow("Force limit", this->ForceLimit);
+  form->addRow("Tool", this->Bonded);
+  for (QDoubleSpinBox* box : { this->WorkspaceScale, this->ForceScale, this->ForceLimit })
+  {
+    QObject::connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+      &pqPalpateInteractorDock::sendSettings);
+  }
+  for (QCheckBox* box : { this->FollowsCamera, this->Bonded })
+  {
+    QObject::connect(box, &QCheckBox::toggled, this, &pqPalpateInteractorDock::sendSettings);
+  }
+}
+
+void pqPalpateInteractorDock::makeFigures(QFormLayout* form)
+{
+  const auto addRow = [&](const char* title, const char* name, const char* tip)
+  {
+    auto* label = Named(new QLabel(), name, tip);
+    label->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    form->addRow(title, label);
+    return label;
+  };
+  this->State = addRow("State", "state", "Of the loop, and of the tool.");
+  this->Rates = addRow("Rates", "rates", "Ticks of the loop and frames of the view in a second.");
+  this->Lateness = addRow("Lateness", "lateness",
+    "How late ticks began after their time: half of them less than, 99 %, all.");
+  this->Missed = addRow("Missed ticks", "missed", "That should have been and were not, of all.");
+  this->Force = addRow("Force", "force", "That is sent to the device, and that of the body.");
+  this->Energy = addRow("Energy balance", "energy",
+    "What the hand has put in less what the body stores; below zero the loop has made energy.");
+  this->Damping = addRow("Added damping", "damping", "Against energy of the loop's own making.");
+  this->Node = addRow("Node", "node", "That is moved, and where in its space it is.");
+}
+
+void pqPalpateInteractorDock::listSpaces()
+{
+  const QString chosen = this->Space->currentData().toString();
+  const QSignalBlocker blocker(this->Space);
+  this->Space->clear();
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
+  {
+    for (pqOutputPort* port : source->getOutputPorts())
+    {
+      if (pqPalpateGivesStateSpace(port))
+      {
+        this->Space->addItem(source->getSMName(), IdOf(port));
+      }
+    }
+  }
+  const int index = this->Space->findData(chosen);
+  this->Space->setCurrentIndex(index >= 0 ? index : this->Space->count() - 1);
+  this->showState();
+}
+
+pqOutputPort* pqPalpateInteractorDock::chosenSpace() const
+{
+  const QString chosen = this->Space->currentData().toString();
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
+  {
+    for (pqOutputPort* port : source->getOutputPorts())
+    {
+      if (IdOf(port) == chosen)
+      {
+        return port;
+      }
+    }
+  }
+  return nullptr;
+}
+
+void pqPalpateInteractorDock::listDevices()
+{
+  const QString chosen = this->Device->currentData().toString();
+  this->Device->clear();
+  auto* items = qobject_cast<QStandardItemModel*>(this->Device->model());
+  QString faults;
+  for (const pqPalpateDeviceName& device : pqPalpateListDevices(this->Touch.device()))
+  {
+    this->Device->addItem(device.Name, device.Id);
+    if (!device.Fault.isEmpty())
+    {
+      const int row = this->Device->count() - 1;
+      items->item(row)->setEnabled(false);
+      this->Device->setItemData(row, device.Fault, Qt::ToolTipRole);
+      faults += (faults.isEmpty() ? "" : "\n") + device.Name + ": " + device.Fault;
+    }
+  }
+  const int index = this->Device->findData(chosen);
+  this->Device->setCurrentIndex(index >= 0 ? index : 0);
+  this->say(faults, true);
+}
+
+void pqPalpateInteractorDock::startOrStop()
+{
+  if (this->Touch.isRunning())
+  {
+    this->Touch.stop();
+    return;
+  }
+  pqOutputPort* space = this->chosenSpace();
+  auto* view = qobject_cast<pqRenderView*>(pqActiveObjects::instance().activeView());
+  if (!space)
+  {
+    this->say("There is no state space. Make one with Precompute State Space, or open a .palpate "
+              "file, and press Apply.",
+      true);
+    return;
+  }
+  if (!view)
+  {
+    this->say("Make a render view the active one: the touched body is shown there.", true);
+    return;
+  }
+  this->say({}, false);
+  this->sendSettings();
+  const QString fault = this->Touch.start(space, view, this->Device->currentData().toString());
+  if (!fault.isEmpty())
+  {
+    this->say(fault, true);
+  }
+}
+
+void pqPalpateInteractorDock::sendSettings()
+{
+  pqPalpateTouch::Settings settings;
+  settings.WorkspaceScale = this->WorkspaceScale->value();
+  settings.FollowsCamera = this->FollowsCamera->isChecked();
+  settings.ForceScale = this->ForceScale->value();
+  settings.ForceLimit = this->ForceLimit->value();
+  settings.Bonded = this->Bonded->isChecked();
+  this->Touch.setSettings(settings);
+}
+
+void pqPalpateInteractorDock::showState()
+{
+  const bool runs = this->Touch.isRunning();
+  this->Start->setText(runs ? "Stop" : "Start");
+  this->Space->setEnabled(!runs);
+  this->Device->setEnabled(!runs);
+  if (runs == this->FiguresTimer.isActive())
+  {
+    return;
+  }
+  if (runs)
+  {
+    this->FiguresTimer.start();
+  }
+  else
+  {
+    this->FiguresTimer.stop();
+    this->State->setText("closed");
+  }
+}
+
+void pqPalpateInteractorDock::showFigures()
+{
+  const pqPalpateTouch::Figures f = this->Touch.figures();
+  this->State->setText(f.State + ", " + f.Contact);
+  this->Rates->setText(
+    QString("%1 /s, view %2 /s").arg(f.Rate, 0, 'f', 1).arg(f.FrameRate, 0, 'f', 0));
+  this->Lateness->setText(QString("%1 / %2 / %3 µs")
+                            .arg(f.Lateness[0], 0, 'f', 0)
+                            .arg(f.Lateness[1], 0, 'f', 0)
+                            .arg(f.Lateness[2], 0, 'f', 0));
+  this->Missed->setText(QString("%1 of %2").arg(f.Missed).arg(f.Ticks));
+  this->Force->setText(
+    QString("%1 N, body %2 N").arg(f.Force, 0, 'f', 3).arg(f.BodyForce, 0, 'f', 3));
+  this->Energy->setText(QString("%1 mJ").arg(1e3 * f.Dissipated, 0, 'f', 3));
+  this->Damping->setText(QString("%1 N·s/m").arg(f.Damping, 0, 'f', 3));
+  this->Node->setText(f.Node < 0 ? "none" : QString("%1, %2").arg(f.Node).arg(f.Found));
+  this->say(f.Problem, false);
+}
+
+void pqPalpateInteractorDock::say(const QString& text, bool isFault)
+{
+  this->Message->setText(text);
+  this->Message->setStyleSheet(isFault ? "color: #a00000" : "");
+  this->Message->setVisible(!text.isEmpty());
+}
+
+void pqPalpateInteractorDock::closeEvent(QCloseEvent* event)
+{
+  this->Touch.stop();
+  this->Superclass::closeEvent(event);
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The dock of ParaView's window from where a state space is touched: what, with which device, how,
+/// and what the loop finds.
+#pragma once
+
+#include <QDockWidget>
+#include <QTimer>
+
+#include "pqPalpateTouch.h"
+
+class QCheckBox;
+class QComboBox;
+class QDoubleSpinBox;
+class QFormLayout;
+class QLabel;
+class QPushButton;
+class pqOutputPort;
+
+class pqPalpateInteractorDock : public QDockWidget
+{
+  Q_OBJECT
+  typedef QDockWidget Superclass;
+
+public:
+  explicit pqPalpateInteractorDock(QWidget* parent = nullptr);
+
+protected:
+  void closeEvent(QCloseEvent* event) override;
+
+private:
+  void makeChoices(QFormLayout* form);
+  void makeSettings(QFormLayout* form);
+  void makeFigures(QFormLayout* form);
+
+  void listSpaces();
+  void listDevices();
+  void startOrStop();
+  void showState();
+  void showFigures();
+  void sendSettings();
+  pqOutputPort* chosenSpace() const;
+  /// What goes well is black.
+  void say(const QString& text, bool isFault);
+
+  pqPalpateTouch Touch;
+  QTimer FiguresTimer;
+
+  QComboBox* Space = nullptr;
+  QComboBox* Device = nullptr;
+  QPushButton* Refresh = nullptr;
+  QPushButton* Start = nullptr;
+  QLabel* Message = nullptr;
+
+  QDoubleSpinBox* WorkspaceScale = nullptr;
+  QCheckBox* FollowsCamera = nullptr;
+  QDoubleSpinBox* ForceScale = nullptr;
+  QDoubleSpinBox* ForceLimit = nullptr;
+  QCheckBox* Bonded = nullptr;
+
+  QLabel* State = nullptr;
+  QLabel* Rates = nullptr;
+  QLabel* Lateness = nullptr;
+  QLabel* Missed = nullptr;
+  QLabel* Force = nullptr;
+  QLabel* Energy = nullptr;
+  QLabel* Node = nullptr;
+  QLabel* Damping = nullptr;
+};

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpateMouse.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "vtkCamera.h"
+#include "vtkCellArray.h"
+#include "vtkCommand.h"
+#include "vtkInteractorObserver.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkRenderWindowInteractor.h"
+#include "vtkRenderer.h"
+#include "vtkSMRenderViewProxy.h"
+#include "vtkStaticCellLocator.h"
+
+using palpate::Vec3;
+
+namespace
+{
+/// Before ParaView's own, which are at 0.
+constexpr float Priority = 10;
+/// Shares of the body's diagonal: how far outside of the body the tool waits; how far it goes in
+/// before the mouse has moved; how far from an active node a press still takes hold of it; a notch
+/// of the wheel.
+constexpr double Clearance = 0.02;
+constexpr double Overshoot = 0.002;
+constexpr double Reach = 0.1;
+constexpr double Notch = 0.01;
+}
+
+pqPalpateMouse::pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
+  std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion)
+  : Body(std::move(body))
+  , Motion(std::move(motion))
+  , Interactor(view->GetInteractor())
+  , Renderer(view->GetRenderer())
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (const Vec3& point : space.surface.points)
+  {
+    points->InsertNextPoint(point.data());
+  }
+  vtkNew<vtkCellArray> triangles;
+  for (const auto& [a, b, c] : space.surface.triangles)
+  {
+    triangles->InsertNextCell({ a, b, c });
+  }
+  vtkNew<vtkPolyData> surface;
+  surface->SetPoints(points);
+  surface->SetPolys(triangles);
+  this->Surface->SetDataSet(surface);
+  this->Surface->BuildLocator();
+  for (const palpate::TouchSite& site : space.sites)
+  {
+    this->HalfWidths.push_back(site.site.half_width);
+  }
+  const auto& bounds = this->Body->surface().bounds();
+  this->Size = bounds.diagonal().norm();
+  this->Centre = bounds.max() + bounds.diagonal();
+
+  if (this->Interactor)
+  {
+    for (const unsigned long event :
+      { vtkCommand::LeftButtonPressEvent, vtkCommand::LeftButtonReleaseEvent,
+        vtkCommand::LeftButtonDoubleClickEvent, vtkCommand::MouseMoveEvent,
+        vtkCommand::MouseWheelForwardEvent, vtkCommand::MouseWheelBackwardEvent })
+    {
+      this->Observers.push_back(
+        this->Interactor->AddObserver(event, this, &pqPalpateMouse::HandleEvent, Priority));
+    }
+  }
+}
+
+pqPalpateMouse::~pqPalpateMouse()
+{
+  for (const unsigned long observer : this->Observers)
+  {
+    if (this->Interactor)
+    {
+      this->Interactor->RemoveObserver(observer);
+    }
+  }
+}
+
+bool pqPalpateMouse::HandleEvent(vtkObject*, unsigned long event, void*)
+{
+  switch (event)
+  {
+    case vtkCommand::LeftButtonPressEvent:
+    case vtkCommand::LeftButtonDoubleClickEvent:
+      return this->Press();
+    case vtkCommand::MouseMoveEvent:
+      this->Drag();
+      return this->Pressed;
+    case vtkCommand::MouseWheelForwardEvent:
+    case vtkCommand::MouseWheelBackwardEvent:
+      if (this->Pressed && this->Renderer)
+      {
+        const double sign = event == vtkCommand::MouseWheelForwardEvent ? 1 : -1;
+        const Vec3 away(this->Renderer->GetActiveCamera()->GetDirectionOfProjection());
+        this->Depth += sign * Notch * this->Size * away;
+        this->Drag();
+      }
+      return this->Pressed;
+    default:
+      return std::exchange(this->Pressed, false);
+  }
+}
+
+bool pqPalpateMouse::Press()
+{
+  if (!this->Renderer || !this->Interactor || this->Interactor->GetControlKey())
+  {
+    return false;
+  }
+  const int* pixel = this->Interactor->GetEventPosition();
+  double near[4];
+  double far[4];
+  vtkInteractorObserver::ComputeDisplayToWorld(this->Renderer, pixel[0], pixel[1], 0, near);
+  vtkInteractorObserver::ComputeDisplayToWorld(this->Renderer, pixel[0], pixel[1], 1, far);
+  double along;
+  double hit[3];
+  double parametric[3];
+  int subId;
+  if (!this->Surface->IntersectWithLine(near, far, 0, along, hit, parametric, subId))
+  {
+    return false;
+  }
+  const Vec3 place(hit);
+  this->Wanted = this->Body->nearest(place,
+    std::max(Reach * this->Size, this->Body->largest_tip_radius()));
+  if (this->Wanted < 0)
+  {
+    return false;
+  }
+  this->Pressed = true;
+  this->Grip = place;
+  this->Depth.setZero();
+  this->Displacement.setZero();
+  return true;
+}
+
+Vec3 pqPalpateMouse::PointUnderCursor(const Vec3& depthOf) const
+{
+  double display[3];
+  vtkInteractorObserver::ComputeWorldToDisplay(
+    this->Renderer, depthOf.x(), depthOf.y(), depthOf.z(), display);
+  const int* pixel = this->Interactor->GetEventPosition();
+  double world[4];
+  vtkInteractorObserver::ComputeDisplayToWorld(
+    this->Renderer, pixel[0], pixel[1], display[2], world);
+  return Vec3(world);
+}
+
+void pqPalpateMouse::Drag()
+{
+  if (!this->Pressed || !this->Renderer || !this->Interactor)
+  {
+    return;
+  }
+  const Vec3 moved = this->PointUnderCursor(this->Grip) - this->Grip + this->Depth;
+  // No further than the space goes.
+  const double most = this->HalfWidths[this->Wanted];
+  const double least = moved.cwiseAbs().maxCoeff();
+  this->Displacement = least > most ? Vec3(most / least * moved) : moved;
+}
+
+void pqPalpateMouse::SetTarget(const Vec3& place)
+{
+  this->Target = place - this->Centre;
+  this->Motion->set_target(this->Target);
+}
+
+Vec3 pqPalpateMouse::Outside() const
+{
+  return this->Body->nodes()[this->Node].rest_position + Clearance * this->Size * this->Normal;
+}
+
+void pqPalpateMouse::Advance(const palpate::Tick& tick)
+{
+  const bool attached = tick.contact.status == palpate::ContactStatus::attached;
+  if (this->Phase == Phases::Away && this->Pressed)
+  {
+    this->Node = this->Wanted;
+    const Vec3& rest = this->Body->nodes()[this->Node].rest_position;
+    this->Normal = this->Body->surface().nearest(rest).normal;
+    // The point stands still, and the workspace is moved so that it is outside of this node.
+    this->Centre = this->Outside() - this->Target;
+    this->Phase = Phases::Coming;
+  }
+  else if (this->Phase == Phases::Coming)
+  {
+    this->SetTarget(this->Body->nodes()[this->Node].rest_position -
+      Overshoot * this->Size * this->Normal);
+    if (attached)
+    {
+      this->Phase = Phases::Holding;
+    }
+    else if (!this->Pressed)
+    {
+      this->Phase = Phases::Leaving;
+    }
+  }
+  if (this->Phase == Phases::Holding)
+  {
+    if (this->Pressed && this->Wanted == this->Node)
+    {
+      this->SetTarget(tick.contact.anchor + this->Displacement);
+    }
+    else
+    {
+      this->Phase = Phases::Leaving;
+    }
+  }
+  if (this->Phase == Phases::Leaving)
+  {
+    this->SetTarget(this->Outside());
+    const double left = (this->Outside() - tick.position).norm();
+    if (!attached && left < Overshoot * this->Size)
+    {
+      this->Phase = Phases::Away;
+    }
+  }
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Touches a state space of the pipeline: owns the servo loop, the body as it feels it, and the
+/// device, and shows some thirty times a second in a view what the loop has found.
+///
+/// The loop has its own thread and neither waits for ParaView nor is waited for. What is shown is a
+/// filter TouchStateSpace, on the server wherever that is, whose node and displacement are set each
+/// frame: other filters can hang on it. It ends by itself, with zero force, when the space, the
+/// view or the server goes, when the device is pulled out, and when ParaView quits.
+#pragma once
+
+#include <QElapsedTimer>
+#include <QObject>
+#include <QString>
+#include <QTimer>
+#include <memory>
+
+class pqOutputPort;
+class pqRenderView;
+namespace palpate
+{
+struct Tick;
+}
+
+class pqPalpateTouch : public QObject
+{
+  Q_OBJECT
+public:
+  /// What may change while it runs.
+  struct Settings
+  {
+    /// Metres in the scene for a metre at the device; 0: so that all active nodes can be reached.
+    double WorkspaceScale = 0;
+    /// The device's axes are those of the view; else those of the scene, y being up.
+    bool FollowsCamera = true;
+    double ForceScale = 1;
+    /// N at the device; 0: that of the device.
+    double ForceLimit = 0;
+    /// The tool also pulls. The mouse is always bonded to what it holds.
+    bool Bonded = false;
+  };
+
+  /// What is known of the loop and of the view, in words where it is not a number.
+  struct Figures
+  {
+    QString State;
+    QString Contact;
+    /// Ticks a second, frames a second.
+    double Rate = 0;
+    double FrameRate = 0;
+    /// How late ticks began, µs: half, 99 % and all of them were less.
+    double Lateness[3] = { 0, 0, 0 };
+    quint64 Ticks = 0;
+    quint64 Missed = 0;
+    /// At the device, and of the body, N.
+    double Force = 0;
+    double BodyForce = 0;
+    /// What the hand has put in less what the body stores, J.
+    double Dissipated = 0;
+    /// That is added against energy of the sampled loop's making, N·s/m.
+    double Damping = 0;
+    int Node = -1;
+    QString Found;
+    QString Problem;
+  };
+
+  explicit pqPalpateTouch(QObject* parent = nullptr);
+  ~pqPalpateTouch() override;
+
+  /// @param device As in pqPalpateDevices.h.
+  /// @return What was wrong; empty: it runs.
+  QString start(pqOutputPort* space, pqRenderView* view, const QString& device);
+  /// Zero force, the body at rest.
+  void stop();
+  bool isRunning() const { return this->Running != nullptr; }
+  /// The device in use; empty: none.
+  QString device() const;
+
+  void setSettings(const Settings& settings);
+  Figures figures();
+
+Q_SIGNALS:
+  void started();
+  /// @param why Empty where it was asked for.
+  void stopped(const QString& why);
+
+private:
+  struct Session;
+
+  void showFrame();
+  /// The workspace, and the rest of what the loop is told.
+  void applySettings(const palpate::Tick& tick);
+  void takeNewData();
+  void loseConnection();
+  /// What of the pipeline is still there when it ends.
+  enum class Left
+  {
+    Nothing,
+    View,
+    All
+  };
+  /// Zero force first; then the view as it was, and the body at rest.
+  void end(const QString& why, Left left);
+
+  Settings Current;
+  std::unique_ptr<Session> Running;
+  QTimer FrameTimer;
+  bool IsShowing = false;
+};

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs inside ParaView's window, does what PALPATE_INTERACTOR_RUN says with the dock Palpate, and
+quits; test_interactor.py reads what it prints. What a person clicks is clicked."""
+
+import os
+import re
+import time
+import traceback
+
+from paraview import servermanager
+from paraview.simple import *
+from PyQt5 import QtCore, QtGui, QtWidgets
+from PyQt5.QtTest import QTest
+
+TIME_OUT = 30  # s, of anything that is waited for
+application = QtWidgets.QApplication.instance()
+window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
+dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
+
+
+def part(name):
+    """A widget of the dock."""
+    return dock.findChild(QtWidgets.QWidget, name)
+
+
+def wait(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        application.processEvents(QtCore.QEventLoop.AllEvents, 5)
+        time.sleep(0.001)
+
+
+def wait_until(condition, what):
+    end = time.monotonic() + TIME_OUT
+    while not condition():
+        assert time.monotonic() < end, f"waited in vain: {what}; {part('state').text()}"
+        wait(0.05)
+
+
+def number(name):
+    """The first number of a label."""
+    return float(re.search(r"-?[\d.]+", part(name).text()).group())
+
+
+def runs():
+    return part("start").text() == "Stop"
+
+
+def click_start(device="Simulated hand"):
+    assert not runs()
+    part("device").setCurrentText(device)
+    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    assert runs(), part("message").text()
+
+
+def click_stop():
+    assert runs()
+    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    assert not runs()
+
+
+def touches():
+    return part("state").text().endswith(", touching")
+
+
+def touch_filter():
+    return FindSource("TouchStateSpace1")
+
+
+def shown():
+    """How far the node is displaced in the view, m; the view is a frame behind the loop."""
+    return max(abs(c) for c in touch_filter().Displacement)
+
+
+def ended(why):
+    wait_until(lambda: not runs(), why)
+    assert why in part("message").text(), part("message").text()
+    assert part("state").text() == "closed"
+
+
+def open_space():
+    space = OpenDataFile(os.path.abspath("block.palpate"))
+    view = GetActiveViewOrCreate("RenderView")
+    Show(space, view)
+    view.CameraPosition = [0.5, 0.25, 0.4]
+    view.CameraFocalPoint = [0.05, 0.03, 0.03]
+    view.CameraViewUp = [0, 1, 0]
+    view.ResetCamera()
+    Render()
+    wait(0.2)
+    assert part("space").count() == 1
+    return space, view
+
+
+def touching():
+    """With the simulated hand: the loop, the view, and the body at rest afterwards."""
+    _, view = open_space()
+    click_start()
+    wait(0.2)
+    SaveScreenshot("rest.png", view, ImageResolution=[600, 450])
+    wait(2)
+    wait_until(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
+    assert number("node") >= 0
+    window.grab().save("window.png")
+    SaveScreenshot("touched.png", view, ImageResolution=[600, 450])
+    print("rate", number("rates"))
+    print("frames", float(re.search(r"view (\d+)", part("rates").text()).group(1)))
+    print("late", *re.findall(r"\d+", part("lateness").text()))
+    print("ticks", *re.findall(r"\d+", part("missed").text()))
+    print("force", number("force"))
+    assert view.UseFXAA == 0
+    click_stop()
+    assert list(touch_filter().Displacement) == [0, 0, 0]
+    assert view.UseFXAA == 1
+
+
+def mouse():
+    """A press beside the body is the camera's; one on it holds the node, which follows the drag."""
+    _, view = open_space()
+    click_start("Mouse")
+    wait(0.3)
+    canvas = max(window.findChildren(QtWidgets.QOpenGLWidget),
+                 key=lambda widget: widget.width() * widget.height())
+    renderer = view.GetRenderer()
+    values = touch_filter().FieldData["ActivePosition"]
+    renderer.SetWorldPoint(*(values.GetRange(axis)[0] for axis in range(3)), 1)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    node = QtCore.QPoint(round(x), canvas.height() - 1 - round(y))
+
+    def send(kind, at, button=QtCore.Qt.LeftButton, buttons=QtCore.Qt.LeftButton):
+        application.sendEvent(canvas, QtGui.QMouseEvent(
+            kind, QtCore.QPointF(at), QtCore.QPointF(canvas.mapToGlobal(at)), button, buttons,
+            QtCore.Qt.NoModifier))
+
+    def drag(start, step, count):
+        send(QtCore.QEvent.MouseButtonPress, start)
+        wait_until(lambda: touches() or start != node, "the press takes hold")
+        for i in range(1, count + 1):
+            send(QtCore.QEvent.MouseMove, start + i * step, QtCore.Qt.NoButton)
+            wait(0.02)
+        return start + count * step
+
+    before = list(view.CameraPosition)
+    end = drag(QtCore.QPoint(15, 15), QtCore.QPoint(4, 2), 5)
+    send(QtCore.QEvent.MouseButtonRelease, end, buttons=QtCore.Qt.NoButton)
+    wait(0.1)
+    assert list(view.CameraPosition) != before
+    assert not touches()
+    view.CameraPosition = before
+    view.CameraViewUp = [0, 1, 0]
+    Render()
+
+    end = drag(node, QtCore.QPoint(1, -1), 25)
+    wait_until(lambda: number("force") > 0.05, "the drag is felt")
+    SaveScreenshot("dragged.png", view, ImageResolution=[600, 450])
+    dragged = list(touch_filter().Displacement)
+    application.sendEvent(canvas, QtGui.QWheelEvent(
+        QtCore.QPointF(end), QtCore.QPointF(canvas.mapToGlobal(end)), QtCore.QPoint(),
+        QtCore.QPoint(0, 120), QtCore.Qt.LeftButton, QtCore.Qt.NoModifier,
+        QtCore.Qt.NoScrollPhase, False))
+    direction = view.GetActiveCamera().GetDirectionOfProjection()
+    wait_until(lambda: sum((now - then) * along for now, then, along in zip(
+        touch_filter().Displacement, dragged, direction)) > 1e-4, "the wheel pushes the node in")
+    print("dragged", max(abs(c) for c in dragged))
+    assert list(view.CameraPosition) == before
+    send(QtCore.QEvent.MouseButtonRelease, end, buttons=QtCore.Qt.NoButton)
+    wait_until(lambda: not touches(), "the node is let go of")
+    wait_until(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
+    click_stop()
+
+
+def ends():
+    """A hundred starts and stops, and each thing that may go while it runs."""
+    space, view = open_space()
+
+    def run():
+        click_start()
+        wait_until(touches, "the hand touches")
+
+    click_start()
+    wait(0.2)
+    click_stop()
+    threads = len(os.listdir("/proc/self/task"))
+    for _ in range(100):
+        click_start()
+        application.processEvents()
+        click_stop()
+        application.processEvents()
+    print("threads", len(os.listdir("/proc/self/task")) - threads)
+
+    run()
+    space.DisplacementBound = 0.01
+    space.UpdatePipeline()
+    wait_until(touches, "the hand touches the space that has changed")
+    Delete(touch_filter())
+    ended("deleted")
+    run()
+    Delete(space)
+    ended("deleted")
+    Delete(touch_filter())
+    assert part("space").count() == 0
+    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    assert "no state space" in part("message").text()
+
+    open_space()
+    run()
+    Delete(view)
+    ended("view was closed")
+    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    assert "render view" in part("message").text()
+
+    SetActiveView(CreateRenderView())
+    wait(0.2)
+    run()
+    dock.close()
+    assert not runs()
+    dock.show()
+    run()
+    Disconnect()
+    wait_until(lambda: not runs(), "disconnected")
+    print("ended 1")
+
+
+def remote():
+    """The space is on a server; the loop has a copy here."""
+    Connect("localhost", int(os.environ["PALPATE_INTERACTOR_PORT"]))
+    wait(0.5)
+    open_space()
+    click_start()
+    wait_until(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
+    print("ranks", servermanager.ActiveConnection.GetNumberOfDataPartitions())
+    Disconnect()
+    wait_until(lambda: not runs(), "disconnected")
+    print("ended 1")
+
+
+def goes_on(leave):
+    """Starts, and leaves it running."""
+    open_space()
+    click_start()
+    wait_until(touches, "the hand touches")
+    print("left 1", flush=True)
+    leave()
+
+
+def main():
+    try:
+        {"touching": touching, "mouse": mouse, "ends": ends, "remote": remote,
+         "quit": lambda: goes_on(application.quit),
+         "close": lambda: goes_on(window.close)}[os.environ["PALPATE_INTERACTOR_RUN"]]()
+    except BaseException:
+        traceback.print_exc()
+    application.quit()
+
+
+# In the loop of events, as what a person does.
+QtCore.QTimer.singleShot(300, main)

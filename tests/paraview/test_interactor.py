@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The dock Palpate in ParaView's window: touched with a simulated hand and with the mouse, the body
+is seen deformed and the loop keeps its pace; started and stopped a hundred times; left by what it
+needs, it ends. Touched on a server, too.
+
+  test_interactor.py <palpate_test_make_space> <folder of the plugin PalpateInteractor> <server>…
+
+where <server> is the command that starts pvserver.
+"""
+
+import os
+import shutil
+import socket
+import subprocess
+import sys
+
+from support import SKIPPED
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+TIME_OUT = 180  # s
+
+
+def pixels(path):
+    reader = vtkPNGReader()
+    reader.SetFileName(path)
+    reader.Update()
+    return vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
+
+
+def share_different(one, other):
+    """The share of the pixels that differ visibly."""
+    return (abs(pixels(one) - pixels(other)).max(axis=1) > 30).mean()
+
+
+def free_port():
+    with socket.socket() as held:
+        held.bind(("localhost", 0))
+        return held.getsockname()[1]
+
+
+def wait_for(line, process):
+    """Until the process prints it."""
+    for printed in process.stdout:
+        print(printed, end="", flush=True)
+        if line in printed:
+            return
+    raise AssertionError(f"no line with {line}")
+
+
+def run(what, folder, port=0):
+    """What the window has printed, by its first word."""
+    environment = dict(os.environ, PALPATE_INTERACTOR_RUN=what, PALPATE_INTERACTOR_PORT=str(port))
+    environment["PV_PLUGIN_PATH"] += os.pathsep + folder
+    command = ["paraview", "--disable-registry", "--script",
+               os.path.join(HERE, "interactor_script.py")]
+    run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                         errors="replace", timeout=TIME_OUT, check=False, env=environment)
+    print(run.stdout, flush=True)
+    assert run.returncode == 0, (what, run.returncode)
+    lines = run.stdout.splitlines()
+    assert not any("ERR|" in line or "Traceback" in line for line in lines), what
+    figures = {}
+    for line in lines:
+        name, *values = line.split() or [""]
+        try:
+            figures[name] = [float(value) for value in values]
+        except ValueError:
+            pass  # none of ours
+    return figures
+
+
+def main():
+    make_space, folder, *server = sys.argv[1:]
+    if shutil.which("paraview") is None:
+        sys.exit(SKIPPED)
+    subprocess.run([make_space, "block.palpate"], check=True, stdout=subprocess.DEVNULL)
+
+    touching = run("touching", folder)
+    assert 0.1 < touching["force"][0] < 10, touching
+    # On a machine that is busy: an order less than what it is.
+    assert touching["rate"][0] > 500, touching
+    assert touching["frames"][0] >= 2, touching
+    assert touching["ticks"][1] > 500, touching
+    assert share_different("rest.png", "touched.png") > 0.01
+
+    mouse = run("mouse", folder)
+    assert mouse["dragged"][0] > 0.002, mouse
+    assert share_different("rest.png", "dragged.png") > 0.01
+
+    ends = run("ends", folder)
+    assert ends["ended"] == [1] and ends["threads"][0] <= 0, ends
+    for what in ("quit", "close"):
+        assert run(what, folder)["left"] == [1], what
+
+    port = free_port()
+    # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
+    environment = {name: value for name, value in os.environ.items()
+                   if "-n" not in server or not name.startswith(("OMPI_", "PMIX_"))}
+    with subprocess.Popen([*server, f"--server-port={port}"], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, env=environment) as running:
+        try:
+            wait_for("Accepting connection", running)
+            remote = run("remote", folder, port)
+            running.wait(timeout=TIME_OUT)
+        finally:
+            running.terminate()
+    assert remote["ended"] == [1], remote
+    assert remote["ranks"] == [server.count("-n") + 1], remote
+
+
+if __name__ == "__main__":
+    main()
