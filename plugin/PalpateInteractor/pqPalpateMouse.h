@@ -5,8 +5,8 @@
 /// camera as ever.
 ///
 /// What it moves is the point of a simulated board, so that it touches by the servo loop as a
-/// device does: the tool is put outside of the node, moved straight in until it is attached, then to
-/// where the mouse is, and at last outside again.
+/// device does: the tool is put outside of the node, moved straight in until it is attached, then
+/// to where the mouse is, and at last outside again.
 #pragma once
 
 #include <memory>
