@@ -196,11 +196,6 @@ Device opened_device(const std::string& which) {
   return device;
 }
 
-double limit_of(const Specification& device, const ServoSettings& settings) {
-  return settings.force_limit > 0 ? std::min(settings.force_limit, device.max_linear_force)
-                                  : device.max_linear_force;
-}
-
 /// The device over a node of the body that the command line says.
 std::shared_ptr<const Touchable> read_body(CommandLine& line) {
   const TouchSpace space = read_space(line.space);
@@ -275,7 +270,7 @@ int run(CommandLine line) {
   const bool ended = servo.stop();
 
   const Statistics statistics = servo.statistics();
-  print(statistics, limit_of(specification, line.settings));
+  print(statistics, largest_force(specification, line.settings.force_limit));
   print_timing(statistics);
   if (device.board != nullptr && ended) {
     std::printf("at the end   motors %s\n", device.board->status().motors_on ? "on" : "off");
@@ -320,7 +315,8 @@ int replay(CommandLine line) {
     Loop loop(device, *profile, *clock, setup.options, inbox, outbox);
     for (TickRecord record; reader.next(record);) {
       inbox.settings.write({record.settings, record.touch});
-      limit = std::max(limit, limit_of(profile->specification(), record.settings));
+      limit = std::max(
+          limit, largest_force(profile->specification(), record.settings.force_limit));
       device.play(record);
       loop.tick();
       loop.wait();

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "haptic/servo/force_limiter.h"
 #include "haptic/servo/tick.h"
 
 namespace palpate {
@@ -83,22 +82,12 @@ bool HapticDevice::setForce(const Vec3& force) noexcept {
   const Time now = clock_->now();
   const Duration since_last = sent_at_ ? now - *sent_at_ : Duration(0);
   sent_at_ = now;
-  if (!fresh()) {
-    session_->send_zero();
-    sent_.setZero();
-    return false;
-  }
-  const double of_device = getSpecifications().max_linear_force;
-  const double largest =
-      options_.force_limit > 0 ? std::min(options_.force_limit, of_device) : of_device;
   // After a pause of the caller no more than after a report that is just not too old.
   const double step = options_.slew_limit * seconds(std::min(since_last, options_.stale_after));
-  if (session_->cut()) sent_.setZero();
   std::uint32_t limited = 0;
-  const Vec3 allowed =
-      limit_force(profile_->on_motors(force), sent_, largest, step, limited);
-  sent_ = session_->send(allowed);
-  return sent_ == allowed && (limited & limits::not_finite) == 0;
+  sent_ = session_->send(force, largest_force(getSpecifications(), options_.force_limit), step,
+                         limited);
+  return (limited & (limits::device | limits::not_finite)) == 0;
 }
 
 }  // namespace palpate

@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "haptic/servo/force_limiter.h"
 
 namespace palpate {
 namespace {
@@ -83,6 +82,10 @@ std::string_view to_string(ServoState state) noexcept {
   return "unknown";
 }
 
+double largest_force(const Specification& device, double limit) noexcept {
+  return limit > 0 ? std::min(limit, device.max_linear_force) : device.max_linear_force;
+}
+
 double coupling_stiffness_for(const Specification& device, double body_stiffness,
                               const ServoSettings& settings) {
   const double per_scene = settings.force_scale * settings.workspace_scale;
@@ -92,8 +95,7 @@ double coupling_stiffness_for(const Specification& device, double body_stiffness
 
 Loop::Loop(Transport& transport, const Profile& profile, Clock& clock, const ServoOptions& options,
            LoopInbox& inbox, LoopOutbox& outbox)
-    : profile_(profile),
-      clock_(clock),
+    : clock_(clock),
       options_(checked(options)),
       specification_(profile.specification()),
       inbox_(inbox),
@@ -180,9 +182,9 @@ void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& sett
       !same_energy(settings, observed_settings_)) {
     balance_.begin(stored);
   } else if (tick_.limited != 0) {
-    balance_.add_late(device_force_, device_moved_, stored);
+    balance_.add_late(session_.force(), device_moved_, stored);
   } else {
-    balance_.add(device_force_, device_moved_, stored);
+    balance_.add(session_.force(), device_moved_, stored);
   }
   observing_ = observable;
   observed_body_ = body;
@@ -201,14 +203,13 @@ ServoState Loop::state(const ServoSettings& settings) const noexcept {
   return settings.engaged ? ServoState::running : ServoState::ready;
 }
 
-// The limiter is the last step whatever came before it.
+// The session limits it, whatever came before.
 void Loop::send_force(const ServoSettings& settings) noexcept {
   // As late as can be: the thread may have been held up since it has read the device.
   tick_.state = state(settings);
   tick_.limited = 0;
   if (tick_.state != ServoState::running) {
     session_.send_zero();
-    device_force_.setZero();
   } else {
     Vec3 wanted = Vec3::Zero();
     if (tick_.contact.status == ContactStatus::attached) {
@@ -216,19 +217,11 @@ void Loop::send_force(const ServoSettings& settings) noexcept {
                    (settings.workspace_rotation.transpose() * tick_.contact.force) -
                (settings.damping + tick_.added_damping) * session_.velocity();
     }
-    const double largest =
-        settings.force_limit > 0
-            ? std::min(settings.force_limit, specification_.max_linear_force)
-            : specification_.max_linear_force;
     const double step = settings.slew_limit * std::min(interval_, 2 * seconds(options_.period));
-    // What changes is what the motors have, which is not always what they were to have.
-    if (session_.cut()) device_force_.setZero();
-    const Vec3 limited = limit_force(profile_.on_motors(wanted), device_force_, largest, step,
-                                     tick_.limited);
-    device_force_ = session_.send(limited);
-    if (device_force_ != limited) tick_.limited |= limits::device;
+    session_.send(wanted, largest_force(specification_, settings.force_limit), step,
+                  tick_.limited);
   }
-  tick_.force = settings.workspace_rotation * device_force_;
+  tick_.force = settings.workspace_rotation * session_.force();
 }
 
 void Loop::count() noexcept {

@@ -8,9 +8,6 @@
 // the inbox and outbox are what crosses.
 #pragma once
 
-#include <atomic>
-#include <memory>
-
 #include "haptic/realtime/handover.h"
 #include "haptic/realtime/histogram.h"
 #include "haptic/realtime/triple_buffer.h"
@@ -71,7 +68,6 @@ class Loop {
   void send_force(const ServoSettings& settings) noexcept;
   void count() noexcept;
 
-  const Profile& profile_;
   Clock& clock_;
   const ServoOptions options_;
   const Specification& specification_;
@@ -83,10 +79,8 @@ class Loop {
 
   Tick tick_;
   Counters counters_;
-  /// At the device, in its axes: how far it has moved since the tick before, m, and what its motors
-  /// were given then, N.
+  /// Of the device, in its axes, since the tick before, m.
   Vec3 device_moved_ = Vec3::Zero();
-  Vec3 device_force_ = Vec3::Zero();
   /// What the energy that is observed belongs to: with anything else it begins anew.
   const Touchable* observed_body_ = nullptr;
   LoopInbox::Settings observed_settings_;

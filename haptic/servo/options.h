@@ -50,6 +50,10 @@ struct ServoSettings {
 /// @throws InputError a value is out of range.
 void validate(const ServoSettings& settings);
 
+/// Largest force that is sent, N.
+/// @param limit As ServoSettings::force_limit.
+[[nodiscard]] double largest_force(const Specification& device, double limit) noexcept;
+
 /// Stiffness of the coupling with which a body is not felt stiffer than the device displays stably,
 /// N/m in the scene; 0: it needs none.
 /// @param body_stiffness Largest of the body, N/m.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "haptic/servo/force_limiter.h"
+
 namespace palpate {
 namespace {
 
@@ -154,14 +156,21 @@ Duration DeviceSession::age_at(Time now) const noexcept {
   return now - not_before_;
 }
 
-Vec3 DeviceSession::send(const Vec3& force) noexcept {
+Vec3 DeviceSession::send(const Vec3& wanted, double largest, double step,
+                         std::uint32_t& limited) noexcept {
   if (!fresh()) {
     send_zero();
-    return Vec3::Zero();
+    limited |= limits::device;
+    return force_;
   }
-  const Report report = profile_.encode(force, state_);
-  if (report.size == 0 || write(report) != TransportStatus::data) return Vec3::Zero();
-  return profile_.displayed(force, state_);
+  // What changes is what the motors have, which is not always what they were to have.
+  if (cut()) force_.setZero();
+  const Vec3 allowed = limit_force(profile_.on_motors(wanted), force_, largest, step, limited);
+  const Report report = profile_.encode(allowed, state_);
+  const bool sent = report.size > 0 && write(report) == TransportStatus::data;
+  force_ = sent ? profile_.displayed(allowed, state_) : Vec3::Zero();
+  if (force_ != allowed) limited |= limits::device;
+  return force_;
 }
 
 bool DeviceSession::cut() const noexcept {
@@ -170,6 +179,7 @@ bool DeviceSession::cut() const noexcept {
 }
 
 void DeviceSession::send_zero() noexcept {
+  force_.setZero();
   const Report zero = profile_.zero_force(state_);
   if (zero.size > 0 && !gone_) (void)write(zero);
 }

@@ -6,10 +6,10 @@
 //
 //   age = now − (device time + offset),   offset = least (time of reading − device time),
 //
-// the least over what was read, which grows by the drift that clocks have. A device's time that goes
-// back has begun anew, and is believed when it has run as ours does for a while. Where there is none, a
-// report cannot be older than the last time that the queue was seen empty before it, and is taken
-// for that old.
+// the least over what was read, which grows by the drift that clocks have. A device's time that
+// goes back has begun anew, and is believed when it has run as ours does for a while. Where there
+// is none, a report cannot be older than the last time that the queue was seen empty before it, and
+// is taken for that old.
 #pragma once
 
 #include <array>
@@ -40,10 +40,13 @@ class DeviceSession {
   /// @note Realtime-safe but for the device's own calls.
   void poll() noexcept;
 
-  /// Sends a force in the device's axes, N; where the state is no longer fresh, zero.
-  /// @return What the device gives of it, N; zero where it could not be sent.
+  /// Sends what the limits leave of a force in the device's axes (force_limiter.h); where the state
+  /// is no longer fresh, zero.
+  /// @param largest N. @param step From what the motors have, N.
+  /// @param limited Bits of namespace limits (tick.h), set where they hold.
+  /// @return What the motors then have, N; zero where it could not be sent.
   /// @note Realtime-safe but for the device's own calls.
-  Vec3 send(const Vec3& force) noexcept;
+  Vec3 send(const Vec3& wanted, double largest, double step, std::uint32_t& limited) noexcept;
   /// Motors off.
   void send_zero() noexcept;
 
@@ -54,8 +57,8 @@ class DeviceSession {
   [[nodiscard]] bool fresh() const noexcept {
     return !gone_ && age_at(clock_.now()) <= options_.stale_after;
   }
-  /// The device's watchdog has cut the motors, or is about to: it was long without a force.
-  [[nodiscard]] bool cut() const noexcept;
+  /// That the motors were given last [3], N.
+  [[nodiscard]] const Vec3& force() const noexcept { return force_; }
   /// Of the position, from report to report [3], m/s.
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] bool gone() const noexcept { return gone_; }
@@ -82,6 +85,8 @@ class DeviceSession {
   void take_velocity(Time now) noexcept;
   [[nodiscard]] TransportStatus write(const Report& report) noexcept;
   [[nodiscard]] Duration age_at(Time now) const noexcept;
+  /// The device's watchdog has cut the motors, or is about to: it was long without a force.
+  [[nodiscard]] bool cut() const noexcept;
 
   Transport& transport_;
   const Profile& profile_;
@@ -101,7 +106,8 @@ class DeviceSession {
   Time read_at_{0};
   Duration age_when_read_{0};
   Duration offset_{0};
-  /// The device's time went back: when that was, by both clocks. Not believed as long as this is set.
+  /// The device's time went back: when that was, by both clocks. Not believed as long as this is
+  /// set.
   struct Restart {
     Time at;
     Time device_time;
@@ -113,6 +119,7 @@ class DeviceSession {
   std::optional<Time> velocity_at_;
   /// When the last report was written, if one was.
   std::optional<Time> written_at_;
+  Vec3 force_ = Vec3::Zero();
 
   std::int32_t num_received_ = 0;
   std::array<Report, TickRecord::kReports> received_{};

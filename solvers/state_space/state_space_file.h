@@ -82,7 +82,8 @@ class StateSpaceFile {
 
   /// Adds a site. One that is there is extended: its box may become larger, with the same spacing,
   /// its force limit, its tolerance and its history may be others; then it is no longer complete.
-  /// @throws InputError it is there with a box that is larger, or with another tip radius, spacing or
+  /// @throws InputError it is there with a box that is larger, or with another tip radius, spacing
+  /// or
   ///   coarsest cells, another number of intermediate states, or with third derivatives where there
   ///   are none or the other way round.
   void add_site(const Site& site);
@@ -122,9 +123,9 @@ class StateSpaceFile {
   [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
 
   /// Takes over sites, configurations and test points of other files of the same scene, such as
-  /// those of the ranks of a run. What is here stays, except that a configuration that converged there replaces
-  /// one that did not converge here. The other files stay as they are; killed half-way, it can be
-  /// done again.
+  /// those of the ranks of a run. What is here stays, except that a configuration that converged
+  /// there replaces one that did not converge here. The other files stay as they are; killed
+  /// half-way, it can be done again.
   /// @throws InputError another scene or tolerance, or another tip or grid of the same site.
   void merge(const std::vector<std::filesystem::path>& others);
 

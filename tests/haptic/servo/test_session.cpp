@@ -98,7 +98,8 @@ TEST_F(Session, AgeByTheDevicesTime) {
   }
   poll();
   EXPECT_FALSE(session_.fresh());
-  EXPECT_EQ(session_.send(Vec3(1, 0, 0)), Vec3::Zero());
+  std::uint32_t limited = 0;
+  EXPECT_EQ(session_.send(Vec3(1, 0, 0), 5, 5, limited), Vec3::Zero());
   EXPECT_EQ(queue_.written.back(), profile_.zero_force(session_.state()));
   // What comes now was measured then.
   report_at(50000);
