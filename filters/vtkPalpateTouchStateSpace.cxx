@@ -27,6 +27,7 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkTriangleMeshPointNormals.h"
 
 namespace
 {
@@ -93,8 +94,10 @@ struct vtkPalpateTouchStateSpace::Prepared
   palpate::Vec3 At = palpate::Vec3::Zero();
 
   /// Moves the node from where it was, or from rest.
+  /// @param onBranch Where it comes to; -1: to be found.
   /// @returns the branch that the body is on then.
-  Branch& Move(const TouchSite& site, const palpate::Vec3& t)
+  /// @throws InputError there is no such branch.
+  Branch& Move(const TouchSite& site, const palpate::Vec3& t, int onBranch)
   {
     const vtkIdType node = site.site.active_node;
     if (node != this->Node)
@@ -104,7 +107,13 @@ struct vtkPalpateTouchStateSpace::Prepared
       this->At.setZero();
     }
     const palpate::Sheets& sheets = this->Sheets.try_emplace(node, site).first->second;
-    this->OnBranch = sheets.move(this->OnBranch, this->At, t);
+    if (onBranch < -1 || onBranch >= sheets.size())
+    {
+      throw palpate::InputError("There is no branch " + std::to_string(onBranch) +
+        " at active node " + std::to_string(node) + ": it has " + std::to_string(sheets.size()) +
+        ", counted from 0. Choose one of them, or -1, with which the body finds its own.");
+    }
+    this->OnBranch = onBranch >= 0 ? onBranch : sheets.move(this->OnBranch, this->At, t);
     if (t.allFinite())
     {
       this->At = t;
@@ -167,7 +176,7 @@ int vtkPalpateTouchStateSpace::RequestData(
       const TouchSite& site = SiteOf(space, this->ActiveNode);
       const vtkIdType node = site.site.active_node;
       const palpate::Vec3 t(this->Displacement);
-      Prepared::Branch& branch = this->Cache->Move(site, t);
+      Prepared::Branch& branch = this->Cache->Move(site, t, this->Branch);
       auto& interpolator = branch.Interpolators[this->Interpolation];
       if (!interpolator)
       {
@@ -207,6 +216,11 @@ int vtkPalpateTouchStateSpace::RequestData(
       output->SetPoints(points);
       output->SetPolys(this->Cache->Triangles);
       output->GetPointData()->SetVectors(displacement);
+      vtkNew<vtkTriangleMeshPointNormals> normals;
+      normals->SetInputData(output);
+      normals->Update();
+      output->GetPointData()->SetNormals(
+        normals->GetOutput()->GetPointData()->GetNormals());
 
       AddVector(output, "Force", 3, touch.force.data());
       AddVector(output, "Stiffness", 9, touch.stiffness.data());
@@ -234,5 +248,6 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ActiveNode: " << this->ActiveNode << '\n'
      << indent << "Displacement: " << this->Displacement[0] << ' ' << this->Displacement[1] << ' '
      << this->Displacement[2] << '\n'
+     << indent << "Branch: " << this->Branch << '\n'
      << indent << "Interpolation: " << this->Interpolation << '\n';
 }

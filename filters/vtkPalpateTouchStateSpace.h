@@ -4,7 +4,7 @@
  * @brief the force and the deformed surface when an active node is displaced
  *
  * Input: a state space (see vtkPalpateStateSpace.h). Output: the surface of the body, deformed, with
- * the point array `Displacement` (m) and field arrays
+ * the point arrays `Displacement` (m) and `Normals`, and field arrays
  *
  *   `Force`      that holds the node, N; a hand feels its opposite
  *   `Stiffness`  its derivative by the displacement, N/m, 9
@@ -15,7 +15,7 @@
  *
  * In a space with levels the body remembers: the node moves straight from where it was in the last
  * execution, from rest after the input or the node has changed, and the body jumps from branch to
- * branch where it has to.
+ * branch where it has to. Or the branch is said, by one who has followed the node more closely.
  *
  * What does not depend on the displacement is kept from one execution to the next. Under MPI the
  * result is whole on rank 0 and empty elsewhere.
@@ -52,6 +52,11 @@ public:
   vtkGetVector3Macro(Displacement, double);
   ///@}
   ///@{
+  /// The branch that the body is on; -1: that to which it comes from where it was.
+  vtkSetMacro(Branch, int);
+  vtkGetMacro(Branch, int);
+  ///@}
+  ///@{
   /// How the force is interpolated, see InterpolationMethods.
   vtkSetMacro(Interpolation, int);
   vtkGetMacro(Interpolation, int);
@@ -72,6 +77,7 @@ private:
 
   vtkIdType ActiveNode = -1;
   double Displacement[3] = { 0, 0, 0 };
+  int Branch = -1;
   int Interpolation = ENERGY_HERMITE;
   /// The space as it is touched; made anew when the input changes.
   std::unique_ptr<Prepared> Cache;

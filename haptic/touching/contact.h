@@ -29,6 +29,8 @@ struct Contact {
   /// The active nodes that are moved and their weights, which sum to 1; −1: none.
   std::array<std::int32_t, 3> nodes{-1, -1, -1};
   std::array<double, 3> weights{};
+  /// The branch that the body is on at each of them.
+  std::array<std::int32_t, 3> branches{};
   /// Point of the surface at rest that the tool is attached to; while free, the nearest one [3], m.
   Vec3 anchor = Vec3::Zero();
   /// Displacement of the active nodes [3], m.

@@ -186,6 +186,7 @@ Contact Tool::touch(const Vec3& offset, double coupling) noexcept {
   for (int i = 0; i < num_held_; ++i) {
     contact.nodes[i] = held_[i].mesh_point;
     contact.weights[i] = held_[i].weight;
+    contact.branches[i] = held_[i].branch;
   }
   contact.anchor = anchor_;
   contact.displacement = t;

@@ -60,7 +60,10 @@ pqPalpateDevice pqPalpateSimulatedDevice(
   options.feature.position_unit_nm = 100;
   auto board = std::make_unique<palpate::SimulatedBoard>(clock, std::move(motion), options);
   pqPalpateDevice device;
-  device.Profile = palpate::make_profile(palpate::ProfileKind::palpate_report, board->feature());
+  device.Setup.device = "simulated";
+  device.Setup.profile = palpate::ProfileKind::palpate_report;
+  device.Setup.feature = board->feature();
+  device.Profile = palpate::make_profile(device.Setup.profile, device.Setup.feature);
   device.Transport = std::move(board);
   return device;
 }
@@ -87,5 +90,8 @@ pqPalpateDevice pqPalpateOpenDevice(const QString& path)
   pqPalpateDevice device;
   device.Transport = std::move(opened.transport);
   device.Profile = std::move(opened.profile);
+  device.Setup.device = palpate::to_string(opened.info);
+  device.Setup.profile = opened.kind;
+  device.Setup.feature = opened.feature;
   return device;
 }

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "haptic/profile/profile.h"
+#include "haptic/recording/setup.h"
 #include "haptic/transport/motion.h"
 #include "haptic/transport/transport.h"
 
@@ -32,6 +33,8 @@ struct pqPalpateDevice
 {
   std::unique_ptr<palpate::Transport> Transport;
   std::shared_ptr<const palpate::Profile> Profile;
+  /// What a recording says of it.
+  palpate::RecordedSetup Setup;
 };
 
 /// A board that is not there, its point moved by someone.

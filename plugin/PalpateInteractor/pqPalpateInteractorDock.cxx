@@ -1,24 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateInteractorDock.h"
 
+#include <QAction>
 #include <QCheckBox>
 #include <QComboBox>
+#include <QDir>
 #include <QDoubleSpinBox>
 #include <QFormLayout>
 #include <QGroupBox>
 #include <QHBoxLayout>
+#include <QKeySequence>
 #include <QLabel>
+#include <QMainWindow>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSignalBlocker>
 #include <QStandardItemModel>
+#include <QStyle>
+#include <QToolBar>
 #include <QVBoxLayout>
 
 #include "pqActiveObjects.h"
 #include "pqApplicationCore.h"
+#include "pqCoreUtilities.h"
+#include "pqFileChooserWidget.h"
 #include "pqOutputPort.h"
 #include "pqPalpateDevices.h"
 #include "pqPalpateFetch.h"
+#include "pqPalpateForceGraph.h"
 #include "pqPipelineSource.h"
 #include "pqRenderView.h"
 #include "pqServerManagerModel.h"
@@ -68,9 +77,19 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
     form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
     return form;
   };
+  this->makeActions();
   this->makeChoices(addGroup("Touch", "touch"));
   this->makeSettings(addGroup("Settings", "settings"));
   this->makeFigures(addGroup("Live", "live"));
+  this->makeRecorder(addGroup("Recording", "recording"));
+  this->GraphGroup = Named(new QGroupBox("Force over time"), "graph",
+    "The last ten seconds, a sample a frame; the recording has every tick.");
+  this->GraphGroup->setCheckable(true);
+  this->GraphGroup->setChecked(false);
+  new QVBoxLayout(this->GraphGroup);
+  column->addWidget(this->GraphGroup);
+  QObject::connect(
+    this->GraphGroup, &QGroupBox::toggled, this, &pqPalpateInteractorDock::showGraph);
   column->addStretch();
   // What is said in the dock shall not change the size of the view.
   auto* area = Named(new QScrollArea(this), "area");
@@ -88,6 +107,20 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
     {
       this->showState();
       this->say(why, !why.isEmpty());
+    });
+  QObject::connect(&this->Touch, &pqPalpateTouch::sampled, this,
+    [this](double time, double force, double bodyForce)
+    {
+      if (this->Graph)
+      {
+        this->Graph->addSample(time, force, bodyForce);
+      }
+    });
+  QObject::connect(&this->Touch, &pqPalpateTouch::recorded, this,
+    [this](const QString& file, quint64 ticks, const QString& fault)
+    {
+      this->Recorded->setText(
+        QString("%1 ticks in %2%3").arg(ticks).arg(file, fault.isEmpty() ? "" : ". " + fault));
     });
   this->FiguresTimer.setInterval(FiguresInterval);
   QObject::connect(
@@ -133,8 +166,53 @@ void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
   form->addRow(this->Message);
   QObject::connect(
     this->Refresh, &QPushButton::clicked, this, &pqPalpateInteractorDock::listDevices);
+  QObject::connect(this->Start, &QPushButton::clicked, this->StartAction, &QAction::trigger);
+}
+
+void pqPalpateInteractorDock::makeActions()
+{
+  this->StartAction = new QAction(this);
+  this->StartAction->setObjectName("startAction");
+  this->StartAction->setShortcut(QKeySequence("Ctrl+Shift+T"));
   QObject::connect(
-    this->Start, &QPushButton::clicked, this, &pqPalpateInteractorDock::startOrStop);
+    this->StartAction, &QAction::triggered, this, &pqPalpateInteractorDock::startOrStop);
+  // What one presses when the device does what it should not.
+  this->StopAction = new QAction(this);
+  this->StopAction->setObjectName("stopAction");
+  this->StopAction->setShortcut(QKeySequence(Qt::Key_Escape));
+  QObject::connect(
+    this->StopAction, &QAction::triggered, &this->Touch, &pqPalpateTouch::stop);
+  if (auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget()))
+  {
+    auto* bar = Named(new QToolBar("Palpate", window), "PalpateToolbar");
+    bar->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+    bar->addAction(this->StartAction);
+    window->addToolBar(bar);
+    window->addAction(this->StopAction);
+  }
+}
+
+void pqPalpateInteractorDock::makeRecorder(QFormLayout* form)
+{
+  this->Records = Named(new QCheckBox("Every tick"), "records",
+    "Writes what the device says and what it is sent into a table that ParaView opens, and that "
+    "palpate-servo replays.");
+  this->RecordingFile = Named(new pqFileChooserWidget(), "recordingFile",
+    "A new file is made at each start: run.csv, run-2.csv, …");
+  // The loop is here, and so is its recording.
+  this->RecordingFile->setServer(nullptr);
+  this->RecordingFile->setForceSingleFile(true);
+  this->RecordingFile->setAcceptAnyFile(true);
+  this->RecordingFile->setExtension("Recordings (*.csv)");
+  this->RecordingFile->setSingleFilename(QDir::home().filePath("touch.csv"));
+  this->RecordingFile->setEnabled(false);
+  this->Recorded = Named(new QLabel(), "recorded");
+  this->Recorded->setWordWrap(true);
+  form->addRow("Record", this->Records);
+  form->addRow("File", this->RecordingFile);
+  form->addRow(this->Recorded);
+  QObject::connect(this->Records, &QCheckBox::toggled, this,
+    [this](bool records) { this->RecordingFile->setEnabled(records); });
 }
 
 void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
@@ -275,7 +353,16 @@ void pqPalpateInteractorDock::startOrStop()
   }
   this->say({}, false);
   this->sendSettings();
-  const QString fault = this->Touch.start(space, view, this->Device->currentData().toString());
+  this->Recorded->clear();
+  const QString recording =
+    this->Records->isChecked() ? this->RecordingFile->singleFilename() : QString();
+  if (this->Records->isChecked() && recording.isEmpty())
+  {
+    this->say("Name the file of the recording, or switch it off.", true);
+    return;
+  }
+  const QString fault =
+    this->Touch.start(space, view, this->Device->currentData().toString(), recording);
   if (!fault.isEmpty())
   {
     this->say(fault, true);
@@ -297,6 +384,16 @@ void pqPalpateInteractorDock::showState()
 {
   const bool runs = this->Touch.isRunning();
   this->Start->setText(runs ? "Stop" : "Start");
+  this->StartAction->setText(runs ? "Stop Touching" : "Touch");
+  this->StartAction->setIcon(
+    this->style()->standardIcon(runs ? QStyle::SP_MediaStop : QStyle::SP_MediaPlay));
+  this->StartAction->setToolTip(
+    (runs ? "Stop touching, with zero force" : "Touch the state space that the dock Palpate names") +
+    QString(" (%1)").arg(this->StartAction->shortcut().toString(QKeySequence::NativeText)));
+  // Only then: Escape is of use elsewhere.
+  this->StopAction->setEnabled(runs);
+  this->Records->setEnabled(!runs);
+  this->RecordingFile->setEnabled(!runs && this->Records->isChecked());
   this->Space->setEnabled(!runs);
   this->Device->setEnabled(!runs);
   if (runs == this->FiguresTimer.isActive())
@@ -305,6 +402,10 @@ void pqPalpateInteractorDock::showState()
   }
   if (runs)
   {
+    if (this->Graph)
+    {
+      this->Graph->clear();
+    }
     this->FiguresTimer.start();
   }
   else
@@ -329,8 +430,32 @@ void pqPalpateInteractorDock::showFigures()
     QString("%1 N, body %2 N").arg(f.Force, 0, 'f', 3).arg(f.BodyForce, 0, 'f', 3));
   this->Energy->setText(QString("%1 mJ").arg(1e3 * f.Dissipated, 0, 'f', 3));
   this->Damping->setText(QString("%1 N·s/m").arg(f.Damping, 0, 'f', 3));
-  this->Node->setText(f.Node < 0 ? "none" : QString("%1, %2").arg(f.Node).arg(f.Found));
+  QString node = f.Node < 0 ? "none" : QString("%1, %2").arg(f.Node).arg(f.Found);
+  if (f.Branch > 0)
+  {
+    node += QString(", branch %1").arg(f.Branch);
+  }
+  this->Node->setText(node);
+  if (this->Records->isChecked())
+  {
+    this->Recorded->setText(QString("%1 ticks%2").arg(f.Recorded).arg(f.NotRecorded > 0
+        ? QString(", %1 missing").arg(f.NotRecorded)
+        : QString()));
+  }
   this->say(f.Problem, false);
+}
+
+void pqPalpateInteractorDock::showGraph(bool shown)
+{
+  if (shown && !this->Graph)
+  {
+    this->Graph = Named(new pqPalpateForceGraph(), "forceGraph");
+    this->GraphGroup->layout()->addWidget(this->Graph);
+  }
+  if (this->Graph)
+  {
+    this->Graph->setVisible(shown);
+  }
 }
 
 void pqPalpateInteractorDock::say(const QString& text, bool isFault)

@@ -8,13 +8,17 @@
 
 #include "pqPalpateTouch.h"
 
+class QAction;
 class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
 class QFormLayout;
+class QGroupBox;
 class QLabel;
 class QPushButton;
+class pqFileChooserWidget;
 class pqOutputPort;
+class pqPalpateForceGraph;
 
 class pqPalpateInteractorDock : public QDockWidget
 {
@@ -31,12 +35,17 @@ private:
   void makeChoices(QFormLayout* form);
   void makeSettings(QFormLayout* form);
   void makeFigures(QFormLayout* form);
+  void makeRecorder(QFormLayout* form);
+  /// In a toolbar of ParaView's window, with keys.
+  void makeActions();
 
   void listSpaces();
   void listDevices();
   void startOrStop();
   void showState();
   void showFigures();
+  /// Made when it is first wanted: a scene that does not need it does without its window of OpenGL.
+  void showGraph(bool shown);
   void sendSettings();
   pqOutputPort* chosenSpace() const;
   /// What goes well is black.
@@ -49,6 +58,8 @@ private:
   QComboBox* Device = nullptr;
   QPushButton* Refresh = nullptr;
   QPushButton* Start = nullptr;
+  QAction* StartAction = nullptr;
+  QAction* StopAction = nullptr;
   QLabel* Message = nullptr;
 
   QDoubleSpinBox* WorkspaceScale = nullptr;
@@ -56,6 +67,12 @@ private:
   QDoubleSpinBox* ForceScale = nullptr;
   QDoubleSpinBox* ForceLimit = nullptr;
   QCheckBox* Bonded = nullptr;
+
+  QCheckBox* Records = nullptr;
+  pqFileChooserWidget* RecordingFile = nullptr;
+  QLabel* Recorded = nullptr;
+  QGroupBox* GraphGroup = nullptr;
+  pqPalpateForceGraph* Graph = nullptr;
 
   QLabel* State = nullptr;
   QLabel* Rates = nullptr;

@@ -2,39 +2,32 @@
 #include "pqPalpateTouch.h"
 
 #include <QCoreApplication>
+#include <QElapsedTimer>
+#include <QFileInfo>
 #include <QPointer>
 #include <algorithm>
-#include <deque>
 #include <exception>
 #include <stdexcept>
 #include <utility>
 
+#include "haptic/recording/recorder.h"
 #include "haptic/servo/servo.h"
 #include "pqApplicationCore.h"
-#include "pqObjectBuilder.h"
 #include "pqOutputPort.h"
+#include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateMouse.h"
 #include "pqPalpateToolView.h"
 #include "pqPipelineSource.h"
-#include "pqProgressManager.h"
 #include "pqRenderView.h"
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
 #include "vtkCamera.h"
-#include "vtkDataObject.h"
 #include "vtkLogger.h"
-#include "vtkNew.h"
 #include "vtkPVLogger.h"
-#include "vtkSMPVRepresentationProxy.h"
-#include "vtkSMParaViewPipelineControllerWithRendering.h"
-#include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
 #include "vtkSMSession.h"
-#include "vtkSMSourceProxy.h"
-#include "vtkSMTransferFunctionManager.h"
-#include "vtkSMTransferFunctionProxy.h"
 #include "vtkWeakPointer.h"
 
 using palpate::Mat3;
@@ -50,52 +43,6 @@ constexpr double Room = 1.3;
 /// half-width of the space.
 constexpr double HandHeight = 0.25;
 constexpr double HandDepth = 0.6;
-
-/// Smooths the edges of the picture or does not: without graphics hardware that takes most of the
-/// time of a frame.
-/// @return What it did before.
-int SmoothEdges(pqRenderView* view, int smooths)
-{
-  vtkSMPropertyHelper helper(view->getProxy(), "UseFXAA", true);
-  const int before = helper.GetAsInt();
-  helper.Set(smooths);
-  view->getProxy()->UpdateVTKObjects();
-  return before;
-}
-
-/// The filter that shows the body; made where there is none.
-pqPipelineSource* FindTouchFilter(pqOutputPort* space, double halfWidth, pqRenderView* view)
-{
-  for (pqPipelineSource* consumer : space->getConsumers())
-  {
-    if (QString(consumer->getProxy()->GetXMLName()) == "TouchStateSpace")
-    {
-      return consumer;
-    }
-  }
-  pqPipelineSource* touch = pqApplicationCore::instance()->getObjectBuilder()->createFilter(
-    "filters", "TouchStateSpace", space->getSource(), space->getPortNumber());
-  if (!touch)
-  {
-    throw std::runtime_error("The server has no filter Touch State Space: load the plugin Palpate "
-                             "on it, too.");
-  }
-  touch->setModifiedState(pqProxy::UNMODIFIED);
-  vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
-  vtkSMProxy* shown = controller->Show(touch->getSourceProxy(), 0, view->getViewProxy());
-  if (shown && vtkSMPVRepresentationProxy::SetScalarColoring(
-      shown, "Displacement", vtkDataObject::POINT))
-  {
-    // The colours shall not change their meaning from frame to frame.
-    vtkSMProxy* colours = vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy();
-    vtkSMPropertyHelper(colours, "AutomaticRescaleRangeMode")
-      .Set(vtkSMTransferFunctionManager::NEVER);
-    colours->UpdateVTKObjects();
-    vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, halfWidth);
-    vtkSMPVRepresentationProxy::SetScalarBarVisibility(shown, view->getViewProxy(), true);
-  }
-  return touch;
-}
 
 QString Words(palpate::ContactStatus status)
 {
@@ -133,6 +80,20 @@ double Microseconds(palpate::Duration duration)
 {
   return 1e6 * palpate::seconds(duration);
 }
+
+/// The name itself, or the first of run-2.csv, run-3.csv, … that is not there yet.
+QString FreeName(const QString& name)
+{
+  const QFileInfo file(name);
+  const QString ending = file.suffix().isEmpty() ? QString() : "." + file.suffix();
+  QString free = name;
+  for (int number = 2; QFileInfo::exists(free); ++number)
+  {
+    free = QString("%1/%2-%3%4")
+             .arg(file.path(), file.completeBaseName(), QString::number(number), ending);
+  }
+  return free;
+}
 }
 
 /// All that there is while it runs.
@@ -140,7 +101,6 @@ struct pqPalpateTouch::Session
 {
   QPointer<pqOutputPort> Space;
   QPointer<pqPipelineSource> Source;
-  QPointer<pqPipelineSource> Touch;
   QPointer<pqRenderView> View;
   QString Device;
   vtkMTimeType DataTime = 0;
@@ -162,18 +122,17 @@ struct pqPalpateTouch::Session
   std::shared_ptr<palpate::MouseMotion> Motion;
   std::unique_ptr<pqPalpateMouse> Mouse;
   std::unique_ptr<pqPalpateToolView> Tool;
+  std::unique_ptr<pqPalpateBodyView> BodyView;
+  std::unique_ptr<palpate::Recorder> Recorder;
+  QString Recording;
 
   /// What is shown.
   int Node = -1;
+  int Branch = 0;
   Vec3 Displacement = Vec3::Zero();
   Vec3 Place = Vec3::Zero();
   bool Touches = false;
-  /// Of the view, before.
-  int SmoothsEdges = 0;
   QElapsedTimer Time;
-  /// When the last frames were, ms, and how many there were in all.
-  std::deque<qint64> Frames;
-  quint64 NumberOfFrames = 0;
 
   /// Takes the client's copy of the space.
   void SetSpace(const palpate::TouchSpace& space)
@@ -190,6 +149,11 @@ struct pqPalpateTouch::Session
     }
     this->Centre = (low + high) / 2;
     this->Radius = Room * ((high - low).norm() / 2 + halfWidth);
+  }
+
+  /// What of the space is drawn beside the body, and where the mouse finds it.
+  void ShowSpace(const palpate::TouchSpace& space)
+  {
     vtkSMRenderViewProxy* view = this->View->getRenderViewProxy();
     this->Tool = std::make_unique<pqPalpateToolView>(view, space);
     if (this->Motion)
@@ -210,8 +174,7 @@ struct pqPalpateTouch::Session
     {
       const palpate::TouchSite& site = space.sites.front();
       const double halfWidth = site.site.half_width;
-      const palpate::SurfaceTree surface(space.surface);
-      const Vec3 normal = surface.nearest(site.rest_position).normal;
+      const Vec3 normal = this->Body->surface().nearest(site.rest_position).normal;
       this->HandCentre = site.rest_position + HandHeight * halfWidth * normal;
       const Vec3 across = normal.unitOrthogonal();
       this->HandRotation << across, normal.cross(across), normal;
@@ -243,7 +206,8 @@ pqPalpateTouch::pqPalpateTouch(QObject* parent)
   QObject::connect(model, &pqServerManagerModel::preSourceRemoved, this,
     [this](pqPipelineSource* source)
     {
-      if (this->Running && (source == this->Running->Source || source == this->Running->Touch))
+      if (this->Running &&
+        (source == this->Running->Source || source == this->Running->BodyView->GetFilter()))
       {
         this->end("The state space, or what shows it, was deleted.", Left::View);
       }
@@ -287,31 +251,43 @@ QString pqPalpateTouch::device() const
   return this->Running ? this->Running->Device : QString();
 }
 
-QString pqPalpateTouch::start(pqOutputPort* space, pqRenderView* view, const QString& device)
+QString pqPalpateTouch::start(
+  pqOutputPort* space, pqRenderView* view, const QString& device, const QString& recording)
 {
   this->stop();
   try
   {
+    auto session = std::make_shared<Session>();
+    // First of all: without a place for it there is no reason to open a device.
+    if (!recording.isEmpty())
+    {
+      session->Recording = FreeName(recording);
+      session->Recorder =
+        std::make_unique<palpate::Recorder>(session->Recording.toStdString());
+    }
     const palpate::TouchSpace copy = pqPalpateFetchSpace(space);
-    auto session = std::make_unique<Session>();
     session->Space = space;
     session->Source = space->getSource();
     session->View = view;
     session->Device = device;
     session->DataTime = pqPalpateDataTime(space);
+    session->SetSpace(copy);
     const auto clock = std::make_shared<palpate::MonotonicClock>();
     pqPalpateDevice opened = session->OpenDevice(clock, copy);
-    session->SetSpace(copy);
-    session->Touch = FindTouchFilter(space, copy.sites.front().site.half_width, view);
-    // What is seen of the space itself would hide the touched body.
-    vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
-    controller->Hide(space->getSourceProxy(), space->getPortNumber(), view->getViewProxy());
-    session->SmoothsEdges = SmoothEdges(view, 0);
+    session->BodyView = std::make_unique<pqPalpateBodyView>(
+      space, view, copy.sites.front().site.half_width);
+    session->ShowSpace(copy);
     session->Servo = std::make_unique<palpate::Servo>(
       std::move(opened.Transport), std::move(opened.Profile), clock);
     // The filter that shows the body moves one node, so one node is felt.
     session->TouchSettings.blended = false;
     session->Servo->set_body(session->Body);
+    if (session->Recorder)
+    {
+      opened.Setup.scene_hash = session->Body->scene_hash();
+      session->Recorder->start(opened.Setup);
+      session->Servo->set_recording(session->Recorder->ring());
+    }
     session->Time.start();
     // ParaView opens a dialog when it hears of that, and the device would be left alone with it.
     session->Connection = space->getServer()->session();
@@ -348,9 +324,10 @@ void pqPalpateTouch::end(const QString& why, Left left)
     return;
   }
   this->FrameTimer.stop();
-  const std::unique_ptr<Session> session = std::move(this->Running);
+  const std::shared_ptr<Session> session = std::move(this->Running);
   const bool ended = session->Servo->stop();
   const palpate::Statistics statistics = session->Servo->statistics();
+  const quint64 frames = session->BodyView->GetNumberOfFrames();
   vtkVLogF(PARAVIEW_LOG_PLUGIN_VERBOSITY(),
     "touched with %s: %llu ticks, %.1f /s, lateness 50 %% %.0f us, 99 %% %.0f us, 99.9 %% %.0f us, "
     "largest %.0f us, missed %llu, largest force %.3f N, %llu frames, %.1f /s",
@@ -359,23 +336,44 @@ void pqPalpateTouch::end(const QString& why, Left left)
     Microseconds(statistics.lateness.p99), Microseconds(statistics.lateness.p999),
     Microseconds(statistics.lateness.largest),
     static_cast<unsigned long long>(statistics.missed), statistics.largest_force,
-    static_cast<unsigned long long>(session->NumberOfFrames),
-    1e3 * session->NumberOfFrames / std::max<qint64>(1, session->Time.elapsed()));
+    static_cast<unsigned long long>(frames),
+    1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
+  this->closeRecording(*session);
   session->Mouse.reset();
   session->Tool.reset();
-  if (left != Left::Nothing && session->View)
+  if (left != Left::Nothing)
   {
-    SmoothEdges(session->View, session->SmoothsEdges);
+    session->BodyView->RestorePicture();
   }
-  if (left == Left::All && session->Touch && session->View)
+  if (left == Left::All)
   {
-    const double zero[3] = { 0, 0, 0 };
-    vtkSMPropertyHelper(session->Touch->getProxy(), "Displacement").Set(zero, 3);
-    session->Touch->getProxy()->UpdateVTKObjects();
-    session->View->render();
+    session->BodyView->ShowRest();
   }
   Q_EMIT this->stopped(
     ended ? why : "The device's driver hangs: the device itself has to switch its motors off.");
+}
+
+void pqPalpateTouch::closeRecording(Session& session)
+{
+  if (!session.Recorder)
+  {
+    return;
+  }
+  QString fault;
+  try
+  {
+    session.Recorder->close();
+    if (session.Recorder->dropped() > 0)
+    {
+      fault = QString("%1 ticks are missing: the disk was too slow, or full.")
+                .arg(session.Recorder->dropped());
+    }
+  }
+  catch (const std::exception& error)
+  {
+    fault = error.what();
+  }
+  Q_EMIT this->recorded(session.Recording, session.Recorder->written(), fault);
 }
 
 void pqPalpateTouch::setSettings(const Settings& settings)
@@ -438,7 +436,9 @@ void pqPalpateTouch::takeNewData()
   session.DataTime = time;
   try
   {
-    session.SetSpace(pqPalpateFetchSpace(session.Space));
+    const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Space);
+    session.SetSpace(copy);
+    session.ShowSpace(copy);
     session.Servo->set_body(session.Body);
   }
   catch (const std::exception& error)
@@ -455,7 +455,8 @@ void pqPalpateTouch::showFrame()
     return;
   }
   this->IsShowing = true;
-  Session& session = *this->Running;
+  const std::shared_ptr<Session> kept = this->Running;
+  Session& session = *kept;
   const palpate::Tick tick = session.Servo->latest();
   if (tick.state == palpate::ServoState::gone)
   {
@@ -479,38 +480,40 @@ void pqPalpateTouch::showFrame()
     return;
   }
 
-  const bool touches = tick.contact.status == palpate::ContactStatus::attached;
-  const int node = touches ? tick.contact.nodes[0] : session.Node;
-  const Vec3 displacement = touches ? tick.contact.displacement : Vec3::Zero();
-  const bool moved = node != session.Node || displacement != session.Displacement;
-  const bool showsFree = !session.Mouse;
-  if (moved || touches != session.Touches || (showsFree && tick.position != session.Place))
+  this->show(tick);
+  if (this->Running)
   {
-    if (moved)
-    {
-      vtkSMProxy* touch = session.Touch->getProxy();
-      vtkSMPropertyHelper(touch, "ActiveNode").Set(static_cast<vtkIdType>(node));
-      vtkSMPropertyHelper(touch, "Displacement").Set(displacement.data(), 3);
-      touch->UpdateVTKObjects();
-    }
-    session.Node = node;
-    session.Displacement = displacement;
-    session.Place = tick.position;
-    session.Touches = touches;
-    session.Tool->Show(tick, showsFree);
-    const QPointer<pqRenderView> view = session.View;
-    // The bar of progress would be drawn anew for each frame.
-    pqProgressManager* progress = pqApplicationCore::instance()->getProgressManager();
-    progress->lockProgress(this);
-    view->forceRender();
-    progress->unlockProgress(this);
-    if (this->Running)
-    {
-      ++this->Running->NumberOfFrames;
-      this->Running->Frames.push_back(this->Running->Time.elapsed());
-    }
+    Q_EMIT this->sampled(
+      1e-3 * session.Time.elapsed(), tick.force.norm(), tick.contact.force.norm());
   }
   this->IsShowing = false;
+}
+
+void pqPalpateTouch::show(const palpate::Tick& tick)
+{
+  Session& session = *this->Running;
+  const bool touches = tick.contact.status == palpate::ContactStatus::attached;
+  const int node = touches ? tick.contact.nodes[0] : session.Node;
+  const int branch = touches ? tick.contact.branches[0] : 0;
+  const Vec3 displacement = touches ? tick.contact.displacement : Vec3::Zero();
+  const bool moved = node != session.Node || branch != session.Branch ||
+    displacement != session.Displacement;
+  const bool showsFree = !session.Mouse;
+  if (!moved && touches == session.Touches && (!showsFree || tick.position == session.Place))
+  {
+    return;
+  }
+  if (moved)
+  {
+    session.BodyView->Show(node, branch, displacement);
+  }
+  session.Node = node;
+  session.Branch = branch;
+  session.Displacement = displacement;
+  session.Place = tick.position;
+  session.Touches = touches;
+  session.Tool->Show(tick, showsFree);
+  session.BodyView->Draw();
 }
 
 pqPalpateTouch::Figures pqPalpateTouch::figures()
@@ -528,12 +531,7 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   figures.State = QString::fromUtf8(state.data(), static_cast<int>(state.size()));
   figures.Contact = Words(tick.contact.status);
   figures.Rate = statistics.rate();
-  constexpr qint64 window = 1000;
-  while (!session.Frames.empty() && session.Frames.front() < session.Time.elapsed() - window)
-  {
-    session.Frames.pop_front();
-  }
-  figures.FrameRate = 1e3 / window * session.Frames.size();
+  figures.FrameRate = session.BodyView->GetFrameRate();
   figures.Lateness[0] = Microseconds(statistics.lateness.median);
   figures.Lateness[1] = Microseconds(statistics.lateness.p99);
   figures.Lateness[2] = Microseconds(statistics.lateness.largest);
@@ -546,7 +544,13 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   if (tick.contact.status == palpate::ContactStatus::attached)
   {
     figures.Node = tick.contact.nodes[0];
+    figures.Branch = tick.contact.branches[0];
     figures.Found = Words(tick.contact.found);
+  }
+  if (session.Recorder)
+  {
+    figures.Recorded = session.Recorder->written();
+    figures.NotRecorded = session.Recorder->dropped();
   }
   figures.Problem = QString::fromStdString(session.Servo->problem());
   return figures;

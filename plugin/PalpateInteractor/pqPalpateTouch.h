@@ -59,7 +59,11 @@ public:
     /// That is added against energy of the sampled loop's making, N·s/m.
     double Damping = 0;
     int Node = -1;
+    int Branch = 0;
     QString Found;
+    /// Ticks in the recording, and those that it lost.
+    quint64 Recorded = 0;
+    quint64 NotRecorded = 0;
     QString Problem;
   };
 
@@ -67,8 +71,11 @@ public:
   ~pqPalpateTouch() override;
 
   /// @param device As in pqPalpateDevices.h.
+  /// @param recording Every tick goes into this file, or one that is named after it where it is
+  ///   there already; empty: into none.
   /// @return What was wrong; empty: it runs.
-  QString start(pqOutputPort* space, pqRenderView* view, const QString& device);
+  QString start(pqOutputPort* space, pqRenderView* view, const QString& device,
+    const QString& recording);
   /// Zero force, the body at rest.
   void stop();
   bool isRunning() const { return this->Running != nullptr; }
@@ -82,11 +89,21 @@ Q_SIGNALS:
   void started();
   /// @param why Empty where it was asked for.
   void stopped(const QString& why);
+  /// Some thirty times a second while it runs.
+  /// @param time Since the start, s.
+  /// @param force At the device, and of the body, N.
+  void sampled(double time, double force, double bodyForce);
+  /// A recording is closed.
+  /// @param fault Why it is not whole; empty: it is.
+  void recorded(const QString& file, quint64 ticks, const QString& fault);
 
 private:
   struct Session;
 
   void showFrame();
+  /// What has changed since the last frame.
+  void show(const palpate::Tick& tick);
+  void closeRecording(Session& session);
   /// The workspace, and the rest of what the loop is told.
   void applySettings(const palpate::Tick& tick);
   void takeNewData();
@@ -102,7 +119,8 @@ private:
   void end(const QString& why, Left left);
 
   Settings Current;
-  std::unique_ptr<Session> Running;
+  /// Shared with the frame that is drawn, in which it may end.
+  std::shared_ptr<Session> Running;
   QTimer FrameTimer;
   bool IsShowing = false;
 };

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpateBodyView.h"
+
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+
+#include "pqApplicationCore.h"
+#include "pqObjectBuilder.h"
+#include "pqOutputPort.h"
+#include "pqPipelineSource.h"
+#include "pqProgressManager.h"
+#include "pqRenderView.h"
+#include "vtkDataObject.h"
+#include "vtkNew.h"
+#include "vtkSMPVRepresentationProxy.h"
+#include "vtkSMParaViewPipelineControllerWithRendering.h"
+#include "vtkSMPropertyHelper.h"
+#include "vtkSMSourceProxy.h"
+#include "vtkSMTransferFunctionManager.h"
+#include "vtkSMTransferFunctionProxy.h"
+#include "vtkSMViewProxy.h"
+
+namespace
+{
+/// A frame that comes later than this after the one before is late: 25 Hz.
+constexpr qint64 LatestFrame = 40; // ms
+/// So many more late than punctual ones, and the picture becomes plainer.
+constexpr int Patience = 8;
+/// Properties of a render view, without graphics hardware the costliest first: smooth edges take
+/// more than half of the time of a frame, the five lamps of the light kit a fifth.
+const char* const Costs[] = { "UseFXAA", "UseLight" };
+
+pqPipelineSource* FindFilter(pqOutputPort* space)
+{
+  for (pqPipelineSource* consumer : space->getConsumers())
+  {
+    if (QString(consumer->getProxy()->GetXMLName()) == "TouchStateSpace")
+    {
+      return consumer;
+    }
+  }
+  return nullptr;
+}
+
+pqPipelineSource* MakeFilter(pqOutputPort* space, pqRenderView* view, double halfWidth)
+{
+  pqPipelineSource* filter = pqApplicationCore::instance()->getObjectBuilder()->createFilter(
+    "filters", "TouchStateSpace", space->getSource(), space->getPortNumber());
+  if (!filter)
+  {
+    throw std::runtime_error("The server has no filter Touch State Space: load the plugin Palpate "
+                             "on it, too.");
+  }
+  filter->setModifiedState(pqProxy::UNMODIFIED);
+  vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
+  vtkSMProxy* shown = controller->Show(filter->getSourceProxy(), 0, view->getViewProxy());
+  if (shown && vtkSMPVRepresentationProxy::SetScalarColoring(
+      shown, "Displacement", vtkDataObject::POINT))
+  {
+    // The colours shall not change their meaning from frame to frame.
+    vtkSMProxy* colours = vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy();
+    vtkSMPropertyHelper(colours, "AutomaticRescaleRangeMode")
+      .Set(vtkSMTransferFunctionManager::NEVER);
+    colours->UpdateVTKObjects();
+    vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, halfWidth);
+    vtkSMPVRepresentationProxy::SetScalarBarVisibility(shown, view->getViewProxy(), true);
+  }
+  return filter;
+}
+}
+
+pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, double halfWidth)
+  : Filter(FindFilter(space))
+  , View(view)
+{
+  if (!this->Filter)
+  {
+    this->Filter = MakeFilter(space, view, halfWidth);
+  }
+  // What is seen of the space itself would hide the touched body.
+  vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
+  controller->Hide(space->getSourceProxy(), space->getPortNumber(), view->getViewProxy());
+  this->Time.start();
+}
+
+void pqPalpateBodyView::RestorePicture()
+{
+  if (!this->View || this->LeftOut.empty())
+  {
+    return;
+  }
+  for (std::size_t i = 0; i < this->LeftOut.size(); ++i)
+  {
+    vtkSMPropertyHelper(this->View->getProxy(), Costs[i], true).Set(this->LeftOut[i]);
+  }
+  this->LeftOut.clear();
+  this->View->getProxy()->UpdateVTKObjects();
+  this->View->render();
+}
+
+void pqPalpateBodyView::Show(int node, int branch, const palpate::Vec3& displacement)
+{
+  vtkSMProxy* filter = this->Filter->getProxy();
+  vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(node));
+  vtkSMPropertyHelper(filter, "Branch").Set(branch);
+  vtkSMPropertyHelper(filter, "Displacement").Set(displacement.data(), 3);
+  filter->UpdateVTKObjects();
+}
+
+void pqPalpateBodyView::ShowRest()
+{
+  if (this->Filter && this->View)
+  {
+    constexpr int findsItself = -1;
+    vtkSMPropertyHelper(this->Filter->getProxy(), "Branch").Set(findsItself);
+    const double zero[3] = { 0, 0, 0 };
+    vtkSMPropertyHelper(this->Filter->getProxy(), "Displacement").Set(zero, 3);
+    this->Filter->getProxy()->UpdateVTKObjects();
+    this->View->render();
+  }
+}
+
+void pqPalpateBodyView::Draw()
+{
+  // The bar of progress would be drawn anew for each frame.
+  pqProgressManager* progress = pqApplicationCore::instance()->getProgressManager();
+  progress->lockProgress(progress);
+  this->View->forceRender();
+  progress->unlockProgress(progress);
+  ++this->NumberOfFrames;
+  this->Frames.push_back(this->Time.elapsed());
+  this->KeepPace();
+}
+
+void pqPalpateBodyView::KeepPace()
+{
+  if (this->Frames.size() < 2 || !this->View)
+  {
+    return;
+  }
+  const qint64 interval = this->Frames.back() - *std::prev(this->Frames.end(), 2);
+  this->LateFrames = std::max(0, this->LateFrames + (interval > LatestFrame ? 1 : -1));
+  if (this->LateFrames < Patience || this->LeftOut.size() == std::size(Costs))
+  {
+    return;
+  }
+  this->LateFrames = 0;
+  vtkSMPropertyHelper cost(this->View->getProxy(), Costs[this->LeftOut.size()], true);
+  this->LeftOut.push_back(cost.GetAsInt());
+  cost.Set(0);
+  this->View->getProxy()->UpdateVTKObjects();
+}
+
+double pqPalpateBodyView::GetFrameRate()
+{
+  constexpr qint64 window = 1000; // ms
+  const auto recent = std::find_if(this->Frames.begin(), this->Frames.end(),
+    [now = this->Time.elapsed()](qint64 frame) { return frame >= now - window; });
+  this->Frames.erase(this->Frames.begin(), recent);
+  return 1e3 / window * static_cast<double>(this->Frames.size());
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The touched body in ParaView's view: a filter TouchStateSpace, on the server wherever that is,
+/// which shows where a node is. Other filters can hang on it.
+///
+/// A machine that does not draw fast enough gets a plainer picture as long as it touches.
+#pragma once
+
+#include <QElapsedTimer>
+#include <QPointer>
+#include <vector>
+
+#include "base/types.h"
+
+class pqOutputPort;
+class pqPipelineSource;
+class pqRenderView;
+
+class pqPalpateBodyView
+{
+public:
+  /// Shows the body at rest in the place of its state space. The filter is made where there is none.
+  /// @param halfWidth The largest displacement that is coloured, m.
+  /// @throws std::runtime_error the server does not have the filter.
+  pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, double halfWidth);
+
+  pqPipelineSource* GetFilter() const { return this->Filter; }
+
+  /// @param node -1: the first of the space.
+  /// @param branch That the body is on there.
+  /// @param displacement Of the node, m.
+  void Show(int node, int branch, const palpate::Vec3& displacement);
+  void ShowRest();
+  /// Gives the view all of its picture back.
+  void RestorePicture();
+  /// Draws the view.
+  void Draw();
+  quint64 GetNumberOfFrames() const { return this->NumberOfFrames; }
+  /// Frames in the last second.
+  double GetFrameRate();
+
+private:
+  /// Leaves out what costs most of the picture when frames come too late.
+  void KeepPace();
+
+  QPointer<pqPipelineSource> Filter;
+  QPointer<pqRenderView> View;
+  /// What of the picture was left out, and what it was before.
+  std::vector<int> LeftOut;
+  QElapsedTimer Time;
+  /// When the last frames were, ms.
+  std::vector<qint64> Frames;
+  quint64 NumberOfFrames = 0;
+  int LateFrames = 0;
+};
