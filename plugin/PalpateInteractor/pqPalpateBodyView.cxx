@@ -99,12 +99,12 @@ void pqPalpateBodyView::RestorePicture()
   this->View->render();
 }
 
-void pqPalpateBodyView::Show(int node, int branch, const palpate::Vec3& displacement)
+void pqPalpateBodyView::Show(int node, int branch, const double* displacement)
 {
   vtkSMProxy* filter = this->Filter->getProxy();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(node));
   vtkSMPropertyHelper(filter, "Branch").Set(branch);
-  vtkSMPropertyHelper(filter, "Displacement").Set(displacement.data(), 3);
+  vtkSMPropertyHelper(filter, "Displacement").Set(displacement, 3);
   filter->UpdateVTKObjects();
 }
 

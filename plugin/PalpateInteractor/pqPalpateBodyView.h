@@ -9,8 +9,6 @@
 #include <QPointer>
 #include <vector>
 
-#include "base/types.h"
-
 class pqOutputPort;
 class pqPipelineSource;
 class pqRenderView;
@@ -27,8 +25,8 @@ public:
 
   /// @param node -1: the first of the space.
   /// @param branch That the body is on there.
-  /// @param displacement Of the node, m.
-  void Show(int node, int branch, const palpate::Vec3& displacement);
+  /// @param displacement Of the node [3], m.
+  void Show(int node, int branch, const double* displacement);
   void ShowRest();
   /// Gives the view all of its picture back.
   void RestorePicture();

@@ -2,7 +2,7 @@
 /// A chart of the last seconds: the force at the device and that of the body, N, over time, s.
 #pragma once
 
-#include <QVTKOpenGLNativeWidget.h>
+#include "QVTKOpenGLNativeWidget.h"
 
 #include "vtkNew.h"
 

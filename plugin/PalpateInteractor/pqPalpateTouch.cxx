@@ -505,7 +505,7 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   }
   if (moved)
   {
-    session.BodyView->Show(node, branch, displacement);
+    session.BodyView->Show(node, branch, displacement.data());
   }
   session.Node = node;
   session.Branch = branch;

@@ -39,7 +39,7 @@ LIBRARIES = [
     # queries of Find Data, which VTK's selections do not.
     ("VTK", r"vtkSMP(Tools|ThreadLocal\w*)\.h|vtkPVExtractSelection\.h"),
     ("ParaView", r"(vtkSM|vtkPV|vtkSI|vtkClientServer|pq)\w+\.h"),
-    ("VTK", r"vtk\w+\.(h|txx)|vtksys/.+"),
+    ("VTK", r"(vtk|QVTK)\w+\.(h|txx)|vtksys/.+"),
     ("Qt", r"(Qt\w+/)?Q[A-Z]\w*"),
     ("POSIX", r"sys/\w+\.h|(unistd|fcntl|spawn|signal|poll|dlfcn|pthread|sched)\.h"),
     ("std", r"[a-z_0-9]+"),
