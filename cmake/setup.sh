@@ -12,8 +12,13 @@ palpate_fail() {
 
 # The packages that are listed and not installed.
 palpate_missing_packages() {
-  local package
+  local package release
+  release=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
   for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt"); do
+    case $package in
+      */"$release") package=${package%/*} ;;
+      */*) continue ;;
+    esac
     if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
       echo "$package"
     fi
@@ -22,7 +27,7 @@ palpate_missing_packages() {
 
 palpate_install_packages() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
-    palpate_fail "this script needs apt: it is made for Debian 12 (see cmake/debian-packages.txt)."
+    palpate_fail "this script needs apt: it is made for Debian 12 and 13 (see cmake/debian-packages.txt)."
   local missing
   missing=$(palpate_missing_packages | paste -sd ' ')
   [ -n "$missing" ] || return 0

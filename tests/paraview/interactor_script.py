@@ -4,13 +4,15 @@ quits; test_interactor.py reads what it prints. What a person clicks is clicked.
 
 import os
 import re
+import sys
 import time
 import traceback
 
 from paraview import servermanager
 from paraview.simple import *
-from PyQt5 import QtCore, QtGui, QtWidgets
-from PyQt5.QtTest import QTest
+
+sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
+from qt import Button, Event, Modifier, QOpenGLWidget, QtCore, QtGui, QTest, QtWidgets
 
 TIME_OUT = 30  # s, of anything that is waited for
 application = QtWidgets.QApplication.instance()
@@ -26,7 +28,7 @@ def part(name):
 def wait(seconds):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        application.processEvents(QtCore.QEventLoop.AllEvents, 5)
+        application.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 5)
         time.sleep(0.001)
 
 
@@ -49,13 +51,13 @@ def runs():
 def click_start(device="Simulated hand"):
     assert not runs()
     part("device").setCurrentText(device)
-    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    QTest.mouseClick(part("start"), Button.LeftButton)
     assert runs(), part("message").text()
 
 
 def click_stop():
     assert runs()
-    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    QTest.mouseClick(part("start"), Button.LeftButton)
     assert not runs()
 
 
@@ -119,7 +121,7 @@ def mouse():
     _, view = open_space()
     click_start("Mouse")
     wait(0.3)
-    canvas = max(window.findChildren(QtWidgets.QOpenGLWidget),
+    canvas = max(window.findChildren(QOpenGLWidget),
                  key=lambda widget: widget.width() * widget.height())
     renderer = view.GetRenderer()
     values = touch_filter().FieldData["ActivePosition"]
@@ -128,22 +130,22 @@ def mouse():
     x, y, _ = renderer.GetDisplayPoint()
     node = QtCore.QPoint(round(x), canvas.height() - 1 - round(y))
 
-    def send(kind, at, button=QtCore.Qt.LeftButton, buttons=QtCore.Qt.LeftButton):
+    def send(kind, at, button=Button.LeftButton, buttons=Button.LeftButton):
         application.sendEvent(canvas, QtGui.QMouseEvent(
             kind, QtCore.QPointF(at), QtCore.QPointF(canvas.mapToGlobal(at)), button, buttons,
-            QtCore.Qt.NoModifier))
+            Modifier.NoModifier))
 
     def drag(start, step, count):
-        send(QtCore.QEvent.MouseButtonPress, start)
+        send(Event.MouseButtonPress, start)
         wait_until(lambda: touches() or start != node, "the press takes hold")
         for i in range(1, count + 1):
-            send(QtCore.QEvent.MouseMove, start + i * step, QtCore.Qt.NoButton)
+            send(Event.MouseMove, start + i * step, Button.NoButton)
             wait(0.02)
         return start + count * step
 
     before = list(view.CameraPosition)
     end = drag(QtCore.QPoint(15, 15), QtCore.QPoint(4, 2), 5)
-    send(QtCore.QEvent.MouseButtonRelease, end, buttons=QtCore.Qt.NoButton)
+    send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
     wait(0.1)
     assert list(view.CameraPosition) != before
     assert not touches()
@@ -157,14 +159,14 @@ def mouse():
     dragged = list(touch_filter().Displacement)
     application.sendEvent(canvas, QtGui.QWheelEvent(
         QtCore.QPointF(end), QtCore.QPointF(canvas.mapToGlobal(end)), QtCore.QPoint(),
-        QtCore.QPoint(0, 120), QtCore.Qt.LeftButton, QtCore.Qt.NoModifier,
-        QtCore.Qt.NoScrollPhase, False))
+        QtCore.QPoint(0, 120), Button.LeftButton, Modifier.NoModifier,
+        QtCore.Qt.ScrollPhase.NoScrollPhase, False))
     direction = view.GetActiveCamera().GetDirectionOfProjection()
     wait_until(lambda: sum((now - then) * along for now, then, along in zip(
         touch_filter().Displacement, dragged, direction)) > 1e-4, "the wheel pushes the node in")
     print("dragged", max(abs(c) for c in dragged))
     assert list(view.CameraPosition) == before
-    send(QtCore.QEvent.MouseButtonRelease, end, buttons=QtCore.Qt.NoButton)
+    send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
     wait_until(lambda: not touches(), "the node is let go of")
     wait_until(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
     click_stop()
@@ -200,14 +202,14 @@ def ends():
     ended("deleted")
     Delete(touch_filter())
     assert part("space").count() == 0
-    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    QTest.mouseClick(part("start"), Button.LeftButton)
     assert "no state space" in part("message").text()
 
     open_space()
     run()
     Delete(view)
     ended("view was closed")
-    QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+    QTest.mouseClick(part("start"), Button.LeftButton)
     assert "render view" in part("message").text()
 
     SetActiveView(CreateRenderView())

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Finds ParaView, and Qt in the version that its window has.
+
+# Debian 13 renames the Python modules of ParaView, but not where paraview-dev tells CMake of them,
+# which stops at a file that is missing. The plugins need none of them.
+function(message mode)
+  if(NOT "${ARGN}" MATCHES "references the file.*/python3/dist-packages/")
+    _message("${mode}" ${ARGN})
+  endif()
+endfunction()
+# Its functions are given empty arguments by its own code, which recent releases of CMake point out.
+set(CMAKE_POLICY_DEFAULT_CMP0174 OLD)
+
+# Only what a server-side plugin needs: the whole of ParaView would ask for the development packages
+# of GDAL, FFmpeg and more. The targets of its window are there all the same; they need Qt's widgets,
+# and its component pqCore would ask for Qt's help system too.
+find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore VTKExtensionsExtraction)
+if(PALPATE_WITH_INTERACTOR)
+  find_package(Qt${VTK_QT_VERSION} REQUIRED COMPONENTS Widgets)
+endif()
+if(PALPATE_WITH_MPI AND NOT PARAVIEW_USE_MPI)
+  message(FATAL_ERROR "This ParaView is built without MPI: turn PALPATE_WITH_MPI off.")
+endif()
