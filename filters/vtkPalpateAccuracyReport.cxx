@@ -176,7 +176,10 @@ void FillPoints(
     const std::string name = "Error (" + result.methods[m] + ')';
     arrays->AddArray(Column<vtkDoubleArray>(
       name, all, [m](const AccuracyPoint& point) { return PerCent * point.errors[m]; }));
-    arrays->SetActiveScalars(name.c_str());
+    if (m == 0 || result.methods[m] == to_string(palpate::Method::energy_hermite))
+    {
+      arrays->SetActiveScalars(name.c_str());
+    }
   }
 }
 

@@ -266,6 +266,11 @@ void BuildBody(
   }
   body->SetPoints(points.Points);
   body->GetCellData()->AddArray(region);
+  // Drawn by colour, where there are several.
+  if (region->GetRange()[1] > 0)
+  {
+    body->GetCellData()->SetActiveScalars(region->GetName());
+  }
 }
 }
 

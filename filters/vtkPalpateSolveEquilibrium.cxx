@@ -65,6 +65,7 @@ void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
 {
   output->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, state.u));
   output->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
+  output->GetPointData()->SetActiveScalars(vtkPalpateArray::Displacement);
 
   AddField<vtkDoubleArray>(output, "ReactionForce", 3, state.reaction);
   AddField<vtkDoubleArray>(

@@ -28,6 +28,7 @@
 #include "vtkPolyData.h"
 #include "vtkSignedCharArray.h"
 #include "vtkStringArray.h"
+#include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
@@ -170,6 +171,21 @@ void AddOutcomes(vtkPointData* arrays, const std::vector<const Item*>& all)
   }
 }
 
+/// The worst that is to be said of a configuration; names in plugin/Palpate/PalpateLooks.cxx.
+unsigned char SolveStatus(const ConfigurationSummary& c)
+{
+  if (c.outcome != palpate::Outcome::converged)
+  {
+    return 5;
+  }
+  const auto has = [&](palpate::Flags flag) { return (c.flags & flag) != 0; };
+  return has(palpate::flags::inverted)        ? 4
+    : has(palpate::flags::unstable)           ? 3
+    : has(palpate::flags::beyond_force_limit) ? 2
+    : has(palpate::flags::near_fold)          ? 1
+                                              : 0;
+}
+
 vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
 {
   auto data = vtkSmartPointer<vtkPolyData>::New();
@@ -216,6 +232,9 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   ForEachDoubleArray(ArrayMaker<vtkDoubleArray>(arrays, all));
   ForEachIntArray(ArrayMaker<vtkIntArray>(arrays, all));
   AddOutcomes(arrays, all);
+  auto* statuses = AddArray<vtkUnsignedCharArray>(arrays, "SolveStatus", 1, count);
+  std::transform(all.begin(), all.end(), statuses->GetPointer(0),
+    [](const ConfigurationSummary* c) { return SolveStatus(*c); });
   if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->has_third_derivative(); }))
   {
     ArrayMaker<vtkDoubleArray>(arrays, all)(
@@ -252,7 +271,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
       }
     }
   }
-  arrays->SetActiveScalars("Energy");
+  arrays->SetActiveScalars("Force");
   return data;
 }
 
@@ -282,7 +301,7 @@ vtkSmartPointer<vtkPolyData> IntermediateStateData(const TouchSpace& space)
   ForEachIntArrayOfStates(ArrayMaker<vtkIntArray>(arrays, all));
   AddOutcomes(arrays, all);
   arrays->AddArray(nodes);
-  arrays->SetActiveScalars("Energy");
+  arrays->SetActiveScalars("Force");
   return data;
 }
 

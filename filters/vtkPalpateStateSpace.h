@@ -25,6 +25,8 @@
 //     `Coefficients`                          of the modes [r]
 //     `CoefficientGradient`                   ∂/∂x of all, then ∂/∂y, ∂/∂z, 1/m [3r]
 //     `Outcome`, `Flags`                      see solvers/base/outcome.h
+//     `SolveStatus`                           both in one: 0 good, 1 near a fold, 2 beyond the force
+//                                             limit, 3 unstable, 4 inverted, 5 not solved
 //     `Residual`, `MinimumDetF`, `NegativePivots`, `Iterations`, `Seconds`
 //   `IntermediateStates`  vtkPolyData       where a space has them: a vertex for each, at the
 //                                           displaced active node; point arrays

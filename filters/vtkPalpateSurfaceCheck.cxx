@@ -212,7 +212,7 @@ void vtkPalpateFaultsToPolyData(
   output->SetPoints(points);
   output->SetLines(lines);
   output->SetPolys(triangles);
-  output->GetCellData()->AddArray(fault);
+  output->GetCellData()->SetScalars(fault);
   output->GetFieldData()->AddArray(names);
   output->GetFieldData()->AddArray(counts);
 }

@@ -221,6 +221,7 @@ int vtkPalpateTouchStateSpace::RequestData(
       normals->Update();
       output->GetPointData()->SetNormals(
         normals->GetOutput()->GetPointData()->GetNormals());
+      output->GetPointData()->SetActiveScalars(displacement->GetName());
 
       AddVector(output, "Force", 3, touch.force.data());
       AddVector(output, "Stiffness", 9, touch.stiffness.data());

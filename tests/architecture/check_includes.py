@@ -86,7 +86,7 @@ def haptic_units():
 UNITS = solver_units() | haptic_units() | {
     "filters": Unit({"std", "POSIX", "VTK"}, {"solvers"}),
     "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}),
-    "plugin/Palpate": Unit({"std", "VTK"}, {"filters"}),
+    "plugin/Palpate": Unit({"std", "VTK", "ParaView"}, {"filters"}),
     "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt"}, {"filters", "haptic"}),
     # What somebody else's program would be.
     "examples": Unit({"std", "Eigen"}, {"haptic", "solvers/base", "solvers/state_space",

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "PalpateLooks.h"
+
+#include "vtkSMSettings.h"
+
+namespace
+{
+/// Below that of the site's settings and of the user's.
+constexpr double Priority = -1;
+
+// Kinds are green where all is well, and the darker red the worse it is. The arrays have names that
+// no other data is likely to use, since a map goes by the name alone.
+constexpr const char* Looks = R"json({
+  "representations": {
+    "PalpateStateSpaceRepresentation": {
+      "BlockSelectors": ["/Root/Surface", "/Root/Configurations"],
+      "BlockOpacities": ["/Root/Surface", "0.15"],
+      "PointSize": 9,
+      "RenderPointsAsSpheres": 1,
+      "LineWidth": 1.5
+    },
+    "PalpateBodyRepresentation": { "NonlinearSubdivisionLevel": 0 },
+    "PalpateMarksRepresentation": {
+      "PointSize": 10,
+      "RenderPointsAsSpheres": 1,
+      "LineWidth": 4
+    }
+  },
+  "standard_presets": {
+    "Force": "Viridis (matplotlib)",
+    "EstimatedError": "Plasma (matplotlib)",
+    "ErrorEnergyHermite": "Plasma (matplotlib)"
+  },
+  "array_lookup_tables": {
+    "SolveStatus": { "PVLookupTable": {
+      "IndexedLookup": 1,
+      "Annotations": ["0", "good", "1", "near a fold", "2", "beyond the force limit",
+        "3", "unstable", "4", "inverted", "5", "not solved"],
+      "IndexedColors": [0.27, 0.62, 0.36, 0.95, 0.83, 0.30, 0.36, 0.55, 0.83, 0.96, 0.58, 0.22,
+        0.80, 0.20, 0.16, 0.25, 0.25, 0.25]
+    } },
+    "Outcome": { "PVLookupTable": {
+      "IndexedLookup": 1,
+      "Annotations": ["0", "converged", "1", "not converged", "2", "tangent not factorised",
+        "3", "budget used up", "4", "aborted", "5", "invalid scene"],
+      "IndexedColors": [0.27, 0.62, 0.36, 0.96, 0.58, 0.22, 0.80, 0.20, 0.16, 0.95, 0.83, 0.30,
+        0.60, 0.60, 0.60, 0.25, 0.25, 0.25]
+    } },
+    "BoundaryKind": { "PVLookupTable": {
+      "IndexedLookup": 1,
+      "Annotations": ["0", "free", "1", "touchable", "2", "fixed"],
+      "IndexedColors": [0.85, 0.85, 0.83, 0.55, 0.78, 0.60, 0.80, 0.20, 0.16]
+    } },
+    "Fault": { "PVLookupTable": {
+      "IndexedLookup": 1,
+      "Annotations": ["0", "open edge", "1", "edge of more than two triangles",
+        "2", "opposite normals", "3", "triangle without an area", "4", "crossing triangles"],
+      "IndexedColors": [0.80, 0.20, 0.16, 0.58, 0.25, 0.65, 0.95, 0.83, 0.30, 0.25, 0.25, 0.25,
+        0.96, 0.58, 0.22]
+    } }
+  }
+})json";
+}
+
+void PalpateAddLooks()
+{
+  vtkSMSettings::GetInstance()->AddCollectionFromString(Looks, Priority);
+}
