@@ -2,8 +2,10 @@
 #include "vtkPalpatePrecomputeStateSpace.h"
 
 #include <filesystem>
+#include <set>
 #include <sstream>
 
+#include "base/error.h"
 #include "exploration/precompute.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -51,6 +53,35 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
 /// Check-points along an axis that a space with a tolerance begins with: the fewest that its errors
 /// can be estimated from.
 constexpr int CoarsestResolution = 5;
+
+/// Of the message of rank 0 that those that grow go on.
+constexpr int GoOnTag = 7403;
+
+/// Of this process those whose space grows: the same ones on every rank.
+std::set<vtkObject*>& Growing()
+{
+  static std::set<vtkObject*> filters;
+  return filters;
+}
+
+void GoOn(void*, void*, int, int)
+{
+  for (vtkObject* filter : Growing())
+  {
+    filter->Modified();
+  }
+}
+
+/// Ranks that serve rank 0 listen for the message.
+void ListenForGoOn(vtkMultiProcessController* controller)
+{
+  static bool listens = false;
+  if (!listens && controller && controller->GetLocalProcessId() != 0)
+  {
+    controller->AddRMICallback(&GoOn, nullptr, GoOnTag);
+    listens = true;
+  }
+}
 
 /// Counts of the configurations that are not as they should be; empty when all are.
 std::string Doubts(const palpate::PrecomputeReport& report)
@@ -112,7 +143,10 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
 vtkStandardNewMacro(vtkPalpatePrecomputeStateSpace);
 
 vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace() = default;
-vtkPalpatePrecomputeStateSpace::~vtkPalpatePrecomputeStateSpace() = default;
+vtkPalpatePrecomputeStateSpace::~vtkPalpatePrecomputeStateSpace()
+{
+  Growing().erase(this);
+}
 
 void vtkPalpatePrecomputeStateSpace::AddActiveNode(vtkIdType node)
 {
@@ -124,6 +158,21 @@ void vtkPalpatePrecomputeStateSpace::ClearActiveNodes()
 {
   this->ActiveNodes.clear();
   this->Modified();
+}
+
+bool vtkPalpatePrecomputeStateSpace::GetNeedsUpdate()
+{
+  if (Growing().count(this) == 0)
+  {
+    return false;
+  }
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  if (controller && controller->GetNumberOfProcesses() > 1)
+  {
+    controller->TriggerRMIOnAllChildren(nullptr, 0, GoOnTag);
+  }
+  GoOn(nullptr, nullptr, 0, 0);
+  return true;
 }
 
 int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int, vtkInformation* info)
@@ -138,6 +187,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   // Nobody else takes back the abort of an earlier run.
   this->SetAbortExecute(0);
+  Growing().erase(this);
   const auto compute = [&]
   {
     vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
@@ -153,6 +203,11 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       return;
     }
     const palpate::Scene scene = vtkPalpateShareScene(body, controller);
+    if (this->UpdateInterval > 0 && this->FileName.empty())
+    {
+      throw palpate::InputError("A space with an update interval goes on from its file. Set "
+                                "FileName, or the interval to 0.");
+    }
 
     palpate::PrecomputeOptions options;
     options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
@@ -182,10 +237,23 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
     this->LastOf.clear();
 
-    const palpate::Progress progress = vtkPalpateProgress(
-      this, communicator->rank(), this->LogInterval, "Precompute State Space", "configurations");
+    // Something is found each time, however short the interval.
+    const palpate::Progress progress =
+      [this, tell = vtkPalpateProgress(this, communicator->rank(), this->LogInterval,
+               "Precompute State Space", "configurations")](const palpate::ProgressState& state)
+    {
+      const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
+      return tell(state) && !(isDue && state.num_solved > 0);
+    };
     const palpate::PrecomputeResult result =
       palpate::precompute(scene, options, *communicator, progress);
+    const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
+      !palpate::any(*communicator, this->GetAbortExecute() != 0);
+    if (grows)
+    {
+      Growing().insert(this);
+      ListenForGoOn(controller);
+    }
     const auto keep = [&]
     {
       if (result.report.complete)
@@ -208,6 +276,10 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
     }
     keep();
+    if (grows)
+    {
+      return;
+    }
     if (const std::string doubts = Doubts(result.report); !doubts.empty())
     {
       vtkWarningMacro("Configurations that are marked: " << doubts
@@ -254,6 +326,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
      << indent << "RanksPerSolve: " << this->RanksPerSolve << '\n'
+     << indent << "UpdateInterval: " << this->UpdateInterval << '\n'
      << indent << "LogInterval: " << this->LogInterval << '\n'
      << indent << "DisplacementBound: " << this->DisplacementBound << '\n';
 }

@@ -19,6 +19,9 @@
  *
  * Runs on all ranks of the global controller. The result is whole on rank 0 and empty elsewhere.
  * An abort keeps what was found; with a FileName the next run goes on from there.
+ *
+ * With an UpdateInterval the space grows: an execution ends after that time, with what was found, and
+ * the next one goes on. In ParaView's window that comes by itself, see GetNeedsUpdate().
  */
 #pragma once
 
@@ -119,6 +122,11 @@ public:
   vtkGetMacro(LogInterval, double);
   ///@}
   ///@{
+  /// An execution gives what it has found after so many s; 0: when all is found. Needs a FileName.
+  vtkSetMacro(UpdateInterval, double);
+  vtkGetMacro(UpdateInterval, double);
+  ///@}
+  ///@{
   /// Factors are of single precision where that is safe: it takes less time, and no result changes but
   /// for the last digits.
   vtkSetMacro(SinglePrecisionFactors, bool);
@@ -141,6 +149,10 @@ public:
   vtkSetMacro(DisplacementBound, double);
   vtkGetMacro(DisplacementBound, double);
   ///@}
+
+  /// Whether the space grows on; then the next update goes on, on all ranks. ParaView's window asks
+  /// rank 0 now and then (the hint LiveSource).
+  bool GetNeedsUpdate();
 
 protected:
   vtkPalpatePrecomputeStateSpace();
@@ -169,6 +181,7 @@ private:
   double MaximumSeconds = 0;
   int RanksPerSolve = 1;
   double LogInterval = 10;
+  double UpdateInterval = 0;
   double DisplacementBound = 1e-3;
 
   /// The last complete result and what it is of: the filter is also run again where a filter before

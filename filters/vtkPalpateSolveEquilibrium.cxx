@@ -18,6 +18,7 @@
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateScene.h"
+#include "vtkPalpateStress.h"
 #include "vtkPalpateWholeBody.h"
 #include "vtkPointData.h"
 #include "vtkStringArray.h"
@@ -277,6 +278,13 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
   AddResult(output, state);
   AddInteger(output, "Unknowns", solver.assembly().pattern().size);
   AddCells(output, "MinimumDetF", solver.assembly().minimum_det_f_of_cells(state.u));
+  if (this->Stress)
+  {
+    const palpate::BodyStress stress =
+      palpate::find_stress(solver.assembly(), scene.mesh, state.u, state.p);
+    vtkPalpateAddStress(stress.of_cells, output->GetCellData());
+    vtkPalpateAddStress(stress.at_points, output->GetPointData());
+  }
   if (!state.folds.empty())
   {
     AddFolds(output, state.folds);
@@ -311,6 +319,7 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
      << indent << "Increments: " << this->Increments << '\n'
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
+     << indent << "Stress: " << this->Stress << '\n'
      << indent << "GroupUnknowns: " << this->GroupUnknowns << '\n'
      << indent << "LinearSolver: " << this->LinearSolver << '\n';
 }

@@ -18,7 +18,8 @@
  *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm of
  *                     all reactions); After is NaN where the path does not come by that place again
  *
- * and the cell array `MinimumDetF`, the least det F of each cell.
+ * and the cell array `MinimumDetF`, the least det F of each cell; where they are asked for also the
+ * cell and point arrays of vtkPalpateStress.h.
  *
  * A solve that does not converge is a result, not an error: Outcome is not 0, and all values belong
  * to the last equilibrium on the way. The whole result is on rank 0. A large body is solved by all
@@ -95,6 +96,12 @@ public:
   vtkBooleanMacro(EstimateCondition, bool);
   ///@}
   ///@{
+  /// Whether stress and stretches are given.
+  vtkSetMacro(Stress, bool);
+  vtkGetMacro(Stress, bool);
+  vtkBooleanMacro(Stress, bool);
+  ///@}
+  ///@{
   /// A body with at least as many unknowns is solved by all ranks together.
   vtkSetMacro(GroupUnknowns, int);
   vtkGetMacro(GroupUnknowns, int);
@@ -131,6 +138,7 @@ private:
   double MaximumSeconds = 0;
   int Increments = 1;
   bool EstimateCondition = false;
+  bool Stress = false;
   int GroupUnknowns = 30000;
   std::string LinearSolver = "Automatic";
   vtkNew<vtkStringArray> LinearSolverNames;

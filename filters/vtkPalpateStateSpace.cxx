@@ -43,6 +43,7 @@ using palpate::TouchSpace;
 
 constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations", "IntermediateStates" };
 constexpr const char* ThirdDerivative = "ThirdDerivative";
+constexpr const char* FileName = "FileName";
 constexpr const char* LevelsReached = "LevelsReached";
 constexpr int BlockTag = 7402;
 
@@ -483,6 +484,10 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
   {
     space.scene_hash = hash->GetValue(0);
   }
+  if (auto* file = vtkStringArray::SafeDownCast(fields->GetAbstractArray(FileName)))
+  {
+    space.file = file->GetValue(0);
+  }
   space.largest_displacement = Required(fields, "LargestDisplacement", 1)->GetComponent(0, 0);
   space.displacement_error = Required(fields, "DisplacementError", 1)->GetComponent(0, 0);
   space.sensitivity_error = Required(fields, "SensitivityError", 1)->GetComponent(0, 0);
@@ -664,7 +669,7 @@ bool vtkPalpateHasIntermediateStates(const TouchSpace& space)
 void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData* fields)
 {
   vtkNew<vtkStringArray> file;
-  file->SetName("FileName");
+  file->SetName(FileName);
   file->InsertNextValue(fileName);
   fields->AddArray(file);
   AddArray<vtkIntArray>(fields, "Complete", 1, 1)->SetValue(0, complete ? 1 : 0);

@@ -3,14 +3,18 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "assembly/assembly.h"
 #include "base/error.h"
+#include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/sheets.h"
 #include "vtkCellArray.h"
+#include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
@@ -22,15 +26,19 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
+#include "vtkPalpateStress.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkTriangleMeshPointNormals.h"
+#include "vtkUnstructuredGrid.h"
 
 namespace
 {
+using palpate::Index;
 using palpate::TouchSite;
 using palpate::TouchSpace;
 
@@ -73,6 +81,29 @@ void AddVector(vtkDataObject* output, const char* name, int components, const do
   array->InsertNextTuple(values);
   output->GetFieldData()->AddArray(array);
 }
+
+/// What takes more than the surface.
+struct WholeBodyOf
+{
+  explicit WholeBodyOf(const TouchSpace& space)
+    : Fields(space.file, space.scene_hash)
+  {
+    if (space.file.empty())
+    {
+      throw palpate::InputError("Stress and the whole body need the displacement of every point, "
+                                "which is kept in a file alone: give Precompute State Space a "
+                                "FileName.");
+    }
+    this->Scene = this->Fields.read_scene();
+    this->Rest = vtkPalpateGridFromScene(this->Scene);
+  }
+
+  palpate::FieldCache Fields;
+  palpate::Scene Scene;
+  vtkSmartPointer<vtkUnstructuredGrid> Rest;
+  /// Made when stress is first asked for.
+  std::optional<palpate::Assembly> Assembly;
+};
 }
 
 struct vtkPalpateTouchStateSpace::Prepared
@@ -85,6 +116,7 @@ struct vtkPalpateTouchStateSpace::Prepared
   {
     std::map<int, std::unique_ptr<palpate::Interpolator>> Interpolators;
     std::unique_ptr<palpate::DisplayField> Field;
+    std::unique_ptr<palpate::BodyField> BodyField;
   };
   std::map<vtkIdType, palpate::Sheets> Sheets;
   std::map<std::pair<vtkIdType, int>, Branch> Branches;
@@ -92,6 +124,10 @@ struct vtkPalpateTouchStateSpace::Prepared
   vtkIdType Node = -1;
   int OnBranch = 0;
   palpate::Vec3 At = palpate::Vec3::Zero();
+  /// As long as it is asked for.
+  std::unique_ptr<WholeBodyOf> Whole;
+  /// Why there is none, as told.
+  std::string Problem;
 
   /// Moves the node from where it was, or from rest.
   /// @param onBranch Where it comes to; -1: to be found.
@@ -131,13 +167,77 @@ struct vtkPalpateTouchStateSpace::Prepared
 
 vtkStandardNewMacro(vtkPalpateTouchStateSpace);
 
-vtkPalpateTouchStateSpace::vtkPalpateTouchStateSpace() = default;
+vtkPalpateTouchStateSpace::vtkPalpateTouchStateSpace()
+{
+  this->SetNumberOfOutputPorts(2);
+}
+
 vtkPalpateTouchStateSpace::~vtkPalpateTouchStateSpace() = default;
 
 int vtkPalpateTouchStateSpace::FillInputPortInformation(int, vtkInformation* info)
 {
   info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPartitionedDataSetCollection");
   return 1;
+}
+
+int vtkPalpateTouchStateSpace::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPolyData" : "vtkUnstructuredGrid");
+  return 1;
+}
+
+void vtkPalpateTouchStateSpace::AddWholeBody(vtkPolyData* surface, vtkUnstructuredGrid* body)
+{
+  Prepared& cache = *this->Cache;
+  if (!cache.Whole)
+  {
+    cache.Whole = std::make_unique<WholeBodyOf>(cache.Space);
+  }
+  WholeBodyOf& whole = *cache.Whole;
+  auto& field = cache.Branches[{ cache.Node, cache.OnBranch }].BodyField;
+  if (!field)
+  {
+    field = std::make_unique<palpate::BodyField>(
+      cache.SiteOnBranch(*cache.Space.find(static_cast<Index>(cache.Node)), cache.OnBranch));
+  }
+  palpate::NodalVector u;
+  palpate::NodalVector p;
+  field->evaluate(palpate::Vec3(this->Displacement), whole.Fields, u, p);
+  const palpate::TetMesh& mesh = whole.Scene.mesh;
+  if (u.size() == 0)
+  {
+    u.setZero(3 * static_cast<Eigen::Index>(mesh.num_points()));
+  }
+  if (this->WholeBody)
+  {
+    body->ShallowCopy(whole.Rest);
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToDouble();
+    points->SetNumberOfPoints(mesh.num_points());
+    for (Index point = 0; point < mesh.num_points(); ++point)
+    {
+      const palpate::Vec3 place = mesh.points[point] + u.segment<3>(3 * point);
+      points->SetPoint(point, place.data());
+    }
+    body->SetPoints(points);
+    body->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, u));
+    body->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
+  }
+  if (this->Stress)
+  {
+    if (!whole.Assembly)
+    {
+      whole.Assembly.emplace(whole.Scene);
+    }
+    const palpate::BodyStress stress = palpate::find_stress(*whole.Assembly, mesh, u, p);
+    vtkPalpateAddStress(
+      stress.at_points, surface->GetPointData(), &cache.Space.surface.mesh_points);
+    if (this->WholeBody)
+    {
+      vtkPalpateAddStress(stress.of_cells, body->GetCellData());
+      vtkPalpateAddStress(stress.at_points, body->GetPointData());
+    }
+  }
 }
 
 int vtkPalpateTouchStateSpace::RequestData(
@@ -240,6 +340,27 @@ int vtkPalpateTouchStateSpace::RequestData(
       active->SetName("ActiveNode");
       active->InsertNextValue(node);
       output->GetFieldData()->AddArray(active);
+
+      if (!this->Stress && !this->WholeBody)
+      {
+        this->Cache->Whole.reset();
+        this->Cache->Problem.clear();
+        return;
+      }
+      try
+      {
+        this->AddWholeBody(output, vtkUnstructuredGrid::GetData(outputVector, 1));
+        this->Cache->Problem.clear();
+      }
+      catch (const std::exception& error)
+      {
+        // What is touched goes on without; at many frames a second it is told once.
+        if (this->Cache->Problem != error.what())
+        {
+          this->Cache->Problem = error.what();
+          vtkErrorMacro(<< error.what());
+        }
+      }
     });
 }
 
@@ -250,5 +371,7 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Displacement: " << this->Displacement[0] << ' ' << this->Displacement[1] << ' '
      << this->Displacement[2] << '\n'
      << indent << "Branch: " << this->Branch << '\n'
-     << indent << "Interpolation: " << this->Interpolation << '\n';
+     << indent << "Interpolation: " << this->Interpolation << '\n'
+     << indent << "Stress: " << this->Stress << '\n'
+     << indent << "WholeBody: " << this->WholeBody << '\n';
 }

@@ -13,6 +13,12 @@
  *   `Branch`     which of the branches of a space with levels the body is on; 0: that of rest
  *   `ActiveNode`, `ActivePosition` (m, displaced)
  *
+ * With `Stress` it also has the point arrays of vtkPalpateStress.h. With `WholeBody` the second output
+ * is the body, deformed, with the point array `Displacement` and what describes the scene (see
+ * vtkPalpateScene.h), with `Stress` its cell and point arrays; else it is empty. Both read the
+ * displacement of the whole body from the file of the space, as far as it is needed where the node is;
+ * where that fails, an error tells why, once, and what depends on it is left out.
+ *
  * In a space with levels the body remembers: the node moves straight from where it was in the last
  * execution, from rest after the input or the node has changed, and the body jumps from branch to
  * branch where it has to. Or the branch is said, by one who has followed the node more closely.
@@ -26,6 +32,8 @@
 
 #include "PalpateFiltersModule.h"
 #include "vtkPolyDataAlgorithm.h"
+
+class vtkUnstructuredGrid;
 
 class PALPATEFILTERS_EXPORT vtkPalpateTouchStateSpace : public vtkPolyDataAlgorithm
 {
@@ -61,12 +69,25 @@ public:
   vtkSetMacro(Interpolation, int);
   vtkGetMacro(Interpolation, int);
   ///@}
+  ///@{
+  /// Whether stress and stretches are given.
+  vtkSetMacro(Stress, bool);
+  vtkGetMacro(Stress, bool);
+  vtkBooleanMacro(Stress, bool);
+  ///@}
+  ///@{
+  /// Whether the second output is the body.
+  vtkSetMacro(WholeBody, bool);
+  vtkGetMacro(WholeBody, bool);
+  vtkBooleanMacro(WholeBody, bool);
+  ///@}
 
 protected:
   vtkPalpateTouchStateSpace();
   ~vtkPalpateTouchStateSpace() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -75,10 +96,15 @@ private:
 
   struct Prepared;
 
+  /// Stress and the second output, on the rank that has the space.
+  void AddWholeBody(vtkPolyData* surface, vtkUnstructuredGrid* body);
+
   vtkIdType ActiveNode = -1;
   double Displacement[3] = { 0, 0, 0 };
   int Branch = -1;
   int Interpolation = ENERGY_HERMITE;
+  bool Stress = false;
+  bool WholeBody = false;
   /// The space as it is touched; made anew when the input changes.
   std::unique_ptr<Prepared> Cache;
 };

@@ -25,6 +25,7 @@
 #include "pqCoreUtilities.h"
 #include "pqFileChooserWidget.h"
 #include "pqOutputPort.h"
+#include "pqPalpateAbort.h"
 #include "pqPalpateDevices.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateForceGraph.h"
@@ -67,6 +68,7 @@ QString IdOf(pqOutputPort* port)
 pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   : Superclass("Palpate", parent)
 {
+  new pqPalpateAbort(this);
   auto* content = Named(new QWidget(), "content");
   auto* column = new QVBoxLayout(content);
   const auto addGroup = [&](const char* title, const char* name)

@@ -496,6 +496,22 @@ std::vector<double> Assembly::minimum_det_f_of_cells(const NodalVector& state) c
   return of_cells;
 }
 
+Eigen::MatrixXd Assembly::stress_sums(const NodalVector& state) const {
+  Eigen::MatrixXd of_cells(StressSum::count, data_->num_cells);
+  std::vector<double> of_group;
+  for (const auto& group : data_->groups) {
+    of_group.resize(StressSum::count * group.cells.size());
+    group.kernels->stress(group.view(), state.data(), of_group.data());
+    for (Index i = 0; i < group.num_cells; ++i) {
+      const double* packet = of_group.data() + i / kPacketSize * StressSum::count * kPacketSize;
+      for (int sum = 0; sum < StressSum::count; ++sum) {
+        of_cells(sum, group.cells[i]) = packet[sum * kPacketSize + i % kPacketSize];
+      }
+    }
+  }
+  return of_cells;
+}
+
 Assembly::Determinant Assembly::minimum_det_f(const NodalVector& state) const {
   Determinant least{std::numeric_limits<double>::max(), -1, 0};
   const std::vector<double> of_cells = minimum_det_f_of_cells(state);

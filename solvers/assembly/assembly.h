@@ -95,6 +95,9 @@ class Assembly {
   [[nodiscard]] Determinant minimum_det_f(const NodalVector& state) const;
   /// The same cell by cell [num_cells].
   [[nodiscard]] std::vector<double> minimum_det_f_of_cells(const NodalVector& state) const;
+  /// What the stress of each cell is made of, see StressSum in assembly/kernels.h and
+  /// assembly/stress.h [StressSum::count × num_cells].
+  [[nodiscard]] Eigen::MatrixXd stress_sums(const NodalVector& state) const;
 
  private:
   struct Data;

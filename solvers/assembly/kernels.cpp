@@ -96,6 +96,60 @@ class Group {
     }
   }
 
+  static void stress(const ElementGroupView& group, const double* state, double* sums) {
+    for (std::int32_t p = 0; p < group.num_packets; ++p) {
+      Packet parameters[kParameters];
+      Packet constants[kConstants];
+      load_parameters(group, p, parameters, constants);
+      Packet ue[kNodes][3];
+      gather(group, p, state, ue);
+      [[maybe_unused]] Pressures<kMixed, false> pressures;
+      if constexpr (kMixed) gather_pressures(group, p, state, pressures);
+      Packet sum[StressSum::count];
+      for (Packet& value : sum) value = 0.0;
+      Packet least = L == Law::linear ? 1.0 : std::numeric_limits<double>::max();
+      for (int q = 0; q < kPoints; ++q) {
+        const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kLanes);
+        Kinematics<Packet> k;
+        displacement_gradient(group, p, q, ue, k);
+        k.update();
+        Response<Packet> r;
+        LawOf<L>::template evaluate<false>(k, constants, r);
+        if constexpr (kMixed) {
+          Response<Packet> volume;
+          VolumeOf<L>::template evaluate<false>(k, volume);
+          add_volume(parameters[kConstants + 2], q, k, volume, weight, gradients_at(group, p, q),
+                     pressures, r);
+        }
+        Packet fs[3][3];
+        for (int i = 0; i < 3; ++i) {
+          for (int j = 0; j < 3; ++j) {
+            fs[i][j] = f(k, i, 0) * r.s[kSymmetric[0][j]] + f(k, i, 1) * r.s[kSymmetric[1][j]] +
+                       f(k, i, 2) * r.s[kSymmetric[2][j]];
+            sum[StressSum::displacement_gradient + 3 * i + j] += weight * k.h[i][j];
+          }
+        }
+        for (int m = 0; m < 6; ++m) {
+          const int i = kRow[m];
+          const int j = kColumn[m];
+          sum[StressSum::cauchy + m] += weight * (fs[i][0] * f(k, j, 0) + fs[i][1] * f(k, j, 1) +
+                                                  fs[i][2] * f(k, j, 2));
+        }
+        sum[StressSum::volume] += weight;
+        if constexpr (L == Law::linear) {
+          sum[StressSum::deformed_volume] += weight;
+        } else {
+          sum[StressSum::deformed_volume] += weight * (1.0 + k.j);
+          least = min(least, 1.0 + k.j);
+        }
+      }
+      sum[StressSum::minimum_det_f] = least;
+      for (int i = 0; i < StressSum::count; ++i) {
+        sum[i].store(sums + (static_cast<std::int64_t>(p) * StressSum::count + i) * kLanes);
+      }
+    }
+  }
+
  private:
   template <bool WithTangent>
   static GroupResult run(const ElementGroupView& group, const double* state, double* force,
@@ -104,13 +158,8 @@ class Group {
     Packet least = std::numeric_limits<double>::max();
     for (std::int32_t p = 0; p < group.num_packets; ++p) {
       Packet parameters[kParameters];
-      for (int i = 0; i < kParameters; ++i) {
-        parameters[i] = group.homogeneous
-                            ? Packet(group.parameters[i])
-                            : Packet::load(group.parameters + (p * kParameters + i) * kLanes);
-      }
       Packet constants[kConstants];
-      for (int i = 0; i < kConstants; ++i) constants[i] = parameters[i];
+      load_parameters(group, p, parameters, constants);
       Packet ue[kNodes][3];
       gather(group, p, state, ue);
       Packet fe[kNodes][3];
@@ -163,6 +212,16 @@ class Group {
       result.energy = std::numeric_limits<double>::infinity();
     }
     return result;
+  }
+
+  static void load_parameters(const ElementGroupView& group, std::int32_t p,
+                              Packet (&parameters)[kParameters], Packet (&constants)[kConstants]) {
+    for (int i = 0; i < kParameters; ++i) {
+      parameters[i] = group.homogeneous
+                          ? Packet(group.parameters[i])
+                          : Packet::load(group.parameters + (p * kParameters + i) * kLanes);
+    }
+    for (int i = 0; i < kConstants; ++i) constants[i] = parameters[i];
   }
 
   static const double* gradients_at(const ElementGroupView& group, std::int32_t p, int q) {
@@ -465,7 +524,7 @@ class Group {
 template <int Order, Law L, Formulation Form>
 constexpr Kernels make(const char* name) {
   using G = Group<Order, L, Form>;
-  return {name, kNumConstants<L>, &G::residual, &G::tangent, &G::determinants};
+  return {name, kNumConstants<L>, &G::residual, &G::tangent, &G::determinants, &G::stress};
 }
 
 constexpr int kNumLawsOfEnergy = 6;

@@ -62,6 +62,22 @@ struct GroupResult {
   double minimum_det_f;
 };
 
+/// What is summed up over the quadrature points of an element for its stress.
+struct StressSum {
+  enum : int {
+    /// ∫ σ dv over the deformed element, Pa m³; components in the order xx yy zz yz xz xy.
+    cauchy = 0,
+    /// ∫ ∇u dV, m³; row by row.
+    displacement_gradient = 6,
+    /// ∫ dv, the deformed volume, and ∫ dV, that at rest, m³. The linear law knows but the latter.
+    deformed_volume = 15,
+    volume = 16,
+    /// Least det F (1 for the linear law).
+    minimum_det_f = 17,
+    count = 18,
+  };
+};
+
 struct Kernels {
   const char* instruction_set;
   /// Of the law of energy.
@@ -73,6 +89,9 @@ struct Kernels {
                          double* values);
   /// Least det F of each element over quadrature points and corners, [num_packets × 8].
   void (*determinants)(const ElementGroupView&, const double* state, double* minimum_det_f);
+  /// The sums of each element, [num_packets × StressSum::count × 8]. Where det F ≤ 0 and the law is
+  /// not defined, its stress is NaN.
+  void (*stress)(const ElementGroupView&, const double* state, double* sums);
 };
 
 /// Kernels for an element order (1, 2), a law of energy and a formulation (their numbers), for this

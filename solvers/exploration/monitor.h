@@ -47,14 +47,13 @@ class Monitor {
 
   [[nodiscard]] ProgressState state() const {
     ProgressState state;
-    std::int64_t reused = 0;
     for (const Count& count : of_ranks_) {
       state.num_done += count.found;
       state.num_expected += count.expected;
-      reused += count.reused;
+      state.num_solved += count.found - count.reused;
     }
     state.seconds = seconds_since(start_);
-    const auto solved = static_cast<double>(state.num_done - reused);
+    const auto solved = static_cast<double>(state.num_solved);
     if (solved > 0) {
       state.seconds_left =
           state.seconds / solved * static_cast<double>(state.num_expected - state.num_done);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "interpolation/field_weights.h"
+
 namespace palpate {
 namespace {
 
@@ -33,53 +35,47 @@ DisplayField::DisplayField(const TouchSite& site)
   const auto r = static_cast<std::size_t>(num_modes_);
   data_.assign(static_cast<std::size_t>(grid_.num_nodes()) * 4 * r, 0.F);
   if (r == 0 || !grid_.any_usable()) return;
+  const auto node_data = [&](std::int32_t n) {
+    return data_.data() + static_cast<std::size_t>(n) * 4 * r;
+  };
   for (std::int32_t n = 0; n < grid_.num_nodes(); ++n) {
-    const std::int32_t nearest = grid_.nearest(n);
-    const std::int32_t c = grid_.configuration(nearest);
-    float* node = data_.data() + static_cast<std::size_t>(n) * 4 * r;
-    std::copy_n(site.coefficients.col(c).data(), r, node);
-    std::copy_n(site.coefficient_gradients.col(c).data(), 3 * r, node + r);
-    if (nearest == n) continue;
-    const CheckPoint to = grid_.tree().point(n);
-    const CheckPoint from = grid_.tree().point(nearest);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto offset = static_cast<float>(grid_.spacing() * (to[axis] - from[axis]));
-      const float* slope = site.coefficient_gradients.col(c).data() + axis * num_modes_;
-      for (std::size_t m = 0; m < r; ++m) node[m] += offset * slope[m];
-    }
+    visit_configuration(grid_, n, 1, Vec3::Zero(),
+                        [&](std::int32_t configuration, double, const Vec3& offset) {
+      const float* c = site.coefficients.col(configuration).data();
+      const float* slopes = site.coefficient_gradients.col(configuration).data();
+      float* node = node_data(n);
+      std::copy_n(c, r, node);
+      std::copy_n(slopes, 3 * r, node + r);
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto along = static_cast<float>(offset[axis]);
+        for (std::size_t m = 0; m < r; ++m) node[m] += along * slopes[axis * r + m];
+      }
+    });
   }
   for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_nodes()) {
     const CellTree::Leaf& leaf = grid_.leaf(hanging.leaf);
-    float* node = data_.data() + static_cast<std::size_t>(hanging.node) * 4 * r;
+    float* node = node_data(hanging.node);
     std::fill_n(node, 4 * r, 0.F);
-    add_leaf(leaf, hanging.s, Vec3::Zero(), node);
-    for (int corner = 0; corner < 8; ++corner) {
-      const auto weight = static_cast<float>(corner_weight(corner, hanging.s));
-      const float* from = data_.data() + static_cast<std::size_t>(leaf.corners[corner]) * 4 * r;
-      for (std::size_t m = r; m < 4 * r; ++m) node[m] += weight * from[m];
-    }
+    const auto add = [&](double a, const Vec3& d, float* out) {
+      for_each_corner(grid_, leaf, hanging.s, a, d,
+                      [&](std::int32_t corner, double of_value, const Vec3& of_slope) {
+                        add_node(corner, of_value, of_slope, out);
+                      });
+    };
+    add(1, Vec3::Zero(), node);
+    for (int axis = 0; axis < 3; ++axis) add(0, Vec3::Unit(axis), node + (axis + 1) * r);
   }
 }
 
-void DisplayField::add_node(std::int32_t node, float a, const Vec3& d, float* out) const noexcept {
+void DisplayField::add_node(std::int32_t node, double a, const Vec3& d, float* out) const noexcept {
   const float* c = data_.data() + static_cast<std::size_t>(node) * 4 * num_modes_;
   const float* gx = c + num_modes_;
   const float* gy = gx + num_modes_;
   const float* gz = gy + num_modes_;
+  const auto of_c = static_cast<float>(a);
   const Eigen::Vector3f g = d.cast<float>();
   for (int m = 0; m < num_modes_; ++m) {
-    out[m] += a * c[m] + g[0] * gx[m] + g[1] * gy[m] + g[2] * gz[m];
-  }
-}
-
-void DisplayField::add_leaf(const CellTree::Leaf& leaf, const Vec3& s, const Vec3& offset,
-                            float* out) const noexcept {
-  const double side = leaf.cell.side * grid_.spacing();
-  for (int corner = 0; corner < 8; ++corner) {
-    const double weight = corner_weight(corner, s);
-    const Vec3 from_corner = side * (s - Vec3(corner >> 2, (corner >> 1) & 1, corner & 1));
-    add_node(leaf.corners[corner], static_cast<float>(weight),
-             weight * (0.5 * from_corner + offset), out);
+    out[m] += of_c * c[m] + g[0] * gx[m] + g[1] * gy[m] + g[2] * gz[m];
   }
 }
 
@@ -87,10 +83,9 @@ Found DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   using Place = CheckPointGrid::Place;
   std::fill_n(out, num_modes_, 0.F);
   const CheckPointGrid::Location at = grid_.locate(t);
-  if (at.place == Place::rest) add_node(0, 1, at.offset, out);
-  if (at.place == Place::cell || at.place == Place::beside_cell) {
-    add_leaf(grid_.leaf(at.leaf), at.s, at.offset, out);
-  }
+  for_each_node(grid_, at, [&](std::int32_t node, double a, const Vec3& d) {
+    add_node(node, a, d, out);
+  });
   // So far out that it overflows there is nothing to go by.
   if (at.place != Place::cell && !std::all_of(out, out + num_modes_, is_finite)) {
     std::fill_n(out, num_modes_, 0.F);

@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The displaced surface that answers a displacement t of the active node:
-//
-//   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)],   w trilinear over the corners i of the cell,
-//
-// exact where u is quadratic in t. A hanging node takes the field of the larger cell, and of v what
-// is trilinear there: with these the sides of cells of different size agree. A ghost (ghost.h) has
-// u_i + v_i Δ and v_i of the nearest usable node. In two steps: the coefficients of the modes, then
-// the field. Outside the box it goes on as the force does (interpolator.h): u(t₀) + v(t₀) Δ, v
-// trilinear.
+// The displaced surface that answers a displacement t of the active node, with the weights of
+// field_weights.h. In two steps: the coefficients of the modes, then the field.
 #pragma once
 
 #include <vector>
@@ -29,12 +22,8 @@ class DisplayField {
   Found coefficients(const Vec3& t, float* out) const noexcept;
 
  private:
-  /// Adds the coefficients in a leaf.
-  /// @param offset From there to t, m.
-  void add_leaf(const CellTree::Leaf& leaf, const Vec3& s, const Vec3& offset,
-                float* out) const noexcept;
   /// Adds a·c + (∂c/∂t)·d of a node.
-  void add_node(std::int32_t node, float a, const Vec3& d, float* out) const noexcept;
+  void add_node(std::int32_t node, double a, const Vec3& d, float* out) const noexcept;
 
   CheckPointGrid grid_;
   int num_modes_;

@@ -164,13 +164,16 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
                   return current;
                 });
   }
-  return builder.finish();
+  TouchSpace space = builder.finish();
+  space.file = file.path().string();
+  return space;
 }
 
 TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
   const Scene scene = file.read_scene();
   TouchSpace space;
   space.scene_hash = file.scene_hash();
+  space.file = file.path().string();
   space.surface = make_surface(scene.mesh);
   space.modes.resize(3 * Eigen::Index{space.surface.num_points()}, 0);
   for (const SiteSpace& from : file.read_sites()) {

@@ -30,6 +30,8 @@ struct TouchSite {
 
 struct TouchSpace {
   std::string scene_hash;
+  /// Where its fields are; empty: nowhere.
+  std::string file;
   Surface surface;
   /// Orthonormal modes of the surface displacement [3 × surface.num_points() × r], see pod.h.
   Eigen::MatrixXf modes;

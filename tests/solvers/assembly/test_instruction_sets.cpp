@@ -77,7 +77,7 @@ class Elements {
 
   struct Results {
     GroupResult residual, tangent;
-    std::vector<double> force, force_of_tangent, values, determinants;
+    std::vector<double> force, force_of_tangent, values, determinants, stress;
   };
 
   Results run(const Kernels& kernels) const {
@@ -90,9 +90,11 @@ class Elements {
     r.force_of_tangent.resize(u_.size());
     r.values.resize(num_values_);
     r.determinants.resize(kPackets * kPacketSize);
+    r.stress.resize(kPackets * StressSum::count * kPacketSize);
     r.residual = kernels.residual(view, u_.data(), r.force.data());
     r.tangent = kernels.tangent(view, u_.data(), r.force_of_tangent.data(), r.values.data());
     kernels.determinants(view, u_.data(), r.determinants.data());
+    kernels.stress(view, u_.data(), r.stress.data());
     return r;
   }
 
@@ -136,6 +138,7 @@ void expect_equal_kernels(const Kernels& reference, const Kernels& kernels,
   expect_equal(expected.force, found.force_of_tangent, "force of the tangent");
   expect_equal(expected.values, found.values, "tangent");
   expect_equal(expected.determinants, found.determinants, "det F");
+  expect_equal(expected.stress, found.stress, "stress");
 }
 
 void expect_equal_kernels(Source source) {

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpateAbort.h"
+
+#include <QAbstractButton>
+#include <QApplication>
+#include <QEvent>
+
+#include "pqApplicationCore.h"
+#include "pqPipelineSource.h"
+#include "pqProgressManager.h"
+#include "pqServerManagerModel.h"
+#include "vtkAlgorithm.h"
+#include "vtkCommand.h"
+#include "vtkSMProxy.h"
+
+namespace
+{
+pqProgressManager* Progress()
+{
+  return pqApplicationCore::instance()->getProgressManager();
+}
+
+bool IsInput(const QEvent* event)
+{
+  switch (event->type())
+  {
+    case QEvent::MouseButtonPress:
+    case QEvent::MouseButtonRelease:
+    case QEvent::MouseButtonDblClick:
+    case QEvent::MouseMove:
+    case QEvent::Wheel:
+    case QEvent::KeyPress:
+    case QEvent::KeyRelease:
+    case QEvent::Shortcut:
+    case QEvent::ShortcutOverride:
+    case QEvent::ContextMenu:
+    case QEvent::Drop:
+      return true;
+    default:
+      return false;
+  }
+}
+}
+
+pqPalpateAbort::pqPalpateAbort(QObject* parent)
+  : QObject(parent)
+{
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  QObject::connect(model, &pqServerManagerModel::sourceAdded, this, &pqPalpateAbort::watch);
+  for (pqPipelineSource* source : model->findItems<pqPipelineSource*>())
+  {
+    this->watch(source);
+  }
+  QObject::connect(Progress(), &pqProgressManager::abort, this,
+    [this]
+    {
+      if (this->Working)
+      {
+        this->Working->SetAbortExecute(1);
+      }
+    });
+}
+
+void pqPalpateAbort::watch(pqPipelineSource* source)
+{
+  auto* filter = vtkAlgorithm::SafeDownCast(source->getProxy()->GetClientSideObject());
+  const QString name = source->getProxy()->GetXMLName();
+  if (filter &&
+    (name == "PrecomputeStateSpace" || name == "AccuracyReport" || name == "SolveEquilibrium"))
+  {
+    filter->AddObserver(vtkCommand::ProgressEvent, this, &pqPalpateAbort::handleEvents);
+    filter->AddObserver(vtkCommand::EndEvent, this, &pqPalpateAbort::endWork);
+  }
+}
+
+void pqPalpateAbort::handleEvents(vtkObject* filter, unsigned long, void*)
+{
+  if (this->IsHandling || Progress()->isLocked())
+  {
+    return;
+  }
+  this->IsHandling = true;
+  this->Working = vtkAlgorithm::SafeDownCast(filter);
+  Progress()->setEnableAbort(true);
+  QApplication::instance()->installEventFilter(this);
+  QApplication::processEvents();
+  QApplication::instance()->removeEventFilter(this);
+  this->IsHandling = false;
+}
+
+void pqPalpateAbort::endWork(vtkObject*, unsigned long, void*)
+{
+  if (this->Working)
+  {
+    this->Working = nullptr;
+    Progress()->setEnableAbort(false);
+  }
+}
+
+// Of what the person does, only the button is heard: anything else might take away what works.
+bool pqPalpateAbort::eventFilter(QObject* object, QEvent* event)
+{
+  if (event->type() == QEvent::Close)
+  {
+    event->ignore();
+    return true;
+  }
+  const bool isForWidget = object->isWidgetType();
+  return isForWidget && IsInput(event) && !Progress()->nonBlockableObjects().contains(object);
+}

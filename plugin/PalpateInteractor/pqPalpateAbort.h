@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Lets the button of ParaView's bar of progress abort the long work of our filters. ParaView shows how
+/// far they are, but handles no event meanwhile, and nobody listens to the button.
+///
+/// For filters of this process alone: a server elsewhere hears nothing while it works.
+#pragma once
+
+#include <QObject>
+
+#include "vtkWeakPointer.h"
+
+class pqPipelineSource;
+class vtkAlgorithm;
+class vtkObject;
+
+class pqPalpateAbort : public QObject
+{
+  Q_OBJECT
+public:
+  explicit pqPalpateAbort(QObject* parent = nullptr);
+
+protected:
+  bool eventFilter(QObject* object, QEvent* event) override;
+
+private:
+  void watch(pqPipelineSource* source);
+  void handleEvents(vtkObject* filter, unsigned long, void*);
+  void endWork(vtkObject*, unsigned long, void*);
+
+  vtkWeakPointer<vtkAlgorithm> Working;
+  bool IsHandling = false;
+};

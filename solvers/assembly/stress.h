@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stress and stretch of the deformed body, a value a cell and a value a point.
+//
+//   Cauchy stress        σ = F S Fᵀ / det F, with S = ∂W/∂E and, where the material is mixed, its
+//                        pressure; of the linear law σ = ∂W/∂ε. Of a cell the mean over its
+//                        deformed volume, σ̄ = ∫ σ dv / ∫ dv, which balances the forces on its sides.
+//   von Mises stress     √(3/2 s : s), s the deviator of σ̄
+//   principal stretches  the singular values of the cell's mean F, whatever its law
+//
+// At a point each of them is the mean over the cells around it, by volume at rest. Where det F ≤ 0
+// at a quadrature point there is no Cauchy stress: NaN, which such means leave out. A point without
+// a cell has NaN throughout.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "assembly/assembly.h"
+
+namespace palpate {
+
+struct StressField {
+  /// xx yy zz xy yz xz, Pa.
+  Eigen::Matrix<double, 6, Eigen::Dynamic> cauchy;
+  /// Pa.
+  Eigen::VectorXd von_mises;
+  /// The largest first.
+  Eigen::Matrix<double, 3, Eigen::Dynamic> principal_stretches;
+};
+
+struct BodyStress {
+  StressField of_cells;
+  StressField at_points;
+};
+
+/// @param mesh That of the assembly.
+/// @param u Displacement [3 × num_points], m.
+/// @param p Pressures of mixed cells [num_pressures], Pa; empty: 0.
+[[nodiscard]] BodyStress find_stress(const Assembly& assembly, const TetMesh& mesh,
+                                     const NodalVector& u, const NodalVector& p);
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/body_field.h"
+
+#include "interpolation/field_weights.h"
+
+namespace palpate {
+
+BodyField::BodyField(const TouchSite& site)
+    : site_(site.site), configurations_(site.configurations), grid_(site) {
+  const auto& nodes = grid_.hanging_nodes();
+  for (std::size_t i = 0; i < nodes.size(); ++i) hanging_.emplace(nodes[i].node, i);
+}
+
+// What a corner of a leaf hangs on is larger than the leaf: it comes to an end.
+void BodyField::add_node(std::int32_t node, double a, const Vec3& d, Weights& weights) const {
+  if (const auto found = hanging_.find(node); found != hanging_.end()) {
+    const CheckPointGrid::HangingNode& hanging = grid_.hanging_nodes()[found->second];
+    for_each_corner(grid_, grid_.leaf(hanging.leaf), hanging.s, a, d,
+                    [&](std::int32_t corner, double of_u, const Vec3& of_v) {
+                      if (of_u != 0 || !of_v.isZero(0)) add_node(corner, of_u, of_v, weights);
+                    });
+    return;
+  }
+  visit_configuration(grid_, node, a, d,
+                      [&](std::int32_t configuration, double of_u, const Vec3& of_v) {
+                        Weight& weight = weights[configuration];
+                        weight.a += of_u;
+                        weight.d += of_v;
+                      });
+}
+
+Found BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
+                          NodalVector& p) const {
+  u.resize(0);
+  p.resize(0);
+  const CheckPointGrid::Location at = grid_.locate(t);
+  if (at.found == Found::no) return Found::no;
+  Weights weights;
+  for_each_node(grid_, at, [&](std::int32_t node, double a, const Vec3& d) {
+    if (a != 0 || !d.isZero(0)) add_node(node, a, d, weights);
+  });
+  std::vector<ConfigurationSummary> wanted;
+  for (const auto& [configuration, weight] : weights) {
+    wanted.push_back(configurations_[static_cast<std::size_t>(configuration)]);
+  }
+  const std::vector<const Configuration*> read = fields.get(site_, wanted);
+  u.setZero(read.front()->u.size());
+  p.setZero(read.front()->p.size());
+  auto c = read.begin();
+  for (const auto& [configuration, weight] : weights) {
+    u += weight.a * (*c)->u + (*c)->v * weight.d;
+    if (p.size() > 0) p += weight.a * (*c)->p + (*c)->p_v * weight.d;
+    ++c;
+  }
+  // So far out that it overflows there is nothing to go by.
+  if (!u.allFinite() || !p.allFinite()) {
+    u.resize(0);
+    p.resize(0);
+    return Found::no;
+  }
+  return at.found;
+}
+
+}  // namespace palpate

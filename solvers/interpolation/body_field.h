@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The displacement of every point of the body, and the pressures of its mixed cells, that answer a
+// displacement t of the active node: as DisplayField, but from the fields in the space's file in
+// place of the modes of the surface.
+#pragma once
+
+#include <map>
+
+#include "interpolation/interpolator.h"
+#include "state_space/field_cache.h"
+
+namespace palpate {
+
+/// Immutable, and holds all it needs but the fields: the site may go.
+class BodyField {
+ public:
+  /// @throws InputError the site has no grid, see CheckPointGrid.
+  explicit BodyField(const TouchSite& site);
+
+  /// @param fields Of the file of the space; what is needed at t is read, if it is not there.
+  /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
+  ///   body without. Both are empty where nothing is found.
+  /// @throws InputError, BackendError as FieldCache::get.
+  Found evaluate(const Vec3& t, FieldCache& fields, NodalVector& u, NodalVector& p) const;
+
+ private:
+  struct Weight {
+    double a = 0;
+    Vec3 d = Vec3::Zero();
+  };
+  /// By configuration.
+  using Weights = std::map<std::int32_t, Weight>;
+  /// Adds a u + v d of a node.
+  void add_node(std::int32_t node, double a, const Vec3& d, Weights& weights) const;
+
+  Site site_;
+  std::vector<ConfigurationSummary> configurations_;
+  CheckPointGrid grid_;
+  /// Place among the hanging nodes, by node.
+  std::map<std::int32_t, std::size_t> hanging_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/body_field.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "base/error.h"
+#include "interpolation/display_field.h"
+#include "solvers/interpolation/analytic_site.h"
+#include "solvers/state_space/example_space.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+using test::analytic_site;
+using test::exponential;
+using test::kHalfWidth;
+
+constexpr double kTolerance = 1e-8;
+/// Of DisplayField, whose numbers are of single precision.
+constexpr double kSingle = 1e-5;
+
+class BodyFieldTest : public testing::Test {
+ protected:
+  BodyFieldTest() {
+    std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~BodyFieldTest() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::filesystem::path path() const { return folder_ / "space.palpate"; }
+
+  /// Gives the usable configurations random fields, in the file and as the coefficients of a mode for
+  /// each unknown; pressures that are the first of u.
+  void write(TouchSite& site) {
+    std::filesystem::remove(path());
+    StateSpaceFile file = StateSpaceFile::create(path(), scene_, kTolerance);
+    file.add_site(site.site);
+    const Eigen::Index rows = 3 * Eigen::Index{scene_.mesh.num_points()};
+    const auto count = static_cast<Eigen::Index>(site.configurations.size());
+    site.coefficients.setZero(rows, count);
+    site.coefficient_gradients.setZero(3 * rows, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      Configuration c;
+      static_cast<ConfigurationSummary&>(c) = site.configurations[static_cast<std::size_t>(i)];
+      if (c.usable()) {
+        c.u = Eigen::VectorXd::Random(rows);
+        c.v = 100 * Eigen::MatrixXd::Random(rows, 3);
+        c.p = c.u.head(kPressures);
+        c.p_v = c.v.topRows(kPressures);
+        site.coefficients.col(i) = c.u.cast<float>();
+        site.coefficient_gradients.col(i) = c.v.reshaped().cast<float>();
+      }
+      file.add(site.site.active_node, c);
+    }
+    file.close();
+  }
+
+  static constexpr Eigen::Index kPressures = 5;
+  Scene scene_ = test::cube_scene(1, ElementOrder::linear);
+  std::filesystem::path folder_;
+};
+
+// Beside holes, across cells of different size and outside the box, too.
+TEST_F(BodyFieldTest, IsTheDisplayFieldOfAllPoints) {
+  TouchSite holes = analytic_site(exponential);
+  test::make_holes(holes, 0.2);
+  for (TouchSite site : {analytic_site(exponential, 1), holes, test::graded_site(exponential, 5, 2),
+                         test::unbalanced_site(exponential)}) {
+    write(site);
+    const BodyField field(site);
+    const DisplayField expected(site);
+    // Some of them are read again and again.
+    FieldCache fields(path(), hash(scene_), 100000);
+    Eigen::VectorXf c(expected.num_modes());
+    NodalVector u;
+    NodalVector p;
+    test::RandomPoints points(1.3 * kHalfWidth);
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 t = points();
+      const Found found = expected.coefficients(t, c.data());
+      EXPECT_EQ(field.evaluate(t, fields, u, p), found);
+      ASSERT_LT((u - c.cast<double>()).lpNorm<Eigen::Infinity>(), kSingle) << t.transpose();
+      EXPECT_EQ(p, u.head(kPressures));
+    }
+    EXPECT_EQ(field.evaluate(Vec3::Constant(std::nan("")), fields, u, p), Found::no);
+    EXPECT_EQ(u.size(), 0);
+    EXPECT_EQ(field.evaluate(Vec3::Constant(1e308), fields, u, p), Found::no);
+    EXPECT_EQ(p.size(), 0);
+  }
+}
+
+TEST_F(BodyFieldTest, ReadsWhatItNeedsOnce) {
+  TouchSite site = analytic_site(exponential);
+  write(site);
+  const BodyField field(site);
+  FieldCache fields(path(), hash(scene_));
+  NodalVector u;
+  NodalVector p;
+  const double h = site.site.spacing();
+  field.evaluate(Vec3(0.2 * h, 0.3 * h, 0.4 * h), fields, u, p);
+  std::filesystem::remove(path());
+  EXPECT_EQ(field.evaluate(Vec3(0.7 * h, 0.6 * h, 0.1 * h), fields, u, p), Found::inside);
+  EXPECT_THROW(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), InputError);
+  write(site);
+  EXPECT_EQ(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), Found::inside);
+}
+
+TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {
+  TouchSite site = analytic_site(exponential, 3);
+  const BodyField field(site);
+  NodalVector u;
+  NodalVector p;
+  const auto message = [&](const std::string& scene_hash) -> std::string {
+    FieldCache fields(path(), scene_hash);
+    try {
+      field.evaluate(Vec3::Constant(1e-3), fields, u, p);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  write(site);
+  EXPECT_EQ(message(hash(scene_)), "");
+  EXPECT_NE(message("other").find("its scene is"), std::string::npos) << message("other");
+
+  TouchSite wider = site;
+  wider.site.half_width *= 2;
+  for (ConfigurationSummary& c : wider.configurations) c.t *= 2;
+  write(wider);
+  EXPECT_NE(message(hash(scene_)).find("another tip or grid"), std::string::npos);
+
+  TouchSite failed = site;
+  for (ConfigurationSummary& c : failed.configurations) c.outcome = Outcome::not_converged;
+  write(failed);
+  EXPECT_NE(message(hash(scene_)).find("no displacement"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate
