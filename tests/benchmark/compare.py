@@ -3,7 +3,7 @@
 """The seed's problem, side by side: this program, its floor, and GetFEM twice.
 
 Sample run, on a machine that does nothing else:
-  PV_PLUGIN_PATH=build/lib/paraview-5.11/plugins/Palpate tests/benchmark/compare.py \\
+  PV_PLUGIN_PATH=$(echo build/lib/paraview-*/plugins/Palpate) tests/benchmark/compare.py \\
     path/to/liver_seed.vtu
 
 Two laws, the tool a point and 11 mm wide (seven nodes), 343 configurations each, one core. Ours is

@@ -2,7 +2,7 @@
 """The seed's problem: how long its state space takes, beside the least it could take.
 
 Sample run, on one core:
-  PV_PLUGIN_PATH=build/lib/paraview-5.11/plugins/Palpate OPENBLAS_NUM_THREADS=1 \\
+  PV_PLUGIN_PATH=$(echo build/lib/paraview-*/plugins/Palpate) OPENBLAS_NUM_THREADS=1 \\
     xvfb-run -a pvbatch tests/benchmark/seed_problem.py path/to/liver_seed.vtu
 
 A liver of 978 Tet10 with 5094 unknowns, node 197 (or others) on 7 x 7 x 7 check-points of half-width

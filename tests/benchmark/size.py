@@ -3,7 +3,7 @@
 the surface that is drawn is off.
 
 Sample run:
-  PV_PLUGIN_PATH=build/lib/paraview-5.11/plugins/Palpate xvfb-run -a pvbatch \\
+  PV_PLUGIN_PATH=$(echo build/lib/paraview-*/plugins/Palpate) xvfb-run -a pvbatch \\
     tests/benchmark/size.py seed.palpate
 
 The file is of PrecomputeStateSpace, as seed_problem.py --file makes it. The errors are those of
