@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateAccuracyReport.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <sstream>
 
 #include "accuracy/accuracy.h"
@@ -127,6 +129,31 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
   integer("Failed", &AccuracyRow::failed);
 }
 
+/// For a chart of error against what it takes: a column of mean errors for each method, with nothing
+/// in the rows of the others, so that each is a line through its grids.
+void FillChart(std::vector<AccuracyRow> rows, vtkTable* table)
+{
+  table->Initialize();
+  // A line goes through rows that follow each other.
+  std::stable_sort(rows.begin(), rows.end(),
+    [](const AccuracyRow& a, const AccuracyRow& b) { return a.method < b.method; });
+  const auto number = [&](const std::string& name, auto&& get)
+  { table->AddColumn(Column<vtkDoubleArray>(name, rows, get)); };
+  // The name that ParaView's charts take for their x axis by themselves.
+  number("Time", [](const AccuracyRow& row) { return row.p50_nanoseconds; });
+  number("Bytes", [](const AccuracyRow& row) { return row.bytes; });
+  number("PrecomputeSeconds", [](const AccuracyRow& row) { return row.precompute_seconds; });
+  for (const AccuracyRow& first : rows)
+  {
+    if (!table->GetColumnByName(first.method.c_str()))
+    {
+      constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+      number(first.method, [&](const AccuracyRow& row)
+        { return row.method == first.method ? PerCent * row.mean_error : nothing; });
+    }
+  }
+}
+
 void AddVectors(vtkPolyData* data, const char* name, const std::vector<AccuracyPoint>& all,
   palpate::Vec3 palpate::TestPoint::*member)
 {
@@ -206,7 +233,7 @@ vtkStandardNewMacro(vtkPalpateAccuracyReport);
 
 vtkPalpateAccuracyReport::vtkPalpateAccuracyReport()
 {
-  this->SetNumberOfOutputPorts(3);
+  this->SetNumberOfOutputPorts(4);
 }
 
 vtkPalpateAccuracyReport::~vtkPalpateAccuracyReport() = default;
@@ -241,6 +268,7 @@ int vtkPalpateAccuracyReport::RequestData(
   auto* rows = vtkTable::GetData(outputVector, 0);
   auto* points = vtkPolyData::GetData(outputVector, 1);
   auto* rowsOfNodes = vtkTable::GetData(outputVector, 2);
+  auto* chart = vtkTable::GetData(outputVector, 3);
   // Nobody else takes back the abort of an earlier run.
   this->SetAbortExecute(0);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
@@ -283,6 +311,7 @@ int vtkPalpateAccuracyReport::RequestData(
       rows->ShallowCopy(this->LastRows);
       points->ShallowCopy(this->LastPoints);
       rowsOfNodes->ShallowCopy(this->LastRowsOfNodes);
+      chart->ShallowCopy(this->LastChart);
       return;
     }
     this->LastOf.clear();
@@ -297,6 +326,7 @@ int vtkPalpateAccuracyReport::RequestData(
     FillTable(result.rows, false, rows);
     FillPoints(space, result, points);
     FillTable(result.rows_of_sites, true, rowsOfNodes);
+    FillChart(result.rows, chart);
     AddRun(result, communicator->size(), rows->GetFieldData());
     if (!result.complete)
     {
@@ -311,6 +341,7 @@ int vtkPalpateAccuracyReport::RequestData(
     this->LastRows->ShallowCopy(rows);
     this->LastPoints->ShallowCopy(points);
     this->LastRowsOfNodes->ShallowCopy(rowsOfNodes);
+    this->LastChart->ShallowCopy(chart);
   };
 
   // Every rank meets the same error; rank 0 reports it.

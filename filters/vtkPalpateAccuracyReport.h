@@ -26,6 +26,9 @@
  *     `Class` (0 counted, 1 marked, 2 extrapolated, 3 irregular, 4 failed), and for each method
  *     `Error (<method>)`      relative, %; NaN where nothing is known
  *   2  vtkTable: as 0 for each active node, with the column `ActiveNode`
+ *   3  vtkTable: for charts, a row for each method and grid
+ *     `Time` (`EvaluationP50`), `Bytes`, `PrecomputeSeconds`         as above
+ *     `<method>`              `MeanError` in the rows of the method, NaN in the others
  *
  * Field arrays of 0: `Solved`, `Reused` (test points), `Ranks`, `ExactSeconds`, `MeasureSeconds`,
  * `SolveSeconds` (mean of an exact solve), `Complete`.
@@ -105,4 +108,5 @@ private:
   vtkNew<vtkTable> LastRows;
   vtkNew<vtkPolyData> LastPoints;
   vtkNew<vtkTable> LastRowsOfNodes;
+  vtkNew<vtkTable> LastChart;
 };

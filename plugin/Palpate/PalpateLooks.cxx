@@ -10,20 +10,40 @@ constexpr double Priority = -1;
 
 // Kinds are green where all is well, and the darker red the worse it is. The arrays have names that
 // no other data is likely to use, since a map goes by the name alone.
+//
+// Of the body that a state space is drawn in the front is culled (402): nothing is in the way of the
+// check-points within, to the eye and to a selection, and a touched body in the same place hides it.
+// Lines wider than 1 would be culled too.
 constexpr const char* Looks = R"json({
   "representations": {
     "PalpateStateSpaceRepresentation": {
       "BlockSelectors": ["/Root/Surface", "/Root/Configurations"],
-      "BlockOpacities": ["/Root/Surface", "0.15"],
+      "BlockOpacities": ["/Root/Surface", "0.5"],
+      "BackfaceRepresentation": 402,
       "PointSize": 9,
-      "RenderPointsAsSpheres": 1,
-      "LineWidth": 1.5
+      "RenderPointsAsSpheres": 1
     },
     "PalpateBodyRepresentation": { "NonlinearSubdivisionLevel": 0 },
     "PalpateMarksRepresentation": {
       "PointSize": 10,
       "RenderPointsAsSpheres": 1,
       "LineWidth": 4
+    },
+    "PalpateErrorChartRepresentation": {
+      "SeriesVisibility": ["Time", "0", "Bytes", "0", "PrecomputeSeconds", "0",
+        "RBF linear, no polynomial", "0", "RBF linear, no intermediate states", "0",
+        "RBF cubic, no polynomial", "0", "RBF cubic, no intermediate states", "0"],
+      "SeriesMarkerStyle": ["Trilinear", "4", "Tricubic", "4", "RBF linear", "4",
+        "RBF cubic", "4", "Energy Hermite", "4", "Energy Hermite, no third derivatives", "5",
+        "Linear", "4"],
+      "SeriesMarkerSize": ["Trilinear", "9", "Tricubic", "9", "RBF linear", "9",
+        "RBF cubic", "9", "Energy Hermite", "9", "Energy Hermite, no third derivatives", "9",
+        "Linear", "9"],
+      "SeriesColor": ["Trilinear", "0.6", "0.6", "0.6", "Tricubic", "0.45", "0.34", "0.29",
+        "RBF linear", "0.55", "0.75", "0.91", "RBF cubic", "0.12", "0.47", "0.71",
+        "Energy Hermite", "0.84", "0.15", "0.16",
+        "Energy Hermite, no third derivatives", "0.95", "0.6", "0.2",
+        "Linear", "0", "0", "0"]
     }
   },
   "standard_presets": {
