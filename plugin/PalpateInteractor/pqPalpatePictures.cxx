@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpatePictures.h"
+
+#include <QTimer>
+#include <cstring>
+#include <string>
+
+#include "pqApplicationCore.h"
+#include "pqCoreUtilities.h"
+#include "pqOutputPort.h"
+#include "pqPVApplicationCore.h"
+#include "pqPalpateFetch.h"
+#include "pqPipelineSource.h"
+#include "pqRepresentation.h"
+#include "pqSelectionManager.h"
+#include "pqServerManagerModel.h"
+#include "pqView.h"
+#include "vtkCommand.h"
+#include "vtkDataObject.h"
+#include "vtkNew.h"
+#include "vtkPVArrayInformation.h"
+#include "vtkPVDataInformation.h"
+#include "vtkSMProperty.h"
+#include "vtkSMPropertyHelper.h"
+#include "vtkSMProxy.h"
+#include "vtkSMSourceProxy.h"
+#include "vtkSMTransferFunctionManager.h"
+
+namespace
+{
+constexpr const char* Chart = "PalpateErrorChartRepresentation";
+
+bool Is(vtkSMProxy* proxy, const char* name)
+{
+  return std::strcmp(proxy->GetXMLName(), name) == 0;
+}
+
+/// The least value of a component, which is its value where there is one point.
+double Value(vtkPVArrayInformation* array, int component)
+{
+  return array->GetComponentRange(component)[0];
+}
+}
+
+pqPalpatePictures::pqPalpatePictures(QObject* parent)
+  : QObject(parent)
+{
+}
+
+void pqPalpatePictures::startup()
+{
+  // A plugin of PV_PLUGIN_PATH is loaded before the window has all its parts.
+  QTimer::singleShot(0, this, &pqPalpatePictures::watch);
+}
+
+void pqPalpatePictures::watch()
+{
+  QObject::connect(pqPVApplicationCore::instance()->selectionManager(),
+    &pqSelectionManager::selectionChanged, this, &pqPalpatePictures::touchSelected);
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  const auto watchView = [this](pqView* view)
+  {
+    QObject::connect(view, &pqView::representationAdded, this,
+      [this, view](pqRepresentation* shown) { this->makeAxes(view, shown); });
+  };
+  QObject::connect(model, &pqServerManagerModel::viewAdded, this, watchView);
+  for (pqView* view : model->findItems<pqView*>())
+  {
+    watchView(view);
+  }
+}
+
+void pqPalpatePictures::touchSelected(pqOutputPort* space)
+{
+  if (!space || !pqPalpateGivesStateSpace(space))
+  {
+    return;
+  }
+  vtkSMSourceProxy* selected =
+    space->getSourceProxy()->GetSelectionOutput(static_cast<unsigned int>(space->getPortNumber()));
+  if (!selected)
+  {
+    return;
+  }
+  selected->UpdatePipeline();
+  vtkPVDataInformation* data = selected->GetDataInformation(0);
+  // A point of the body's surface has none of a configuration's arrays.
+  vtkPVArrayInformation* node = data->GetArrayInformation("ActiveNode", vtkDataObject::POINT);
+  vtkPVArrayInformation* place = data->GetArrayInformation("Displacement", vtkDataObject::POINT);
+  if (!node || !place || data->GetNumberOfPoints() != 1)
+  {
+    return;
+  }
+  const double displacement[3] = { Value(place, 0), Value(place, 1), Value(place, 2) };
+  for (pqPipelineSource* consumer : space->getConsumers())
+  {
+    vtkSMProxy* touch = consumer->getProxy();
+    if (Is(touch, "TouchStateSpace"))
+    {
+      vtkSMPropertyHelper(touch, "ActiveNode").Set(static_cast<vtkIdType>(Value(node, 0)));
+      vtkSMPropertyHelper(touch, "Displacement").Set(displacement, 3);
+      touch->UpdateVTKObjects();
+      consumer->updatePipeline();
+      // As after Apply.
+      vtkNew<vtkSMTransferFunctionManager> colours;
+      colours->ResetAllTransferFunctionRangesUsingCurrentData(consumer->proxyManager(), false);
+      consumer->renderAllViews();
+    }
+  }
+}
+
+void pqPalpatePictures::makeAxes(pqView* view, pqRepresentation* shown)
+{
+  vtkSMProxy* chart = shown->getProxy();
+  vtkSMProxy* axes = view->getProxy();
+  if (!Is(chart, Chart) || !axes->GetProperty("LeftAxisLogScale"))
+  {
+    return;
+  }
+  vtkSMPropertyHelper(axes, "LeftAxisLogScale").Set(1);
+  vtkSMPropertyHelper(axes, "BottomAxisLogScale").Set(1);
+  vtkSMPropertyHelper(axes, "LeftAxisTitle").Set("Mean error of the force (%)");
+  this->nameXAxes();
+  pqCoreUtilities::connect(
+    chart->GetProperty("XArrayName"), vtkCommand::ModifiedEvent, this, SLOT(nameXAxes()));
+}
+
+void pqPalpatePictures::nameXAxes()
+{
+  pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
+  for (pqView* view : model->findItems<pqView*>())
+  {
+    for (pqRepresentation* shown : view->getRepresentations())
+    {
+      if (Is(shown->getProxy(), Chart))
+      {
+        const std::string array =
+          vtkSMPropertyHelper(shown->getProxy(), "XArrayName").GetAsString();
+        const char* title = array == "Time" ? "Time of an evaluation (ns)"
+          : array == "Bytes"                ? "Memory of an active node (bytes)"
+          : array == "PrecomputeSeconds"    ? "Precomputation of an active node on one core (s)"
+                                            : array.c_str();
+        vtkSMPropertyHelper(view->getProxy(), "BottomAxisTitle").Set(title);
+        view->getProxy()->UpdateVTKObjects();
+      }
+    }
+  }
+}
