@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every property of every proxy in xml/ tells a user what it is.
 
-It has documentation, which gives a real number its unit, in SI, or says "no unit" (whole numbers are
-ids and counts); a domain; and a place in one group of the panel, but for the input. What is about
-how a result is reached and not about what it is, is advanced, and few properties are not.
+It has documentation, which gives a real number its unit, in SI, or says "no unit" (whole numbers
+are ids and counts); a domain, but for lists of numbers, above which the panel would write an empty
+range; and a place in one group of the panel, but for the input. What is about how a result is
+reached and not about what it is, is advanced, and few properties are not.
 
 Argument: the root of the repository.
 """
@@ -21,8 +22,7 @@ MOST_AT_ONCE = 9
 
 
 def text_of(element):
-    documentation = element.find("Documentation")
-    return "" if documentation is None else " ".join("".join(documentation.itertext()).split())
+    return " ".join(element.findtext("Documentation", "").split())
 
 
 def is_decorated(element):
@@ -50,7 +50,10 @@ def faults_of(proxy):
             continue
         if element.tag == "DoubleVectorProperty" and not UNIT.search(text):
             yield f"{name}: no unit; write it in SI or 'no unit'"
-        if not any(child.tag.endswith("Domain") for child in element):
+        if element.tag == "IdTypeVectorProperty":
+            yield f"{name}: the panel shows no IdTypeVectorProperty; an IntVectorProperty does"
+        if (not any(child.tag.endswith("Domain") for child in element)
+                and element.get("repeat_command") != "1"):
             yield f"{name}: no domain"
         if name == "Input":
             continue
@@ -74,12 +77,13 @@ def check_the_check():
     bad = ElementTree.fromstring("""<P><SourceProxy class="c"><Documentation>It.</Documentation>
         <DoubleVectorProperty name="A"><DoubleRangeDomain name="r" />
           <Documentation>A length, in minutes per N·m.</Documentation></DoubleVectorProperty>
-        <IntVectorProperty name="B" />
+        <IntVectorProperty name="B" /><IdTypeVectorProperty name="D"><IntRangeDomain name="r" />
+          <Documentation>Id.</Documentation></IdTypeVectorProperty>
         <PropertyGroup label="Solver"><Property name="B" /><Property name="C" /></PropertyGroup>
         </SourceProxy></P>""")
     faults = sorted(fault for proxy in proxies(bad) for fault in faults_of(proxy))
     expected = ("A: in 0 property groups", "A: no unit", "B: no documentation", "B: no domain",
-                "B: not advanced", "the group Solver has an unknown property C")
+                "B: not advanced", "D: in 0 property groups", "D: the panel", "the group Solver has an unknown property C")
     assert len(faults) == len(expected), faults
     assert all(map(str.startswith, faults, expected)), faults
 

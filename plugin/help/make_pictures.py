@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the pictures of the pages here: the quick start, done in ParaView's window.
+
+Sample run, in this folder, with both plugins in PV_PLUGIN_PATH and PALPATE_SOURCE_DIR set:
+    xvfb-run -a -s "-noreset -screen 0 1280x1024x24" paraview --disable-registry \
+        --script make_pictures.py
+"""
+import os
+import time
+import traceback
+
+import numpy as np
+from paraview.simple import *
+from PyQt5 import QtCore, QtGui, QtWidgets
+from PyQt5.QtTest import QTest
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkImagingColor import vtkImageQuantizeRGBToIndex
+
+SIZE = QtCore.QSize(1120, 760)
+COLOURS = 48
+SURFACE = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.vtp")
+NODE = 107  # in front, in the middle
+HALF_WIDTH = 0.012
+# The viewer stands in front of the organ, to its right and above.
+VIEW_FROM = np.array((-0.55, 1.05, 0.75))
+
+application = QtWidgets.QApplication.instance()
+window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
+
+
+def part(name, kind=QtWidgets.QWidget):
+    return window.findChild(kind, name)
+
+
+def wait(seconds):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        application.processEvents(QtCore.QEventLoop.AllEvents, 5)
+        time.sleep(0.002)
+
+
+def save(picture, name):
+    """With a palette, so that it is small."""
+    picture = picture.toImage().convertToFormat(QtGui.QImage.Format_RGB888)
+    width, height = picture.width(), picture.height()
+    pixels = np.frombuffer(picture.bits().asstring(picture.sizeInBytes()), np.uint8)
+    pixels = pixels.reshape(height, -1)[:, :3 * width].reshape(-1, 3)
+    image = vtkImageData()
+    image.SetDimensions(width, height, 1)
+    image.GetPointData().SetScalars(numpy_to_vtk(pixels, deep=True))
+    quantize = vtkImageQuantizeRGBToIndex()
+    quantize.SetInputData(image)
+    quantize.SetNumberOfColors(COLOURS)
+    quantize.Update()
+    table = quantize.GetLookupTable()
+    index = vtk_to_numpy(quantize.GetOutput().GetPointData().GetScalars()).astype(np.uint8)
+    indexed = QtGui.QImage(index.tobytes(), width, height, width, QtGui.QImage.Format_Indexed8)
+    indexed.setColorTable([QtGui.qRgb(*(round(255 * c) for c in table.GetTableValue(i)[:3]))
+                           for i in range(COLOURS)])
+    indexed.save(name + ".png")
+
+
+def picture(name):
+    wait(0.5)
+    save(window.grab(), name)
+
+
+def add(filter_name):
+    """By the menu, as a person does."""
+    menu = next(menu for menu in part("menuFilters", QtWidgets.QMenu).findChildren(QtWidgets.QMenu)
+                if menu.objectName() == "Palpate" or menu.title() == "Palpate")
+    part("menuFilters", QtWidgets.QMenu).aboutToShow.emit()
+    menu.aboutToShow.emit()
+    next(action for action in menu.actions() if action.text() == filter_name).trigger()
+    wait(0.3)
+    return GetActiveSource()
+
+
+def apply():
+    QTest.mouseClick(part("Accept"), QtCore.Qt.LeftButton)
+    wait(0.5)
+
+
+def look(source):
+    """From the same place at every picture."""
+    view = GetActiveView()
+    ResetCamera(view)
+    centre = np.reshape(source.GetDataInformation().GetBounds(), (3, 2)).mean(axis=1)
+    view.CameraFocalPoint, view.CameraPosition = list(centre), list(centre + VIEW_FROM)
+    view.CameraViewUp = [0, 1, 0]
+    ResetCamera(view)
+    view.GetActiveCamera().Zoom(1.3)
+    Render()
+
+
+def drag_node(view):
+    """Presses the left button on it, drags, and holds it there."""
+    canvas = max(window.findChildren(QtWidgets.QOpenGLWidget),
+                 key=lambda widget: widget.width() * widget.height())
+    values = FindSource("TouchStateSpace1").FieldData["ActivePosition"]
+    renderer = view.GetRenderer()
+    renderer.SetWorldPoint(*(values.GetRange(axis)[0] for axis in range(3)), 1)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    at = QtCore.QPoint(round(x), canvas.height() - 1 - round(y))
+    for step in range(31):
+        kind = QtCore.QEvent.MouseMove if step else QtCore.QEvent.MouseButtonPress
+        application.sendEvent(canvas, QtGui.QMouseEvent(
+            kind, QtCore.QPointF(at), QtCore.QPointF(canvas.mapToGlobal(at)),
+            QtCore.Qt.NoButton if step else QtCore.Qt.LeftButton, QtCore.Qt.LeftButton,
+            QtCore.Qt.NoModifier))
+        wait(0.05 if step else 0.5)
+        at += QtCore.QPoint(1, 1)
+    wait(0.5)
+
+
+def main():
+    window.resize(SIZE)
+    dock = part("pqPalpateInteractorDock", QtWidgets.QDockWidget)
+    dock.hide()
+    for name in ("informationDock", "timeInspectorDock", "colorMapEditorDock"):
+        if part(name):
+            part(name).hide()
+    wait(0.5)
+    window.resizeDocks([part("propertiesDock")], [380], QtCore.Qt.Horizontal)
+    window.resizeDocks([part("pipelineBrowserDock"), part("propertiesDock")], [210, 500],
+                       QtCore.Qt.Vertical)
+
+    surface = OpenDataFile(SURFACE)
+    wait(0.2)
+    apply()
+    look(surface)
+    picture("surface")
+
+    body = add("Tetrahedralize Surface")
+    body.ElementOrder, body.PreserveSurface = "Quadratic", 1
+    apply()
+    GetDisplayProperties(body).Representation = "Surface With Edges"
+    picture("TetrahedralizeSurface")
+
+    material = add("Assign Material")
+    material.Law, material.YoungsModulus = "Neo-Hookean", 5000
+    apply()
+    picture("AssignMaterial")
+
+    scene = add("Set Boundary")
+    scene.FixedRegion = "Sphere"
+    scene.FixedRegion.Center, scene.FixedRegion.Radius = [-0.03, 0.06, -0.05], 0.04
+    apply()
+    ColorBy(GetDisplayProperties(scene), ("POINTS", "Fixed"))
+    picture("SetBoundary")
+
+    solve = add("Solve Equilibrium")
+    solve.ActiveNode, solve.Displacement = [NODE], [0, 0, 0.02]
+    apply()
+    warp = WarpByVector(Input=solve, Vectors=["POINTS", "Displacement"])
+    ColorBy(Show(warp), ("POINTS", "Displacement"))
+    Hide(solve)
+    SetActiveSource(solve)
+    picture("SolveEquilibrium")
+    Delete(warp)
+    Delete(solve)
+    SetActiveSource(scene)
+    Show(scene)
+    wait(0.3)
+
+    space = add("Precompute State Space")
+    space.ActiveNodes, space.HalfWidth = [NODE], HALF_WIDTH
+    space.FileName = "liver.palpate"
+    apply()
+    wait(1)
+    look(space)
+    picture("PrecomputeStateSpace")
+
+    touch = add("Touch State Space")
+    touch.Displacement = [0, 0, 0.01]
+    apply()
+    picture("TouchStateSpace")
+    Delete(touch)
+    SetActiveSource(space)
+
+    part("propertiesDock").hide()
+    part("pipelineBrowserDock").hide()
+    dock.show()
+    dock.raise_()
+    wait(0.3)
+    dock.findChild(QtWidgets.QComboBox, "device").setCurrentText("Mouse")
+    QTest.mouseClick(dock.findChild(QtWidgets.QWidget, "start"), QtCore.Qt.LeftButton)
+    wait(0.5)
+    drag_node(GetActiveView())
+    picture("dock")
+    QTest.mouseClick(dock.findChild(QtWidgets.QWidget, "start"), QtCore.Qt.LeftButton)
+    Delete(FindSource("TouchStateSpace1"))
+
+    dock.hide()
+    part("propertiesDock").show()
+    part("pipelineBrowserDock").show()
+    SetActiveSource(space)
+    report = add("Accuracy Report")
+    report.TestPoints = 100
+    apply()
+    picture("AccuracyReport")
+
+
+def run():
+    try:
+        main()
+    except BaseException:
+        traceback.print_exc()
+        window.grab().save("failed.png")
+    os._exit(0)
+
+
+QtCore.QTimer.singleShot(500, run)
