@@ -12,11 +12,10 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import Button, Event, Modifier, QOpenGLWidget, QtCore, QtGui, QTest, QtWidgets
+from qt import (Button, Event, Modifier, QOpenGLWidget, QtCore, QtGui, QTest, QtWidgets,
+                apply, application, choose, menu, open_file, property_widget, wait, wait_until, window,
+                write)
 
-TIME_OUT = 30  # s, of anything that is waited for
-application = QtWidgets.QApplication.instance()
-window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
 dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
 
 
@@ -25,18 +24,8 @@ def part(name):
     return dock.findChild(QtWidgets.QWidget, name)
 
 
-def wait(seconds):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        application.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 5)
-        time.sleep(0.001)
-
-
-def wait_until(condition, what):
-    end = time.monotonic() + TIME_OUT
-    while not condition():
-        assert time.monotonic() < end, f"waited in vain: {what}; {part('state').text()}"
-        wait(0.05)
+def wait_for(condition, what):
+    wait_until(condition, lambda: f"{what}; {part('state').text()}")
 
 
 def number(name):
@@ -75,7 +64,7 @@ def shown():
 
 
 def ended(why):
-    wait_until(lambda: not runs(), why)
+    wait_for(lambda: not runs(), why)
     assert why in part("message").text(), part("message").text()
     assert part("state").text() == "closed"
 
@@ -101,7 +90,7 @@ def touching():
     wait(0.2)
     SaveScreenshot("rest.png", view, ImageResolution=[600, 450])
     wait(2)
-    wait_until(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
+    wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
     assert number("node") >= 0
     window.grab().save("window.png")
     SaveScreenshot("touched.png", view, ImageResolution=[600, 450])
@@ -137,7 +126,7 @@ def mouse():
 
     def drag(start, step, count):
         send(Event.MouseButtonPress, start)
-        wait_until(lambda: touches() or start != node, "the press takes hold")
+        wait_for(lambda: touches() or start != node, "the press takes hold")
         for i in range(1, count + 1):
             send(Event.MouseMove, start + i * step, Button.NoButton)
             wait(0.02)
@@ -154,7 +143,7 @@ def mouse():
     Render()
 
     end = drag(node, QtCore.QPoint(1, -1), 25)
-    wait_until(lambda: number("force") > 0.05, "the drag is felt")
+    wait_for(lambda: number("force") > 0.05, "the drag is felt")
     SaveScreenshot("dragged.png", view, ImageResolution=[600, 450])
     dragged = list(touch_filter().Displacement)
     application.sendEvent(canvas, QtGui.QWheelEvent(
@@ -162,13 +151,13 @@ def mouse():
         QtCore.QPoint(0, 120), Button.LeftButton, Modifier.NoModifier,
         QtCore.Qt.ScrollPhase.NoScrollPhase, False))
     direction = view.GetActiveCamera().GetDirectionOfProjection()
-    wait_until(lambda: sum((now - then) * along for now, then, along in zip(
+    wait_for(lambda: sum((now - then) * along for now, then, along in zip(
         touch_filter().Displacement, dragged, direction)) > 1e-4, "the wheel pushes the node in")
     print("dragged", max(abs(c) for c in dragged))
     assert list(view.CameraPosition) == before
     send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
-    wait_until(lambda: not touches(), "the node is let go of")
-    wait_until(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
+    wait_for(lambda: not touches(), "the node is let go of")
+    wait_for(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
     click_stop()
 
 
@@ -178,7 +167,7 @@ def ends():
 
     def run():
         click_start()
-        wait_until(touches, "the hand touches")
+        wait_for(touches, "the hand touches")
 
     click_start()
     wait(0.2)
@@ -194,7 +183,7 @@ def ends():
     run()
     space.DisplacementBound = 0.01
     space.UpdatePipeline()
-    wait_until(touches, "the hand touches the space that has changed")
+    wait_for(touches, "the hand touches the space that has changed")
     Delete(touch_filter())
     ended("deleted")
     run()
@@ -220,7 +209,7 @@ def ends():
     dock.show()
     run()
     Disconnect()
-    wait_until(lambda: not runs(), "disconnected")
+    wait_for(lambda: not runs(), "disconnected")
     print("ended 1")
 
 
@@ -230,10 +219,10 @@ def remote():
     wait(0.5)
     open_space()
     click_start()
-    wait_until(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
+    wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
     print("ranks", servermanager.ActiveConnection.GetNumberOfDataPartitions())
     Disconnect()
-    wait_until(lambda: not runs(), "disconnected")
+    wait_for(lambda: not runs(), "disconnected")
     print("ended 1")
 
 
@@ -241,7 +230,7 @@ def goes_on(leave):
     """Starts, and leaves it running."""
     open_space()
     click_start()
-    wait_until(touches, "the hand touches")
+    wait_for(touches, "the hand touches")
     print("left 1", flush=True)
     leave()
 

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Qt in Python, for scripts inside ParaView's window: of the version that the window has loaded.
-Enumerators are written with their scope, which both know: Button.LeftButton."""
+"""For scripts inside ParaView's window: Qt in Python, of the version that the window has loaded, and
+what a person does there. Enumerators are written with their scope, which both versions know:
+Button.LeftButton."""
+
+import re
+import time
+import traceback
 
 with open("/proc/self/maps", encoding="utf-8") as maps:
     QT_6 = "libQt6Core" in maps.read()
@@ -16,3 +21,92 @@ else:
 Button = QtCore.Qt.MouseButton
 Modifier = QtCore.Qt.KeyboardModifier
 Event = QtCore.QEvent.Type
+
+application = QtWidgets.QApplication.instance()
+window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
+
+
+def wait(seconds):
+    """Lets the window live."""
+    loop = QtCore.QEventLoop()
+    QtCore.QTimer.singleShot(round(1000 * seconds), loop.quit)
+    # PyQt 5 has exec_ for a word that Python 2 kept for itself.
+    (loop.exec if QT_6 else loop.exec_)()
+
+
+def wait_until(condition, what, time_out=60):
+    end = time.monotonic() + time_out
+    while not condition():
+        said = what() if callable(what) else what
+        assert time.monotonic() < end, f"waited in vain: {said}"
+        wait(0.05)
+
+
+def menu(*path):
+    """Activates an entry of the menu bar, by the words that are seen."""
+    entries = window.menuBar().actions()
+    for word in path:
+        found = [entry for entry in entries if re.sub(r"&|…|\.\.\.", "", entry.text()) == word]
+        assert found, (word, [entry.text() for entry in entries])
+        if found[0].menu():
+            found[0].menu().aboutToShow.emit()
+            entries = found[0].menu().actions()
+    found[0].trigger()
+
+
+def in_dialog(act):
+    """When the next dialog is open, act(dialog)."""
+    def look():
+        dialogs = [w for w in application.topLevelWidgets()
+                   if w.isVisible() and isinstance(w, QtWidgets.QDialog)]
+        if not dialogs:
+            QtCore.QTimer.singleShot(100, look)
+            return
+        try:
+            act(dialogs[0])
+        except BaseException:  # PyQt would abort the program
+            traceback.print_exc()
+            dialogs[0].reject()
+    QtCore.QTimer.singleShot(100, look)
+
+
+def open_file(path):
+    """File > Open…, and the name in ParaView's dialog."""
+    def choose(dialog):
+        names = [line for line in dialog.findChildren(QtWidgets.QLineEdit)
+                 if line.objectName() in ("EntityName", "FileName")]
+        names[0].setText(path)
+        dialog.findChild(QtWidgets.QPushButton, "OK").click()
+    in_dialog(choose)
+    menu("File", "Open")
+
+
+def property_widget(name, kind):
+    """The editor of a property in the panel Properties."""
+    panel = window.findChild(QtWidgets.QWidget, "propertiesPanel")
+    shown = [w for w in panel.findChildren(QtWidgets.QWidget, name) if w.isVisibleTo(panel)]
+    assert shown, f"no property {name} is shown"
+    return shown[0].findChild(kind)
+
+
+def write(name, text):
+    """Types into a property of numbers or of words."""
+    line = property_widget(name, QtWidgets.QLineEdit)
+    line.selectAll()
+    QTest.keyClicks(line, text)
+    line.editingFinished.emit()
+
+
+def choose(name, text):
+    """Chooses from a property's list."""
+    box = property_widget(name, QtWidgets.QComboBox)
+    index = box.findText(text)
+    assert index >= 0, (name, [box.itemText(i) for i in range(box.count())])
+    box.setCurrentIndex(index)
+    box.activated.emit(index)
+
+
+def apply():
+    wait(0.1)
+    window.findChild(QtWidgets.QPushButton, "Accept").click()
+    wait(0.1)
