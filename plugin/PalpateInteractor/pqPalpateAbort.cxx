@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateAbort.h"
 
-#include <QAbstractButton>
 #include <QApplication>
 #include <QEvent>
 
@@ -82,9 +81,12 @@ void pqPalpateAbort::handleEvents(vtkObject* filter, unsigned long, void*)
   this->IsHandling = true;
   this->Working = vtkAlgorithm::SafeDownCast(filter);
   Progress()->setEnableAbort(true);
+  // ParaView's own filter would also keep from the window what is meant for the button.
+  const bool unblocked = Progress()->unblockEvents(true);
   QApplication::instance()->installEventFilter(this);
   QApplication::processEvents();
   QApplication::instance()->removeEventFilter(this);
+  Progress()->unblockEvents(unblocked);
   this->IsHandling = false;
 }
 
@@ -105,6 +107,7 @@ bool pqPalpateAbort::eventFilter(QObject* object, QEvent* event)
     event->ignore();
     return true;
   }
-  const bool isForWidget = object->isWidgetType();
-  return isForWidget && IsInput(event) && !Progress()->nonBlockableObjects().contains(object);
+  // A window passes on to its widgets what it gets.
+  return IsInput(event) && !object->inherits("QWidgetWindow") &&
+    !Progress()->nonBlockableObjects().contains(object);
 }

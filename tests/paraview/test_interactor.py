@@ -8,6 +8,7 @@ needs, it ends. Touched on a server, too.
 where <server> is the command that starts pvserver.
 """
 
+import contextlib
 import os
 import shutil
 import socket
@@ -49,12 +50,29 @@ def wait_for(line, process):
     raise AssertionError(f"no line with {line}")
 
 
-def run(what, folder, port=0):
+@contextlib.contextmanager
+def served(server):
+    """The port of a server that runs."""
+    port = free_port()
+    # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
+    environment = {name: value for name, value in os.environ.items()
+                   if "-n" not in server or not name.startswith(("OMPI_", "PMIX_"))}
+    with subprocess.Popen([*server, f"--server-port={port}"], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, env=environment) as running:
+        try:
+            wait_for("Accepting connection", running)
+            yield port
+            running.wait(timeout=TIME_OUT)
+        finally:
+            running.terminate()
+
+
+def run(what, folder, port=0, script="interactor_script.py"):
     """What the window has printed, by its first word."""
     environment = dict(os.environ, PALPATE_INTERACTOR_RUN=what, PALPATE_INTERACTOR_PORT=str(port))
     environment["PV_PLUGIN_PATH"] += os.pathsep + folder
     command = ["paraview", "--disable-registry", "--script",
-               os.path.join(HERE, "interactor_script.py")]
+               os.path.join(HERE, script)]
     run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                          errors="replace", timeout=TIME_OUT, check=False, env=environment)
     print(run.stdout, flush=True)
@@ -94,18 +112,8 @@ def main():
     for what in ("quit", "close"):
         assert run(what, folder)["left"] == [1], what
 
-    port = free_port()
-    # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
-    environment = {name: value for name, value in os.environ.items()
-                   if "-n" not in server or not name.startswith(("OMPI_", "PMIX_"))}
-    with subprocess.Popen([*server, f"--server-port={port}"], stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, env=environment) as running:
-        try:
-            wait_for("Accepting connection", running)
-            remote = run("remote", folder, port)
-            running.wait(timeout=TIME_OUT)
-        finally:
-            running.terminate()
+    with served(server) as port:
+        remote = run("remote", folder, port)
     assert remote["ended"] == [1], remote
     assert remote["ranks"] == [server.count("-n") + 1], remote
 

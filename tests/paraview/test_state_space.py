@@ -24,14 +24,15 @@ def test_every_property():
                                  SinglePrecisionFactors=0,
                                  IntermediateStates=2, ThirdDerivatives=0,
                                  FileName="every.palpate", SolverTolerance=1e-9,
-                                 MaximumSeconds=60, RanksPerSolve=2, DisplacementBound=1e-2)
+                                 MaximumSeconds=60, RanksPerSolve=2, UpdateInterval=4,
+                                 DisplacementBound=1e-2)
     assert list(space.ActiveNodes) == [1, 2] and space.TipRadius == 0.01
     assert (space.HalfWidth, space.Resolution, space.ForceLimit) == (0.02, 5, 3)
     assert space.FileName == "every.palpate"
     assert (space.SolverTolerance, space.DisplacementBound) == (1e-9, 1e-2)
     assert space.RanksPerSolve == 2
     assert space.MaximumSeconds == 60 and space.SinglePrecisionFactors == 0
-    assert space.LogInterval == 3
+    assert space.LogInterval == 3 and space.UpdateInterval == 4
     assert space.IntermediateStates == 2 and space.ThirdDerivatives == 0
     for history in ("Flat", "Automatic", "Levels"):
         space.History = history
@@ -44,6 +45,8 @@ def test_every_property():
         touch.Interpolation = method
         assert touch.Interpolation == method
     assert list(touch.Displacement) == [1, 2, 3] and touch.ActiveNode == 2
+    touch.Stress, touch.WholeBody = 1, 1
+    assert touch.Stress == touch.WholeBody == 1
 
 
 def test_contents():
@@ -264,6 +267,36 @@ def test_resume():
     body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
     again = fetch_space(precompute(body, nodes, FileName="resume.palpate"))["Configurations"]
     assert field(again, "Solved")[0] == 0
+
+
+def test_growth():
+    """With an update interval a space is given as far as it is found, and goes on when ParaView's
+    window asks; in the end it is what it is without."""
+    boundary = scene("growth", quadratic=False)
+    node = node_at(boundary, CORNER)
+    whole = fetch_space(precompute(boundary, [node]))
+    expect_error(precompute(boundary, [node], UpdateInterval=1).UpdatePipeline, "FileName")
+
+    # A configuration is found each time, however short it is.
+    space = precompute(boundary, [node], UpdateInterval=1e-6, FileName="growth.palpate")
+    touch = TouchStateSpace(Input=space, Displacement=[0.002, 0, 0])
+    numbers = []
+    for _ in range(5 ** 3):
+        part = expect_silence(lambda: fetch_space(space))["Configurations"]
+        numbers.append(part.GetNumberOfPoints())
+        assert field(fetch(touch), "Found")[0] != NOWHERE
+        if field(part, "Complete")[0] == 1:
+            break
+        assert field(part, "Solved")[0] > 0
+        space.SMProxy.InvokeCommand("GetNeedsUpdate")
+        space.SMProxy.MarkModified(space.SMProxy)
+    print("growth:", numbers)
+    assert numbers == sorted(set(numbers)) and len(numbers) > 3 and numbers[-1] == 5 ** 3
+    expect_same_space(fetch_space(space), whole)
+    # Then it stays as it is.
+    space.SMProxy.InvokeCommand("GetNeedsUpdate")
+    space.SMProxy.MarkModified(space.SMProxy)
+    assert field(fetch_space(space)["Configurations"], "Solved")[0] > 0
 
 
 def test_additions():
