@@ -54,9 +54,9 @@ pqPipelineSource* MakeFilter(pqOutputPort* space, pqRenderView* view, double hal
   }
   filter->setModifiedState(pqProxy::UNMODIFIED);
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
-  vtkSMProxy* shown = controller->Show(filter->getSourceProxy(), 0, view->getViewProxy());
-  if (shown && vtkSMPVRepresentationProxy::SetScalarColoring(
-      shown, "Displacement", vtkDataObject::POINT))
+  auto* shown = vtkSMPVRepresentationProxy::SafeDownCast(
+    controller->Show(filter->getSourceProxy(), 0, view->getViewProxy()));
+  if (shown && shown->SetScalarColoring("Displacement", vtkDataObject::POINT))
   {
     // The colours shall not change their meaning from frame to frame.
     vtkSMProxy* colours = vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy();
@@ -64,7 +64,7 @@ pqPipelineSource* MakeFilter(pqOutputPort* space, pqRenderView* view, double hal
       .Set(vtkSMTransferFunctionManager::NEVER);
     colours->UpdateVTKObjects();
     vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, halfWidth);
-    vtkSMPVRepresentationProxy::SetScalarBarVisibility(shown, view->getViewProxy(), true);
+    shown->SetScalarBarVisibility(view->getViewProxy(), true);
   }
   return filter;
 }
