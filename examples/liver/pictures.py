@@ -55,14 +55,18 @@ class Stage:
     def show_touched(self, touch, largest):
         """The deformed surface, coloured by its displacement from 0 to `largest` m."""
         smooth = GenerateSurfaceNormals(Input=touch, FeatureAngle=180)
-        display = self.show(smooth)
-        ColorBy(display, ("POINTS", "Displacement", "Magnitude"))
-        colours = GetColorTransferFunction("Displacement")
+        self.colour(self.show(smooth), ("POINTS", "Displacement", "Magnitude"),
+                    "Displacement (m)", (0, largest))
+
+    def colour(self, display, array, title, span):
+        """Colours by an array from one value to another, with a bar."""
+        ColorBy(display, array)
+        colours = GetColorTransferFunction(array[1])
         colours.ColorSpace = "Lab"
         colours.RGBPoints = [value for x, colour in zip((0, 0.5, 1), SCALE)
-                             for value in (x * largest, *colour)]
+                             for value in (span[0] + x * (span[1] - span[0]), *colour)]
         bar = GetScalarBar(colours, self.view)
-        bar.Title, bar.ComponentTitle = "Displacement (m)", ""
+        bar.Title, bar.ComponentTitle = title, ""
         bar.TitleColor = bar.LabelColor = INK
         bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.3f", "%.4f"
         bar.WindowLocation, bar.ScalarBarLength = "Lower Right Corner", 0.3

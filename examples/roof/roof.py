@@ -200,4 +200,5 @@ def main():
         os.path.join(args.output, "loop.png"), logarithmic=(False, False))
 
 
-run("roof.py", main)
+if __name__ == "__main__":
+    run("roof.py", main)

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the states of the examples (.pvsm): pipelines to load in ParaView's window.
+
+They read liver/liver.vtp or roof/roof.vtu, which are made too. Argument: the name of an example.
+
+Sample runs, in this folder, with the plugin loaded:
+    xvfb-run -a pvpython make_states.py liver
+    for example in liver accuracy discretisation tolerance stability cluster roof; do
+      xvfb-run -a pvpython make_states.py $example; done
+"""
+import os
+import sys
+from xml.etree import ElementTree
+
+EXAMPLES = os.path.dirname(sys.path[0])
+sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof")]
+
+import numpy as np
+from paraview import servermanager
+from paraview.simple import *
+
+from liver import choose_active_nodes, make_scene, parser, tetrahedralize, touches
+from make_surface import make_surface
+from pictures import HAND, HELD, PALE, SIZE, Stage
+from pipeline import output, save_surface, update
+from roof import POISSON, TIP, YOUNG, make_roof, save_grid
+
+ARGS = parser().parse_args(["--resolution", "5"])
+NODE_IN_FRONT, PULL = 265, [-0.4, 0.4, 1.0]
+TIP_RADIUS, HALF_WIDTH = 0.015, 0.012
+
+
+def named(**sources):
+    """Gives them the names that the pipeline browser shows."""
+    for name, source in sources.items():
+        RenameSource(name.replace("_", " "), source)
+
+
+def liver_scene(order, change=lambda material: material, Law="Neo-Hookean", **parameters):
+    """Surface, body, material and boundary of the liver; `change` may put filters in between."""
+    surface = update(OpenDataFile("liver.vtp"))
+    body = TetrahedralizeSurface(Input=surface, ElementOrder=order, PreserveSurface=1)
+    material = AssignMaterial(Input=update(body), Law=Law, **parameters)
+    scene = SetBoundary(Input=change(update(material)), FixedRegion="Sphere")
+    scene.FixedRegion.Center, scene.FixedRegion.Radius = [-0.03, 0.06, -0.05], 0.04
+    named(Surface=surface, Body=body, Material=material, Scene=scene)
+    return update(scene)
+
+
+def make_liver():
+    """The organ, pulled, with its force limit and the points where it is held."""
+    surface = save_surface(make_surface(edge_length=0.0155), "liver.vtp")
+    body = tetrahedralize(surface, ARGS)
+    scene = make_scene(body, ARGS)
+    nodes, half_width = choose_active_nodes(scene, ARGS)
+    # Without a file: nothing is left behind.
+    space = update(PrecomputeStateSpace(Input=scene, ActiveNodes=nodes, HalfWidth=half_width,
+                                        Resolution=ARGS.resolution))
+    touch = TouchStateSpace(Input=space, ActiveNode=nodes[0],
+                            Displacement=list(touches(space, nodes[0], half_width)["pull"]))
+    named(**{"liver.vtp": surface, "Tetrahedralize Surface": body, "Assign Material": scene.Input,
+             "Set Boundary": scene, "Precompute State Space": space, "Touch State Space": touch})
+    stage = Stage(scene)
+    stage.clear()
+    stage.show_held()
+    stage.show_touched(touch, half_width)
+    return stage.view
+
+
+def make_accuracy():
+    """Where the force that is interpolated is wrong: test points in the box of the active node."""
+    scene = liver_scene("Linear")
+    space = PrecomputeStateSpace(Input=scene, ActiveNodes=[NODE_IN_FRONT], HalfWidth=HALF_WIDTH,
+                                 TipRadius=TIP_RADIUS, Resolution=3)
+    report = AccuracyReport(Input=update(space), TestPoints=60)
+    named(Space=space, Report=report)
+    update(report)
+    stage = Stage(scene)
+    stage.clear()
+    stage.show(scene, PALE, Representation="Wireframe")
+    points = stage.show(OutputPort(report, 1), PointSize=14, RenderPointsAsSpheres=1)
+    error = next(array for array in OutputPort(report, 1).PointData
+                 if "Error" in array.Name and "Hermite" in array.Name)
+    stage.colour(points, ("POINTS", error.Name), "Error (%)", error.GetRange())
+    stage.view.CameraParallelScale *= 0.5
+    return stage.view
+
+
+def make_discretisation():
+    """Linear and quadratic cells of the same surface, pulled alike: the linear body is stiffer."""
+    stage = None
+    for number, order in enumerate(("Linear", "Quadratic")):
+        scene = liver_scene(order)
+        solve = SolveEquilibrium(Input=scene, ActiveNode=[NODE_IN_FRONT], TipRadius=TIP_RADIUS,
+                                 Displacement=pull(0.02))
+        named(**{order: solve})
+        warp = WarpByVector(Input=update(solve), Vectors=["POINTS", "Displacement"])
+        moved = Transform(Input=warp)
+        moved.Transform.Translate = [0, -0.19 * number, 0]
+        stage = stage or Stage(update(moved))
+        stage.clear() if number == 0 else None
+        display = stage.show(moved, Representation="Surface With Edges")
+        stage.colour(display, ("POINTS", "Displacement", "Magnitude"), "Displacement (m)",
+                     (0, 0.015))
+    ResetCamera(stage.view)
+    return stage.view
+
+
+def make_tolerance():
+    """The configurations of a space that is refined to a tolerance, by force."""
+    scene = liver_scene("Linear", Law="Fung", Exponent=20)
+    space = PrecomputeStateSpace(Input=scene, ActiveNodes=[NODE_IN_FRONT], HalfWidth=HALF_WIDTH,
+                                 TipRadius=TIP_RADIUS, Tolerance=0.001)
+    named(Space=update(space))
+    configurations = ExtractBlock(Input=space, Selectors=["//Configurations"])
+    stage = Stage(scene)
+    stage.clear()
+    stage.show(scene, PALE, Representation="Wireframe")
+    display = stage.show(update(configurations), PointSize=8, RenderPointsAsSpheres=1)
+    stage.colour(display, ("POINTS", "Force", "Magnitude"), "Force (N)", (0, 6))
+    stage.view.CameraParallelScale *= 0.5
+    return stage.view
+
+
+def make_stability():
+    """A stiff sphere in the liver, which is pulled far: where cells are near to turning inside out."""
+    def stiffen(material):
+        centres = AppendLocationAttributes(Input=material)
+        return update(Calculator(
+            Input=centres, AttributeType="Cell Data", ResultArrayName="YoungsModulus",
+            Function="if(CellCenters_X^2 + CellCenters_Y^2 + CellCenters_Z^2 < 0.035^2, 1000, 1) "
+                     "* YoungsModulus"))
+
+    scene = liver_scene("Quadratic", change=stiffen)
+    solve = SolveEquilibrium(Input=scene, ActiveNode=[NODE_IN_FRONT], TipRadius=TIP_RADIUS,
+                             Displacement=pull(0.021))
+    named(Solution=update(solve))
+    warp = WarpByVector(Input=solve, Vectors=["POINTS", "Displacement"])
+    stage = Stage(scene)
+    stage.clear()
+    display = stage.show(update(warp), Representation="Surface With Edges")
+    stage.colour(display, ("CELLS", "MinimumDetF"), "Least det F", (1, 0.3))
+    return stage.view
+
+
+def make_cluster():
+    """The scene of a job: what is held, and the points that may be touched."""
+    scene = liver_scene("Quadratic")
+    stage = Stage(scene)
+    for name, colour in (("Fixed", HELD), ("Touchable", HAND)):
+        chosen = Threshold(Input=scene, Scalars=["POINTS", name], LowerThreshold=1,
+                           ThresholdMethod="Above Upper Threshold", UpperThreshold=1, AllScalars=0)
+        stage.show(update(chosen), colour, Representation="Points", PointSize=8,
+                   RenderPointsAsSpheres=1)
+    return stage.view
+
+
+def make_roof_touched():
+    """The roof, pressed through, four times as high as it is."""
+    grid, node = make_roof(1)
+    body = save_grid(grid, "roof.vtu")
+    scene = AssignMaterial(Input=body, Law="St. Venant-Kirchhoff", YoungsModulus=YOUNG,
+                           PoissonsRatio=POISSON)
+    space = PrecomputeStateSpace(Input=update(scene), ActiveNodes=[node], TipRadius=TIP,
+                                 HalfWidth=0.03, Resolution=11, ForceLimit=2500)
+    touch = TouchStateSpace(Input=update(space), ActiveNode=node, Displacement=[0, 0, -0.03])
+    high = Transform(Input=update(touch))
+    high.Transform.Scale = [1, 1, 4]
+    named(**{"roof.vtu": body, "Material": scene, "Space": space, "Touch": touch})
+    stage = Stage(update(high))
+    stage.clear()
+    stage.colour(stage.show(high), ("POINTS", "Displacement", "Z"), "Deflection (m)",
+                 (0, -0.03))
+    stage.view.CameraPosition = [0.8, -2.6, 12]
+    stage.view.CameraFocalPoint, stage.view.CameraViewUp = [0, 0, 10.13], [0, 0, 1]
+    ResetCamera(stage.view)
+    return stage.view
+
+
+def pull(length):
+    return list(length * np.array(PULL) / np.linalg.norm(PULL))
+
+
+def has_default(element, proxy):
+    """Whether a <Property> holds what `proxy`, which is new, has by itself."""
+    if element.find("Proxy") is not None:
+        return False
+    values = [child.get("value") for child in element.findall("Element")]
+    new = proxy.GetProperty(element.get("name"))
+    if not hasattr(new, "GetElement"):
+        return not values
+    return values == [str(new.GetElement(i)) for i in range(new.GetNumberOfElements())] or (
+        len(values) == new.GetNumberOfElements() and all(
+            is_number(value) and float(value) == new.GetElement(i)
+            for i, value in enumerate(values)))
+
+
+def is_number(text):
+    try:
+        return float(text) is not None
+    except ValueError:
+        return False
+
+
+def trim(root):
+    """Leaves out what a new proxy has by itself, and domains, which a proxy makes anew."""
+    manager = servermanager.ProxyManager().SMProxyManager
+    for proxy in root.iter("Proxy"):
+        if not proxy.get("type"):
+            continue
+        new = manager.NewProxy(proxy.get("group"), proxy.get("type"))
+        for element in proxy.findall("Property"):
+            if has_default(element, new):
+                proxy.remove(element)
+            for domain in element.findall("Domain"):
+                element.remove(domain)
+        new.UnRegister(None)
+
+
+def save(path):
+    SaveState(path)
+    tree = ElementTree.parse(path)
+    trim(tree.getroot())
+    ElementTree.indent(tree)
+    tree.write(path, encoding="utf-8", xml_declaration=True)
+
+
+MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make_discretisation,
+          "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
+          "roof": make_roof_touched}
+
+
+def main(name):
+    # No folder in the names of files: they are looked for in one that the user names.
+    os.chdir(os.path.join(EXAMPLES, "roof" if name == "roof" else "liver"))
+    view = MAKERS[name]()
+    # ParaView's window shows no view without a place in a layout.
+    AssignViewToLayout(view=view, layout=CreateLayout(name.capitalize()))
+    Render(view)
+    save(os.path.join(EXAMPLES, name, f"{name}.pvsm"))
+    if os.environ.get("PALPATE_STATE_PICTURES"):
+        SaveScreenshot(os.path.join(os.environ["PALPATE_STATE_PICTURES"], name + ".png"), view,
+                       ImageResolution=[600, 450])
+
+
+main(*sys.argv[1:])

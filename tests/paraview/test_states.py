@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every example that ParaView's window can show has a script, a page with a picture and a state; and
+each state opens without an error and draws something. (That of the liver: test_gui.py.)"""
+
+import os
+import re
+import tempfile
+
+from paraview.simple import *
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOImage import vtkPNGReader
+
+EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
+LARGEST_STATE = 100_000  # bytes
+
+
+def share_drawn(path):
+    """The share of the pixels that are not white."""
+    reader = vtkPNGReader()
+    reader.SetFileName(path)
+    reader.Update()
+    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
+    return (pixels.min(axis=1) < 240).mean()
+
+
+def errors_of(action):
+    """What is written to the terminal as an error meanwhile."""
+    with tempfile.TemporaryFile("w+") as file:
+        terminal = os.dup(2)
+        os.dup2(file.fileno(), 2)
+        try:
+            action()
+        finally:
+            os.dup2(terminal, 2)
+            os.close(terminal)
+        file.seek(0)
+        return [line for line in file if "ERR|" in line]
+
+
+def open_state(name):
+    def load():
+        data = os.path.join(EXAMPLES, "roof" if name == "roof" else "liver")
+        LoadState(os.path.join(EXAMPLES, name, name + ".pvsm"), data_directory=data)
+        SaveScreenshot(name + ".png", GetActiveView(), ImageResolution=[400, 300])
+
+    errors = errors_of(load)
+    assert not errors, (name, errors)
+    assert 0.005 < share_drawn(name + ".png") < 0.8, (name, share_drawn(name + ".png"))
+
+
+def check_the_triple(name):
+    folder = os.path.join(EXAMPLES, name)
+    assert any(entry.endswith(".py") for entry in os.listdir(folder)), name
+    with open(os.path.join(folder, "README.md"), encoding="utf-8") as file:
+        page = file.read()
+    assert re.search(r"!\[[^\]]+\]\([^)]+\.png\)", page), f"{name}: the page has no picture"
+    assert f"{name}.pvsm" in page, f"{name}: the page does not name the state"
+    state = os.path.join(folder, name + ".pvsm")
+    assert os.path.getsize(state) < LARGEST_STATE, state
+    with open(state, encoding="utf-8") as file:
+        assert EXAMPLES not in file.read(), state
+
+
+names = sorted(name for name in os.listdir(EXAMPLES)
+               if os.path.isfile(os.path.join(EXAMPLES, name, "README.md")))
+assert len(names) == 8, names
+for name in names:
+    if name != "embedding":
+        check_the_triple(name)
+    if name not in ("embedding", "liver"):
+        open_state(name)
+        Disconnect()
+        Connect()
