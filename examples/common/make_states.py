@@ -123,7 +123,7 @@ def make_tolerance():
 
 
 def make_stability():
-    """A stiff sphere in the liver, which is pulled far: where cells are near to turning inside out."""
+    """A stiff sphere in the liver, which is pulled far: where cells are near to inversion."""
     def stiffen(material):
         centres = AppendLocationAttributes(Input=material)
         return update(Calculator(

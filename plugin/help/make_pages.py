@@ -22,9 +22,10 @@ TABLE = '<table border="1" cellspacing="0" cellpadding="4">'
 
 
 def page_of_proxy(path):
-    """The name of the page of the properties of the proxies in an XML file."""
-    group = ElementTree.parse(path).getroot().find("ProxyGroup")
-    return f"{group.get('name')}.{group[0].get('name')}.html"
+    """The name of the page of the properties of the filter in an XML file."""
+    return next(f"{group.get('name')}.{proxy.get('name')}.html"
+                for group in ElementTree.parse(path).getroot().iter("ProxyGroup")
+                for proxy in group if proxy.get("class"))
 
 
 def anchor(heading):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every example that ParaView's window can show has a script, a page with a picture and a state; and
-each state opens without an error and draws something. (That of the liver: test_gui.py.)"""
+"""Every example that ParaView's window can show has a script, a page with a picture and a state;
+and each state opens without an error and draws something. (That of the liver: test_gui.py.)"""
 
 import os
 import re
