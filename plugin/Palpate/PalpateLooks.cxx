@@ -52,6 +52,8 @@ constexpr const char* Looks = R"json({
     "ErrorEnergyHermite": "Plasma (matplotlib)"
   },
   "array_lookup_tables": {
+    "EstimatedError": { "PVLookupTable": { "NanColor": [0.6, 0.6, 0.6] } },
+    "ErrorEnergyHermite": { "PVLookupTable": { "NanColor": [0.6, 0.6, 0.6] } },
     "SolveStatus": { "PVLookupTable": {
       "IndexedLookup": 1,
       "Annotations": ["0", "good", "1", "near a fold", "2", "beyond the force limit",

@@ -198,6 +198,25 @@ std::vector<CellEstimate> estimate_errors(const Site& site,
   return estimates;
 }
 
+std::vector<double> estimate_errors_around(
+    const Site& site, const std::vector<ConfigurationSummary>& configurations) {
+  const Estimator estimator(site, configurations);
+  const CellTree& tree = estimator.grid().tree();
+  std::vector<double> of_leaf;
+  for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf) {
+    of_leaf.push_back(estimator.estimate(static_cast<std::int32_t>(leaf)).error);
+  }
+  std::vector<double> errors;
+  for (const ConfigurationSummary& c : configurations) {
+    double largest = -1;
+    tree.for_each_leaf_around(
+        c.check_point, [&](std::int32_t leaf) { largest = std::max(largest, of_leaf[leaf]); });
+    const bool is_known = largest >= 0 && std::isfinite(largest);
+    errors.push_back(is_known ? largest : std::numeric_limits<double>::quiet_NaN());
+  }
+  return errors;
+}
+
 std::vector<Cell> cells_to_split(const Site& site,
                                  const std::vector<ConfigurationSummary>& configurations,
                                  double tolerance, std::int32_t smallest) {

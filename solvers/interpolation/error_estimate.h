@@ -42,6 +42,12 @@ struct CellEstimate {
 [[nodiscard]] std::vector<CellEstimate> estimate_errors(
     const Site& site, const std::vector<ConfigurationSummary>& configurations);
 
+/// For each configuration the largest error of the leaves that have its check-point at a corner, an
+/// edge or a side, N; NaN where that is infinite, or the check-point is off the grid.
+/// @throws InputError as CheckPointGrid.
+[[nodiscard]] std::vector<double> estimate_errors_around(
+    const Site& site, const std::vector<ConfigurationSummary>& configurations);
+
 /// A leaf that is marked by some of its corners is split down to a quarter of the coarsest side,
 /// which tells the marked region from the rest; one that is marked by all of them is not. Where an
 /// edge marks it, down to an eighth, since it takes three sizes to know: a jump across the whole box

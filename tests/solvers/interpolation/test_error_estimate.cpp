@@ -78,6 +78,30 @@ TouchSite refined(const test::Energy& energy, double tolerance, std::int32_t sma
   return site;
 }
 
+TEST(ErrorEstimate, AroundAPointIsTheLargestOfItsCells) {
+  const TouchSite site = graded_site(wall);
+  const std::vector<CellEstimate> cells = estimate_errors(site.site, site.configurations);
+  const std::vector<double> errors = estimate_errors_around(site.site, site.configurations);
+  ASSERT_EQ(errors.size(), site.configurations.size());
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const CheckPoint& p = site.configurations[i].check_point;
+    double largest = -1;
+    for (const auto& [cell, error, marked] : cells) {
+      bool holds = true;
+      for (int k = 0; k < 3; ++k) {
+        holds = holds && cell.first[k] <= p[k] && p[k] <= cell.first[k] + cell.side;
+      }
+      if (holds) largest = std::max(largest, error);
+    }
+    EXPECT_EQ(errors[i], largest) << i;
+    EXPECT_GE(errors[i], 0);
+  }
+  TouchSite small = analytic_site(wall, 3, 1);
+  for (double error : estimate_errors_around(small.site, small.configurations)) {
+    EXPECT_TRUE(std::isnan(error));
+  }
+}
+
 TEST(ErrorEstimate, RefinementKeepsTheTolerance) {
   struct Case {
     test::Energy energy;
