@@ -61,7 +61,8 @@ void AddErrors(const std::map<Key, double>& estimates, vtkPolyData* block,
     errors->InsertNextValue(
       get("Level", i) == 0 && found != estimates.end() ? found->second : Nothing);
   }
-  arrays->SetScalars(errors);
+  arrays->AddArray(errors);
+  arrays->SetActiveScalars(errors->GetName());
   for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
   {
     for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)

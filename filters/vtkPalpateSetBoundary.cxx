@@ -72,7 +72,9 @@ void AddKinds(
   std::transform(fixed.begin(), fixed.end(), touchable.begin(), kinds->GetPointer(0),
     [](char isFixed, char isTouchable)
     { return static_cast<unsigned char>(isFixed != 0 ? 2 : isTouchable != 0 ? 1 : 0); });
-  arrays->SetScalars(kinds);
+  // Not SetScalars(), which would drop those that are there.
+  arrays->AddArray(kinds);
+  arrays->SetActiveScalars(kinds->GetName());
 }
 
 bool Any(const std::vector<char>& chosen)

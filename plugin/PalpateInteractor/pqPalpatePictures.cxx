@@ -28,6 +28,7 @@
 
 namespace
 {
+constexpr int FontSize = 10;
 constexpr const char* Chart = "PalpateErrorChartRepresentation";
 
 bool Is(vtkSMProxy* proxy, const char* name)
@@ -120,6 +121,11 @@ void pqPalpatePictures::makeAxes(pqView* view, pqRepresentation* shown)
   vtkSMPropertyHelper(axes, "LeftAxisLogScale").Set(1);
   vtkSMPropertyHelper(axes, "BottomAxisLogScale").Set(1);
   vtkSMPropertyHelper(axes, "LeftAxisTitle").Set("Mean error of the force (%)");
+  // A third of the window is not much.
+  for (const char* size : { "LeftAxisTitleFontSize", "BottomAxisTitleFontSize", "LegendFontSize" })
+  {
+    vtkSMPropertyHelper(axes, size).Set(FontSize);
+  }
   this->nameXAxes();
   pqCoreUtilities::connect(
     chart->GetProperty("XArrayName"), vtkCommand::ModifiedEvent, this, SLOT(nameXAxes()));
