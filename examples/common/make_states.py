@@ -183,7 +183,7 @@ def pull(length):
 
 def has_default(element, proxy):
     """Whether a <Property> holds what `proxy`, which is new, has by itself."""
-    if element.find("Proxy") is not None:
+    if element.find(".//Proxy") is not None:
         return False
     values = [child.get("value") for child in element.findall("Element")]
     new = proxy.GetProperty(element.get("name"))
@@ -203,7 +203,7 @@ def is_number(text):
 
 
 def trim(root):
-    """Leaves out what a new proxy has by itself, and domains, which a proxy makes anew."""
+    """Leaves out what a new proxy has by itself, and domains but those that hold proxies."""
     manager = servermanager.ProxyManager().SMProxyManager
     for proxy in root.iter("Proxy"):
         if not proxy.get("type"):
@@ -213,7 +213,8 @@ def trim(root):
             if has_default(element, new):
                 proxy.remove(element)
             for domain in element.findall("Domain"):
-                element.remove(domain)
+                if domain.find("Proxy") is None:
+                    element.remove(domain)
         new.UnRegister(None)
 
 

@@ -2,9 +2,39 @@
 """Runs inside ParaView's window before gui_menus.xml is played; test_gui.py reads what it prints."""
 
 import os
+import sys
+import time
 
 from paraview import servermanager
 from paraview.simple import *
+
+sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
+from qt import QtCore, QtWidgets
+
+HELP_SECONDS = 10  # in which the Help window has its contents
+
+
+def wait_for_pages(contents):
+    """The pages under the heading Palpate in the contents of the Help window."""
+    end = time.monotonic() + HELP_SECONDS
+    while time.monotonic() < end:
+        application.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 50)
+        model = contents.model()
+        for row in range(model.rowCount()):
+            index = model.index(row, 0)
+            if index.data() == "Palpate":
+                return model.rowCount(index)
+    return 0
+
+
+application = QtWidgets.QApplication.instance()
+window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
+if os.environ["PALPATE_GUI_HELP"] == "1":
+    window.findChild(QtCore.QObject, "actionHelp").trigger()
+    help_window = next(w for w in application.topLevelWidgets()
+                       if w.metaObject().className() == "pqHelpWindow")
+    print("state: pages", wait_for_pages(help_window.findChild(QtWidgets.QTreeView)), flush=True)
+    help_window.close()
 
 liver = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver")
 LoadState(os.path.join(liver, "liver.pvsm"), data_directory=liver)

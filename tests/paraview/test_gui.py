@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The plugin in ParaView's window: the example's state loads and is drawn, and the filters stand in
-the menu Palpate, from where a surface becomes a touched body by clicks alone."""
+the menu Palpate, from where a surface becomes a touched body by clicks alone. The Help window has
+the pages.
+
+Argument: 1 where the plugin has pages for the Help window, else 0
+"""
 
 import os
 import shutil
@@ -31,7 +35,8 @@ if paraview is None:
     sys.exit(SKIPPED)
 command = [paraview, "--disable-registry", "--script", os.path.join(HERE, "gui_script.py"),
            "--test-directory", ".", "--test-script", os.path.join(HERE, "gui_menus.xml"), "--exit"]
-run = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+run = subprocess.run(command, env={**os.environ, "PALPATE_GUI_HELP": sys.argv[1]},
+                     stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                      errors="replace", timeout=TIME_OUT, check=False)
 print(run.stdout)
 assert run.returncode == 0, run.returncode
@@ -44,6 +49,7 @@ assert values["points"] > 500, values
 assert 0.1 < values["force"] < 100, values
 assert 0.1 < share_drawn("gui.png") < 0.7, share_drawn("gui.png")
 assert values["report"] > 10, values
+assert sys.argv[1] == "0" or values["pages"] > 15, values
 assert 0.001 < share_drawn("report.png") < 0.2, share_drawn("report.png")
 
 created = [line.split()[1] for line in lines if line.startswith("created ")]
