@@ -164,7 +164,7 @@ void vtkPalpateFaultsToPolyData(
 
   // In the order of VTK's cell ids: lines before polygons.
   vtkNew<vtkIntArray> fault;
-  fault->SetName("Fault");
+  fault->SetName("SurfaceFault");
   vtkNew<vtkCellArray> lines;
   const auto add_edges = [&](Faults::Kind kind, const std::vector<Faults::Pair>& edges)
   {

@@ -14,8 +14,8 @@
  *
  * Output port 0: the tetrahedra, positively oriented, with straight edges; cell array `Region`
  * (int), the number of the body or region, in the order of the input. Port 1: the faults of the
- * surface as it was given, lines for edges and triangles, with the cell array `Fault` (int) and
- * the field arrays `FaultName` and `FaultCount`, there also where meshing failed. Both have the
+ * surface as it was given, lines for edges and triangles, with the cell array `SurfaceFault` (int)
+ * and the field arrays `FaultName` and `FaultCount`, there also where meshing failed. Both have the
  * field array `Repair` (string): what RepairSurface did.
  *
  * @note Collective. The pieces of all ranks are gathered, TetGen runs on rank 0, whose outputs are

@@ -8,12 +8,12 @@ namespace
 /// Below that of the site's settings and of the user's.
 constexpr double Priority = -1;
 
-// Kinds are green where all is well, and the darker red the worse it is. The arrays have names that
-// no other data is likely to use, since a map goes by the name alone.
+// Arrays whose values have names are called as no array of other data is likely to be: a colour map
+// goes by the name alone.
 //
-// Of the body that a state space is drawn in the front is culled (402): nothing is in the way of the
-// check-points within, to the eye and to a selection, and a touched body in the same place hides it.
-// Lines wider than 1 would be culled too.
+// The front of the body that a state space is drawn in is culled (402): nothing is in the way of
+// the check-points within, to the eye and to a selection, and a touched body at the same place
+// hides it. Lines wider than 1 would be culled too.
 constexpr const char* Looks = R"json({
   "representations": {
     "PalpateStateSpaceRepresentation": {
@@ -61,19 +61,12 @@ constexpr const char* Looks = R"json({
       "IndexedColors": [0.27, 0.62, 0.36, 0.95, 0.83, 0.30, 0.36, 0.55, 0.83, 0.96, 0.58, 0.22,
         0.80, 0.20, 0.16, 0.25, 0.25, 0.25]
     } },
-    "Outcome": { "PVLookupTable": {
-      "IndexedLookup": 1,
-      "Annotations": ["0", "converged", "1", "not converged", "2", "tangent not factorised",
-        "3", "budget used up", "4", "aborted", "5", "invalid scene"],
-      "IndexedColors": [0.27, 0.62, 0.36, 0.96, 0.58, 0.22, 0.80, 0.20, 0.16, 0.95, 0.83, 0.30,
-        0.60, 0.60, 0.60, 0.25, 0.25, 0.25]
-    } },
     "BoundaryKind": { "PVLookupTable": {
       "IndexedLookup": 1,
       "Annotations": ["0", "free", "1", "touchable", "2", "fixed"],
       "IndexedColors": [0.85, 0.85, 0.83, 0.55, 0.78, 0.60, 0.80, 0.20, 0.16]
     } },
-    "Fault": { "PVLookupTable": {
+    "SurfaceFault": { "PVLookupTable": {
       "IndexedLookup": 1,
       "Annotations": ["0", "open edge", "1", "edge of more than two triangles",
         "2", "opposite normals", "3", "triangle without an area", "4", "crossing triangles"],

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// What ParaView's XML cannot say of pictures: a selected check-point of a state space is where the
-/// filters Touch State Space on it show the body; the chart of an Accuracy Report has axes of powers
-/// of ten, with titles.
+/// filters Touch State Space on it show the body; the chart of an Accuracy Report has logarithmic
+/// axes with titles.
 #pragma once
 
 #include <QObject>

@@ -18,7 +18,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkImagingColor import vtkImageQuantizeRGBToIndex
 
 SIZE = QtCore.QSize(1120, 760)
-COLOURS = 48
+COLOURS = 96
 SURFACE = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
 HALF_WIDTH = 0.012
@@ -62,6 +62,9 @@ def save(picture, name):
 
 
 def picture(name):
+    for view in GetRenderViews():
+        HideUnusedScalarBars(view)
+        Render(view)
     wait(0.5)
     save(window.grab(), name)
 
@@ -136,7 +139,6 @@ def main():
     body = add("Tetrahedralize Surface")
     body.ElementOrder, body.PreserveSurface = "Quadratic", 1
     apply()
-    GetDisplayProperties(body).Representation = "Surface With Edges"
     picture("TetrahedralizeSurface")
 
     material = add("Assign Material")
@@ -148,14 +150,13 @@ def main():
     scene.FixedRegion = "Sphere"
     scene.FixedRegion.Center, scene.FixedRegion.Radius = [-0.03, 0.06, -0.05], 0.04
     apply()
-    ColorBy(GetDisplayProperties(scene), ("POINTS", "Fixed"))
     picture("SetBoundary")
 
     solve = add("Solve Equilibrium")
     solve.ActiveNode, solve.Displacement = [NODE], [0, 0, 0.02]
     apply()
     warp = WarpByVector(Input=solve, Vectors=["POINTS", "Displacement"])
-    ColorBy(Show(warp), ("POINTS", "Displacement"))
+    Show(warp)
     Hide(solve)
     SetActiveSource(solve)
     picture("SolveEquilibrium")
@@ -173,10 +174,22 @@ def main():
     look(space)
     picture("PrecomputeStateSpace")
 
-    touch = add("Touch State Space")
-    touch.Displacement = [0, 0, 0.01]
+    estimate = add("Estimate Error")
     apply()
+    look(estimate)
+    picture("EstimateError")
+    Delete(estimate)
+    SetActiveSource(space)
+
+    touch = add("Touch State Space")
+    apply()
+    Show(space)
+    outermost = "(CheckPoint[:,0] == 0) & (CheckPoint[:,1] == 0) & (CheckPoint[:,2] == 3)"
+    QuerySelect(QueryString=outermost, FieldType="POINT", Source=space)
+    # Not that of the equilibrium that was there before.
+    GetDisplayProperties(touch).RescaleTransferFunctionToDataRange(False, True)
     picture("TouchStateSpace")
+    ClearSelection(space)
     Delete(touch)
     SetActiveSource(space)
 

@@ -307,7 +307,7 @@ TEST(SurfaceCheck, CountsPairsThatCrossOnceEach)
 
   vtkNew<vtkPolyData> shown;
   vtkPalpateFaultsToPolyData(surface, faults, shown);
-  auto* fault = vtkIntArray::SafeDownCast(shown->GetCellData()->GetArray("Fault"));
+  auto* fault = vtkIntArray::SafeDownCast(shown->GetCellData()->GetArray("SurfaceFault"));
   auto* names = vtkStringArray::SafeDownCast(shown->GetFieldData()->GetAbstractArray("FaultName"));
   auto* counts = vtkIdTypeArray::SafeDownCast(shown->GetFieldData()->GetArray("FaultCount"));
   ASSERT_TRUE(fault && names && counts);

@@ -96,8 +96,8 @@ assert is_coloured_by(Show(solved, CreateView("RenderView")), "Displacement")
 
 faulty = TetrahedralizeSurface(Input=Cone(Capping=0), RepairSurface=1)
 faults = Show(OutputPort(faulty, 1), CreateView("RenderView"))
-assert is_coloured_by(faults, "Fault", "CELLS") and faults.LineWidth == 4
-assert names("Fault")["0"] == "open edge"
+assert is_coloured_by(faults, "SurfaceFault", "CELLS") and faults.LineWidth == 4
+assert names("SurfaceFault")["0"] == "open edge"
 
 space = precompute(boundary, [node], ForceLimit=0.5, FileName="pictures.palpate")
 configurations = fetch_space(space)["Configurations"]

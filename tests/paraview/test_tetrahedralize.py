@@ -126,7 +126,7 @@ def check_errors():
     faults = servermanager.Fetch(body, idx=1)
     assert faults.GetNumberOfLines() > 0
     names = faults.GetFieldData().GetAbstractArray("FaultName")
-    assert names.GetValue(int(cell_array(faults, "Fault")[0])) == "open edges"
+    assert names.GetValue(int(cell_array(faults, "SurfaceFault")[0])) == "open edges"
 
     body.RepairSurface = 1
     grid = good(body, math.pi / 12, 0.2)  # a sphere of few facets
