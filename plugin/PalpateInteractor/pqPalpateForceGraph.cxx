@@ -63,8 +63,9 @@ pqPalpateForceGraph::~pqPalpateForceGraph() = default;
 
 void pqPalpateForceGraph::clear()
 {
-  // A chart draws nothing of an empty table, and complains of it.
+  // A chart complains of a line with less than two points.
   this->Samples->SetNumberOfRows(0);
+  this->addSample(0, 0, 0);
   this->Drawn = -RedrawInterval;
   this->addSample(0, 0, 0);
 }

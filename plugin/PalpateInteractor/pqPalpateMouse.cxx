@@ -29,6 +29,8 @@ constexpr double Clearance = 0.02;
 constexpr double Overshoot = 0.002;
 constexpr double Reach = 0.1;
 constexpr double Notch = 0.01;
+/// Of the half-width of the space: the drag ends within it, however the board rounds.
+constexpr double Within = 0.999;
 }
 
 pqPalpateMouse::pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
@@ -164,7 +166,7 @@ void pqPalpateMouse::Drag()
   }
   const Vec3 moved = this->PointUnderCursor(this->Grip) - this->Grip + this->Depth;
   // No further than the space goes.
-  const double most = this->HalfWidths[this->Wanted];
+  const double most = Within * this->HalfWidths[this->Wanted];
   const double least = moved.cwiseAbs().maxCoeff();
   this->Displacement = least > most ? Vec3(most / least * moved) : moved;
 }

@@ -84,9 +84,16 @@ def open_space():
 
 
 def touching():
-    """With the simulated hand: the loop, the view, and the body at rest afterwards."""
+    """With the simulated hand, by the toolbar and by keys: the loop, the view, the graph, the
+    recording, and the body at rest afterwards."""
     _, view = open_space()
-    click_start()
+    part("device").setCurrentText("Simulated hand")
+    part("records").click()
+    part("recordingFile").findChild(QtWidgets.QLineEdit).setText(os.path.abspath("touch.csv"))
+    part("graph").setChecked(True)
+    toolbar = window.findChild(QtWidgets.QToolBar, "PalpateToolbar")
+    toolbar.widgetForAction(toolbar.actions()[0]).click()
+    assert runs(), part("message").text()
     wait(0.2)
     SaveScreenshot("rest.png", view, ImageResolution=[600, 450])
     wait(2)
@@ -99,10 +106,62 @@ def touching():
     print("late", *re.findall(r"\d+", part("lateness").text()))
     print("ticks", *re.findall(r"\d+", part("missed").text()))
     print("force", number("force"))
-    assert view.UseFXAA == 0
-    click_stop()
+    part("forceGraph").grabFramebuffer().save("graph.png")
+    # Without a window manager nobody else does.
+    window.activateWindow()
+    wait(0.2)
+    QTest.keyClick(window, QtCore.Qt.Key.Key_Escape)
+    assert not runs()
     assert list(touch_filter().Displacement) == [0, 0, 0]
-    assert view.UseFXAA == 1
+    assert (view.UseFXAA, view.UseLight) == (1, 1)
+    print("recorded", number("recorded"))
+    # Another one goes beside the first.
+    QTest.keyClick(window, QtCore.Qt.Key.Key_T,
+                   Modifier.ControlModifier | Modifier.ShiftModifier)
+    assert runs(), part("message").text()
+    wait(0.3)
+    click_stop()
+    assert os.path.exists("touch-2.csv")
+    assert part("recorded").text().endswith("touch-2.csv"), part("recorded").text()
+
+
+def canvas():
+    """What is drawn on in the view."""
+    return max(window.findChildren(QOpenGLWidget),
+               key=lambda widget: widget.width() * widget.height())
+
+
+def pixel_of_node(view):
+    """Where the active node is seen."""
+    renderer = view.GetRenderer()
+    values = touch_filter().FieldData["ActivePosition"]
+    renderer.SetWorldPoint(*(values.GetRange(axis)[0] for axis in range(3)), 1)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    return QtCore.QPoint(round(x), canvas().height() - 1 - round(y))
+
+
+def send(kind, at, button=Button.LeftButton, buttons=Button.LeftButton):
+    """An event of the mouse in the view."""
+    application.sendEvent(canvas(), QtGui.QMouseEvent(
+        kind, QtCore.QPointF(at), QtCore.QPointF(canvas().mapToGlobal(at)), button, buttons,
+        Modifier.NoModifier))
+
+
+def drag(start, step, count):
+    """@returns where the button is still pressed."""
+    send(Event.MouseButtonPress, start)
+    wait(0.3)
+    for i in range(1, count + 1):
+        send(Event.MouseMove, start + i * step, Button.NoButton)
+        wait(0.02)
+    return start + count * step
+
+
+def let_go(at):
+    send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
+    wait_for(lambda: not touches(), "the node is let go of")
+    wait_for(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
 
 
 def mouse():
@@ -110,28 +169,7 @@ def mouse():
     _, view = open_space()
     click_start("Mouse")
     wait(0.3)
-    canvas = max(window.findChildren(QOpenGLWidget),
-                 key=lambda widget: widget.width() * widget.height())
-    renderer = view.GetRenderer()
-    values = touch_filter().FieldData["ActivePosition"]
-    renderer.SetWorldPoint(*(values.GetRange(axis)[0] for axis in range(3)), 1)
-    renderer.WorldToDisplay()
-    x, y, _ = renderer.GetDisplayPoint()
-    node = QtCore.QPoint(round(x), canvas.height() - 1 - round(y))
-
-    def send(kind, at, button=Button.LeftButton, buttons=Button.LeftButton):
-        application.sendEvent(canvas, QtGui.QMouseEvent(
-            kind, QtCore.QPointF(at), QtCore.QPointF(canvas.mapToGlobal(at)), button, buttons,
-            Modifier.NoModifier))
-
-    def drag(start, step, count):
-        send(Event.MouseButtonPress, start)
-        wait_for(lambda: touches() or start != node, "the press takes hold")
-        for i in range(1, count + 1):
-            send(Event.MouseMove, start + i * step, Button.NoButton)
-            wait(0.02)
-        return start + count * step
-
+    node = pixel_of_node(view)
     before = list(view.CameraPosition)
     end = drag(QtCore.QPoint(15, 15), QtCore.QPoint(4, 2), 5)
     send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
@@ -143,11 +181,12 @@ def mouse():
     Render()
 
     end = drag(node, QtCore.QPoint(1, -1), 25)
+    wait_for(touches, "the press takes hold")
     wait_for(lambda: number("force") > 0.05, "the drag is felt")
     SaveScreenshot("dragged.png", view, ImageResolution=[600, 450])
     dragged = list(touch_filter().Displacement)
-    application.sendEvent(canvas, QtGui.QWheelEvent(
-        QtCore.QPointF(end), QtCore.QPointF(canvas.mapToGlobal(end)), QtCore.QPoint(),
+    application.sendEvent(canvas(), QtGui.QWheelEvent(
+        QtCore.QPointF(end), QtCore.QPointF(canvas().mapToGlobal(end)), QtCore.QPoint(),
         QtCore.QPoint(0, 120), Button.LeftButton, Modifier.NoModifier,
         QtCore.Qt.ScrollPhase.NoScrollPhase, False))
     direction = view.GetActiveCamera().GetDirectionOfProjection()
@@ -155,10 +194,54 @@ def mouse():
         touch_filter().Displacement, dragged, direction)) > 1e-4, "the wheel pushes the node in")
     print("dragged", max(abs(c) for c in dragged))
     assert list(view.CameraPosition) == before
-    send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
-    wait_for(lambda: not touches(), "the node is let go of")
-    wait_for(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
+    let_go(end)
     click_stop()
+
+
+def road():
+    """From a surface to touching it, as the quick start says, by menus, panels and the mouse."""
+    open_file(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.vtp"))
+    apply()
+    menu("Filters", "Palpate", "Tetrahedralize Surface")
+    choose("ElementOrder", "Quadratic")
+    property_widget("PreserveSurface", QtWidgets.QCheckBox).click()
+    apply()
+    menu("Filters", "Palpate", "Assign Material")
+    choose("Law", "Neo-Hookean")
+    write("YoungsModulus", "5000")
+    apply()
+    menu("Filters", "Palpate", "Set Boundary")
+    region = property_widget("FixedRegion", QtWidgets.QComboBox)
+    region.setCurrentText("Sphere")
+    wait(0.1)
+    for name, text in (("centerX", "-0.03"), ("centerY", "0.06"), ("centerZ", "-0.05"),
+                       ("radius", "0.04")):
+        line = property_widget("FixedRegion", QtWidgets.QWidget).parent().findChild(
+            QtWidgets.QLineEdit, name)
+        line.setText(text)
+        line.editingFinished.emit()
+    apply()
+    menu("Filters", "Palpate", "Precompute State Space")
+    nodes = property_widget("ActiveNodes", QtWidgets.QTableView)
+    property_widget("ActiveNodes", QtWidgets.QToolButton).click()
+    nodes.model().setData(nodes.model().index(0, 0), "107")
+    write("HalfWidth", "0.004")
+    write("Resolution", "3")
+    write("FileName", os.path.abspath("road.palpate"))
+    apply()
+    view = GetActiveView()
+    SaveScreenshot("road.png", view, ImageResolution=[320, 240])
+    click_start("Mouse")
+    wait(0.3)
+    node = pixel_of_node(view)
+    end = drag(node, QtCore.QPoint(1, -1), 20)
+    wait_for(lambda: touches() and number("force") > 0.05, "the liver is felt")
+    assert number("node") == 107
+    window.grab().save("road_window.png")
+    print("felt", number("force"))
+    let_go(end)
+    click_stop()
+    SaveScreenshot("road_rest.png", view, ImageResolution=[320, 240])
 
 
 def ends():
@@ -237,7 +320,7 @@ def goes_on(leave):
 
 def main():
     try:
-        {"touching": touching, "mouse": mouse, "ends": ends, "remote": remote,
+        {"touching": touching, "mouse": mouse, "road": road, "ends": ends, "remote": remote,
          "quit": lambda: goes_on(application.quit),
          "close": lambda: goes_on(window.close)}[os.environ["PALPATE_INTERACTOR_RUN"]]()
     except BaseException:
