@@ -15,5 +15,6 @@ bool pqPalpateGivesStateSpace(pqOutputPort* port);
 /// @throws palpate::InputError, std::runtime_error it is no state space, or cannot be fetched.
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port);
 
-/// Changes when the data of a built-in server change; 0: the server is another process.
+/// Changes when the data of a built-in server change; 0: the server is another process, of
+/// which nothing is known.
 vtkMTimeType pqPalpateDataTime(pqOutputPort* port);

@@ -429,7 +429,7 @@ void pqPalpateTouch::takeNewData()
 {
   Session& session = *this->Running;
   const vtkMTimeType time = pqPalpateDataTime(session.Space);
-  if (time == session.DataTime)
+  if (time != 0 && time == session.DataTime)
   {
     return;
   }

@@ -297,12 +297,25 @@ def ends():
 
 
 def remote():
-    """The space is on a server; the loop has a copy here."""
+    """The space is computed on a server, and anew while it is touched; the loop has a copy here."""
     Connect("localhost", int(os.environ["PALPATE_INTERACTOR_PORT"]))
     wait(0.5)
-    open_space()
+    reader = StateSpaceReader(FileName=os.path.abspath("block.palpate"))
+    reader.UpdatePipeline()
+    body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
+    space = PrecomputeStateSpace(
+        Input=body, ActiveNodes=[int(reader.FieldData["ActiveNodes"].GetRange(0)[0])],
+        HalfWidth=0.01, Resolution=5)
+    Show(space, GetActiveViewOrCreate("RenderView"))
+    Render()
+    wait(0.2)
+    part("space").setCurrentText("PrecomputeStateSpace1")
     click_start()
     wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
+    assert "inside the space" in part("node").text(), part("node").text()
+    space.HalfWidth = 0.001
+    space.UpdatePipeline()
+    wait_for(lambda: "beyond the space" in part("node").text(), "the smaller space is touched")
     print("ranks", servermanager.ActiveConnection.GetNumberOfDataPartitions())
     Disconnect()
     wait_for(lambda: not runs(), "disconnected")
