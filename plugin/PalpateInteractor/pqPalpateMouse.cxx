@@ -88,6 +88,30 @@ pqPalpateMouse::~pqPalpateMouse()
   }
 }
 
+void pqPalpateMouse::GoOnFrom(const pqPalpateMouse& other)
+{
+  const auto& nodes = this->Body->nodes();
+  const auto& others = other.Body->nodes();
+  const bool areSame = this->HalfWidths == other.HalfWidths &&
+    std::equal(nodes.begin(), nodes.end(), others.begin(), others.end(),
+      [](const auto& a, const auto& b)
+      { return a.mesh_point == b.mesh_point && a.rest_position == b.rest_position; });
+  if (!areSame)
+  {
+    return;
+  }
+  this->Phase = other.Phase;
+  this->Pressed = other.Pressed;
+  this->Wanted = other.Wanted;
+  this->Node = other.Node;
+  this->Normal = other.Normal;
+  this->Grip = other.Grip;
+  this->Depth = other.Depth;
+  this->Displacement = other.Displacement;
+  this->Centre = other.Centre;
+  this->Target = other.Target;
+}
+
 bool pqPalpateMouse::HandleEvent(vtkObject*, unsigned long event, void*)
 {
   switch (event)

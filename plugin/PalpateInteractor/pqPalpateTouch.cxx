@@ -158,7 +158,12 @@ struct pqPalpateTouch::Session
     this->Tool = std::make_unique<pqPalpateToolView>(view, space);
     if (this->Motion)
     {
-      this->Mouse = std::make_unique<pqPalpateMouse>(view, space, this->Body, this->Motion);
+      auto mouse = std::make_unique<pqPalpateMouse>(view, space, this->Body, this->Motion);
+      if (this->Mouse)
+      {
+        mouse->GoOnFrom(*this->Mouse);
+      }
+      this->Mouse = std::move(mouse);
     }
   }
 

@@ -3,30 +3,21 @@
 and quits; test_long_work.py reads what it prints."""
 
 import os
-import time
+import sys
 import traceback
 
 from paraview import servermanager
 from paraview.simple import *
-from PyQt5 import QtCore, QtWidgets
-from PyQt5.QtTest import QTest
 
-TIME_OUT = 60  # s, of anything that is waited for
-application = QtWidgets.QApplication.instance()
-window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
+sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
+from qt import (Button, Event, Modifier, QOpenGLWidget, QtCore, QtGui, QTest, QtWidgets, application,
+                wait_until, window)
+
 dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
 
 
 def part(name):
     return dock.findChild(QtWidgets.QWidget, name)
-
-
-def wait_until(condition, what):
-    end = time.monotonic() + TIME_OUT
-    while not condition():
-        assert time.monotonic() < end, f"waited in vain: {what}"
-        application.processEvents(QtCore.QEventLoop.AllEvents, 5)
-        time.sleep(0.01)
 
 
 def figure(space, name):
@@ -65,7 +56,7 @@ def aborting():
             enabled.append(button.isEnabled())
             window.grab().save("working.png")
             place = button.mapTo(window, button.rect().center())
-            QTest.mouseClick(window.windowHandle(), QtCore.Qt.LeftButton, QtCore.Qt.NoModifier,
+            QTest.mouseClick(window.windowHandle(), Button.LeftButton, Modifier.NoModifier,
                              place)
 
     timer = QtCore.QTimer()
@@ -92,6 +83,26 @@ def aborting():
     Delete(space)
 
 
+def touches():
+    return part("state").text().endswith(", touching")
+
+
+def drag(view):
+    """Presses the mouse on the node, moves it and holds it."""
+    canvas = max(window.findChildren(QOpenGLWidget),
+                 key=lambda widget: widget.width() * widget.height())
+    renderer = view.GetRenderer()
+    place = FindSource("TouchStateSpace1").FieldData["ActivePosition"]
+    renderer.SetWorldPoint(*(place.GetRange(axis)[0] for axis in range(3)), 1)
+    renderer.WorldToDisplay()
+    x, y, _ = renderer.GetDisplayPoint()
+    for kind, step in ((Event.MouseButtonPress, 0), (Event.MouseMove, 8)):
+        at = QtCore.QPointF(x + step, canvas.height() - 1 - y)
+        application.sendEvent(canvas, QtGui.QMouseEvent(
+            kind, at, QtCore.QPointF(canvas.mapToGlobal(at.toPoint())), Button.LeftButton,
+            Button.LeftButton, Modifier.NoModifier))
+
+
 def growing(touched=True):
     """What is found is shown again and again, while it is touched."""
     view = GetActiveViewOrCreate("RenderView")
@@ -99,34 +110,36 @@ def growing(touched=True):
     space = precompute(UpdateInterval=0.001,
                        FileName=os.path.abspath(f"growing_{touched}.palpate"))
     Show(space, view)
-    Render()
+    view.CameraPosition = [0.5, 0.25, 0.4]
+    view.CameraFocalPoint = [0.05, 0.03, 0.03]
+    view.CameraViewUp = [0, 1, 0]
     view.ResetCamera()
+    Render()
     counts = [found(space)]
     if touched:
         wait_until(lambda: part("space").count() > 0, "the dock knows of it")
         part("space").setCurrentIndex(part("space").count() - 1)
-        part("device").setCurrentText("Simulated hand")
-        QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+        part("device").setCurrentText("Mouse")
+        QTest.mouseClick(part("start"), Button.LeftButton)
         assert part("start").text() == "Stop", part("message").text()
+        drag(view)
+        wait_until(touches, "the drag takes hold")
 
     def has_grown():
+        assert not touched or touches(), "what is held is let go of"
         if found(space) != counts[-1]:
             counts.append(found(space))
         return len(counts) == 4
 
     wait_until(has_grown, "it grows")
     print("counts", *counts)
-    if touched:
-        assert part("start").text() == "Stop", part("message").text()
-        wait_until(lambda: part("state").text().endswith(", touching"), "it is touched")
     space.UpdateInterval = 0
     space.UpdatePipeline()
     print("found", found(space))
     print("complete", figure(space, "Complete"))
     if touched:
-        assert part("start").text() == "Stop", part("message").text()
-        wait_until(lambda: part("state").text().endswith(", touching"), "it is touched again")
-        QTest.mouseClick(part("start"), QtCore.Qt.LeftButton)
+        assert touches(), part("message").text()
+        QTest.mouseClick(part("start"), Button.LeftButton)
 
 
 def here():
