@@ -18,7 +18,8 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkImagingColor import vtkImageQuantizeRGBToIndex
 
 SIZE = QtCore.QSize(1120, 760)
-COLOURS = 96
+COLOURS = (96, 48)  # the first that makes the picture small enough
+LARGEST = 60_000  # bytes
 SURFACE = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
 HALF_WIDTH = 0.012
@@ -51,14 +52,17 @@ def save(picture, name):
     image.GetPointData().SetScalars(numpy_to_vtk(pixels, deep=True))
     quantize = vtkImageQuantizeRGBToIndex()
     quantize.SetInputData(image)
-    quantize.SetNumberOfColors(COLOURS)
-    quantize.Update()
-    table = quantize.GetLookupTable()
-    index = vtk_to_numpy(quantize.GetOutput().GetPointData().GetScalars()).astype(np.uint8)
-    indexed = QtGui.QImage(index.tobytes(), width, height, width, QtGui.QImage.Format_Indexed8)
-    indexed.setColorTable([QtGui.qRgb(*(round(255 * c) for c in table.GetTableValue(i)[:3]))
-                           for i in range(COLOURS)])
-    indexed.save(name + ".png")
+    for colours in COLOURS:
+        quantize.SetNumberOfColors(colours)
+        quantize.Update()
+        table = quantize.GetLookupTable()
+        index = vtk_to_numpy(quantize.GetOutput().GetPointData().GetScalars()).astype(np.uint8)
+        indexed = QtGui.QImage(index.tobytes(), width, height, width, QtGui.QImage.Format_Indexed8)
+        indexed.setColorTable([QtGui.qRgb(*(round(255 * c) for c in table.GetTableValue(i)[:3]))
+                               for i in range(colours)])
+        indexed.save(name + ".png")
+        if os.path.getsize(name + ".png") <= LARGEST:
+            return
 
 
 def picture(name):
