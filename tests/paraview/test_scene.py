@@ -72,7 +72,8 @@ def test_every_property(body):
         SolveEquilibrium: {
             "ActiveNode": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0,
-            "Increments": 2, "EstimateCondition": 1, "GroupUnknowns": 100, "LinearSolver": "Automatic"},
+            "Increments": 2, "EstimateCondition": 1, "GroupUnknowns": 100, "LinearSolver": "Automatic",
+            "Stress": 1},
     }
     for proxy, values in settings.items():
         filtered = proxy(Input=body, **values)
