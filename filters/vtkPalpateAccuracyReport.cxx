@@ -129,8 +129,8 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
   integer("Failed", &AccuracyRow::failed);
 }
 
-/// For a chart of error against what it takes: a column of mean errors for each method, with nothing
-/// in the rows of the others, so that each is a line through its grids.
+/// For a chart of error against what it takes: a column of mean errors for each method, with
+/// nothing in the rows of the others, so that each is a line through its grids.
 void FillChart(std::vector<AccuracyRow> rows, vtkTable* table)
 {
   table->Initialize();

@@ -72,6 +72,16 @@ table_of_nodes = columns(of_nodes)
 assert set(table_of_nodes["ActiveNode"]) == set(nodes)
 assert len(table_of_nodes["Method"]) == 2 * len(table["Method"])
 
+# The chart: the errors of a method in its own rows, which follow each other.
+chart = columns(servermanager.Fetch(report, idx=3))
+for method in set(table["Method"]):
+    mine = numpy.flatnonzero(~numpy.isnan(chart[method]))
+    assert (numpy.diff(mine) == 1).all(), (method, mine)
+    for column, name in ((method, "MeanError"), ("Bytes", "Bytes"), ("Time", "EvaluationP50"),
+                         ("PrecomputeSeconds", "PrecomputeSeconds")):
+        of_table = table[name][table["Method"] == method]
+        assert (chart[column][mine] == of_table).all(), (method, column)
+
 assert points.GetNumberOfPoints() == points.GetNumberOfCells() == 80
 errors = point_array(points, "Error (Energy Hermite)")
 assert numpy.isclose(errors.mean(), best["MeanError"]) and numpy.isclose(
