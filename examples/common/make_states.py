@@ -21,19 +21,20 @@ from paraview.simple import *
 
 from liver import choose_active_nodes, make_scene, parser, tetrahedralize, touches
 from make_surface import make_surface
-from pictures import HAND, HELD, PALE, SIZE, Stage
-from pipeline import output, save_surface, update
+from pictures import HAND, HELD, PALE, Stage
+from pipeline import save_surface, update
 from roof import POISSON, TIP, YOUNG, make_roof, save_grid
 
 ARGS = parser().parse_args(["--resolution", "5"])
-NODE_IN_FRONT, PULL = 265, [-0.4, 0.4, 1.0]
-TIP_RADIUS, HALF_WIDTH = 0.015, 0.012
+# The point of liver.vtp that is farthest in front, and the way out of the body there.
+NODE_IN_FRONT, OUT = 265, np.array([-0.4, 0.4, 1.0])
+TIP_RADIUS, HALF_WIDTH = 0.015, 0.012  # m
 
 
 def named(**sources):
     """Gives them the names that the pipeline browser shows."""
     for name, source in sources.items():
-        RenameSource(name.replace("_", " "), source)
+        RenameSource(name, source)
 
 
 def liver_scene(order, change=lambda material: material, Law="Neo-Hookean", **parameters):
@@ -48,7 +49,7 @@ def liver_scene(order, change=lambda material: material, Law="Neo-Hookean", **pa
 
 
 def make_liver():
-    """The organ, pulled, with its force limit and the points where it is held."""
+    """The organ, pulled, and the points where it is held."""
     surface = save_surface(make_surface(edge_length=0.0155), "liver.vtp")
     body = tetrahedralize(surface, ARGS)
     scene = make_scene(body, ARGS)
@@ -88,7 +89,7 @@ def make_accuracy():
 
 def make_discretisation():
     """Linear and quadratic cells of the same surface, pulled alike: the linear body is stiffer."""
-    stage = None
+    bodies = []
     for number, order in enumerate(("Linear", "Quadratic")):
         scene = liver_scene(order)
         solve = SolveEquilibrium(Input=scene, ActiveNode=[NODE_IN_FRONT], TipRadius=TIP_RADIUS,
@@ -97,9 +98,10 @@ def make_discretisation():
         warp = WarpByVector(Input=update(solve), Vectors=["POINTS", "Displacement"])
         moved = Transform(Input=warp)
         moved.Transform.Translate = [0, -0.19 * number, 0]
-        stage = stage or Stage(update(moved))
-        stage.clear() if number == 0 else None
-        display = stage.show(moved, Representation="Surface With Edges")
+        bodies.append(update(moved))
+    stage = Stage(bodies[0])
+    for body in bodies:
+        display = stage.show(body, Representation="Surface With Edges")
         stage.colour(display, ("POINTS", "Displacement", "Magnitude"), "Displacement (m)",
                      (0, 0.015))
     ResetCamera(stage.view)
@@ -178,7 +180,7 @@ def make_roof_touched():
 
 
 def pull(length):
-    return list(length * np.array(PULL) / np.linalg.norm(PULL))
+    return list(length * OUT / np.linalg.norm(OUT))
 
 
 def has_default(element, proxy):

@@ -111,7 +111,7 @@ def drag_node(view):
     renderer.WorldToDisplay()
     x, y, _ = renderer.GetDisplayPoint()
     at = QtCore.QPoint(round(x), canvas.height() - 1 - round(y))
-    for step in range(31):
+    for step in range(21):
         kind = QtCore.QEvent.MouseMove if step else QtCore.QEvent.MouseButtonPress
         application.sendEvent(canvas, QtGui.QMouseEvent(
             kind, QtCore.QPointF(at), QtCore.QPointF(canvas.mapToGlobal(at)),
@@ -135,8 +135,7 @@ def main():
                        QtCore.Qt.Vertical)
 
     surface = OpenDataFile(SURFACE)
-    wait(0.2)
-    apply()
+    Show(surface)
     look(surface)
     picture("surface")
 
