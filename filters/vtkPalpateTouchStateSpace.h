@@ -13,11 +13,11 @@
  *   `Branch`     which of the branches of a space with levels the body is on; 0: that of rest
  *   `ActiveNode`, `ActivePosition` (m, displaced)
  *
- * With `Stress` it also has the point arrays of vtkPalpateStress.h. With `WholeBody` the second output
- * is the body, deformed, with the point array `Displacement` and what describes the scene (see
- * vtkPalpateScene.h), with `Stress` its cell and point arrays; else it is empty. Both read the
- * displacement of the whole body from the file of the space, as far as it is needed where the node is;
- * where that fails, an error tells why, once, and what depends on it is left out.
+ * With `Stress` it also has the point arrays of vtkPalpateStress.h. With `WholeBody` the second
+ * output is the body, deformed, with the point array `Displacement` and what describes the scene
+ * (see vtkPalpateScene.h), with `Stress` its cell and point arrays; else it is empty. Both read the
+ * displacement of the whole body from the file of the space, as far as it is needed where the node
+ * is; where that fails, an error tells why, once, and what depends on it is left out.
  *
  * In a space with levels the body remembers: the node moves straight from where it was in the last
  * execution, from rest after the input or the node has changed, and the body jumps from branch to

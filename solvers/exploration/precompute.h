@@ -102,7 +102,7 @@ struct ProgressState {
   /// Configurations that are known, and that are expected as far as can be said.
   std::int64_t num_done = 0;
   std::int64_t num_expected = 0;
-  /// Of those that are known, found in this run.
+  /// Configurations that were solved for in this run.
   std::int64_t num_solved = 0;
   /// Since the begin, and until the end as it looks now, s; below zero where nothing can be said.
   double seconds = 0;

@@ -2,7 +2,7 @@
 // What the fields of the configurations have to do with the displacement that answers a t between
 // them:
 //
-//   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)] = Σ a_i u_i + v_i d_i,   w trilinear over a cell's corners,
+//   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)] = Σ a_i u_i + v_i d_i,   w trilinear over the corners,
 //
 // exact where u is quadratic in t. A hanging node takes the field of the larger cell, and of v what
 // is trilinear there: with these the sides of cells of different size agree. A ghost (ghost.h) has

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fields of the configurations of a state-space file, read when they are first asked for: while a
-// body is touched the same few are needed again and again.
+// The fields of the configurations of a state-space file, read when they are first asked for: while
+// a body is touched the same few are needed again and again.
 #pragma once
 
 #include <cstddef>
