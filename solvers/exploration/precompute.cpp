@@ -274,7 +274,7 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options
   combine(report, communicator);
   if (report.complete && progress) {
     const std::int64_t found = report.num_solved + report.num_reused;
-    (void)progress({found, found, seconds_since(start), 0});
+    (void)progress({found, found, report.num_solved, seconds_since(start), 0});
   }
   return result;
 }

@@ -152,6 +152,7 @@ def remote():
     Connect("localhost", int(os.environ["PALPATE_INTERACTOR_PORT"]))
     growing(touched=False)
     print("ranks", servermanager.ActiveConnection.GetNumberOfDataPartitions())
+    Disconnect()  # ParaView 5.13 that quits before says that a pipe is broken.
 
 
 def main():

@@ -2,11 +2,14 @@
 """Runs inside ParaView's window and quits; test_pictures.py reads what it prints."""
 
 import os
+import sys
 import time
 import traceback
 
 from paraview.simple import *
-from PyQt5 import QtCore, QtWidgets
+
+sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
+from qt import QtCore, QtWidgets
 
 application = QtWidgets.QApplication.instance()
 
@@ -14,7 +17,7 @@ application = QtWidgets.QApplication.instance()
 def wait(seconds):
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        application.processEvents(QtCore.QEventLoop.AllEvents, 5)
+        application.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 5)
         time.sleep(0.001)
 
 
