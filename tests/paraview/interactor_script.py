@@ -237,6 +237,7 @@ def road():
     end = drag(node, QtCore.QPoint(1, -1), 20)
     wait_for(lambda: touches() and number("force") > 0.05, "the liver is felt")
     assert number("node") == 107
+    SaveScreenshot("road_touched.png", view, ImageResolution=[320, 240])
     window.grab().save("road_window.png")
     print("felt", number("force"))
     let_go(end)

@@ -3,23 +3,12 @@
 
 import os
 import sys
-import time
 import traceback
 
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import QtCore, QtWidgets
-
-application = QtWidgets.QApplication.instance()
-
-
-def wait(seconds):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        application.processEvents(QtCore.QEventLoop.ProcessEventsFlag.AllEvents, 5)
-        time.sleep(0.001)
-
+from qt import QtCore, application, wait
 
 def select(view, place):
     """Points of what is seen there, as with a small rectangle of the mouse."""

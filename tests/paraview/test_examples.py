@@ -16,10 +16,9 @@ import subprocess
 import sys
 import time
 
+from image_support import pixels
 from paraview.simple import SaveData
 from support import scene
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOImage import vtkPNGReader
 
 PVBATCH, MPIEXEC = sys.argv[1], sys.argv[2:]
 EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
@@ -53,13 +52,6 @@ def table_of(folder):
         return {row["quantity"]: row["value"] for row in csv.DictReader(file)}
 
 
-def pixels_of(path):
-    reader = vtkPNGReader()
-    reader.SetFileName(path)
-    reader.Update()
-    return vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
-
-
 def number_of(text):
     try:
         return float(text)
@@ -81,7 +73,7 @@ def check_one_rank():
         assert file.read().strip() in done.stdout
     assert os.path.getsize("one/liver_st-venant-kirchhoff_3.palpate") > 10000
     for name in PICTURES:
-        drawn = (pixels_of(os.path.join("one", name)).min(axis=1) < 240).mean()
+        drawn = (pixels(os.path.join("one", name)).min(axis=1) < 240).mean()
         assert 0.1 < drawn < 0.8, (name, drawn)
 
 
@@ -103,7 +95,7 @@ def check_two_ranks():
             continue
         assert math.isclose(a, b, rel_tol=ROUNDING, abs_tol=1e-12), (quantity, a, b)
     for name in PICTURES:
-        a, b = pixels_of(os.path.join("one", name)), pixels_of(os.path.join("two", name))
+        a, b = pixels(os.path.join("one", name)), pixels(os.path.join("two", name))
         different = (abs(a - b).max(axis=1) > PIXEL_TOLERANCE).mean()
         assert different < SHARE_OF_PIXELS, (name, different)
 
@@ -138,7 +130,7 @@ def rows_of(path):
 
 def expect_pictures(folder, *names):
     for name in names:
-        drawn = (pixels_of(os.path.join(folder, name + ".png")).min(axis=1) < 240).mean()
+        drawn = (pixels(os.path.join(folder, name + ".png")).min(axis=1) < 240).mean()
         assert 0.003 < drawn < 0.9, (name, drawn)
 
 

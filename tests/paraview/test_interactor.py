@@ -15,24 +15,11 @@ import socket
 import subprocess
 import sys
 
+from image_support import share_different, share_drawn
 from support import SKIPPED
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOImage import vtkPNGReader
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 TIME_OUT = 180  # s
-
-
-def pixels(path):
-    reader = vtkPNGReader()
-    reader.SetFileName(path)
-    reader.Update()
-    return vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars()).astype(int)
-
-
-def share_different(one, other):
-    """The share of the pixels that differ visibly."""
-    return (abs(pixels(one) - pixels(other)).max(axis=1) > 30).mean()
 
 
 def free_port():
@@ -102,6 +89,9 @@ def main():
     assert touching["frames"][0] >= 2, touching
     assert touching["ticks"][1] > 500, touching
     assert share_different("rest.png", "touched.png") > 0.01
+    # The figures were shown before the end.
+    assert touching["recorded"][0] >= touching["ticks"][1], touching
+    assert share_drawn("graph.png") > 0.01
 
     mouse = run("mouse", folder)
     assert mouse["dragged"][0] > 0.002, mouse

@@ -11,8 +11,9 @@ import shutil
 import subprocess
 import sys
 
+from image_support import share_different
 from support import SKIPPED
-from test_interactor import run, served, share_different
+from test_interactor import run, served
 
 SCRIPT = "long_work_script.py"
 

@@ -4,8 +4,6 @@ pictures like those of the folder baselines. With the folder of the plugin Palpa
 ParaView's window: a selected check-point is where the body is shown, a chart has its axes.
 
   test_pictures.py [folder of the plugin PalpateInteractor]
-
-With PALPATE_NEW_BASELINES=1 the baselines are made anew: look at them.
 """
 
 import os
@@ -13,38 +11,16 @@ import shutil
 import subprocess
 import sys
 
+from image_support import LARGEST_DIFFERENCE, SIZE, compare_with_baseline, difference
 from paraview.simple import (AccuracyReport, ColorBy, Cone, CreateView, EstimateError,
                              GetColorTransferFunction, OutputPort, Render, ResetCamera,
                              SaveScreenshot, Show, SolveEquilibrium, StateSpaceReader,
                              TetrahedralizeSurface, TouchStateSpace)
 from state_space_support import fetch_space, precompute
 from support import fetch, node_at, point_array, scene
-from vtkmodules.vtkImagingCore import vtkImageDifference
-from vtkmodules.vtkIOImage import vtkPNGReader
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SIZE = (320, 240)
-# Of vtkImageDifference, at a picture of this size: a camera moved by a hundredth or edges that are
-# smoothed otherwise make less than 1, other colours of the check-points alone 200.
-THRESHOLD = 16
-LARGEST_DIFFERENCE = 20
 TIME_OUT = 180  # s
-
-
-def image(path):
-    reader = vtkPNGReader()
-    reader.SetFileName(path)
-    reader.Update()
-    return reader.GetOutput()
-
-
-def difference(one, other):
-    measure = vtkImageDifference()
-    measure.SetInputData(image(one))
-    measure.SetImageData(image(other))
-    measure.SetThreshold(THRESHOLD)
-    measure.Update()
-    return measure.GetThresholdedError()
 
 
 def draw(name, *outputs, colour=None):
@@ -62,12 +38,7 @@ def draw(name, *outputs, colour=None):
     ResetCamera(view)
     Render(view)
     SaveScreenshot(name + ".png", view, ImageResolution=SIZE)
-    baseline = os.path.join(HERE, "baselines", name + ".png")
-    if os.environ.get("PALPATE_NEW_BASELINES"):
-        shutil.copy(name + ".png", baseline)
-    differs = difference(name + ".png", baseline)
-    print(name, differs)
-    assert differs < LARGEST_DIFFERENCE, (name, differs)
+    compare_with_baseline(name)
     return shown
 
 

@@ -6,21 +6,11 @@ import os
 import re
 import tempfile
 
+from image_support import share_drawn
 from paraview.simple import *
-from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOImage import vtkPNGReader
 
 EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
 LARGEST_STATE = 100_000  # bytes
-
-
-def share_drawn(path):
-    """The share of the pixels that are not white."""
-    reader = vtkPNGReader()
-    reader.SetFileName(path)
-    reader.Update()
-    pixels = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
-    return (pixels.min(axis=1) < 240).mean()
 
 
 def errors_of(action):
