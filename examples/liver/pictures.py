@@ -54,8 +54,7 @@ class Stage:
 
     def show_touched(self, touch, largest):
         """The deformed surface, coloured by its displacement from 0 to `largest` m."""
-        smooth = GenerateSurfaceNormals(Input=touch, FeatureAngle=180)
-        self.colour(self.show(smooth), ("POINTS", "Displacement", "Magnitude"),
+        self.colour(self.show(touch), ("POINTS", "Displacement", "Magnitude"),
                     "Displacement (m)", (0, largest))
 
     def colour(self, display, array, title, span):

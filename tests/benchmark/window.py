@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Frames a second of ParaView's window and the pace of the servo loop, in one run: the example's liver
+is pressed by the simulated hand, while nothing else is drawn. Sample run:
+
+  plugins=$(echo build/lib/paraview-*/plugins)
+  PALPATE_SOURCE_DIR=$PWD PV_PLUGIN_PATH=$plugins/Palpate:$plugins/PalpateInteractor \\
+    xvfb-run -a -s "-noreset -screen 0 1280x1024x24" \\
+    paraview --disable-registry --script tests/benchmark/window.py
+
+Prints a row of a table for the dock without its graph, and one with it: frames a second (mean and
+least of the seconds), ticks a second, how late they began (half, 99 %, all, µs), and the share of a
+core that ParaView's process took.
+"""
+
+import os
+import re
+import sys
+import time
+import traceback
+
+from paraview.simple import *
+
+source = os.environ["PALPATE_SOURCE_DIR"]
+sys.path.append(os.path.join(source, "tests", "paraview"))
+from qt import QtCore, QtWidgets, application, wait, window
+
+SECONDS = 20
+SETTLING = 3  # s, in which the picture becomes as plain as it must
+
+
+def numbers(label):
+    return [float(number) for number in re.findall(r"[\d.]+", label.text())]
+
+
+def measure(dock, name):
+    def part(name):
+        return dock.findChild(QtWidgets.QWidget, name)
+
+    part("device").setCurrentText("Simulated hand")
+    part("start").click()
+    wait(SETTLING)
+    frames = []
+    begin, cpu = time.monotonic(), time.process_time()
+    for _ in range(SECONDS):
+        wait(1)
+        frames.append(numbers(part("rates"))[1])
+    share = (time.process_time() - cpu) / (time.monotonic() - begin)
+    ticks, late, missed = (numbers(part(name)) for name in ("rates", "lateness", "missed"))
+    part("start").click()
+    print(f"| {name} | {sum(frames) / len(frames):.1f} | {min(frames):.0f} | {ticks[0]:.1f} |"
+          f" {late[0]:.0f} / {late[1]:.0f} / {late[2]:.0f} | {missed[0]:.0f} of {missed[1]:.0f} |"
+          f" {share:.2f} |", flush=True)
+
+
+def main():
+    try:
+        dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
+        liver = os.path.join(source, "examples", "liver")
+        LoadState(os.path.join(liver, "liver.pvsm"), data_directory=liver)
+        wait(1)
+        print("view", *GetActiveView().ViewSize)
+        measure(dock, "dock")
+        dock.findChild(QtWidgets.QGroupBox, "graph").setChecked(True)
+        dock.findChild(QtWidgets.QScrollArea, "area").ensureWidgetVisible(
+            dock.findChild(QtWidgets.QWidget, "forceGraph"))
+        measure(dock, "with the graph")
+    except BaseException:
+        traceback.print_exc()
+    application.quit()
+
+
+# In the loop of events, as what a person does.
+QtCore.QTimer.singleShot(300, main)
