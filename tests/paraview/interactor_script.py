@@ -13,7 +13,7 @@ from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
 from qt import (Button, Event, Modifier, QOpenGLWidget, QtCore, QtGui, QTest, QtWidgets,
-                apply, application, choose, menu, open_file, property_widget, wait, wait_until, window,
+                apply, application, choose, in_dialog, menu, open_file, property_widget, wait, wait_until, window,
                 write)
 
 dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
@@ -291,6 +291,12 @@ def ends():
     dock.close()
     assert not runs()
     dock.show()
+    run()
+    yes = QtWidgets.QMessageBox.StandardButton.Yes
+    in_dialog(lambda question: question.button(yes).click())
+    menu("Edit", "Reset Session")
+    wait_for(lambda: not runs(), "reset")
+    open_space()
     run()
     Disconnect()
     wait_for(lambda: not runs(), "disconnected")
