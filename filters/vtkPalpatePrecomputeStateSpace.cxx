@@ -251,11 +251,14 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       !palpate::any(*communicator, this->GetAbortExecute() != 0);
     if (grows)
     {
-      Growing().insert(this);
       ListenForGoOn(controller);
     }
     const auto keep = [&]
     {
+      if (grows)
+      {
+        Growing().insert(this);
+      }
       if (result.report.complete)
       {
         this->LastOf = of;

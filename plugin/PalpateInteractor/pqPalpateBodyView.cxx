@@ -78,14 +78,21 @@ pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, do
   {
     this->Filter = MakeFilter(space, view, halfWidth);
   }
-  // What is seen of the space itself would hide the touched body.
+  // It may be a person's own, and show another place, or nothing here.
+  this->SetRest();
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
+  if (!controller->GetVisibility(this->Filter->getSourceProxy(), 0, view->getViewProxy()))
+  {
+    controller->Show(this->Filter->getSourceProxy(), 0, view->getViewProxy());
+  }
+  // What is seen of the space itself would hide the touched body.
   controller->Hide(space->getSourceProxy(), space->getPortNumber(), view->getViewProxy());
   this->Time.start();
 }
 
 void pqPalpateBodyView::RestorePicture()
 {
+  this->IsOver = true;
   if (!this->View || this->LeftOut.empty())
   {
     return;
@@ -112,17 +119,25 @@ void pqPalpateBodyView::ShowRest()
 {
   if (this->Filter && this->View)
   {
-    constexpr int findsItself = -1;
-    vtkSMPropertyHelper(this->Filter->getProxy(), "Branch").Set(findsItself);
-    const double zero[3] = { 0, 0, 0 };
-    vtkSMPropertyHelper(this->Filter->getProxy(), "Displacement").Set(zero, 3);
-    this->Filter->getProxy()->UpdateVTKObjects();
+    this->SetRest();
     this->View->render();
   }
 }
 
+void pqPalpateBodyView::SetRest()
+{
+  constexpr int firstNode = -1;
+  constexpr int findsItself = -1;
+  const double zero[3] = { 0, 0, 0 };
+  this->Show(firstNode, findsItself, zero);
+}
+
 void pqPalpateBodyView::Draw()
 {
+  if (!this->View)
+  {
+    return;
+  }
   // The bar of progress would be drawn anew for each frame.
   pqProgressManager* progress = pqApplicationCore::instance()->getProgressManager();
   progress->lockProgress(progress);
@@ -135,11 +150,13 @@ void pqPalpateBodyView::Draw()
 
 void pqPalpateBodyView::KeepPace()
 {
-  if (this->Frames.size() < 2 || !this->View)
+  const qint64 last = this->LastFrame;
+  this->LastFrame = this->Frames.back();
+  if (last < 0 || !this->View || this->IsOver)
   {
     return;
   }
-  const qint64 interval = this->Frames.back() - *std::prev(this->Frames.end(), 2);
+  const qint64 interval = this->LastFrame - last;
   this->LateFrames = std::max(0, this->LateFrames + (interval > LatestFrame ? 1 : -1));
   if (this->LateFrames < Patience || this->LeftOut.size() == std::size(Costs))
   {

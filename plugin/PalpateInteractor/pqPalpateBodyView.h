@@ -32,11 +32,14 @@ public:
   void RestorePicture();
   /// Draws the view.
   void Draw();
+  /// There is nothing to draw now: the next frame is not late.
+  void Rest() { this->LastFrame = -1; }
   quint64 GetNumberOfFrames() const { return this->NumberOfFrames; }
   /// Frames in the last second.
   double GetFrameRate();
 
 private:
+  void SetRest();
   /// Leaves out what costs most of the picture when frames come too late.
   void KeepPace();
 
@@ -48,5 +51,7 @@ private:
   /// When the last frames were, ms.
   std::vector<qint64> Frames;
   quint64 NumberOfFrames = 0;
+  qint64 LastFrame = -1;
   int LateFrames = 0;
+  bool IsOver = false;
 };

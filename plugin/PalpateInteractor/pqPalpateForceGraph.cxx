@@ -80,8 +80,9 @@ void pqPalpateForceGraph::addSample(double time, double atDevice, double ofBody)
     return;
   }
   this->Drawn = time;
+  constexpr vtkIdType fewest = 2;
   while (this->Samples->GetNumberOfRows() > MostSamples ||
-    this->Time->GetValue(0) < time - Seconds)
+    (this->Samples->GetNumberOfRows() > fewest && this->Time->GetValue(0) < time - Seconds))
   {
     this->Samples->RemoveRow(0);
   }

@@ -68,7 +68,8 @@ QString IdOf(pqOutputPort* port)
 pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   : Superclass("Palpate", parent)
 {
-  new pqPalpateAbort(this);
+  auto* abort = new pqPalpateAbort(this);
+  QObject::connect(abort, &pqPalpateAbort::escaped, &this->Touch, &pqPalpateTouch::stop);
   auto* content = Named(new QWidget(), "content");
   auto* column = new QVBoxLayout(content);
   const auto addGroup = [&](const char* title, const char* name)
@@ -140,7 +141,9 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
         this->listSpaces();
       }
     });
-  QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this, list);
+  // Later: where it ended because the server is gone, that has first to be dealt with.
+  QObject::connect(
+    &this->Touch, &pqPalpateTouch::stopped, this, list, Qt::QueuedConnection);
   QObject::connect(model, &pqServerManagerModel::nameChanged, this, list);
 
   this->listSpaces();
@@ -444,7 +447,11 @@ void pqPalpateInteractorDock::showFigures()
         ? QString(", %1 missing").arg(f.NotRecorded)
         : QString()));
   }
-  this->say(f.Problem, false);
+  if (f.Problem != this->Problem)
+  {
+    this->Problem = f.Problem;
+    this->say(f.Problem, true);
+  }
 }
 
 void pqPalpateInteractorDock::showGraph(bool shown)

@@ -51,8 +51,10 @@ private:
   /// What goes well is black.
   void say(const QString& text, bool isFault);
 
-  pqPalpateTouch Touch;
+  // Told by what touches when that ends: the last of them to go.
   QTimer FiguresTimer;
+  QString Problem;
+  pqPalpateTouch Touch;
 
   QComboBox* Space = nullptr;
   QComboBox* Device = nullptr;

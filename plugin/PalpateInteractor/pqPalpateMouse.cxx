@@ -98,6 +98,7 @@ void pqPalpateMouse::GoOnFrom(const pqPalpateMouse& other)
       { return a.mesh_point == b.mesh_point && a.rest_position == b.rest_position; });
   if (!areSame)
   {
+    this->Motion->set_target(this->Target);
     return;
   }
   this->Phase = other.Phase;

@@ -114,7 +114,9 @@ void pqPalpatePictures::makeAxes(pqView* view, pqRepresentation* shown)
 {
   vtkSMProxy* chart = shown->getProxy();
   vtkSMProxy* axes = view->getProxy();
-  if (!Is(chart, Chart) || !axes->GetProperty("LeftAxisLogScale"))
+  // A state has axes of its own.
+  if (!Is(chart, Chart) || !axes->GetProperty("LeftAxisLogScale") ||
+    pqApplicationCore::instance()->isLoadingState())
   {
     return;
   }

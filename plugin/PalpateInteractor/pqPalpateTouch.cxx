@@ -26,6 +26,7 @@
 #include "vtkCamera.h"
 #include "vtkLogger.h"
 #include "vtkPVLogger.h"
+#include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
 #include "vtkSMSession.h"
 #include "vtkWeakPointer.h"
@@ -343,7 +344,7 @@ void pqPalpateTouch::end(const QString& why, Left left)
     static_cast<unsigned long long>(statistics.missed), statistics.largest_force,
     static_cast<unsigned long long>(frames),
     1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
-  this->closeRecording(*session);
+  this->closeRecording(*session, {});
   session->Mouse.reset();
   session->Tool.reset();
   if (left != Left::Nothing)
@@ -358,13 +359,12 @@ void pqPalpateTouch::end(const QString& why, Left left)
     ended ? why : "The device's driver hangs: the device itself has to switch its motors off.");
 }
 
-void pqPalpateTouch::closeRecording(Session& session)
+void pqPalpateTouch::closeRecording(Session& session, QString fault)
 {
   if (!session.Recorder)
   {
     return;
   }
-  QString fault;
   try
   {
     session.Recorder->close();
@@ -378,7 +378,9 @@ void pqPalpateTouch::closeRecording(Session& session)
   {
     fault = error.what();
   }
-  Q_EMIT this->recorded(session.Recording, session.Recorder->written(), fault);
+  const quint64 written = session.Recorder->written();
+  session.Recorder.reset();
+  Q_EMIT this->recorded(session.Recording, written, fault);
 }
 
 void pqPalpateTouch::setSettings(const Settings& settings)
@@ -417,9 +419,9 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
     if (this->Current.FollowsCamera)
     {
       vtkCamera* camera = session.View->getRenderViewProxy()->GetActiveCamera();
-      camera->OrthogonalizeViewUp();
       towards = -Vec3(camera->GetDirectionOfProjection());
-      up = Vec3(camera->GetViewUp());
+      const Vec3 viewUp(camera->GetViewUp());
+      up = (viewUp - viewUp.dot(towards) * towards).normalized();
     }
     // The device's x is towards the person, y to the right, z up.
     servo.workspace_rotation << towards, up.cross(towards), up;
@@ -432,7 +434,9 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
 
 void pqPalpateTouch::takeNewData()
 {
-  Session& session = *this->Running;
+  // It may end while the data are on their way.
+  const std::shared_ptr<Session> kept = this->Running;
+  Session& session = *kept;
   const vtkMTimeType time = pqPalpateDataTime(session.Space);
   if (time != 0 && time == session.DataTime)
   {
@@ -442,9 +446,24 @@ void pqPalpateTouch::takeNewData()
   try
   {
     const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Space);
+    if (this->Running != kept)
+    {
+      return;
+    }
+    const bool isOther = copy.scene_hash != session.Body->scene_hash();
     session.SetSpace(copy);
     session.ShowSpace(copy);
     session.Servo->set_body(session.Body);
+    if (isOther && session.Recorder)
+    {
+      session.Servo->set_recording(nullptr);
+      this->closeRecording(session, "The body has become another one: the recording ends there.");
+    }
+    if (session.Body->find(session.Node) < 0)
+    {
+      session.Node = -1;
+      session.BodyView->ShowRest();
+    }
   }
   catch (const std::exception& error)
   {
@@ -485,8 +504,18 @@ void pqPalpateTouch::showFrame()
     return;
   }
 
-  this->show(tick);
-  if (this->Running)
+  // A space that grows does so here: not within the frame, where no progress would be seen and no
+  // button heard.
+  vtkSMPropertyHelper growth(session.Source->getProxy(), "UpdateInterval", true);
+  if (growth.GetAsDouble() > 0)
+  {
+    session.Source->updatePipeline();
+  }
+  if (this->Running == kept)
+  {
+    this->show(tick);
+  }
+  if (this->Running == kept)
   {
     Q_EMIT this->sampled(
       1e-3 * session.Time.elapsed(), tick.force.norm(), tick.contact.force.norm());
@@ -506,11 +535,17 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   const bool showsFree = !session.Mouse;
   if (!moved && touches == session.Touches && (!showsFree || tick.position == session.Place))
   {
+    session.BodyView->Rest();
     return;
   }
   if (moved)
   {
     session.BodyView->Show(node, branch, displacement.data());
+    // A server that is gone is noticed when it is told something.
+    if (this->Running.get() != &session)
+    {
+      return;
+    }
   }
   session.Node = node;
   session.Branch = branch;

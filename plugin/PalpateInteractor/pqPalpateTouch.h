@@ -103,7 +103,8 @@ private:
   void showFrame();
   /// What has changed since the last frame.
   void show(const palpate::Tick& tick);
-  void closeRecording(Session& session);
+  /// @param fault Why it ends before its time; empty: it does not.
+  void closeRecording(Session& session, QString fault);
   /// The workspace, and the rest of what the loop is told.
   void applySettings(const palpate::Tick& tick);
   void takeNewData();
@@ -115,7 +116,7 @@ private:
     View,
     All
   };
-  /// Zero force first; then the view as it was, and the body at rest.
+  /// Zero force first; then the whole picture of the view, and the body at rest.
   void end(const QString& why, Left left);
 
   Settings Current;

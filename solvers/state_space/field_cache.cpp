@@ -81,7 +81,9 @@ void FieldCache::read(const Site& site, const std::vector<ConfigurationSummary>&
     Configuration c;
     static_cast<ConfigurationSummary&>(c) = summary;
     file.read_fields(site.active_node, c);
-    if (c.u.size() == 0) fail("a configuration has no displacement there");
+    if (c.u.size() == 0 || c.v.rows() != c.u.size()) {
+      fail("a configuration has no displacement, or no derivative of it, there");
+    }
     bytes_ += bytes_of(c);
     entries_[{site.active_node, c.check_point, c.level}] = {std::move(c), uses_};
   }

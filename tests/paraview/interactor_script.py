@@ -4,6 +4,7 @@ quits; test_interactor.py reads what it prints. What a person clicks is clicked.
 
 import os
 import re
+import subprocess
 import sys
 import time
 import traceback
@@ -99,6 +100,13 @@ def touching():
     wait(2)
     wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
     assert number("node") >= 0
+    # Frames that come late make the picture plainer.
+    slow = QtCore.QTimer()
+    slow.timeout.connect(lambda: time.sleep(0.06))
+    slow.start(1)
+    wait_for(lambda: (view.UseFXAA, view.UseLight) == (0, 0), "the picture becomes plainer")
+    slow.stop()
+    wait_for(touches, "the hand presses again")
     window.grab().save("window.png")
     SaveScreenshot("touched.png", view, ImageResolution=[600, 450])
     print("rate", number("rates"))
@@ -245,6 +253,29 @@ def road():
     SaveScreenshot("road_rest.png", view, ImageResolution=[320, 240])
 
 
+def compute_space(**settings):
+    """A space of the body of the file, that is computed here."""
+    reader = StateSpaceReader(FileName=os.path.abspath("block.palpate"))
+    reader.UpdatePipeline()
+    body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
+    space = PrecomputeStateSpace(
+        Input=body, ActiveNodes=[int(reader.FieldData["ActiveNodes"].GetRange(0)[0])],
+        Resolution=5, **settings)
+    Show(space, GetActiveViewOrCreate("RenderView"))
+    Render()
+    wait(0.2)
+    part("space").setCurrentText("PrecomputeStateSpace1")
+    return space
+
+
+def change(space):
+    """Makes it smaller than the hand presses, which is felt."""
+    wait_for(lambda: "inside the space" in part("node").text(), "the whole space is touched")
+    space.HalfWidth = 0.001
+    space.UpdatePipeline()
+    wait_for(lambda: "beyond the space" in part("node").text(), "the smaller space is touched")
+
+
 def ends():
     """A hundred starts and stops, and each thing that may go while it runs."""
     space, view = open_space()
@@ -264,10 +295,15 @@ def ends():
         application.processEvents()
     print("threads", len(os.listdir("/proc/self/task")) - threads)
 
+    computed = compute_space(HalfWidth=0.01)
     run()
-    space.DisplacementBound = 0.01
-    space.UpdatePipeline()
-    wait_for(touches, "the hand touches the space that has changed")
+    change(computed)
+    click_stop()
+    for source in (touch_filter(), computed, computed.Input, computed.Input.Input,
+                   computed.Input.Input.Input):
+        Delete(source)
+    part("space").setCurrentIndex(0)
+    run()
     Delete(touch_filter())
     ended("deleted")
     run()
@@ -307,26 +343,35 @@ def remote():
     """The space is computed on a server, and anew while it is touched; the loop has a copy here."""
     Connect("localhost", int(os.environ["PALPATE_INTERACTOR_PORT"]))
     wait(0.5)
-    reader = StateSpaceReader(FileName=os.path.abspath("block.palpate"))
-    reader.UpdatePipeline()
-    body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
-    space = PrecomputeStateSpace(
-        Input=body, ActiveNodes=[int(reader.FieldData["ActiveNodes"].GetRange(0)[0])],
-        HalfWidth=0.01, Resolution=5)
-    Show(space, GetActiveViewOrCreate("RenderView"))
-    Render()
-    wait(0.2)
-    part("space").setCurrentText("PrecomputeStateSpace1")
+    space = compute_space(HalfWidth=0.01)
     click_start()
     wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
-    assert "inside the space" in part("node").text(), part("node").text()
-    space.HalfWidth = 0.001
-    space.UpdatePipeline()
-    wait_for(lambda: "beyond the space" in part("node").text(), "the smaller space is touched")
+    change(space)
     print("ranks", servermanager.ActiveConnection.GetNumberOfDataPartitions())
     Disconnect()
     wait_for(lambda: not runs(), "disconnected")
     print("ended 1")
+
+
+def lost():
+    """The server is killed while its space is touched."""
+    port = os.environ["PALPATE_INTERACTOR_PORT"]
+    Connect("localhost", int(port))
+    wait(0.5)
+    open_space()
+    click_start()
+    wait_for(touches, "the hand presses")
+
+    def leave(question):
+        # ParaView can do no more than end.
+        assert "was lost" in part("message").text(), part("message").text()
+        print("ended", int(not runs()), flush=True)
+        question.accept()
+
+    in_dialog(leave)
+    subprocess.run(["pkill", "-KILL", "-f", f"server-port={port}"], check=True)
+    wait_for(lambda: not runs(), "the connection is lost")
+    wait(5)
 
 
 def goes_on(leave):
@@ -340,7 +385,7 @@ def goes_on(leave):
 
 def main():
     try:
-        {"touching": touching, "mouse": mouse, "road": road, "ends": ends, "remote": remote,
+        {"touching": touching, "mouse": mouse, "road": road, "ends": ends, "remote": remote, "lost": lost,
          "quit": lambda: goes_on(application.quit),
          "close": lambda: goes_on(window.close)}[os.environ["PALPATE_INTERACTOR_RUN"]]()
     except BaseException:
