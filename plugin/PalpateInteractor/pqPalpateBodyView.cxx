@@ -2,7 +2,6 @@
 #include "pqPalpateBodyView.h"
 
 #include <algorithm>
-#include <iterator>
 #include <stdexcept>
 
 #include "pqApplicationCore.h"
@@ -25,11 +24,10 @@ namespace
 {
 /// A frame that comes later than this after the one before is late: 25 Hz.
 constexpr qint64 LatestFrame = 40; // ms
-/// So many more late than punctual ones, and the picture becomes plainer.
+/// So many more late than punctual ones, and edges are smoothed no more.
 constexpr int Patience = 8;
-/// Properties of a render view, without graphics hardware the costliest first: smooth edges take
-/// more than half of the time of a frame, the five lamps of the light kit a fifth.
-const char* const Costs[] = { "UseFXAA", "UseLight" };
+/// Of a render view.
+constexpr const char* SmoothEdges = "UseFXAA";
 
 pqPipelineSource* FindFilter(pqOutputPort* space)
 {
@@ -93,15 +91,12 @@ pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, do
 void pqPalpateBodyView::RestorePicture()
 {
   this->IsOver = true;
-  if (!this->View || this->LeftOut.empty())
+  if (!this->View || !this->LeavesEdges)
   {
     return;
   }
-  for (std::size_t i = 0; i < this->LeftOut.size(); ++i)
-  {
-    vtkSMPropertyHelper(this->View->getProxy(), Costs[i], true).Set(this->LeftOut[i]);
-  }
-  this->LeftOut.clear();
+  this->LeavesEdges = false;
+  vtkSMPropertyHelper(this->View->getProxy(), SmoothEdges).Set(1);
   this->View->getProxy()->UpdateVTKObjects();
   this->View->render();
 }
@@ -158,14 +153,13 @@ void pqPalpateBodyView::KeepPace()
   }
   const qint64 interval = this->LastFrame - last;
   this->LateFrames = std::max(0, this->LateFrames + (interval > LatestFrame ? 1 : -1));
-  if (this->LateFrames < Patience || this->LeftOut.size() == std::size(Costs))
+  vtkSMPropertyHelper edges(this->View->getProxy(), SmoothEdges, true);
+  if (this->LateFrames < Patience || edges.GetAsInt() == 0)
   {
     return;
   }
-  this->LateFrames = 0;
-  vtkSMPropertyHelper cost(this->View->getProxy(), Costs[this->LeftOut.size()], true);
-  this->LeftOut.push_back(cost.GetAsInt());
-  cost.Set(0);
+  this->LeavesEdges = true;
+  edges.Set(0);
   this->View->getProxy()->UpdateVTKObjects();
 }
 

@@ -2,7 +2,8 @@
 /// The touched body in ParaView's view: a filter TouchStateSpace, on the server wherever that is,
 /// which shows where a node is. Other filters can hang on it.
 ///
-/// A machine that does not draw fast enough gets a plainer picture as long as it touches.
+/// On a machine that does not draw fast enough its edges are not smoothed as long as it touches:
+/// without graphics hardware that takes more than half of the time of a frame.
 #pragma once
 
 #include <QElapsedTimer>
@@ -28,7 +29,7 @@ public:
   /// @param displacement Of the node [3], m.
   void Show(int node, int branch, const double* displacement);
   void ShowRest();
-  /// Gives the view all of its picture back.
+  /// Smooths edges again; nothing is left out any more.
   void RestorePicture();
   /// Draws the view.
   void Draw();
@@ -40,13 +41,13 @@ public:
 
 private:
   void SetRest();
-  /// Leaves out what costs most of the picture when frames come too late.
+  /// Smooths edges no more when frames come too late.
   void KeepPace();
 
   QPointer<pqPipelineSource> Filter;
   QPointer<pqRenderView> View;
-  /// What of the picture was left out, and what it was before.
-  std::vector<int> LeftOut;
+  /// They were, and are not now.
+  bool LeavesEdges = false;
   QElapsedTimer Time;
   /// When the last frames were, ms.
   std::vector<qint64> Frames;

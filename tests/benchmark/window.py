@@ -25,7 +25,7 @@ sys.path.append(os.path.join(source, "tests", "paraview"))
 from qt import QtCore, QtWidgets, application, wait, window
 
 SECONDS = 20
-SETTLING = 3  # s, in which the picture becomes as plain as it must
+SETTLING = 3  # s, in which edges are smoothed no more where that takes too long
 
 
 def numbers(label):
