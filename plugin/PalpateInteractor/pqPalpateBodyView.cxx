@@ -24,10 +24,14 @@ namespace
 {
 /// A frame that comes later than this after the one before is late: 25 Hz.
 constexpr qint64 LatestFrame = 40; // ms
-/// So many more late than punctual ones, and edges are smoothed no more.
+/// So many more late than punctual ones, and the picture becomes plainer.
 constexpr int Patience = 8;
 /// Of a render view.
 constexpr const char* SmoothEdges = "UseFXAA";
+/// Of a representation, and two values of it.
+constexpr const char* Backface = "BackfaceRepresentation";
+constexpr int LikeTheFront = 400;
+constexpr int Culled = 401;
 
 pqPipelineSource* FindFilter(pqOutputPort* space)
 {
@@ -91,14 +95,20 @@ pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, do
 void pqPalpateBodyView::RestorePicture()
 {
   this->IsOver = true;
-  if (!this->View || !this->LeavesEdges)
+  for (const Omission& omission : this->Omissions)
   {
-    return;
+    if (omission.Proxy)
+    {
+      vtkSMPropertyHelper(omission.Proxy, omission.Property).Set(omission.Before);
+      omission.Proxy->UpdateVTKObjects();
+    }
   }
-  this->LeavesEdges = false;
-  vtkSMPropertyHelper(this->View->getProxy(), SmoothEdges).Set(1);
-  this->View->getProxy()->UpdateVTKObjects();
-  this->View->render();
+  const bool isPlain = !this->Omissions.empty();
+  this->Omissions.clear();
+  if (this->View && isPlain)
+  {
+    this->View->render();
+  }
 }
 
 void pqPalpateBodyView::Show(int node, int branch, const double* displacement)
@@ -153,14 +163,32 @@ void pqPalpateBodyView::KeepPace()
   }
   const qint64 interval = this->LastFrame - last;
   this->LateFrames = std::max(0, this->LateFrames + (interval > LatestFrame ? 1 : -1));
-  vtkSMPropertyHelper edges(this->View->getProxy(), SmoothEdges, true);
-  if (this->LateFrames < Patience || edges.GetAsInt() == 0)
+  if (this->LateFrames < Patience || !this->Omissions.empty())
   {
     return;
   }
-  this->LeavesEdges = true;
-  edges.Set(0);
-  this->View->getProxy()->UpdateVTKObjects();
+  vtkSMProxy* view = this->View->getProxy();
+  if (vtkSMPropertyHelper(view, SmoothEdges, true).GetAsInt() != 0)
+  {
+    this->LeaveOut(view, SmoothEdges, 0);
+  }
+  // The inner side of a closed, opaque surface is never seen.
+  vtkSMProxy* body = this->Filter
+    ? this->View->getViewProxy()->FindRepresentation(this->Filter->getSourceProxy(), 0)
+    : nullptr;
+  if (body && vtkSMPropertyHelper(body, "Opacity", true).GetAsDouble() >= 1 &&
+    vtkSMPropertyHelper(body, Backface, true).GetAsInt() == LikeTheFront)
+  {
+    this->LeaveOut(body, Backface, Culled);
+  }
+}
+
+void pqPalpateBodyView::LeaveOut(vtkSMProxy* proxy, const char* property, int value)
+{
+  vtkSMPropertyHelper helper(proxy, property);
+  this->Omissions.push_back({ proxy, property, helper.GetAsInt() });
+  helper.Set(value);
+  proxy->UpdateVTKObjects();
 }
 
 double pqPalpateBodyView::GetFrameRate()

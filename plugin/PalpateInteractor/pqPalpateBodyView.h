@@ -2,13 +2,17 @@
 /// The touched body in ParaView's view: a filter TouchStateSpace, on the server wherever that is,
 /// which shows where a node is. Other filters can hang on it.
 ///
-/// On a machine that does not draw fast enough its edges are not smoothed as long as it touches:
-/// without graphics hardware that takes more than half of the time of a frame.
+/// On a machine that does not draw fast enough edges are not smoothed as long as it touches (without
+/// graphics hardware that takes more than half of the time of a frame), and the inner side of an
+/// opaque body, which nobody sees, is not drawn.
 #pragma once
 
 #include <QElapsedTimer>
 #include <QPointer>
 #include <vector>
+
+#include "vtkSMProxy.h"
+#include "vtkWeakPointer.h"
 
 class pqOutputPort;
 class pqPipelineSource;
@@ -29,7 +33,7 @@ public:
   /// @param displacement Of the node [3], m.
   void Show(int node, int branch, const double* displacement);
   void ShowRest();
-  /// Smooths edges again; nothing is left out any more.
+  /// Nothing is left out any more.
   void RestorePicture();
   /// Draws the view.
   void Draw();
@@ -41,13 +45,19 @@ public:
 
 private:
   void SetRest();
-  /// Smooths edges no more when frames come too late.
+  /// Leaves out what costs most and is seen least when frames come too late.
   void KeepPace();
+  void LeaveOut(vtkSMProxy* proxy, const char* property, int value);
 
   QPointer<pqPipelineSource> Filter;
   QPointer<pqRenderView> View;
-  /// They were, and are not now.
-  bool LeavesEdges = false;
+  struct Omission
+  {
+    vtkWeakPointer<vtkSMProxy> Proxy;
+    const char* Property;
+    int Before;
+  };
+  std::vector<Omission> Omissions;
   QElapsedTimer Time;
   /// When the last frames were, ms.
   std::vector<qint64> Frames;

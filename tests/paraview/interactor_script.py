@@ -104,7 +104,9 @@ def touching():
     slow = QtCore.QTimer()
     slow.timeout.connect(lambda: time.sleep(0.06))
     slow.start(1)
+    body = GetDisplayProperties(touch_filter(), view)
     wait_for(lambda: view.UseFXAA == 0, "edges are smoothed no more")
+    assert body.BackfaceRepresentation == "Cull Backface"
     slow.stop()
     wait_for(touches, "the hand presses again")
     window.grab().save("window.png")
@@ -122,6 +124,7 @@ def touching():
     assert not runs()
     assert list(touch_filter().Displacement) == [0, 0, 0]
     assert view.UseFXAA == 1
+    assert body.BackfaceRepresentation == "Follow Frontface"
     print("recorded", number("recorded"))
     # Another one goes beside the first.
     QTest.keyClick(window, QtCore.Qt.Key.Key_T,
