@@ -6,44 +6,37 @@ Sample run, in this folder, with both plugins in PV_PLUGIN_PATH and PALPATE_SOUR
         --script make_pictures.py
 """
 import os
-import time
+import sys
 import traceback
 
 import numpy as np
 from paraview.simple import *
-from PyQt5 import QtCore, QtGui, QtWidgets
-from PyQt5.QtTest import QTest
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkImagingColor import vtkImageQuantizeRGBToIndex
 
+source_folder = os.environ["PALPATE_SOURCE_DIR"]
+sys.path.append(os.path.join(source_folder, "tests", "paraview"))
+import qt
+from qt import Button, Event, Modifier, QtCore, QtGui, QtWidgets, application, wait, window
+
 SIZE = QtCore.QSize(1120, 760)
 COLOURS = (96, 48)  # the first that makes the picture small enough
 LARGEST = 60_000  # bytes
-SURFACE = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.vtp")
+SURFACE = os.path.join(source_folder, "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
 HALF_WIDTH = 0.012
 # The viewer stands in front of the organ, to its right and above.
 VIEW_FROM = np.array((-0.55, 1.05, 0.75))
-
-application = QtWidgets.QApplication.instance()
-window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
 
 
 def part(name, kind=QtWidgets.QWidget):
     return window.findChild(kind, name)
 
 
-def wait(seconds):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        application.processEvents(QtCore.QEventLoop.AllEvents, 5)
-        time.sleep(0.002)
-
-
 def save(picture, name):
     """With a palette, so that it is small."""
-    picture = picture.toImage().convertToFormat(QtGui.QImage.Format_RGB888)
+    picture = picture.toImage().convertToFormat(QtGui.QImage.Format.Format_RGB888)
     width, height = picture.width(), picture.height()
     pixels = np.frombuffer(picture.bits().asstring(picture.sizeInBytes()), np.uint8)
     pixels = pixels.reshape(height, -1)[:, :3 * width].reshape(-1, 3)
@@ -57,7 +50,7 @@ def save(picture, name):
         quantize.Update()
         table = quantize.GetLookupTable()
         index = vtk_to_numpy(quantize.GetOutput().GetPointData().GetScalars()).astype(np.uint8)
-        indexed = QtGui.QImage(index.tobytes(), width, height, width, QtGui.QImage.Format_Indexed8)
+        indexed = QtGui.QImage(index.tobytes(), width, height, width, QtGui.QImage.Format.Format_Indexed8)
         indexed.setColorTable([QtGui.qRgb(*(round(255 * c) for c in table.GetTableValue(i)[:3]))
                                for i in range(colours)])
         indexed.save(name + ".png")
@@ -74,18 +67,13 @@ def picture(name):
 
 
 def add(filter_name):
-    """By the menu, as a person does."""
-    menu = next(menu for menu in part("menuFilters", QtWidgets.QMenu).findChildren(QtWidgets.QMenu)
-                if menu.objectName() == "Palpate" or menu.title() == "Palpate")
-    part("menuFilters", QtWidgets.QMenu).aboutToShow.emit()
-    menu.aboutToShow.emit()
-    next(action for action in menu.actions() if action.text() == filter_name).trigger()
+    qt.menu("Filters", "Palpate", filter_name)
     wait(0.3)
     return GetActiveSource()
 
 
 def apply():
-    QTest.mouseClick(part("Accept"), QtCore.Qt.LeftButton)
+    qt.apply()
     wait(0.5)
 
 
@@ -103,7 +91,7 @@ def look(source):
 
 def drag_node(view):
     """Presses the left button on it, drags, and holds it there."""
-    canvas = max(window.findChildren(QtWidgets.QOpenGLWidget),
+    canvas = max(window.findChildren(qt.QOpenGLWidget),
                  key=lambda widget: widget.width() * widget.height())
     values = FindSource("TouchStateSpace1").FieldData["ActivePosition"]
     renderer = view.GetRenderer()
@@ -112,11 +100,11 @@ def drag_node(view):
     x, y, _ = renderer.GetDisplayPoint()
     at = QtCore.QPoint(round(x), canvas.height() - 1 - round(y))
     for step in range(21):
-        kind = QtCore.QEvent.MouseMove if step else QtCore.QEvent.MouseButtonPress
+        kind = Event.MouseMove if step else Event.MouseButtonPress
         application.sendEvent(canvas, QtGui.QMouseEvent(
             kind, QtCore.QPointF(at), QtCore.QPointF(canvas.mapToGlobal(at)),
-            QtCore.Qt.NoButton if step else QtCore.Qt.LeftButton, QtCore.Qt.LeftButton,
-            QtCore.Qt.NoModifier))
+            Button.NoButton if step else Button.LeftButton, Button.LeftButton,
+            Modifier.NoModifier))
         wait(0.05 if step else 0.5)
         at += QtCore.QPoint(1, 1)
     wait(0.5)
@@ -130,9 +118,9 @@ def main():
         if part(name):
             part(name).hide()
     wait(0.5)
-    window.resizeDocks([part("propertiesDock")], [380], QtCore.Qt.Horizontal)
+    window.resizeDocks([part("propertiesDock")], [380], QtCore.Qt.Orientation.Horizontal)
     window.resizeDocks([part("pipelineBrowserDock"), part("propertiesDock")], [210, 500],
-                       QtCore.Qt.Vertical)
+                       QtCore.Qt.Orientation.Vertical)
 
     surface = OpenDataFile(SURFACE)
     Show(surface)
@@ -202,11 +190,11 @@ def main():
     dock.raise_()
     wait(0.3)
     dock.findChild(QtWidgets.QComboBox, "device").setCurrentText("Mouse")
-    QTest.mouseClick(dock.findChild(QtWidgets.QWidget, "start"), QtCore.Qt.LeftButton)
+    part("start").click()
     wait(0.5)
     drag_node(GetActiveView())
     picture("dock")
-    QTest.mouseClick(dock.findChild(QtWidgets.QWidget, "start"), QtCore.Qt.LeftButton)
+    part("start").click()
     Delete(FindSource("TouchStateSpace1"))
 
     dock.hide()

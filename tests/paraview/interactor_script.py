@@ -95,8 +95,6 @@ def touching():
     toolbar = window.findChild(QtWidgets.QToolBar, "PalpateToolbar")
     toolbar.widgetForAction(toolbar.actions()[0]).click()
     assert runs(), part("message").text()
-    wait(0.2)
-    SaveScreenshot("rest.png", view, ImageResolution=[600, 450])
     wait(2)
     wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
     assert number("node") >= 0
@@ -108,14 +106,15 @@ def touching():
     wait_for(lambda: view.UseFXAA == 0, "edges are smoothed no more")
     assert body.BackfaceRepresentation == "Cull Backface"
     slow.stop()
-    wait_for(touches, "the hand presses again")
+    wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002,
+             "the hand presses again")
+    print("force", number("force"))
     window.grab().save("window.png")
     SaveScreenshot("touched.png", view, ImageResolution=[600, 450])
     print("rate", number("rates"))
     print("frames", float(re.search(r"view (\d+)", part("rates").text()).group(1)))
     print("late", *re.findall(r"\d+", part("lateness").text()))
     print("ticks", *re.findall(r"\d+", part("missed").text()))
-    print("force", number("force"))
     part("forceGraph").grabFramebuffer().save("graph.png")
     # Without a window manager nobody else does.
     window.activateWindow()
@@ -125,6 +124,7 @@ def touching():
     assert list(touch_filter().Displacement) == [0, 0, 0]
     assert view.UseFXAA == 1
     assert body.BackfaceRepresentation == "Follow Frontface"
+    SaveScreenshot("rest.png", view, ImageResolution=[600, 450])
     print("recorded", number("recorded"))
     # Another one goes beside the first.
     QTest.keyClick(window, QtCore.Qt.Key.Key_T,
@@ -132,6 +132,7 @@ def touching():
     assert runs(), part("message").text()
     wait(0.3)
     click_stop()
+    SaveScreenshot("rest_again.png", view, ImageResolution=[600, 450])
     assert os.path.exists("touch-2.csv")
     assert part("recorded").text().endswith("touch-2.csv"), part("recorded").text()
 

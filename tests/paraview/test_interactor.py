@@ -91,6 +91,7 @@ def main():
     assert touching["frames"][0] >= 2, touching
     assert touching["ticks"][1] > 500, touching
     assert share_different("rest.png", "touched.png") > 0.01
+    assert share_different("rest.png", "rest_again.png") == 0
     # The figures were shown before the end.
     assert touching["recorded"][0] >= touching["ticks"][1], touching
     assert share_drawn("graph.png") > 0.01
