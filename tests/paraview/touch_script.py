@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Inside the window of examples/touch: what is shown is there to be touched, and gives a force."""
+
+import os
+import re
+import sys
+import traceback
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+from qt import QtCore, QtWidgets, wait_until, window
+
+
+def part(name):
+    dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
+    return dock.findChild(QtWidgets.QWidget, name)
+
+
+def main():
+    wait_until(lambda: part("space").count() == 1, "a state space")
+    assert window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock").isVisible()
+    part("device").setCurrentText("Simulated hand")
+    part("start").click()
+    wait_until(lambda: part("state").text() == "running, touching" and
+               float(re.match(r"[\d.]+", part("force").text())[0]) > 0.1, "a force")
+    print("force", part("force").text(), flush=True)
+    part("start").click()
+
+
+def run():
+    try:
+        main()
+    except BaseException:
+        traceback.print_exc()
+        os._exit(1)
+    os._exit(0)
+
+
+QtCore.QTimer.singleShot(0, run)
