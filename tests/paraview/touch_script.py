@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inside the window of examples/touch: what is shown is there to be touched, and gives a force."""
+"""Inside the window of examples/touch: the example's liver can be touched, and gives a force."""
 
 import os
 import re
 import sys
 import traceback
 
-sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+from paraview.simple import LoadState
+
+source = os.environ["PALPATE_SOURCE_DIR"]
+LIVER = os.path.join(source, "examples", "liver")
+sys.path.append(os.path.join(source, "tests", "paraview"))
 from qt import QtCore, QtWidgets, wait_until, window
 
 
@@ -16,6 +20,7 @@ def part(name):
 
 
 def main():
+    LoadState(os.path.join(LIVER, "liver.pvsm"), data_directory=LIVER)
     wait_until(lambda: part("space").count() == 1, "a state space")
     assert window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock").isVisible()
     part("device").setCurrentText("Simulated hand")
