@@ -25,7 +25,8 @@ from pictures import HAND, HELD, PALE, Stage
 from pipeline import save_surface, update
 from roof import POISSON, TIP, YOUNG, make_roof, save_grid
 
-ARGS = parser().parse_args(["--resolution", "5"])
+# A law with which no configuration turns inside out: none is marked.
+ARGS = parser().parse_args(["--resolution", "5", "--law", "Neo-Hookean"])
 # The point of liver.vtp that is farthest in front, and the way out of the body there.
 NODE_IN_FRONT, OUT = 265, np.array([-0.4, 0.4, 1.0])
 TIP_RADIUS, HALF_WIDTH = 0.015, 0.012  # m

@@ -166,6 +166,8 @@ struct pqPalpateTouch::Session
       }
       this->Mouse = std::move(mouse);
     }
+    // As long as nothing is touched no frame is drawn.
+    this->View->render();
   }
 
   pqPalpateDevice OpenDevice(

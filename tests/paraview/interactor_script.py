@@ -178,9 +178,17 @@ def let_go(at):
 
 def mouse():
     """A press beside the body is the camera's; one on it holds the node, which follows the drag."""
-    _, view = open_space()
-    click_start("Mouse")
+    space, view = open_space()
+    # A filter that somebody has left where it was shows the body at rest from the start on.
+    left = TouchStateSpace(Input=space, Displacement=[0, 0, 0.008])
+    ColorBy(Show(left, view), ("POINTS", "Displacement"))
+    Hide(space, view)
+    Render()
     wait(0.3)
+    canvas().grabFramebuffer().save("left.png")
+    click_start("Mouse")
+    wait(0.5)
+    canvas().grabFramebuffer().save("started.png")
     node = pixel_of_node(view)
     before = list(view.CameraPosition)
     end = drag(QtCore.QPoint(15, 15), QtCore.QPoint(4, 2), 5)

@@ -99,6 +99,7 @@ def main():
     mouse = run("mouse", folder)
     assert mouse["dragged"][0] > 0.002, mouse
     assert share_different("rest.png", "dragged.png") > 0.01
+    assert share_different("left.png", "started.png") > 0.01
 
     ends = run("ends", folder)
     assert ends["ended"] == [1] and ends["threads"][0] <= 0, ends
