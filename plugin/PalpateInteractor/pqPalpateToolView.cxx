@@ -22,10 +22,12 @@ namespace
 /// Of the diagonal of the body.
 constexpr double ToolRadius = 0.012;
 constexpr double LongestArrow = 0.4;
-constexpr double NodeSize = 5; // pixels
+constexpr double NodeSize = 8; // pixels
 
 /// Units of depth that bring anything to the front: a force that points into the body is seen too.
 constexpr double ToFront = -66000;
+/// A node in front of the surface that it lies in, and behind what is in front of that.
+constexpr double ToSurface = -500;
 
 void SetMapper(vtkActor* actor, vtkAlgorithmOutput* output)
 {
@@ -73,8 +75,10 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   nodes->SetVerts(vertices);
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(nodes);
+  mapper->SetRelativeCoincidentTopologyPointOffsetParameter(ToSurface);
   this->Nodes->SetMapper(mapper);
   this->Nodes->GetProperty()->SetPointSize(NodeSize);
+  this->Nodes->GetProperty()->RenderPointsAsSpheresOn();
   this->Nodes->GetProperty()->SetColor(0.15, 0.15, 0.15);
 
   vtkNew<vtkSphereSource> sphere;
