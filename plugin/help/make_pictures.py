@@ -25,7 +25,6 @@ COLOURS = (96, 48)  # the first that makes the picture small enough
 LARGEST = 60_000  # bytes
 SURFACE = os.path.join(source_folder, "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
-HALF_WIDTH = 0.012
 # The viewer stands in front of the organ, to its right and above.
 VIEW_FROM = np.array((-0.55, 1.05, 0.75))
 
@@ -158,7 +157,7 @@ def main():
     wait(0.3)
 
     space = add("Precompute State Space")
-    space.ActiveNodes, space.HalfWidth = [NODE], HALF_WIDTH
+    space.ActiveNodes = [NODE]
     space.FileName = "liver.palpate"
     apply()
     wait(1)

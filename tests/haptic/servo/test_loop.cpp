@@ -162,7 +162,8 @@ TEST(Loop, ShortReportsAreCountedAndGiveNoForce) {
 TEST(Loop, DuplicatesAndEmptyPacketsChangeNothing) {
   for (bool duplicates : {true, false}) {
     BoardOptions options;
-    (duplicates ? options.faults.duplicates : options.faults.empty_packets) = {400ms, 700ms};
+    BoardFaults::Span& fault = duplicates ? options.faults.duplicates : options.faults.empty_packets;
+    fault = {400ms, 700ms};
     Rig rig(test::pressing(), options);
     rig.run(399ms);
     while (rig.clock->now() < 700ms) {
