@@ -323,6 +323,8 @@ void pqPalpateTouch::stop()
 void pqPalpateTouch::loseConnection()
 {
   this->end("The connection to the server was lost.", Left::Nothing);
+  // ParaView 5.13 goes at once, and its window with it.
+  vtkLog(WARNING, "The connection to the server was lost: the tool is without force.");
 }
 
 void pqPalpateTouch::end(const QString& why, Left left)

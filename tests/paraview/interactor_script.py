@@ -374,16 +374,11 @@ def lost():
     click_start()
     wait_for(touches, "the hand presses")
 
-    def leave(question):
-        # ParaView can do no more than end.
-        assert "was lost" in part("message").text(), part("message").text()
-        print("ended", int(not runs()), flush=True)
-        question.accept()
-
-    in_dialog(leave)
+    # ParaView can do no more than end: 5.11 asks before, 5.13 does not.
+    in_dialog(lambda question: question.accept())
     subprocess.run(["pkill", "-KILL", "-f", f"server-port={port}"], check=True)
-    wait_for(lambda: not runs(), "the connection is lost")
-    wait(5)
+    wait(20)
+    print("not lost", flush=True)
 
 
 def goes_on(leave):
