@@ -13,8 +13,10 @@
 #include "vtkDataObject.h"
 #include "vtkNew.h"
 #include "vtkSMPVRepresentationProxy.h"
+#include "vtkSMOutputPort.h"
 #include "vtkSMParaViewPipelineControllerWithRendering.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMRepresentationProxy.h"
 #include "vtkSMSourceProxy.h"
 #include "vtkSMTransferFunctionManager.h"
 #include "vtkSMTransferFunctionProxy.h"
@@ -114,10 +116,35 @@ void pqPalpateBodyView::RestorePicture()
 void pqPalpateBodyView::Show(int node, int branch, const double* displacement)
 {
   vtkSMProxy* filter = this->Filter->getProxy();
+  const bool isKnown = this->View && !this->View->getViewProxy()->GetNeedsUpdate();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(node));
   vtkSMPropertyHelper(filter, "Branch").Set(branch);
   vtkSMPropertyHelper(filter, "Displacement").Set(displacement, 3);
   filter->UpdateVTKObjects();
+  if (isKnown && !this->IsOver && this->NumberOfFrames > 0)
+  {
+    this->KeepDomains();
+  }
+}
+
+void pqPalpateBodyView::KeepDomains()
+{
+  constexpr bool usesCache = true;
+  vtkSMPropertyHelper shown(this->View->getProxy(), "Representations");
+  for (unsigned int i = 0; i < shown.GetNumberOfElements(); ++i)
+  {
+    auto* representation = vtkSMRepresentationProxy::SafeDownCast(shown.GetAsProxy(i));
+    if (!representation)
+    {
+      continue;
+    }
+    representation->PostUpdateData(usesCache);
+    // Who asks for ranges is told those of now.
+    if (vtkSMOutputPort* port = vtkSMPropertyHelper(representation, "Input", true).GetAsOutputPort())
+    {
+      port->InvalidateDataInformation();
+    }
+  }
 }
 
 void pqPalpateBodyView::ShowRest()
@@ -125,6 +152,9 @@ void pqPalpateBodyView::ShowRest()
   if (this->Filter && this->View)
   {
     this->SetRest();
+    // Now ParaView asks for everything.
+    vtkSMProxy* filter = this->Filter->getProxy();
+    filter->MarkDirty(filter);
     this->View->render();
   }
 }

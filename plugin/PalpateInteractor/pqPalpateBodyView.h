@@ -45,6 +45,9 @@ public:
 
 private:
   void SetRest();
+  /// What has changed are the body's places alone: ParaView need not ask again, for each property of
+  /// each representation, which arrays there are. That takes it longer than to draw them.
+  void KeepDomains();
   /// Leaves out what costs most and is seen least when frames come too late.
   void KeepPace();
   void LeaveOut(vtkSMProxy* proxy, const char* property, int value);
