@@ -49,7 +49,8 @@ def save(picture, name):
         quantize.Update()
         table = quantize.GetLookupTable()
         index = vtk_to_numpy(quantize.GetOutput().GetPointData().GetScalars()).astype(np.uint8)
-        indexed = QtGui.QImage(index.tobytes(), width, height, width, QtGui.QImage.Format.Format_Indexed8)
+        indexed = QtGui.QImage(index.tobytes(), width, height, width,
+                               QtGui.QImage.Format.Format_Indexed8)
         indexed.setColorTable([QtGui.qRgb(*(round(255 * c) for c in table.GetTableValue(i)[:3]))
                                for i in range(colours)])
         indexed.save(name + ".png")
@@ -90,8 +91,7 @@ def look(source):
 
 def drag_node(view):
     """Presses the left button on it, drags, and holds it there."""
-    canvas = max(window.findChildren(qt.QOpenGLWidget),
-                 key=lambda widget: widget.width() * widget.height())
+    canvas = qt.canvas()
     values = FindSource("TouchStateSpace1").FieldData["ActivePosition"]
     renderer = view.GetRenderer()
     renderer.SetWorldPoint(*(values.GetRange(axis)[0] for axis in range(3)), 1)

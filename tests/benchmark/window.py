@@ -9,9 +9,8 @@ is pressed by the simulated hand, while nothing else is drawn. Sample run:
 
 Prints a row of a table for the dock without its graph, and one with it: frames a second (mean and
 least of the seconds), ticks a second, how late they began (half, 99 %, all, µs), and the share of a
-core that ParaView's process took. The last
-row is the floor: how often ParaView draws the same view in the same window, as fast as it can, with no
-loop beside it and nothing that moves.
+core that ParaView's process took. The last row is the floor: how often ParaView draws the same view
+in the same window, as fast as it can, with no loop beside it and nothing that moves.
 """
 
 import os
@@ -24,7 +23,7 @@ from paraview.simple import *
 
 source = os.environ["PALPATE_SOURCE_DIR"]
 sys.path.append(os.path.join(source, "tests", "paraview"))
-from qt import QtCore, QtWidgets, application, wait, window
+from qt import QtCore, application, part, wait
 
 SECONDS = 20
 SETTLING = 3  # s, in which edges are smoothed no more where that takes too long
@@ -34,10 +33,7 @@ def numbers(label):
     return [float(number) for number in re.findall(r"[\d.]+", label.text())]
 
 
-def measure(dock, name):
-    def part(name):
-        return dock.findChild(QtWidgets.QWidget, name)
-
+def measure(name):
     part("device").setCurrentText("Simulated hand")
     part("start").click()
     wait(SETTLING)
@@ -71,16 +67,14 @@ def measure_floor():
 
 def main():
     try:
-        dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
         liver = os.path.join(source, "examples", "liver")
         LoadState(os.path.join(liver, "liver.pvsm"), data_directory=liver)
         wait(1)
         print("view", *GetActiveView().ViewSize)
-        measure(dock, "dock")
-        dock.findChild(QtWidgets.QGroupBox, "graph").setChecked(True)
-        dock.findChild(QtWidgets.QScrollArea, "area").ensureWidgetVisible(
-            dock.findChild(QtWidgets.QWidget, "forceGraph"))
-        measure(dock, "with the graph")
+        measure("dock")
+        part("graph").setChecked(True)
+        part("area").ensureWidgetVisible(part("forceGraph"))
+        measure("with the graph")
         measure_floor()
     except BaseException:
         traceback.print_exc()

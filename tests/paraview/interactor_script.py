@@ -13,16 +13,9 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import (Button, Event, Modifier, QOpenGLWidget, QtCore, QtGui, QTest, QtWidgets,
-                apply, application, choose, in_dialog, menu, open_file, property_widget, wait, wait_until, window,
-                write)
-
-dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
-
-
-def part(name):
-    """A widget of the dock."""
-    return dock.findChild(QtWidgets.QWidget, name)
+from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, apply, application,
+                canvas, choose, dock, in_dialog, menu, open_file, part, property_widget, wait,
+                wait_until, window, write)
 
 
 def wait_for(condition, what):
@@ -139,12 +132,6 @@ def touching():
     SaveScreenshot("rest_again.png", view, ImageResolution=[600, 450])
     assert os.path.exists("touch-2.csv")
     assert part("recorded").text().endswith("touch-2.csv"), part("recorded").text()
-
-
-def canvas():
-    """What is drawn on in the view."""
-    return max(window.findChildren(QOpenGLWidget),
-               key=lambda widget: widget.width() * widget.height())
 
 
 def pixel_of_node(view):

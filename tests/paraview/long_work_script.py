@@ -10,14 +10,8 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import (Button, Event, Modifier, QOpenGLWidget, QtCore, QtGui, QTest, QtWidgets, application,
-                wait_until, window)
-
-dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
-
-
-def part(name):
-    return dock.findChild(QtWidgets.QWidget, name)
+from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, application, canvas,
+                part, wait_until, window)
 
 
 def figure(space, name):
@@ -89,17 +83,16 @@ def touches():
 
 def drag(view):
     """Presses the mouse on the node, moves it and holds it."""
-    canvas = max(window.findChildren(QOpenGLWidget),
-                 key=lambda widget: widget.width() * widget.height())
+    view_canvas = canvas()
     renderer = view.GetRenderer()
     place = FindSource("TouchStateSpace1").FieldData["ActivePosition"]
     renderer.SetWorldPoint(*(place.GetRange(axis)[0] for axis in range(3)), 1)
     renderer.WorldToDisplay()
     x, y, _ = renderer.GetDisplayPoint()
     for kind, step in ((Event.MouseButtonPress, 0), (Event.MouseMove, 8)):
-        at = QtCore.QPointF(x + step, canvas.height() - 1 - y)
-        application.sendEvent(canvas, QtGui.QMouseEvent(
-            kind, at, QtCore.QPointF(canvas.mapToGlobal(at.toPoint())), Button.LeftButton,
+        at = QtCore.QPointF(x + step, view_canvas.height() - 1 - y)
+        application.sendEvent(view_canvas, QtGui.QMouseEvent(
+            kind, at, QtCore.QPointF(view_canvas.mapToGlobal(at.toPoint())), Button.LeftButton,
             Button.LeftButton, Modifier.NoModifier))
 
 

@@ -24,6 +24,19 @@ Event = QtCore.QEvent.Type
 
 application = QtWidgets.QApplication.instance()
 window = next(w for w in application.topLevelWidgets() if w.objectName() == "pqClientMainWindow")
+# Without the plugin PalpateInteractor there is none.
+dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
+
+
+def part(name):
+    """A widget of the dock."""
+    return dock.findChild(QtWidgets.QWidget, name)
+
+
+def canvas():
+    """What is drawn on in the view."""
+    return max(window.findChildren(QOpenGLWidget),
+               key=lambda widget: widget.width() * widget.height())
 
 
 def wait(seconds):

@@ -11,18 +11,13 @@ from paraview.simple import LoadState
 source = os.environ["PALPATE_SOURCE_DIR"]
 LIVER = os.path.join(source, "examples", "liver")
 sys.path.append(os.path.join(source, "tests", "paraview"))
-from qt import QtCore, QtWidgets, wait_until, window
-
-
-def part(name):
-    dock = window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock")
-    return dock.findChild(QtWidgets.QWidget, name)
+from qt import QtCore, dock, part, wait_until
 
 
 def main():
     LoadState(os.path.join(LIVER, "liver.pvsm"), data_directory=LIVER)
     wait_until(lambda: part("space").count() == 1, "a state space")
-    assert window.findChild(QtWidgets.QDockWidget, "pqPalpateInteractorDock").isVisible()
+    assert dock.isVisible()
     part("device").setCurrentText("Simulated hand")
     part("start").click()
     wait_until(lambda: part("state").text() == "running, touching" and
