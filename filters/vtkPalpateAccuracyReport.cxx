@@ -196,7 +196,7 @@ void FillPoints(
     "Energy", all, [](const AccuracyPoint& point) { return point.exact.energy; }));
   integers("Outcome", [](const AccuracyPoint& p) { return static_cast<int>(p.exact.outcome); });
   integers("Flags", [](const AccuracyPoint& p) { return p.exact.flags; });
-  integers("Found", [](const AccuracyPoint& p) { return static_cast<int>(p.found); });
+  integers("Found", [](const AccuracyPoint& p) { return static_cast<int>(p.support); });
   integers("Class", [](const AccuracyPoint& p) { return static_cast<int>(p.point_class); });
   for (std::size_t m = 0; m < result.methods.size(); ++m)
   {

@@ -12,7 +12,7 @@
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
-#include "interpolation/sheets.h"
+#include "interpolation/solution_branches.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
@@ -118,7 +118,7 @@ struct vtkPalpateTouchStateSpace::Prepared
     std::unique_ptr<palpate::DisplayField> Field;
     std::unique_ptr<palpate::BodyField> BodyField;
   };
-  std::map<vtkIdType, palpate::Sheets> Sheets;
+  std::map<vtkIdType, palpate::SolutionBranches> BranchesOfNode;
   std::map<std::pair<vtkIdType, int>, Branch> Branches;
   /// Where the body is.
   vtkIdType Node = -1;
@@ -142,14 +142,15 @@ struct vtkPalpateTouchStateSpace::Prepared
       this->OnBranch = 0;
       this->At.setZero();
     }
-    const palpate::Sheets& sheets = this->Sheets.try_emplace(node, site).first->second;
-    if (onBranch < -1 || onBranch >= sheets.size())
+    const palpate::SolutionBranches& branches =
+      this->BranchesOfNode.try_emplace(node, site).first->second;
+    if (onBranch < -1 || onBranch >= branches.size())
     {
       throw palpate::InputError("There is no branch " + std::to_string(onBranch) +
-        " at active node " + std::to_string(node) + ": it has " + std::to_string(sheets.size()) +
+        " at active node " + std::to_string(node) + ": it has " + std::to_string(branches.size()) +
         ", counted from 0. Choose one of them, or -1, with which the body finds its own.");
     }
-    this->OnBranch = onBranch >= 0 ? onBranch : sheets.move(this->OnBranch, this->At, t);
+    this->OnBranch = onBranch >= 0 ? onBranch : branches.move(this->OnBranch, this->At, t);
     if (t.allFinite())
     {
       this->At = t;
@@ -161,7 +162,7 @@ struct vtkPalpateTouchStateSpace::Prepared
   [[nodiscard]] TouchSite SiteOnBranch(const TouchSite& site, int branch) const
   {
     return palpate::restricted(
-      site, this->Sheets.at(site.site.active_node).configurations(branch));
+      site, this->BranchesOfNode.at(site.site.active_node).configurations(branch));
   }
 };
 
@@ -295,7 +296,7 @@ int vtkPalpateTouchStateSpace::RequestData(
       const palpate::TouchResult touch = interpolator->evaluate(t);
       Eigen::VectorXf coefficients(field.num_modes());
       field.coefficients(t, coefficients.data());
-      if (touch.found == palpate::Found::no || !coefficients.allFinite())
+      if (touch.support == palpate::Support::none || !coefficients.allFinite())
       {
         coefficients.setZero();
       }
@@ -328,7 +329,7 @@ int vtkPalpateTouchStateSpace::RequestData(
       AddVector(output, "Energy", 1, &touch.energy);
       const palpate::Vec3 position = site.rest_position + t;
       AddVector(output, "ActivePosition", 3, position.data());
-      for (const auto& [name, value] : { std::pair("Found", static_cast<int>(touch.found)),
+      for (const auto& [name, value] : { std::pair("Found", static_cast<int>(touch.support)),
              std::pair("Branch", this->Cache->OnBranch) })
       {
         vtkNew<vtkIntArray> array;

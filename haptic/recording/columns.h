@@ -65,7 +65,7 @@ void visit_columns(Record& record, Visit&& visit) {
   visit_vector("body_force", "N", contact.force, visit);
   visit_matrix("stiffness", "N_per_m", contact.stiffness, visit);
   visit(Name{"energy", "J"}, contact.energy);
-  visit(Name{"found"}, contact.found);
+  visit(Name{"found"}, contact.support);
 
   auto& device = tick.device;
   visit(Name{"age", "s"}, tick.age);

@@ -42,7 +42,7 @@ struct Contact {
   /// That body and coupling store, J.
   double energy = 0;
   /// The least certain of the nodes'.
-  Found found = Found::no;
+  Support support = Support::none;
 };
 
 }  // namespace palpate

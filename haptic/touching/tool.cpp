@@ -21,12 +21,12 @@ constexpr int kMostHalvings = 4;
 constexpr double kBalanced = 1e-8;
 
 /// How certain, the worst first.
-int certainty(Found found) {
-  switch (found) {
-    case Found::no: return 0;
-    case Found::extrapolated: return 1;
-    case Found::marked: return 2;
-    case Found::inside: return 3;
+int certainty(Support support) {
+  switch (support) {
+    case Support::none: return 0;
+    case Support::extrapolated: return 1;
+    case Support::marked: return 2;
+    case Support::inside: return 3;
   }
   return 0;
 }
@@ -65,7 +65,7 @@ void Tool::take_over(const Touchable* body) noexcept {
       release();
     } else {
       // Branches may be numbered anew.
-      held.branch = body->nodes()[held.node].sheets.move(0, Vec3::Zero(), displacement_);
+      held.branch = body->nodes()[held.node].branches.move(0, Vec3::Zero(), displacement_);
     }
   }
 }
@@ -104,14 +104,14 @@ bool Tool::attach(const SurfaceTree::Nearest& at, const TouchSettings& settings)
 
 TouchResult Tool::evaluate(const Vec3& t) const noexcept {
   TouchResult sum;
-  sum.found = Found::inside;
+  sum.support = Support::inside;
   for (int i = 0; i < num_held_; ++i) {
     const Held& held = held_[i];
-    const TouchResult one = body_->nodes()[held.node].branches[held.branch]->evaluate(t);
+    const TouchResult one = body_->nodes()[held.node].on_branch[held.branch]->evaluate(t);
     sum.force += held.weight * one.force;
     sum.stiffness += held.weight * one.stiffness;
     sum.energy += held.weight * one.energy;
-    if (certainty(one.found) < certainty(sum.found)) sum.found = one.found;
+    if (certainty(one.support) < certainty(sum.support)) sum.support = one.support;
   }
   return sum;
 }
@@ -156,7 +156,7 @@ Contact Tool::touch(const Vec3& offset, double coupling) noexcept {
   const auto follow = [&](const Vec3& to) {
     for (int i = 0; i < num_held_; ++i) {
       held_[i].branch =
-          body_->nodes()[held_[i].node].sheets.move(held_[i].branch, displacement_, to);
+          body_->nodes()[held_[i].node].branches.move(held_[i].branch, displacement_, to);
     }
   };
   Contact contact;
@@ -190,7 +190,7 @@ Contact Tool::touch(const Vec3& offset, double coupling) noexcept {
   }
   contact.anchor = anchor_;
   contact.displacement = t;
-  contact.found = at.found;
+  contact.support = at.support;
   return contact;
 }
 
@@ -199,7 +199,7 @@ bool Tool::lets_go(const Contact& contact, const TouchSettings& settings) const 
   const bool pulls = contact.force.dot(normal_) < 0 && height > 0;
   if (!settings.bonded) {
     const double aside = (contact.displacement - height * normal_).norm();
-    return pulls || (contact.found == Found::extrapolated && aside > std::abs(height));
+    return pulls || (contact.support == Support::extrapolated && aside > std::abs(height));
   }
   return pulls && settings.release_force > 0 && contact.force.norm() > settings.release_force;
 }

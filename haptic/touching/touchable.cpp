@@ -24,17 +24,17 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
       throw InputError("Active node " + std::to_string(mesh_point) +
                        " is not on the surface of the body: a tool cannot reach it.");
     }
-    Sheets sheets(site);
-    std::vector<std::unique_ptr<Interpolator>> branches;
-    for (int sheet = 0; sheet < sheets.size(); ++sheet) {
-      branches.push_back(make_interpolator(
+    SolutionBranches branches(site);
+    std::vector<std::unique_ptr<Interpolator>> on_branch;
+    for (int branch = 0; branch < branches.size(); ++branch) {
+      on_branch.push_back(make_interpolator(
           options.method,
-          sheets.size() == 1 ? site : restricted(site, sheets.configurations(sheet)),
+          branches.size() == 1 ? site : restricted(site, branches.configurations(branch)),
           options.interpolation));
     }
     node_of_[surface_point] = static_cast<std::int32_t>(nodes_.size());
     nodes_.push_back({mesh_point, surface_point, site.rest_position, site.site.tip_radius,
-                      std::move(sheets), std::move(branches)});
+                      std::move(branches), std::move(on_branch)});
     largest_tip_radius_ = std::max(largest_tip_radius_, site.site.tip_radius);
     for (const ConfigurationSummary& configuration : site.configurations) {
       if (!configuration.usable() || !configuration.stiffness.allFinite()) continue;
@@ -69,7 +69,7 @@ std::int32_t Touchable::nearest(const Vec3& point, double reach) const noexcept 
 std::size_t Touchable::bytes() const {
   std::size_t bytes = surface_.bytes() + node_of_.size() * sizeof(std::int32_t);
   for (const Node& node : nodes_) {
-    for (const auto& branch : node.branches) bytes += branch->bytes();
+    for (const auto& force : node.on_branch) bytes += force->bytes();
   }
   return bytes;
 }

@@ -8,7 +8,7 @@
 
 #include "haptic/touching/surface_tree.h"
 #include "interpolation/interpolator.h"
-#include "interpolation/sheets.h"
+#include "interpolation/solution_branches.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
@@ -30,9 +30,9 @@ class Touchable {
     Index surface_point = 0;
     Vec3 rest_position = Vec3::Zero();
     double tip_radius = 0;
-    /// The branches of the body at this node, and the force on each of them.
-    Sheets sheets;
-    std::vector<std::unique_ptr<Interpolator>> branches;
+    SolutionBranches branches;
+    /// The force on each branch.
+    std::vector<std::unique_ptr<Interpolator>> on_branch;
   };
 
   [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }

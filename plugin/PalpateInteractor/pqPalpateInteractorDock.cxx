@@ -435,7 +435,7 @@ void pqPalpateInteractorDock::showFigures()
     QString("%1 N, body %2 N").arg(f.Force, 0, 'f', 3).arg(f.BodyForce, 0, 'f', 3));
   this->Energy->setText(QString("%1 mJ").arg(1e3 * f.Dissipated, 0, 'f', 3));
   this->Damping->setText(QString("%1 N·s/m").arg(f.Damping, 0, 'f', 3));
-  QString node = f.Node < 0 ? "none" : QString("%1, %2").arg(f.Node).arg(f.Found);
+  QString node = f.Node < 0 ? "none" : QString("%1, %2").arg(f.Node).arg(f.Support);
   if (f.Branch > 0)
   {
     node += QString(", branch %1").arg(f.Branch);

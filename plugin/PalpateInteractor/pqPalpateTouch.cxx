@@ -61,17 +61,17 @@ QString Words(palpate::ContactStatus status)
   return {};
 }
 
-QString Words(palpate::Found found)
+QString Words(palpate::Support support)
 {
-  switch (found)
+  switch (support)
   {
-    case palpate::Found::no:
+    case palpate::Support::none:
       return "nothing found";
-    case palpate::Found::inside:
+    case palpate::Support::inside:
       return "inside the space";
-    case palpate::Found::extrapolated:
+    case palpate::Support::extrapolated:
       return "beyond the space";
-    case palpate::Found::marked:
+    case palpate::Support::marked:
       return "in a marked region";
   }
   return {};
@@ -589,7 +589,7 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   {
     figures.Node = tick.contact.nodes[0];
     figures.Branch = tick.contact.branches[0];
-    figures.Found = Words(tick.contact.found);
+    figures.Support = Words(tick.contact.support);
   }
   if (session.Recorder)
   {

@@ -60,7 +60,7 @@ public:
     double Damping = 0;
     int Node = -1;
     int Branch = 0;
-    QString Found;
+    QString Support;
     /// Ticks in the recording, and those that it lost.
     quint64 Recorded = 0;
     quint64 NotRecorded = 0;

@@ -157,7 +157,7 @@ bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
       for (std::size_t i = 0; i < errors.size(); ++i) {
         AccuracyPoint& point = result.points[first_point + i];
         point.errors[column->second] = errors[i].error;
-        point.found = errors[i].found;
+        point.support = errors[i].support;
         point.point_class = errors[i].point_class;
       }
     }

@@ -70,7 +70,7 @@ struct AccuracyRow {
 struct AccuracyPoint {
   Index active_node = 0;
   TestPoint exact;
-  Found found = Found::no;
+  Support support = Support::none;
   PointClass point_class = PointClass::failed;
   /// Relative, in the order of AccuracyResult::methods; NaN where the point failed or the method does
   /// not serve the site.

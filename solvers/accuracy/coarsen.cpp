@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "interpolation/sheets.h"
+#include "interpolation/solution_branches.h"
 
 namespace palpate {
 

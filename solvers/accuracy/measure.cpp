@@ -14,7 +14,7 @@
 #include "accuracy/statistics.h"
 #include "equilibrium/work.h"
 #include "interpolation/display_field.h"
-#include "interpolation/sheets.h"
+#include "interpolation/solution_branches.h"
 
 namespace palpate {
 namespace {
@@ -28,47 +28,48 @@ constexpr std::size_t kTimedCalls = 8192;
 class Subject {
  public:
   Subject(const TouchSite& site, const Variant& variant)
-      : site_(site), variant_(variant), sheets_(site) {
+      : site_(site), variant_(variant), branches_(site) {
     (void)on(0);
   }
 
-  /// The branch that the body is on when it is moved, see Sheets::move.
-  [[nodiscard]] int move(int sheet, const Vec3& from, const Vec3& to) const {
-    return sheets_.move(sheet, from, to);
+  /// The branch that the body is on when it is moved, see SolutionBranches::move.
+  [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const {
+    return branches_.move(branch, from, to);
   }
 
-  [[nodiscard]] const Interpolator& on(int sheet) { return *branch(sheet).interpolator; }
-  [[nodiscard]] const DisplayField& field_on(int sheet) {
-    Branch& here = branch(sheet);
-    if (!here.field) here.field = std::make_unique<DisplayField>(part(sheet));
+  [[nodiscard]] const Interpolator& on(int branch) { return *part_on(branch).interpolator; }
+  [[nodiscard]] const DisplayField& field_on(int branch) {
+    Part& here = part_on(branch);
+    if (!here.field) here.field = std::make_unique<DisplayField>(site_on(branch));
     return *here.field;
   }
 
  private:
-  struct Branch {
+  /// What is made of a branch.
+  struct Part {
     std::unique_ptr<Interpolator> interpolator;
     std::unique_ptr<DisplayField> field;
   };
 
-  [[nodiscard]] TouchSite part(int sheet) const {
-    return restricted(site_, sheets_.configurations(sheet));
+  [[nodiscard]] TouchSite site_on(int branch) const {
+    return restricted(site_, branches_.configurations(branch));
   }
 
-  Branch& branch(int sheet) {
-    branches_.resize(static_cast<std::size_t>(sheets_.size()));
-    Branch& here = branches_[static_cast<std::size_t>(sheet)];
+  Part& part_on(int branch) {
+    parts_.resize(static_cast<std::size_t>(branches_.size()));
+    Part& here = parts_[static_cast<std::size_t>(branch)];
     if (!here.interpolator) {
       // The stiffness at rest is that of the branch that rest is on.
-      const int of = variant_.method == Method::linear ? 0 : sheet;
-      here.interpolator = make_interpolator(variant_.method, part(of), variant_.options);
+      const int of = variant_.method == Method::linear ? 0 : branch;
+      here.interpolator = make_interpolator(variant_.method, site_on(of), variant_.options);
     }
     return here;
   }
 
   const TouchSite& site_;
   const Variant& variant_;
-  Sheets sheets_;
-  std::vector<Branch> branches_;
+  SolutionBranches branches_;
+  std::vector<Part> parts_;
 };
 
 double largest_force(const TouchSite& site) {
@@ -87,12 +88,12 @@ double largest_stiffness(const TouchSite& site) {
   return largest;
 }
 
-PointClass class_of(const TestPoint& point, Found found) {
+PointClass class_of(const TestPoint& point, Support support) {
   if (point.outcome != Outcome::converged) return PointClass::failed;
   if (!point.regular()) return PointClass::irregular;
-  switch (found) {
-    case Found::inside: return PointClass::inside;
-    case Found::marked: return PointClass::marked;
+  switch (support) {
+    case Support::inside: return PointClass::inside;
+    case Support::marked: return PointClass::marked;
     default: return PointClass::extrapolated;
   }
 }
@@ -117,25 +118,25 @@ void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& sub
                     Measurement& result) {
   const double floor = kErrorFloor * largest_force(site);
   const std::vector<Index> samples = sample_points(space.surface);
-  int sheet = 0;
+  int branch = 0;
   Vec3 at = Vec3::Zero();
   for (const TestPoint& point : points) {
     const bool goes_on = point.kind == TestKind::walk && point.number % kWalkLength != 0;
     if (!goes_on) {
-      sheet = 0;
+      branch = 0;
       at.setZero();
     }
     if (point.kind == TestKind::uniform) {
       const Vec3 anchor = anchor_of(point.t, site.site.half_width);
-      sheet = subject.move(sheet, at, anchor);
+      branch = subject.move(branch, at, anchor);
       at = anchor;
     }
-    sheet = subject.move(sheet, at, point.t);
+    branch = subject.move(branch, at, point.t);
     at = point.t;
-    const TouchResult touch = subject.on(sheet).evaluate(point.t);
+    const TouchResult touch = subject.on(branch).evaluate(point.t);
     PointError& error = errors.emplace_back();
-    error.found = touch.found;
-    error.point_class = class_of(point, touch.found);
+    error.support = touch.support;
+    error.point_class = class_of(point, touch.support);
     ++result.points[static_cast<std::size_t>(error.point_class)];
     error.error = std::numeric_limits<double>::quiet_NaN();
     if (error.point_class == PointClass::failed) continue;
@@ -153,7 +154,7 @@ void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& sub
                                point.stiffness.norm());
     if (point.displacement.size() == 3 * static_cast<Eigen::Index>(samples.size())) {
       result.displacement.push_back(
-          displacement_error(space, samples, subject.field_on(sheet), point));
+          displacement_error(space, samples, subject.field_on(branch), point));
     }
   }
 }
@@ -199,7 +200,7 @@ double work_along(const Interpolator& interpolator, const Site& site, const Vec3
     for (int q = 0; q < Gauss::kPoints; ++q) {
       const auto p = static_cast<std::size_t>(q);
       const TouchResult touch = interpolator.evaluate(from + (cuts[i - 1] + length * gauss.x[p]) * way);
-      if (touch.found == Found::extrapolated || touch.found == Found::no) {
+      if (touch.support == Support::extrapolated || touch.support == Support::none) {
         return std::numeric_limits<double>::quiet_NaN();
       }
       work += length * gauss.weight[p] * touch.force.dot(way);

@@ -94,7 +94,7 @@ struct Measurement {
 /// What is measured at a test point.
 struct PointError {
   PointClass point_class = PointClass::failed;
-  Found found = Found::no;
+  Support support = Support::none;
   /// Relative error; NaN where the point failed.
   double error = 0;
 };

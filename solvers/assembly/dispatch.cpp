@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/kernels.h"
+#include "base/simd.h"
 
 namespace palpate {
 
@@ -17,11 +18,10 @@ const Kernels& kernels(int order, int law, int formulation);
 
 const Kernels& best_kernels(int order, int law, int formulation) {
 #ifdef PALPATE_X86_KERNELS
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
-    return avx512::kernels(order, law, formulation);
-  }
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-    return avx2::kernels(order, law, formulation);
+  switch (best_instruction_set()) {
+    case InstructionSet::avx512: return avx512::kernels(order, law, formulation);
+    case InstructionSet::avx2: return avx2::kernels(order, law, formulation);
+    case InstructionSet::baseline: break;
   }
 #endif
   return baseline::kernels(order, law, formulation);

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Compiled once for each instruction set, see PALPATE_INSTRUCTION_SET in base/packet.h.
+// Compiled once for each instruction set, see PALPATE_INSTRUCTION_SET in base/simd.h.
 #include "assembly/kernels.h"
 
 #include <limits>
 #include <utility>
 
-#include "base/packet.h"
+#include "base/simd.h"
 #include "materials/laws.h"
 
 namespace palpate::PALPATE_INSTRUCTION_SET {
 namespace {
-
-static_assert(kLanes == kPacketSize);
 
 template <int Order>
 struct Element;
@@ -92,7 +90,7 @@ class Group {
           least = min(least, 1.0 + k.j);
         }
       }
-      least.store(minimum_det_f + p * kLanes);
+      least.store(minimum_det_f + p * kPacketSize);
     }
   }
 
@@ -109,7 +107,7 @@ class Group {
       for (Packet& value : sum) value = 0.0;
       Packet least = L == Law::linear ? 1.0 : std::numeric_limits<double>::max();
       for (int q = 0; q < kPoints; ++q) {
-        const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kLanes);
+        const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kPacketSize);
         Kinematics<Packet> k;
         displacement_gradient(group, p, q, ue, k);
         k.update();
@@ -145,7 +143,7 @@ class Group {
       }
       sum[StressSum::minimum_det_f] = least;
       for (int i = 0; i < StressSum::count; ++i) {
-        sum[i].store(sums + (static_cast<std::int64_t>(p) * StressSum::count + i) * kLanes);
+        sum[i].store(sums + (static_cast<std::int64_t>(p) * StressSum::count + i) * kPacketSize);
       }
     }
   }
@@ -174,7 +172,7 @@ class Group {
       if constexpr (kMixed) gather_pressures(group, p, state, pressures);
       for (int q = 0; q < kPoints; ++q) {
         const double* gradients = gradients_at(group, p, q);
-        const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kLanes);
+        const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kPacketSize);
         Kinematics<Packet> k;
         displacement_gradient(group, p, q, ue, k);
         k.update();
@@ -202,7 +200,7 @@ class Group {
       }
     }
     GroupResult result{0, 1};
-    for (int lane = 0; lane < kLanes; ++lane) {
+    for (int lane = 0; lane < kPacketSize; ++lane) {
       result.energy += energy[lane];
       if (L != Law::linear) {
         result.minimum_det_f = lane == 0 ? least[0] : min(result.minimum_det_f, least[lane]);
@@ -219,22 +217,22 @@ class Group {
     for (int i = 0; i < kParameters; ++i) {
       parameters[i] = group.homogeneous
                           ? Packet(group.parameters[i])
-                          : Packet::load(group.parameters + (p * kParameters + i) * kLanes);
+                          : Packet::load(group.parameters + (p * kParameters + i) * kPacketSize);
     }
     for (int i = 0; i < kConstants; ++i) constants[i] = parameters[i];
   }
 
   static const double* gradients_at(const ElementGroupView& group, std::int32_t p, int q) {
-    return group.gradients + static_cast<std::int64_t>(p * kPoints + q) * kNodes * 3 * kLanes;
+    return group.gradients + static_cast<std::int64_t>(p * kPoints + q) * kNodes * 3 * kPacketSize;
   }
 
   static void gather(const ElementGroupView& group, std::int32_t p, const double* state,
                      Packet (&ue)[kNodes][3]) {
-    const std::int32_t* nodes = group.nodes + p * kNodes * kLanes;
+    const std::int32_t* nodes = group.nodes + p * kNodes * kPacketSize;
     for (int a = 0; a < kNodes; ++a) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        const double* at = state + 3 * static_cast<std::int64_t>(nodes[a * kLanes + lane]);
-        for (int i = 0; i < 3; ++i) ue[a][i].lanes[lane] = at[i];
+      for (int lane = 0; lane < kPacketSize; ++lane) {
+        const double* at = state + 3 * static_cast<std::int64_t>(nodes[a * kPacketSize + lane]);
+        for (int i = 0; i < 3; ++i) ue[a][i].values[lane] = at[i];
       }
     }
   }
@@ -246,7 +244,7 @@ class Group {
     for (auto& row : k.h) row[0] = row[1] = row[2] = 0.0;
     for (int a = 0; a < kNodes; ++a) {
       for (int j = 0; j < 3; ++j) {
-        const Packet g = Packet::load(gradients + (a * 3 + j) * kLanes);
+        const Packet g = Packet::load(gradients + (a * 3 + j) * kPacketSize);
         for (int i = 0; i < 3; ++i) k.h[i][j] += ue[a][i] * g;
       }
     }
@@ -275,11 +273,12 @@ class Group {
   template <bool WithTangent>
   static void gather_pressures(const ElementGroupView& group, std::int32_t p, const double* state,
                                Pressures<true, WithTangent>& out) {
-    const std::int32_t* at = group.pressures + static_cast<std::int64_t>(p) * 4 * kLanes;
+    const std::int32_t* at = group.pressures + static_cast<std::int64_t>(p) * 4 * kPacketSize;
     for (int b = 0; b < 4; ++b) {
-      double of_lanes[kLanes];
-      for (int lane = 0; lane < kLanes; ++lane) of_lanes[lane] = state[at[b * kLanes + lane]];
-      out.p[b] = Packet::load(of_lanes);
+      double of_packet[kPacketSize];
+      for (int lane = 0; lane < kPacketSize; ++lane)
+        of_packet[lane] = state[at[b * kPacketSize + lane]];
+      out.p[b] = Packet::load(of_packet);
       out.force[b] = 0.0;
     }
     for (auto& row : out.coupling) {
@@ -314,7 +313,7 @@ class Group {
       }
       for (int a = 0; a < kNodes; ++a) {
         Packet g[3];
-        for (int j = 0; j < 3; ++j) g[j] = Packet::load(gradients + (a * 3 + j) * kLanes);
+        for (int j = 0; j < 3; ++j) g[j] = Packet::load(gradients + (a * 3 + j) * kPacketSize);
         for (int i = 0; i < 3; ++i) {
           const Packet at_node = change[i][0] * g[0] + change[i][1] * g[1] + change[i][2] * g[2];
           for (int b = 0; b < 4; ++b) {
@@ -336,7 +335,7 @@ class Group {
     const Packet scale = parameters[kConstants + 2];
     Packet volume = 0.0;
     for (int q = 0; q < kPoints; ++q) {
-      volume += Packet::load(group.weights + (p * kPoints + q) * kLanes);
+      volume += Packet::load(group.weights + (p * kPoints + q) * kPacketSize);
     }
     volume *= scale * scale;
     const Packet mass = Order == 1 ? compliance + stabilisation : compliance;
@@ -365,18 +364,18 @@ class Group {
                                 const Pressures<true, WithTangent>& pressures, double* force,
                                 [[maybe_unused]] double* values) {
     const std::int64_t packet = p;
-    const std::int32_t* at = group.pressures + packet * 4 * kLanes;
+    const std::int32_t* at = group.pressures + packet * 4 * kPacketSize;
     for (int b = 0; b < 4; ++b) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        force[at[b * kLanes + lane]] += pressures.force[b][lane];
+      for (int lane = 0; lane < kPacketSize; ++lane) {
+        force[at[b * kPacketSize + lane]] += pressures.force[b][lane];
       }
     }
     if constexpr (WithTangent) {
-      const BlockTarget* targets = group.coupling_targets + packet * kNodes * 4 * kLanes;
+      const BlockTarget* targets = group.coupling_targets + packet * kNodes * 4 * kPacketSize;
       for (int a = 0; a < kNodes; ++a) {
         for (int b = 0; b < 4; ++b) {
-          for (int lane = 0; lane < kLanes; ++lane) {
-            const BlockTarget target = targets[(a * 4 + b) * kLanes + lane];
+          for (int lane = 0; lane < kPacketSize; ++lane) {
+            const BlockTarget target = targets[(a * 4 + b) * kPacketSize + lane];
             if (target.first < 0) continue;
             double* value = values + target.first;
             for (int c = 0; c < 3; ++c) {
@@ -386,10 +385,10 @@ class Group {
           }
         }
       }
-      const std::int32_t* positions = group.pressure_targets + packet * kCornerPairs * kLanes;
+      const std::int32_t* positions = group.pressure_targets + packet * kCornerPairs * kPacketSize;
       for (int pair_of = 0; pair_of < kCornerPairs; ++pair_of) {
-        for (int lane = 0; lane < kLanes; ++lane) {
-          const std::int32_t position = positions[pair_of * kLanes + lane];
+        for (int lane = 0; lane < kPacketSize; ++lane) {
+          const std::int32_t position = positions[pair_of * kPacketSize + lane];
           if (position >= 0) values[position] += pressures.block[pair_of][lane];
         }
       }
@@ -413,7 +412,7 @@ class Group {
     }
     for (int a = 0; a < kNodes; ++a) {
       for (int j = 0; j < 3; ++j) {
-        const Packet g = Packet::load(gradients + (a * 3 + j) * kLanes);
+        const Packet g = Packet::load(gradients + (a * 3 + j) * kPacketSize);
         for (int i = 0; i < 3; ++i) fe[a][i] += stress[i][j] * g;
       }
     }
@@ -448,7 +447,7 @@ class Group {
     }
     for (int b = 0; b < kNodes; ++b) {
       Packet gb[3];
-      for (int ll = 0; ll < 3; ++ll) gb[ll] = Packet::load(gradients + (b * 3 + ll) * kLanes);
+      for (int ll = 0; ll < 3; ++ll) gb[ll] = Packet::load(gradients + (b * 3 + ll) * kPacketSize);
       Packet ag[3][3][3];  // A_iJkL ∂N_b/∂X_L as [J][i][k]
       for (int jj = 0; jj < 3; ++jj) {
         for (int i = 0; i < 3; ++i) {
@@ -461,7 +460,7 @@ class Group {
       for (int a = 0; a <= b; ++a) {
         Packet* block = ke[pair(a, b)];
         for (int jj = 0; jj < 3; ++jj) {
-          const Packet ga = Packet::load(gradients + (a * 3 + jj) * kLanes);
+          const Packet ga = Packet::load(gradients + (a * 3 + jj) * kPacketSize);
           for (int i = 0; i < 3; ++i) {
             for (int kk = 0; kk < 3; ++kk) block[3 * i + kk] += ga * ag[jj][i][kk];
           }
@@ -475,10 +474,10 @@ class Group {
 
   static void scatter_force(const ElementGroupView& group, std::int32_t p,
                             const Packet (&fe)[kNodes][3], double* force) {
-    const std::int32_t* nodes = group.nodes + p * kNodes * kLanes;
+    const std::int32_t* nodes = group.nodes + p * kNodes * kPacketSize;
     for (int a = 0; a < kNodes; ++a) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        double* at = force + 3 * static_cast<std::int64_t>(nodes[a * kLanes + lane]);
+      for (int lane = 0; lane < kPacketSize; ++lane) {
+        double* at = force + 3 * static_cast<std::int64_t>(nodes[a * kPacketSize + lane]);
         for (int i = 0; i < 3; ++i) at[i] += fe[a][i][lane];
       }
     }
@@ -486,14 +485,15 @@ class Group {
 
   static void scatter_tangent(const ElementGroupView& group, std::int32_t p,
                               const Packet (&ke)[kPairs][9], double* values) {
-    const BlockTarget* targets = group.targets + static_cast<std::int64_t>(p) * kPairs * kLanes;
+    const BlockTarget* targets =
+        group.targets + static_cast<std::int64_t>(p) * kPairs * kPacketSize;
     int index = 0;
     for (int a = 0; a < kNodes; ++a) {
       for (int b = a; b < kNodes; ++b, ++index) {
-        double block[9][kLanes];
+        double block[9][kPacketSize];
         for (int i = 0; i < 9; ++i) ke[index][i].store(block[i]);
-        for (int lane = 0; lane < kLanes; ++lane) {
-          const BlockTarget target = targets[index * kLanes + lane];
+        for (int lane = 0; lane < kPacketSize; ++lane) {
+          const BlockTarget target = targets[index * kPacketSize + lane];
           if (target.first < 0) continue;
           double* column = values + target.first;
           const bool transposed = target.column_length < 0;

@@ -12,10 +12,9 @@
 
 #include <cstdint>
 
-namespace palpate {
+#include "base/simd.h"
 
-/// Elements in a packet.
-inline constexpr int kPacketSize = 8;
+namespace palpate {
 
 /// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, compressed by columns; or the
 /// 1 × 3 block of a pressure and a node, whose row is below all of the nodes.
@@ -27,7 +26,7 @@ struct BlockTarget {
   std::int32_t column_length = 0;
 };
 
-/// A group of elements. All arrays are packet by packet, the eight elements of a packet innermost;
+/// A group of elements. All arrays are packet by packet, the kPacketSize elements of one innermost;
 /// the last packet is filled up with copies of its last element that have no weight.
 struct ElementGroupView {
   std::int32_t num_packets;

@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "base/error.h"
-#include "equilibrium/completion.h"
 #include "equilibrium/corrector.h"
 #include "equilibrium/explanation.h"
 #include "equilibrium/held_body.h"
+#include "equilibrium/linearisation.h"
 #include "equilibrium/third_derivative.h"
 
 namespace palpate {
@@ -156,7 +156,7 @@ Equilibrium EquilibriumSolver::Impl::rest() {
   state.p_v.setZero(assembly.num_pressures(), parameters);
   state.reaction.setZero(parameters);
   state.stiffness.setZero(parameters, parameters);
-  state.outcome = complete(body_, NodalVector::Zero(assembly.state_size()), state);
+  state.outcome = linearise(body_, NodalVector::Zero(assembly.state_size()), state);
   if (state.outcome != Outcome::converged) state.message = explain_singular(body_);
   add_third_derivative(state);
   state.seconds = seconds_since(start_);
@@ -206,7 +206,7 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   }
   const double error = tangent == Tangent::rough ? kRoughSensitivityError : kSensitivityError;
   if (tangent != Tangent::factorised && !is_linear &&
-      complete_by_iteration(body_, options_, progress.state, *state, error, next)) {
+      linearise_by_iteration(body_, options_, progress.state, *state, error, next)) {
     return next;
   }
   next.outcome = polish(*state, next, progress);
@@ -216,13 +216,13 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
 Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next,
                                         Progress& progress) {
   NodalVector newton_step;
-  Outcome outcome = complete(body_, state, next, &newton_step);
+  Outcome outcome = linearise(body_, state, next, &newton_step);
   while (outcome == Outcome::converged && next.displacement_error > options_.displacement_error()) {
     const double before = next.displacement_error;
     const NodalVector improved = state + newton_step;
     if (!std::isfinite(body_.evaluate(improved))) return Outcome::not_converged;
     ++progress.iterations;
-    outcome = complete(body_, improved, next, &newton_step);
+    outcome = linearise(body_, improved, next, &newton_step);
     state = improved;
     // Where it does not shrink any more, rounding is what is left.
     if (next.displacement_error > 0.5 * before) break;

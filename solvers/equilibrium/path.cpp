@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "equilibrium/completion.h"
+#include "equilibrium/linearisation.h"
 
 namespace palpate {
 namespace {
@@ -106,7 +106,7 @@ class Follower {
     }
     Equilibrium equilibrium;
     equilibrium.t = t_at(next.way);
-    if (complete(body_, next.x, equilibrium) != Outcome::converged) return false;
+    if (linearise(body_, next.x, equilibrium) != Outcome::converged) return false;
     Vector tangent = tangent_at(equilibrium);
     const double cosine = product(tangent, tangent_);
     if (std::abs(cosine) < kLeastCosine) return false;

@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "equilibrium/completion.h"
+#include "equilibrium/linearisation.h"
 
 namespace palpate {
 namespace {

@@ -25,7 +25,7 @@ enum class Kind : std::uint8_t {
   found,
   /// To the rank that has kept a candidate: the level that it has, if any.
   settle,
-  /// To a holder of starts: branches.
+  /// To a holder of starts: batches.
   make,
   /// To rank 0: how far the sender's homes are.
   progress,
@@ -186,9 +186,7 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
       record_.settle(node, candidate, content.take<std::int32_t>());
       break;
     }
-    case Kind::make:
-      branches_.push_front(unpack(content));
-      break;
+    case Kind::make: batches_.push_front(unpack(content)); break;
     case Kind::progress:
       monitor_.set_count(from, content.take<Monitor::Count>());
       break;
@@ -260,19 +258,19 @@ void Engine::hand_out(Index active_node, Mail& mail) {
   for (std::size_t i = 0; i < due.size();) {
     const CheckPoint start = due[i].start;
     const std::int32_t start_level = due[i].start_level;
-    Branch branch;
-    branch.active_node = active_node;
+    Batch batch;
+    batch.active_node = active_node;
     int holder = mail.rank();
     if (!due[i].needs_no_start()) {
       const Held& held = home.held.at({start, start_level});
-      branch.start = held.summary;
+      batch.start = held.summary;
       holder = held.rank;
     }
     const auto has_this_start = [&](const Transition& transition) {
       return transition.start == start && transition.start_level == start_level;
     };
     for (; i < due.size() && has_this_start(due[i]); ++i) {
-      Target& target = branch.targets.emplace_back(Target{due[i].target});
+      Target& target = batch.targets.emplace_back(Target{due[i].target});
       if (due[i].finds_candidate) {
         target.level = candidate_level(start, start_level, target.check_point);
         continue;
@@ -283,22 +281,22 @@ void Engine::hand_out(Index active_node, Mail& mail) {
       target.seconds = failed->second.seconds;
     }
     if (holder == mail.rank()) {
-      branches_.push_front(std::move(branch));
+      batches_.push_front(std::move(batch));
     } else {
       Packer message;
       message.put(Kind::make);
-      pack(branch, false, message);
+      pack(batch, false, message);
       mail.send(holder, message.take());
     }
   }
 }
 
-bool Engine::has_work() const { return !branches_.empty(); }
+bool Engine::has_work() const { return !batches_.empty(); }
 
 void Engine::work(Mail& mail) {
   tell(mail);
-  current_ = std::move(branches_.back());
-  branches_.pop_back();
+  current_ = std::move(batches_.back());
+  batches_.pop_back();
   const Index node = current_->active_node;
   const Target target = current_->targets.front();
   current_->targets.pop_front();
@@ -325,19 +323,19 @@ void Engine::work(Mail& mail) {
   mail.send_home(key_of(node), message.take());
 
   if (!current_->targets.empty()) {
-    branches_.push_back(std::move(*current_));
+    batches_.push_back(std::move(*current_));
   } else if (start != nullptr) {
     solver_.forget(*start);
   }
   current_.reset();
-  Branch next;
+  Batch next;
   next.active_node = node;
   next.start = summary;
   for (const CheckPoint& p : following(sites_.at(node), summary)) next.targets.push_back({p});
   const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
   if (next.targets.empty()) return solver_.forget(*state);
   next.state = state;
-  branches_.push_back(std::move(next));
+  batches_.push_back(std::move(next));
 }
 
 /// How far the homes here are.
@@ -352,21 +350,21 @@ void Engine::tell(Mail& mail) {
   mail.send(0, message.take());
 }
 
-void Engine::load_state(Branch& branch) const {
-  if (!branch.has_start() || branch.state != nullptr) return;
-  branch.state = std::make_shared<const Equilibrium>(
-      to_equilibrium(record_.load(branch.active_node, branch.start)));
+void Engine::load_state(Batch& batch) const {
+  if (!batch.has_start() || batch.state != nullptr) return;
+  batch.state = std::make_shared<const Equilibrium>(
+      to_equilibrium(record_.load(batch.active_node, batch.start)));
 }
 
 /// @throws InputError the body is not held.
-Configuration Engine::make(const Branch& branch, const Target& target) {
-  const Site& site = sites_.at(branch.active_node);
+Configuration Engine::make(const Batch& batch, const Target& target) {
+  const Site& site = sites_.at(batch.active_node);
   if (held_node_ != site.active_node) {
     solver_.hold(tip_.hold({site.active_node}));
     held_node_ = site.active_node;
   }
   Configuration found;
-  if (!branch.has_start()) {
+  if (!batch.has_start()) {
     Equilibrium rest = solver_.rest();
     if (rest.outcome != Outcome::converged) throw InputError(rest.message);
     found = to_configuration(std::move(rest));
@@ -378,24 +376,24 @@ Configuration Engine::make(const Branch& branch, const Target& target) {
     sought.outcome = Outcome::converged;
     const bool leads_on = target.level < 0 || !following(site, sought).empty();
     found = to_configuration(
-        solver_.solve(t, *branch.state, leads_on ? Tangent::factorised : Tangent::iterated));
+        solver_.solve(t, *batch.state, leads_on ? Tangent::factorised : Tangent::iterated));
   }
   found.check_point = target.check_point;
   found.level = target.level;
-  found.parent = branch.start.check_point;
-  found.parent_level = branch.start.level;
+  found.parent = batch.start.check_point;
+  found.parent_level = batch.start.level;
   found.iterations += target.iterations;
   found.seconds += target.seconds;
   if (is_beyond_limit(site, found.force)) found.flags |= flags::beyond_force_limit;
   return found;
 }
 
-std::vector<IntermediateState> Engine::make_way(const Branch& branch,
+std::vector<IntermediateState> Engine::make_way(const Batch& batch,
                                                 const ConfigurationSummary& found) {
   std::vector<IntermediateState> way;
-  if (!branch.has_start() || found.level != 0) return way;
-  const Site& site = sites_.at(branch.active_node);
-  const Equilibrium& start = *branch.state;
+  if (!batch.has_start() || found.level != 0) return way;
+  const Site& site = sites_.at(batch.active_node);
+  const Equilibrium& start = *batch.state;
   for (std::int32_t number = 1; number <= site.intermediate_states; ++number) {
     const double share = static_cast<double>(number) / (site.intermediate_states + 1);
     const Eigen::VectorXd t = start.t + share * (found.t - start.t);
@@ -421,69 +419,68 @@ std::vector<IntermediateState> Engine::make_way(const Branch& branch,
 
 Bytes Engine::give() {
   Packer message;
-  // Whole branches while there are others; what is left of the one that is made last of all.
-  if (branches_.size() > (current_ ? 0 : 1)) {
-    const auto from_rest = [](const Branch& branch) { return !branch.has_start(); };
-    const std::size_t half = (branches_.size() + 1) / 2;
+  // Whole batches while there are others; what is left of the one that is made last of all.
+  if (batches_.size() > (current_ ? 0 : 1)) {
+    const auto from_rest = [](const Batch& batch) { return !batch.has_start(); };
+    const std::size_t half = (batches_.size() + 1) / 2;
     std::size_t num = 0;
-    while (num < half && from_rest(branches_[num])) ++num;
+    while (num < half && from_rest(batches_[num])) ++num;
     num = std::max<std::size_t>(num, 1);
     for (; num > 0; --num) {
-      pack(branches_.front(), true, message);
-      branches_.pop_front();
+      pack(batches_.front(), true, message);
+      batches_.pop_front();
     }
     return message.take();
   }
-  Branch* last = current_ ? &*current_ : branches_.empty() ? nullptr : &branches_.front();
+  Batch* last = current_ ? &*current_ : batches_.empty() ? nullptr : &batches_.front();
   if (last == nullptr || last->targets.size() < (current_ ? 1 : 2)) return {};
-  Branch given = split(*last);
+  Batch given = split(*last);
   pack(given, true, message);
   return message.take();
 }
 
-Engine::Branch Engine::split(Branch& branch) {
-  Branch other{branch.active_node, branch.start, branch.state, {}};
+Engine::Batch Engine::split(Batch& batch) {
+  Batch other{batch.active_node, batch.start, batch.state, {}};
   std::deque<Target> kept;
   bool keep = false;
-  for (Target& target : branch.targets) {
+  for (Target& target : batch.targets) {
     (keep ? kept : other.targets).push_back(target);
     keep = !keep;
   }
-  branch.targets = std::move(kept);
+  batch.targets = std::move(kept);
   return other;
 }
 
 void Engine::take(const Bytes& tasks, Mail& /*mail*/) {
-  for (Unpacker message(tasks); !message.at_end();) branches_.push_front(unpack(message));
+  for (Unpacker message(tasks); !message.at_end();) batches_.push_front(unpack(message));
 }
 
-void Engine::discard() { branches_.clear(); }
+void Engine::discard() { batches_.clear(); }
 
-void Engine::pack(Branch& branch, bool with_state, Packer& message) {
-  message.put(branch.active_node);
-  message.put(branch.start);
-  const bool has_state = with_state && branch.has_start();
+void Engine::pack(Batch& batch, bool with_state, Packer& message) {
+  message.put(batch.active_node);
+  message.put(batch.start);
+  const bool has_state = with_state && batch.has_start();
   message.put(has_state);
   if (has_state) {
-    load_state(branch);
-    message.put(to_configuration(Equilibrium(*branch.state)));
+    load_state(batch);
+    message.put(to_configuration(Equilibrium(*batch.state)));
   }
-  message.put(branch.targets.size());
-  for (const Target& target : branch.targets) message.put(target);
+  message.put(batch.targets.size());
+  for (const Target& target : batch.targets) message.put(target);
 }
 
-Engine::Branch Engine::unpack(Unpacker& message) {
-  Branch branch;
-  branch.active_node = message.take<Index>();
-  branch.start = message.take_summary();
+Engine::Batch Engine::unpack(Unpacker& message) {
+  Batch batch;
+  batch.active_node = message.take<Index>();
+  batch.start = message.take_summary();
   if (message.take<bool>()) {
-    branch.state =
-        std::make_shared<const Equilibrium>(to_equilibrium(message.take_configuration()));
+    batch.state = std::make_shared<const Equilibrium>(to_equilibrium(message.take_configuration()));
   }
   for (auto left = message.take<std::size_t>(); left > 0; --left) {
-    branch.targets.push_back(message.take<Target>());
+    batch.targets.push_back(message.take<Target>());
   }
-  return branch;
+  return batch;
 }
 
 }  // namespace palpate

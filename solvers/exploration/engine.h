@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Makes the transitions that the frontiers ask for, on all ranks.
 //
-// The frontier of an active node is at the node's home, a rank that follows from a hash. A rank that
-// finds a configuration keeps it in its record, tells the home, and goes on depth first with what
-// follows: so a start still has its factor, and a rank has no more states in memory than it is
+// The frontier of an active node is at the node's home, a rank that follows from a hash. A rank
+// that finds a configuration keeps it in its record, tells the home, and goes on depth first with
+// what follows: so a start still has its factor, and a rank has no more states in memory than it is
 // layers deep. What the frontier decides in addition, such as another start for a step that failed,
 // the home sends to the rank whose record has the start. A rank without tasks takes over some of
-// another's, those nearest to rest: whole branches.
+// another's, those nearest to rest: whole batches.
 #pragma once
 
 #include <deque>
@@ -55,7 +55,7 @@ class Engine final : public Worker {
     double seconds = 0;
   };
   /// Transitions from one start.
-  struct Branch {
+  struct Batch {
     Index active_node = 0;
     /// Of the rest position where there is no start.
     ConfigurationSummary start;
@@ -85,16 +85,16 @@ class Engine final : public Worker {
   void settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail);
   void take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail);
   /// Takes some of the targets for another rank.
-  [[nodiscard]] static Branch split(Branch& branch);
+  [[nodiscard]] static Batch split(Batch& batch);
   /// @param with_state For a rank whose record does not have the start.
-  void pack(Branch& branch, bool with_state, Packer& message);
-  [[nodiscard]] static Branch unpack(Unpacker& message);
+  void pack(Batch& batch, bool with_state, Packer& message);
+  [[nodiscard]] static Batch unpack(Unpacker& message);
   /// Has the state of its start read where that is needed.
-  void load_state(Branch& branch) const;
-  [[nodiscard]] Configuration make(const Branch& branch, const Target& target);
+  void load_state(Batch& batch) const;
+  [[nodiscard]] Configuration make(const Batch& batch, const Target& target);
   /// The intermediate states on the straight way to a configuration that was made; where it was
   /// aborted, the last has that outcome.
-  [[nodiscard]] std::vector<IntermediateState> make_way(const Branch& branch,
+  [[nodiscard]] std::vector<IntermediateState> make_way(const Batch& batch,
                                                         const ConfigurationSummary& found);
 
   EquilibriumSolver& solver_;
@@ -109,9 +109,9 @@ class Engine final : public Worker {
   std::int64_t num_not_reached_ = 0;
   Index held_node_ = -1;
   /// The last is the next; those in front are given away.
-  std::deque<Branch> branches_;
+  std::deque<Batch> batches_;
   /// The one of the transition that is being made.
-  std::optional<Branch> current_;
+  std::optional<Batch> current_;
 };
 
 }  // namespace palpate

@@ -29,12 +29,12 @@ void BodyField::add_node(std::int32_t node, double a, const Vec3& d, Weights& we
                       });
 }
 
-Found BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
-                          NodalVector& p) const {
+Support BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
+                            NodalVector& p) const {
   u.resize(0);
   p.resize(0);
   const CheckPointGrid::Location at = grid_.locate(t);
-  if (at.found == Found::no) return Found::no;
+  if (at.support == Support::none) return Support::none;
   Weights weights;
   for_each_node(grid_, at, [&](std::int32_t node, double a, const Vec3& d) {
     if (a != 0 || !d.isZero(0)) add_node(node, a, d, weights);
@@ -56,9 +56,9 @@ Found BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
   if (!u.allFinite() || !p.allFinite()) {
     u.resize(0);
     p.resize(0);
-    return Found::no;
+    return Support::none;
   }
-  return at.found;
+  return at.support;
 }
 
 }  // namespace palpate

@@ -21,7 +21,7 @@ class BodyField {
   /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
   ///   body without. Both are empty where nothing is found.
   /// @throws InputError, BackendError as FieldCache::get.
-  Found evaluate(const Vec3& t, FieldCache& fields, NodalVector& u, NodalVector& p) const;
+  Support evaluate(const Vec3& t, FieldCache& fields, NodalVector& u, NodalVector& p) const;
 
  private:
   struct Weight {

@@ -59,7 +59,7 @@ void CheckPointGrid::classify_leaves(const Site& site,
     for (std::int32_t node : leaf.corners) {
       if (!usable(node)) {
         state = State::lacks_corner;
-        has_ghosts_ = true;
+        has_extrapolated_nodes_ = true;
         break;
       }
       if ((configurations[configuration_[node]].flags & kMarking) != 0) state = State::marked;

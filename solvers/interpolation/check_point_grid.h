@@ -2,8 +2,8 @@
 // The usable check-points around a site and the cells between them, and where in these a
 // displacement lies.
 //
-// A node without a usable configuration is a ghost (ghost.h); a leaf with such a corner is not
-// complete.
+// A node without a usable configuration is extrapolated (extrapolated_node.h). A leaf with such a
+// corner is not complete.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,9 @@
 namespace palpate {
 
 /// How much a result can be trusted. The numbers are stored in data arrays: keep them.
-enum class Found : int {
+enum class Support : int {
   /// Nothing to interpolate, or t is not finite: force, stiffness and energy are zero.
-  no = 0,
+  none = 0,
   inside = 1,
   /// Outside the box, or in a cell that lacks a usable corner.
   extrapolated = 2,
@@ -52,7 +52,7 @@ class CheckPointGrid {
 
   struct Location {
     Place place = Place::nowhere;
-    Found found = Found::no;
+    Support support = Support::none;
     /// Of the tree; in or beside a cell.
     std::int32_t leaf = 0;
     /// Local coordinates in the leaf, in [0, 1].
@@ -88,7 +88,7 @@ class CheckPointGrid {
 
   [[nodiscard]] bool any_usable() const { return any_usable_; }
   /// Some leaf lacks a usable corner.
-  [[nodiscard]] bool has_ghosts() const { return has_ghosts_; }
+  [[nodiscard]] bool has_extrapolated_nodes() const { return has_extrapolated_nodes_; }
   /// The usable node nearest to a node, itself if it is usable; −1: no node is usable.
   [[nodiscard]] std::int32_t nearest(std::int32_t node) const { return nearest_[node]; }
 
@@ -114,8 +114,8 @@ class CheckPointGrid {
 
  private:
   enum class State : char { lacks_corner, complete, marked, across };
-  static constexpr Found kFoundIn[] = {Found::extrapolated, Found::inside, Found::marked,
-                                        Found::marked};
+  static constexpr Support kSupportIn[] = {Support::extrapolated, Support::inside, Support::marked,
+                                           Support::marked};
   /// A displacement that misses the border of the box by so little, in spacings, is on it: rounding
   /// of t = i·H must not make a check-point on the border an outside one.
   static constexpr double kOnBorder = 1e-9;
@@ -129,7 +129,7 @@ class CheckPointGrid {
   double spacing_ = 1;
   double per_spacing_ = 1;
   bool any_usable_ = false;
-  bool has_ghosts_ = false;
+  bool has_extrapolated_nodes_ = false;
   /// By node.
   std::vector<std::int32_t> configuration_;
   /// By leaf.
@@ -153,7 +153,7 @@ inline CheckPointGrid::Location CheckPointGrid::locate(const Vec3& t) const noex
   }
   if (reach_ == 0) {
     at.place = Place::rest;
-    at.found = Found::extrapolated;
+    at.support = Support::extrapolated;
     at.offset = t;
     return at;
   }
@@ -162,11 +162,11 @@ inline CheckPointGrid::Location CheckPointGrid::locate(const Vec3& t) const noex
   at.s = place.s;
   if (most_outside <= kOnBorder) {
     at.place = Place::cell;
-    at.found = kFoundIn[static_cast<int>(states_[place.leaf])];
+    at.support = kSupportIn[static_cast<int>(states_[place.leaf])];
     return at;
   }
   at.place = Place::beside_cell;
-  at.found = Found::extrapolated;
+  at.support = Support::extrapolated;
   at.offset = t - spacing_ * at.x;
   return at;
 }

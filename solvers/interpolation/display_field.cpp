@@ -79,7 +79,7 @@ void DisplayField::add_node(std::int32_t node, double a, const Vec3& d, float* o
   }
 }
 
-Found DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
+Support DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   using Place = CheckPointGrid::Place;
   std::fill_n(out, num_modes_, 0.F);
   const CheckPointGrid::Location at = grid_.locate(t);
@@ -89,9 +89,9 @@ Found DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   // So far out that it overflows there is nothing to go by.
   if (at.place != Place::cell && !std::all_of(out, out + num_modes_, is_finite)) {
     std::fill_n(out, num_modes_, 0.F);
-    return Found::no;
+    return Support::none;
   }
-  return at.found;
+  return at.support;
 }
 
 void apply_modes(const Eigen::MatrixXf& modes, const float* coefficients, float* out) noexcept {

@@ -19,7 +19,7 @@ class DisplayField {
 
   /// The coefficients of the modes at t [num_modes]; zero where nothing is found.
   /// @note Realtime-safe.
-  Found coefficients(const Vec3& t, float* out) const noexcept;
+  Support coefficients(const Vec3& t, float* out) const noexcept;
 
  private:
   /// Adds a·c + (∂c/∂t)·d of a node.

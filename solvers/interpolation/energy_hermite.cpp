@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interpolation/energy_hermite.h"
 
+#include "base/simd.h"
 #include "interpolation/hermite_data.h"
-#include "interpolation/lanes.h"
 
 namespace palpate {
 namespace {
@@ -43,7 +43,7 @@ struct Basis {
   }
 };
 
-/// The sum over 8 × 27 products, taken one axis after another; lanes are a.
+/// The sum over 8 × 27 products, taken one axis after another; the numbers of a vector are a.
 [[gnu::always_inline]] inline void contract(const Node* nodes, const CellTree::Leaf& leaf,
                                             const Vec3& s, Sums& sums) {
   const double side = leaf.cell.side;
@@ -102,7 +102,7 @@ void contract_baseline(const Node* nodes, const CellTree::Leaf& leaf, const Vec3
   contract(nodes, leaf, s, sums);
 }
 
-#ifdef PALPATE_X86_LANES
+#ifdef PALPATE_X86_SIMD
 [[gnu::target("avx2,fma")]] void contract_avx2(const Node* nodes, const CellTree::Leaf& leaf,
                                                const Vec3& s, Sums& sums) {
   contract(nodes, leaf, s, sums);
@@ -116,7 +116,7 @@ void contract_baseline(const Node* nodes, const CellTree::Leaf& leaf, const Vec3
 #endif
 
 EnergyHermite::Kernel best_kernel() {
-#ifdef PALPATE_X86_LANES
+#ifdef PALPATE_X86_SIMD
   switch (best_instruction_set()) {
     case InstructionSet::avx512: return contract_avx512;
     case InstructionSet::avx2: return contract_avx2;

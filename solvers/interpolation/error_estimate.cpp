@@ -26,11 +26,11 @@ constexpr int kSamples = 5;
 constexpr int kNodes = kHermiteStencil;
 constexpr int kFewerNodes = 3;
 
-/// What ghosts give is no matter of refinement.
+/// Refinement is not decided by extrapolated nodes.
 HermiteDataOptions options_with(int most) {
   HermiteDataOptions options;
   options.most = most;
-  options.ghosts = false;
+  options.extrapolated_nodes = false;
   return options;
 }
 

@@ -5,9 +5,9 @@
 //   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)] = Σ a_i u_i + v_i d_i,   w trilinear over the corners,
 //
 // exact where u is quadratic in t. A hanging node takes the field of the larger cell, and of v what
-// is trilinear there: with these the sides of cells of different size agree. A ghost (ghost.h) has
-// u_i + v_i Δ and v_i of the nearest usable node. Outside the box it goes on as the force does
-// (interpolator.h): u(t₀) + v(t₀) Δ, v trilinear.
+// is trilinear there: with these the sides of cells of different size agree. An extrapolated
+// node (extrapolated_node.h) has u_i + v_i Δ and v_i of the nearest usable node. Outside the box it
+// goes on as the force does (interpolator.h): u(t₀) + v(t₀) Δ, v trilinear.
 #pragma once
 
 #include "interpolation/check_point_grid.h"

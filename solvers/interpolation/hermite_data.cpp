@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "interpolation/ghost.h"
+#include "interpolation/extrapolated_node.h"
 #include "interpolation/hermite_basis.h"
 
 namespace palpate {
@@ -253,7 +253,7 @@ std::vector<double> hermite_data(const CheckPointGrid& grid,
   StencilFinder finder(grid, configurations, options.most);
   std::vector<Incomplete> nodes;
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
-    if (!grid.usable(n) && !options.ghosts) continue;
+    if (!grid.usable(n) && !options.extrapolated_nodes) continue;
     const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
     fill_known(known, grid.spacing(), data.data() + std::size_t{kHermiteData} * n);
     if (!grid.usable(n)) continue;
@@ -282,7 +282,8 @@ std::vector<double> hermite_data(const CheckPointGrid& grid,
     data.resize(num_nodes * kHermiteData);
   }
 
-  const auto& hanging_nodes = options.ghosts ? grid.hanging_nodes() : grid.hanging_on_complete();
+  const auto& hanging_nodes =
+      options.extrapolated_nodes ? grid.hanging_nodes() : grid.hanging_on_complete();
   for (const CheckPointGrid::HangingNode& hanging : hanging_nodes) {
     evaluate_hermite_data(data, grid.leaf(hanging.leaf), hanging.s,
                           data.data() + std::size_t{kHermiteData} * hanging.node);

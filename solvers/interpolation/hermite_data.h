@@ -9,19 +9,19 @@
 //
 // with differences of five nodes: of those in a row that holds the node the ones for which the
 // product of the distances from it is least. That is central where it can be, one-sided at the
-// border of the box, beside a node without a usable configuration and, unless the node is such a one
-// itself, beside one that is inverted, unstable or near a fold: what lies behind does not continue
-// what lies before. It goes across a change of the cells' size. It is of fewer where fewer than five
-// stand in a row. An axis along which the node stands alone takes no part; where no axis does, the
-// derivative is taken as zero.
+// border of the box, beside a node without a usable configuration and, unless the node is such a
+// one itself, beside one that is inverted, unstable or near a fold: what lies behind does not
+// continue what lies before. It goes across a change of the cells' size. It is of fewer where fewer
+// than five stand in a row. An axis along which the node stands alone takes no part; where no axis
+// does, the derivative is taken as zero.
 //
 // A row goes along edges of leaves, and takes in hanging nodes with the configurations they have.
 // Where it ends, with fewer than five, at the side of a larger leaf, it goes on into that by points
 // at which the leaf gives the data, up to two on a side of the node.
 //
-// Ghosts (ghost.h) have what their Taylor expansion gives up to a + b + c = 3 and zero beyond, and
-// take no part in the differences of others. Last of all the data of hanging nodes are put in the
-// place of what the larger leaf gives there.
+// Extrapolated nodes (extrapolated_node.h) have what their Taylor expansion gives up to
+// a + b + c = 3 and zero beyond, and take no part in the differences of others. Last of all the
+// data of hanging nodes are put in the place of what the larger leaf gives there.
 #pragma once
 
 #include <vector>
@@ -44,7 +44,7 @@ struct HermiteDataOptions {
   /// Third derivatives are used where they are known.
   bool third_derivatives = true;
   /// Without, nodes that are not usable are zero, and no node hangs on a leaf that has one.
-  bool ghosts = true;
+  bool extrapolated_nodes = true;
 };
 
 /// D [num_nodes × 27], node by node; zero where no node is usable.

@@ -60,9 +60,9 @@ Interpolator::Interpolator(const TouchSite& site)
     ++num_samples_;
     const ConfigurationSummary& c = site.configurations[grid_.configuration(n)];
     largest = std::max(largest, c.force.norm());
-    if (grid_.reach() == 0) rest_ = {c.force, c.stiffness, c.energy, Found::extrapolated};
+    if (grid_.reach() == 0) rest_ = {c.force, c.stiffness, c.energy, Support::extrapolated};
   }
-  if (grid_.has_ghosts()) largest_force_ = std::max(force_limit_, kBetween * largest);
+  if (grid_.has_extrapolated_nodes()) largest_force_ = std::max(force_limit_, kBetween * largest);
 }
 
 void Interpolator::set_linear_from_rest(const TouchResult& rest) {
@@ -77,7 +77,7 @@ TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
   using Place = CheckPointGrid::Place;
   const Location at = grid_.locate(t);
   TouchResult result;
-  result.found = at.found;
+  result.support = at.support;
   if (at.place == Place::nowhere) return result;
   if (at.place == Place::cell) {
     do_evaluate(at, result);

@@ -4,11 +4,11 @@
 // This is the call of the servo loop: no lock, no allocation, no exception, never a NaN, and within
 // the box and at its border no jump of the force.
 //
-// Where there is a hole. A node without a usable configuration is a ghost: it has the data of the
-// Taylor expansion at the nearest usable node (ghost.h), and a leaf with such a corner is evaluated
-// as any other; Found says extrapolated. Where cells of different size meet, the smaller ones take
-// at their hanging nodes what the larger one gives there. A ghost that is far from what it comes
-// from can be wild: in a box with ghosts
+// Where there is a hole. A node without a usable configuration is extrapolated: it has the data of
+// the Taylor expansion at the nearest usable node (extrapolated_node.h). A leaf with such a corner
+// is evaluated as any other, and its support is `extrapolated`. Where cells of different size meet,
+// the smaller ones take at their hanging nodes what the larger one gives there. A node that is
+// extrapolated from far away can be wild: in a box with such nodes
 //
 //   |h| ≤ max(force limit, twice the largest |h| of a usable configuration).
 //
@@ -56,7 +56,7 @@ struct InterpolationOptions {
   bool linear_polynomial = true;
   /// RBF: intermediate states are centres too.
   bool intermediate_states = true;
-  /// Energy Hermite and ghosts: third derivatives are used where they are known.
+  /// Energy Hermite and extrapolated nodes: third derivatives are used where they are known.
   bool third_derivatives = true;
 };
 
@@ -67,7 +67,7 @@ struct TouchResult {
   Mat3 stiffness = Mat3::Zero();
   /// Potential energy Π, J.
   double energy = 0;
-  Found found = Found::no;
+  Support support = Support::none;
 };
 
 /// Immutable, and holds all it needs: the site may go.
@@ -92,7 +92,8 @@ class Interpolator {
   explicit Interpolator(const TouchSite& site);
   [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
   void set_num_samples(std::size_t num) { num_samples_ = num; }
-  /// Where nothing comes from ghosts: the force is h + kΔ from rest whatever is missing.
+  /// Where nothing comes from extrapolated nodes: the force is h + kΔ from rest whatever is
+  /// missing.
   void set_linear_from_rest(const TouchResult& rest);
 
  private:

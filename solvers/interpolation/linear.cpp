@@ -13,7 +13,7 @@ Linear::Linear(const TouchSite& site) : Interpolator(site) {
                      "Choose another interpolation.");
   }
   stiffness_ = site.configurations[grid().configuration(rest)].stiffness;
-  set_linear_from_rest({Vec3::Zero(), stiffness_, 0, Found::extrapolated});
+  set_linear_from_rest({Vec3::Zero(), stiffness_, 0, Support::extrapolated});
   set_num_samples(1);
 }
 

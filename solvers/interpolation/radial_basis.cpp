@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "interpolation/lanes.h"
+#include "base/simd.h"
 #include "interpolation/nodal_stiffness.h"
 
 namespace palpate {
@@ -48,14 +48,14 @@ template <class V>
 [[gnu::always_inline]] inline V root(const V& v) {
   V result;
 #pragma GCC unroll 8
-  for (int i = 0; i < kLanesOf<V>; ++i) result[i] = __builtin_sqrt(v[i]);
+  for (int i = 0; i < kSizeOf<V>; ++i) result[i] = __builtin_sqrt(v[i]);
   return result;
 }
 
 template <class V>
 [[gnu::always_inline]] inline double sum_of(const V& v) {
   double sum = 0;
-  for (int i = 0; i < kLanesOf<V>; ++i) sum += v[i];
+  for (int i = 0; i < kSizeOf<V>; ++i) sum += v[i];
   return sum;
 }
 
@@ -65,11 +65,11 @@ template <class V, bool cubic>
   V value[kValues] = {};
   V slope[3][3] = {};
   for (std::size_t g = 0; g < num_groups; ++g) {
-    for (int lane = 0; lane < kGroup; lane += kLanesOf<V>) {
+    for (int first = 0; first < kGroup; first += kSizeOf<V>) {
       V d[3];
 #pragma GCC unroll 3
       for (int k = 0; k < 3; ++k) {
-        load(groups[g].x[k] + lane, d[k]);
+        load(groups[g].x[k] + first, d[k]);
         d[k] = x[k] - d[k];
       }
       const V r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -85,7 +85,7 @@ template <class V, bool cubic>
 #pragma GCC unroll 4
       for (int i = 0; i < kValues; ++i) {
         V w;
-        load(groups[g].weights[i] + lane, w);
+        load(groups[g].weights[i] + first, w);
         value[i] += w * phi_of_r;
         if (i == 3) continue;
         w *= slope_per_r;
@@ -107,7 +107,7 @@ void sum_up_baseline(const Group* groups, std::size_t num_groups, const Vec3& x,
   sum_up<Two, cubic>(groups, num_groups, x, sums);
 }
 
-#ifdef PALPATE_X86_LANES
+#ifdef PALPATE_X86_SIMD
 template <bool cubic>
 [[gnu::target("avx2,fma")]] void sum_up_avx2(const Group* groups, std::size_t num_groups,
                                              const Vec3& x, Sums& sums) {
@@ -124,7 +124,7 @@ template <bool cubic>
 
 template <bool cubic>
 Kernel best_kernel() {
-#ifdef PALPATE_X86_LANES
+#ifdef PALPATE_X86_SIMD
   switch (best_instruction_set()) {
     case InstructionSet::avx512: return sum_up_avx512<cubic>;
     case InstructionSet::avx2: return sum_up_avx2<cubic>;
@@ -213,10 +213,10 @@ class RadialBasis final : public Interpolator {
     groups_.resize((num + kGroup - 1) / kGroup, Group{});
     for (std::size_t c = 0; c < num; ++c) {
       Group& group = groups_[c / kGroup];
-      const auto lane = c % kGroup;
-      for (int k = 0; k < 3; ++k) group.x[k][lane] = centres.places[c][k];
+      const auto place = c % kGroup;
+      for (int k = 0; k < 3; ++k) group.x[k][place] = centres.places[c][k];
       for (int i = 0; i < kValues; ++i) {
-        group.weights[i][lane] = weights(static_cast<Eigen::Index>(c), i);
+        group.weights[i][place] = weights(static_cast<Eigen::Index>(c), i);
       }
     }
     const Eigen::Index rest = weights.rows() - static_cast<Eigen::Index>(num);

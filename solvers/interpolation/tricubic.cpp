@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "interpolation/ghost.h"
-#include "interpolation/lanes.h"
+#include "base/simd.h"
+#include "interpolation/extrapolated_node.h"
 
 namespace palpate {
 namespace {
@@ -32,7 +32,7 @@ void fill_weights(double u, int count, double* value, double* slope) {
   }
 }
 
-/// One axis after another; lanes are the values of a node.
+/// One axis after another; the numbers of a vector are the values of a node.
 template <int count>
 [[gnu::always_inline]] inline void sum_up(const Eigen::Vector4d* first,
                                           const std::array<std::ptrdiff_t, 3>& strides,
@@ -83,7 +83,7 @@ void sum_up_baseline(const Eigen::Vector4d* first, const std::array<std::ptrdiff
   sum_up(first, strides, count, w, sums);
 }
 
-#ifdef PALPATE_X86_LANES
+#ifdef PALPATE_X86_SIMD
 [[gnu::target("avx2,fma")]] void sum_up_avx2(const Eigen::Vector4d* first,
                                              const std::array<std::ptrdiff_t, 3>& strides,
                                              int count, const Weights& w, Sums& sums) {
@@ -92,7 +92,7 @@ void sum_up_baseline(const Eigen::Vector4d* first, const std::array<std::ptrdiff
 #endif
 
 Tricubic::Kernel best_kernel() {
-#ifdef PALPATE_X86_LANES
+#ifdef PALPATE_X86_SIMD
   if (best_instruction_set() != InstructionSet::baseline) return sum_up_avx2;
 #endif
   return sum_up_baseline;

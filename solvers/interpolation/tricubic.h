@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Tricubic interpolation [P08, 4.1]: of the force, component by component, and of the energy, by
-// the product of the cubic Lagrange polynomials through the 4 × 4 × 4 check-points around a cell. At
-// the border of the box they are the nearest four along an axis, of three the three; ghosts
-// (ghost.h) are taken in as any other.
+// the product of the cubic Lagrange polynomials through the 4 × 4 × 4 check-points around a cell.
+// At the border of the box they are the nearest four along an axis, of three the three;
+// extrapolated nodes (extrapolated_node.h) are taken in as any other.
 //
 // The stiffness is the exact gradient of the interpolated force, piecewise: it jumps at the sides
 // of a cell, and is not symmetrised. The interpolated force is not the gradient of an energy.
@@ -29,7 +29,7 @@ class Tricubic final : public Interpolator {
     double value[3][4] = {};
     double slope[3][4] = {};
   };
-  /// Values in the lanes of Eigen::Vector4d: of the field, and its slopes along x, y and z.
+  /// Values in an Eigen::Vector4d: of the field, and its slopes along x, y and z.
   using Sums = std::array<std::array<double, 4>, 4>;
   /// @param first Of the 4 × 4 × 4 nodes. @param strides To the next along each axis.
   /// @param count Polynomials along an axis, 4 or 3.

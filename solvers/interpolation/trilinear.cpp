@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interpolation/trilinear.h"
 
-#include "interpolation/ghost.h"
+#include "interpolation/extrapolated_node.h"
 
 namespace palpate {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/direct_solver.h"
 
-#include "linear/weakest_mode.h"
+#include "linear/singularity_test.h"
 
 namespace palpate {
 namespace {
 
-/// With all pivots above this share of the greatest, the weakest mode is beyond doubt. Bodies of
+/// With all pivots above this share of the greatest, the lowest mode is beyond doubt. Bodies of
 /// one material have 0.01 and more; with a smaller one it takes a solve or two to know.
 constexpr double kDoubt = 1e-3;
 
@@ -38,7 +38,7 @@ FactorStatus DirectSolver::factorise(const std::vector<double>& values, Precisio
   if (!(pivots.least > 0)) return FactorStatus::singular;
   if (pivots.least < kDoubt * pivots.greatest) {
     const auto solve = [&](Eigen::Ref<Eigen::MatrixXd> columns) { backend_->solve(columns); };
-    if (weakest_mode_error(*pattern_, scaling_.values(), solve) > kLostDigits) {
+    if (lowest_mode_error(*pattern_, scaling_.values(), solve) > kLostDigits) {
       return FactorStatus::singular;
     }
   }

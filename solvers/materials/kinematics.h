@@ -11,7 +11,7 @@
 // triangle of the 6 × 6 matrix ∂S_m/∂E_n of tensor components (no factor 2 on shear).
 #pragma once
 
-#include "base/packet.h"
+#include "base/simd.h"
 
 namespace palpate::PALPATE_INSTRUCTION_SET {
 

@@ -12,9 +12,9 @@
 #include <random>
 #include <vector>
 
+#include "base/simd.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
-#include "interpolation/lanes.h"
 #include "solvers/interpolation/analytic_site.h"
 
 namespace palpate {
@@ -120,7 +120,7 @@ BENCHMARK_CAPTURE(set_up, rbf_cubic_intermediate, Method::rbf_cubic)
     ->Unit(benchmark::kSecond)
     ->Iterations(1);
 
-#ifdef PALPATE_X86_LANES
+#ifdef PALPATE_X86_SIMD
 /// Reads numbers in groups of four that stand together, each `times` in a multiply-add.
 /// @param num In groups.
 template <int times>

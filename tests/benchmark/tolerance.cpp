@@ -181,7 +181,7 @@ void print_row(const std::string& name, const Scene& scene, const PrecomputeOpti
   for (const Exact& exact : all) {
     const TouchResult touched = interpolator->evaluate(exact.t);
     const double error = 100 * (touched.force - exact.force).norm() / largest_force;
-    if (touched.found != Found::inside) {
+    if (touched.support != Support::inside) {
       ++num_marked;
       if (exact.regular()) worst_marked = std::max(worst_marked, error);
     } else if (exact.regular()) {

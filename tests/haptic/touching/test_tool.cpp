@@ -41,7 +41,7 @@ TEST(Tool, FreeThenAttachedThenFree) {
   const test::Sample exact = test::stiffening_spring(kStiffness)(Vec3(0, 0, -0.004));
   EXPECT_LT((contact.force + exact.force).norm(), 1e-4 * exact.force.norm());
   EXPECT_NEAR(contact.energy, exact.energy, 1e-4 * exact.energy);
-  EXPECT_EQ(contact.found, Found::inside);
+  EXPECT_EQ(contact.support, Support::inside);
   contact = tool.move(body.get(), kMiddle + Vec3(0, 0, 0.001), {});
   EXPECT_EQ(contact.status, ContactStatus::free);
   EXPECT_EQ(contact.force, Vec3::Zero());
@@ -65,7 +65,7 @@ TEST(Tool, WeightsAreThoseOfWhereItCameIn) {
     ASSERT_GE(node, 0);
     place += contact.weights[k] * body.nodes()[node].rest_position;
     force -= contact.weights[k] *
-             body.nodes()[node].branches[0]->evaluate(Vec3(0.012, 0.01, -0.004)).force;
+             body.nodes()[node].on_branch[0]->evaluate(Vec3(0.012, 0.01, -0.004)).force;
   }
   EXPECT_LT((place - at).norm(), 1e-15);
   EXPECT_LT((contact.anchor - at).norm(), 1e-15);
@@ -177,7 +177,7 @@ TEST(Tool, CouplingIsFeltAsASpringInSeries) {
   ASSERT_EQ(contact.status, ContactStatus::attached);
   // h(t) = c (offset − t) at what it says the nodes have.
   const Vec3 offset(0, 0, -0.004);
-  const TouchResult at = body->nodes()[4].branches[0]->evaluate(contact.displacement);
+  const TouchResult at = body->nodes()[4].on_branch[0]->evaluate(contact.displacement);
   EXPECT_LT((at.force - 300 * (offset - contact.displacement)).norm(), 1e-9);
   EXPECT_LT((at.force + contact.force).norm(), 1e-9);
   EXPECT_LT(std::abs(contact.displacement[2]), 0.004);

@@ -45,8 +45,9 @@ TEST(Coarsen, CellsOfSeveralSizesLoseTheSmallest) {
   EXPECT_EQ(half.site.coarsest, 4);
   EXPECT_LT(half.configurations.size(), graded.configurations.size());
   EXPECT_GT(half.configurations.size(), 125U);
-  EXPECT_EQ(make_interpolator(Method::energy_hermite, half)->evaluate(Vec3(1e-3, 2e-3, 3e-3)).found,
-            Found::inside);
+  EXPECT_EQ(
+      make_interpolator(Method::energy_hermite, half)->evaluate(Vec3(1e-3, 2e-3, 3e-3)).support,
+      Support::inside);
 }
 
 TEST(Coarsen, FlagsOfAStateStay) {

@@ -121,9 +121,9 @@ TEST(AdaptiveGrid, AJumpIsMarkedAndNotRefinedForEver) {
   for (int n = 0; n < 1000; ++n) {
     Vec3 t = kHalfWidth * Vec3::Random();
     t.x() = wall * (1 + 1e-3 * Vec3::Random().x());
-    EXPECT_EQ(interpolator->evaluate(t).found, Found::marked) << t.transpose();
+    EXPECT_EQ(interpolator->evaluate(t).support, Support::marked) << t.transpose();
   }
-  EXPECT_EQ(interpolator->evaluate(Vec3(-0.5 * kHalfWidth, 1e-3, 2e-3)).found, Found::inside);
+  EXPECT_EQ(interpolator->evaluate(Vec3(-0.5 * kHalfWidth, 1e-3, 2e-3)).support, Support::inside);
 }
 
 TEST(AdaptiveGrid, TheOrderOfFindingsDoesNotMatter) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "interpolation/cell_tree.h"
-#include "interpolation/ghost.h"
+#include "interpolation/extrapolated_node.h"
 #include "state_space/touch_space.h"
 
 namespace palpate::test {

@@ -44,7 +44,7 @@ TEST_P(Sites, EnergyForceAndStiffnessAreContinuousAcrossSides) {
     sizes.emplace(grid.leaf(low).cell.side, grid.leaf(high).cell.side);
     const TouchResult a = hermite->evaluate(t - across);
     const TouchResult b = hermite->evaluate(t + across);
-    ASSERT_EQ(a.found, Found::inside);
+    ASSERT_EQ(a.support, Support::inside);
     ASSERT_NEAR(a.energy, b.energy, 1e-12 * std::abs(a.energy));
     ASSERT_LT((a.force - b.force).norm(), 1e-12 * (a.force.norm() + 10));
     ASSERT_LT((a.stiffness - b.stiffness).norm(), 1e-11 * (a.stiffness.norm() + 1e3));
@@ -89,7 +89,7 @@ TEST_P(Sites, NodesThatDoNotHangAreMetExactly) {
     for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
       const ConfigurationSummary& c = site.configurations[grid.configuration(n)];
       const TouchResult r = interpolator->evaluate(c.t);
-      EXPECT_EQ(r.found, Found::inside);
+      EXPECT_EQ(r.support, Support::inside);
       if (hanging.count(n) == 0) {
         EXPECT_NEAR(r.energy, c.energy, 1e-13 * std::abs(c.energy));
         EXPECT_LT((r.force - c.force).norm(), 1e-12 * (1 + c.force.norm()));
@@ -129,7 +129,7 @@ TEST_P(Sites, DisplayIsContinuousAndExactForQuadraticFields) {
   site.coefficient_gradients.setRandom(9, n);
   const DisplayField any(site);
   for (const auto& [t, across] : points_on_sides(site, 20000)) {
-    EXPECT_EQ(any.coefficients(t - across, a.data()), Found::inside);
+    EXPECT_EQ(any.coefficients(t - across, a.data()), Support::inside);
     any.coefficients(t + across, b.data());
     ASSERT_LT((a - b).norm(), 2e-6);
   }
@@ -200,7 +200,7 @@ TEST(Adaptive, AllCellsSplitAreTheUniformGrid) {
       EXPECT_EQ(r.force, b->evaluate(t).force);
       EXPECT_EQ(r.energy, b->evaluate(t).energy);
       EXPECT_EQ(r.stiffness, b->evaluate(t).stiffness);
-      EXPECT_EQ(r.found, b->evaluate(t).found);
+      EXPECT_EQ(r.support, b->evaluate(t).support);
     }
   }
 }
@@ -294,9 +294,9 @@ TEST(Adaptive, PartialSetsAreAnswered) {
       if (i % 3 == 0) t[i % 2] = site.site.spacing() * std::round(t[i % 2] / site.site.spacing());
       const TouchResult a = hermite->evaluate(t);
       const TouchResult b = trilinear->evaluate(t);
-      EXPECT_NE(a.found, Found::no);
-      EXPECT_EQ(a.found, b.found);
-      EXPECT_EQ(a.found, field.coefficients(t, coefficients.data()));
+      EXPECT_NE(a.support, Support::none);
+      EXPECT_EQ(a.support, b.support);
+      EXPECT_EQ(a.support, field.coefficients(t, coefficients.data()));
       EXPECT_TRUE(coefficients.allFinite());
       EXPECT_TRUE(std::isfinite(a.energy) && a.force.allFinite() && a.stiffness.allFinite());
       EXPECT_TRUE(std::isfinite(b.energy) && b.force.allFinite() && b.stiffness.allFinite());
@@ -314,8 +314,8 @@ TEST(Adaptive, MarkedLeavesOfAnySizeSaySo) {
                                   tree.find({0, 0, 0})) != leaf.corners.end();
     Vec3 x;
     for (int k = 0; k < 3; ++k) x[k] = leaf.cell.first[k] + 0.4 * leaf.cell.side;
-    EXPECT_EQ(interpolator->evaluate(site.site.spacing() * x).found,
-              marked ? Found::marked : Found::inside);
+    EXPECT_EQ(interpolator->evaluate(site.site.spacing() * x).support,
+              marked ? Support::marked : Support::inside);
   }
 }
 

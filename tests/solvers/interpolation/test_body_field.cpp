@@ -81,14 +81,14 @@ TEST_F(BodyFieldTest, IsTheDisplayFieldOfAllPoints) {
     test::RandomPoints points(1.3 * kHalfWidth);
     for (int i = 0; i < 200; ++i) {
       const Vec3 t = points();
-      const Found found = expected.coefficients(t, c.data());
-      EXPECT_EQ(field.evaluate(t, fields, u, p), found);
+      const Support support = expected.coefficients(t, c.data());
+      EXPECT_EQ(field.evaluate(t, fields, u, p), support);
       ASSERT_LT((u - c.cast<double>()).lpNorm<Eigen::Infinity>(), kSingle) << t.transpose();
       EXPECT_EQ(p, u.head(kPressures));
     }
-    EXPECT_EQ(field.evaluate(Vec3::Constant(std::nan("")), fields, u, p), Found::no);
+    EXPECT_EQ(field.evaluate(Vec3::Constant(std::nan("")), fields, u, p), Support::none);
     EXPECT_EQ(u.size(), 0);
-    EXPECT_EQ(field.evaluate(Vec3::Constant(1e308), fields, u, p), Found::no);
+    EXPECT_EQ(field.evaluate(Vec3::Constant(1e308), fields, u, p), Support::none);
     EXPECT_EQ(p.size(), 0);
   }
 }
@@ -103,10 +103,10 @@ TEST_F(BodyFieldTest, ReadsWhatItNeedsOnce) {
   const double h = site.site.spacing();
   field.evaluate(Vec3(0.2 * h, 0.3 * h, 0.4 * h), fields, u, p);
   std::filesystem::remove(path());
-  EXPECT_EQ(field.evaluate(Vec3(0.7 * h, 0.6 * h, 0.1 * h), fields, u, p), Found::inside);
+  EXPECT_EQ(field.evaluate(Vec3(0.7 * h, 0.6 * h, 0.1 * h), fields, u, p), Support::inside);
   EXPECT_THROW(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), InputError);
   write(site);
-  EXPECT_EQ(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), Found::inside);
+  EXPECT_EQ(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), Support::inside);
 }
 
 TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {

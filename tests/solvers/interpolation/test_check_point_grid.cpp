@@ -38,14 +38,14 @@ TEST(CheckPointGrid, LocatesWithinTheBoxAndOnItsBorder) {
 
 TEST(CheckPointGrid, NodesThatAreNotUsableKnowTheNearestThatIs) {
   TouchSite site = analytic_site(exponential);
-  EXPECT_FALSE(CheckPointGrid(site).has_ghosts());
+  EXPECT_FALSE(CheckPointGrid(site).has_extrapolated_nodes());
   at(site, {1, 1, 1}).outcome = Outcome::not_converged;
   at(site, {0, 0, 2}).stiffness(1, 1) = std::numeric_limits<double>::quiet_NaN();
   for (ConfigurationSummary& c : site.configurations) {
     if (c.check_point[2] == -3) c.outcome = Outcome::not_converged;
   }
   const CheckPointGrid grid(site);
-  EXPECT_TRUE(grid.has_ghosts());
+  EXPECT_TRUE(grid.has_extrapolated_nodes());
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
     const CheckPoint p = grid.tree().point(n);
     const CheckPoint q = grid.tree().point(grid.nearest(n));
@@ -59,11 +59,11 @@ TEST(CheckPointGrid, NodesThatAreNotUsableKnowTheNearestThatIs) {
     }
   }
   const double h = grid.spacing();
-  const auto in_ghost_cell = grid.locate(h * Vec3(0.9, 0.9, 0.9));
-  EXPECT_EQ(in_ghost_cell.place, Place::cell);
-  EXPECT_EQ(in_ghost_cell.found, Found::extrapolated);
-  EXPECT_FALSE(grid.is_complete(in_ghost_cell.leaf));
-  EXPECT_EQ(grid.locate(h * Vec3(-0.1, 0.9, 0.9)).found, Found::inside);
+  const auto beside_hole = grid.locate(h * Vec3(0.9, 0.9, 0.9));
+  EXPECT_EQ(beside_hole.place, Place::cell);
+  EXPECT_EQ(beside_hole.support, Support::extrapolated);
+  EXPECT_FALSE(grid.is_complete(beside_hole.leaf));
+  EXPECT_EQ(grid.locate(h * Vec3(-0.1, 0.9, 0.9)).support, Support::inside);
 }
 
 TEST(CheckPointGrid, MarksCells) {
@@ -71,12 +71,12 @@ TEST(CheckPointGrid, MarksCells) {
     TouchSite site = analytic_site(exponential);
     at(site, {1, 1, 1}).flags = flag | flags::beyond_force_limit;
     const CheckPointGrid grid(site);
-    EXPECT_EQ(grid.locate(grid.spacing() * Vec3(1.9, 0.1, 0.5)).found, Found::marked);
-    EXPECT_EQ(grid.locate(grid.spacing() * Vec3(2.1, 0.1, 0.5)).found, Found::inside);
+    EXPECT_EQ(grid.locate(grid.spacing() * Vec3(1.9, 0.1, 0.5)).support, Support::marked);
+    EXPECT_EQ(grid.locate(grid.spacing() * Vec3(2.1, 0.1, 0.5)).support, Support::inside);
   }
   TouchSite site = analytic_site(exponential);
   at(site, {1, 1, 1}).flags = flags::beyond_force_limit | flags::inertia_not_computed;
-  EXPECT_EQ(CheckPointGrid(site).locate(Vec3(0.005, 0.005, 0.005)).found, Found::inside);
+  EXPECT_EQ(CheckPointGrid(site).locate(Vec3(0.005, 0.005, 0.005)).support, Support::inside);
 }
 
 TEST(CheckPointGrid, TakesTheFirstUsableLevel) {
@@ -98,7 +98,7 @@ TEST(CheckPointGrid, OneCheckPoint) {
   const CheckPointGrid grid(site);
   const auto found = grid.locate(Vec3(0.01, 0, 0));
   EXPECT_EQ(found.place, Place::rest);
-  EXPECT_EQ(found.found, Found::extrapolated);
+  EXPECT_EQ(found.support, Support::extrapolated);
   EXPECT_EQ(found.offset, Vec3(0.01, 0, 0));
   site.configurations[0].outcome = Outcome::aborted;
   EXPECT_EQ(CheckPointGrid(site).locate(Vec3::Zero()).place, Place::nowhere);

@@ -66,7 +66,7 @@ TEST(DisplayField, IsExactForQuadraticFields) {
   Eigen::VectorXf c(kModes);
   for (int i = 0; i < 300; ++i) {
     const Vec3 t = points();
-    EXPECT_EQ(field.coefficients(t, c.data()), Found::inside);
+    EXPECT_EQ(field.coefficients(t, c.data()), Support::inside);
     EXPECT_LT((c.cast<double>() - quadratic.value(t)).norm(), kSingle);
   }
 }
@@ -82,7 +82,7 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
 
   const Vec3 border(0.003, -kHalfWidth, 0.001);
   const Vec3 offset(0, -0.004, 0);
-  EXPECT_EQ(field.coefficients(border + offset, c.data()), Found::extrapolated);
+  EXPECT_EQ(field.coefficients(border + offset, c.data()), Support::extrapolated);
   EXPECT_LT(
       (c.cast<double>() - quadratic.value(border) - quadratic.gradient(border) * offset).norm(),
       kSingle);
@@ -90,7 +90,7 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
   // At the hole itself stands the expansion at the nearest node.
   const Vec3 hole = at(site, {1, 1, 1}).t;
   const Vec3 nearest = at(site, {0, 1, 1}).t;
-  EXPECT_EQ(field.coefficients(hole, c.data()), Found::extrapolated);
+  EXPECT_EQ(field.coefficients(hole, c.data()), Support::extrapolated);
   EXPECT_LT((c.cast<double>() - quadratic.value(nearest) -
              quadratic.gradient(nearest) * (hole - nearest))
                 .norm(),
@@ -99,10 +99,10 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
   test::RandomPoints points(1.5 * kHalfWidth);
   for (int i = 0; i < 500; ++i) {
     const Vec3 t = points();
-    EXPECT_EQ(field.coefficients(t, c.data()), interpolator->evaluate(t).found);
+    EXPECT_EQ(field.coefficients(t, c.data()), interpolator->evaluate(t).support);
     EXPECT_TRUE(c.allFinite());
   }
-  EXPECT_EQ(field.coefficients(Vec3::Constant(std::nan("")), c.data()), Found::no);
+  EXPECT_EQ(field.coefficients(Vec3::Constant(std::nan("")), c.data()), Support::none);
   EXPECT_TRUE(c.isZero(0));
 }
 
@@ -135,9 +135,9 @@ TEST(DisplayField, FarOutNothingIsFound) {
   const DisplayField field(quadratic_site(Quadratic()));
   Eigen::VectorXf c(kModes);
   for (double far : {1.0, 1e30, 1e39, 1e300, 1e308}) {
-    const Found found = field.coefficients(Vec3(far, -far, far), c.data());
+    const Support support = field.coefficients(Vec3(far, -far, far), c.data());
     EXPECT_TRUE(c.allFinite()) << far;
-    EXPECT_EQ(found, far < 1e38 ? Found::extrapolated : Found::no);
+    EXPECT_EQ(support, far < 1e38 ? Support::extrapolated : Support::none);
   }
 }
 
@@ -146,7 +146,7 @@ TEST(DisplayField, SiteWithoutModes) {
   site.coefficients.resize(0, 27);
   site.coefficient_gradients.resize(0, 27);
   const DisplayField field(site);
-  EXPECT_EQ(field.coefficients(Vec3::Zero(), nullptr), Found::inside);
+  EXPECT_EQ(field.coefficients(Vec3::Zero(), nullptr), Support::inside);
 }
 
 TEST(ApplyModes, IsTheProductInBothPrecisions) {

@@ -40,7 +40,7 @@ TEST(EnergyHermite, ForceIsTheGradientOfTheEnergy) {
   for (int i = 0; i < 500; ++i) {
     const Vec3 t = points();
     const TouchResult r = interpolator->evaluate(t);
-    beside_holes += r.found == Found::extrapolated ? 1 : 0;
+    beside_holes += r.support == Support::extrapolated ? 1 : 0;
     EXPECT_EQ(r.stiffness, r.stiffness.transpose());
     for (int a = 0; a < 3; ++a) {
       const Vec3 d = step * Vec3::Unit(a);
@@ -142,7 +142,7 @@ TEST(EnergyHermite, ReproducesCubicEnergiesFromThreePointsInARow) {
       for (int i = 0; i < 300; ++i) {
         const Vec3 t = points();
         const TouchResult r = interpolator->evaluate(t);
-        if (r.found != Found::inside) continue;
+        if (r.support != Support::inside) continue;
         EXPECT_LT((r.force - energy(t).force).norm() / scale, 1e-11) << a << b;
       }
     }
@@ -195,8 +195,8 @@ TEST(EnergyHermite, CellsBeforeMarkedOnesAreAsGoodAsElsewhere) {
     for (int i = 0; i < 500; ++i) {
       const Vec3 t = points();
       const TouchResult touch = interpolator->evaluate(t);
-      EXPECT_EQ(touch.found, t[0] > kHalfWidth / 3 ? Found::marked : Found::inside);
-      if (touch.found != Found::inside) continue;
+      EXPECT_EQ(touch.support, t[0] > kHalfWidth / 3 ? Support::marked : Support::inside);
+      if (touch.support != Support::inside) continue;
       ++num_inside;
       EXPECT_LE((touch.force - energy(t).force).norm(), 1e-11);
     }

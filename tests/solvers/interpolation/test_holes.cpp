@@ -46,7 +46,8 @@ TEST_P(Holes, ForceIsContinuousAcrossSides) {
     for (const auto& [t, across] : points_on_sides(site, 100000)) {
       const TouchResult a = interpolator->evaluate(t - across);
       const TouchResult b = interpolator->evaluate(t + across);
-      beside_holes += a.found == Found::extrapolated || b.found == Found::extrapolated ? 1 : 0;
+      beside_holes +=
+          a.support == Support::extrapolated || b.support == Support::extrapolated ? 1 : 0;
       ASSERT_LT((a.force - b.force).norm(), 1e-11 * (a.force.norm() + 10)) << t.transpose();
       ASSERT_NEAR(a.energy, b.energy, 1e-11 * (1 + std::abs(a.energy)));
     }
@@ -66,7 +67,7 @@ TEST_P(Holes, ForceIsContinuousAtTheBorderAndBeyond) {
       const Vec3 out = std::copysign(1e-11, t[axis]) * Vec3::Unit(axis);
       const TouchResult before = interpolator->evaluate(t - out);
       const TouchResult after = interpolator->evaluate(t + out);
-      EXPECT_EQ(after.found, Found::extrapolated);
+      EXPECT_EQ(after.support, Support::extrapolated);
       // The stiffness may jump at the border; it is of this order.
       constexpr double kStiffness = 1e6;
       ASSERT_LT((after.force - before.force).norm(), 1e-11 * kStiffness);
@@ -150,7 +151,7 @@ TEST_P(Holes, AnyDisplacementHasAnAnswer) {
       const TouchResult r = interpolator->evaluate(t);
       const double sum = r.energy + r.force.sum() + r.stiffness.sum();
       ASSERT_TRUE(std::isfinite(sum)) << t.transpose();
-      ASSERT_TRUE(t.allFinite() || r.found == Found::no);
+      ASSERT_TRUE(t.allFinite() || r.support == Support::none);
     }
   }
   EXPECT_GE(num, count - 1);
@@ -158,11 +159,11 @@ TEST_P(Holes, AnyDisplacementHasAnAnswer) {
 
 INSTANTIATE_TEST_SUITE_P(, Holes, testing::ValuesIn(all_methods()), test::name_of_method);
 
-class GhostMethods : public testing::TestWithParam<Method> {};
+class ExtrapolatingMethods : public testing::TestWithParam<Method> {};
 
-// A ghost is the Taylor expansion at its neighbour: where Π is cubic, h quadratic, it is exact with
-// third derivatives.
-TEST_P(GhostMethods, GhostsGoOnFromTheirNeighbour) {
+// An extrapolated node is the Taylor expansion at its neighbour: where Π is cubic, h quadratic, it
+// is exact with third derivatives.
+TEST_P(ExtrapolatingMethods, NodesGoOnFromTheirNeighbour) {
   const test::Energy cubic = [](const Vec3& t) {
     test::Sample s;
     for (const auto& [a, b, c] : {std::array{1, 1, 1}, {2, 1, 0}, {0, 0, 3}, {0, 2, 0}}) {
@@ -193,11 +194,11 @@ TEST_P(GhostMethods, GhostsGoOnFromTheirNeighbour) {
   }
   InterpolationOptions without;
   without.third_derivatives = false;
-  const ConfigurationSummary& ghost = at(site, {-3, 0, 0});
+  const ConfigurationSummary& missing = at(site, {-3, 0, 0});
   const ConfigurationSummary& from = at(site, {-3, -1, 0});
-  const TouchResult r = make_interpolator(GetParam(), site, without)->evaluate(ghost.t);
-  EXPECT_EQ(r.found, Found::extrapolated);
-  EXPECT_LT((r.force - from.force - from.stiffness * (ghost.t - from.t)).norm(), 1e-12);
+  const TouchResult r = make_interpolator(GetParam(), site, without)->evaluate(missing.t);
+  EXPECT_EQ(r.support, Support::extrapolated);
+  EXPECT_LT((r.force - from.force - from.stiffness * (missing.t - from.t)).norm(), 1e-12);
   if (GetParam() != Method::energy_hermite) return;
   test::RandomPoints points;
   for (int i = 0; i < 500; ++i) {
@@ -206,7 +207,7 @@ TEST_P(GhostMethods, GhostsGoOnFromTheirNeighbour) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, GhostMethods,
+INSTANTIATE_TEST_SUITE_P(, ExtrapolatingMethods,
                          testing::Values(Method::trilinear, Method::tricubic,
                                          Method::energy_hermite),
                          test::name_of_method);

@@ -45,7 +45,7 @@ TEST_P(AnyMethod, IsExactAtTheCheckPoints) {
   const auto interpolator = make(site);
   for (const ConfigurationSummary& c : site.configurations) {
     const TouchResult r = interpolator->evaluate(c.t);
-    EXPECT_EQ(r.found, Found::inside);
+    EXPECT_EQ(r.support, Support::inside);
     EXPECT_NEAR(r.energy, c.energy, (1e-13 + rounding(GetParam())) * std::abs(c.energy));
     EXPECT_LT((r.force - c.force).norm(),
               (1e-12 + rounding(GetParam())) * (1 + c.force.norm()));
@@ -101,9 +101,9 @@ TEST_P(AnyMethod, OutsideTheForceFollowsTheStiffness) {
   const auto interpolator = make(analytic_site(exponential));
   const Vec3 border(kHalfWidth, 0.003, -0.001);
   const TouchResult at_border = interpolator->evaluate(border);
-  EXPECT_EQ(at_border.found, Found::inside);
+  EXPECT_EQ(at_border.support, Support::inside);
   const TouchResult out = interpolator->evaluate(border + Vec3(0.004, 0, 0));
-  EXPECT_EQ(out.found, Found::extrapolated);
+  EXPECT_EQ(out.support, Support::extrapolated);
   EXPECT_LT((out.force - at_border.force - out.stiffness * Vec3(0.004, 0, 0)).norm(), 1e-9);
   EXPECT_GT((out.stiffness * Vec3(0.004, 0, 0)).x(), 0);
 }
@@ -127,10 +127,10 @@ TEST_P(AnyMethod, MissingCheckPointsAreLikeFailedOnes) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3 t = points();
     const TouchResult r = a->evaluate(t);
-    EXPECT_EQ(r.found, b->evaluate(t).found);
+    EXPECT_EQ(r.support, b->evaluate(t).support);
     EXPECT_EQ(r.force, b->evaluate(t).force);
     EXPECT_TRUE(is_finite(r));
-    inside += r.found == Found::inside ? 1 : 0;
+    inside += r.support == Support::inside ? 1 : 0;
   }
   EXPECT_GT(inside, 20);
 }
@@ -140,8 +140,8 @@ TEST_P(AnyMethod, MarkedRegionIsInterpolatedAndSaidSo) {
   const TouchResult plain = make(site)->evaluate(Vec3(0.005, 0.005, 0.005));
   at(site, {1, 1, 1}).flags = flags::inverted;
   const TouchResult marked = make(site)->evaluate(Vec3(0.005, 0.005, 0.005));
-  EXPECT_EQ(plain.found, Found::inside);
-  EXPECT_EQ(marked.found, Found::marked);
+  EXPECT_EQ(plain.support, Support::inside);
+  EXPECT_EQ(marked.support, Support::marked);
   // The differences of Energy Hermite at the other corners do without the one that is marked.
   const double change = GetParam() == Method::energy_hermite ? 1e-3 : 0;
   EXPECT_LE((plain.force - marked.force).norm(), change * plain.force.norm());
@@ -150,7 +150,7 @@ TEST_P(AnyMethod, MarkedRegionIsInterpolatedAndSaidSo) {
 TEST_P(AnyMethod, SmallGrids) {
   const TouchSite one = analytic_site(exponential, 1);
   const TouchResult r = make(one)->evaluate(Vec3(0.001, 0, 0));
-  EXPECT_EQ(r.found, Found::extrapolated);
+  EXPECT_EQ(r.support, Support::extrapolated);
   EXPECT_LT(
       (r.force - one.configurations[0].force - one.configurations[0].stiffness * Vec3(0.001, 0, 0))
           .norm(),
@@ -168,7 +168,7 @@ TEST_P(AnyMethod, BadInputFindsNothing) {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const Vec3& t : {Vec3(nan, 0, 0), Vec3(0, infinity, 0), Vec3(0, 0, -infinity)}) {
     const TouchResult r = interpolator->evaluate(t);
-    EXPECT_EQ(r.found, Found::no);
+    EXPECT_EQ(r.support, Support::none);
     EXPECT_TRUE(r.force.isZero(0));
   }
   for (double far : {1.0, 1e10, 1e100, 1e150, 1e200, 1e307}) {
@@ -180,9 +180,9 @@ TEST_P(AnyMethod, BadInputFindsNothing) {
 TEST_P(AnyMethod, NothingUsableFindsNothing) {
   TouchSite site = analytic_site(exponential, 3);
   for (ConfigurationSummary& c : site.configurations) c.outcome = Outcome::not_converged;
-  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).found, Found::no);
+  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).support, Support::none);
   site.configurations.clear();
-  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).found, Found::no);
+  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).support, Support::none);
 }
 
 TEST_P(AnyMethod, OutlivesItsSite) {
@@ -219,7 +219,7 @@ struct Known {
   Vec3 force;
   double energy;
   double stiffness_xy;
-  Found found;
+  Support support;
 };
 
 // Results for a uniform grid with holes, which the sizes of cells must not change.
@@ -230,29 +230,29 @@ TEST(UniformGrid, GivesTheKnownResults) {
   at(site, {-3, -1, 2}).outcome = Outcome::not_converged;
   const std::vector<Known> known = {
       {Method::trilinear, Vec3(0.001, -0.002, 0.003),
-       Vec3(36.615625308585138, -31.976853638896777, 77.533254020550331),
-       1.2965597849934671, 423.12790918006948, Found::inside},
+       Vec3(36.615625308585138, -31.976853638896777, 77.533254020550331), 1.2965597849934671,
+       423.12790918006948, Support::inside},
       {Method::trilinear, Vec3(-0.0101, 0.0087, -0.0113),
-       Vec3(0.53724739433581981, -2.4665515257042423, -12.057399112985383),
-       0.69802487622894582, 716.90556820956931, Found::inside},
+       Vec3(0.53724739433581981, -2.4665515257042423, -12.057399112985383), 0.69802487622894582,
+       716.90556820956931, Support::inside},
       {Method::trilinear, Vec3(0.0071, 0.0014, -0.0052),
-       Vec3(122.08973549171323, -19.658730782128384, -20.966986382688631),
-       1.4247161523046241, 125.05018540740126, Found::inside},
+       Vec3(122.08973549171323, -19.658730782128384, -20.966986382688631), 1.4247161523046241,
+       125.05018540740126, Support::inside},
       {Method::trilinear, Vec3(0.0135, -0.004, 0.0002),
-       Vec3(288.28028823826247, -72.097926766639304, 24.97146256431656),
-       2.7763988842303062, -4059.9781582606547, Found::extrapolated},
+       Vec3(288.28028823826247, -72.097926766639304, 24.97146256431656), 2.7763988842303062,
+       -4059.9781582606547, Support::extrapolated},
       {Method::energy_hermite, Vec3(0.001, -0.002, 0.003),
-       Vec3(34.963743325684973, -30.589765316691306, 73.662000083796855),
-       1.2485768901283576, 392.5311731434889, Found::inside},
+       Vec3(34.963743325684973, -30.589765316691306, 73.662000083796855), 1.2485768901283576,
+       392.5311731434889, Support::inside},
       {Method::energy_hermite, Vec3(-0.0101, 0.0087, -0.0113),
-       Vec3(0.47429480261729218, -2.4140503795697268, -11.653916649303785),
-       0.67937403319062328, 677.95647803198074, Found::inside},
+       Vec3(0.47429480261729218, -2.4140503795697268, -11.653916649303785), 0.67937403319062328,
+       677.95647803198074, Support::inside},
       {Method::energy_hermite, Vec3(0.0071, 0.0014, -0.0052),
-       Vec3(115.55307252832276, -18.757369914974973, -18.75361739881361),
-       1.3690937000063654, -212.6247802987256, Found::inside},
+       Vec3(115.55307252832276, -18.757369914974973, -18.75361739881361), 1.3690937000063654,
+       -212.6247802987256, Support::inside},
       {Method::energy_hermite, Vec3(0.0135, -0.004, 0.0002),
-       Vec3(287.44821931323992, -71.941066766376792, 24.481330633209854),
-       2.7674008000477008, -4051.3889138833965, Found::extrapolated},
+       Vec3(287.44821931323992, -71.941066766376792, 24.481330633209854), 2.7674008000477008,
+       -4051.3889138833965, Support::extrapolated},
   };
   for (const Known& k : known) {
     const TouchResult r = make_interpolator(k.method, site)->evaluate(k.t);
@@ -261,7 +261,7 @@ TEST(UniformGrid, GivesTheKnownResults) {
     EXPECT_NEAR(r.energy, k.energy, kRounding * std::abs(k.energy));
     EXPECT_LT((r.force - k.force).norm(), kRounding * k.force.norm());
     EXPECT_NEAR(r.stiffness(0, 1), k.stiffness_xy, kRounding * r.stiffness.norm());
-    EXPECT_EQ(r.found, k.found);
+    EXPECT_EQ(r.support, k.support);
   }
 }
 
@@ -367,7 +367,7 @@ TEST(Linear, IsTheStiffnessAtRest) {
       EXPECT_LT((r.stiffness - k).norm(), 1e-9);
       EXPECT_NEAR(r.energy, 0.5 * t.dot(k * t), 1e-13);
       const bool inside = resolution > 1 && t.lpNorm<Eigen::Infinity>() <= kHalfWidth;
-      EXPECT_EQ(r.found, inside ? Found::inside : Found::extrapolated);
+      EXPECT_EQ(r.support, inside ? Support::inside : Support::extrapolated);
     }
   }
   at(site, {0, 0, 0}).outcome = Outcome::not_converged;

@@ -157,7 +157,7 @@ TEST_P(RadialBasis, ServesCellsOfDifferentSize) {
   EXPECT_EQ(interpolator->num_samples(), site.configurations.size());
   for (const ConfigurationSummary& c : site.configurations) {
     const TouchResult r = interpolator->evaluate(c.t);
-    EXPECT_EQ(r.found, Found::inside);
+    EXPECT_EQ(r.support, Support::inside);
     EXPECT_LT((r.force - c.force).norm(), 1e-9 * (1 + c.force.norm()));
   }
 }

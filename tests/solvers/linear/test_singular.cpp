@@ -173,7 +173,7 @@ TEST_P(Singular, ChainOfSprings) {
   }
 }
 
-// What the weakest mode is known to does not depend on what was factorised before.
+// What the lowest mode is known to does not depend on what was factorised before.
 TEST_P(Singular, TheVerdictHasNoMemory) {
   Cube cube;
   cube.contrast = 1e9;

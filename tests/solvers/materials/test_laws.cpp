@@ -151,7 +151,7 @@ TEST_P(Laws, APacketIsEightNumbers) {
     Kinematics<Packet> k;
     for (int lane = 0; lane < 8; ++lane) {
       for (int i = 0; i < 9; ++i) {
-        k.h[i / 3][i % 3].lanes[lane] = all[first + lane](i / 3, i % 3);
+        k.h[i / 3][i % 3].values[lane] = all[first + lane](i / 3, i % 3);
       }
     }
     k.update();
@@ -162,7 +162,7 @@ TEST_P(Laws, APacketIsEightNumbers) {
       Packet p[kNumConstants<kLaw>];
       for (int lane = 0; lane < 8; ++lane) {
         const Constants constants = law_constants(stiffer(lane));
-        for (int i = 0; i < kNumConstants<kLaw>; ++i) p[i].lanes[lane] = constants[i];
+        for (int i = 0; i < kNumConstants<kLaw>; ++i) p[i].values[lane] = constants[i];
       }
       LawOf<kLaw>::template evaluate<true>(k, p, r);
       VolumeOf<kLaw>::template evaluate<true>(k, volume);

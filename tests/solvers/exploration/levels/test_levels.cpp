@@ -14,7 +14,7 @@
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
 #include "interpolation/interpolator.h"
-#include "interpolation/sheets.h"
+#include "interpolation/solution_branches.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
@@ -156,31 +156,31 @@ TEST_F(RoofLevels, BothBranchesAreFoundAndTouchJumpsWhereTheBodyDoes) {
     EXPECT_EQ(num, deflection > folds.up && deflection < folds.down ? 2 : 1) << deflection;
   }
 
-  const Sheets sheets(site);
-  ASSERT_EQ(sheets.size(), 2);
-  std::vector<std::unique_ptr<Interpolator>> on_sheet;
+  const SolutionBranches branches(site);
+  ASSERT_EQ(branches.size(), 2);
+  std::vector<std::unique_ptr<Interpolator>> on_branch;
   for (int s = 0; s < 2; ++s) {
-    on_sheet.push_back(make_interpolator(Method::energy_hermite,
-                                         restricted(site, sheets.configurations(s))));
+    on_branch.push_back(
+        make_interpolator(Method::energy_hermite, restricted(site, branches.configurations(s))));
   }
-  int sheet = 0;
+  int branch = 0;
   double down = 0;
   double up = 0;
   Vec3 at = Vec3::Zero();
   const auto move_to = [&](double deflection) {
     const Vec3 next(0, 0, -deflection);
-    const int before = sheet;
-    sheet = sheets.move(sheet, at, next);
+    const int before = branch;
+    branch = branches.move(branch, at, next);
     at = next;
-    if (sheet > before) down = deflection;
-    if (sheet < before) up = deflection;
-    EXPECT_EQ(on_sheet[static_cast<std::size_t>(sheet)]->evaluate(at).found, Found::inside);
+    if (branch > before) down = deflection;
+    if (branch < before) up = deflection;
+    EXPECT_EQ(on_branch[static_cast<std::size_t>(branch)]->evaluate(at).support, Support::inside);
   };
   for (int i = 0; i <= 300; ++i) move_to(1e-4 * i);
   for (int i = 300; i >= 0; --i) move_to(1e-4 * i);
   EXPECT_NEAR(down, folds.down, spacing);
   EXPECT_NEAR(up, folds.up, spacing);
-  EXPECT_EQ(sheet, 0);
+  EXPECT_EQ(branch, 0);
 }
 
 TEST_F(RoofLevels, SeveralRanksGiveTheSpaceOfOne) {

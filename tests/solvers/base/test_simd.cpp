@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/packet.h"
+#include "base/simd.h"
 
 #include <gtest/gtest.h>
 
@@ -8,17 +8,17 @@
 namespace palpate::baseline {
 namespace {
 
-constexpr double kA[kLanes] = {1, -2, 3, 0.5, 1e300, -1e-300, 0, 7};
-constexpr double kB[kLanes] = {4, 5, -6, 0.25, 1e-10, 2, 3, 7};
+constexpr double kA[kPacketSize] = {1, -2, 3, 0.5, 1e300, -1e-300, 0, 7};
+constexpr double kB[kPacketSize] = {4, 5, -6, 0.25, 1e-10, 2, 3, 7};
 
-/// Lane by lane the result of a packet is that of the double, bit for bit.
+/// Number by number the result of a packet is that of the double, bit for bit.
 template <class F>
 void expect_as_scalar(const F& f) {
   const Packet result = f(Packet::load(kA), Packet::load(kB));
-  for (int lane = 0; lane < kLanes; ++lane) EXPECT_EQ(result[lane], f(kA[lane], kB[lane])) << lane;
+  for (int i = 0; i < kPacketSize; ++i) EXPECT_EQ(result[i], f(kA[i], kB[i])) << i;
 }
 
-TEST(Packet, ComputesAsTheDoubleInEveryLane) {
+TEST(Packet, ComputesAsTheDoubleInEveryNumber) {
   expect_as_scalar([](auto a, auto b) { return a + b; });
   expect_as_scalar([](auto a, auto b) { return a - b; });
   expect_as_scalar([](auto a, auto b) { return a * b; });
@@ -26,7 +26,8 @@ TEST(Packet, ComputesAsTheDoubleInEveryLane) {
   expect_as_scalar([](auto a, auto) { return -a; });
   expect_as_scalar([](auto a, auto b) { return min(a, b); });
   expect_as_scalar([](auto a, auto b) { return max(a, b); });
-  expect_as_scalar([](auto a, auto) { return map(a, [](double x) { return std::sqrt(std::fabs(x)); }); });
+  expect_as_scalar(
+      [](auto a, auto) { return map(a, [](double x) { return std::sqrt(std::fabs(x)); }); });
   expect_as_scalar([](auto a, auto b) { return a += b; });
   expect_as_scalar([](auto a, auto b) { return a -= b; });
   expect_as_scalar([](auto a, auto b) { return a *= b; });
@@ -34,17 +35,17 @@ TEST(Packet, ComputesAsTheDoubleInEveryLane) {
 
 TEST(Packet, IsFilledByAScalar) {
   const Packet packet = 2.5;
-  for (int lane = 0; lane < kLanes; ++lane) EXPECT_EQ(packet[lane], 2.5);
+  for (int i = 0; i < kPacketSize; ++i) EXPECT_EQ(packet[i], 2.5);
 }
 
 TEST(Packet, LoadsAndStoresAtAnyAddress) {
-  double memory[kLanes + 1] = {};
+  double memory[kPacketSize + 1] = {};
   Packet::load(kA).store(memory + 1);
   EXPECT_EQ(memory[0], 0);
   const Packet again = Packet::load(memory + 1);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    EXPECT_EQ(memory[lane + 1], kA[lane]);
-    EXPECT_EQ(again[lane], kA[lane]);
+  for (int i = 0; i < kPacketSize; ++i) {
+    EXPECT_EQ(memory[i + 1], kA[i]);
+    EXPECT_EQ(again[i], kA[i]);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "equilibrium/completion.h"
+#include "equilibrium/linearisation.h"
 
 #include <algorithm>
 
@@ -25,8 +25,7 @@ NodalVector state_of(const HeldBody& body, const Equilibrium& equilibrium) {
 Eigen::MatrixXd sensitivity_of(const HeldBody& body, const Equilibrium& equilibrium) {
   if (!body.is_saddle()) return equilibrium.v;
   Eigen::MatrixXd sensitivity(body.assembly().state_size(), equilibrium.v.cols());
-  sensitivity << equilibrium.v,
-      pressure_scale(body).cwiseInverse().asDiagonal() * equilibrium.p_v;
+  sensitivity << equilibrium.v, pressure_scale(body).cwiseInverse().asDiagonal() * equilibrium.p_v;
   return sensitivity;
 }
 
@@ -109,8 +108,8 @@ bool refine(HeldBody& body, TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> v
 
 }  // namespace
 
-Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
-                 NodalVector* newton_step) {
+Outcome linearise(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
+                  NodalVector* newton_step) {
   TangentFactor* factor = body.factorise(state);
   if (factor == nullptr) return Outcome::tangent_not_factorised;
   const Eigen::Index parameters = body.num_parameters();
@@ -158,9 +157,9 @@ void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& stat
   take_inertia(start.negative_pivots, equilibrium);
 }
 
-bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
-                           const Equilibrium& start, const NodalVector& state, double error,
-                           Equilibrium& equilibrium) {
+bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
+                            const Equilibrium& start, const NodalVector& state, double error,
+                            Equilibrium& equilibrium) {
   TangentFactor* factor = body.find_factor(state_of(body, start));
   if (factor == nullptr || body.is_saddle()) return false;
   body.assemble_tangent(state);

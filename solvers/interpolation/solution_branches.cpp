@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "interpolation/sheets.h"
+#include "interpolation/solution_branches.h"
 
 #include <algorithm>
 #include <array>
@@ -65,12 +65,11 @@ Way way_between(const ConfigurationSummary& a, const ConfigurationSummary& b) {
   return a.level == 0 && b.level == 0 && same_flags ? Way::smooth : Way::unknown;
 }
 
-/// Finds the sheets of a site with levels.
+/// Finds the branches of a site with levels.
 class Builder {
  public:
   explicit Builder(const TouchSite& site)
-      : all_(with_flat_transitions(site)),
-        reach_(site.site.reach()) {
+      : all_(with_flat_transitions(site)), reach_(site.site.reach()) {
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (!all_[i].usable() || (all_[i].flags & flags::unstable) != 0) continue;
       at_[all_[i].check_point].push_back(static_cast<std::int32_t>(i));
@@ -88,58 +87,57 @@ class Builder {
       for (std::int32_t x : all_[i].check_point) squared += std::int64_t{x} * x;
       return std::pair(all_[i].level, squared);
     };
-    std::stable_sort(seeds.begin(), seeds.end(), [&](std::int32_t a, std::int32_t b) {
-      return from_rest(a) < from_rest(b);
-    });
+    std::stable_sort(seeds.begin(), seeds.end(),
+                     [&](std::int32_t a, std::int32_t b) { return from_rest(a) < from_rest(b); });
     std::vector<char> covered(all_.size(), 0);
-    std::vector<std::vector<std::int32_t>> sheets;
+    std::vector<std::vector<std::int32_t>> branches;
     constexpr std::size_t kMost = std::numeric_limits<std::int16_t>::max();
     for (std::int32_t seed : seeds) {
-      if (covered[seed] != 0 || sheets.size() == kMost) continue;
-      Sheet sheet = grow(seed);
+      if (covered[seed] != 0 || branches.size() == kMost) continue;
+      Branch branch = grow(seed);
       std::vector<std::int32_t> members;
-      for (const auto& [p, i] : sheet) {
+      for (const auto& [p, i] : branch) {
         covered[i] = 1;
         members.push_back(i);
       }
       // What spans no cell is of no use; rest is where the body begins.
-      const std::vector<CheckPoint> cells = cells_of(sheet);
-      if (!sheets.empty() && cells.empty()) continue;
-      for (const CheckPoint& first : cells) sheets_at_[first].push_back(sheets_.size());
+      const std::vector<CheckPoint> cells = cells_of(branch);
+      if (!branches.empty() && cells.empty()) continue;
+      for (const CheckPoint& first : cells) branches_at_[first].push_back(branches_.size());
       std::sort(members.begin(), members.end());
-      sheets.push_back(std::move(members));
-      sheets_.push_back(std::move(sheet));
+      branches.push_back(std::move(members));
+      branches_.push_back(std::move(branch));
     }
-    return sheets;
+    return branches;
   }
 
-  /// Of each sheet and cell the sheet that the body is on there.
+  /// Of each branch and cell the branch that the body is on there.
   [[nodiscard]] std::vector<std::int16_t> next() const {
     std::vector<std::int16_t> all;
-    for (std::size_t s = 0; s < sheets_.size(); ++s) {
+    for (std::size_t s = 0; s < branches_.size(); ++s) {
       for_each_cell([&](const CheckPoint& first) { all.push_back(next_of(s, first)); });
     }
     return all;
   }
 
  private:
-  using Sheet = std::map<CheckPoint, std::int32_t>;
+  using Branch = std::map<CheckPoint, std::int32_t>;
 
-  [[nodiscard]] Sheet grow(std::int32_t seed) const {
-    Sheet sheet{{all_[seed].check_point, seed}};
+  [[nodiscard]] Branch grow(std::int32_t seed) const {
+    Branch branch{{all_[seed].check_point, seed}};
     std::deque<std::int32_t> border{seed};
     while (!border.empty()) {
       const ConfigurationSummary& from = all_[border.front()];
       border.pop_front();
       for_each_neighbour(from, [&](std::int32_t i) {
         const ConfigurationSummary& c = all_[i];
-        if (sheet.count(c.check_point) > 0 || way_between(from, c) != Way::smooth) return;
-        if (is_broken(sheet, c)) return;
-        sheet.emplace(c.check_point, i);
+        if (branch.count(c.check_point) > 0 || way_between(from, c) != Way::smooth) return;
+        if (is_broken(branch, c)) return;
+        branch.emplace(c.check_point, i);
         if (c.leads_on()) border.push_back(i);
       });
     }
-    return sheet;
+    return branch;
   }
 
   template <class F>
@@ -152,11 +150,11 @@ class Builder {
     }
   }
 
-  [[nodiscard]] bool is_broken(const Sheet& sheet, const ConfigurationSummary& c) const {
+  [[nodiscard]] bool is_broken(const Branch& branch, const ConfigurationSummary& c) const {
     bool broken = false;
     for_each_neighbour(c, [&](std::int32_t i) {
-      const auto here = sheet.find(all_[i].check_point);
-      broken = broken || (here != sheet.end() && here->second == i &&
+      const auto here = branch.find(all_[i].check_point);
+      broken = broken || (here != branch.end() && here->second == i &&
                           way_between(all_[i], c) == Way::broken);
     });
     return broken;
@@ -175,19 +173,19 @@ class Builder {
     return {first[0] + (c >> 2), first[1] + (c >> 1 & 1), first[2] + (c & 1)};
   }
 
-  /// The first corners of the cells whose corners are all on the sheet.
-  static std::vector<CheckPoint> cells_of(const Sheet& sheet) {
+  /// The first corners of the cells whose corners are all on the branch.
+  static std::vector<CheckPoint> cells_of(const Branch& branch) {
     std::vector<CheckPoint> cells;
-    for (const auto& [first, i] : sheet) {
+    for (const auto& [first, i] : branch) {
       int corners = 0;
-      while (corners < 8 && sheet.count(corner(first, corners)) > 0) ++corners;
+      while (corners < 8 && branch.count(corner(first, corners)) > 0) ++corners;
       if (corners == 8) cells.push_back(first);
     }
     return cells;
   }
 
-  /// Transitions from the corners that are on a sheet which have reached another sheet.
-  [[nodiscard]] int votes(const Sheet& from, const Sheet& to, const CheckPoint& first) const {
+  /// Transitions from the corners that are on a branch which have reached another branch.
+  [[nodiscard]] int votes(const Branch& from, const Branch& to, const CheckPoint& first) const {
     int sum = 0;
     for (int a = 0; a < 8; ++a) {
       const auto start = from.find(corner(first, a));
@@ -201,22 +199,22 @@ class Builder {
     return sum;
   }
 
-  [[nodiscard]] double energy(const Sheet& sheet, const CheckPoint& first) const {
+  [[nodiscard]] double energy(const Branch& branch, const CheckPoint& first) const {
     double sum = 0;
-    for (int c = 0; c < 8; ++c) sum += all_[sheet.at(corner(first, c))].energy;
+    for (int c = 0; c < 8; ++c) sum += all_[branch.at(corner(first, c))].energy;
     return sum / 8;
   }
 
-  [[nodiscard]] std::int16_t next_of(std::size_t sheet, const CheckPoint& first) const {
-    const auto here = sheets_at_.find(first);
-    if (here == sheets_at_.end()) return static_cast<std::int16_t>(sheet);
-    std::size_t best = sheet;
+  [[nodiscard]] std::int16_t next_of(std::size_t branch, const CheckPoint& first) const {
+    const auto here = branches_at_.find(first);
+    if (here == branches_at_.end()) return static_cast<std::int16_t>(branch);
+    std::size_t best = branch;
     std::pair<int, double> most{0, std::numeric_limits<double>::infinity()};
     for (std::size_t s : here->second) {
-      if (s == sheet) return static_cast<std::int16_t>(sheet);
+      if (s == branch) return static_cast<std::int16_t>(branch);
       // More votes, then less energy.
-      const std::pair<int, double> of_s{-votes(sheets_[sheet], sheets_[s], first),
-                                        energy(sheets_[s], first)};
+      const std::pair<int, double> of_s{-votes(branches_[branch], branches_[s], first),
+                                        energy(branches_[s], first)};
       if (of_s < most) {
         most = of_s;
         best = s;
@@ -229,14 +227,15 @@ class Builder {
   std::int32_t reach_;
   /// Usable and stable, by check-point.
   std::map<CheckPoint, std::vector<std::int32_t>> at_;
-  std::vector<Sheet> sheets_;
+  std::vector<Branch> branches_;
   /// By the first corner of a cell.
-  std::map<CheckPoint, std::vector<std::size_t>> sheets_at_;
+  std::map<CheckPoint, std::vector<std::size_t>> branches_at_;
 };
 
 }  // namespace
 
-Sheets::Sheets(const TouchSite& site) : spacing_(site.site.spacing()), reach_(site.site.reach()) {
+SolutionBranches::SolutionBranches(const TouchSite& site)
+    : spacing_(site.site.spacing()), reach_(site.site.reach()) {
   const auto& all = site.configurations;
   if (std::any_of(all.begin(), all.end(),
                   [](const ConfigurationSummary& c) { return c.has_history(); })) {
@@ -250,21 +249,21 @@ Sheets::Sheets(const TouchSite& site) : spacing_(site.site.spacing()), reach_(si
   }
 }
 
-int Sheets::move(int sheet, const Vec3& from, const Vec3& to) const noexcept {
-  if (next_.empty() || !from.allFinite() || !to.allFinite()) return sheet;
+int SolutionBranches::move(int branch, const Vec3& from, const Vec3& to) const noexcept {
+  if (next_.empty() || !from.allFinite() || !to.allFinite()) return branch;
   const Vec3 way = to - from;
   const double steps =
       std::clamp(std::ceil(way.lpNorm<Eigen::Infinity>() / (kStep * spacing_)), 1.0, kMostSteps);
-  for (double step = 1; step <= steps; ++step) sheet = follow(sheet, from + (step / steps) * way);
-  return sheet;
+  for (double step = 1; step <= steps; ++step) branch = follow(branch, from + (step / steps) * way);
+  return branch;
 }
 
-int Sheets::follow(int sheet, const Vec3& t) const noexcept {
+int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
   const std::int32_t n = 2 * reach_;
   const auto next = [&](const std::array<std::int32_t, 3>& cell) {
     const auto cells = static_cast<std::size_t>(n) * n * n;
     const std::size_t at = (static_cast<std::size_t>(cell[0]) * n + cell[1]) * n + cell[2];
-    return static_cast<int>(next_[static_cast<std::size_t>(sheet) * cells + at]);
+    return static_cast<int>(next_[static_cast<std::size_t>(branch) * cells + at]);
   };
   std::array<std::int32_t, 3> cell{};
   /// Where t lies on the border with the cell before or after along an axis: −1 or 1.
@@ -279,7 +278,7 @@ int Sheets::follow(int sheet, const Vec3& t) const noexcept {
   for (int across = 0; across < 8; ++across) {
     std::array<std::int32_t, 3> other = cell;
     for (int k = 0; k < 3; ++k) other[k] += (across >> k & 1) * beside[k];
-    if (next(other) == sheet) return sheet;
+    if (next(other) == branch) return branch;
   }
   return next(cell);
 }
@@ -295,7 +294,7 @@ TouchSite restricted(const TouchSite& site, const std::vector<std::int32_t>& con
     const std::int32_t of_site = configurations[static_cast<std::size_t>(i)];
     ConfigurationSummary& c =
         part.configurations.emplace_back(site.configurations[static_cast<std::size_t>(of_site)]);
-    // The jump that led here is not on the sheet.
+    // The jump that led here is not on the branch.
     if (configurations.size() < site.configurations.size()) c.flags &= ~flags::near_fold;
     part.coefficients.col(i) = site.coefficients.col(of_site);
     part.coefficient_gradients.col(i) = site.coefficient_gradients.col(of_site);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "interpolation/ghost.h"
+#include "interpolation/extrapolated_node.h"
 
 namespace palpate {
 
@@ -20,8 +20,7 @@ NodeData node_data(const CheckPointGrid& grid,
 
   const CheckPoint to = grid.tree().point(node);
   const CheckPoint from = grid.tree().point(nearest);
-  const Vec3 offset =
-      grid.spacing() * Vec3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  const Vec3 offset = grid.spacing() * Vec3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   Mat3 change = Mat3::Zero();
   if (has_third) {
     for (int a = 0; a < 3; ++a) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "linear/weakest_mode.h"
+#include "linear/singularity_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,8 +33,8 @@ Eigen::VectorXd rounding_of_product(const SymmetricPattern& pattern,
 
 }  // namespace
 
-double weakest_mode_error(const SymmetricPattern& pattern, const std::vector<double>& values,
-                          const SolveColumns& solve) {
+double lowest_mode_error(const SymmetricPattern& pattern, const std::vector<double>& values,
+                         const SolveColumns& solve) {
   std::minstd_rand random;  // the same column every time
   Eigen::VectorXd b(pattern.size);
   for (double& value : b) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a factor knows the weakest mode of its matrix, or has only rounding there.
+// Whether a factor knows the lowest mode of its matrix, or has only rounding there.
 //
 // The least pivot cannot tell a body that floats, whose rigid motions have pivots of rounding, from
 // a stiff inclusion in soft tissue. The former has pivots of 1e-16 to 1e-7 of the greatest (a mode
 // that hardly moves the unknown that is eliminated last has a large one), the latter of the
 // contrast times a share of the size: 1e-12 to 1e-9 for a contrast of 1e9. What tells them apart is
 // whether the stiffness of that mode is known. So solve for a random column, in whose solution y
-// the weakest mode outgrows all others, and ask two things.
+// the lowest mode outgrows all others, and ask two things.
 //
 //   Of the matrix: how large is the stiffness yᵀKy beside the rounding of the sums that it is made
 //   of, ε |y|ᵀ|K||y|, and Ky beside ε |K||y|? (A constant pressure that nothing determines, in a
@@ -25,11 +25,11 @@
 
 namespace palpate {
 
-/// The relative error of the stiffness of the weakest mode, roughly: near 1 and more when it has no
+/// The relative error of the stiffness of the lowest mode, roughly: near 1 and more when it has no
 /// digit. One solve; a second one when that leaves a doubt. @param solve With the factor of
 /// `values`.
-[[nodiscard]] double weakest_mode_error(const SymmetricPattern& pattern,
-                                        const std::vector<double>& values,
-                                        const SolveColumns& solve);
+[[nodiscard]] double lowest_mode_error(const SymmetricPattern& pattern,
+                                       const std::vector<double>& values,
+                                       const SolveColumns& solve);
 
 }  // namespace palpate

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What interpolation takes from a node: of its configuration, or where it has no usable one, of a
-// ghost. A ghost is the Taylor expansion at the nearest usable node, a distance Δ away:
+// What interpolation takes from a node: the data of its configuration. A node that has no usable
+// one is extrapolated: it has the Taylor expansion at the nearest usable node, a distance Δ away:
 //
 //   Π + h·Δ + ½ Δ·kΔ + ⅙ T(Δ,Δ,Δ),   h + kΔ + ½ T(Δ,Δ),   k + TΔ,   T
 //
-// T where it is known and wanted and the configuration does not mark, else 0. A node has one value
-// for all the leaves around it, so that what is interpolated does not jump beside a hole.
+// T is taken where it is known and wanted and the configuration does not mark, else it is 0. A node
+// has one value for all the leaves around it, so that what is interpolated does not jump beside a
+// hole.
 #pragma once
 
 #include <limits>

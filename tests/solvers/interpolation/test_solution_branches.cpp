@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "interpolation/sheets.h"
+#include "interpolation/solution_branches.h"
 
 #include <gtest/gtest.h>
 
@@ -45,8 +45,8 @@ TouchSite make_site(const Bistable& body, std::int32_t resolution) {
                                             [&](std::int32_t x) { return std::abs(x) <= reach; });
             if (!inside || q == p) continue;
             const Vec3 to = place(q);
-            c.reached[n] = static_cast<std::int8_t>(
-                level_of(body.wells(to), body.move(place(p), *w, to)));
+            c.reached[n] =
+                static_cast<std::int8_t>(level_of(body.wells(to), body.move(place(p), *w, to)));
           }
         }
       }
@@ -58,28 +58,28 @@ TouchSite make_site(const Bistable& body, std::int32_t resolution) {
   return site;
 }
 
-/// A body that is touched on its sheets.
+/// A body that is touched on its branches.
 class Touch {
  public:
-  explicit Touch(const TouchSite& site) : sheets_(site) {
-    for (int s = 0; s < sheets_.size(); ++s) {
-      interpolators_.push_back(make_interpolator(Method::energy_hermite,
-                                                 restricted(site, sheets_.configurations(s))));
+  explicit Touch(const TouchSite& site) : branches_(site) {
+    for (int s = 0; s < branches_.size(); ++s) {
+      interpolators_.push_back(
+          make_interpolator(Method::energy_hermite, restricted(site, branches_.configurations(s))));
     }
   }
 
   TouchResult move(const Vec3& t) {
-    sheet_ = sheets_.move(sheet_, at_, t);
+    branch_ = branches_.move(branch_, at_, t);
     at_ = t;
-    return interpolators_[static_cast<std::size_t>(sheet_)]->evaluate(t);
+    return interpolators_[static_cast<std::size_t>(branch_)]->evaluate(t);
   }
-  [[nodiscard]] int sheet() const { return sheet_; }
-  [[nodiscard]] const Sheets& sheets() const { return sheets_; }
+  [[nodiscard]] int branch() const { return branch_; }
+  [[nodiscard]] const SolutionBranches& branches() const { return branches_; }
 
  private:
-  Sheets sheets_;
+  SolutionBranches branches_;
   std::vector<std::unique_ptr<Interpolator>> interpolators_;
-  int sheet_ = 0;
+  int branch_ = 0;
   Vec3 at_ = Vec3::Zero();
 };
 
@@ -94,13 +94,13 @@ struct Folds {
   double lower;
 };
 
-TEST(Sheets, ALoopHasTheBodysHysteresis) {
+TEST(SolutionBranches, ALoopHasTheBodysHysteresis) {
   const Bistable body;
   const TouchSite site = make_site(body, 17);
   const double spacing = site.site.spacing();
   const Folds folds(body);
   Touch touch(site);
-  EXPECT_EQ(touch.sheets().size(), 2);
+  EXPECT_EQ(touch.branches().size(), 2);
   Vec3 at(0.1, -0.2, 0);
   touch.move(at);
   double w = body.wells(at).back();
@@ -108,15 +108,15 @@ TEST(Sheets, ALoopHasTheBodysHysteresis) {
   double jumps_up = 0;
   const auto step_to = [&](double z) {
     const Vec3 next(at.x(), at.y(), z);
-    const int before = touch.sheet();
+    const int before = touch.branch();
     const TouchResult result = touch.move(next);
     w = body.move(at, w, next);
     at = next;
-    if (touch.sheet() > before) jumps_down = z;
-    if (touch.sheet() < before) jumps_up = z;
+    if (touch.branch() > before) jumps_down = z;
+    if (touch.branch() < before) jumps_up = z;
     // Away from the cells with the folds the force is the body's.
     if (std::abs(z - folds.upper) < spacing || std::abs(z - folds.lower) < spacing) return;
-    EXPECT_EQ(result.found, Found::inside);
+    EXPECT_EQ(result.support, Support::inside);
     const Vec3 exact = body.at(next, w).force;
     EXPECT_LT((result.force - exact).norm(), 0.02 * exact.norm()) << z;
   };
@@ -126,7 +126,7 @@ TEST(Sheets, ALoopHasTheBodysHysteresis) {
   EXPECT_NEAR(jumps_up, folds.lower, spacing);
 }
 
-TEST(Sheets, RoundACuspOneComesToTheOtherBranchWithoutAJump) {
+TEST(SolutionBranches, RoundACuspOneComesToTheOtherBranchWithoutAJump) {
   Bistable body;
   body.a0 = 0.2;
   body.a1 = 0.8;
@@ -159,7 +159,7 @@ TEST(Sheets, RoundACuspOneComesToTheOtherBranchWithoutAJump) {
   EXPECT_NEAR(straight.move(at).force.z(), body.at(at, upper).force.z(), 0.02);
 }
 
-TEST(Sheets, WithoutLevelsThereIsOneOfAll) {
+TEST(SolutionBranches, WithoutLevelsThereIsOneOfAll) {
   Bistable smooth;
   smooth.a0 = -1;
   TouchSite site = make_site(smooth, 5);
@@ -167,15 +167,15 @@ TEST(Sheets, WithoutLevelsThereIsOneOfAll) {
     c.reached = ConfigurationSummary().reached;
     c.flags = flags::near_fold;  // stays as it is
   }
-  const Sheets sheets(site);
-  EXPECT_EQ(sheets.size(), 1);
-  EXPECT_EQ(sheets.configurations(0).size(), site.configurations.size());
-  EXPECT_EQ(sheets.move(0, Vec3::Zero(), Vec3::Constant(5)), 0);
-  EXPECT_EQ(restricted(site, sheets.configurations(0)).configurations.back().flags,
+  const SolutionBranches branches(site);
+  EXPECT_EQ(branches.size(), 1);
+  EXPECT_EQ(branches.configurations(0).size(), site.configurations.size());
+  EXPECT_EQ(branches.move(0, Vec3::Zero(), Vec3::Constant(5)), 0);
+  EXPECT_EQ(restricted(site, branches.configurations(0)).configurations.back().flags,
             flags::near_fold);
 }
 
-TEST(Sheets, IntermediateStatesGoWithTheConfigurationTheyLeadTo) {
+TEST(SolutionBranches, IntermediateStatesGoWithTheConfigurationTheyLeadTo) {
   TouchSite site = make_site(Bistable(), 9);
   for (const ConfigurationSummary& c : site.configurations) {
     if (c.level != 0) continue;
@@ -186,10 +186,10 @@ TEST(Sheets, IntermediateStatesGoWithTheConfigurationTheyLeadTo) {
       site.intermediate_states.push_back(state);
     }
   }
-  const Sheets sheets(site);
-  ASSERT_GT(sheets.size(), 1);
-  for (int s = 0; s < sheets.size(); ++s) {
-    const TouchSite part = restricted(site, sheets.configurations(s));
+  const SolutionBranches branches(site);
+  ASSERT_GT(branches.size(), 1);
+  for (int s = 0; s < branches.size(); ++s) {
+    const TouchSite part = restricted(site, branches.configurations(s));
     std::size_t expected = 0;
     for (const ConfigurationSummary& c : part.configurations) expected += c.level == 0 ? 2 : 0;
     EXPECT_EQ(part.intermediate_states.size(), expected);
@@ -197,7 +197,7 @@ TEST(Sheets, IntermediateStatesGoWithTheConfigurationTheyLeadTo) {
   }
 }
 
-TEST(Sheets, NothingUnstableIsOnASheet) {
+TEST(SolutionBranches, NothingUnstableIsOnABranch) {
   TouchSite site = make_site(Bistable(), 9);
   std::size_t num_unstable = 0;
   for (ConfigurationSummary& c : site.configurations) {
@@ -205,21 +205,21 @@ TEST(Sheets, NothingUnstableIsOnASheet) {
     c.flags = flags::unstable;
     ++num_unstable;
   }
-  const Sheets sheets(site);
-  for (int s = 0; s < sheets.size(); ++s) {
-    for (std::int32_t i : sheets.configurations(s)) {
+  const SolutionBranches branches(site);
+  for (int s = 0; s < branches.size(); ++s) {
+    for (std::int32_t i : branches.configurations(s)) {
       EXPECT_EQ(site.configurations[static_cast<std::size_t>(i)].flags, 0);
     }
   }
   EXPECT_GT(num_unstable, 0U);
 }
 
-TEST(Sheets, AWayThatIsNotFiniteStaysWhereItIs) {
-  const Sheets sheets(make_site(Bistable(), 9));
+TEST(SolutionBranches, AWayThatIsNotFiniteStaysWhereItIs) {
+  const SolutionBranches branches(make_site(Bistable(), 9));
   const Vec3 nowhere = Vec3::Constant(std::nan(""));
-  EXPECT_EQ(sheets.move(1, Vec3::Zero(), nowhere), 1);
-  EXPECT_EQ(sheets.move(1, nowhere, Vec3::Zero()), 1);
-  EXPECT_LT(sheets.move(0, Vec3::Zero(), Vec3::Constant(1e300)), sheets.size());
+  EXPECT_EQ(branches.move(1, Vec3::Zero(), nowhere), 1);
+  EXPECT_EQ(branches.move(1, nowhere, Vec3::Zero()), 1);
+  EXPECT_LT(branches.move(0, Vec3::Zero(), Vec3::Constant(1e300)), branches.size());
 }
 
 }  // namespace

@@ -14,16 +14,16 @@ namespace palpate {
 [[nodiscard]] Eigen::MatrixXd sensitivity_of(const HeldBody& body, const Equilibrium& equilibrium);
 
 /// Factorises the tangent at an equilibrium x, whose sites are at equilibrium.t, and fills in what
-/// follows from it: u, v, p, reaction, stiffness, energy, inertia, det F and their flags, and how far
-/// Newton's method would still move the state.
+/// follows from it: u, v, p, reaction, stiffness, energy, inertia, det F and their flags, and how
+/// far Newton's method would still move the state.
 /// @param newton_step Where to, if not null: the change of the state.
 /// @returns Outcome::tangent_not_factorised where there is no tangent, else converged.
-[[nodiscard]] Outcome complete(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
-                               NodalVector* newton_step = nullptr);
+[[nodiscard]] Outcome linearise(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
+                                NodalVector* newton_step = nullptr);
 
-/// The same in a linear body, for x = start + v (t − start.t), without a solve: v, k and the inertia
-/// are those of the start (elementary displacements: Cotin, Delingette & Ayache, IEEE Trans. Vis.
-/// Comput. Graph. 5, 1999), and so is the error.
+/// The same in a linear body, for x = start + v (t − start.t), without a solve: v, k and the
+/// inertia are those of the start (elementary displacements: Cotin, Delingette & Ayache, IEEE
+/// Trans. Vis. Comput. Graph. 5, 1999), and so is the error.
 void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& state,
                Equilibrium& equilibrium);
 
@@ -33,14 +33,14 @@ inline constexpr double kSensitivityError = 1e-4;
 inline constexpr double kRoughSensitivityError = 1e-2;
 
 /// The same without a factor of the tangent at x: v by conjugate gradients, preconditioned with the
-/// factor at `start`, from which x was reached, and from its v; k by the functional that is stationary
-/// in v, so that its relative error is the square of v's. Costs about half a factorisation. The
-/// inertia is not computed; negative curvature along the way is seen.
+/// factor at `start`, from which x was reached, and from its v; k by the functional that is
+/// stationary in v, so that its relative error is the square of v's. Costs about half a
+/// factorisation. The inertia is not computed; negative curvature along the way is seen.
 /// @param error That is left in v, relative.
-/// @returns false, and leaves the equilibrium to complete(), where there is no such factor, it does
-///   not serve well, the tangent is not positive definite, or x needs another Newton step.
-[[nodiscard]] bool complete_by_iteration(HeldBody& body, const EquilibriumOptions& options,
-                                         const Equilibrium& start, const NodalVector& state,
-                                         double error, Equilibrium& equilibrium);
+/// @returns false, and leaves the equilibrium to linearise(), where there is no such factor, it
+///   does not serve well, the tangent is not positive definite, or x needs another Newton step.
+[[nodiscard]] bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
+                                          const Equilibrium& start, const NodalVector& state,
+                                          double error, Equilibrium& equilibrium);
 
 }  // namespace palpate

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The branches of a site with levels, and which of them the body is on.
+//
+// A branch holds at most one configuration a check-point, and any two neighbours in it are one
+// smooth way apart: what is moved from one is found at the other, and back again as far as that was
+// tried. A branch ends where the body jumps, and holds nothing unstable. Where branches join, as
+// round a cusp, branches share configurations. Without levels there is one, of all configurations.
+//
+// The body follows its branch; where that has no cell at its displacement, the body is on the
+// branch that the transitions from the last corners have reached, else on that of least energy.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "state_space/touch_space.h"
+
+namespace palpate {
+
+/// Immutable, and holds all it needs: the site may go.
+class SolutionBranches {
+ public:
+  explicit SolutionBranches(const TouchSite& site);
+
+  /// At least 1; the first is that of rest.
+  [[nodiscard]] int size() const { return static_cast<int>(configurations_.size()); }
+  /// Places in the site's list, ascending.
+  [[nodiscard]] const std::vector<std::int32_t>& configurations(int branch) const {
+    return configurations_[static_cast<std::size_t>(branch)];
+  }
+
+  /// The branch that the body is on when it is moved straight from one displacement to another, m.
+  /// @param branch Where it begins.
+  /// @note Realtime-safe.
+  [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept;
+
+ private:
+  [[nodiscard]] int follow(int branch, const Vec3& t) const noexcept;
+
+  double spacing_ = 0;
+  std::int32_t reach_ = 0;
+  std::vector<std::vector<std::int32_t>> configurations_;
+  /// Of each branch and cell the branch that the body is on there [size × cells], k fastest; empty
+  /// where there is one branch.
+  std::vector<std::int16_t> next_;
+};
+
+/// The same site with these configurations alone, and the intermediate states on the way to them.
+/// @param configurations Places in the site's list, ascending.
+[[nodiscard]] TouchSite restricted(const TouchSite& site,
+                                   const std::vector<std::int32_t>& configurations);
+
+}  // namespace palpate
