@@ -24,8 +24,11 @@ int main(int argc, char** argv) try {
   const auto clock = std::make_shared<MonotonicClock>();
   auto device = argc > 2 ? open_device(argv[2]) : OpenedDevice{};
   if (!device.transport) {
-    const std::vector<ScriptedMotion::Waypoint> way{{0ms, {0, 0, 0.01}}, {1000ms, {0, 0, -0.005}}};
-    auto board = std::make_unique<SimulatedBoard>(clock, std::make_shared<ScriptedMotion>(way));
+    const Vec3 above(0, 0, 0.01), pressed(0, 0, -0.005);
+    const std::vector<ScriptedMotion::Waypoint> way{
+        {0ms, above}, {300ms, pressed}, {500ms, pressed}, {600ms, above}};
+    auto hand = std::make_shared<ScriptedMotion>(way, true);  // again and again
+    auto board = std::make_unique<SimulatedBoard>(clock, std::move(hand));
     device.profile = make_profile(ProfileKind::palpate_report, board->feature());
     device.transport = std::move(board);
   }

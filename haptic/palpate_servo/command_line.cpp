@@ -112,9 +112,15 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
                  "Stiffness between tool and body, N/m; 0: none (what the device displays, where "
                  "the body is stiffer)")
       ->type_name("FLOAT");
+  app.add_option("--dead-man", settings.dead_man_button,
+                 "Forces only while this button of the device is held, from 0; -1: none is required")
+      ->type_name("BUTTON");
+  double release_after = seconds(line.options.release_after);
+  app.add_option("--release-after", release_after,
+                 "Without a fresh report for so long the tool lets go, s");
   app.add_flag("--bonded", touch.bonded, "The tool also pulls");
   app.add_option("--release-force", touch.release_force,
-                 "A bonded tool lets go above this, N; 0: never");
+                 "A bonded tool lets go where it pulls with more than this, N; 0: never");
   add_without(app, "--no-blending", touch.blended,
               "The nearest active node is moved alone, not the three of the triangle");
   add_without(app, "--no-passivity-control", settings.passivity_control,
@@ -130,6 +136,7 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
     throw InputError(std::string(error.what()) + ". palpate-servo --help says what there is.");
   }
   if (!realtime) line.options.priority = 0;
+  line.options.release_after = Duration(std::llround(1e9 * release_after));
   if (line.space.empty() && (device->count() == 0 || !line.replay.empty())) {
     throw InputError("Which state space? Give a .palpate file. palpate-servo --help says more.");
   }
@@ -147,6 +154,7 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
     throw InputError("--depth is " + quantity(line.depth, "m") + ". Give 0 or more.");
   }
   if (line.coupling) touch.coupling_stiffness = *line.coupling;
+  validate(line.options);
   validate(settings);
   validate(touch);
   return line;

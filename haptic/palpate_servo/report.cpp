@@ -63,6 +63,10 @@ void print(const Counters& c, double limit) {
               c.reports, c.bad_reports, c.lost_reports, c.failed_reads, c.failed_writes);
   std::printf("states       %" PRIu64 " ticks stale, %" PRIu64 " ticks touching\n", c.stale_ticks,
               c.touching_ticks);
+  std::printf("interlock    %" PRIu64 " ticks without force; tripped %" PRIu64
+              " times by stale reports, %" PRIu64 " by failed writes, %" PRIu64 " by disengaging\n",
+              c.tripped_ticks, c.trips_by_stale_reports, c.trips_by_failed_writes,
+              c.trips_by_disengaging);
   std::printf("sent         mean %.4f N while touching, largest %.4f N, limit %.4f N\n",
               rates.mean_force(), c.largest_force, limit);
   std::printf("limiter      %" PRIu64 " ticks by size, %" PRIu64 " by change, %" PRIu64

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Replaces a large object that a real-time thread is using. That thread neither waits nor
-// frees: what it has let go of is taken back, and destroyed, by the one who replaces.
+// frees: what it has done with goes back, and is destroyed by the one who replaces.
+//
+// An object passes through four places, each of which holds at most one: offered → current →
+// previous → returned. The first and the last are shared by an atomic exchange; the other two belong
+// to the taker. It takes what is offered only when the place of the previous one is empty, and gives
+// that one back only in a later call of take(): so between two calls both are alive.
 #pragma once
 
 #include <atomic>
@@ -19,6 +24,7 @@ class Handover {
     delete offered_.load();
     delete returned_.load();
     delete current_;
+    delete previous_;
   }
 
   /// In place of what is there; an earlier offer that was not taken is destroyed.
@@ -31,16 +37,19 @@ class Handover {
   /// earlier.
   void collect() { delete returned_.exchange(nullptr, std::memory_order_acq_rel); }
 
-  /// The newest offer, or nullptr before the first. Valid until the next call.
+  /// The newest offer, or nullptr before the first. It, and what the call before gave, are valid
+  /// until the next call.
   /// @note Realtime-safe.
   [[nodiscard]] T* take() noexcept {
-    // With the last one not yet collected there is no place to return another: it stays in use, and
-    // the offer waits.
-    if (offered_.load(std::memory_order_relaxed) != nullptr &&
-        returned_.load(std::memory_order_acquire) == nullptr) {
+    // One that is not yet collected keeps the place; the offer waits meanwhile.
+    if (previous_ != nullptr && returned_.load(std::memory_order_acquire) == nullptr) {
+      returned_.store(previous_, std::memory_order_release);
+      previous_ = nullptr;
+    }
+    if (previous_ == nullptr && offered_.load(std::memory_order_relaxed) != nullptr) {
       Held* next = offered_.exchange(nullptr, std::memory_order_acq_rel);
       if (next != nullptr) {
-        returned_.store(current_, std::memory_order_release);
+        previous_ = current_;
         current_ = next;
       }
     }
@@ -53,6 +62,7 @@ class Handover {
   std::atomic<Held*> offered_{nullptr};
   std::atomic<Held*> returned_{nullptr};
   Held* current_ = nullptr;
+  Held* previous_ = nullptr;
 };
 
 }  // namespace palpate

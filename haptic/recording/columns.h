@@ -52,6 +52,7 @@ void visit_columns(Record& record, Visit&& visit) {
   visit_vector("velocity", "m_per_s", tick.velocity, visit);
   visit_vector("force", "N", tick.force, visit);
   visit(Name{"limited"}, tick.limited);
+  visit(Name{"tripped"}, tick.tripped);
   visit(Name{"dissipated", "J"}, tick.dissipated);
   visit(Name{"added_damping", "Ns_per_m"}, tick.added_damping);
 
@@ -86,6 +87,7 @@ void visit_columns(Record& record, Visit&& visit) {
     visit(Name{"received", kPlaces[k]}, record.received[k]);
   }
   visit(Name{"sent"}, record.sent);
+  visit(Name{"write_failed"}, record.write_failed);
 }
 
 /// The last column.
@@ -96,6 +98,7 @@ template <class Record, class Visit>
 void visit_settings(Record& record, Visit&& visit) {
   auto& servo = record.settings;
   visit(Name{"engaged"}, servo.engaged);
+  visit(Name{"dead_man_button"}, servo.dead_man_button);
   visit_vector("workspace_centre", "m", servo.workspace_centre, visit);
   visit_matrix("workspace_rotation", {}, servo.workspace_rotation, visit);
   visit(Name{"workspace_scale"}, servo.workspace_scale);
@@ -125,6 +128,7 @@ void visit_setup(Setup& setup, Visit&& visit) {
   visit(Name{"third_derivatives"}, setup.touchable.interpolation.third_derivatives);
   visit(Name{"period", "s"}, setup.options.period);
   visit(Name{"stale_after", "s"}, setup.options.stale_after);
+  visit(Name{"release_after", "s"}, setup.options.release_after);
   visit(Name{"lock_step_timeout", "s"}, setup.options.lock_step_timeout);
   visit(Name{"stop_timeout", "s"}, setup.options.stop_timeout);
   visit(Name{"priority"}, setup.options.priority);

@@ -194,6 +194,7 @@ void ReplayTransport::play(const TickRecord& record) noexcept {
   reports_ = record.received;
   next_ = 0;
   gone_ = record.tick.state == ServoState::gone;
+  write_fails_ = record.write_failed;
 }
 
 TransportStatus ReplayTransport::read(Report& report, Duration) noexcept {
@@ -207,7 +208,7 @@ TransportStatus ReplayTransport::read(Report& report, Duration) noexcept {
 
 TransportStatus ReplayTransport::write(const Report& report) noexcept {
   written_ = report;
-  return TransportStatus::data;
+  return write_fails_ ? TransportStatus::error : TransportStatus::data;
 }
 
 std::string ReplayTransport::problem() const {

@@ -72,6 +72,7 @@ class ReplayTransport final : public Transport {
   std::array<Report, TickRecord::kReports> reports_{};
   std::size_t next_ = 0;
   bool gone_ = false;
+  bool write_fails_ = false;
   Report written_;
 };
 

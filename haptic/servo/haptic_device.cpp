@@ -18,6 +18,7 @@ HapticDevice::HapticDevice(std::unique_ptr<Transport> transport,
       options_(options) {
   ServoOptions servo;
   servo.stale_after = options.stale_after;
+  servo.release_after = options.release_after;
   validate(servo);
   ServoSettings settings;
   settings.force_limit = options.force_limit;
@@ -31,6 +32,7 @@ bool HapticDevice::open() noexcept {
   if (session_) return false;
   ServoOptions options;
   options.stale_after = options_.stale_after;
+  options.release_after = options_.release_after;
   session_.emplace(*transport_, *profile_, *clock_, options);
   sent_.setZero();
   sent_at_.reset();
@@ -84,6 +86,7 @@ bool HapticDevice::setForce(const Vec3& force) noexcept {
   sent_at_ = now;
   // After a pause of the caller no more than after a report that is just not too old.
   const double step = options_.slew_limit * seconds(std::min(since_last, options_.stale_after));
+  if (force.isZero(0)) session_->interlock().rearm();
   std::uint32_t limited = 0;
   sent_ = session_->send(force, largest_force(getSpecifications(), options_.force_limit), step,
                          limited);

@@ -11,7 +11,8 @@
 //   device.close();
 //
 // It goes the way of the servo loop: the newest report counts, a state that is too old is told and
-// gets no force, the limiter is the last step, and the end is zero force. Not thread-safe. A device
+// gets no force, after an outage there is none until zero was asked for, the limiter is the last
+// step, and the end is zero force. Not thread-safe. A device
 // whose driver hangs holds the caller up; Servo does not have that fault.
 #pragma once
 
@@ -29,6 +30,9 @@ namespace palpate {
 struct HapticDeviceOptions {
   /// A report older than this gives no force.
   Duration stale_after = std::chrono::milliseconds(5);
+  /// Without a report that is fresh for so long, or after writes that have failed, there is no force
+  /// until the caller asks for zero force, as it does where the hand is free.
+  Duration release_after = std::chrono::milliseconds(20);
   /// Largest force, N; 0: that of the device. Never above that of the device.
   double force_limit = 0;
   /// Largest change of the force in a second, N/s; it may always fall to zero at once.

@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "base/quantity.h"
 
 namespace palpate {
 namespace {
+
+/// Of those that DeviceState::buttons holds.
+constexpr std::int32_t kLastButton = 31;
 
 const ServoOptions& checked(const ServoOptions& options) {
   validate(options);
@@ -32,12 +36,14 @@ void check_not_negative(const char* name, double value, const char* unit) {
   if (!(std::isfinite(value) && value >= 0)) refuse(name, value, unit, "0 or more");
 }
 
+bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
+  return a.workspace_centre == b.workspace_centre &&
+         a.workspace_rotation == b.workspace_rotation && a.workspace_scale == b.workspace_scale;
+}
+
 /// Whether energies under the one and the other can be added up.
 bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
-  return a.servo.workspace_centre == b.servo.workspace_centre &&
-         a.servo.workspace_rotation == b.servo.workspace_rotation &&
-         a.servo.workspace_scale == b.servo.workspace_scale &&
-         a.servo.force_scale == b.servo.force_scale &&
+  return same_workspace(a.servo, b.servo) && a.servo.force_scale == b.servo.force_scale &&
          a.touch.coupling_stiffness == b.touch.coupling_stiffness;
 }
 
@@ -46,6 +52,8 @@ bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
 void validate(const ServoOptions& options) {
   check_positive("The period of the servo loop", options.period);
   check_positive("The age at which a report is stale", options.stale_after);
+  check_positive("The time without a fresh report after which the tool lets go",
+                 options.release_after);
   check_positive("The time to wait for a device in lock-step", options.lock_step_timeout);
   check_positive("The time to wait for the loop to end", options.stop_timeout);
   if (options.priority < 0 || options.priority > 99) {
@@ -69,6 +77,19 @@ void validate(const ServoSettings& settings) {
     refuse("The slew limit", settings.slew_limit, "N/s", "more than 0");
   }
   check_not_negative("The damping", settings.damping, "N·s/m");
+  if (settings.dead_man_button < -1 || settings.dead_man_button > kLastButton) {
+    refuse("The dead-man button", settings.dead_man_button, "",
+           "the number of a button, from 0 to 31, or -1 for none");
+  }
+}
+
+void validate(const ServoSettings& settings, const Specification& device) {
+  validate(settings);
+  if (settings.dead_man_button < device.num_buttons) return;
+  throw InputError("Button " + std::to_string(settings.dead_man_button) +
+                   " is to be held for forces, but " + device.model + " has " +
+                   std::to_string(device.num_buttons) +
+                   " button(s), numbered from 0. Give one of them, or -1 for none.");
 }
 
 std::string_view to_string(ServoState state) noexcept {
@@ -78,6 +99,7 @@ std::string_view to_string(ServoState state) noexcept {
     case ServoState::running: return "running";
     case ServoState::stale: return "stale";
     case ServoState::gone: return "gone";
+    case ServoState::tripped: return "tripped";
   }
   return "unknown";
 }
@@ -106,15 +128,14 @@ void Loop::tick() noexcept {
   keep_time(clock_.now());
   (void)session_.take_device_time();
   session_.poll();
-  const LoopInbox::Settings& settings = inbox_.settings.read();
+  take_settings();
   const Touchable* body = inbox_.body.take();
   TickRing* recording = inbox_.recording.take();
 
-  locate(settings.servo);
-  // Before the device has said where it is there is no place to move the tool to.
-  tick_.contact = session_.known() ? tool_.move(body, tick_.position, settings.touch) : Contact{};
-  observe_energy(body, settings);
-  send_force(settings.servo);
+  locate(settings_.servo);
+  touch(body, settings_);
+  observe_energy(body, settings_);
+  send_force(settings_.servo);
 
   const Duration in_device = session_.take_device_time();
   const Duration taken = clock_.now() - begin_;
@@ -123,8 +144,8 @@ void Loop::tick() noexcept {
   outbox_.own_time.add(taken - in_device);
   outbox_.newest.write({tick_, counters_});
   if (recording != nullptr) {
-    recording->push(
-        {tick_, settings.servo, settings.touch, session_.received(), session_.sent()});
+    recording->push({tick_, settings_.servo, settings_.touch, session_.received(),
+                     session_.sent(), session_.write_failed()});
   }
 }
 
@@ -159,6 +180,24 @@ void Loop::keep_time(Time begin) noexcept {
   tick_.time = begin;
 }
 
+// A tool that holds the body would be torn through it by another workspace, and a free one be put
+// into it.
+void Loop::take_settings() noexcept {
+  const LoopInbox::Settings& newest = inbox_.settings.read();
+  const ServoSettings held = settings_.servo;
+  settings_ = newest;
+  if (same_workspace(held, newest.servo)) return;
+  if (tick_.contact.status != ContactStatus::attached) {
+    tool_.release();
+    return;
+  }
+  settings_.servo.workspace_centre = held.workspace_centre;
+  settings_.servo.workspace_rotation = held.workspace_rotation;
+  settings_.servo.workspace_scale = held.workspace_scale;
+  // The coupling is as stiff at the device as it was meant to be with the newest scale.
+  settings_.touch.coupling_stiffness *= newest.servo.workspace_scale / held.workspace_scale;
+}
+
 void Loop::locate(const ServoSettings& settings) noexcept {
   const Vec3 before = tick_.device.position;
   tick_.device = session_.state();
@@ -168,6 +207,18 @@ void Loop::locate(const ServoSettings& settings) noexcept {
   const Mat3 to_scene = settings.workspace_scale * settings.workspace_rotation;
   tick_.position = settings.workspace_centre + to_scene * tick_.device.position;
   tick_.velocity = to_scene * session_.velocity();
+}
+
+void Loop::touch(const Touchable* body, const LoopInbox::Settings& settings) noexcept {
+  const std::int32_t button = settings.servo.dead_man_button;
+  const bool held = button < 0 || (session_.state().buttons >> button & 1U) != 0;
+  session_.interlock().set(trips::disengaged, !settings.servo.engaged || !held);
+  if (session_.interlock().tripped() != 0) tool_.release();
+  // Before the device has said where it is there is no place to move the tool to.
+  tick_.contact = session_.known() ? tool_.move(body, tick_.position, settings.touch) : Contact{};
+  const bool is_outside = tick_.contact.status == ContactStatus::free ||
+                          tick_.contact.status == ContactStatus::nothing;
+  if (is_outside) session_.interlock().rearm();
 }
 
 void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& settings) noexcept {
@@ -200,7 +251,8 @@ void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& sett
 ServoState Loop::state(const ServoSettings& settings) const noexcept {
   if (session_.gone()) return ServoState::gone;
   if (!session_.fresh()) return ServoState::stale;
-  return settings.engaged ? ServoState::running : ServoState::ready;
+  if (!settings.engaged) return ServoState::ready;
+  return session_.interlock().tripped() == 0 ? ServoState::running : ServoState::tripped;
 }
 
 // The session limits it, whatever came before.
@@ -222,6 +274,15 @@ void Loop::send_force(const ServoSettings& settings) noexcept {
                   tick_.limited);
   }
   tick_.force = settings.workspace_rotation * session_.force();
+  count_trips(std::exchange(tick_.tripped, session_.interlock().tripped()));
+}
+
+void Loop::count_trips(std::uint32_t before) noexcept {
+  const std::uint32_t is_new = tick_.tripped & ~before;
+  if (tick_.tripped != 0) ++counters_.tripped_ticks;
+  if (is_new & trips::stale) ++counters_.trips_by_stale_reports;
+  if (is_new & trips::failed_writes) ++counters_.trips_by_failed_writes;
+  if (is_new & trips::disengaged) ++counters_.trips_by_disengaging;
 }
 
 void Loop::count() noexcept {

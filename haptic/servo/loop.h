@@ -4,6 +4,9 @@
 //
 //   newest report → age → place in the scene → contact → coupling, damping → limiter → device
 //
+// After a fault the interlock holds the force off, and the tool lets go, until the fault is over and
+// the tool was outside of the body.
+//
 // One thread runs it. What it needs from others comes, and what it has done goes, without waiting:
 // the inbox and outbox are what crosses.
 #pragma once
@@ -62,10 +65,14 @@ class Loop {
 
  private:
   void keep_time(Time begin) noexcept;
+  /// Of the tick: the newest ones, but the workspace that the tool has attached with.
+  void take_settings() noexcept;
   void locate(const ServoSettings& settings) noexcept;
+  void touch(const Touchable* body, const LoopInbox::Settings& settings) noexcept;
   void observe_energy(const Touchable* body, const LoopInbox::Settings& settings) noexcept;
   [[nodiscard]] ServoState state(const ServoSettings& settings) const noexcept;
   void send_force(const ServoSettings& settings) noexcept;
+  void count_trips(std::uint32_t before) noexcept;
   void count() noexcept;
 
   Clock& clock_;
@@ -76,6 +83,8 @@ class Loop {
   DeviceSession session_;
   Tool tool_;
   EnergyBalance balance_;
+  /// Of the tick.
+  LoopInbox::Settings settings_;
 
   Tick tick_;
   Counters counters_;

@@ -2,6 +2,8 @@
 // How the servo loop runs, and what the person at the device may change meanwhile.
 #pragma once
 
+#include <cstdint>
+
 #include "base/types.h"
 #include "haptic/profile/specification.h"
 #include "haptic/realtime/clock.h"
@@ -14,6 +16,9 @@ struct ServoOptions {
   Duration period = std::chrono::milliseconds(1);
   /// A report older than this gives no force.
   Duration stale_after = std::chrono::milliseconds(5);
+  /// Without a report that is fresh for so long the tool lets go, and there is no force until it was
+  /// outside of the body.
+  Duration release_after = std::chrono::milliseconds(20);
   /// Lock-step devices: without a report for so long, a zero-force report is sent to set it going.
   Duration lock_step_timeout = std::chrono::milliseconds(2);
   /// stop() returns after this, whatever the device does.
@@ -27,8 +32,14 @@ void validate(const ServoOptions& options);
 
 /// What may change from tick to tick.
 struct ServoSettings {
-  /// Forces are sent; else the device is read and feels nothing.
+  /// Forces are permitted. Else the device is read, the tool touches nothing, and there is no force
+  /// until it was outside of the body.
   bool engaged = true;
+  /// A dead-man switch: forces are permitted only as long as this button of the device is held, from
+  /// 0; −1: none is required.
+  std::int32_t dead_man_button = -1;
+  /// The workspace is held while the tool is attached: another one takes effect when it is free, and
+  /// what it brings into the body must first go outside.
   /// Place in the scene of the centre of the device's workspace [3], m.
   Vec3 workspace_centre = Vec3::Zero();
   /// From the device's axes to those of the scene: a rotation.
@@ -49,6 +60,8 @@ struct ServoSettings {
 
 /// @throws InputError a value is out of range.
 void validate(const ServoSettings& settings);
+/// @throws InputError the same, or the device lacks what is required.
+void validate(const ServoSettings& settings, const Specification& device);
 
 /// Largest force that is sent, N.
 /// @param limit As ServoSettings::force_limit.

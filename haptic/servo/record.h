@@ -21,8 +21,9 @@ struct TickRecord {
   TouchSettings touch;
   /// The newest reports that were read in the tick, oldest first; the empty ones do not count.
   std::array<Report, kReports> received{};
-  /// The report that was written.
+  /// The report that was written, and whether writing it has failed.
   Report sent;
+  bool write_failed = false;
 };
 
 using TickRing = Ring<TickRecord>;

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -22,6 +23,22 @@ namespace {
 constexpr const char* kHowToPermit =
     " Give the user 'rtprio 95' and 'memlock unlimited' in /etc/security/limits.conf, and log in "
     "again; or run without, where other work may delay the loop.";
+
+/// Of what is wrong with the device, in words; empty: nothing.
+std::string why_tripped(const Tick& tick) {
+  std::string text;
+  if (tick.tripped & trips::failed_writes) {
+    text = "Writes to the device fail";
+    const double force = tick.force.norm();
+    if (force > 0) text += ": its motors may still hold " + quantity(force, "N");
+    text += ". ";
+  }
+  if (tick.tripped & trips::stale) {
+    text += "The device or the loop was silent for too long. ";
+  }
+  if (!text.empty()) text += "There is no force until the tool was outside of the body.";
+  return text;
+}
 
 /// Blocks all signals of this thread, and those that it starts meanwhile.
 class SignalsBlocked {
@@ -162,7 +179,7 @@ void Servo::set_body(std::shared_ptr<const Touchable> body) {
 }
 
 void Servo::set_settings(const ServoSettings& settings) {
-  validate(settings);
+  validate(settings, specification());
   shared_->settings.servo = settings;
   shared_->inbox.settings.write(shared_->settings);
 }
@@ -214,7 +231,9 @@ std::string Servo::problem() {
     text += more;
   };
   add(shared_->transport->problem());
-  const Counters counters = shared_->outbox.newest.read().counters;
+  const LoopOutbox::Newest& newest = shared_->outbox.newest.read();
+  const Counters& counters = newest.counters;
+  if (shared_->running) add(why_tripped(newest.tick));
   // A few are stale at the beginning and after each pause of the machine.
   constexpr std::uint64_t kManyTicks = 1000;
   constexpr std::uint64_t kShare = 50;

@@ -45,7 +45,7 @@ class Servo {
 
   /// The body, from the next tick on; also while it is touched. nullptr: none.
   void set_body(std::shared_ptr<const Touchable> body);
-  /// @throws InputError a value is out of range.
+  /// @throws InputError a value is out of range, or the device lacks what is required.
   void set_settings(const ServoSettings& settings);
   /// @throws InputError a value is out of range.
   void set_touch_settings(const TouchSettings& settings);

@@ -23,8 +23,8 @@ constexpr Duration kLongestDrift = milliseconds(10);
 /// A device the time of which has gone back, as by a restart, is believed anew after so long.
 constexpr Duration kOnTrial = milliseconds(100);
 
-/// Attempts at the last zero force.
-constexpr int kLastAttempts = 3;
+/// Attempts at the last zero force, kRetryPause apart: 100 ms, half of what stop() waits for.
+constexpr int kLastAttempts = 20;
 
 }  // namespace
 
@@ -38,9 +38,10 @@ DeviceSession::DeviceSession(Transport& transport, const Profile& profile, Clock
 
 DeviceSession::~DeviceSession() {
   const Report zero = profile_.zero_force(state_);
-  if (zero.size == 0 || gone_) return;
-  for (int attempt = 0; attempt < kLastAttempts; ++attempt) {
-    if (write(zero) != TransportStatus::error) return;
+  for (int attempt = 0; attempt < kLastAttempts && zero.size > 0 && !gone_; ++attempt) {
+    write(zero, Vec3::Zero());
+    if (!write_failed()) return;
+    clock_.sleep_until(clock_.now() + kRetryPause);
   }
 }
 
@@ -51,18 +52,28 @@ TransportStatus DeviceSession::read(Report& report, Duration timeout) noexcept {
   return status;
 }
 
-TransportStatus DeviceSession::write(const Report& report) noexcept {
+void DeviceSession::write(const Report& report, const Vec3& force) noexcept {
   const Time before = clock_.now();
   const TransportStatus status = transport_.write(report);
-  device_time_ += clock_.now() - before;
+  const Time after = clock_.now();
+  device_time_ += after - before;
   sent_ = report;
-  if (status == TransportStatus::gone) gone_ = true;
+  if (!force.isZero(0)) force_until_ = after;
   if (status == TransportStatus::data) {
     written_at_ = before;
+    force_ = force;
+    failed_writes_ = 0;
+  } else if (status == TransportStatus::gone) {
+    ++counted_.failed_writes;
+    gone_ = true;
   } else {
     ++counted_.failed_writes;
+    ++failed_writes_;
+    retry_at_ = after + kRetryPause;
+    if (force.squaredNorm() > force_.squaredNorm()) force_ = force;
   }
-  return status;
+  if (gone_) force_.setZero();
+  interlock_.set(trips::failed_writes, failed_writes_ >= kFailedWrites);
 }
 
 void DeviceSession::poll() noexcept {
@@ -91,6 +102,18 @@ void DeviceSession::poll() noexcept {
   const bool moves_on = device.pacing == Pacing::on_change || read_at_ >= begin;
   if (known_ && !device.has_device_time && moves_on) take_velocity(begin);
   age_ = age_at(clock_.now());
+  watch_age();
+}
+
+// By when the loop has had a fresh state, not by the age of this one: after a pause of the host it
+// may be fresh, and the hand has moved on meanwhile all the same.
+void DeviceSession::watch_age() noexcept {
+  if (profile_.specification().max_linear_force == 0) return;
+  const Time now = clock_.now();
+  interlock_.set(trips::stale, fresh_at_ && now - *fresh_at_ > options_.release_after);
+  if (age_ > options_.stale_after || gone_) return;
+  fresh_at_ = now;
+  interlock_.set(trips::stale, false);
 }
 
 void DeviceSession::take(const Report& report) noexcept {
@@ -158,30 +181,36 @@ Duration DeviceSession::age_at(Time now) const noexcept {
 
 Vec3 DeviceSession::send(const Vec3& wanted, double largest, double step,
                          std::uint32_t& limited) noexcept {
-  if (!fresh()) {
+  if (!fresh() || interlock_.tripped() != 0 || write_failed()) {
     send_zero();
     limited |= limits::device;
     return force_;
   }
   // What changes is what the motors have, which is not always what they were to have.
-  if (cut()) force_.setZero();
+  if (may_be_cut()) force_.setZero();
   const Vec3 allowed = limit_force(profile_.on_motors(wanted), force_, largest, step, limited);
   const Report report = profile_.encode(allowed, state_);
-  const bool sent = report.size > 0 && write(report) == TransportStatus::data;
-  force_ = sent ? profile_.displayed(allowed, state_) : Vec3::Zero();
+  if (report.size > 0) write(report, profile_.displayed(allowed, state_));
   if (force_ != allowed) limited |= limits::device;
   return force_;
 }
 
-bool DeviceSession::cut() const noexcept {
+bool DeviceSession::may_be_cut() const noexcept {
   const Duration watchdog = profile_.specification().watchdog;
   return watchdog.count() > 0 && (!written_at_ || clock_.now() - *written_at_ >= watchdog);
 }
 
+bool DeviceSession::is_cut() const noexcept {
+  const Duration watchdog = profile_.specification().watchdog;
+  return watchdog.count() > 0 && clock_.now() - force_until_ >= watchdog;
+}
+
 void DeviceSession::send_zero() noexcept {
-  force_.setZero();
+  if (gone_ || is_cut()) force_.setZero();
   const Report zero = profile_.zero_force(state_);
-  if (zero.size > 0 && !gone_) (void)write(zero);
+  if (zero.size == 0 || gone_) return;
+  if (failed_writes_ >= kFailedWrites && clock_.now() < retry_at_) return;
+  write(zero, Vec3::Zero());
 }
 
 Duration DeviceSession::take_device_time() noexcept {

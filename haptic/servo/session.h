@@ -10,6 +10,10 @@
 // goes back has begun anew, and is believed when it has run as ours does for a while. Where there
 // is none, a report cannot be older than the last time that the queue was seen empty before it, and
 // is taken for that old.
+//
+// What the motors have. A write that fails may have arrived or not: the motors have the force of
+// before, or the new one. So nothing but zero is written until a write has succeeded; only then is
+// it known again what the motors have.
 #pragma once
 
 #include <array>
@@ -17,6 +21,7 @@
 #include <optional>
 
 #include "haptic/profile/profile.h"
+#include "haptic/servo/interlock.h"
 #include "haptic/servo/options.h"
 #include "haptic/servo/record.h"
 #include "haptic/servo/statistics.h"
@@ -27,10 +32,16 @@ namespace palpate {
 
 class DeviceSession {
  public:
+  /// So many writes in a row that fail trip the interlock.
+  static constexpr int kFailedWrites = 3;
+  /// From then on zero is tried again after a pause, so that a device that fails is not hammered; a
+  /// fifth of the 25 ms in which motors have to be off.
+  static constexpr Duration kRetryPause = std::chrono::milliseconds(5);
+
   /// What is given must outlive the session.
   DeviceSession(Transport& transport, const Profile& profile, Clock& clock,
                 const ServoOptions& options);
-  /// Sends zero force.
+  /// Sends zero force; where that fails, again and again, for 100 ms.
   ~DeviceSession();
   DeviceSession(const DeviceSession&) = delete;
   DeviceSession& operator=(const DeviceSession&) = delete;
@@ -41,14 +52,19 @@ class DeviceSession {
   void poll() noexcept;
 
   /// Sends what the limits leave of a force in the device's axes (force_limiter.h); where the state
-  /// is no longer fresh, zero.
+  /// is no longer fresh, the interlock has tripped, or the last write has failed, zero.
   /// @param largest N. @param step From what the motors have, N.
   /// @param limited Bits of namespace limits (tick.h), set where they hold.
-  /// @return What the motors then have, N; zero where it could not be sent.
+  /// @return As force().
   /// @note Realtime-safe but for the device's own calls.
   Vec3 send(const Vec3& wanted, double largest, double step, std::uint32_t& limited) noexcept;
   /// Motors off.
+  /// @note Realtime-safe but for the device's own calls.
   void send_zero() noexcept;
+
+  /// poll() and send() trip it for what the session sees. Whoever knows the body arms it again.
+  [[nodiscard]] Interlock& interlock() noexcept { return interlock_; }
+  [[nodiscard]] const Interlock& interlock() const noexcept { return interlock_; }
 
   [[nodiscard]] const DeviceState& state() const noexcept { return state_; }
   /// Of the state at the last poll, at most.
@@ -57,7 +73,7 @@ class DeviceSession {
   [[nodiscard]] bool fresh() const noexcept {
     return !gone_ && age_at(clock_.now()) <= options_.stale_after;
   }
-  /// That the motors were given last [3], N.
+  /// What the motors have [3], N; while writes fail, the most that they may have.
   [[nodiscard]] const Vec3& force() const noexcept { return force_; }
   /// Of the position, from report to report [3], m/s.
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
@@ -72,6 +88,8 @@ class DeviceSession {
   }
   /// The last report that was written.
   [[nodiscard]] const Report& sent() const noexcept { return sent_; }
+  /// Writing it has failed.
+  [[nodiscard]] bool write_failed() const noexcept { return failed_writes_ > 0; }
   /// Time in the device's calls since the last one asked.
   [[nodiscard]] Duration take_device_time() noexcept;
 
@@ -83,10 +101,14 @@ class DeviceSession {
   void take(const Report& report) noexcept;
   void take_device_time_of(const DeviceState& before) noexcept;
   void take_velocity(Time now) noexcept;
-  [[nodiscard]] TransportStatus write(const Report& report) noexcept;
+  /// @param force That the report asks for, N.
+  void write(const Report& report, const Vec3& force) noexcept;
+  void watch_age() noexcept;
   [[nodiscard]] Duration age_at(Time now) const noexcept;
   /// The device's watchdog has cut the motors, or is about to: it was long without a force.
-  [[nodiscard]] bool cut() const noexcept;
+  [[nodiscard]] bool may_be_cut() const noexcept;
+  /// It has cut them, though the last report came as late as it can.
+  [[nodiscard]] bool is_cut() const noexcept;
 
   Transport& transport_;
   const Profile& profile_;
@@ -117,9 +139,18 @@ class DeviceSession {
   Vec3 velocity_ = Vec3::Zero();
   /// Of the last position that it has, by the clock that tells its time.
   std::optional<Time> velocity_at_;
-  /// When the last report was written, if one was.
+  /// When the last report that was written was begun, if one was.
   std::optional<Time> written_at_;
+  /// When the last attempt to write a force ended.
+  Time force_until_{0};
   Vec3 force_ = Vec3::Zero();
+  /// Writes that have failed since the last one that has not.
+  int failed_writes_ = 0;
+  /// When zero is tried again.
+  Time retry_at_{0};
+  /// When the state was last fresh, if it was.
+  std::optional<Time> fresh_at_;
+  Interlock interlock_;
 
   std::int32_t num_received_ = 0;
   std::array<Report, TickRecord::kReports> received_{};

@@ -25,6 +25,12 @@ struct Counters {
   std::uint64_t failed_writes = 0;
   /// Ticks in the state stale.
   std::uint64_t stale_ticks = 0;
+  /// Ticks in which the interlock had tripped, and how often it has for each of its causes (namespace
+  /// trips).
+  std::uint64_t tripped_ticks = 0;
+  std::uint64_t trips_by_stale_reports = 0;
+  std::uint64_t trips_by_failed_writes = 0;
+  std::uint64_t trips_by_disengaging = 0;
   /// Ticks in which the force was cut, held back, or not finite.
   std::uint64_t magnitude_limited = 0;
   std::uint64_t slew_limited = 0;

@@ -21,6 +21,8 @@ enum class ServoState : int {
   stale = 3,
   /// Unplugged: the device must be opened anew.
   gone = 4,
+  /// The interlock has tripped: no force until its cause is over and the tool was outside.
+  tripped = 5,
 };
 
 [[nodiscard]] std::string_view to_string(ServoState state) noexcept;
@@ -50,9 +52,12 @@ struct Tick {
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
   Contact contact;
-  /// That was sent, in the axes of the scene [3], N at the device.
+  /// That was sent, in the axes of the scene [3], N at the device; where writes fail the most that
+  /// the motors may still have.
   Vec3 force = Vec3::Zero();
   std::uint32_t limited = 0;
+  /// Why the interlock has tripped, bits of namespace trips (interlock.h); 0: it has not.
+  std::uint32_t tripped = 0;
   /// What the hand has put into the sampled loop since it touched, less what the body stores, J at
   /// the device; below zero the loop has made energy.
   double dissipated = 0;

@@ -63,6 +63,8 @@ pqPalpateDevice pqPalpateSimulatedDevice(
   device.Setup.device = "simulated";
   device.Setup.profile = palpate::ProfileKind::palpate_report;
   device.Setup.feature = board->feature();
+  // No motor moves a hand: however late the loop is, the tool does not let go.
+  device.Setup.options.release_after = std::chrono::hours(1);
   device.Profile = palpate::make_profile(device.Setup.profile, device.Setup.feature);
   device.Transport = std::move(board);
   return device;

@@ -286,7 +286,7 @@ QString pqPalpateTouch::start(
       space, view, copy.sites.front().site.half_width);
     session->ShowSpace(copy);
     session->Servo = std::make_unique<palpate::Servo>(
-      std::move(opened.Transport), std::move(opened.Profile), clock);
+      std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);
     // The filter that shows the body moves one node, so one node is felt.
     session->TouchSettings.blended = false;
     session->Servo->set_body(session->Body);
@@ -404,6 +404,8 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
   {
     servo.workspace_centre = session.Mouse->GetWorkspaceCentre();
     session.TouchSettings.bonded = session.Mouse->IsHolding();
+    // No hand is pulled.
+    session.TouchSettings.release_force = 0;
   }
   else if (session.IsSimulatedHand())
   {

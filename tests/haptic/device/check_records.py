@@ -20,7 +20,9 @@ TICK = 1000
 # ServoOptions::stale_after: an older report is answered by zero, two ticks later at the latest.
 STALE_AFTER = 5 * TICK
 NO_FORCE_AFTER = STALE_AFTER + 2 * TICK
-# A force is back, or an unplug is noticed, this soon.
+# ServoOptions::release_after: without a fresh report for so long the tool lets go.
+RELEASE_AFTER = 20 * TICK
+# The loop is back, or an unplug is noticed, this soon.
 SOON = 5 * TICK
 # From the button by way of the program, which looks each ms, to the last force of the loop.
 STOP_AFTER = 10 * TICK
@@ -30,6 +32,8 @@ STOP_TIMEOUT = 200 * TICK
 OPEN_AFTER = {"unplug": 100 * TICK, "stall": 5500 * TICK}
 
 NUM_STROKES = 12
+# Of a stroke: within so long the stylus has come down to the body.
+IN_THE_BODY = 120 * TICK
 # With these nothing that is fresh comes from a board that is there.
 SILENT = ("device_pause", "wrong_size", "frozen", "empty")
 
@@ -146,17 +150,21 @@ def expected_forces(records, body):
     there is no such report.
 
     The tool touches where it is first seen inside after it was seen outside, at the nearest point
-    of the top, and lets go where it is outside and would be pulled. A new loop must see it outside
-    first.
+    of the top, and lets go where it is outside and would be pulled, and after RELEASE_AFTER without
+    a fresh report. A new loop, and one that has let go for that, must see it outside first.
     """
     position = {s.counter: s.position for s in records.whole}
     expected = []
     for session in records.sessions:
-        was_outside, anchor = False, None
+        was_outside, anchor, fresh_at = False, None, math.inf
         for force in session.of(records.forces):
             if force.counter not in position:
                 expected.append(None)
                 continue
+            if force.time - fresh_at > RELEASE_AFTER:
+                was_outside, anchor = False, None
+            if force.time - records.measured_at[force.counter] <= STALE_AFTER:
+                fresh_at = force.time
             place, felt = body.place(position[force.counter]), [0.0, 0.0, 0.0]
             if place[2] <= 0 and was_outside:
                 anchor, was_outside = (place[0], place[1], 0.0), False
@@ -290,9 +298,14 @@ def check_faults(require, records):
     require(waited > 100 * TICK, f"host_pause: reports had waited for {waited / 1000:.0f} ms")
     doubled = faults["doubled"].of(forces)
     require(doubled and not any(f.is_zero() for f in doubled), "doubled: nothing is felt of it")
+    strokes = records.times("stroke")
     for name in (*SILENT, "host_pause"):
-        after = soonest(faults[name].end, (f.time for f in forces if not f.is_zero()))
-        require(after <= SOON, f"{name}: force is back after {after} µs")
+        rest = Span(faults[name].end, min(t for t in strokes if t > faults[name].end))
+        after = rest.of(forces)
+        require(after and all(f.is_zero() for f in after),
+                f"{name}: zero force in the rest of the stroke, {len(after)} times")
+        touched = soonest(rest.end, (f.time for f in forces if not f.is_zero()))
+        require(touched <= IN_THE_BODY, f"{name}: force again {touched} µs after the next began")
     for name, limit in OPEN_AFTER.items():
         after = soonest(faults[name].begin, records.times("gone"))
         require(after <= SOON, f"{name}: noticed after {after} µs")

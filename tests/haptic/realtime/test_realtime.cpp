@@ -132,6 +132,27 @@ TEST(Handover, TheTakerFreesNothing) {
   EXPECT_FALSE(Counted::died_elsewhere);
 }
 
+// What is taken over is read from the one before.
+TEST(Handover, TheOneBeforeLivesUntilTheNextIsTaken) {
+  Handover<const int> handover;
+  std::array<std::weak_ptr<const int>, 3> values;
+  for (int i = 0; i < 3; ++i) {
+    const auto value = std::make_shared<const int>(i);
+    values[static_cast<std::size_t>(i)] = value;
+    handover.offer(value);
+    ASSERT_EQ(*handover.take(), i);
+    handover.collect();
+    if (i > 0) {
+      EXPECT_FALSE(values[static_cast<std::size_t>(i) - 1].expired()) << i;
+    }
+  }
+  ASSERT_EQ(*handover.take(), 2);
+  handover.collect();
+  EXPECT_TRUE(values[0].expired());
+  EXPECT_TRUE(values[1].expired());
+  EXPECT_FALSE(values[2].expired());
+}
+
 TEST(DurationHistogram, PercentilesAreAtMostASixteenthTooLarge) {
   DurationHistogram histogram;
   EXPECT_EQ(histogram.percentiles().largest.count(), 0);

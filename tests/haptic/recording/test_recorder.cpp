@@ -66,7 +66,7 @@ class InRange {
     } else if constexpr (std::is_same_v<Value, Duration>) {
       value = std::max(std::chrono::abs(value), Duration(1));
     } else if constexpr (std::is_same_v<Value, int>) {
-      value = value & 63;
+      value = value & 31;
     }
   }
 };

@@ -149,6 +149,11 @@ TEST_F(HapticDeviceTest, ASilentDeviceGetsNoForce) {
   EXPECT_EQ(board_->status().force, Vec3::Zero());
   run(40, {0, 0, 1});
   EXPECT_TRUE(fresh_);
+  EXPECT_FALSE(taken_) << "not before the caller has asked for zero";
+  EXPECT_EQ(board_->status().force, Vec3::Zero());
+  run(1, {0, 0, 0});
+  run(20, {0, 0, 1});
+  EXPECT_TRUE(taken_);
   EXPECT_NEAR(board_->status().force.z(), 1, 0.002);
 }
 
@@ -169,6 +174,7 @@ TEST_F(HapticDeviceTest, OptionsAreChecked) {
     return options;
   };
   EXPECT_THROW(make(with([](auto& o) { o.stale_after = Duration(0); })), InputError);
+  EXPECT_THROW(make(with([](auto& o) { o.release_after = Duration(0); })), InputError);
   EXPECT_THROW(make(with([](auto& o) { o.force_limit = -1; })), InputError);
   EXPECT_THROW(make(with([](auto& o) { o.slew_limit = 0; })), InputError);
 }

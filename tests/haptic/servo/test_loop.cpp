@@ -96,8 +96,8 @@ TEST(Loop, DoesNotCatchUpAfterAnOverrun) {
 
 // hidraw keeps the oldest reports: what is read last after a pause is old.
 TEST(Loop, NoForceFromStaleReportsAfterAPauseOfTheHost) {
-  Rig rig(test::holding());
-  rig.run(500ms);
+  Rig rig(test::pressing());
+  rig.run(450ms);
   ASSERT_GT(rig.motors().norm(), 0.5);
   rig.clock->advance(200ms);
   Tick tick = rig.tick();
@@ -108,17 +108,19 @@ TEST(Loop, NoForceFromStaleReportsAfterAPauseOfTheHost) {
   EXPECT_EQ(rig.motors(), Vec3::Zero());
   rig.loop->wait();
   tick = rig.step();
-  EXPECT_EQ(tick.state, ServoState::running);
+  EXPECT_EQ(tick.state, ServoState::tripped);
+  EXPECT_EQ(tick.tripped, trips::stale);
   EXPECT_LE(tick.age, 1ms);
-  rig.run(20ms);
+  rig.run(750ms);  // out of the body and in again
   EXPECT_GT(rig.motors().norm(), 0.5);
   EXPECT_GT(rig.counters().lost_reports, 100U);
+  EXPECT_EQ(rig.counters().trips_by_stale_reports, 1U);
 }
 
 TEST(Loop, NoForceWhileTheDeviceIsSilent) {
   BoardOptions options;
   options.faults.silent = {500ms, 600ms};
-  Rig rig(test::holding(), options);
+  Rig rig(test::pressing(), options);
   rig.run(499ms);
   ASSERT_GT(rig.motors().norm(), 0.5);
   while (rig.clock->now() < 599ms) {
@@ -127,7 +129,7 @@ TEST(Loop, NoForceWhileTheDeviceIsSilent) {
     ASSERT_EQ(tick.state, ServoState::stale);
     ASSERT_EQ(rig.motors(), Vec3::Zero());
   }
-  rig.run(20ms);
+  rig.run(800ms);
   EXPECT_EQ(rig.loop->last().state, ServoState::running);
   EXPECT_GT(rig.motors().norm(), 0.5);
 }
@@ -150,12 +152,12 @@ TEST(Loop, GoneIsForGood) {
 TEST(Loop, ShortReportsAreCountedAndGiveNoForce) {
   BoardOptions options;
   options.faults.short_reports = {500ms, 600ms};
-  Rig rig(test::holding(), options);
+  Rig rig(test::pressing(), options);
   rig.run(590ms);
   EXPECT_EQ(rig.loop->last().state, ServoState::stale);
   EXPECT_EQ(rig.motors(), Vec3::Zero());
   EXPECT_NEAR(static_cast<double>(rig.counters().bad_reports), 90, 2);
-  rig.run(50ms);
+  rig.run(800ms);
   EXPECT_GT(rig.motors().norm(), 0.5);
 }
 
@@ -189,15 +191,187 @@ TEST(Loop, LockStepGoesOnAfterALostReport) {
   EXPECT_GT(rig.counters().reports, 400U);
 }
 
-TEST(Loop, WritesThatFailAreCountedAndTriedAgain) {
+// Whether it has arrived nobody knows, and what the motors have must be known before it grows.
+TEST(Loop, AWriteThatFailsIsFollowedByZero) {
   BoardOptions options;
-  options.faults.failing_writes = {500ms, 520ms};
+  options.faults.failing_writes = {500ms, 501ms};
   Rig rig(test::holding(), options);
-  rig.run(519ms);
-  EXPECT_EQ(rig.loop->last().force, Vec3::Zero()) << "what was not sent was not felt";
+  rig.run(500ms);
+  const Vec3 held = rig.motors();
+  ASSERT_GT(held.norm(), 0.5);
+  rig.step();
+  EXPECT_EQ(rig.counters().failed_writes, 1U);
+  EXPECT_LT((rig.loop->last().force - held).norm(), 2 * kForceUnit) << "the motors may have it";
+  rig.step();
+  EXPECT_EQ(rig.board.status().last_output.command, palpate_report::kMotorsOff);
+  EXPECT_EQ(rig.loop->last().force, Vec3::Zero());
   rig.run(10ms);
-  EXPECT_NEAR(static_cast<double>(rig.counters().failed_writes), 20, 1);
   EXPECT_GT(rig.motors().norm(), 0.5);
+  EXPECT_EQ(rig.counters().tripped_ticks, 0U);
+}
+
+/// Pressed in at one place, at another 5 cm away from 2 s on, out of the body and in again there.
+std::shared_ptr<Motion> pressing_elsewhere() {
+  const Vec3 here(-0.025, -0.025, 0);
+  const Vec3 there(0.015, 0.015, 0);
+  const Vec3 above(0, 0, 0.005);
+  const Vec3 below(0, 0, -0.004);
+  return std::make_shared<ScriptedMotion>(
+      std::vector<ScriptedMotion::Waypoint>{{0ms, here + above},
+                                            {200ms, here + below},
+                                            {600ms, here + below},
+                                            {2000ms, there + below},
+                                            {3000ms, there + below},
+                                            {3200ms, there + above},
+                                            {3300ms, there + above},
+                                            {3500ms, there + below}});
+}
+
+/// From now until that time the motors have no force.
+void expect_no_force(Rig& rig, Time until) {
+  while (rig.clock->now() < until) {
+    rig.step();
+    ASSERT_EQ(rig.motors(), Vec3::Zero()) << "at " << seconds(rig.clock->now()) << " s";
+  }
+}
+
+TEST(Loop, AfterAnOutageNoForceUntilTheToolWasOutside) {
+  BoardOptions options;
+  options.faults.silent = {500ms, 2500ms};
+  Rig rig(pressing_elsewhere(), options);
+  rig.run(499ms);
+  ASSERT_GT(rig.motors().norm(), 0.5);
+  rig.run(10ms);
+  expect_no_force(rig, 3000ms);
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::inside);
+  rig.run(600ms);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+}
+
+// The last place that is known is outside: that is not where the hand is.
+TEST(Loop, AnOutageWhileTheToolIsOutsideDoesNotCountAsOutside) {
+  BoardOptions options;
+  options.faults.silent = {50ms, 400ms};
+  Rig rig(test::holding(), options);
+  rig.run(49ms);
+  ASSERT_EQ(rig.loop->last().contact.status, ContactStatus::free);
+  expect_no_force(rig, 1s);
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::inside);
+}
+
+TEST(Loop, AfterAPauseOfTheHostNoForceUntilTheToolWasOutside) {
+  for (const Duration pause : {15ms, 25ms, 63ms}) {
+    Rig rig(test::holding());
+    rig.run(500ms);
+    ASSERT_GT(rig.motors().norm(), 0.5);
+    rig.clock->advance(pause);
+    rig.run(100ms);
+    EXPECT_EQ(rig.loop->last().age, 0ms) << "fresh";
+    EXPECT_EQ(rig.motors().norm() > 0.5, pause < 20ms) << seconds(pause);
+  }
+}
+
+/// Each report as if the device had been switched on anew at some time.
+class Restarted final : public Transport {
+ public:
+  Restarted(Transport& inner, VirtualClock& clock, Time at)
+      : inner_(inner), clock_(clock), at_(at) {}
+  TransportStatus read(Report& report, Duration timeout) noexcept override {
+    const TransportStatus status = inner_.read(report, timeout);
+    palpate_report::Input input;
+    if (status == TransportStatus::data && clock_.now() >= at_ &&
+        palpate_report::decode_input(report, input)) {
+      input.time_us -= static_cast<std::uint32_t>(at_ / 1us);
+      report = palpate_report::encode_input(input);
+    }
+    return status;
+  }
+  TransportStatus write(const Report& report) noexcept override { return inner_.write(report); }
+  std::string problem() const override { return inner_.problem(); }
+
+ private:
+  Transport& inner_;
+  VirtualClock& clock_;
+  Time at_;
+};
+
+TEST(Loop, AfterARestartOfTheDeviceNoForceUntilTheToolWasOutside) {
+  Rig rig(pressing_elsewhere());
+  Restarted restarted(rig.board, *rig.clock, 500ms);
+  rig.loop = std::make_unique<Loop>(restarted, *rig.profile, *rig.clock, ServoOptions{}, rig.inbox,
+                                    rig.outbox);
+  rig.run(499ms);
+  ASSERT_GT(rig.motors().norm(), 0.5);
+  rig.run(10ms);
+  expect_no_force(rig, 3000ms);
+  rig.run(600ms);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+  rig.loop.reset();  // before what it writes to
+}
+
+TEST(Loop, WhatMotorsHoldWhileWritesFailIsZeroAsSoonAsOneSucceeds) {
+  BoardOptions options;
+  options.feature.watchdog_ms = 100;
+  options.faults.failing_writes = {500ms, 560ms};
+  Rig rig(pressing_elsewhere(), options);
+  rig.run(499ms);
+  const Vec3 held = rig.motors();
+  ASSERT_GT(held.norm(), 0.5);
+  rig.run(59ms);
+  EXPECT_EQ(rig.motors(), held) << "the board has no news";
+  EXPECT_LT((rig.loop->last().force - held).norm(), 2 * kForceUnit) << "nor is it told otherwise";
+  EXPECT_LE(rig.counters().failed_writes, 20U) << "a device that fails is not hammered";
+  rig.run(8ms);
+  expect_no_force(rig, 3000ms);
+  rig.run(600ms);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+}
+
+// As from a window that has not yet heard that the tool has attached.
+TEST(Loop, TheWorkspaceStaysWhereItIsWhileTheToolIsAttached) {
+  Rig rig(std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
+      {0ms, Vec3(0, 0, 0.005)},
+      {200ms, Vec3(0.001, 0.002, -0.004)},
+      {600ms, Vec3(0.001, 0.002, -0.004)},
+      {800ms, Vec3(0, 0, 0.02)}}));
+  rig.run(500ms);
+  const Tick before = rig.loop->last();
+  ASSERT_EQ(before.contact.status, ContactStatus::attached);
+  LoopInbox::Settings settings{rig.settings, {}};
+  settings.servo.workspace_centre += Vec3(0.003, 0, -0.002);
+  settings.servo.workspace_scale = 1.5;
+  settings.servo.workspace_rotation =
+      Eigen::AngleAxisd(0.5, Vec3::UnitY()).toRotationMatrix();
+  rig.inbox.settings.write(settings);
+  for (int i = 0; i < 50; ++i) {
+    const Tick& tick = rig.step();
+    ASSERT_EQ(tick.position, before.position);
+    ASSERT_EQ(tick.contact.force, before.contact.force);
+    ASSERT_LT((tick.force - before.force).norm(), 1e-12);
+  }
+  rig.run(400ms);
+  const Tick& after = rig.loop->last();
+  ASSERT_EQ(after.contact.status, ContactStatus::free);
+  const ServoSettings& servo = settings.servo;
+  EXPECT_LT((after.position - servo.workspace_centre -
+             servo.workspace_scale * servo.workspace_rotation * after.device.position)
+                .norm(),
+            1e-15);
+}
+
+// The body comes to the hand: nothing is felt before the hand comes to the body.
+TEST(Loop, AWorkspaceThatIsMovedIntoTheBodyGivesNoForce) {
+  Rig rig(std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
+      {0ms, Vec3(0, 0, 0.01)}, {500ms, Vec3(0, 0, 0.01)}, {600ms, Vec3(0, 0, 0.03)},
+      {700ms, Vec3(0, 0, 0.03)}, {800ms, Vec3(0, 0, 0.014)}}));
+  rig.run(200ms);
+  LoopInbox::Settings settings{rig.settings, {}};
+  settings.servo.workspace_centre -= Vec3(0, 0, 0.016);
+  rig.inbox.settings.write(settings);
+  expect_no_force(rig, 500ms);
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::inside);
+  rig.run(400ms);
+  EXPECT_GT(rig.motors().norm(), 0.2);
 }
 
 /// The motors' force never grows by more than the slew limit allows; a late tick has the time of two.
@@ -218,23 +392,23 @@ TEST(Loop, NoJumpAfterTheWatchdogOrFailingWrites) {
     for (Duration pause : {14ms, 52ms, 56ms, 63ms, 70ms}) {
       BoardOptions options;
       options.feature.watchdog_ms = watchdog;
-      Rig rig(test::holding(), options);
+      Rig rig(test::pressing(), options);
       rig.inbox.body.offer(test::box_body(2000));
-      rig.run(500ms);
+      rig.run(350ms);
       ASSERT_GT(rig.motors().norm(), 5);
       rig.clock->advance(pause);
       (void)rig.motors();  // the board sees the pause
-      expect_no_jump(rig, 50ms);
+      expect_no_jump(rig, 1s);
       EXPECT_GT(rig.motors().norm(), 5);
     }
   }
   BoardOptions options;
-  options.faults.failing_writes = {500ms, 560ms};
-  Rig rig(test::holding(), options);
+  options.faults.failing_writes = {350ms, 410ms};
+  Rig rig(test::pressing(), options);
   rig.inbox.body.offer(test::box_body(2000));
-  rig.run(499ms);
+  rig.run(349ms);
   ASSERT_GT(rig.motors().norm(), 5);
-  expect_no_jump(rig, 200ms);
+  expect_no_jump(rig, 1s);
   EXPECT_GT(rig.motors().norm(), 5);
 }
 
@@ -335,29 +509,51 @@ TEST(Loop, ZeroForceOnTheWayOutThoughAWriteFails) {
                                     rig.outbox);
   rig.run(500ms);
   ASSERT_GT(rig.motors().norm(), 0.5);
-  failures = 2;
+  failures = 9;
   rig.loop.reset();
   EXPECT_EQ(rig.motors(), Vec3::Zero());
+  EXPECT_EQ(rig.board.status().cuts, 0U) << "not by the board's own watchdog";
 }
 
-TEST(Loop, NotEngagedNoForce) {
-  Rig rig(test::holding());
+TEST(Loop, NotEngagedNoForceUntilTheToolWasOutside) {
+  Rig rig(test::pressing());
   ServoSettings settings;
   settings.engaged = false;
   rig.set(settings);
   rig.run(500ms);
   EXPECT_EQ(rig.loop->last().state, ServoState::ready);
-  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::attached);
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::inside);
   EXPECT_EQ(rig.motors(), Vec3::Zero());
   settings.engaged = true;
   rig.set(settings);
-  double before = 0;
-  for (int i = 0; i < 20; ++i) {
-    rig.step();
-    EXPECT_LE(rig.motors().norm() - before, settings.slew_limit * 1e-3 + 2 * kForceUnit);
-    before = rig.motors().norm();
-  }
-  EXPECT_GT(before, 0.5);
+  expect_no_force(rig, 700ms);
+  EXPECT_EQ(rig.loop->last().state, ServoState::tripped);
+  EXPECT_EQ(rig.loop->last().tripped, trips::disengaged);
+  rig.run(700ms);
+  EXPECT_EQ(rig.loop->last().state, ServoState::running);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+}
+
+// Held while it goes in, let go in the body, held again there, and from then on.
+TEST(Loop, ForcesOnlyWhileTheDeadManButtonIsHeld) {
+  const auto pressing = test::pressing();
+  Rig rig(std::make_shared<ScriptedMotion>([&](Time time) {
+    Motion::Pose pose = pressing->advance(time, Vec3::Zero());
+    pose.buttons = time < 400ms || time >= 500ms ? 0b10 : 0b01;
+    return pose;
+  }));
+  ServoSettings settings;
+  settings.dead_man_button = 1;
+  rig.set(settings);
+  rig.run(399ms);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+  rig.run(3ms);
+  EXPECT_EQ(rig.loop->last().contact.status, ContactStatus::inside) << "the tool lets go";
+  expect_no_force(rig, 700ms);
+  EXPECT_EQ(rig.loop->last().tripped, trips::disengaged);
+  rig.run(700ms);
+  EXPECT_GT(rig.motors().norm(), 0.5);
+  EXPECT_EQ(rig.counters().trips_by_disengaging, 1U);
 }
 
 TEST(Loop, TheLimitsHoldWhateverTheBody) {
@@ -513,6 +709,7 @@ TEST(Loop, BadOptionsAndSettings) {
   };
   refuses_options([](ServoOptions& o) { o.period = 0ms; });
   refuses_options([](ServoOptions& o) { o.stale_after = -1ms; });
+  refuses_options([](ServoOptions& o) { o.release_after = 0ms; });
   refuses_options([](ServoOptions& o) { o.lock_step_timeout = 0ms; });
   refuses_options([](ServoOptions& o) { o.stop_timeout = 0ms; });
   refuses_options([](ServoOptions& o) { o.priority = 100; });
@@ -533,6 +730,16 @@ TEST(Loop, BadOptionsAndSettings) {
   refuses([](ServoSettings& s) { s.force_limit = -1; });
   refuses([](ServoSettings& s) { s.slew_limit = 0; });
   refuses([&](ServoSettings& s) { s.damping = nan; });
+  refuses([](ServoSettings& s) { s.dead_man_button = -2; });
+  refuses([](ServoSettings& s) { s.dead_man_button = 32; });
+  Specification device;
+  device.num_buttons = 2;
+  ServoSettings settings;
+  EXPECT_NO_THROW(validate(settings, device));
+  settings.dead_man_button = 1;
+  EXPECT_NO_THROW(validate(settings, device));
+  settings.dead_man_button = 2;
+  EXPECT_THROW(validate(settings, device), InputError);
 }
 
 }  // namespace

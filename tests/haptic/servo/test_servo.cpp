@@ -7,7 +7,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
+#include <condition_variable>
+#include <future>
+#include <mutex>
+#include <utility>
 
 #include "base/error.h"
 #include "haptic/servo/servo.h"
@@ -40,23 +43,63 @@ class Descent final : public Motion {
   Time begun_{0};
 };
 
-/// A board whose writes hang when they are told to.
-class Hanging final : public Transport {
+/// A board whose writes hang when they are told to, and which others can wait for.
+class Watched final : public Transport {
  public:
-  explicit Hanging(std::unique_ptr<Transport> inner) : inner_(std::move(inner)) {}
+  explicit Watched(std::unique_ptr<Transport> inner) : inner_(std::move(inner)) {}
   TransportStatus read(Report& report, Duration timeout) noexcept override {
     return inner_->read(report, timeout);
   }
   TransportStatus write(const Report& report) noexcept override {
-    while (hangs) std::this_thread::sleep_for(1ms);
-    return inner_->write(report);
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return !hangs_; });
+    }
+    const TransportStatus status = inner_->write(report);
+    const std::lock_guard lock(mutex_);
+    ++writes_;
+    changed_.notify_all();
+    return status;
   }
   std::string problem() const override { return inner_->problem(); }
 
-  std::atomic<bool> hangs{false};
+  void hang(bool hangs) {
+    const std::lock_guard lock(mutex_);
+    hangs_ = hangs;
+    // With the lock: whoever hangs may end this when he goes on.
+    changed_.notify_all();
+  }
+
+  /// Looks after each write, and now and then in between.
+  /// @return false: it is not so within a long time.
+  template <class Condition>
+  [[nodiscard]] bool wait_until(Condition is_so) {
+    const auto deadline = std::chrono::steady_clock::now() + 60s;
+    std::unique_lock lock(mutex_);
+    while (!is_so()) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
+      changed_.wait_for(lock, 1ms);
+    }
+    return true;
+  }
+  /// @return false: there were not as many within a long time.
+  [[nodiscard]] bool wait_for_writes(int number) {
+    int until = -1;
+    return wait_until([&] {
+      if (until < 0) until = writes_ + number;
+      return writes_ >= until;
+    });
+  }
+  /// Is ready when this no longer lives.
+  [[nodiscard]] std::future<void> end() { return end_.get_future(); }
 
  private:
   std::unique_ptr<Transport> inner_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool hangs_ = false;
+  int writes_ = 0;
+  std::promise<void> end_;
 };
 
 /// A servo that presses the box, and what it owns.
@@ -65,10 +108,10 @@ struct Pressing {
     auto clock = std::make_shared<MonotonicClock>();
     auto simulated = std::make_unique<SimulatedBoard>(clock, motion);
     board = simulated.get();
-    auto hanging = std::make_unique<Hanging>(std::move(simulated));
-    transport = hanging.get();
+    auto watched = std::make_unique<Watched>(std::move(simulated));
+    transport = watched.get();
     servo = std::make_unique<Servo>(
-        std::move(hanging), make_profile(ProfileKind::palpate_report, board->feature()), clock,
+        std::move(watched), make_profile(ProfileKind::palpate_report, board->feature()), clock,
         options);
     ServoSettings settings;
     settings.workspace_centre = kMiddle;
@@ -80,22 +123,21 @@ struct Pressing {
   static ServoOptions patient() {
     ServoOptions options;
     options.stop_timeout = 60s;
+    options.release_after = 60s;
     return options;
   }
 
   /// Presses until the motors have that much force, N; false: not within a long time.
   bool wait_for_force(double force) {
-    for (int i = 0; i < 30000; ++i) {
+    return transport->wait_until([&] {
       if (servo->latest().contact.status == ContactStatus::free) motion->down = true;
-      if (board->status().force.norm() > force) return true;
-      std::this_thread::sleep_for(1ms);
-    }
-    return false;
+      return board->status().force.norm() > force;
+    });
   }
 
   std::shared_ptr<Descent> motion = std::make_shared<Descent>();
   SimulatedBoard* board = nullptr;
-  Hanging* transport = nullptr;
+  Watched* transport = nullptr;
   std::unique_ptr<Servo> servo;
 };
 
@@ -124,7 +166,9 @@ TEST(Servo, AHundredTimes) {
   for (int i = 0; i < 100; ++i) {
     Pressing pressing;
     pressing.servo->start();
-    if (i % 3 == 0) std::this_thread::sleep_for(2ms);
+    if (i % 3 == 0) {
+      ASSERT_TRUE(pressing.transport->wait_for_writes(2));
+    }
     if (i % 2 == 0) {
       EXPECT_TRUE(pressing.servo->stop());
       EXPECT_FALSE(pressing.board->status().motors_on);
@@ -138,27 +182,28 @@ TEST(Servo, NeverStarted) {
 }
 
 TEST(Servo, StopsInTimeThoughAWriteHangs) {
-  ServoOptions options;
+  ServoOptions options = Pressing::patient();
   options.stop_timeout = 50ms;
   auto pressing = std::make_unique<Pressing>(options);
   pressing->servo->start();
   ASSERT_TRUE(pressing->wait_for_force(0.5));
-  pressing->transport->hangs = true;
+  std::future<void> end = pressing->transport->end();
+  pressing->transport->hang(true);
   // The loop hangs; whoever looks sees it, and the board's watchdog cuts the motors.
-  for (int i = 0; i < 30000 && pressing->servo->latest().state != ServoState::stale; ++i) {
-    std::this_thread::sleep_for(1ms);
-  }
-  EXPECT_EQ(pressing->servo->latest().state, ServoState::stale);
-  std::this_thread::sleep_for(60ms);
-  EXPECT_FALSE(pressing->board->status().motors_on);
+  EXPECT_TRUE(pressing->transport->wait_until(
+      [&] { return pressing->servo->latest().state == ServoState::stale; }));
+  EXPECT_TRUE(pressing->transport->wait_until(
+      [&] { return !pressing->board->status().motors_on; }));
   EXPECT_GE(pressing->board->status().cuts, 1U);
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_FALSE(pressing->servo->stop());
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 20s);
   // The thread lets go of the board only when the driver lets go of the thread.
-  pressing->transport->hangs = false;
+  Watched* const transport = pressing->transport;
   pressing.reset();
-  std::this_thread::sleep_for(20ms);
+  EXPECT_EQ(end.wait_for(0s), std::future_status::timeout);
+  transport->hang(false);
+  EXPECT_EQ(end.wait_for(60s), std::future_status::ready);
 }
 
 TEST(Servo, UnpluggedWhileRunning) {
@@ -166,10 +211,8 @@ TEST(Servo, UnpluggedWhileRunning) {
   pressing.servo->start();
   ASSERT_TRUE(pressing.wait_for_force(0.5));
   pressing.board->unplug();
-  for (int i = 0; i < 30000 && pressing.servo->latest().state != ServoState::gone; ++i) {
-    std::this_thread::sleep_for(1ms);
-  }
-  EXPECT_EQ(pressing.servo->latest().state, ServoState::gone);
+  EXPECT_TRUE(pressing.transport->wait_until(
+      [&] { return pressing.servo->latest().state == ServoState::gone; }));
   EXPECT_FALSE(pressing.servo->problem().empty()) << "while it runs";
   EXPECT_TRUE(pressing.servo->stop());
 }
@@ -193,7 +236,7 @@ TEST(Servo, ChangedFromOutsideWhileItRuns) {
     const Tick tick = pressing.servo->latest();
     EXPECT_TRUE(tick.force.allFinite());
     EXPECT_LE(tick.force.norm(), 2);
-    std::this_thread::sleep_for(200us);
+    ASSERT_TRUE(pressing.transport->wait_for_writes(1));
   }
   EXPECT_TRUE(pressing.servo->stop());
   EXPECT_FALSE(pressing.board->status().motors_on);
@@ -219,8 +262,11 @@ TEST(Servo, SignalsGoElsewhere) {
   sigaddset(&usr1, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &usr1, nullptr);
   kill(getpid(), SIGUSR1);
-  std::this_thread::sleep_for(50ms);
+  ASSERT_TRUE(pressing.transport->wait_for_writes(20));
   EXPECT_FALSE(handled);
+  sigset_t pending;
+  sigpending(&pending);
+  EXPECT_TRUE(sigismember(&pending, SIGUSR1)) << "it waits for a thread that takes it";
   pthread_sigmask(SIG_UNBLOCK, &usr1, nullptr);
   EXPECT_TRUE(handled);
   EXPECT_TRUE(pressing.servo->stop());

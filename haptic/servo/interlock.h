@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Holds the force off after a fault, until the hand has left the body.
+//
+// A cause (the reports are too old, writes fail, nobody holds the dead-man switch) holds for a
+// while. What it has tripped stays tripped when the cause is over: the hand may be anywhere by then,
+// and a force must not rise wherever it is. Outside of the body, where no force is due, the interlock
+// is armed again.
+#pragma once
+
+#include <cstdint>
+
+namespace palpate {
+
+/// Why the interlock has tripped (bits). Numbers are stored in recordings: keep them.
+namespace trips {
+/// The device's state was not fresh for ServoOptions::release_after.
+inline constexpr std::uint32_t stale = 1;
+/// DeviceSession::kFailedWrites writes in a row have failed.
+inline constexpr std::uint32_t failed_writes = 2;
+/// Forces are not permitted (ServoSettings::engaged), or the dead-man button is not held.
+inline constexpr std::uint32_t disengaged = 4;
+}  // namespace trips
+
+class Interlock {
+ public:
+  /// Trips where a cause holds.
+  /// @param cause A bit of namespace trips.
+  /// @note Realtime-safe.
+  void set(std::uint32_t cause, bool holds) noexcept {
+    causes_ = holds ? causes_ | cause : causes_ & ~cause;
+    tripped_ |= causes_;
+  }
+
+  /// The hand is outside of the body: causes that are over are forgotten.
+  /// @note Realtime-safe.
+  void rearm() noexcept { tripped_ = causes_; }
+
+  /// Causes that have held since it was last armed, bits of namespace trips; with any of them no
+  /// force may be sent.
+  /// @note Realtime-safe.
+  [[nodiscard]] std::uint32_t tripped() const noexcept { return tripped_; }
+
+ private:
+  /// That hold now.
+  std::uint32_t causes_ = 0;
+  std::uint32_t tripped_ = 0;
+};
+
+}  // namespace palpate
