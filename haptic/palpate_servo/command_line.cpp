@@ -112,8 +112,9 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
                  "Stiffness between tool and body, N/m; 0: none (what the device displays, where "
                  "the body is stiffer)")
       ->type_name("FLOAT");
-  app.add_option("--dead-man", settings.dead_man_button,
-                 "Forces only while this button of the device is held, from 0; -1: none is required")
+  app.add_option(
+         "--dead-man", settings.dead_man_button,
+         "Forces only while this button of the device is held, from 0; -1: none is required")
       ->type_name("BUTTON");
   double release_after = seconds(line.options.release_after);
   app.add_option("--release-after", release_after,

@@ -3,9 +3,9 @@
 // frees: what it has done with goes back, and is destroyed by the one who replaces.
 //
 // An object passes through four places, each of which holds at most one: offered → current →
-// previous → returned. The first and the last are shared by an atomic exchange; the other two belong
-// to the taker. It takes what is offered only when the place of the previous one is empty, and gives
-// that one back only in a later call of take(): so between two calls both are alive.
+// previous → returned. The first and the last are shared by an atomic exchange; the other two
+// belong to the taker. It takes what is offered only when the place of the previous one is empty,
+// and gives that one back only in a later call of take(): so between two calls both are alive.
 #pragma once
 
 #include <atomic>

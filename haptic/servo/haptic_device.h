@@ -30,8 +30,8 @@ namespace palpate {
 struct HapticDeviceOptions {
   /// A report older than this gives no force.
   Duration stale_after = std::chrono::milliseconds(5);
-  /// Without a report that is fresh for so long, or after writes that have failed, there is no force
-  /// until the caller asks for zero force, as it does where the hand is free.
+  /// Without a report that is fresh for so long, or after writes that have failed, there is no
+  /// force until the caller asks for zero force, as it does where the hand is free.
   Duration release_after = std::chrono::milliseconds(20);
   /// Largest force, N; 0: that of the device. Never above that of the device.
   double force_limit = 0;

@@ -2,9 +2,9 @@
 // Holds the force off after a fault, until the hand has left the body.
 //
 // A cause (the reports are too old, writes fail, nobody holds the dead-man switch) holds for a
-// while. What it has tripped stays tripped when the cause is over: the hand may be anywhere by then,
-// and a force must not rise wherever it is. Outside of the body, where no force is due, the interlock
-// is armed again.
+// while. What it has tripped stays tripped when the cause is over: the hand may be anywhere by
+// then, and a force must not rise wherever it is. Outside of the body, where no force is due, the
+// interlock is armed again.
 #pragma once
 
 #include <cstdint>

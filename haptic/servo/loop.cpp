@@ -37,8 +37,8 @@ void check_not_negative(const char* name, double value, const char* unit) {
 }
 
 bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
-  return a.workspace_centre == b.workspace_centre &&
-         a.workspace_rotation == b.workspace_rotation && a.workspace_scale == b.workspace_scale;
+  return a.workspace_centre == b.workspace_centre && a.workspace_rotation == b.workspace_rotation &&
+         a.workspace_scale == b.workspace_scale;
 }
 
 /// Whether energies under the one and the other can be added up.
@@ -144,8 +144,8 @@ void Loop::tick() noexcept {
   outbox_.own_time.add(taken - in_device);
   outbox_.newest.write({tick_, counters_});
   if (recording != nullptr) {
-    recording->push({tick_, settings_.servo, settings_.touch, session_.received(),
-                     session_.sent(), session_.write_failed()});
+    recording->push({tick_, settings_.servo, settings_.touch, session_.received(), session_.sent(),
+                     session_.write_failed()});
   }
 }
 
@@ -216,8 +216,8 @@ void Loop::touch(const Touchable* body, const LoopInbox::Settings& settings) noe
   if (session_.interlock().tripped() != 0) tool_.release();
   // Before the device has said where it is there is no place to move the tool to.
   tick_.contact = session_.known() ? tool_.move(body, tick_.position, settings.touch) : Contact{};
-  const bool is_outside = tick_.contact.status == ContactStatus::free ||
-                          tick_.contact.status == ContactStatus::nothing;
+  const bool is_outside =
+      tick_.contact.status == ContactStatus::free || tick_.contact.status == ContactStatus::nothing;
   if (is_outside) session_.interlock().rearm();
 }
 

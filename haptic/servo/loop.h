@@ -4,8 +4,8 @@
 //
 //   newest report → age → place in the scene → contact → coupling, damping → limiter → device
 //
-// After a fault the interlock holds the force off, and the tool lets go, until the fault is over and
-// the tool was outside of the body.
+// After a fault the interlock holds the force off, and the tool lets go, until the fault is over
+// and the tool was outside of the body.
 //
 // One thread runs it. What it needs from others comes, and what it has done goes, without waiting:
 // the inbox and outbox are what crosses.

@@ -16,8 +16,8 @@ struct ServoOptions {
   Duration period = std::chrono::milliseconds(1);
   /// A report older than this gives no force.
   Duration stale_after = std::chrono::milliseconds(5);
-  /// Without a report that is fresh for so long the tool lets go, and there is no force until it was
-  /// outside of the body.
+  /// Without a report that is fresh for so long the tool lets go, and there is no force until it
+  /// was outside of the body.
   Duration release_after = std::chrono::milliseconds(20);
   /// Lock-step devices: without a report for so long, a zero-force report is sent to set it going.
   Duration lock_step_timeout = std::chrono::milliseconds(2);
@@ -35,12 +35,12 @@ struct ServoSettings {
   /// Forces are permitted. Else the device is read, the tool touches nothing, and there is no force
   /// until it was outside of the body.
   bool engaged = true;
-  /// A dead-man switch: forces are permitted only as long as this button of the device is held, from
-  /// 0; −1: none is required.
+  /// A dead-man switch: forces are permitted only as long as this button of the device is held,
+  /// from 0; −1: none is required.
   std::int32_t dead_man_button = -1;
-  /// The workspace is held while the tool is attached: another one takes effect when it is free, and
-  /// what it brings into the body must first go outside.
-  /// Place in the scene of the centre of the device's workspace [3], m.
+  /// Place in the scene of the centre of the device's workspace [3], m. This, the rotation and the
+  /// scale stay as they are while the tool is attached: others take effect when it is free, and
+  /// where they bring it into the body there is no force until it was outside.
   Vec3 workspace_centre = Vec3::Zero();
   /// From the device's axes to those of the scene: a rotation.
   Mat3 workspace_rotation = Mat3::Identity();

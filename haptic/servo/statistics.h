@@ -25,8 +25,8 @@ struct Counters {
   std::uint64_t failed_writes = 0;
   /// Ticks in the state stale.
   std::uint64_t stale_ticks = 0;
-  /// Ticks in which the interlock had tripped, and how often it has for each of its causes (namespace
-  /// trips).
+  /// Ticks in which the interlock had tripped, and how often it has for each of its causes
+  /// (namespace trips).
   std::uint64_t tripped_ticks = 0;
   std::uint64_t trips_by_stale_reports = 0;
   std::uint64_t trips_by_failed_writes = 0;

@@ -13,9 +13,9 @@ struct TouchSettings {
   /// it would pull, and slips where it has gone aside beyond what the space holds: it goes on from
   /// where it then is.
   bool bonded = false;
-  /// A bonded tool lets go where the body pulls with more than this, N; 0: never. The usual value is
-  /// below what the devices that we know give at most (5 N and more): the pull ends before the force
-  /// limit cuts it, and no hand is held against the largest force of a motor.
+  /// A bonded tool lets go where the body pulls with more than this, N; 0: never. The usual value
+  /// is below what the devices that we know give at most (5 N and more): the pull ends before the
+  /// force limit cuts it, and no hand is held against the largest force of a motor.
   double release_force = 3;
   /// Active nodes are attached to up to this distance from where the tool comes in, m; 0: the
   /// longest side of the triangle there, or the radius of the tip if that is more.

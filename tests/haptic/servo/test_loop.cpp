@@ -329,19 +329,18 @@ TEST(Loop, WhatMotorsHoldWhileWritesFailIsZeroAsSoonAsOneSucceeds) {
 
 // As from a window that has not yet heard that the tool has attached.
 TEST(Loop, TheWorkspaceStaysWhereItIsWhileTheToolIsAttached) {
-  Rig rig(std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
-      {0ms, Vec3(0, 0, 0.005)},
-      {200ms, Vec3(0.001, 0.002, -0.004)},
-      {600ms, Vec3(0.001, 0.002, -0.004)},
-      {800ms, Vec3(0, 0, 0.02)}}));
+  Rig rig(std::make_shared<ScriptedMotion>(
+      std::vector<ScriptedMotion::Waypoint>{{0ms, Vec3(0, 0, 0.005)},
+                                            {200ms, Vec3(0.001, 0.002, -0.004)},
+                                            {600ms, Vec3(0.001, 0.002, -0.004)},
+                                            {800ms, Vec3(0, 0, 0.02)}}));
   rig.run(500ms);
   const Tick before = rig.loop->last();
   ASSERT_EQ(before.contact.status, ContactStatus::attached);
   LoopInbox::Settings settings{rig.settings, {}};
   settings.servo.workspace_centre += Vec3(0.003, 0, -0.002);
   settings.servo.workspace_scale = 1.5;
-  settings.servo.workspace_rotation =
-      Eigen::AngleAxisd(0.5, Vec3::UnitY()).toRotationMatrix();
+  settings.servo.workspace_rotation = Eigen::AngleAxisd(0.5, Vec3::UnitY()).toRotationMatrix();
   rig.inbox.settings.write(settings);
   for (int i = 0; i < 50; ++i) {
     const Tick& tick = rig.step();
@@ -361,9 +360,12 @@ TEST(Loop, TheWorkspaceStaysWhereItIsWhileTheToolIsAttached) {
 
 // The body comes to the hand: nothing is felt before the hand comes to the body.
 TEST(Loop, AWorkspaceThatIsMovedIntoTheBodyGivesNoForce) {
-  Rig rig(std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
-      {0ms, Vec3(0, 0, 0.01)}, {500ms, Vec3(0, 0, 0.01)}, {600ms, Vec3(0, 0, 0.03)},
-      {700ms, Vec3(0, 0, 0.03)}, {800ms, Vec3(0, 0, 0.014)}}));
+  Rig rig(std::make_shared<ScriptedMotion>(
+      std::vector<ScriptedMotion::Waypoint>{{0ms, Vec3(0, 0, 0.01)},
+                                            {500ms, Vec3(0, 0, 0.01)},
+                                            {600ms, Vec3(0, 0, 0.03)},
+                                            {700ms, Vec3(0, 0, 0.03)},
+                                            {800ms, Vec3(0, 0, 0.014)}}));
   rig.run(200ms);
   LoopInbox::Settings settings{rig.settings, {}};
   settings.servo.workspace_centre -= Vec3(0, 0, 0.016);

@@ -110,9 +110,9 @@ struct Pressing {
     board = simulated.get();
     auto watched = std::make_unique<Watched>(std::move(simulated));
     transport = watched.get();
-    servo = std::make_unique<Servo>(
-        std::move(watched), make_profile(ProfileKind::palpate_report, board->feature()), clock,
-        options);
+    servo = std::make_unique<Servo>(std::move(watched),
+                                    make_profile(ProfileKind::palpate_report, board->feature()),
+                                    clock, options);
     ServoSettings settings;
     settings.workspace_centre = kMiddle;
     servo->set_settings(settings);
@@ -192,8 +192,8 @@ TEST(Servo, StopsInTimeThoughAWriteHangs) {
   // The loop hangs; whoever looks sees it, and the board's watchdog cuts the motors.
   EXPECT_TRUE(pressing->transport->wait_until(
       [&] { return pressing->servo->latest().state == ServoState::stale; }));
-  EXPECT_TRUE(pressing->transport->wait_until(
-      [&] { return !pressing->board->status().motors_on; }));
+  EXPECT_TRUE(
+      pressing->transport->wait_until([&] { return !pressing->board->status().motors_on; }));
   EXPECT_GE(pressing->board->status().cuts, 1U);
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_FALSE(pressing->servo->stop());
