@@ -185,7 +185,7 @@ class PalpateServo(unittest.TestCase):
                 ("--node", -1, "-1"), ("--force-limit", -1, "force limit"),
                 ("--slew-limit", 0, "slew limit"), ("--scale", 0, "scale"),
                 ("--release-after", 0, "lets go"), ("--dead-man", -2, "dead-man"),
-                ("--dead-man", 3, "Button 3", "0 button(s)"), ("--damping", "nan", "damping"),
+                ("--dead-man", 3, "Button 3", "1 button(s)"), ("--damping", "nan", "damping"),
                 ("--coupling", -1, "coupling"),
                 ("--depth", 1, "--depth"), ("--depth", "inf", "--depth"),
                 ("--scale", 1e-9, "at 6e-11 m"), ("--force-scale", -1, "is -1. Give"),
