@@ -16,7 +16,7 @@ palpate_missing_packages() {
   release=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
   for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt"); do
     case $package in
-      */"$release") package=${package%/*} ;;
+      */*"${release:-none}"*) package=${package%/*} ;;
       */*) continue ;;
     esac
     if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
@@ -27,7 +27,7 @@ palpate_missing_packages() {
 
 palpate_install_packages() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
-    palpate_fail "this script needs apt: it is made for Debian 12 and 13 (see cmake/debian-packages.txt)."
+    palpate_fail "this script needs apt: it is made for Debian 12, 13 and unstable (see cmake/debian-packages.txt)."
   local missing
   missing=$(palpate_missing_packages | paste -sd ' ')
   [ -n "$missing" ] || return 0
