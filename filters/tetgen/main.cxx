@@ -40,6 +40,7 @@
 #include <exception>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -371,8 +372,8 @@ std::string Switches(const Options& options, double volume)
 /// TetGen's last step, which improves shapes, makes a few tetrahedra larger than their bound: then
 /// it has to start again with a lower one. Beside triangles that are to stay as they are, a bound
 /// may be out of reach.
-void Mesh(vtkPolyData* surface, const Options& options, const Frame& frame, const Region* region,
-  tetgenio& out)
+std::unique_ptr<const tetgenio> Mesh(
+  vtkPolyData* surface, const Options& options, const Frame& frame, const Region* region)
 {
   constexpr int most_trials = 5;
   constexpr double rounding = 1e-9;
@@ -381,7 +382,7 @@ void Mesh(vtkPolyData* surface, const Options& options, const Frame& frame, cons
   const double volume = frame.VolumeIn(options.Volume);
   const Sizing wanted = { &frame, region, frame.VolumeIn(options.RegionVolume) };
   double factor = 1;
-  for (int trial = 0; trial < most_trials; ++trial)
+  for (int trial = 1;; ++trial)
   {
     const Sizing sizing = { &frame, region, factor * wanted.PartVolume };
     CurrentSizing = &sizing;
@@ -391,14 +392,13 @@ void Mesh(vtkPolyData* surface, const Options& options, const Frame& frame, cons
     {
       in.tetunsuitable = TooLarge;
     }
-    out.deinitialize();
-    out.initialize();
+    auto out = std::make_unique<tetgenio>();
     std::string switches = Switches(options, factor * volume);
-    tetrahedralize(switches.data(), &in, &out);
-    const double excess = Excess(out, wanted, volume);
-    if (excess <= 1 + rounding || options.Preserve)
+    tetrahedralize(switches.data(), &in, out.get());
+    const double excess = Excess(*out, wanted, volume);
+    if (excess <= 1 + rounding || options.Preserve || trial == most_trials)
     {
-      break;
+      return out;
     }
     factor = std::max(least_factor, factor * margin / excess);
   }
@@ -525,9 +525,8 @@ int main(int argc, char** argv)
     {
       region.emplace(ReadData<vtkXMLImageDataReader>(RegionDescriptor));
     }
-    tetgenio out;
-    Mesh(surface, options, frame, region ? &*region : nullptr, out);
-    WriteGrid(ToGrid(out, surface, frame), output);
+    const auto mesh = Mesh(surface, options, frame, region ? &*region : nullptr);
+    WriteGrid(ToGrid(*mesh, surface, frame), output);
     return 0;
   }
   catch (int code)

@@ -25,7 +25,7 @@ void RestFactor::hold(std::vector<Index> unknowns) {
   Eigen::MatrixXd z = Eigen::MatrixXd::Zero(num_unknowns_, num_held);
   for (Eigen::Index c = 0; c < num_held; ++c) z(held_[c], c) = 1;
   solver_->solve(z);
-  const Eigen::MatrixXd inverse = z(held_, Eigen::all);
+  const Eigen::MatrixXd inverse = z(held_, Eigen::seqN(0, num_held));
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(0.5 * (inverse + inverse.transpose()));
   elastic_ = z * modes.eigenvectors() * modes.eigenvalues().cwiseInverse().asDiagonal() *
              modes.eigenvectors().transpose();
@@ -34,9 +34,10 @@ void RestFactor::hold(std::vector<Index> unknowns) {
 
 void RestFactor::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
   solver_->solve(columns);
-  const Eigen::MatrixXd at_sites = columns(held_, Eigen::all);
+  const auto all = Eigen::seqN(0, columns.cols());
+  const Eigen::MatrixXd at_sites = columns(held_, all);
   columns.noalias() -= elastic_ * at_sites;
-  columns(held_, Eigen::all).setZero();
+  columns(held_, all).setZero();
 }
 
 int RestFactor::negative_pivots() const { return solver_->negative_pivots() - num_negative_; }

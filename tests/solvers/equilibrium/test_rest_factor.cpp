@@ -59,8 +59,9 @@ Reference reference(const Assembly& assembly, const Constraint& constraint) {
   Reference result;
   result.v = sites;
   const Eigen::MatrixXd k_ii = k(free, free);
-  const Eigen::MatrixXd k_ia = (k * sites)(free, Eigen::all);
-  result.v(free, Eigen::all) = -k_ii.partialPivLu().solve(k_ia);
+  const auto all = Eigen::seqN(0, sites.cols());
+  const Eigen::MatrixXd k_ia = (k * sites)(free, all);
+  result.v(free, all) = -k_ii.partialPivLu().solve(k_ia);
   result.stiffness = result.v.transpose() * k * result.v;
   return result;
 }
@@ -304,10 +305,11 @@ TEST(RestFactor, SolvesWithWhatIsFree) {
       const Eigen::MatrixXd columns = random.vector(2 * pattern.size, 1).reshaped(pattern.size, 2);
       Eigen::MatrixXd found = columns;
       factor.solve(found);
-      const Eigen::MatrixXd right = columns(free, Eigen::all);
+      const auto all = Eigen::seqN(0, columns.cols());
+      const Eigen::MatrixXd right = columns(free, all);
       const Eigen::MatrixXd expected = k_ii.partialPivLu().solve(right);
-      EXPECT_LT((found(free, Eigen::all) - expected).norm(), kRounding * expected.norm());
-      EXPECT_TRUE(found(held, Eigen::all).isZero(0));
+      EXPECT_LT((found(free, all) - expected).norm(), kRounding * expected.norm());
+      EXPECT_TRUE(found(held, all).isZero(0));
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(k_ii, Eigen::EigenvaluesOnly);
       EXPECT_EQ(factor.negative_pivots(), (modes.eigenvalues().array() < 0).count());
     }
