@@ -41,9 +41,9 @@ bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
          a.workspace_scale == b.workspace_scale;
 }
 
-/// Whether energies under the one and the other can be added up.
+/// Whether energies under the one and the other can be added up, the workspace being the same.
 bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
-  return same_workspace(a.servo, b.servo) && a.servo.force_scale == b.servo.force_scale &&
+  return a.servo.force_scale == b.servo.force_scale &&
          a.touch.coupling_stiffness == b.touch.coupling_stiffness;
 }
 
@@ -184,18 +184,25 @@ void Loop::keep_time(Time begin) noexcept {
 // into it.
 void Loop::take_settings() noexcept {
   const LoopInbox::Settings& newest = inbox_.settings.read();
-  const ServoSettings held = settings_.servo;
-  settings_ = newest;
-  if (same_workspace(held, newest.servo)) return;
-  if (tick_.contact.status != ContactStatus::attached) {
-    tool_.release();
+  if (same_workspace(settings_.servo, newest.servo)) {
+    energy_goes_on_ = same_energy(settings_, newest);
+    settings_ = newest;
     return;
   }
-  settings_.servo.workspace_centre = held.workspace_centre;
-  settings_.servo.workspace_rotation = held.workspace_rotation;
-  settings_.servo.workspace_scale = held.workspace_scale;
-  // The coupling is as stiff at the device as it was meant to be with the newest scale.
-  settings_.touch.coupling_stiffness *= newest.servo.workspace_scale / held.workspace_scale;
+  LoopInbox::Settings settings = newest;
+  if (tick_.contact.status == ContactStatus::attached) {
+    settings.servo.workspace_centre = settings_.servo.workspace_centre;
+    settings.servo.workspace_rotation = settings_.servo.workspace_rotation;
+    settings.servo.workspace_scale = settings_.servo.workspace_scale;
+    // The coupling is as stiff at the device as it was meant to be with the newest scale.
+    settings.touch.coupling_stiffness *=
+        newest.servo.workspace_scale / settings_.servo.workspace_scale;
+    energy_goes_on_ = same_energy(settings_, settings);
+  } else {
+    tool_.release();
+    energy_goes_on_ = false;
+  }
+  settings_ = settings;
 }
 
 void Loop::locate(const ServoSettings& settings) noexcept {
@@ -229,8 +236,7 @@ void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& sett
       tick_.contact.status == ContactStatus::attached && tick_.state == ServoState::running;
   // A force that was cut has nothing to do with what is stored.
   const bool was_cut = (tick_.limited & ~limits::slew) != 0;
-  if (!observable || !observing_ || was_cut || body != observed_body_ ||
-      !same_energy(settings, observed_settings_)) {
+  if (!observable || !observing_ || was_cut || body != observed_body_ || !energy_goes_on_) {
     balance_.begin(stored);
   } else if (tick_.limited != 0) {
     balance_.add_late(session_.force(), device_moved_, stored);
@@ -239,7 +245,6 @@ void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& sett
   }
   observing_ = observable;
   observed_body_ = body;
-  observed_settings_ = settings;
   tick_.dissipated = balance_.dissipated();
   tick_.added_damping =
       servo.passivity_control

@@ -83,8 +83,9 @@ class Loop {
   DeviceSession session_;
   Tool tool_;
   EnergyBalance balance_;
-  /// Of the tick.
+  /// Of the tick, and whether energy under those of the tick before goes on under them.
   LoopInbox::Settings settings_;
+  bool energy_goes_on_ = false;
 
   Tick tick_;
   Counters counters_;
@@ -92,7 +93,6 @@ class Loop {
   Vec3 device_moved_ = Vec3::Zero();
   /// What the energy that is observed belongs to: with anything else it begins anew.
   const Touchable* observed_body_ = nullptr;
-  LoopInbox::Settings observed_settings_;
   bool observing_ = false;
   /// Of the tick, and since the one before, s.
   Time begin_{0};

@@ -4,18 +4,20 @@
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <cstring>
 #include <future>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "haptic/realtime/memory_lock.h"
 
 namespace palpate {
 namespace {
@@ -56,25 +58,31 @@ class SignalsBlocked {
   sigset_t before_;
 };
 
-/// Of this process: the last one to end unlocks its memory.
-std::atomic<int> num_locking{0};
+/// Below what the thread's function has on its stack the loop and the driver need less than that.
+constexpr std::uintptr_t kStack = 256 << 10;
 
-/// No page of the process is paged out. With a limit on locked memory a later allocation anywhere
-/// in the process could fail, so it is only done where there is none.
-bool lock_memory() noexcept {
-  rlimit limit{};
-  getrlimit(RLIMIT_MEMLOCK, &limit);
-  if (limit.rlim_cur != RLIM_INFINITY ||
-      mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
-    return false;
-  }
-  ++num_locking;
-  return true;
+/// Of the calling thread: what a function that is called now needs, and all above it.
+MemoryRange own_stack() {
+  pthread_attr_t attributes;
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return {};
+  void* lowest = nullptr;
+  std::size_t size = 0;
+  pthread_attr_getstack(&attributes, &lowest, &size);
+  pthread_attr_destroy(&attributes);
+  const auto here = reinterpret_cast<std::uintptr_t>(&attributes);
+  const auto begin = std::max(reinterpret_cast<std::uintptr_t>(lowest), here - kStack);
+  const std::uintptr_t end = reinterpret_cast<std::uintptr_t>(lowest) + size;
+  return {reinterpret_cast<const void*>(begin), end - begin};
 }
 
-void unlock_memory() noexcept {
-  if (--num_locking == 0) munlockall();
-}
+/// A body that stays in memory as long as the loop may read it.
+struct Resident {
+  explicit Resident(std::shared_ptr<const Touchable> its_body)
+      : body(std::move(its_body)), lock(body->memory()) {}
+
+  std::shared_ptr<const Touchable> body;
+  MemoryLock lock;
+};
 
 }  // namespace
 
@@ -94,6 +102,7 @@ struct Servo::Shared {
   std::atomic<bool> running{false};
   std::atomic<bool> realtime_priority{false};
   std::atomic<bool> memory_locked{false};
+  std::atomic<bool> body_locked{true};
   mutable std::mutex mutex;
   /// Guarded by the mutex, which the loop never takes.
   std::string problem;
@@ -104,7 +113,6 @@ struct Servo::Shared {
     parameters.sched_priority = options.priority;
     const int failed = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
     realtime_priority = failed == 0;
-    memory_locked = lock_memory();
     if (failed != 0) {
       const std::lock_guard lock(mutex);
       problem = std::string("The servo loop has no real-time priority: ") + std::strerror(failed) +
@@ -115,6 +123,11 @@ struct Servo::Shared {
   void run() noexcept {
     try {
       be_realtime();
+      std::optional<MemoryLock> lock;
+      if (options.priority != 0) {
+        lock.emplace(MemoryRanges{own_stack(), {this, sizeof *this}});
+        memory_locked = lock->complete();
+      }
       Loop loop(*transport, *profile, *clock, options, inbox, outbox);
       while (!stop.load(std::memory_order_relaxed)) {
         loop.tick();
@@ -125,7 +138,6 @@ struct Servo::Shared {
       const std::lock_guard lock(mutex);
       problem = std::string("The servo loop has ended: ") + error.what();
     }
-    if (memory_locked) unlock_memory();
     running = false;
   }
 };
@@ -175,6 +187,12 @@ bool Servo::stop() noexcept {
 }
 
 void Servo::set_body(std::shared_ptr<const Touchable> body) {
+  // The system calls for it are made here, and not in the loop.
+  if (body != nullptr && shared_->options.priority != 0) {
+    const auto resident = std::make_shared<const Resident>(std::move(body));
+    shared_->body_locked = resident->lock.complete();
+    body = {resident, resident->body.get()};
+  }
   shared_->inbox.body.offer(std::move(body));
 }
 
@@ -216,7 +234,7 @@ Statistics Servo::statistics() {
   statistics.tick_time = shared_->outbox.tick_time.percentiles();
   statistics.own_time = shared_->outbox.own_time.percentiles();
   statistics.realtime_priority = shared_->realtime_priority;
-  statistics.memory_locked = shared_->memory_locked;
+  statistics.memory_locked = shared_->memory_locked && shared_->body_locked;
   return statistics;
 }
 

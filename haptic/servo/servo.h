@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The servo loop on a thread of its own.
 //
-// The thread has real-time priority and locked memory where the system permits, and signals go
+// The thread has real-time priority where the system permits, and what it reads while it touches
+// stays in memory: its stack, its objects and the body, but not the rest of the program. Signals go
 // elsewhere. It is paced by absolute times; after an overrun it takes up the rhythm anew, without
 // ticks that catch up. What it needs crosses to it, and what it has done comes back, without either
 // side waiting for the other.

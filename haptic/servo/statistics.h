@@ -54,7 +54,7 @@ struct Statistics : Counters {
   /// From the beginning of a tick to its end, and of that what is not the device's driver's.
   Percentiles tick_time;
   Percentiles own_time;
-  /// The thread has real-time priority; the memory of the process is locked.
+  /// The thread has real-time priority; its stack, its objects and the body are locked in memory.
   bool realtime_priority = false;
   bool memory_locked = false;
 

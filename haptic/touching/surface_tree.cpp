@@ -223,10 +223,13 @@ double SurfaceTree::longest_side(Index triangle) const noexcept {
       std::max({(a - b).squaredNorm(), (b - c).squaredNorm(), (c - a).squaredNorm()}));
 }
 
-std::size_t SurfaceTree::bytes() const {
-  return (point_normals_.size() + face_normals_.size()) * sizeof(Vec3) +
-         triangles_.size() * (sizeof(triangles_[0]) + sizeof(Corners)) +
-         nodes_.size() * sizeof(Node) + side_normals_.size() * sizeof(side_normals_[0]);
+void SurfaceTree::add_memory(MemoryRanges& ranges) const {
+  palpate::add_memory(triangles_, ranges);
+  palpate::add_memory(corners_, ranges);
+  palpate::add_memory(nodes_, ranges);
+  palpate::add_memory(face_normals_, ranges);
+  palpate::add_memory(side_normals_, ranges);
+  palpate::add_memory(point_normals_, ranges);
 }
 
 }  // namespace palpate

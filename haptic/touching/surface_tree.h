@@ -11,6 +11,7 @@
 #include <array>
 #include <vector>
 
+#include "base/memory_ranges.h"
 #include "state_space/surface.h"
 
 namespace palpate {
@@ -47,7 +48,7 @@ class SurfaceTree {
   /// Around all of the surface.
   [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return nodes_[0].box; }
   /// Memory that is held.
-  [[nodiscard]] std::size_t bytes() const;
+  void add_memory(MemoryRanges& ranges) const;
 
  private:
   struct Node {

@@ -66,12 +66,17 @@ std::int32_t Touchable::nearest(const Vec3& point, double reach) const noexcept 
   return nearest;
 }
 
-std::size_t Touchable::bytes() const {
-  std::size_t bytes = surface_.bytes() + node_of_.size() * sizeof(std::int32_t);
+MemoryRanges Touchable::memory() const {
+  MemoryRanges ranges{{this, sizeof *this}};
+  surface_.add_memory(ranges);
+  add_memory(nodes_, ranges);
+  add_memory(node_of_, ranges);
   for (const Node& node : nodes_) {
-    for (const auto& force : node.on_branch) bytes += force->bytes();
+    node.branches.add_memory(ranges);
+    add_memory(node.on_branch, ranges);
+    for (const auto& force : node.on_branch) force->add_memory(ranges);
   }
-  return bytes;
+  return ranges;
 }
 
 }  // namespace palpate

@@ -52,7 +52,8 @@ class Touchable {
   /// Of any active node, m.
   [[nodiscard]] double largest_tip_radius() const { return largest_tip_radius_; }
   /// Memory that is held.
-  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] MemoryRanges memory() const;
+  [[nodiscard]] std::size_t bytes() const { return total_bytes(memory()); }
 
  private:
   std::string scene_hash_;

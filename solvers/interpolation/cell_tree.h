@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/memory_ranges.h"
 #include "state_space/configuration.h"
 
 namespace palpate {
@@ -98,9 +99,10 @@ class CellTree {
   [[nodiscard]] Place locate(const Vec3& x) const noexcept;
 
   /// Memory that it holds.
-  [[nodiscard]] std::size_t bytes() const {
-    return cells_.size() * sizeof(std::int32_t) + leaves_.size() * sizeof(Leaf) +
-           keys_.size() * sizeof(Key);
+  void add_memory(MemoryRanges& ranges) const {
+    palpate::add_memory(cells_, ranges);
+    palpate::add_memory(leaves_, ranges);
+    palpate::add_memory(keys_, ranges);
   }
 
   /// Calls visit(leaf) for the leaf in each of the eight octants around a check-point: a leaf that

@@ -108,8 +108,9 @@ class CheckPointGrid {
   }
 
   /// Memory that locate() needs.
-  [[nodiscard]] std::size_t bytes() const {
-    return tree_.bytes() + states_.size() * sizeof(State);
+  void add_memory(MemoryRanges& ranges) const {
+    tree_.add_memory(ranges);
+    palpate::add_memory(states_, ranges);
   }
 
  private:

@@ -34,7 +34,10 @@ class EnergyHermite final : public Interpolator {
 
  private:
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
-  [[nodiscard]] std::size_t do_bytes() const override { return nodes_.size() * sizeof(Node); }
+  void do_add_memory(MemoryRanges& ranges) const override {
+    ranges.push_back({this, sizeof *this});
+    palpate::add_memory(nodes_, ranges);
+  }
 
   std::vector<Node> nodes_;
   double per_spacing_;

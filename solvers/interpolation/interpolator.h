@@ -81,7 +81,15 @@ class Interpolator {
   [[nodiscard]] TouchResult evaluate(const Vec3& t) const noexcept;
 
   /// Memory that is held for evaluating.
-  [[nodiscard]] std::size_t bytes() const { return grid_.bytes() + do_bytes(); }
+  void add_memory(MemoryRanges& ranges) const {
+    grid_.add_memory(ranges);
+    do_add_memory(ranges);
+  }
+  [[nodiscard]] std::size_t bytes() const {
+    MemoryRanges ranges;
+    add_memory(ranges);
+    return total_bytes(ranges);
+  }
 
   /// Configurations and intermediate states that it interpolates between.
   [[nodiscard]] std::size_t num_samples() const { return num_samples_; }
@@ -101,7 +109,8 @@ class Interpolator {
   virtual void do_evaluate(const Location& at, TouchResult& result) const noexcept = 0;
   /// Puts in a stiffness that is continuous across cells, if that of do_evaluate() is not.
   virtual void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept;
-  [[nodiscard]] virtual std::size_t do_bytes() const = 0;
+  /// The object itself too.
+  virtual void do_add_memory(MemoryRanges& ranges) const = 0;
 
   CheckPointGrid grid_;
   double force_limit_;

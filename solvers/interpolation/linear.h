@@ -17,7 +17,9 @@ class Linear final : public Interpolator {
 
  private:
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
-  [[nodiscard]] std::size_t do_bytes() const override { return sizeof stiffness_; }
+  void do_add_memory(MemoryRanges& ranges) const override {
+    ranges.push_back({this, sizeof *this});
+  }
 
   Mat3 stiffness_;
 };

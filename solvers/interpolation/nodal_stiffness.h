@@ -20,7 +20,7 @@ class NodalStiffness {
   /// @note Realtime-safe.
   [[nodiscard]] Mat3 at(const CellTree::Leaf& leaf, const Vec3& s) const noexcept;
 
-  [[nodiscard]] std::size_t bytes() const { return nodes_.size() * sizeof(Mat3); }
+  void add_memory(MemoryRanges& ranges) const { palpate::add_memory(nodes_, ranges); }
 
  private:
   std::vector<Mat3> nodes_;

@@ -250,8 +250,10 @@ class RadialBasis final : public Interpolator {
     stiffness = stiffness_.at(grid().leaf(at.leaf), at.s);
   }
 
-  [[nodiscard]] std::size_t do_bytes() const override {
-    return groups_.size() * sizeof(Group) + stiffness_.bytes();
+  void do_add_memory(MemoryRanges& ranges) const override {
+    ranges.push_back({this, sizeof *this});
+    palpate::add_memory(groups_, ranges);
+    stiffness_.add_memory(ranges);
   }
 
   std::vector<Group> groups_;

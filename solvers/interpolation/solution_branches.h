@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/memory_ranges.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
@@ -33,6 +34,9 @@ class SolutionBranches {
   /// @param branch Where it begins.
   /// @note Realtime-safe.
   [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept;
+
+  /// Memory that move() needs.
+  void add_memory(MemoryRanges& ranges) const { palpate::add_memory(next_, ranges); }
 
  private:
   [[nodiscard]] int follow(int branch, const Vec3& t) const noexcept;

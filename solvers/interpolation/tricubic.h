@@ -40,8 +40,10 @@ class Tricubic final : public Interpolator {
  private:
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
   void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept override;
-  [[nodiscard]] std::size_t do_bytes() const override {
-    return nodes_.size() * sizeof(Eigen::Vector4d) + stiffness_.bytes();
+  void do_add_memory(MemoryRanges& ranges) const override {
+    ranges.push_back({this, sizeof *this});
+    palpate::add_memory(nodes_, ranges);
+    stiffness_.add_memory(ranges);
   }
 
   /// Check-points along an axis.

@@ -25,8 +25,10 @@ class Trilinear final : public Interpolator {
 
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;
   void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept override;
-  [[nodiscard]] std::size_t do_bytes() const override {
-    return nodes_.size() * sizeof(Values) + stiffness_.bytes();
+  void do_add_memory(MemoryRanges& ranges) const override {
+    ranges.push_back({this, sizeof *this});
+    palpate::add_memory(nodes_, ranges);
+    stiffness_.add_memory(ranges);
   }
   void in_leaf(const CellTree::Leaf& leaf, const Vec3& s, TouchResult& result) const noexcept;
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <array>
 #include <atomic>
@@ -9,8 +11,10 @@
 #include "haptic/realtime/clock.h"
 #include "haptic/realtime/handover.h"
 #include "haptic/realtime/histogram.h"
+#include "haptic/realtime/memory_lock.h"
 #include "haptic/realtime/ring.h"
 #include "haptic/realtime/triple_buffer.h"
+#include "haptic/support/locked_memory.h"
 
 namespace palpate {
 namespace {
@@ -110,18 +114,21 @@ TEST(Handover, TheTakerFreesNothing) {
     std::atomic<bool> stop{false};
     std::atomic<int> newest{0};
     std::thread taker([&] {
-      int last = 0;
+      const Counted* before = nullptr;
       while (!stop) {
         const Counted* value = handover.take();
         if (value == nullptr) continue;
-        ASSERT_GE(value->number(), last);
-        last = value->number();
-        newest = last;
+        // As a tool reads the body that it lets go of.
+        if (before != nullptr) {
+          ASSERT_GE(value->number(), before->number());
+        }
+        before = value;
+        newest = value->number();
       }
     });
     for (int i = 1; i <= 20000; ++i) {
       handover.offer(std::make_shared<const Counted>(i, std::this_thread::get_id()));
-      ASSERT_LE(Counted::living, 4);
+      ASSERT_LE(Counted::living, 5) << "a new one, and one in each of four places";
     }
     // The last one is taken once there is a place for the one before it.
     while (newest != 20000) handover.collect();
@@ -152,6 +159,34 @@ TEST(Handover, TheOneBeforeLivesUntilTheNextIsTaken) {
   EXPECT_TRUE(values[1].expired());
   EXPECT_FALSE(values[2].expired());
 }
+
+#ifdef PALPATE_LOCKS_MEMORY
+TEST(MemoryLock, WhatItNamesAndNothingElse) {
+  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  char* const pages = static_cast<char*>(
+      mmap(nullptr, 16 * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
+  ASSERT_NE(static_cast<void*>(pages), MAP_FAILED);
+  const std::size_t before = test::locked_memory();
+  {
+    // Of the second page its end, all of the third, of the fourth a byte; and the tenth.
+    MemoryLock lock({{pages + 2 * page - 1, page + 2}, {pages + 9 * page, page}, {pages, 0}});
+    EXPECT_TRUE(lock.complete());
+    EXPECT_EQ(test::locked_memory(), before + 4 * page);
+    auto other = std::make_unique<MemoryLock>(
+        MemoryRanges{{pages + 3 * page, 2 * page}, {pages + 3 * page, 1}});
+    EXPECT_EQ(test::locked_memory(), before + 5 * page);
+    other.reset();
+    EXPECT_EQ(test::locked_memory(), before + 4 * page) << "the page that both had stays";
+  }
+  EXPECT_EQ(test::locked_memory(), before);
+  munmap(pages, 16 * page);
+}
+
+TEST(MemoryLock, SaysWhereItCannot) {
+  const MemoryLock lock({{nullptr, 1}});
+  EXPECT_FALSE(lock.complete());
+}
+#endif
 
 TEST(DurationHistogram, PercentilesAreAtMostASixteenthTooLarge) {
   DurationHistogram histogram;

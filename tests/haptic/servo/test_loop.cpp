@@ -334,10 +334,14 @@ TEST(Loop, TheWorkspaceStaysWhereItIsWhileTheToolIsAttached) {
                                             {200ms, Vec3(0.001, 0.002, -0.004)},
                                             {600ms, Vec3(0.001, 0.002, -0.004)},
                                             {800ms, Vec3(0, 0, 0.02)}}));
+  TouchSettings touch;
+  touch.coupling_stiffness = 300;
+  rig.set(rig.settings, touch);
   rig.run(500ms);
   const Tick before = rig.loop->last();
   ASSERT_EQ(before.contact.status, ContactStatus::attached);
   LoopInbox::Settings settings{rig.settings, {}};
+  settings.touch.coupling_stiffness = 200;  // as stiff at the device, with the scale that follows
   settings.servo.workspace_centre += Vec3(0.003, 0, -0.002);
   settings.servo.workspace_scale = 1.5;
   settings.servo.workspace_rotation = Eigen::AngleAxisd(0.5, Vec3::UnitY()).toRotationMatrix();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,16 +12,21 @@
 #include <future>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "haptic/servo/servo.h"
 #include "haptic/support/analytic_body.h"
+#include "haptic/support/locked_memory.h"
 #include "haptic/transport/simulated_board.h"
 
 namespace palpate {
 namespace {
 
 using namespace std::chrono_literals;
+
+/// At the least.
+constexpr std::size_t kOwnStack = 256 << 10;
 
 const Vec3 kMiddle(test::kBox[0] / 2, test::kBox[1] / 2, test::kBox[2]);
 
@@ -116,7 +122,7 @@ struct Pressing {
     ServoSettings settings;
     settings.workspace_centre = kMiddle;
     servo->set_settings(settings);
-    servo->set_body(test::box_body());
+    servo->set_body(body);
   }
 
   /// A machine that is busy with other tests may take its time.
@@ -135,6 +141,7 @@ struct Pressing {
     });
   }
 
+  std::shared_ptr<const Touchable> body = test::box_body();
   std::shared_ptr<Descent> motion = std::make_shared<Descent>();
   SimulatedBoard* board = nullptr;
   Watched* transport = nullptr;
@@ -221,12 +228,13 @@ TEST(Servo, ChangedFromOutsideWhileItRuns) {
   Pressing pressing;
   pressing.servo->start();
   ASSERT_TRUE(pressing.wait_for_force(0.5));
-  const auto soft = test::box_body(100);
-  const auto stiff = test::box_body(400);
+  // One that the loop has done with is destroyed meanwhile.
+  const TouchSpace space = test::box_space([](int) { return test::stiffening_spring(100); }, {}, 2);
   ServoSettings settings;
   settings.workspace_centre = kMiddle;
   for (int i = 0; i < 300; ++i) {
-    pressing.servo->set_body(i % 2 ? soft : stiff);
+    pressing.servo->set_body(std::make_shared<const Touchable>(space));
+    if (i % 2) pressing.servo->set_body(std::make_shared<const Touchable>(space));
     settings.force_limit = 1 + 0.01 * (i % 100);
     pressing.servo->set_settings(settings);
     TouchSettings touch;
@@ -272,6 +280,32 @@ TEST(Servo, SignalsGoElsewhere) {
   EXPECT_TRUE(pressing.servo->stop());
   sigaction(SIGUSR1, &before, nullptr);
 }
+
+#ifdef PALPATE_LOCKS_MEMORY
+// As a program that shows data has them.
+TEST(Servo, LocksItsOwnMemoryAndNotThatOfTheProgram) {
+  // Where that is permitted the limit is none.
+  const rlimit none{RLIM_INFINITY, RLIM_INFINITY};
+  (void)setrlimit(RLIMIT_MEMLOCK, &none);
+  const std::vector<char> data(std::size_t{256} << 20, 1);
+  const std::size_t before = test::locked_memory();
+  {
+    Pressing pressing;
+    pressing.servo->start();
+    ASSERT_TRUE(pressing.wait_for_force(0.5));
+    const std::size_t locked = test::locked_memory() - before;
+    EXPECT_TRUE(pressing.servo->statistics().memory_locked);
+    EXPECT_GT(locked, pressing.body->bytes() + kOwnStack);
+    EXPECT_LT(locked, pressing.body->bytes() + (std::size_t{4} << 20));
+    // Another body takes its place.
+    pressing.servo->set_body(test::box_body());
+    ASSERT_TRUE(pressing.transport->wait_for_writes(3));
+    EXPECT_TRUE(pressing.servo->stop());
+  }
+  EXPECT_EQ(test::locked_memory(), before);
+  EXPECT_EQ(data.back(), 1);
+}
+#endif
 
 TEST(Servo, BadOptions) {
   ServoOptions options;

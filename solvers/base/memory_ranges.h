@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where in memory an object keeps what it holds: to add it up, or to lock it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace palpate {
+
+struct MemoryRange {
+  const void* begin = nullptr;
+  std::size_t bytes = 0;
+};
+
+using MemoryRanges = std::vector<MemoryRange>;
+
+/// What a vector holds, but for what its elements point to.
+template <class T, class Allocator>
+void add_memory(const std::vector<T, Allocator>& values, MemoryRanges& ranges) {
+  if (!values.empty()) ranges.push_back({values.data(), values.size() * sizeof(T)});
+}
+
+/// Of all of them.
+[[nodiscard]] inline std::size_t total_bytes(const MemoryRanges& ranges) {
+  std::size_t bytes = 0;
+  for (const MemoryRange& range : ranges) bytes += range.bytes;
+  return bytes;
+}
+
+}  // namespace palpate
