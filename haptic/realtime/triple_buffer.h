@@ -17,10 +17,16 @@ class TripleBuffer {
     back_ = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel) & kSlot;
   }
 
+  /// A value was written that read() has not given yet.
+  /// @note Realtime-safe.
+  [[nodiscard]] bool has_new() const noexcept {
+    return (middle_.load(std::memory_order_relaxed) & kFresh) != 0;
+  }
+
   /// The newest value that was written; T() before the first. Valid until the next call.
   /// @note Realtime-safe.
   [[nodiscard]] const T& read() noexcept {
-    if (middle_.load(std::memory_order_relaxed) & kFresh) {
+    if (has_new()) {
       front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kSlot;
     }
     return slots_[front_];

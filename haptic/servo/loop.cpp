@@ -41,7 +41,8 @@ bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
          a.workspace_scale == b.workspace_scale;
 }
 
-/// Whether energies under the one and the other can be added up, the workspace being the same.
+/// Whether energies under the one and the other can be added up. The workspace only changes where
+/// none is stored.
 bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
   return a.servo.force_scale == b.servo.force_scale &&
          a.touch.coupling_stiffness == b.touch.coupling_stiffness;
@@ -183,25 +184,23 @@ void Loop::keep_time(Time begin) noexcept {
 // A tool that holds the body would be torn through it by another workspace, and a free one be put
 // into it.
 void Loop::take_settings() noexcept {
+  energy_goes_on_ = true;
+  if (!inbox_.settings.has_new() && !workspace_waits_) return;
   const LoopInbox::Settings& newest = inbox_.settings.read();
-  if (same_workspace(settings_.servo, newest.servo)) {
-    energy_goes_on_ = same_energy(settings_, newest);
-    settings_ = newest;
-    return;
-  }
   LoopInbox::Settings settings = newest;
-  if (tick_.contact.status == ContactStatus::attached) {
+  const bool is_other = !same_workspace(settings_.servo, newest.servo);
+  workspace_waits_ = is_other && tick_.contact.status == ContactStatus::attached;
+  if (workspace_waits_) {
     settings.servo.workspace_centre = settings_.servo.workspace_centre;
     settings.servo.workspace_rotation = settings_.servo.workspace_rotation;
     settings.servo.workspace_scale = settings_.servo.workspace_scale;
     // The coupling is as stiff at the device as it was meant to be with the newest scale.
     settings.touch.coupling_stiffness *=
         newest.servo.workspace_scale / settings_.servo.workspace_scale;
-    energy_goes_on_ = same_energy(settings_, settings);
-  } else {
+  } else if (is_other) {
     tool_.release();
-    energy_goes_on_ = false;
   }
+  energy_goes_on_ = same_energy(settings_, settings);
   settings_ = settings;
 }
 

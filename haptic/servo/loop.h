@@ -86,6 +86,8 @@ class Loop {
   /// Of the tick, and whether energy under those of the tick before goes on under them.
   LoopInbox::Settings settings_;
   bool energy_goes_on_ = false;
+  /// The newest ones have another workspace, for when the tool is free.
+  bool workspace_waits_ = false;
 
   Tick tick_;
   Counters counters_;

@@ -276,7 +276,7 @@ TEST(Servo, SignalsGoElsewhere) {
   sigpending(&pending);
   EXPECT_TRUE(sigismember(&pending, SIGUSR1)) << "it waits for a thread that takes it";
   pthread_sigmask(SIG_UNBLOCK, &usr1, nullptr);
-  EXPECT_TRUE(handled);
+  EXPECT_TRUE(pressing.transport->wait_until([] { return handled.load(); }));
   EXPECT_TRUE(pressing.servo->stop());
   sigaction(SIGUSR1, &before, nullptr);
 }
