@@ -101,6 +101,7 @@ class EquilibriumSolver::Impl {
     return options;
   }
 
+  void begin();
   void require_sites(const Eigen::VectorXd& t) const;
   [[nodiscard]] Outcome interruption() const;
   /// The equilibrium at next_t that a step from progress leads to.
@@ -125,6 +126,11 @@ class EquilibriumSolver::Impl {
   Clock::time_point start_{};
 };
 
+void EquilibriumSolver::Impl::begin() {
+  start_ = Clock::now();
+  body_.begin_solve();
+}
+
 void EquilibriumSolver::Impl::require_sites(const Eigen::VectorXd& t) const {
   if (body_.num_parameters() == 0) throw InputError("No active node was chosen.");
   if (t.size() != body_.num_parameters()) {
@@ -144,7 +150,7 @@ Outcome EquilibriumSolver::Impl::interruption() const {
 }
 
 Equilibrium EquilibriumSolver::Impl::rest() {
-  start_ = Clock::now();
+  begin();
   const Index parameters = body_.num_parameters();
   require_sites(Eigen::VectorXd::Zero(parameters));
   const Assembly& assembly = body_.assembly();
@@ -269,7 +275,7 @@ Fold EquilibriumSolver::Impl::jump(const Equilibrium& from, const Equilibrium& t
 
 Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                            Tangent tangent) {
-  start_ = Clock::now();
+  begin();
   require_sites(t);
   if (start.outcome != Outcome::converged) return start;
   const Eigen::VectorXd way = t - start.t;
@@ -335,7 +341,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
 
 Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium& start,
                                     const PathOptions& options) {
-  start_ = Clock::now();
+  begin();
   validate(options);
   require_sites(t);
   if (start.outcome != Outcome::converged) return {{}, {}, start};

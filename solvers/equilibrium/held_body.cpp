@@ -356,16 +356,51 @@ TangentFactor* HeldBody::factorise(const NodalVector& state) {
     assemble_tangent(state);
     if (shares_rest_factor()) return rest_factor_.get();
   }
-  return factorise_alone(state, precision_);
+  const Precision usual = usual_precision();
+  KeptFactor* factor = factorise_alone(state, single_fails_ ? Precision::full : usual);
+  if (usual == Precision::full) return factor;
+  if (factor != nullptr) factor->is_provisional = single_fails_;
+  single_fails_ = factor == nullptr || !factor->solver->is_single();
+  return factor;
 }
 
-TangentFactor* HeldBody::factorise_alone(const NodalVector& state, Precision precision) {
+void HeldBody::begin_solve() {
+  single_fails_ = false;
+  for (KeptFactor& factor : factors_) {
+    if (factor.is_provisional) factor.state.resize(0);
+  }
+}
+
+TangentFactor* HeldBody::factorise_accurately(const NodalVector& state) {
+  KeptFactor* factor = factorise_alone(state, Precision::full);
+  // The factor that is kept of a state is the usual one, whatever was asked for.
+  const bool is_usual = assembly_.is_linear() || usual_precision() == Precision::full;
+  if (factor != nullptr && !is_usual) factor->state.resize(0);
+  return factor;
+}
+
+/// Where the tangent at rest is not safe in single precision, as of parts that differ much in
+/// stiffness, those to come will not be either.
+Precision HeldBody::usual_precision() {
+  if (precision_ == Precision::full) return precision_;
+  if (!rest_is_safe_) {
+    LinearSolver& solver = spare_solver();
+    const Timer timer(work_.factorisation_seconds);
+    ++work_.factorisations;
+    rest_is_safe_ =
+        solver.factorise(rest_values_, precision_) == FactorStatus::ok && solver.is_single();
+  }
+  return *rest_is_safe_ ? precision_ : Precision::full;
+}
+
+HeldBody::KeptFactor* HeldBody::factorise_alone(const NodalVector& state, Precision precision) {
   if (assembly_.is_linear()) {
     KeptFactor* factor = find_kept_factor(state);
     if (factor != nullptr && (precision != Precision::full || !factor->is_rough())) return factor;
   }
   KeptFactor& factor = factor_to_replace();
   factor.state.resize(0);
+  factor.is_provisional = false;
   assemble_tangent(state);
   const Timer timer(work_.factorisation_seconds);
   ++work_.factorisations;

@@ -24,7 +24,8 @@ class HeldBody {
   /// @param scene Checked.
   /// @param kept_factors At least 2: that of the start of a step and that of where it is.
   /// @throws InputError a body that the linear solver cannot factorise.
-  /// @param precision Of factors; a saddle has those of full precision in any case.
+  /// @param precision Of factors; a saddle has those of full precision in any case, and so has a
+  ///   body whose tangent at rest is too near to singular for others.
   HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
            Precision precision);
 
@@ -66,6 +67,9 @@ class HeldBody {
   /// A change of the unknowns as a change of the state.
   [[nodiscard]] NodalVector as_state(const Eigen::VectorXd& unknowns) const;
 
+  /// To be called before each solve, so that what it makes does not depend on those before.
+  void begin_solve();
+
   /// The factor of the tangent at a state, if it is kept; else null.
   [[nodiscard]] TangentFactor* find_factor(const NodalVector& state);
   /// Gives the place of the factor at a state free.
@@ -74,12 +78,12 @@ class HeldBody {
   void assemble_tangent(const NodalVector& state);
   /// Assembles and factorises the tangent at a state, in place of the factor not used for longest;
   /// null where it is singular. A linear body has one factor for all states, and where it can be, the
-  /// one at rest is that of all sites.
+  /// one at rest is that of all sites. A factor follows from the scene, the sites and the state
+  /// alone: one that is made again is the same.
   [[nodiscard]] TangentFactor* factorise(const NodalVector& state);
-  /// The same, of this state and these sites alone and in full precision: not rough.
-  [[nodiscard]] TangentFactor* factorise_accurately(const NodalVector& state) {
-    return factorise_alone(state, Precision::full);
-  }
+  /// The same, of this state and these sites alone and in full precision: not rough. It is there
+  /// until the next one is made.
+  [[nodiscard]] TangentFactor* factorise_accurately(const NodalVector& state);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
   /// Negative pivots beyond the one that each pressure has by right.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
@@ -116,6 +120,9 @@ class HeldBody {
 
     std::unique_ptr<LinearSolver> solver;
     NodalVector state;
+    /// Single precision was not tried, as it had failed before in the same solve: another solve
+    /// would, and does not see this factor.
+    bool is_provisional = false;
     /// When it was made or last asked for.
     long last_use = 0;
   };
@@ -128,7 +135,9 @@ class HeldBody {
   [[nodiscard]] bool shares_rest_factor();
   /// The error of the rest factor's solutions for the last tangent, relative, roughly.
   [[nodiscard]] double error_of_rest_factor();
-  [[nodiscard]] TangentFactor* factorise_alone(const NodalVector& state, Precision precision);
+  /// That of factors which may be rough.
+  [[nodiscard]] Precision usual_precision();
+  [[nodiscard]] KeptFactor* factorise_alone(const NodalVector& state, Precision precision);
   [[nodiscard]] KeptFactor* find_kept_factor(const NodalVector& state);
   KeptFactor& factor_to_replace();
   /// spare_solver_, made if there is none.
@@ -139,7 +148,13 @@ class HeldBody {
   std::vector<char> fixed_;
   Assembly assembly_;
   std::size_t kept_factors_;
+  /// Asked for. Whether the tangent at rest, no site held, is safe in single precision; unknown
+  /// until that is asked for.
   Precision precision_;
+  std::optional<bool> rest_is_safe_;
+  /// In this solve a tangent was not safe in single precision; the next ones on the way will hardly
+  /// be.
+  bool single_fails_ = false;
   std::vector<KeptFactor> factors_;
   /// Analysed, and without a factor that is needed; null: all have one.
   std::unique_ptr<LinearSolver> spare_solver_;

@@ -160,8 +160,11 @@ void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& stat
 bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
                             const Equilibrium& start, const NodalVector& state, double error,
                             Equilibrium& equilibrium) {
-  TangentFactor* factor = body.find_factor(state_of(body, start));
-  if (factor == nullptr || body.is_saddle()) return false;
+  if (body.is_saddle()) return false;
+  const NodalVector start_state = state_of(body, start);
+  TangentFactor* factor = body.find_factor(start_state);
+  if (factor == nullptr) factor = body.factorise(start_state);
+  if (factor == nullptr) return false;
   body.assemble_tangent(state);
   equilibrium.energy = body.evaluate(state);
   equilibrium.reaction = body.reaction();

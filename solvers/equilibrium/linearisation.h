@@ -37,7 +37,7 @@ inline constexpr double kRoughSensitivityError = 1e-2;
 /// stationary in v, so that its relative error is the square of v's. Costs about half a
 /// factorisation. The inertia is not computed; negative curvature along the way is seen.
 /// @param error That is left in v, relative.
-/// @returns false, and leaves the equilibrium to linearise(), where there is no such factor, it
+/// @returns false, and leaves the equilibrium to linearise(), where there is no such factor or it
 ///   does not serve well, the tangent is not positive definite, or x needs another Newton step.
 [[nodiscard]] bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
                                           const Equilibrium& start, const NodalVector& state,

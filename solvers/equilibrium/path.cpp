@@ -130,6 +130,7 @@ class Follower {
   /// across the tangent, or at its λ.
   bool correct_across(bool at_its_way, Vector& point, int& iterations, double& residual) {
     TangentFactor* factor = body_.find_factor(here_.x);
+    if (factor == nullptr) factor = body_.factorise(here_.x);
     NodalVector along = sensitivity_of(body_, at_) * (target_ - t_0_);
     double last_norm = 0;
     Eigen::VectorXd r;

@@ -32,6 +32,7 @@ FactorStatus DirectSolver::factorise(const std::vector<double>& values, Precisio
   if (pattern_->size == 0) return FactorStatus::ok;  // everything is fixed
   if (!scaling_.scale(*pattern_, values)) return FactorStatus::singular;
   if (precision == Precision::single_if_safe && factorise_in_single_precision()) {
+    is_single_ = true;
     return FactorStatus::ok;
   }
   const Backend::Pivots pivots = backend_->factorise(scaling_.values());
@@ -47,18 +48,12 @@ FactorStatus DirectSolver::factorise(const std::vector<double>& values, Precisio
 }
 
 bool DirectSolver::factorise_in_single_precision() {
-  if (!tries_single_) return false;
   if (single_ == nullptr) single_ = backend_->in_single_precision();
-  if (single_ != nullptr) {
-    const Backend::Pivots pivots = single_->factorise(scaling_.values());
-    is_single_ = pivots.least > 0 && pivots.least >= kDoubt * pivots.greatest;
-    negative_pivots_ = is_single_ ? pivots.negative : 0;
-  }
-  if (!is_single_) {  // matrices to come will be as this one
-    single_.reset();
-    tries_single_ = false;
-  }
-  return is_single_;
+  if (single_ == nullptr) return false;
+  const Backend::Pivots pivots = single_->factorise(scaling_.values());
+  if (!(pivots.least > 0 && pivots.least >= kDoubt * pivots.greatest)) return false;
+  negative_pivots_ = pivots.negative;
+  return true;
 }
 
 void DirectSolver::solve(Eigen::Ref<Eigen::MatrixXd> columns) {

@@ -34,9 +34,8 @@ class DirectSolver final : public LinearSolver {
   [[nodiscard]] Backend& used() const { return is_single_ ? *single_ : *backend_; }
 
   std::unique_ptr<Backend> backend_;
-  /// Made when it is asked for; null: there is none, or it was not good enough.
+  /// Made when it is asked for; null: there is none.
   std::unique_ptr<Backend> single_;
-  bool tries_single_ = true;
   bool is_single_ = false;
   std::shared_ptr<const SymmetricPattern> pattern_;
   Scaling scaling_;

@@ -56,7 +56,8 @@ class LinearSolver {
   /// @throws BackendError as analyse.
   [[nodiscard]] virtual std::unique_ptr<LinearSolver> another() const = 0;
 
-  /// Numeric factorisation of the matrix with these values on the analysed pattern.
+  /// Numeric factorisation of the matrix with these values on the analysed pattern. The factor, and
+  /// its precision, follow from the values alone, not from those before.
   /// @throws BackendError the library failed for another reason than the matrix.
   [[nodiscard]] virtual FactorStatus factorise(const std::vector<double>& values,
                                                Precision precision) = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <utility>
 
 #include "equilibrium/equilibrium.h"
 #include "linear/linear_solver.h"
@@ -80,6 +81,90 @@ TEST(SinglePrecision, IsLeftAsideWhereItIsNotSafe) {
   const test::Block mixed = test::make_block(
       Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}, 0.1, 3000, 0.499});
   expect_same(solve(mixed.scene, mixed.corner, Vec3(0.01, -0.002, 0.003)));
+}
+
+void expect_same_bits(const Equilibrium& a, const Equilibrium& b) {
+  EXPECT_EQ(a.outcome, b.outcome);
+  EXPECT_EQ(a.flags, b.flags);
+  EXPECT_EQ(a.iterations, b.iterations);
+  EXPECT_EQ(a.u, b.u);
+  EXPECT_EQ(a.v, b.v);
+  EXPECT_EQ(a.reaction, b.reaction);
+  EXPECT_EQ(a.stiffness, b.stiffness);
+  EXPECT_EQ(a.third_derivative, b.third_derivative);
+}
+
+/// A linear solver of which is counted how many factors that might have been of single precision
+/// are.
+class Counted final : public LinearSolver {
+ public:
+  struct Counts {
+    int single = 0;
+    int full = 0;
+  };
+  Counted(std::unique_ptr<LinearSolver> solver, std::shared_ptr<Counts> counts)
+      : solver_(std::move(solver)), counts_(std::move(counts)) {}
+
+  [[nodiscard]] const char* name() const override { return solver_->name(); }
+  [[nodiscard]] bool pivots() const override { return solver_->pivots(); }
+  void analyse(const SymmetricPattern& pattern) override { solver_->analyse(pattern); }
+  [[nodiscard]] std::unique_ptr<LinearSolver> another() const override {
+    return std::make_unique<Counted>(solver_->another(), counts_);
+  }
+  [[nodiscard]] FactorStatus factorise(const std::vector<double>& values,
+                                       Precision precision) override {
+    const FactorStatus status = solver_->factorise(values, precision);
+    if (precision != Precision::full) ++(solver_->is_single() ? counts_->single : counts_->full);
+    return status;
+  }
+  [[nodiscard]] bool is_single() const override { return solver_->is_single(); }
+  void solve(Eigen::Ref<Eigen::MatrixXd> columns) override { solver_->solve(columns); }
+  [[nodiscard]] int negative_pivots() const override { return solver_->negative_pivots(); }
+  [[nodiscard]] std::int64_t factor_bytes() const override { return solver_->factor_bytes(); }
+
+ private:
+  std::unique_ptr<LinearSolver> solver_;
+  std::shared_ptr<Counts> counts_;
+};
+
+// On the way into an inverted state tangents are nearly singular, and their factors of full
+// precision. What is solved for afterwards is what it is when it is solved for first.
+TEST(SinglePrecision, ASolveDoesNotDependOnThoseBefore) {
+  const test::Block block = test::make_block(Law::st_venant_kirchhoff, {ElementOrder::linear});
+  EquilibriumOptions options;
+  options.single_precision = true;
+  options.third_derivatives = true;
+  options.follow_folds = false;
+  options.kept_factors = 5;
+  const auto counts = std::make_shared<Counted::Counts>();
+  const auto make = [&] {
+    EquilibriumSolver solver(block.scene, options,
+                             std::make_unique<Counted>(make_linear_solver(), counts));
+    solver.hold(hold_nodes({block.middle}));
+    return solver;
+  };
+  const Vec3 t(0.01, 0.004, -0.006);
+  const Vec3 further(0.016, 0.008, -0.01);
+  const Vec3 inverted(-0.06, 0, 0);
+  for (const Tangent tangent : {Tangent::factorised, Tangent::iterated}) {
+    EquilibriumSolver fresh = make();
+    const Equilibrium first = fresh.solve(t, fresh.rest(), Tangent::factorised);
+    const Equilibrium second = fresh.solve(further, first, tangent);
+    ASSERT_EQ(second.outcome, Outcome::converged) << second.message;
+
+    EquilibriumSolver used = make();
+    const Equilibrium rest = used.rest();
+    *counts = {};
+    const Equilibrium deep = used.solve(inverted, rest, Tangent::factorised);
+    ASSERT_EQ(deep.outcome, Outcome::converged) << deep.message;
+    // Unless the linear solver has no single precision.
+    if (counts->single > 0) EXPECT_GT(counts->full, 0);
+    expect_same_bits(used.solve(t, rest, Tangent::factorised), first);
+    expect_same_bits(used.solve(further, first, tangent), second);
+    // As on another rank: starts come from elsewhere, and nothing is kept of them.
+    expect_same_bits(make().solve(further, first, tangent), second);
+    expect_same_bits(make().solve(t, deep, tangent), used.solve(t, deep, tangent));
+  }
 }
 
 // The unit has no part.

@@ -94,6 +94,29 @@ TEST_P(Solver, AFactorIsAsGoodAfterAnyOther) {
   EXPECT_EQ(solve(*another), first) << "not bit for bit in another solver";
 }
 
+TEST_P(Solver, ThePrecisionFollowsFromTheMatrixAlone) {
+  const System system = block();
+  const double lowest =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(system.matrix()).eigenvalues()[0];
+  const std::vector<double> nearly_singular = system.shifted(-(1 - 1e-6) * lowest);
+  const Eigen::VectorXd b = random_.vector(system.pattern.size, 1);
+  const auto solve = [&](LinearSolver& solver) {
+    EXPECT_EQ(solver.factorise(system.values, Precision::single_if_safe), FactorStatus::ok);
+    Eigen::VectorXd x = b;
+    solver.solve(x);
+    return x;
+  };
+  const auto fresh = make();
+  fresh->analyse(system.pattern);
+  const Eigen::VectorXd expected = solve(*fresh);
+  const auto used = make();
+  used->analyse(system.pattern);
+  ASSERT_EQ(used->factorise(nearly_singular, Precision::single_if_safe), FactorStatus::ok);
+  EXPECT_FALSE(used->is_single());
+  EXPECT_EQ(solve(*used), expected);
+  EXPECT_EQ(used->is_single(), fresh->is_single());
+}
+
 TEST_P(Solver, AnotherPatternMayBeAnalysed) {
   const System system = block();
   const auto solver = make();
