@@ -26,7 +26,6 @@
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
-#include "vtkSignedCharArray.h"
 #include "vtkStringArray.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
@@ -244,7 +243,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->has_history(); }))
   {
     auto* reached =
-      AddArray<vtkSignedCharArray>(arrays, LevelsReached, palpate::num_neighbours, count);
+      AddArray<vtkIntArray>(arrays, LevelsReached, palpate::num_neighbours, count);
     for (vtkIdType i = 0; i < count; ++i)
     {
       reached->SetTypedTuple(i, all[i]->reached.data());
@@ -474,7 +473,7 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
     {
       for (int n = 0; n < palpate::num_neighbours; ++n)
       {
-        all[i].reached[n] = static_cast<std::int8_t>(reached->GetComponent(i, n));
+        all[i].reached[n] = static_cast<std::int32_t>(reached->GetComponent(i, n));
       }
     }
   }

@@ -14,7 +14,7 @@
 //     `Level`, `ParentLevel`                  which of the equilibria at the check-point
 //     `LevelsReached`                         of a space with levels: the level that is reached at each
 //                                             neighbour, (−1,−1,−1) first, z fastest; −1 none, −2 not
-//                                             tried [27]
+//                                             tried, −3 one beyond those that are kept [27]
 //     `Displacement`                          of the active node, m [3]
 //     `Force`                                 that holds it, N [3]
 //     `Energy`                                J

@@ -221,7 +221,7 @@ std::int32_t LevelledGrid::level_of(const ConfigurationSummary& found) const {
       last = level;
     }
   }
-  return last + 1;
+  return last + 1 < kMostLevels ? last + 1 : beyond_most_levels;
 }
 
 }  // namespace palpate

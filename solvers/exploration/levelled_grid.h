@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Levels on a uniform grid [P07]: a check-point holds every equilibrium that the body is found in
-// there, and each of these says which level of each neighbour the body is on when it is moved there.
+// there, and each of these says which level of each neighbour the body is on when it is moved
+// there.
 //
 // First comes the flat space, as layered_grid.h. Then, round by round, all transitions between each
-// suspect and its neighbours, from and to all their levels. Suspects are check-points where there are
-// signs of several branches: a jump or a loss of stability on the way there, an edge whose energy
-// does not fit its forces (branch_test.h), a target that was not reached; and then those that have
-// several levels. A body without such signs pays nothing. With History::levels all are suspects.
+// suspect and its neighbours, from and to all their levels. Suspects are check-points where there
+// are signs of several branches: a jump or a loss of stability on the way there, an edge whose
+// energy does not fit its forces (branch_test.h), a target that was not reached; and then those
+// that have several levels. A body without such signs pays nothing. With History::levels all are
+// suspects.
 //
-// What a transition finds is one of the levels of its target if force and displacement are the same.
-// The rounds, and the order in which levels are told apart in each, do not depend on the order in
-// which configurations are found.
+// What a transition finds is one of the levels of its target if force and displacement are the
+// same. The rounds, and the order in which levels are told apart in each, do not depend on the
+// order in which configurations are found.
+//
+// A check-point has kMostLevels levels at most: a transition that finds one more counts as one that
+// has failed, and says so (beyond_most_levels).
 //
 // No transition starts from a state that is inverted, unstable or beyond the force limit, and none
 // leads to where the flat space is inverted; what one finds inverted counts as not reached.
@@ -57,7 +62,7 @@ class LevelledGrid final : public Frontier {
   [[nodiscard]] std::set<Key> missing() const;
   void add_transitions(const CheckPoint& from, const CheckPoint& to, std::set<Key>& all) const;
   void settle(const Key& key);
-  /// The level of a state at its check-point, or a new one.
+  /// The level of a state at its check-point, a new one, or beyond_most_levels.
   [[nodiscard]] std::int32_t level_of(const ConfigurationSummary& found) const;
 
   Site site_;

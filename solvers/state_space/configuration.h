@@ -36,11 +36,17 @@ inline constexpr int num_neighbours = 27;
   return number;
 }
 
+/// Levels that a check-point has at most. A body that finds more equilibria there, as one does that
+/// is beyond what its law describes, would never be explored to the end.
+inline constexpr std::int32_t kMostLevels = 64;
+
 /// The levels reached by transitions to the neighbours of a check-point, by their numbers.
-using Reached = std::array<std::int8_t, num_neighbours>;
-/// In place of a level: the transition was not tried, or it failed.
-inline constexpr std::int8_t not_tried = -2;
-inline constexpr std::int8_t failed_to_reach = -1;
+using Reached = std::array<std::int32_t, num_neighbours>;
+/// In place of a level: the transition was not tried, it failed, or it has found a configuration
+/// that is none of the kMostLevels of its check-point.
+inline constexpr std::int32_t not_tried = -2;
+inline constexpr std::int32_t failed_to_reach = -1;
+inline constexpr std::int32_t beyond_most_levels = -3;
 
 /// ∂³Π/∂t³ in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10], N/m².
 using ThirdDerivative = Eigen::Matrix<double, 10, 1>;
@@ -134,7 +140,7 @@ struct LevelTransition {
   CheckPoint start{};
   std::int32_t start_level = 0;
   CheckPoint target{};
-  /// Level at the target, or failed_to_reach.
+  /// Level at the target, failed_to_reach or beyond_most_levels.
   std::int32_t reached = failed_to_reach;
 };
 

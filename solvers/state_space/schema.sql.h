@@ -101,7 +101,7 @@ CREATE TABLE transition (             -- between neighbours, where history matte
   active_node INTEGER NOT NULL,
   i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL, level INTEGER NOT NULL,  -- from
   to_i INTEGER NOT NULL, to_j INTEGER NOT NULL, to_k INTEGER NOT NULL,
-  reached     INTEGER NOT NULL,       -- level; -1: the transition failed
+  reached     INTEGER NOT NULL,       -- level; -1: it failed, -3: one too many
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from active_node to reached, 8
                                       -- bytes each
   PRIMARY KEY (scene_id, active_node, i, j, k, level, to_i, to_j, to_k)

@@ -753,8 +753,7 @@ std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) con
     key.level = transition.start_level;
     const auto start = std::lower_bound(configurations.begin(), configurations.end(), key);
     if (start == configurations.end() || key < *start) continue;
-    start->reached[neighbour_number(transition.start, transition.target)] =
-        static_cast<std::int8_t>(transition.reached);
+    start->reached[neighbour_number(transition.start, transition.target)] = transition.reached;
   }
   return configurations;
 }

@@ -238,6 +238,60 @@ TEST(LevelledGrid, NothingStartsFromInvertedUnstableOrForbiddenStates) {
   }
 }
 
+/// A frontier whose settlements are kept.
+class Settled final : public Frontier {
+ public:
+  explicit Settled(LevelledGrid& grid) : grid_(grid) {}
+  void recall(const ConfigurationSummary& found) override { grid_.recall(found); }
+  void accept(const ConfigurationSummary& found) override { grid_.accept(found); }
+  std::vector<Transition> next() override {
+    std::vector<Transition> due = grid_.next();
+    for (const Settlement& s : grid_.settled()) settlements.push_back(s);
+    return due;
+  }
+  std::vector<CheckPoint> given_up() override { return grid_.given_up(); }
+  [[nodiscard]] std::int64_t num_expected() const override { return grid_.num_expected(); }
+
+  std::vector<Settlement> settlements;
+
+ private:
+  LevelledGrid& grid_;
+};
+
+// Of a body that is in another equilibrium after each transition the exploration ends too.
+TEST(LevelledGrid, ACheckPointHasSoManyLevelsAndNoMore) {
+  Site site = make_site(3, 1);
+  site.history = History::levels;
+  LevelledGrid grid(site);
+  Settled settled(grid);
+  const int pairs = 7 * 7 * 7 - 3 * 3 * 3;
+  const std::size_t all = pairs * kMostLevels + 1;
+  double force = 0;
+  const auto heard = test::explore(
+      settled, site, Order::deep,
+      [&](const Transition& transition) {
+        ConfigurationSummary found = test::good(transition);
+        const auto& [i, j, k] = transition.target;
+        found.t = site.spacing() * Vec3(i, j, k);
+        found.force.x() = ++force;
+        return found;
+      },
+      2 * all);
+  EXPECT_LE(heard.size(), all);
+  std::int32_t highest = 0;
+  int num_beyond = 0;
+  for (const Settlement& s : settled.settlements) {
+    highest = std::max(highest, s.transition.reached);
+    if (s.transition.reached != beyond_most_levels) continue;
+    ++num_beyond;
+    EXPECT_FALSE(s.is_new);
+    EXPECT_TRUE(s.has_candidate);  // which is removed
+  }
+  EXPECT_EQ(highest, kMostLevels - 1);
+  EXPECT_GT(num_beyond, 0);
+  EXPECT_EQ(grid.num_expected(), 27 * kMostLevels);
+}
+
 // Killed after any number of configurations, and taken up again: nothing is made twice, and the
 // levels are those of the run that was not.
 TEST(LevelledGrid, GoesOnFromWhatWasFound) {

@@ -419,7 +419,7 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
         if (i == 1) continue;
         const CheckPoint next{i + 1, j, 0};
         file.add(site_.active_node, LevelTransition{c.check_point, 0, next, j + 1});
-        kept.reached[neighbour_number(c.check_point, next)] = static_cast<std::int8_t>(j + 1);
+        kept.reached[neighbour_number(c.check_point, next)] = j + 1;
       }
     }
     for (std::int32_t number = 0; number < kTestPoints; ++number) {
@@ -713,6 +713,9 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
     file.add(node, LevelTransition{start, 0, target, 1});
     file.settle(node, other, 1);
     file.settle(node, same, failed_to_reach);
+    // A level of any number.
+    file.add(node, LevelTransition{target, 0, start, 200});
+    known.reached[neighbour_number(target, start)] = 200;
     file.close();
   }
   // Through the file of another rank.
@@ -721,11 +724,12 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
   file.merge({path_});
   EXPECT_TRUE(file.read_candidates(node).empty());
   const std::vector<LevelTransition> transitions = file.read_transitions(node);
-  ASSERT_EQ(transitions.size(), 1U);
+  ASSERT_EQ(transitions.size(), 2U);
   EXPECT_EQ(transitions[0].start, start);
   EXPECT_EQ(transitions[0].start_level, 0);
   EXPECT_EQ(transitions[0].target, target);
   EXPECT_EQ(transitions[0].reached, 1);
+  EXPECT_EQ(transitions[1].reached, 200);
   std::vector<Configuration> all = file.read_summaries(node);
   ASSERT_EQ(all.size(), 2U);
   other.level = 1;
