@@ -128,6 +128,7 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("NotReached", static_cast<double>(report.num_not_reached));
   add("LevelTransitions", static_cast<double>(report.num_transitions));
   add("Levels", static_cast<double>(report.num_levels));
+  add("BeyondMostLevels", static_cast<double>(report.num_beyond_most_levels));
   add("IntermediateStatesSolved", static_cast<double>(report.num_intermediate_states));
   add("IntermediateStatesFailed", static_cast<double>(report.num_intermediate_states_failed));
   add("IntermediateStatesSeconds", report.intermediate_seconds);
@@ -287,6 +288,13 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     {
       vtkWarningMacro("Configurations that are marked: " << doubts
                       << ". Touching near them gives Found = 2 (extrapolated) or 3 (marked).");
+    }
+    if (const std::int64_t beyond = result.report.num_beyond_most_levels; beyond > 0)
+    {
+      vtkWarningMacro(<< beyond << " transitions have found an equilibrium beyond the "
+                      << palpate::kMostLevels
+                      << " levels that a check-point may have, and count as failed. Touch a smaller "
+                         "box, or choose another law.");
     }
     if (!result.report.complete)
     {

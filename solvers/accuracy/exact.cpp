@@ -328,7 +328,7 @@ void validate(const ExactOptions& options) {
 ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites,
                               const ExactOptions& options, Communicator& communicator,
                               const Progress& progress) {
-  Monitor monitor(progress, communicator.size());
+  Monitor monitor(progress, communicator.network());
   std::unique_ptr<EquilibriumSolver> solver;
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {

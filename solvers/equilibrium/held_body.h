@@ -77,8 +77,8 @@ class HeldBody {
   /// The tangent at a state, for k_ia(), k_aa() and times_tangent().
   void assemble_tangent(const NodalVector& state);
   /// Assembles and factorises the tangent at a state, in place of the factor not used for longest;
-  /// null where it is singular. A linear body has one factor for all states, and where it can be, the
-  /// one at rest is that of all sites. A factor follows from the scene, the sites and the state
+  /// null where it is singular. A linear body has one factor for all states, and where it can be,
+  /// the one at rest is that of all sites. A factor follows from the scene, the sites and the state
   /// alone: one that is made again is the same.
   [[nodiscard]] TangentFactor* factorise(const NodalVector& state);
   /// The same, of this state and these sites alone and in full precision: not rough. It is there

@@ -15,12 +15,8 @@ namespace palpate {
 namespace {
 
 enum class Kind : std::uint8_t {
-  /// To a home: a configuration of an earlier run, which rank 0 has.
+  /// To a home: some of what an earlier run has left, which rank 0 has.
   recalled,
-  /// To a home: a transition between levels that an earlier run has made.
-  recalled_transition,
-  /// To all: everything was recalled.
-  begin,
   /// To a home: a configuration that the sender has kept, or a failure.
   found,
   /// To the rank that has kept a candidate: the level that it has, if any.
@@ -30,6 +26,9 @@ enum class Kind : std::uint8_t {
   /// To rank 0: how far the sender's homes are.
   progress,
 };
+
+/// Transitions and configurations of an earlier run that a home is told at once.
+constexpr std::size_t kRecalledAtOnce = 256;
 
 std::uint64_t key_of(Index active_node) { return static_cast<std::uint64_t>(active_node); }
 
@@ -102,16 +101,11 @@ void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& rep
 
 }  // namespace
 
-Engine::Engine(const std::vector<Site>& sites, const Tip& tip, EquilibriumSolver& solver,
-               Record& record, Communicator& communicator, Monitor& monitor)
-    : solver_(solver),
-      tip_(tip),
-      record_(record),
-      communicator_(communicator),
-      monitor_(monitor) {
+Engine::Engine(const std::vector<Site>& sites, SiteSolver& solver, Record& record,
+               const Network& network, Monitor& monitor, PrecomputeReport& report)
+    : sites_(sites), solver_(solver), record_(record), monitor_(monitor), report_(report) {
   for (const Site& site : sites) {
-    sites_[site.active_node] = site;
-    if (home_of(key_of(site.active_node), communicator.size()) != communicator.rank()) continue;
+    if (home_of(key_of(site.active_node), network.size()) != network.rank()) continue;
     auto& frontier = homes_[site.active_node].frontier;
     if (site.tolerance > 0) {
       frontier = std::make_unique<AdaptiveGrid>(site);
@@ -123,58 +117,66 @@ Engine::Engine(const std::vector<Site>& sites, const Tip& tip, EquilibriumSolver
   }
 }
 
-bool Engine::explore(PrecomputeReport& report) {
-  report_ = &report;
-  const bool complete = run(*this, communicator_, &report.schedule);
-  monitor_.set_mail(nullptr);
-  return complete;
+const Site& Engine::site_of(Index active_node) const {
+  return *std::lower_bound(sites_.begin(), sites_.end(), active_node,
+                           [](const Site& site, Index node) { return site.active_node < node; });
 }
 
-/// Rank 0 tells the homes what earlier runs have found, and that they can begin.
 void Engine::start(Mail& mail) {
   monitor_.set_mail(&mail);
   if (mail.rank() != 0) return;
-  const auto tell_home = [&](Kind kind, Index node, const auto& recalled) {
-    Packer message;
-    message.put(kind);
-    message.put(node);
-    message.put(recalled);
-    mail.send_home(key_of(node), message.take());
+  for (const Site& site : sites_) to_recall_.push_back(site.active_node);
+}
+
+/// Tells a home some of what is known of an active node, and with the last of it that it can begin.
+void Engine::recall_some(Mail& mail) {
+  const Index node = to_recall_.front();
+  if (known_ == nullptr) known_ = std::make_unique<Known>(record_.known(node));
+  Packer message;
+  message.put(Kind::recalled);
+  message.put(node);
+  std::size_t left = kRecalledAtOnce;
+  const auto put_some = [&](auto& known) {
+    const std::size_t number = std::min(left, known.size());
+    message.put(number);
+    for (std::size_t i = 0; i < number; ++i) {
+      message.put(known.back());
+      known.pop_back();
+    }
+    left -= number;
   };
-  const Known known = record_.known();
-  for (const auto& [node, transition] : known.transitions) {
-    tell_home(Kind::recalled_transition, node, transition);
+  put_some(known_->transitions);
+  put_some(known_->configurations);
+  const bool is_all = known_->transitions.empty() && known_->configurations.empty();
+  message.put(is_all);
+  mail.send_home(key_of(node), message.take());
+  if (!is_all) return;
+  known_.reset();
+  to_recall_.pop_front();
+}
+
+/// At a home: what rank 0 knows.
+void Engine::recall(Unpacker& content, Mail& mail) {
+  const auto node = content.take<Index>();
+  Home& home = homes_.at(node);
+  for (auto left = content.take<std::size_t>(); left > 0; --left) {
+    const auto transition = content.take<LevelTransition>();
+    home.frontier->recall(transition);
+    if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   }
-  for (const auto& [node, summary] : known.configurations) {
-    tell_home(Kind::recalled, node, summary);
+  for (auto left = content.take<std::size_t>(); left > 0; --left) {
+    const ConfigurationSummary summary = content.take_summary();
+    home.frontier->recall(summary);
+    if (summary.usable()) home.held[{summary.check_point, summary.level}] = {summary, 0};
+    if (summary.level >= 0) count(summary, true, report_);
   }
-  for (int rank = 0; rank < mail.size(); ++rank) {
-    Packer message;
-    message.put(Kind::begin);
-    mail.send(rank, message.take());
-  }
+  if (content.take<bool>()) hand_out(node, mail);
 }
 
 void Engine::receive(int from, const Bytes& message, Mail& mail) {
   Unpacker content(message);
   switch (content.take<Kind>()) {
-    case Kind::recalled: {
-      const auto node = content.take<Index>();
-      const ConfigurationSummary summary = content.take_summary();
-      Home& home = homes_.at(node);
-      home.frontier->recall(summary);
-      if (summary.usable()) home.held[{summary.check_point, summary.level}] = {summary, from};
-      if (summary.level >= 0) count(summary, true, *report_);
-      break;
-    }
-    case Kind::recalled_transition: {
-      const auto node = content.take<Index>();
-      homes_.at(node).frontier->recall(content.take<LevelTransition>());
-      break;
-    }
-    case Kind::begin:
-      for (const auto& [node, home] : homes_) hand_out(node, mail);
-      break;
+    case Kind::recalled: recall(content, mail); break;
     case Kind::found: {
       const auto node = content.take<Index>();
       take_in(node, content.take_summary(), from, mail);
@@ -186,7 +188,9 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
       record_.settle(node, candidate, content.take<std::int32_t>());
       break;
     }
-    case Kind::make: batches_.push_front(unpack(content)); break;
+    case Kind::make:
+      while (!content.at_end()) batches_.push_front(unpack(content));
+      break;
     case Kind::progress:
       monitor_.set_count(from, content.take<Monitor::Count>());
       break;
@@ -196,12 +200,12 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
 void Engine::take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail) {
   Home& home = homes_.at(active_node);
   if (found.level < 0) {
-    ++report_->num_transitions;
+    ++report_.num_transitions;
     if (found.usable()) home.held[{found.check_point, found.level}] = {found, rank};
   } else if (found.usable()) {
     home.failed.erase(found.check_point);
     home.held[{found.check_point, 0}] = {found, rank};
-    count(found, false, *report_);
+    count(found, false, report_);
   } else {
     home.failed[found.check_point] = found;
   }
@@ -214,6 +218,7 @@ void Engine::take_in(Index active_node, const ConfigurationSummary& found, int r
 void Engine::settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail) {
   const LevelTransition& transition = settlement.transition;
   record_.keep(active_node, transition);
+  if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   if (!settlement.has_candidate) return;
   const std::int32_t level =
       candidate_level(transition.start, transition.start_level, transition.target);
@@ -222,8 +227,8 @@ void Engine::settle(Index active_node, Home& home, const Settlement& settlement,
     Held& held = home.held[{transition.target, transition.reached}];
     held = candidate;
     held.summary.level = transition.reached;
-    ++report_->num_levels;
-    count(held.summary, false, *report_);
+    ++report_.num_levels;
+    count(held.summary, false, report_);
   }
   const std::int32_t given = settlement.is_new ? transition.reached : failed_to_reach;
   if (candidate.rank == mail.rank()) return record_.settle(active_node, candidate.summary, given);
@@ -240,7 +245,7 @@ void Engine::settle(Index active_node, Home& home, const Settlement& settlement,
 void Engine::hand_out(Index active_node, Mail& mail) {
   Home& home = homes_.at(active_node);
   const std::vector<Transition> due = home.frontier->next();
-  report_->num_expected += home.frontier->num_expected() - home.num_expected;
+  report_.num_expected += home.frontier->num_expected() - home.num_expected;
   home.num_expected = home.frontier->num_expected();
   for (const Settlement& settlement : home.frontier->settled()) {
     settle(active_node, home, settlement, mail);
@@ -252,9 +257,10 @@ void Engine::hand_out(Index active_node, Mail& mail) {
       continue;
     }
     record_.keep(active_node, {failed->second, {}, {}, {}, {}}, {});
-    count(failed->second, false, *report_);
+    count(failed->second, false, report_);
     home.failed.erase(failed);
   }
+  std::map<int, Packer> to_holders;
   for (std::size_t i = 0; i < due.size();) {
     const CheckPoint start = due[i].start;
     const std::int32_t start_level = due[i].start_level;
@@ -283,18 +289,19 @@ void Engine::hand_out(Index active_node, Mail& mail) {
     if (holder == mail.rank()) {
       batches_.push_front(std::move(batch));
     } else {
-      Packer message;
-      message.put(Kind::make);
-      pack(batch, false, message);
-      mail.send(holder, message.take());
+      const auto [message, is_new] = to_holders.try_emplace(holder);
+      if (is_new) message->second.put(Kind::make);
+      pack(batch, false, message->second);
     }
   }
+  for (auto& [holder, message] : to_holders) mail.send(holder, message.take());
 }
 
-bool Engine::has_work() const { return !batches_.empty(); }
+bool Engine::has_work() const { return !to_recall_.empty() || !batches_.empty(); }
 
 void Engine::work(Mail& mail) {
   tell(mail);
+  if (!to_recall_.empty()) return recall_some(mail);
   current_ = std::move(batches_.back());
   batches_.pop_back();
   const Index node = current_->active_node;
@@ -331,7 +338,7 @@ void Engine::work(Mail& mail) {
   Batch next;
   next.active_node = node;
   next.start = summary;
-  for (const CheckPoint& p : following(sites_.at(node), summary)) next.targets.push_back({p});
+  for (const CheckPoint& p : following(site_of(node), summary)) next.targets.push_back({p});
   const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
   if (next.targets.empty()) return solver_.forget(*state);
   next.state = state;
@@ -340,8 +347,8 @@ void Engine::work(Mail& mail) {
 
 /// How far the homes here are.
 void Engine::tell(Mail& mail) {
-  const Monitor::Count count{report_->num_solved + report_->num_reused, report_->num_reused,
-                             report_->num_expected - num_not_reached_};
+  const Monitor::Count count{report_.num_solved + report_.num_reused, report_.num_reused,
+                             report_.num_expected - num_not_reached_};
   monitor_.set_count(mail.rank(), count);
   if (mail.rank() == 0 || !monitor_.is_due()) return;
   Packer message;
@@ -358,14 +365,10 @@ void Engine::load_state(Batch& batch) const {
 
 /// @throws InputError the body is not held.
 Configuration Engine::make(const Batch& batch, const Target& target) {
-  const Site& site = sites_.at(batch.active_node);
-  if (held_node_ != site.active_node) {
-    solver_.hold(tip_.hold({site.active_node}));
-    held_node_ = site.active_node;
-  }
+  const Site& site = site_of(batch.active_node);
   Configuration found;
   if (!batch.has_start()) {
-    Equilibrium rest = solver_.rest();
+    Equilibrium rest = solver_.rest(site.active_node);
     if (rest.outcome != Outcome::converged) throw InputError(rest.message);
     found = to_configuration(std::move(rest));
   } else {
@@ -375,8 +378,8 @@ Configuration Engine::make(const Batch& batch, const Target& target) {
     sought.check_point = target.check_point;
     sought.outcome = Outcome::converged;
     const bool leads_on = target.level < 0 || !following(site, sought).empty();
-    found = to_configuration(
-        solver_.solve(t, *batch.state, leads_on ? Tangent::factorised : Tangent::iterated));
+    found = to_configuration(solver_.solve(site.active_node, t, *batch.state,
+                                           leads_on ? Tangent::factorised : Tangent::iterated));
   }
   found.check_point = target.check_point;
   found.level = target.level;
@@ -392,12 +395,12 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
                                                 const ConfigurationSummary& found) {
   std::vector<IntermediateState> way;
   if (!batch.has_start() || found.level != 0) return way;
-  const Site& site = sites_.at(batch.active_node);
+  const Site& site = site_of(batch.active_node);
   const Equilibrium& start = *batch.state;
   for (std::int32_t number = 1; number <= site.intermediate_states; ++number) {
     const double share = static_cast<double>(number) / (site.intermediate_states + 1);
     const Eigen::VectorXd t = start.t + share * (found.t - start.t);
-    const Equilibrium between = solver_.solve(t, start, Tangent::rough);
+    const Equilibrium between = solver_.solve(site.active_node, t, start, Tangent::rough);
     if (between.outcome == Outcome::converged) solver_.forget(between);
     IntermediateState& state = way.emplace_back();
     state.target = found.check_point;
@@ -410,9 +413,9 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
     if (is_beyond_limit(site, state.force)) state.flags |= flags::beyond_force_limit;
     state.seconds = between.seconds;
     if (state.outcome == Outcome::aborted) break;
-    ++report_->num_intermediate_states;
-    if (!state.usable()) ++report_->num_intermediate_states_failed;
-    report_->intermediate_seconds += state.seconds;
+    ++report_.num_intermediate_states;
+    if (!state.usable()) ++report_.num_intermediate_states_failed;
+    report_.intermediate_seconds += state.seconds;
   }
   return way;
 }
@@ -455,7 +458,10 @@ void Engine::take(const Bytes& tasks, Mail& /*mail*/) {
   for (Unpacker message(tasks); !message.at_end();) batches_.push_front(unpack(message));
 }
 
-void Engine::discard() { batches_.clear(); }
+void Engine::discard() {
+  to_recall_.clear();
+  batches_.clear();
+}
 
 void Engine::pack(Batch& batch, bool with_state, Packer& message) {
   message.put(batch.active_node);
@@ -464,6 +470,7 @@ void Engine::pack(Batch& batch, bool with_state, Packer& message) {
   message.put(has_state);
   if (has_state) {
     load_state(batch);
+    ++report_.num_states_given;
     message.put(to_configuration(Equilibrium(*batch.state)));
   }
   message.put(batch.targets.size());

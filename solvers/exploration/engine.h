@@ -7,6 +7,9 @@
 // layers deep. What the frontier decides in addition, such as another start for a step that failed,
 // the home sends to the rank whose record has the start. A rank without tasks takes over some of
 // another's, those nearest to rest: whole batches.
+//
+// What an earlier run has left is on rank 0, which tells the homes. That is a task for each few
+// configurations, so that the scheduler holds it back while mail lies unread.
 #pragma once
 
 #include <deque>
@@ -16,11 +19,10 @@
 #include <utility>
 #include <vector>
 
-#include "equilibrium/equilibrium.h"
-#include "equilibrium/tip.h"
 #include "exploration/frontier.h"
 #include "exploration/monitor.h"
 #include "exploration/record.h"
+#include "exploration/site_solver.h"
 #include "exploration/transfer.h"
 #include "schedule/scheduler.h"
 
@@ -28,14 +30,12 @@ namespace palpate {
 
 class Engine final : public Worker {
  public:
-  /// @param tip With the radius of the sites.
-  Engine(const std::vector<Site>& sites, const Tip& tip, EquilibriumSolver& solver, Record& record,
-         Communicator& communicator, Monitor& monitor);
-
+  /// All of them must outlive it.
+  /// @param sites In the order of their active nodes.
+  /// @param network Of the scheduler that runs it.
   /// @param report What the tasks of this rank and the homes here have done is added.
-  /// @returns false when it was aborted.
-  /// @note Collective
-  bool explore(PrecomputeReport& report);
+  Engine(const std::vector<Site>& sites, SiteSolver& solver, Record& record, const Network& network,
+         Monitor& monitor, PrecomputeReport& report);
 
   void start(Mail& mail) override;
   void receive(int from, const Bytes& message, Mail& mail) override;
@@ -80,6 +80,8 @@ class Engine final : public Worker {
     std::int64_t num_expected = 0;
   };
 
+  void recall_some(Mail& mail);
+  void recall(Unpacker& content, Mail& mail);
   void tell(Mail& mail);
   void hand_out(Index active_node, Mail& mail);
   void settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail);
@@ -91,23 +93,25 @@ class Engine final : public Worker {
   [[nodiscard]] static Batch unpack(Unpacker& message);
   /// Has the state of its start read where that is needed.
   void load_state(Batch& batch) const;
+  [[nodiscard]] const Site& site_of(Index active_node) const;
   [[nodiscard]] Configuration make(const Batch& batch, const Target& target);
   /// The intermediate states on the straight way to a configuration that was made; where it was
   /// aborted, the last has that outcome.
   [[nodiscard]] std::vector<IntermediateState> make_way(const Batch& batch,
                                                         const ConfigurationSummary& found);
 
-  EquilibriumSolver& solver_;
-  const Tip& tip_;
+  const std::vector<Site>& sites_;
+  SiteSolver& solver_;
   Record& record_;
-  Communicator& communicator_;
   Monitor& monitor_;
-  std::map<Index, Site> sites_;
+  PrecomputeReport& report_;
   std::map<Index, Home> homes_;
-  PrecomputeReport* report_ = nullptr;
+  /// On rank 0: active nodes whose homes wait for what is known, and what is left to tell of the
+  /// first; null until it is read.
+  std::deque<Index> to_recall_;
+  std::unique_ptr<Known> known_;
   /// Of the homes here: targets that were given up without any transition.
   std::int64_t num_not_reached_ = 0;
-  Index held_node_ = -1;
   /// The last is the next; those in front are given away.
   std::deque<Batch> batches_;
   /// The one of the transition that is being made.

@@ -3,10 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <utility>
-#include <vector>
 
-#include "equilibrium/work.h"
 #include "exploration/precompute.h"
 #include "schedule/scheduler.h"
 
@@ -14,8 +13,12 @@ namespace palpate {
 
 class Monitor {
  public:
-  Monitor(Progress progress, int num_ranks)
-      : progress_(std::move(progress)), of_ranks_(static_cast<std::size_t>(num_ranks)) {}
+  /// @param network Whose clock it goes by.
+  Monitor(Progress progress, const Network& network)
+      : progress_(std::move(progress)),
+        network_(network),
+        start_(network.now()),
+        last_sent_(start_) {}
 
   /// What the homes of a rank know of.
   struct Count {
@@ -23,15 +26,15 @@ class Monitor {
     std::int64_t reused = 0;
     std::int64_t expected = 0;
   };
-  void set_count(int rank, const Count& count) { of_ranks_[static_cast<std::size_t>(rank)] = count; }
+  void set_count(int rank, const Count& count) { of_ranks_[rank] = count; }
 
   /// While there is a run: what comes from other ranks is served.
   void set_mail(Mail* mail) { mail_ = mail; }
 
   /// Whether to send the count to rank 0 again.
   [[nodiscard]] bool is_due() {
-    if (seconds_since(last_sent_) < kInterval) return false;
-    last_sent_ = Clock::now();
+    if (network_.now() - last_sent_ < kInterval) return false;
+    last_sent_ = network_.now();
     return true;
   }
 
@@ -47,12 +50,12 @@ class Monitor {
 
   [[nodiscard]] ProgressState state() const {
     ProgressState state;
-    for (const Count& count : of_ranks_) {
+    for (const auto& [rank, count] : of_ranks_) {
       state.num_done += count.found;
       state.num_expected += count.expected;
       state.num_solved += count.found - count.reused;
     }
-    state.seconds = seconds_since(start_);
+    state.seconds = network_.now() - start_;
     const auto solved = static_cast<double>(state.num_solved);
     if (solved > 0) {
       state.seconds_left =
@@ -63,10 +66,11 @@ class Monitor {
 
   Progress progress_;
   /// Of all ranks on rank 0, elsewhere of this one.
-  std::vector<Count> of_ranks_;
+  std::map<int, Count> of_ranks_;
+  const Network& network_;
   Mail* mail_ = nullptr;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point last_sent_ = start_;
+  double start_;
+  double last_sent_;
   bool stopped_ = false;
 };
 

@@ -67,7 +67,7 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
   EquilibriumOptions result = options.equilibrium;
   // Depth first, the starts on the way down keep their factors beside those of a step.
   result.follow_folds = false;
-  result.kept_factors = (options.resolution - 1) / 2 + 2;
+  result.kept_factors = num_kept_factors((options.resolution - 1) / 2);
   result.abort_requested = [&monitor, asked = options.equilibrium.abort_requested] {
     return !monitor.go_on() || (asked && asked());
   };
@@ -112,7 +112,9 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
   mine.put(report.num_expected);
   mine.put(report.num_transitions);
   mine.put(report.num_levels);
+  mine.put(report.num_beyond_most_levels);
   mine.put(report.iterations);
+  mine.put(report.num_states_given);
   mine.put(report.num_intermediate_states);
   mine.put(report.num_intermediate_states_failed);
   mine.put(report.intermediate_seconds);
@@ -132,7 +134,8 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
     mine.put(number);
   }
   report.num_solved = report.num_reused = report.num_expected = report.iterations = 0;
-  report.num_transitions = report.num_levels = 0;
+  report.num_transitions = report.num_levels = report.num_beyond_most_levels = 0;
+  report.num_states_given = 0;
   report.num_intermediate_states = report.num_intermediate_states_failed = 0;
   report.intermediate_seconds = 0;
   report.work = {};
@@ -146,7 +149,9 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
     report.num_expected += of_rank.take<std::int64_t>();
     report.num_transitions += of_rank.take<std::int64_t>();
     report.num_levels += of_rank.take<std::int64_t>();
+    report.num_beyond_most_levels += of_rank.take<std::int64_t>();
     report.iterations += of_rank.take<std::int64_t>();
+    report.num_states_given += of_rank.take<std::int64_t>();
     report.num_intermediate_states += of_rank.take<std::int64_t>();
     report.num_intermediate_states_failed += of_rank.take<std::int64_t>();
     report.intermediate_seconds += of_rank.take<double>();
@@ -175,7 +180,7 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   PrecomputeResult result;
   PrecomputeReport& report = result.report;
   const Clock::time_point start = Clock::now();
-  Monitor monitor(progress, communicator.size());
+  Monitor monitor(progress, communicator.network());
   std::vector<Site> sites;
   std::unique_ptr<Tip> tip;
   std::unique_ptr<EquilibriumSolver> solver;
@@ -193,8 +198,10 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
           ? make_memory_record(scene, sites, tolerance, communicator)
           : make_file_record(options.file, scene, sites, tolerance, communicator);
 
-  Engine engine(sites, *tip, *solver, *record, communicator, monitor);
-  report.complete = engine.explore(report);
+  TipSolver site_solver(*solver, *tip);
+  Engine engine(sites, site_solver, *record, communicator.network(), monitor, report);
+  report.complete = run(engine, communicator, &report.schedule);
+  monitor.set_mail(nullptr);
   report.exploration_seconds = seconds_since(start);
 
   const Clock::time_point finish_start = Clock::now();

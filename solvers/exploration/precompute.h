@@ -56,6 +56,10 @@ struct PrecomputeOptions {
 /// @throws InputError a field out of its range, by name.
 void validate(const PrecomputeOptions& options);
 
+/// Factors that a rank keeps: of the starts on the way down through so many layers, depth first,
+/// and of a step.
+[[nodiscard]] constexpr int num_kept_factors(int num_layers) { return num_layers + 2; }
+
 struct PrecomputeReport {
   int num_ranks = 1;
   Index num_cells = 0;
@@ -75,7 +79,13 @@ struct PrecomputeReport {
   /// by them.
   std::int64_t num_transitions = 0;
   std::int64_t num_levels = 0;
+  /// Transitions, of this run or an earlier one, that have found a configuration beyond the
+  /// kMostLevels of its check-point: it is not kept.
+  std::int64_t num_beyond_most_levels = 0;
   std::int64_t iterations = 0;
+  /// Starts whose states went to other ranks with a share of what follows from them; their factors
+  /// are made there again.
+  std::int64_t num_states_given = 0;
   /// Intermediate states that were solved for in this run, those of them that did not converge, and
   /// the time of all ranks that they took, s; they count as no configurations.
   std::int64_t num_intermediate_states = 0;

@@ -30,7 +30,7 @@ class MemoryRecord final : public Record {
     sort(space_);
   }
 
-  [[nodiscard]] Known known() const override { return {}; }
+  [[nodiscard]] Known known(Index /*active_node*/) const override { return {}; }
 
   void keep(Index active_node, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
@@ -99,9 +99,9 @@ class MemoryRecord final : public Record {
         for (Unpacker of_rank(bytes); !of_rank.at_end();) {
           const auto node = of_rank.take<Index>();
           const auto transition = of_rank.take<LevelTransition>();
-          found_.at(node).at({transition.start, transition.start_level})
-              .reached[neighbour_number(transition.start, transition.target)] =
-              static_cast<std::int8_t>(transition.reached);
+          found_.at(node)
+              .at({transition.start, transition.start_level})
+              .reached[neighbour_number(transition.start, transition.target)] = transition.reached;
         }
       }
       std::map<Index, std::vector<IntermediateState>> intermediate_states;
@@ -147,19 +147,15 @@ class FileRecord final : public Record {
     });
   }
 
-  [[nodiscard]] Known known() const override {
+  [[nodiscard]] Known known(Index active_node) const override {
     Known all;
     if (communicator_.rank() != 0) return all;
-    for (const Site& site : sites_) {
-      const Index node = site.active_node;
-      const StateSpaceFile& file = files_.own();
-      for (const auto& found : {file.read_summaries(node), file.read_candidates(node)}) {
-        for (const Configuration& c : found) all.configurations.emplace_back(node, c);
-      }
-      for (const LevelTransition& transition : files_.own().read_transitions(node)) {
-        all.transitions.emplace_back(node, transition);
-      }
+    const StateSpaceFile& file = files_.own();
+    for (const auto& found :
+         {file.read_summaries(active_node), file.read_candidates(active_node)}) {
+      all.configurations.insert(all.configurations.end(), found.begin(), found.end());
     }
+    all.transitions = file.read_transitions(active_node);
     return all;
   }
 

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "schedule/communicator.h"
@@ -14,11 +13,11 @@
 
 namespace palpate {
 
-/// What earlier runs have left, by active node.
+/// What earlier runs have left of an active node.
 struct Known {
-  /// Without fields; candidates too, see candidate_level().
-  std::vector<std::pair<Index, ConfigurationSummary>> configurations;
-  std::vector<std::pair<Index, LevelTransition>> transitions;
+  /// Candidates too, see candidate_level().
+  std::vector<ConfigurationSummary> configurations;
+  std::vector<LevelTransition> transitions;
 };
 
 class Record {
@@ -28,7 +27,7 @@ class Record {
   Record& operator=(const Record&) = delete;
 
   /// On rank 0, empty elsewhere.
-  [[nodiscard]] virtual Known known() const = 0;
+  [[nodiscard]] virtual Known known(Index active_node) const = 0;
   /// Told on the rank that found the configuration, before anyone else hears of it.
   /// @param way The intermediate states on the way to it: they are kept with it, or neither is.
   virtual void keep(Index active_node, const Configuration& found,

@@ -41,7 +41,7 @@ LIBRARIES = [
     ("ParaView", r"(vtkSM|vtkPV|vtkSI|vtkClientServer|pq)\w+\.h"),
     ("VTK", r"(vtk|QVTK)\w+\.(h|txx)|vtksys/.+"),
     ("Qt", r"(Qt\w+/)?Q[A-Z]\w*"),
-    ("POSIX", r"sys/\w+\.h|(unistd|fcntl|spawn|signal|poll|dlfcn|pthread|sched)\.h"),
+    ("POSIX", r"sys/\w+\.h|(unistd|fcntl|spawn|signal|poll|dlfcn|pthread|sched|ucontext)\.h"),
     ("std", r"[a-z_0-9]+"),
 ]
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far the exploration of many active nodes would scale: what the configurations of a recorded
-// space took is replayed on 1 … 4096 simulated ranks, with transposition-driven scheduling (the
-// code that runs under MPI), with a fixed share of the active nodes and with a master that hands
-// out the transitions. Prints a Markdown table; efficiencies in %.
+// How far the exploration of many active nodes would scale: the engine explores on 1 … 4096
+// simulated ranks, with the configurations of a recorded space and the time that each took in place
+// of the mechanics. Prints a Markdown table. Beside it are the floor (no rank is ever idle, or the
+// longest way from rest takes longer) and, for the same configurations, a fixed share of the active
+// nodes and a master that hands out the transitions; efficiencies in %.
 //
-//   palpate_benchmark_schedule_simulation space.palpate [active nodes] [seed]
+//   palpate_benchmark_schedule_simulation <factorisation, s> <active nodes> space.palpate …
 //
-// Each active node behaves as one that is drawn from the recorded ones.
+// The factorisation is that of a start which another rank has made already. Each active node
+// behaves as one that is drawn from the recorded ones. Of several recordings of the same space each
+// configuration has its least time: on a machine that is not quiet that is nearest to its cost.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -18,38 +21,64 @@
 #include <vector>
 
 #include "base/error.h"
-#include "schedule/simulator.h"
+#include "solvers/support/forest.h"
+#include "solvers/support/replay.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
 namespace {
 
+using test::Forest;
+using test::Recording;
+using test::TaskTree;
+
 constexpr int kRanks[] = {1, 4, 16, 64, 256, 1024, 4096};
 /// Doubles of each degree of freedom that a state is made of: u and the three columns of v.
 constexpr int kColumns = 4;
+constexpr unsigned kSeed = 1;
 
-/// The configurations of a site, each behind the one that it was found from; rest is the first. One
-/// whose parent is not there follows from rest.
-TaskTree to_tree(const std::vector<Configuration>& configurations) {
+/// @throws InputError recordings of one active node that differ.
+std::vector<Recording> read_recordings(const std::vector<std::string>& paths) {
+  std::map<Index, Recording> recordings;
+  for (const std::string& path : paths) {
+    const StateSpaceFile file = StateSpaceFile::open_read_only(path);
+    for (const SiteSpace& space : file.read_sites()) {
+      const Index node = space.site.active_node;
+      const std::vector<Configuration> all = file.read_summaries(node);
+      const auto [here, is_new] =
+          recordings.emplace(node, Recording{space.site, {all.begin(), all.end()}});
+      if (is_new) continue;
+      std::vector<ConfigurationSummary>& known = here->second.configurations;
+      if (!(here->second.site == space.site) || known.size() != all.size()) {
+        throw InputError(path + " has another space around active node " + std::to_string(node) +
+                         " than the file before it.");
+      }
+      for (std::size_t c = 0; c < all.size(); ++c) {
+        known[c].seconds = std::min(known[c].seconds, all[c].seconds);
+      }
+    }
+  }
+  if (recordings.empty()) throw InputError("The files have no active node.");
+  std::vector<Recording> all;
+  for (const auto& [node, recording] : recordings) all.push_back(recording);
+  return all;
+}
+
+/// Each configuration behind the one that it was found from; rest is the first.
+TaskTree to_tree(const Recording& recording) {
+  std::map<CheckPoint, std::vector<const ConfigurationSummary*>> children;
   TaskTree tree;
-  std::map<CheckPoint, std::vector<const Configuration*>> children;
-  std::map<CheckPoint, bool> is_there;
-  for (const Configuration& c : configurations) is_there[c.check_point] = true;
   const CheckPoint rest{};
-  tree.seconds.push_back(0);
-  tree.parent.push_back(-1);
-  for (const Configuration& c : configurations) {
+  for (const ConfigurationSummary& c : recording.configurations) {
     if (c.check_point == rest) {
-      tree.seconds.front() += c.seconds;
+      tree = {{c.seconds}, {-1}};
     } else {
-      children[is_there.count(c.parent) > 0 ? c.parent : rest].push_back(&c);
+      children[c.parent].push_back(&c);
     }
   }
   std::vector<CheckPoint> found{rest};
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto of_this = children.extract(found[i]);
-    if (of_this.empty()) continue;
-    for (const Configuration* c : of_this.mapped()) {
+    for (const ConfigurationSummary* c : children[found[i]]) {
       found.push_back(c->check_point);
       tree.seconds.push_back(c->seconds);
       tree.parent.push_back(static_cast<int>(i));
@@ -58,47 +87,48 @@ TaskTree to_tree(const std::vector<Configuration>& configurations) {
   return tree;
 }
 
-Forest read_forest(const StateSpaceFile& file, int num_sites, unsigned seed) {
+void print_table(double factorisation_seconds, int num_sites,
+                 const std::vector<std::string>& paths) {
+  const std::vector<Recording> recordings = read_recordings(paths);
   Forest forest;
-  for (const SiteSpace& space : file.read_sites()) {
-    forest.trees.push_back(to_tree(file.read_summaries(space.site.active_node)));
-  }
-  if (forest.trees.empty()) throw InputError("The file has no active node.");
-  std::mt19937 random(seed);
+  for (const Recording& recording : recordings) forest.trees.push_back(to_tree(recording));
+  std::mt19937 random(kSeed);
   for (int i = 0; i < num_sites; ++i) {
-    forest.tree_of_site.push_back(static_cast<int>(random() % forest.trees.size()));
+    forest.tree_of_site.push_back(static_cast<int>(random() % recordings.size()));
   }
-  return forest;
-}
-
-void print_table(const std::string& path, int num_sites, unsigned seed) {
-  const StateSpaceFile file = StateSpaceFile::open_read_only(path);
-  const Forest forest = read_forest(file, num_sites, seed);
-  ForestOptions options;
+  const StateSpaceFile file = StateSpaceFile::open_read_only(paths.front());
+  test::ReplayOptions options;
   options.state_bytes = file.read_scene().mesh.points.size() * 3 * kColumns * sizeof(double);
-  std::printf("%d active nodes, %lld configurations, %.0f s of work, critical path %.3g s, state "
-              "%.0f kB\n\n",
-              num_sites, static_cast<long long>(forest.num_tasks()), forest.work(),
-              forest.critical_path(), 1e-3 * static_cast<double>(options.state_bytes));
+  options.factorisation_seconds = factorisation_seconds;
+  test::MasterOptions of_master;
+  of_master.state_bytes = options.state_bytes;
+  of_master.start_seconds = factorisation_seconds;
   std::printf(
-      "| ranks | makespan, s | TDS | at most | round robin | by hash | master-worker | shares | "
-      "messages a configuration | simulated in, s |\n"
-      "|---|---|---|---|---|---|---|---|---|---|\n");
+      "%d active nodes, %lld configurations, %.0f s of work, longest way %.3g s, state %.0f "
+      "kB\n\n",
+      num_sites, static_cast<long long>(forest.num_tasks()), forest.work(), forest.critical_path(),
+      1e-3 * static_cast<double>(options.state_bytes));
+  std::printf(
+      "| ranks | s | floor, s | engine | fixed share | master | shares | factors made again | "
+      "messages a configuration | simulated in, s |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const int ranks : kRanks) {
     const auto start = std::chrono::steady_clock::now();
-    const ForestResult tds = simulate_tds(forest, ranks, options);
+    const test::Replay engine = test::replay(recordings, forest.tree_of_site, ranks, options);
     const double took =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double least = std::max(forest.critical_path(), forest.work() / ranks);
-    const auto round_robin = simulate_static(forest, ranks, StaticShare::round_robin);
-    const auto by_hash = simulate_static(forest, ranks, StaticShare::by_hash);
-    const auto master_worker = simulate_master_worker(forest, ranks, options);
-    std::printf("| %d | %.4g | %.1f | %.1f | %.1f | %.1f | %.1f | %lld | %.2f | %.1f |\n", ranks,
-                tds.makespan, 100 * tds.efficiency, 100 * forest.work() / (ranks * least),
-                100 * round_robin.efficiency, 100 * by_hash.efficiency,
-                100 * master_worker.efficiency,
-                static_cast<long long>(tds.report.steals_granted),
-                static_cast<double>(tds.report.messages) / static_cast<double>(tds.tasks), took);
+    const auto efficiency = [&](double makespan) {
+      return 100 * forest.work() / (ranks * makespan);
+    };
+    const ScheduleReport& schedule = engine.report.schedule;
+    std::printf(
+        "| %d | %.4g | %.4g | %.1f | %.1f | %.1f | %lld | %lld | %.2f | %.0f |\n", ranks,
+        engine.makespan, forest.least_makespan(ranks), efficiency(engine.makespan),
+        efficiency(test::static_makespan(forest, ranks)),
+        efficiency(test::master_makespan(forest, ranks, of_master)),
+        static_cast<long long>(schedule.steals_granted),
+        static_cast<long long>(engine.num_factorised_again),
+        static_cast<double>(schedule.messages) / static_cast<double>(engine.report.num_solved),
+        took);
     std::fflush(stdout);
   }
 }
@@ -107,14 +137,15 @@ void print_table(const std::string& path, int num_sites, unsigned seed) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::printf("Give a recorded space: %s space.palpate [active nodes, 1000] [seed, 1]\n",
-                argv[0]);
+  if (argc < 4) {
+    std::printf(
+        "Give the time of a factorisation, the number of active nodes and recorded spaces: "
+        "%s 0.025 1000 space.palpate …\n",
+        argv[0]);
     return EXIT_FAILURE;
   }
   try {
-    palpate::print_table(argv[1], argc > 2 ? std::atoi(argv[2]) : 1000,
-                 argc > 3 ? static_cast<unsigned>(std::atoi(argv[3])) : 1);
+    palpate::print_table(std::atof(argv[1]), std::atoi(argv[2]), {argv + 3, argv + argc});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return EXIT_FAILURE;

@@ -7,30 +7,21 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <set>
 
 #include "base/error.h"
-#include "schedule/simulator.h"
 #include "solvers/schedule/random_graph.h"
+#include "solvers/support/simulation.h"
 
 namespace palpate {
 namespace {
 
 using test::GraphWorker;
 using test::Key;
+using test::Machine;
 using test::RandomGraph;
+using test::Simulation;
 using test::TranspositionTable;
-
-/// Messages take no time.
-Machine ideal() {
-  Machine machine;
-  machine.latency = 0;
-  machine.bandwidth = 1e300;
-  machine.overhead = 0;
-  machine.reaction = 0;
-  return machine;
-}
 
 /// Some messages come later than many others that were sent after them, every third time so late
 /// that a run may seem to be over.
@@ -99,7 +90,7 @@ TEST_P(OnSimulatedRanks, ExecutesARandomGraphOnce) {
     GraphRun graph_run(simulation, graph, static_cast<int>(seed) % GetParam());
     ASSERT_TRUE(graph_run.run(options_of(seed)));
     ASSERT_EQ(graph_run.executed(), reachable(graph)) << "seed " << seed;
-    ASSERT_EQ(simulation.num_under_way(), 0);
+    ASSERT_EQ(simulation.under_way().messages, 0);
   }
 }
 
@@ -152,16 +143,15 @@ class Wanderers final : public Worker {
 TEST_P(OnSimulatedRanks, TheEndIsNotFoundWhileMessagesWander) {
   for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     // A few long ones, or tasks that are shared out and done before others have heard of it.
-    const std::vector<int> first = seed % 5 == 0
-                                       ? std::vector<int>(10, 1)
-                                       : std::vector<int>(1 + seed % 4, 1 + seed % 100);
+    const std::vector<int> first =
+        seed % 5 == 0 ? std::vector<int>(10, 1) : std::vector<int>(1 + seed % 4, 1 + seed % 100);
     Simulation simulation(GetParam(), jittery(seed));
     std::vector<std::unique_ptr<Wanderers>> workers;
     std::vector<Worker*> addresses;
     for (int r = 0; r < GetParam(); ++r) {
-      workers.push_back(std::make_unique<Wanderers>(
-          simulation, 1000 * seed + static_cast<std::uint64_t>(r),
-          r == GetParam() / 2 ? first : std::vector<int>()));
+      workers.push_back(
+          std::make_unique<Wanderers>(simulation, 1000 * seed + static_cast<std::uint64_t>(r),
+                                      r == GetParam() / 2 ? first : std::vector<int>()));
       addresses.push_back(workers.back().get());
     }
     ASSERT_TRUE(simulation.run(addresses, options_of(seed)));
@@ -169,7 +159,7 @@ TEST_P(OnSimulatedRanks, TheEndIsNotFoundWhileMessagesWander) {
     for (const auto& worker : workers) num_received += worker->num_received;
     // The first are no messages themselves.
     ASSERT_EQ(num_received, static_cast<int>(first.size()) * 2 * first.front()) << "seed " << seed;
-    ASSERT_EQ(simulation.num_under_way(), 0) << "seed " << seed;
+    ASSERT_EQ(simulation.under_way().messages, 0) << "seed " << seed;
   }
 }
 
@@ -188,7 +178,7 @@ TEST_P(OnSimulatedRanks, AnyRankStopsTheRunAtAnyTime) {
       };
     }
     EXPECT_FALSE(graph_run.run(options_of(seed)));
-    EXPECT_EQ(simulation.num_under_way(), 0);
+    EXPECT_EQ(simulation.under_way().messages, 0);
     for (const auto& worker : graph_run.workers) EXPECT_TRUE(worker->was_discarded);
     // Some, none twice.
     const std::vector<Key> executed = graph_run.executed();
@@ -284,211 +274,46 @@ TEST(TranspositionTable, TellsStatesApartByTheWholeKey) {
   EXPECT_EQ(table.count(Bytes()), 0);
 }
 
-// Forests
+/// One task that takes two seconds, and polls.
+class LongTask final : public Worker {
+ public:
+  LongTask(Simulation& simulation, bool has_it) : simulation_(simulation), has_it_(has_it) {}
 
-TaskTree chain(int length, double seconds) {
-  TaskTree tree;
-  for (int i = 0; i < length; ++i) {
-    tree.seconds.push_back(seconds);
-    tree.parent.push_back(i - 1);
-  }
-  return tree;
-}
-
-/// A root without cost and its children.
-TaskTree star(int num_children, double seconds) {
-  TaskTree tree{{0}, {-1}};
-  for (int i = 0; i < num_children; ++i) {
-    tree.seconds.push_back(seconds);
-    tree.parent.push_back(0);
-  }
-  return tree;
-}
-
-TaskTree random_tree(int size, std::uint64_t seed) {
-  TaskTree tree{{0.01}, {-1}};
-  for (int i = 1; i < size; ++i) {
-    const std::uint64_t random = mix(mix(seed) + static_cast<std::uint64_t>(i));
-    tree.seconds.push_back(0.005 + 0.001 * static_cast<double>(random % 96));
-    tree.parent.push_back(static_cast<int>((random >> 32) % static_cast<std::uint64_t>(i)));
-  }
-  return tree;
-}
-
-Forest random_forest(int num_sites) {
-  Forest forest;
-  for (std::uint64_t seed = 1; seed <= 5; ++seed) forest.trees.push_back(random_tree(343, seed));
-  for (int i = 0; i < num_sites; ++i) forest.tree_of_site.push_back(i % 5);
-  return forest;
-}
-
-ForestOptions ideal_options() {
-  ForestOptions options;
-  options.machine = ideal();
-  options.start_seconds = 0;
-  return options;
-}
-
-TEST(Forest, WorkAndCriticalPath) {
-  const Forest forest{{chain(5, 2), TaskTree{{1, 4, 1, 1}, {-1, 0, 0, 2}}}, {0, 1, 1}};
-  EXPECT_EQ(forest.num_tasks(), 13);
-  EXPECT_DOUBLE_EQ(forest.work(), 10 + 7 + 7);
-  EXPECT_DOUBLE_EQ(forest.critical_path(), 10);
-}
-
-TEST(Forest, MustHang) {
-  const auto simulate = [](const Forest& forest) {
-    (void)simulate_static(forest, 2, StaticShare::round_robin);
-  };
-  EXPECT_THROW(simulate({{TaskTree{}}, {0}}), InputError);
-  EXPECT_THROW(simulate({{TaskTree{{1}, {0}}}, {0}}), InputError);
-  EXPECT_THROW(simulate({{TaskTree{{1, 1}, {-1, 1}}}, {0}}), InputError);
-  EXPECT_THROW(simulate({{TaskTree{{1, 1}, {-1}}}, {0}}), InputError);
-  EXPECT_THROW(simulate({{TaskTree{{-1}, {-1}}}, {0}}), InputError);
-  EXPECT_THROW(simulate({{chain(2, 1)}, {1}}), InputError);
-  EXPECT_NO_THROW(simulate({{chain(2, 1)}, {0}}));
-}
-
-/// In which the end is found once the last task is done, s: two waves in vain.
-constexpr double kDetection = 2e-3;
-/// Of times that are sums of slices.
-constexpr double kRounding = 1e-9;
-
-TEST(SimulatedTds, AChainTakesItsLengthHoweverManyRanks) {
-  const Forest forest{{chain(10, 0.25)}, {0}};
-  for (const int ranks : {1, 2, 64}) {
-    const ForestResult result = simulate_tds(forest, ranks, ideal_options());
-    EXPECT_EQ(result.tasks, 10);
-    EXPECT_GE(result.makespan, 2.5 - kRounding);
-    EXPECT_LE(result.makespan, 2.5 + kDetection);
-    EXPECT_DOUBLE_EQ(result.efficiency, 2.5 / (ranks * result.makespan));
-  }
-}
-
-TEST(SimulatedTds, EqualTasksThatAreAtHomeOnAllRanksTakeAsLongAsOne) {
-  for (const int ranks : {2, 8, 64}) {
-    // The first site of each rank counts; the others, until each rank has one, take no time.
-    Forest forest{{chain(1, 0), chain(1, 1)}, {}};
-    std::set<int> homes;
-    for (std::uint64_t site = 0; static_cast<int>(homes.size()) < ranks; ++site) {
-      forest.tree_of_site.push_back(homes.insert(home_of(site, ranks)).second ? 1 : 0);
+  void receive(int, const Bytes&, Mail&) override {}
+  [[nodiscard]] bool has_work() const override { return has_it_; }
+  void work(Mail& mail) override {
+    for (int i = 0; i < 80; ++i) {
+      simulation_.work_on(mail.rank(), 25e-3);
+      EXPECT_TRUE(mail.poll());
     }
-    const ForestResult result = simulate_tds(forest, ranks, ideal_options());
-    EXPECT_DOUBLE_EQ(result.work, ranks);
-    EXPECT_GE(result.makespan, 1 - kRounding);
-    EXPECT_LE(result.makespan, 1 + kDetection);
+    has_it_ = false;
   }
-}
+  [[nodiscard]] Bytes give() override { return {}; }
+  void take(const Bytes&, Mail&) override {}
+  void discard() override {}
 
-TEST(SimulatedTds, EqualTasksOnOneRankSpread) {
-  for (const int ranks : {2, 4, 8, 64}) {
-    const Forest forest{{star(ranks, 1)}, {0}};
-    const ForestResult result = simulate_tds(forest, ranks, ideal_options());
-    EXPECT_GE(result.makespan, 1 - kRounding);
-    // Shares spread in log₂ steps, each of which waits for a slice of the giver. One task may be
-    // left over, for which no idle rank asks in time.
-    const double spread = (std::log2(ranks) + 1) * ForestOptions().poll_interval;
-    EXPECT_LE(result.makespan, (ranks > 4 ? 2 : 1) + spread + kDetection);
-  }
-}
+ private:
+  Simulation& simulation_;
+  bool has_it_;
+};
 
-TEST(SimulatedTds, ExecutesEachTaskOnceAtFullCost) {
-  const Forest forest = random_forest(20);
-  for (const int ranks : {1, 3, 64, 256}) {
-    const ForestResult result = simulate_tds(forest, ranks, {});
-    EXPECT_EQ(result.tasks, forest.num_tasks());
-    EXPECT_NEAR(result.work, forest.work(), 1e-9 * forest.work());
-    EXPECT_GE(result.makespan,
-              std::max(forest.critical_path(), forest.work() / ranks) * (1 - kRounding));
-    EXPECT_DOUBLE_EQ(result.efficiency, result.work / (ranks * result.makespan));
-    // What is not work is idle or spent on messages.
-    EXPECT_LE(result.work + result.report.idle_seconds, ranks * result.makespan * (1 + kRounding));
-    EXPECT_EQ(simulate_tds(forest, ranks, {}).makespan, result.makespan);
-  }
-}
-
-TEST(SimulatedTds, BalancesWhatAFixedShareCannot) {
-  // One site for 16 ranks, and 20 sites for 8.
-  const Forest one = random_forest(1);
-  EXPECT_GT(simulate_tds(one, 16, {}).efficiency, 0.6);
-  EXPECT_NEAR(simulate_static(one, 16, StaticShare::round_robin).efficiency, 1.0 / 16, 1e-12);
-  const Forest many = random_forest(20);
-  EXPECT_GT(simulate_tds(many, 8, {}).efficiency, 0.97);
-  EXPECT_LT(simulate_static(many, 8, StaticShare::round_robin).efficiency, 0.9);
-}
-
-TEST(SimulatedTds, IdleRanksDoNotDrownABusyOne) {
-  // A thousand ranks with nothing to steal for ten seconds.
+TEST(Scheduler, IdleRanksDoNotDrownABusyOne) {
+  // A thousand ranks with nothing to steal for two seconds.
   constexpr int ranks = 1024;
-  const Forest forest{{chain(1, 10)}, {0}};
-  const ForestResult result = simulate_tds(forest, ranks, {});
-  EXPECT_GT(result.efficiency * ranks, 0.998);
-  const double asked_a_second =
-      static_cast<double>(result.report.steals_asked) / (ranks * result.makespan);
-  EXPECT_LT(asked_a_second, 1 / 4e-3);
-}
-
-TEST(SimulatedTds, AShareCostsTheFactorOfItsStart) {
-  // The root, one task stays, the other one goes.
-  const Forest forest{{star(2, 1)}, {0}};
-  ForestOptions options = ideal_options();
-  options.start_seconds = 0.5;
-  const ForestResult result = simulate_tds(forest, 2, options);
-  EXPECT_NEAR(result.makespan, 1.5, options.poll_interval + kDetection);
-  EXPECT_DOUBLE_EQ(result.work, 2);
-  // One that starts from rest needs none.
-  const Forest sites{{chain(1, 1)}, {0, 0}};
-  EXPECT_LT(simulate_tds(sites, 2, options).makespan, 1.4);
-}
-
-TEST(SimulatedTds, AStateThatIsSentTakesTime) {
-  const Forest forest{{star(64, 0.1)}, {0}};
-  ForestOptions options;
-  options.state_bytes = 0;
-  const double without = simulate_tds(forest, 8, options).makespan;
-  // 0.2 s for each state.
-  options.state_bytes = 1'000'000'000;
-  EXPECT_GT(simulate_tds(forest, 8, options).makespan, without + 0.2);
-}
-
-TEST(SimulatedStatic, IsTheSlowestRank) {
-  const Forest forest{{chain(1, 1), chain(3, 1)}, {0, 1, 0, 1, 0}};
-  const ForestResult result = simulate_static(forest, 2, StaticShare::round_robin);
-  EXPECT_DOUBLE_EQ(result.makespan, 6);
-  EXPECT_DOUBLE_EQ(result.efficiency, 9.0 / 12);
-  double slowest = 0;
-  for (int r = 0; r < 2; ++r) {
-    double sum = 0;
-    for (int site = 0; site < 5; ++site) {
-      if (home_of(static_cast<std::uint64_t>(site), 2) == r) sum += site % 2 == 0 ? 1 : 3;
-    }
-    slowest = std::max(slowest, sum);
+  Simulation simulation(ranks, {});
+  std::vector<std::unique_ptr<LongTask>> workers;
+  std::vector<Worker*> addresses;
+  for (int r = 0; r < ranks; ++r) {
+    workers.push_back(std::make_unique<LongTask>(simulation, r == 7));
+    addresses.push_back(workers.back().get());
   }
-  EXPECT_DOUBLE_EQ(simulate_static(forest, 2, StaticShare::by_hash).makespan, slowest);
-}
-
-TEST(SimulatedMasterWorker, HandsOutOneTaskAfterTheOther) {
-  const Forest forest{{chain(1, 1)}, {0, 0, 0, 0}};
-  EXPECT_DOUBLE_EQ(simulate_master_worker(forest, 1, ideal_options()).makespan, 4);
-  // Two of the three ranks work.
-  const ForestResult ideal_result = simulate_master_worker(forest, 3, ideal_options());
-  EXPECT_DOUBLE_EQ(ideal_result.makespan, 2);
-  EXPECT_DOUBLE_EQ(ideal_result.efficiency, 4.0 / 6);
-  EXPECT_EQ(ideal_result.tasks, 4);
-
-  // Two messages a task through one processor: with tasks of no length nothing else counts.
-  ForestOptions options = ideal_options();
-  options.machine.overhead = 1e-3;
-  const Forest instant{{chain(1, 0)}, std::vector<int>(1000, 0)};
-  EXPECT_NEAR(simulate_master_worker(instant, 513, options).makespan, 2.0, 0.01);
-
-  // A root whose four children go to four ranks: its state comes once and leaves three times.
-  options = ideal_options();
-  options.machine.bandwidth = 1e6;
-  options.state_bytes = 1'000'000;
-  options.summary_bytes = 0;
-  const Forest one_star{{star(4, 10)}, {0}};
-  EXPECT_NEAR(simulate_master_worker(one_star, 5, options).makespan, 14, 0.01);
+  ASSERT_TRUE(simulation.run(addresses));
+  EXPECT_GE(simulation.makespan(), 2 * (1 - 1e-9));
+  EXPECT_LT(simulation.makespan(), 2 / 0.998);
+  std::int64_t asked = 0;
+  for (int r = 0; r < ranks; ++r) asked += simulation.report(r).steals_asked;
+  EXPECT_GT(asked, ranks);
+  EXPECT_LT(static_cast<double>(asked) / (ranks * simulation.makespan()), 1 / 4e-3);
 }
 
 /// Each task posts a message to rank 1.
@@ -543,11 +368,12 @@ TEST(Scheduler, TheEndIsNotFoundWhileAShareIsLongUnderWay) {
   EXPECT_EQ(num_received[0] + num_received[1] + num_received[2] + num_received[3], 8);
   EXPECT_GT(num_received[3], 0);
   EXPECT_GT(simulation.makespan(), 0.9);
-  EXPECT_EQ(simulation.num_under_way(), 0);
+  EXPECT_EQ(simulation.under_way().messages, 0);
 }
 
 TEST(Scheduler, ARankThatDoesNotPollDoesNotHoldOthersUp) {
-  // Rank 0 answers after ten seconds. The tasks of rank 1 take 4 s on it alone, 0.6 s on all others.
+  // Rank 0 answers after ten seconds. The tasks of rank 1 take 4 s on it alone, 0.6 s on all
+  // others.
   constexpr int ranks = 8;
   Simulation simulation(ranks, {});
   std::vector<std::unique_ptr<Reporter>> workers;

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The engine on many simulated ranks, with configurations whose cost is given.
+#include "exploration/engine.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "exploration/layered_grid.h"
+#include "schedule/home.h"
+#include "solvers/exploration/frontier_run.h"
+#include "solvers/support/replay.h"
+#include "solvers/support/simulation.h"
+
+namespace palpate {
+namespace {
+
+using test::Recording;
+using test::Replay;
+using test::ReplayOptions;
+
+/// Of times that are sums of slices.
+constexpr double kRounding = 1e-9;
+/// In which the end is found once the last task is done, s: two waves in vain.
+constexpr double kDetection = 2e-3;
+
+/// A grid of which all is found at the first attempt; each takes 5 to 100 ms.
+Recording make_recording(std::int32_t resolution, std::uint64_t seed) {
+  Recording recording;
+  recording.site.half_width = 0.01;
+  recording.site.resolution = resolution;
+  const Site& site = recording.site;
+  LayeredGrid grid(site);
+  std::uint64_t random = mix(seed);
+  recording.configurations =
+      test::explore(grid, site, test::Order::deep, [&](const Transition& transition) {
+        ConfigurationSummary found = test::good(transition);
+        const auto& [i, j, k] = transition.target;
+        found.t = site.spacing() * Vec3(i, j, k);
+        found.seconds = 0.005 + 0.001 * static_cast<double>(mix(++random) % 96);
+        return found;
+      });
+  // None comes before the one that it was found from, as in what an earlier run has left.
+  std::stable_sort(recording.configurations.begin(), recording.configurations.end(),
+                   [](const ConfigurationSummary& a, const ConfigurationSummary& b) {
+                     return a.t.lpNorm<Eigen::Infinity>() < b.t.lpNorm<Eigen::Infinity>();
+                   });
+  return recording;
+}
+
+std::vector<Recording> make_recordings(std::int32_t resolution = 7) {
+  std::vector<Recording> recordings;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    recordings.push_back(make_recording(resolution, seed));
+  }
+  return recordings;
+}
+
+std::vector<int> make_sites(int num_sites) {
+  std::vector<int> recording_of_site;
+  for (int i = 0; i < num_sites; ++i) recording_of_site.push_back(i % 5);
+  return recording_of_site;
+}
+
+double work_of(const Recording& recording) {
+  double seconds = 0;
+  for (const ConfigurationSummary& c : recording.configurations) seconds += c.seconds;
+  return seconds;
+}
+
+double work_of(const std::vector<Recording>& recordings, const std::vector<int>& sites) {
+  double seconds = 0;
+  for (const int recording : sites) seconds += work_of(recordings[recording]);
+  return seconds;
+}
+
+TEST(SimulatedEngine, AloneTakesTheTimeOfTheConfigurations) {
+  const auto recordings = make_recordings();
+  const auto sites = make_sites(5);
+  const Replay alone = test::replay(recordings, sites, 1);
+  const double work = work_of(recordings, sites);
+  EXPECT_EQ(alone.report.num_solved, 5 * 343);
+  EXPECT_EQ(alone.num_factorised_again, 0);
+  EXPECT_GE(alone.makespan, work * (1 - kRounding));
+  EXPECT_LE(alone.makespan, work + kDetection);
+}
+
+TEST(SimulatedEngine, FindsEachConfigurationOnceOnAnyNumberOfRanks) {
+  const auto recordings = make_recordings();
+  const auto sites = make_sites(20);
+  const double work = work_of(recordings, sites);
+  for (const int ranks : {2, 3, 64, 256}) {
+    const Replay found = test::replay(recordings, sites, ranks);
+    EXPECT_TRUE(found.report.complete);
+    EXPECT_EQ(found.report.num_solved, 20 * 343);
+    EXPECT_GE(found.makespan, work / ranks * (1 - kRounding));
+    EXPECT_EQ(test::replay(recordings, sites, ranks).makespan, found.makespan);
+  }
+}
+
+TEST(SimulatedEngine, SharesWhatAFixedShareCannot) {
+  const auto recordings = make_recordings();
+  const auto efficiency = [&](const std::vector<int>& sites, int ranks) {
+    return work_of(recordings, sites) / (ranks * test::replay(recordings, sites, ranks).makespan);
+  };
+  EXPECT_GT(efficiency(make_sites(1), 16), 0.5);
+  EXPECT_GT(efficiency(make_sites(20), 8), 0.95);
+}
+
+TEST(SimulatedEngine, AShareCostsTheStateAndTheFactorOfItsStart) {
+  const auto recordings = make_recordings();
+  const auto sites = make_sites(1);
+  ReplayOptions options;
+  options.factorisation_seconds = 0;
+  options.state_bytes = 0;
+  const Replay free_of_charge = test::replay(recordings, sites, 8, options);
+  EXPECT_GT(free_of_charge.report.num_states_given, 0);
+  EXPECT_GE(free_of_charge.num_factorised_again, free_of_charge.report.num_states_given / 2);
+  options.factorisation_seconds = 1;
+  EXPECT_GT(test::replay(recordings, sites, 8, options).makespan, free_of_charge.makespan + 1);
+  options.factorisation_seconds = 0;
+  options.state_bytes = 5'000'000'000;  // a second on its way
+  EXPECT_GT(test::replay(recordings, sites, 8, options).makespan, free_of_charge.makespan + 1);
+}
+
+// What an earlier run has left is told to the homes bit by bit: of a thousand active nodes it would
+// be a third of a million messages at once.
+TEST(SimulatedEngine, WhatIsKnownIsToldInBoundedMail) {
+  const auto recordings = make_recordings();
+  const auto sites = make_sites(200);
+  ReplayOptions options;
+  options.num_known = SIZE_MAX;
+  options.machine.jitter = 20e-3;
+  options.schedule.most_unread_bytes = 1 << 20;
+  const Replay resumed = test::replay(recordings, sites, 16, options);
+  EXPECT_EQ(resumed.report.num_solved, 0);
+  EXPECT_EQ(resumed.report.num_reused, 200 * 343);
+  // The bound, and the message that exceeds it.
+  EXPECT_LE(resumed.most_under_way.bytes, (1 << 20) + (1 << 18));
+  EXPECT_LE(resumed.most_under_way.messages, 1000);
+}
+
+TEST(SimulatedEngine, GoesOnWithWhatIsLeftOfAnEarlierRun) {
+  const auto recordings = make_recordings();
+  const auto sites = make_sites(20);
+  ReplayOptions options;
+  options.num_known = 200;
+  for (const int ranks : {1, 3, 16}) {
+    const Replay resumed = test::replay(recordings, sites, ranks, options);
+    EXPECT_EQ(resumed.report.num_reused, 20 * 200);
+    EXPECT_EQ(resumed.report.num_solved, 20 * 143);
+  }
+}
+
+/// A body that is in another equilibrium after each transition.
+class EndlessSolver final : public SiteSolver {
+ public:
+  [[nodiscard]] Equilibrium rest(Index /*active_node*/) override { return found(Vec3::Zero()); }
+  [[nodiscard]] Equilibrium solve(Index /*active_node*/, const Eigen::VectorXd& t,
+                                  const Equilibrium& /*start*/, Tangent /*tangent*/) override {
+    return found(t);
+  }
+  void forget(const Equilibrium& /*state*/) override {}
+
+ private:
+  Equilibrium found(const Vec3& t) {
+    Equilibrium e;
+    e.t = t;
+    e.reaction = Vec3(++num_found_, 0, 0);
+    e.stiffness = Mat3::Identity();
+    e.outcome = Outcome::converged;
+    return e;
+  }
+  int num_found_ = 0;
+};
+
+/// What transitions an earlier run has left; keeps those of this one.
+class TransitionRecord final : public Record {
+ public:
+  [[nodiscard]] Known known(Index /*active_node*/) const override { return left; }
+  void keep(Index, const Configuration&, const std::vector<IntermediateState>&) override {}
+  void keep(Index, const LevelTransition& transition) override { kept.push_back(transition); }
+  void settle(Index, const ConfigurationSummary&, std::int32_t) override {}
+  [[nodiscard]] Configuration load(Index, const ConfigurationSummary& summary) const override {
+    return {summary, {}, {}, {}, {}};
+  }
+  [[nodiscard]] TouchSpace finish(bool, double) override { return {}; }
+
+  Known left;
+  std::vector<LevelTransition> kept;
+};
+
+TEST(Engine, SaysHowOftenACheckPointHadTooManyLevels) {
+  Site site;
+  site.half_width = 0.01;
+  site.resolution = 3;
+  site.history = History::levels;
+  TransitionRecord record;
+  // Of an earlier run: it counts, but no transition between these levels is asked for.
+  record.left.transitions = {{{0, 0, 0}, kMostLevels, {1, 0, 0}, beyond_most_levels}};
+  EndlessSolver solver;
+  test::Simulation simulation(1, {});
+  Monitor monitor(nullptr, simulation.network(0));
+  PrecomputeReport report;
+  const std::vector<Site> sites{site};
+  Engine engine(sites, solver, record, simulation.network(0), monitor, report);
+  ASSERT_TRUE(simulation.run({&engine}));
+  EXPECT_EQ(report.num_levels, 27 * (kMostLevels - 1));
+  const auto num_beyond = std::count_if(
+      record.kept.begin(), record.kept.end(),
+      [](const LevelTransition& transition) { return transition.reached == beyond_most_levels; });
+  EXPECT_GT(num_beyond, 0);
+  EXPECT_EQ(report.num_beyond_most_levels, num_beyond + 1);
+}
+
+}  // namespace
+}  // namespace palpate
