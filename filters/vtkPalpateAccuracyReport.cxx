@@ -18,6 +18,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateWholeBody.h"
@@ -252,7 +253,7 @@ void vtkPalpateAccuracyReport::ClearMethods()
 
 int vtkPalpateAccuracyReport::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPartitionedDataSetCollection");
+  vtkPalpateTakeWhole(info, "vtkPartitionedDataSetCollection");
   return 1;
 }
 
@@ -274,7 +275,7 @@ int vtkPalpateAccuracyReport::RequestData(
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   const auto compute = [&]
   {
-    auto* input = vtkPartitionedDataSetCollection::GetData(inputVector[0]);
+    auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
     const auto communicator = vtkPalpateCommunicator(controller);
     const int rank = communicator->rank();
     if (palpate::any(*communicator, vtkPalpatePassFailure(input, rows)))
@@ -287,12 +288,7 @@ int vtkPalpateAccuracyReport::RequestData(
     palpate::agree(
       *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
     palpate::agree(*communicator,
-      [&]
-      {
-        vtkNew<vtkUnstructuredGrid> nothing;
-        vtkUnstructuredGrid* piece = vtkPalpateBody(input);
-        body = vtkPalpateGatherBody(piece ? piece : nothing.Get(), controller);
-      });
+      [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
 
     palpate::AccuracyOptions options;
     options.exact.test_points = this->TestPoints;
@@ -344,9 +340,13 @@ int vtkPalpateAccuracyReport::RequestData(
     this->LastChart->ShallowCopy(chart);
   };
 
-  // Every rank meets the same error; rank 0 reports it.
-  const bool reports = !controller || controller->GetLocalProcessId() == 0;
-  return vtkPalpateProduce(reports ? this : nullptr, rows, compute);
+  // On several ranks ParaView executes anew for the second output. A failure is told once.
+  const vtkMTimeType time =
+    std::max(this->GetMTime(), vtkDataObject::GetData(inputVector[0])->GetMTime());
+  const bool isTold = this->ErrorCode != 0 && time == this->ExecutedAt;
+  this->ErrorCode = vtkPalpateProduce(isTold ? nullptr : this, rows, controller, compute);
+  this->ExecutedAt = time;
+  return 1;
 }
 
 void vtkPalpateAccuracyReport::PrintSelf(ostream& os, vtkIndent indent)

@@ -109,4 +109,6 @@ private:
   vtkNew<vtkPolyData> LastPoints;
   vtkNew<vtkTable> LastRowsOfNodes;
   vtkNew<vtkTable> LastChart;
+  /// Time of input and properties at the last execution.
+  vtkMTimeType ExecutedAt = 0;
 };

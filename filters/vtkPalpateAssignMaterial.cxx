@@ -9,9 +9,11 @@
 #include "base/error.h"
 #include "materials/material.h"
 #include "vtkCellData.h"
+#include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
@@ -131,15 +133,22 @@ palpate::Material InFormulation(const palpate::Material& material, int number)
 
 vtkStandardNewMacro(vtkPalpateAssignMaterial);
 
+int vtkPalpateAssignMaterial::FillInputPortInformation(int, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  return 1;
+}
+
 int vtkPalpateAssignMaterial::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkUnstructuredGrid::GetData(outputVector);
-  return vtkPalpateProduce(this, output,
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
-      const auto body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]),
-        vtkMultiProcessController::GetGlobalController());
+      const auto body = vtkPalpateGatherBody(
+        vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
       if (!body || vtkPalpatePassFailure(body, output))
       {
         return;
@@ -164,6 +173,7 @@ int vtkPalpateAssignMaterial::RequestData(
       output->ShallowCopy(body);
       vtkPalpateWriteMaterials(materials, output);
     });
+  return 1;
 }
 
 palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const

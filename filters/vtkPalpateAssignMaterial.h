@@ -88,6 +88,7 @@ protected:
   vtkPalpateAssignMaterial() = default;
   ~vtkPalpateAssignMaterial() override = default;
 
+  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

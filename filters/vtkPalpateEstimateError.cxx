@@ -4,9 +4,11 @@
 #include <limits>
 #include <map>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "interpolation/error_estimate.h"
+#include "vtkDataSet.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
@@ -14,10 +16,10 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
-#include "vtkPolyData.h"
 
 namespace
 {
@@ -26,10 +28,10 @@ constexpr double Nothing = std::numeric_limits<double>::quiet_NaN();
 /// Active node, check-point.
 using Key = std::tuple<palpate::Index, int, int, int>;
 
-/// Of the first levels.
-std::map<Key, double> Estimate(const palpate::TouchSpace& space)
+/// Of the first levels: active node, check-point and error, one after the other.
+std::vector<double> Estimate(const palpate::TouchSpace& space)
 {
-  std::map<Key, double> estimates;
+  std::vector<double> rows;
   for (const palpate::TouchSite& site : space.sites)
   {
     const std::vector<double> errors =
@@ -37,18 +39,40 @@ std::map<Key, double> Estimate(const palpate::TouchSpace& space)
     for (std::size_t i = 0; i < errors.size(); ++i)
     {
       const auto& [x, y, z] = site.configurations[i].check_point;
-      estimates.emplace(Key(site.site.active_node, x, y, z), errors[i]);
+      rows.insert(rows.end(), { static_cast<double>(site.site.active_node),
+                                static_cast<double>(x), static_cast<double>(y),
+                                static_cast<double>(z), errors[i] });
     }
+  }
+  return rows;
+}
+
+/// The rows of rank 0, on every rank.
+std::map<Key, double> Share(std::vector<double> rows, vtkMultiProcessController* controller)
+{
+  if (controller && controller->GetNumberOfProcesses() > 1)
+  {
+    auto length = static_cast<vtkIdType>(rows.size());
+    controller->Broadcast(&length, 1, 0);
+    rows.resize(static_cast<std::size_t>(length));
+    controller->Broadcast(rows.data(), length, 0);
+  }
+  std::map<Key, double> estimates;
+  const auto integer = [&rows](std::size_t i) { return static_cast<int>(rows[i]); };
+  for (std::size_t i = 0; i < rows.size(); i += 5)
+  {
+    estimates.emplace(
+      Key(integer(i), integer(i + 1), integer(i + 2), integer(i + 3)), rows[i + 4]);
   }
   return estimates;
 }
 
-/// Replaces the block with one that has the array.
-void AddErrors(const std::map<Key, double>& estimates, vtkPolyData* block,
+/// Replaces the partition with one that has the array.
+void AddErrors(const std::map<Key, double>& estimates, vtkDataSet* partition,
   vtkPartitionedDataSetCollection* collection)
 {
-  vtkNew<vtkPolyData> copy;
-  copy->ShallowCopy(block);
+  const auto copy = vtk::TakeSmartPointer(partition->NewInstance());
+  copy->ShallowCopy(partition);
   vtkPointData* arrays = copy->GetPointData();
   const auto get = [&](const char* name, vtkIdType i, int component = 0)
   { return static_cast<int>(arrays->GetArray(name)->GetComponent(i, component)); };
@@ -67,7 +91,7 @@ void AddErrors(const std::map<Key, double>& estimates, vtkPolyData* block,
   {
     for (unsigned int p = 0; p < collection->GetNumberOfPartitions(i); ++p)
     {
-      if (collection->GetPartitionAsDataObject(i, p) == block)
+      if (collection->GetPartitionAsDataObject(i, p) == partition)
       {
         collection->SetPartition(i, p, copy);
       }
@@ -81,29 +105,35 @@ vtkStandardNewMacro(vtkPalpateEstimateError);
 vtkPalpateEstimateError::vtkPalpateEstimateError() = default;
 vtkPalpateEstimateError::~vtkPalpateEstimateError() = default;
 
+int vtkPalpateEstimateError::FillInputPortInformation(int, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info, "vtkPartitionedDataSetCollection");
+  return 1;
+}
+
 int vtkPalpateEstimateError::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
-  auto* input = vtkPartitionedDataSetCollection::GetData(inputVector[0]);
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  // Every rank meets the same error; rank 0 reports it.
-  const bool reports = !controller || controller->GetLocalProcessId() == 0;
-  return vtkPalpateProduce(reports ? this : nullptr, output,
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
+      auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
       const auto ranks = vtkPalpateCommunicator(controller);
       if (palpate::any(*ranks, vtkPalpatePassFailure(input, output)))
       {
         return;
       }
-      palpate::TouchSpace space;
-      palpate::agree(*ranks, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
+      std::vector<double> rows;
+      palpate::agree(*ranks,
+        [&] { rows = Estimate(vtkPalpateSpaceFromCollection(input, controller)); });
+      const std::map<Key, double> estimates = Share(std::move(rows), controller);
       output->CompositeShallowCopy(input);
-      vtkPolyData* block = vtkPalpateConfigurations(output);
-      if (reports && block)
+      for (const auto& partition : vtkPalpateConfigurations(output))
       {
-        AddErrors(Estimate(space), block, output);
+        AddErrors(estimates, partition, output);
       }
     });
+  return 1;
 }

@@ -24,6 +24,7 @@ protected:
   vtkPalpateEstimateError();
   ~vtkPalpateEstimateError() override;
 
+  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

@@ -16,6 +16,7 @@
 #include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
@@ -178,7 +179,7 @@ bool vtkPalpatePrecomputeStateSpace::GetNeedsUpdate()
 
 int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkUnstructuredGrid");
+  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
   return 1;
 }
 
@@ -189,16 +190,15 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   // Nobody else takes back the abort of an earlier run.
   this->SetAbortExecute(0);
   Growing().erase(this);
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   const auto compute = [&]
   {
-    vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+    auto* piece = vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]);
     const auto communicator = vtkPalpateCommunicator(controller);
     vtkPalpateNameBlocks(output, this->IntermediateStates > 0);
 
     vtkSmartPointer<vtkUnstructuredGrid> body;
-    palpate::agree(*communicator,
-      [&]
-      { body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]), controller); });
+    palpate::agree(*communicator, [&] { body = vtkPalpateGatherBody(piece, controller); });
     if (palpate::any(*communicator, body && vtkPalpatePassFailure(body, output)))
     {
       return;
@@ -272,7 +272,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       return;
     }
     vtkPalpateFillCollection(scene, result.space, output);
-    if (vtkPolyData* configurations = vtkPalpateConfigurations(output))
+    for (const auto& configurations : vtkPalpateConfigurations(output))
     {
       vtkPalpateAddFile(
         this->FileName, result.report.complete, configurations->GetFieldData());
@@ -308,10 +308,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
   };
 
-  // Every rank meets the same error; rank 0 reports it.
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  const bool reports = !controller || controller->GetLocalProcessId() == 0;
-  return vtkPalpateProduce(reports ? this : nullptr, output, compute);
+  this->ErrorCode = vtkPalpateProduce(this, output, controller, compute);
+  return 1;
 }
 
 void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)

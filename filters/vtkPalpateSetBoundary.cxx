@@ -9,6 +9,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpatePointChoice.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
@@ -138,18 +139,20 @@ int vtkPalpateSetBoundary::FillInputPortInformation(int port, vtkInformation* in
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
     return 1;
   }
-  return this->Superclass::FillInputPortInformation(port, info);
+  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  return 1;
 }
 
 int vtkPalpateSetBoundary::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkUnstructuredGrid::GetData(outputVector);
-  return vtkPalpateProduce(this, output,
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
-      const auto body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]),
-        vtkMultiProcessController::GetGlobalController());
+      const auto body = vtkPalpateGatherBody(
+        vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
       if (!body || vtkPalpatePassFailure(body, output))
       {
         return;
@@ -196,6 +199,7 @@ int vtkPalpateSetBoundary::RequestData(
       vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, touchable);
       AddKinds(fixed, touchable, output->GetPointData());
     });
+  return 1;
 }
 
 void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)

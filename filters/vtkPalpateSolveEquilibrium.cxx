@@ -11,12 +11,14 @@
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
+#include "vtkInformation.h"
 #include "vtkIntArray.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStress.h"
 #include "vtkPalpateWholeBody.h"
@@ -193,6 +195,12 @@ vtkStringArray* vtkPalpateSolveEquilibrium::GetLinearSolverNames()
   return this->LinearSolverNames;
 }
 
+int vtkPalpateSolveEquilibrium::FillInputPortInformation(int, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  return 1;
+}
+
 int vtkPalpateSolveEquilibrium::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
@@ -210,7 +218,8 @@ int vtkPalpateSolveEquilibrium::RequestData(
     palpate::agree(*communicator,
       [&]
       {
-        body = vtkPalpateGatherBody(vtkUnstructuredGrid::GetData(inputVector[0]), controller);
+        body = vtkPalpateGatherBody(
+          vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
         if (!body || vtkPalpatePassFailure(body, output))
         {
           return;
@@ -235,9 +244,8 @@ int vtkPalpateSolveEquilibrium::RequestData(
     }
   };
 
-  // Every rank meets the same error; rank 0 reports it.
-  const bool reports = !controller || controller->GetLocalProcessId() == 0;
-  return vtkPalpateProduce(reports ? this : nullptr, output, compute);
+  this->ErrorCode = vtkPalpateProduce(this, output, controller, compute);
+  return 1;
 }
 
 bool vtkPalpateSolveEquilibrium::SolvesTogether(const palpate::Scene& scene, int numRanks) const

@@ -118,6 +118,7 @@ protected:
   vtkPalpateSolveEquilibrium();
   ~vtkPalpateSolveEquilibrium() override;
 
+  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,8 +19,10 @@
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
+#include "vtkIdList.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
+#include "vtkPalpatePieces.h"
 #include "vtkPalpateScene.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPartitionedDataSetCollection.h"
@@ -44,7 +47,6 @@ constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations", "Int
 constexpr const char* ThirdDerivative = "ThirdDerivative";
 constexpr const char* FileName = "FileName";
 constexpr const char* LevelsReached = "LevelsReached";
-constexpr int BlockTag = 7402;
 
 /// Makes an array of doubles, ints, … and adds it to point or field data.
 template <class Array>
@@ -373,7 +375,7 @@ int NumberOfModes(vtkFieldData* data)
   return array ? array->GetNumberOfComponents() / 3 : 0;
 }
 
-void ReadSurface(vtkPolyData* data, TouchSpace& space)
+void ReadSurface(vtkDataSet* data, TouchSpace& space)
 {
   const vtkIdType count = data->GetNumberOfPoints();
   vtkDataArray* meshPoints = Required(data->GetPointData(), "MeshPoint", 1);
@@ -452,7 +454,14 @@ void ReadOutcomes(vtkPointData* arrays, std::vector<Item>& all)
   }
 }
 
-void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
+std::string SceneHash(vtkDataSet* configurations)
+{
+  auto* hash = vtkStringArray::SafeDownCast(
+    configurations->GetFieldData()->GetAbstractArray("SceneHash"));
+  return hash && hash->GetNumberOfValues() > 0 ? hash->GetValue(0) : "";
+}
+
+void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
 {
   vtkPointData* arrays = data->GetPointData();
   const vtkIdType count = data->GetNumberOfPoints();
@@ -479,10 +488,7 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
   }
 
   vtkFieldData* fields = data->GetFieldData();
-  if (auto* hash = vtkStringArray::SafeDownCast(fields->GetAbstractArray("SceneHash")))
-  {
-    space.scene_hash = hash->GetValue(0);
-  }
+  space.scene_hash = SceneHash(data);
   if (auto* file = vtkStringArray::SafeDownCast(fields->GetAbstractArray(FileName)))
   {
     space.file = file->GetValue(0);
@@ -556,7 +562,7 @@ void ReadConfigurations(vtkPolyData* data, TouchSpace& space)
 }
 
 /// Of the sites that the space has.
-void ReadIntermediateStates(vtkPolyData* data, TouchSpace& space)
+void ReadIntermediateStates(vtkDataSet* data, TouchSpace& space)
 {
   vtkPointData* arrays = data->GetPointData();
   std::vector<IntermediateState> all(data->GetNumberOfPoints());
@@ -578,10 +584,12 @@ void ReadIntermediateStates(vtkPolyData* data, TouchSpace& space)
   }
 }
 
-/// The block of a name on this rank that has points, else null.
-template <class Data = vtkPolyData>
-Data* FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& name)
+/// The partitions on this rank of the block of a name that have points.
+template <class Data = vtkPointSet>
+std::vector<vtkSmartPointer<Data>> FindBlock(
+  vtkPartitionedDataSetCollection* collection, const std::string& name)
 {
+  std::vector<vtkSmartPointer<Data>> pieces;
   for (unsigned int i = 0; i < collection->GetNumberOfPartitionedDataSets(); ++i)
   {
     const char* own = collection->HasMetaData(i)
@@ -596,40 +604,48 @@ Data* FindBlock(vtkPartitionedDataSetCollection* collection, const std::string& 
       auto* data = Data::SafeDownCast(collection->GetPartitionAsDataObject(i, p));
       if (data && data->GetNumberOfPoints() > 0)
       {
-        return data;
+        pieces.emplace_back(data);
       }
     }
   }
-  return nullptr;
+  return pieces;
 }
 
-/// The block on rank 0, whichever rank has it; null on the others, and where there is none.
-vtkSmartPointer<vtkPolyData> GatherBlock(vtkPartitionedDataSetCollection* collection,
-  const std::string& name, vtkMultiProcessController* controller)
+/// @throws InputError they are pieces of different spaces.
+void ExpectOneSpace(const vtkPalpatePieces& configurations)
 {
-  vtkSmartPointer<vtkPolyData> block = FindBlock(collection, name);
-  const int numberOfRanks = controller ? controller->GetNumberOfProcesses() : 1;
-  if (numberOfRanks == 1)
+  std::set<std::string> hashes;
+  for (const auto& piece : configurations)
   {
-    return block;
+    hashes.insert(SceneHash(piece));
   }
-  const int rank = controller->GetLocalProcessId();
-  const int mine = block ? rank : numberOfRanks;
-  int owner = numberOfRanks;
-  controller->AllReduce(&mine, &owner, 1, vtkCommunicator::MIN_OP);
-  if (owner != 0 && owner != numberOfRanks)
+  hashes.erase("");
+  if (hashes.size() > 1)
   {
-    if (rank == owner)
-    {
-      controller->Send(block, 0, BlockTag);
-    }
-    else if (rank == 0)
-    {
-      block = vtkSmartPointer<vtkPolyData>::New();
-      controller->Receive(block, owner, BlockTag);
-    }
+    throw InputError("The partitions of Configurations belong to " +
+      std::to_string(hashes.size()) + " different scenes. Give one state space alone.");
   }
-  return rank == 0 ? block : nullptr;
+}
+
+/// The pieces as one data set, null where there is none.
+/// @param keys The arrays by which a point is known, and their components.
+vtkSmartPointer<vtkDataSet> Join(
+  const vtkPalpatePieces& pieces, const std::vector<std::pair<const char*, int>>& keys)
+{
+  if (pieces.empty())
+  {
+    return nullptr;
+  }
+  return vtkPalpateJoin(pieces,
+    [&keys](vtkPointSet* piece)
+    {
+      std::vector<vtkDataArray*> arrays;
+      for (const auto& [name, components] : keys)
+      {
+        arrays.push_back(Required(piece->GetPointData(), name, components));
+      }
+      return arrays;
+    });
 }
 }
 
@@ -674,27 +690,36 @@ void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData*
   AddArray<vtkIntArray>(fields, "Complete", 1, 1)->SetValue(0, complete ? 1 : 0);
 }
 
-vtkUnstructuredGrid* vtkPalpateBody(vtkPartitionedDataSetCollection* collection)
+vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection)
 {
-  return FindBlock<vtkUnstructuredGrid>(collection, BlockNames[0]);
+  return FindBlock(collection, BlockNames[0]);
 }
 
-vtkPolyData* vtkPalpateConfigurations(vtkPartitionedDataSetCollection* collection)
+std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(
+  vtkPartitionedDataSetCollection* collection)
 {
-  return FindBlock(collection, BlockNames[2]);
+  return FindBlock<vtkDataSet>(collection, BlockNames[2]);
 }
 
 TouchSpace vtkPalpateSpaceFromCollection(
   vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller)
 {
-  const auto surface = GatherBlock(collection, BlockNames[1], controller);
-  const auto configurations = GatherBlock(collection, BlockNames[2], controller);
-  const auto states = GatherBlock(collection, BlockNames[3], controller);
+  const auto gather = [&](const char* name)
+  { return vtkPalpateGatherPieces(FindBlock(collection, name), controller); };
+  const vtkPalpatePieces surfaces = gather(BlockNames[1]);
+  const vtkPalpatePieces allConfigurations = gather(BlockNames[2]);
+  const vtkPalpatePieces allStates = gather(BlockNames[3]);
   TouchSpace space;
   if (controller && controller->GetLocalProcessId() != 0)
   {
     return space;
   }
+  ExpectOneSpace(allConfigurations);
+  const auto surface = Join(surfaces, { { "MeshPoint", 1 } });
+  const auto configurations =
+    Join(allConfigurations, { { "ActiveNode", 1 }, { "CheckPoint", 3 }, { "Level", 1 } });
+  const auto states =
+    Join(allStates, { { "ActiveNode", 1 }, { "TargetCheckPoint", 3 }, { "Number", 1 } });
   if (!surface || !configurations)
   {
     throw InputError("The input is no state space: it has no block Surface or no block "

@@ -47,13 +47,13 @@
 
 #include "PalpateFiltersModule.h"
 #include "state_space/touch_space.h"
+#include "vtkPalpatePieces.h"
 #include "vtkSmartPointer.h"
 
+class vtkDataSet;
 class vtkFieldData;
 class vtkMultiProcessController;
 class vtkPartitionedDataSetCollection;
-class vtkPolyData;
-class vtkUnstructuredGrid;
 
 /// Names the blocks of an empty collection, as every rank needs them: three, and a fourth one for
 /// intermediate states.
@@ -71,16 +71,17 @@ PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(const palpate::Scene& scene,
 PALPATEFILTERS_EXPORT void vtkPalpateAddFile(
   const std::string& fileName, bool complete, vtkFieldData* fields);
 
-/// The dataset of `Body`, null where there is none.
-PALPATEFILTERS_EXPORT vtkUnstructuredGrid* vtkPalpateBody(
+/// What this rank has of `Body`: the partitions with points.
+PALPATEFILTERS_EXPORT vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection);
+
+/// What this rank has of `Configurations`: the partitions with points.
+PALPATEFILTERS_EXPORT std::vector<vtkSmartPointer<vtkDataSet>> vtkPalpateConfigurations(
   vtkPartitionedDataSetCollection* collection);
 
-/// The dataset of `Configurations`, null where there is none.
-PALPATEFILTERS_EXPORT vtkPolyData* vtkPalpateConfigurations(
-  vtkPartitionedDataSetCollection* collection);
-
-/// A space from a collection whose blocks may lie on any rank; whole on rank 0, empty elsewhere.
+/// A space from a collection whose blocks may lie on any rank, in any number of partitions; whole on
+/// rank 0, empty elsewhere.
 /// @note Collective.
-/// @throws palpate::InputError on rank 0: a block or an array is missing or has another size.
+/// @throws palpate::InputError on rank 0: a block or an array is missing or has another size, or
+/// partitions belong to different spaces.
 PALPATEFILTERS_EXPORT palpate::TouchSpace vtkPalpateSpaceFromCollection(
   vtkPartitionedDataSetCollection* collection, vtkMultiProcessController* controller);

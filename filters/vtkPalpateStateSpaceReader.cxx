@@ -30,8 +30,7 @@ int vtkPalpateStateSpaceReader::RequestData(
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   const bool reads = !controller || controller->GetLocalProcessId() == 0;
-  // Every rank meets the same error; rank 0 reports it.
-  return vtkPalpateProduce(reads ? this : nullptr, output,
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
       const auto communicator = vtkPalpateCommunicator(controller);
@@ -64,12 +63,13 @@ int vtkPalpateStateSpaceReader::RequestData(
         return;
       }
       vtkPalpateFillCollection(scene, space, output);
-      if (vtkPolyData* configurations = vtkPalpateConfigurations(output))
+      for (const auto& configurations : vtkPalpateConfigurations(output))
       {
         vtkPalpateAddFile(this->FileName, complete, configurations->GetFieldData());
         output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
       }
     });
+  return 1;
 }
 
 void vtkPalpateStateSpaceReader::PrintSelf(ostream& os, vtkIndent indent)

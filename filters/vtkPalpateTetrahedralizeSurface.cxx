@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "vtkAppendPolyData.h"
-#include "vtkErrorCode.h"
 #include "vtkFieldData.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
@@ -18,7 +17,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateBodyMesh.h"
 #include "vtkPalpateFailure.h"
-#include "vtkPalpateGuard.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceRepair.h"
 #include "vtkPolyData.h"
@@ -161,7 +160,7 @@ vtkMTimeType vtkPalpateTetrahedralizeSurface::GetMTime()
 
 int vtkPalpateTetrahedralizeSurface::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+  vtkPalpateTakeWhole(info, "vtkPolyData");
   return 1;
 }
 
@@ -182,18 +181,16 @@ int vtkPalpateTetrahedralizeSurface::RequestUpdateExtent(
 int vtkPalpateTetrahedralizeSurface::RequestData(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
 {
-  auto* surface = vtkPolyData::GetData(input[0]);
   auto* body = vtkUnstructuredGrid::GetData(output, 0);
   auto* faults = vtkPolyData::GetData(output, 1);
   body->Initialize();
   faults->Initialize();
-  this->SetErrorCode(vtkErrorCode::NoError);
 
-  int succeeded = vtkPalpateGuard(this,
+  this->ErrorCode = vtkPalpateProduce(this, body, this->Controller,
     [&]
     {
       // Every rank goes through the same calls of the controller, whatever happens on rank 0.
-      const auto whole = Gather(surface, this->Controller);
+      const auto whole = Gather(vtkPalpateInput<vtkPolyData>(input[0]), this->Controller);
       if (!whole)
       {
         return;
@@ -206,25 +203,7 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
       {
         body->Initialize();
       }
-      catch (const std::exception& error)
-      {
-        vtkPalpateMarkFailed(body, error.what());
-        throw;
-      }
     });
-  if (this->Controller && this->Controller->GetNumberOfProcesses() > 1)
-  {
-    this->Controller->Broadcast(&succeeded, 1, 0);
-  }
-  if (!succeeded)
-  {
-    this->SetErrorCode(vtkErrorCode::UserError);
-    // So that the filters behind this one go the same way on all ranks.
-    if (this->Controller && this->Controller->GetLocalProcessId() != 0)
-    {
-      vtkPalpateMarkFailed(body, "Tetrahedralize Surface failed on rank 0.");
-    }
-  }
   return 1;
 }
 

@@ -26,6 +26,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateStress.h"
@@ -120,42 +121,41 @@ struct vtkPalpateTouchStateSpace::Prepared
   };
   std::map<vtkIdType, palpate::SolutionBranches> BranchesOfNode;
   std::map<std::pair<vtkIdType, int>, Branch> Branches;
-  /// Where the body is.
+  /// Which of the branches was asked for.
   vtkIdType Node = -1;
   int OnBranch = 0;
-  palpate::Vec3 At = palpate::Vec3::Zero();
   /// As long as it is asked for.
   std::unique_ptr<WholeBodyOf> Whole;
   /// Why there is none, as told.
   std::string Problem;
 
-  /// Moves the node from where it was, or from rest.
-  /// @param onBranch Where it comes to; -1: to be found.
-  /// @returns the branch that the body is on then.
+  /// The branch that the body is on when the node has come to t.
+  /// @param start Where it came from, in a straight line.
+  /// @param startBranch The branch that it was on there; -1: that to which it comes from rest.
+  /// @param branch The branch that it is on at t; -1: to be found.
   /// @throws InputError there is no such branch.
-  Branch& Move(const TouchSite& site, const palpate::Vec3& t, int onBranch)
+  Branch& Find(const TouchSite& site, const palpate::Vec3& start, int startBranch,
+    const palpate::Vec3& t, int branch)
   {
-    const vtkIdType node = site.site.active_node;
-    if (node != this->Node)
-    {
-      this->Node = node;
-      this->OnBranch = 0;
-      this->At.setZero();
-    }
+    this->Node = site.site.active_node;
     const palpate::SolutionBranches& branches =
-      this->BranchesOfNode.try_emplace(node, site).first->second;
-    if (onBranch < -1 || onBranch >= branches.size())
+      this->BranchesOfNode.try_emplace(this->Node, site).first->second;
+    for (const int given : { startBranch, branch })
     {
-      throw palpate::InputError("There is no branch " + std::to_string(onBranch) +
-        " at active node " + std::to_string(node) + ": it has " + std::to_string(branches.size()) +
-        ", counted from 0. Choose one of them, or -1, with which the body finds its own.");
+      if (given < -1 || given >= branches.size())
+      {
+        throw palpate::InputError("There is no branch " + std::to_string(given) +
+          " at active node " + std::to_string(this->Node) + ": it has " +
+          std::to_string(branches.size()) +
+          ", counted from 0. Choose one of them, or -1, with which the body finds its own.");
+      }
     }
-    this->OnBranch = onBranch >= 0 ? onBranch : branches.move(this->OnBranch, this->At, t);
-    if (t.allFinite())
+    if (branch < 0 && startBranch < 0)
     {
-      this->At = t;
+      startBranch = branches.move(0, palpate::Vec3::Zero(), start);
     }
-    return this->Branches[{ node, this->OnBranch }];
+    this->OnBranch = branch >= 0 ? branch : branches.move(startBranch, start, t);
+    return this->Branches[{ this->Node, this->OnBranch }];
   }
 
   /// What of the site is on a branch; its parts hold all they need of it.
@@ -177,7 +177,7 @@ vtkPalpateTouchStateSpace::~vtkPalpateTouchStateSpace() = default;
 
 int vtkPalpateTouchStateSpace::FillInputPortInformation(int, vtkInformation* info)
 {
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPartitionedDataSetCollection");
+  vtkPalpateTakeWhole(info, "vtkPartitionedDataSetCollection");
   return 1;
 }
 
@@ -245,11 +245,11 @@ int vtkPalpateTouchStateSpace::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* output = vtkPolyData::GetData(outputVector);
-  return vtkPalpateProduce(this, output,
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
-      auto* input = vtkPartitionedDataSetCollection::GetData(inputVector[0]);
-      vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+      auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
       // Decided together: where rank 0 alone meets an error, the others must not wait for it.
       const auto ranks = vtkPalpateCommunicator(controller);
       if (palpate::any(*ranks, vtkPalpatePassFailure(input, output)))
@@ -277,7 +277,8 @@ int vtkPalpateTouchStateSpace::RequestData(
       const TouchSite& site = SiteOf(space, this->ActiveNode);
       const vtkIdType node = site.site.active_node;
       const palpate::Vec3 t(this->Displacement);
-      Prepared::Branch& branch = this->Cache->Move(site, t, this->Branch);
+      Prepared::Branch& branch = this->Cache->Find(
+        site, palpate::Vec3(this->StartDisplacement), this->StartBranch, t, this->Branch);
       auto& interpolator = branch.Interpolators[this->Interpolation];
       if (!interpolator)
       {
@@ -363,6 +364,7 @@ int vtkPalpateTouchStateSpace::RequestData(
         }
       }
     });
+  return 1;
 }
 
 void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
@@ -371,6 +373,9 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ActiveNode: " << this->ActiveNode << '\n'
      << indent << "Displacement: " << this->Displacement[0] << ' ' << this->Displacement[1] << ' '
      << this->Displacement[2] << '\n'
+     << indent << "StartDisplacement: " << this->StartDisplacement[0] << ' '
+     << this->StartDisplacement[1] << ' ' << this->StartDisplacement[2] << '\n'
+     << indent << "StartBranch: " << this->StartBranch << '\n'
      << indent << "Branch: " << this->Branch << '\n'
      << indent << "Interpolation: " << this->Interpolation << '\n'
      << indent << "Stress: " << this->Stress << '\n'

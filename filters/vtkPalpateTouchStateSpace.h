@@ -19,9 +19,10 @@
  * displacement of the whole body from the file of the space, as far as it is needed where the node
  * is; where that fails, an error tells why, once, and what depends on it is left out.
  *
- * In a space with levels the body remembers: the node moves straight from where it was in the last
- * execution, from rest after the input or the node has changed, and the body jumps from branch to
- * branch where it has to. Or the branch is said, by one who has followed the node more closely.
+ * In a space with levels it counts how the body came there: the node moves straight from rest to
+ * StartDisplacement and straight on to Displacement, and the body jumps from branch to branch where
+ * it has to. Or the branch is given, at the start (StartBranch) or at the end (Branch). The output
+ * depends on the input and on the properties alone, not on earlier executions.
  *
  * What does not depend on the displacement is kept from one execution to the next. Under MPI the
  * result is whole on rank 0 and empty elsewhere.
@@ -60,7 +61,17 @@ public:
   vtkGetVector3Macro(Displacement, double);
   ///@}
   ///@{
-  /// The branch that the body is on; -1: that to which it comes from where it was.
+  /// Where the node comes from, in a straight line: a displacement from rest, m.
+  vtkSetVector3Macro(StartDisplacement, double);
+  vtkGetVector3Macro(StartDisplacement, double);
+  ///@}
+  ///@{
+  /// The branch that the body is on at the start; -1: that to which it comes straight from rest.
+  vtkSetMacro(StartBranch, int);
+  vtkGetMacro(StartBranch, int);
+  ///@}
+  ///@{
+  /// The branch that the body is on; -1: that to which it comes from the start.
   vtkSetMacro(Branch, int);
   vtkGetMacro(Branch, int);
   ///@}
@@ -101,6 +112,8 @@ private:
 
   vtkIdType ActiveNode = -1;
   double Displacement[3] = { 0, 0, 0 };
+  double StartDisplacement[3] = { 0, 0, 0 };
+  int StartBranch = -1;
   int Branch = -1;
   int Interpolation = ENERGY_HERMITE;
   bool Stress = false;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,11 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPalpateScene.h"
+#include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
 {
-constexpr int BodyTag = 7401;
-
 /// The text of rank 0 on every rank.
 std::string Broadcast(std::string text, vtkMultiProcessController* controller)
 {
@@ -32,47 +32,43 @@ std::string Broadcast(std::string text, vtkMultiProcessController* controller)
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
-  vtkUnstructuredGrid* piece, vtkMultiProcessController* controller)
+  const vtkPalpatePieces& own, vtkMultiProcessController* controller)
 {
-  const int numberOfRanks = controller ? controller->GetNumberOfProcesses() : 1;
-  if (numberOfRanks == 1)
-  {
-    return piece;
-  }
-  const int rank = controller->GetLocalProcessId();
-  const vtkIdType numberOfCells = piece->GetNumberOfCells();
-  std::vector<vtkIdType> cellsOfRank(numberOfRanks, 0);
-  controller->AllGather(&numberOfCells, cellsOfRank.data(), 1);
-
-  const auto owners = std::count_if(
-    cellsOfRank.begin(), cellsOfRank.end(), [](vtkIdType cells) { return cells > 0; });
-  if (owners > 1)
-  {
-    if (rank != 0)
-    {
-      return nullptr;
-    }
-    throw palpate::InputError("The body is spread over " + std::to_string(owners) +
-      " ranks, so that the ids of its points are ambiguous. Save it into one .vtu file with one "
-      "rank, and read that.");
-  }
-  const auto owner = static_cast<int>(
-    std::max_element(cellsOfRank.begin(), cellsOfRank.end()) - cellsOfRank.begin());
-  if (owner == 0)
-  {
-    return rank == 0 ? piece : nullptr;
-  }
-  if (rank == owner)
-  {
-    controller->Send(piece, 0, BodyTag);
-  }
-  if (rank != 0)
+  vtkPalpatePieces withCells;
+  std::copy_if(own.begin(), own.end(), std::back_inserter(withCells),
+    [](vtkPointSet* piece) { return piece->GetNumberOfCells() > 0; });
+  const vtkPalpatePieces pieces = vtkPalpateGatherPieces(withCells, controller);
+  if (controller && controller->GetLocalProcessId() != 0)
   {
     return nullptr;
   }
-  auto body = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  controller->Receive(body, owner, BodyTag);
-  return body;
+  if (pieces.size() > 1)
+  {
+    return vtkPalpateJoin(pieces,
+      [&pieces](vtkPointSet* piece) -> std::vector<vtkDataArray*>
+      {
+        if (vtkDataArray* ids = piece->GetPointData()->GetGlobalIds())
+        {
+          return { ids };
+        }
+        throw palpate::InputError("The body is in " + std::to_string(pieces.size()) +
+          " pieces, and nothing tells which of their points are the same. Apply Generate Global "
+          "Ids to it first, or save it into one .vtu file with one rank, and read that.");
+      });
+  }
+  if (!pieces.empty())
+  {
+    return vtkUnstructuredGrid::SafeDownCast(pieces.front());
+  }
+  auto* nothing = own.empty() ? nullptr : vtkUnstructuredGrid::SafeDownCast(own.front());
+  return nothing ? vtkSmartPointer<vtkUnstructuredGrid>(nothing)
+                 : vtkSmartPointer<vtkUnstructuredGrid>::New();
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
+  vtkUnstructuredGrid* piece, vtkMultiProcessController* controller)
+{
+  return vtkPalpateGatherBody(vtkPalpatePieces{ piece }, controller);
 }
 
 palpate::Scene vtkPalpateShareScene(

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "PalpateFiltersModule.h"
+#include "vtkPalpatePieces.h"
 #include "vtkSmartPointer.h"
 
 class vtkMultiProcessController;
@@ -14,10 +15,14 @@ namespace palpate
 struct Scene;
 }
 
-/// The body on rank 0, null on the others. `controller` may be null: one rank.
+/// The body on rank 0, null on the others. Where several pieces have cells, they are joined by their
+/// global point ids, in whose order the points of the body then are.
+/// @param own What this rank has of it.
+/// @param controller The ranks; null: one.
 /// @note Collective.
-/// @throws palpate::InputError on rank 0, where several ranks have cells: the ids of points would
-/// mean something else on each of them.
+/// @throws palpate::InputError on rank 0, where several pieces have cells but no global ids.
+PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
+  const vtkPalpatePieces& own, vtkMultiProcessController* controller);
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
   vtkUnstructuredGrid* piece, vtkMultiProcessController* controller);
 

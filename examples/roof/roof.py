@@ -109,13 +109,15 @@ def loop(space, node, args):
     """Deflection, force and branch on the way down and back, m and N, and what was found."""
     touch = TouchStateSpace(Input=space, ActiveNode=node)
     rows = []
-    ways = np.linspace(0, args.half_width, args.steps + 1)
-    for deflection in [*ways, *ways[::-1]]:
-        touch.Displacement = [0, 0, -deflection]
-        data = data_of(update(touch))
-        rows.append((deflection, -field(data, "Force")[2], field(data, "Branch")[0],
-                     field(data, "Found")[0]))
-    return rows[:args.steps + 1], rows[:args.steps:-1]
+    for start in (0, args.half_width):
+        touch.StartDisplacement = [0, 0, -start]
+        rows.append([])
+        for deflection in np.linspace(0, args.half_width, args.steps + 1):
+            touch.Displacement = [0, 0, -deflection]
+            data = data_of(update(touch))
+            rows[-1].append((deflection, -field(data, "Force")[2], field(data, "Branch")[0],
+                             field(data, "Found")[0]))
+    return rows
 
 
 def jump(rows):
@@ -127,15 +129,14 @@ def jump(rows):
 
 
 def picture(space, node, ways, path):
-    """One body beside the other, each moved through its deflections, four times as high."""
+    """One body beside the other, each moved from one deflection to another, four times as high."""
     view = CreateView("RenderView")
     view.ViewSize, view.Background, view.UseColorPaletteForBackground = [1200, 500], [1, 1, 1], 0
     view.OrientationAxesVisibility = 0
-    for number, deflections in enumerate(ways):
-        touch = TouchStateSpace(Input=space, ActiveNode=node)
-        for deflection in deflections:
-            touch.Displacement = [0, 0, -deflection]
-            update(touch)
+    for number, (start, deflection) in enumerate(ways):
+        touch = update(TouchStateSpace(Input=space, ActiveNode=node,
+                                       StartDisplacement=[0, 0, -start],
+                                       Displacement=[0, 0, -deflection]))
         shown = Transform(Input=touch)
         shown.Transform.Translate = [0.62 * number, 0, 0]
         shown.Transform.Scale = [1, 1, 4]
@@ -191,7 +192,7 @@ def main():
     # At one deflection on both branches: on the way down, and coming back.
     between = sum(jumps) / 2 if all(jumps) else args.half_width / 2
     picture(spaces["Automatic"], node,
-            [[between], [args.half_width], [args.half_width, between]],
+            [(0, between), (0, args.half_width), (args.half_width, between)],
             os.path.join(args.output, "branches.png"))
     chart("A roof that snaps through", "deflection (mm)", "force (N)", [
         Curve("pressed", [(1e3 * r[0], r[1]) for r in down], 0, 1),

@@ -118,7 +118,10 @@ void pqPalpateBodyView::Show(int node, int branch, const double* displacement)
   vtkSMProxy* filter = this->Filter->getProxy();
   const bool isKnown = this->View && !this->View->getViewProxy()->GetNeedsUpdate();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(node));
-  vtkSMPropertyHelper(filter, "Branch").Set(branch);
+  // The loop has followed the node here.
+  vtkSMPropertyHelper(filter, "StartDisplacement").Set(displacement, 3);
+  vtkSMPropertyHelper(filter, "StartBranch").Set(branch);
+  vtkSMPropertyHelper(filter, "Branch").Set(-1);
   vtkSMPropertyHelper(filter, "Displacement").Set(displacement, 3);
   filter->UpdateVTKObjects();
   if (isKnown && !this->IsOver && this->NumberOfFrames > 0)

@@ -99,6 +99,9 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
     if (Is(touch, "TouchStateSpace"))
     {
       vtkSMPropertyHelper(touch, "ActiveNode").Set(static_cast<vtkIdType>(Value(node, 0)));
+      constexpr double rest[3] = { 0, 0, 0 };
+      vtkSMPropertyHelper(touch, "StartDisplacement").Set(rest, 3);
+      vtkSMPropertyHelper(touch, "StartBranch").Set(-1);
       vtkSMPropertyHelper(touch, "Displacement").Set(displacement, 3);
       touch->UpdateVTKObjects();
       consumer->updatePipeline();

@@ -88,7 +88,7 @@ TEST(StateSpaceData, RoundTrip)
     }
   }
 
-  vtkPalpateConfigurations(collection)->GetFieldData()->RemoveArray("CoarsestCell");
+  vtkPalpateConfigurations(collection).front()->GetFieldData()->RemoveArray("CoarsestCell");
   EXPECT_THROW((void)vtkPalpateSpaceFromCollection(collection, nullptr), palpate::InputError);
 }
 

@@ -3,36 +3,63 @@
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (AssignMaterial, SetBoundary, SolveEquilibrium,
+from paraview.simple import (AssignMaterial, GenerateGlobalIds, SetBoundary, SolveEquilibrium,
                              XMLPartitionedUnstructuredGridReader)
 from support import (box_body, expect_error, expect_silence, fetch, field, grid_of, places,
                      point_array, source)
+from vtkmodules.vtkCommonCore import vtkIdTypeArray
 from vtkmodules.vtkCommonDataModel import VTK_TETRA
 
 PARTITIONED = """<?xml version="1.0"?>
 <VTKFile type="PUnstructuredGrid" version="0.1" byte_order="LittleEndian">
   <PUnstructuredGrid GhostLevel="0">
     <PPoints><PDataArray type="Float64" Name="Points" NumberOfComponents="3"/></PPoints>
+    {arrays}
     {pieces}
   </PUnstructuredGrid>
 </VTKFile>
 """
 
 
-def partitioned(name, pieces):
+GLOBAL_IDS = ('<PPointData GlobalIds="Ids"><PDataArray type="Int64" IdType="1" Name="Ids"/>'
+              '</PPointData>')
+
+
+def partitioned(name, pieces, arrays=""):
     """A reader that gives the first rank the first of the files, and so on."""
     with open(name + ".pvtu", "w") as file:
         file.write(PARTITIONED.format(
-            pieces="".join(f'<Piece Source="{piece}.vtu"/>' for piece in pieces)))
+            arrays=arrays, pieces="".join(f'<Piece Source="{piece}.vtu"/>' for piece in pieces)))
     return XMLPartitionedUnstructuredGridReader(FileName=[name + ".pvtu"])
 
 
-def road(body):
+def halves(name, grid, with_ids):
+    """The body cut at x = 0.1, with the points of the cut in both pieces."""
+    cells = [[grid.GetCell(c).GetPointId(i) for i in range(grid.GetCell(c).GetNumberOfPoints())]
+             for c in range(grid.GetNumberOfCells())]
+    # The second half first, so that the order of the points is not that of the pieces.
+    for number, side in enumerate((1, -1)):
+        own = [cell for cell in cells if side * (places(grid)[cell, 0].mean() - 0.1) > 0]
+        used = sorted({point for cell in own for point in cell})
+        half = grid_of(places(grid)[used], [[used.index(p) for p in cell] for cell in own],
+                       grid.GetCellType(0))
+        if with_ids:
+            ids = vtkIdTypeArray()
+            ids.SetName("Ids")
+            for point in used:
+                ids.InsertNextValue(point)
+            half.GetPointData().SetGlobalIds(ids)
+        source(half, f"{name}{number}")
+    return partitioned(name, [name + "0", name + "1"], GLOBAL_IDS if with_ids else "")
+
+
+def road(body, grid=None):
     material = AssignMaterial(Input=body, Law="Neo-Hookean")
     boundary = SetBoundary(Input=material, FixedRegion="Plane")
     boundary.FixedRegion.Origin = [0, 0, 0]
     boundary.FixedRegion.Normal = [1, 0, 0]
-    node = int(numpy.argmin(numpy.linalg.norm(places(box_body()) - [0.2, 0.1, 0.1], axis=1)))
+    points = places(grid or box_body())
+    node = int(numpy.argmin(numpy.linalg.norm(points - [0.2, 0.1, 0.1], axis=1)))
     return SolveEquilibrium(Input=boundary, ActiveNode=[node], Displacement=[0.01, 0.005, 0])
 
 
@@ -55,6 +82,26 @@ def test_group(body, alone):
     assert field(expect_silence(lambda: fetch(together)), "Outcome")[0] == 0
 
 
+def test_pieces(grid, alone):
+    """A body on both ranks: its points are joined by their global ids, in the order of those."""
+    result = expect_silence(lambda: fetch(road(halves("numbered", grid, True))))
+    assert result.GetNumberOfCells() == grid.GetNumberOfCells()
+    assert (places(result) == places(grid)).all()
+    assert close(field(result, "ReactionForce"), field(alone, "ReactionForce"))
+
+    plain = halves("plain", grid, False)
+    expect_error(lambda: fetch(road(plain)), "2 pieces", "Generate Global Ids")
+    numbered = GenerateGlobalIds(Input=plain)
+    whole = fetch(AssignMaterial(Input=numbered))
+    assert whole.GetNumberOfPoints() == grid.GetNumberOfPoints()
+    result = expect_silence(lambda: fetch(road(numbered, whole)))
+    assert close(field(result, "ReactionForce"), field(alone, "ReactionForce"))
+
+
+def close(ours, theirs):
+    return numpy.abs(ours - theirs).max() <= 1e-9 * numpy.abs(theirs).max()
+
+
 def main():
     assert servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions() == 2
     grid = box_body()
@@ -75,9 +122,8 @@ def main():
     assert (point_array(results[0], "Displacement") == point_array(results[1], "Displacement")).all()
 
     test_group(first, results[0])
+    test_pieces(grid, results[0])
 
-    expect_error(lambda: fetch(road(partitioned("spread", ["whole", "whole"]))),
-                 "spread over 2 ranks")
     expect_error(lambda: fetch(road(partitioned("nothing", ["none", "none"]))), "no cells")
     assert field(fetch(road(first)), "Outcome")[0] == 0
     print("passed")

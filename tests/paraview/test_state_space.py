@@ -6,8 +6,8 @@ import sqlite3
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (AppendDatasets, AssignMaterial, Calculator, OpenDataFile,
-                             PrecomputeStateSpace, SaveData, SolveEquilibrium, StateSpaceReader,
+from paraview.simple import (AppendDatasets, AssignMaterial, Calculator, EstimateError,
+                             OpenDataFile, PrecomputeStateSpace, RedistributeDataSet, SaveData, SolveEquilibrium, StateSpaceReader,
                              TouchStateSpace, Transform)
 from state_space_support import arrays_of, expect_same_space, fetch_space, precompute
 from support import (Messages, box_body, expect_error, expect_silence, fetch, field, node_at, places,
@@ -267,6 +267,35 @@ def test_resume():
     body = MergeBlocks(Input=ExtractBlock(Input=reader, Selectors=["/Root/Body"]))
     again = fetch_space(precompute(body, nodes, FileName="resume.palpate"))["Configurations"]
     assert field(again, "Solved")[0] == 0
+
+
+def test_partitions():
+    """A space whose blocks are split into partitions is the same space."""
+    boundary = scene("partitions", quadratic=False)
+    node = node_at(boundary, CORNER)
+    space = precompute(boundary, [node], Resolution=3, IntermediateStates=1)
+    split = RedistributeDataSet(Input=space, NumberOfPartitions=3, PreservePartitionsInOutput=1)
+    split.UpdatePipeline()
+    blocks = servermanager.Fetch(split, 0)
+    for block in range(1, 4):
+        sizes = [blocks.GetPartition(block, p).GetNumberOfPoints()
+                 for p in range(blocks.GetNumberOfPartitions(block)) if blocks.GetPartition(block, p)]
+        assert sum(size > 0 for size in sizes) > 1, (block, sizes)
+    whole, parts = (TouchStateSpace(Input=source, Displacement=[0.012, -0.003, 0.007])
+                    for source in (space, split))
+    for method in ("Energy Hermite", "RBF cubic"):
+        whole.Interpolation = parts.Interpolation = method
+        ours, theirs = (expect_silence(lambda touch=touch: fetch(touch)) for touch in (parts, whole))
+        assert (field(ours, "Force") == field(theirs, "Force")).all()
+        assert field(ours, "Found")[0] == INSIDE
+        assert (places(ours) == places(theirs)).all()
+        assert ours.GetNumberOfCells() == theirs.GetNumberOfCells()
+    estimated = EstimateError(Input=split)
+    estimated.UpdatePipeline()
+    blocks = servermanager.Fetch(estimated, 0)
+    for p in range(blocks.GetNumberOfPartitions(2)):
+        part = blocks.GetPartition(2, p)
+        assert not part or part.GetPointData().HasArray("EstimatedError")
 
 
 def test_growth():

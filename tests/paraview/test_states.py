@@ -51,6 +51,36 @@ def check_the_triple(name):
         assert EXAMPLES not in file.read(), state
 
 
+def check_that_the_past_does_not_count():
+    """A body that snaps, at the same displacements in whatever order: the branch depends on where the
+    node is said to come from."""
+    touch = FindSource("Touch")
+    deflections = [0.0025 * i for i in range(13)]
+
+    def branches(start, order):
+        touch.StartDisplacement = [0, 0, -start]
+        found = {}
+        for deflection in order:
+            touch.Displacement = [0, 0, -deflection]
+            touch.UpdatePipeline()
+            found[deflection] = touch.FieldData["Branch"].GetRange(0)[0]
+        return [found[deflection] for deflection in deflections]
+
+    down, up = (branches(start, deflections) for start in (0, 0.03))
+    assert down != up and down[0] == up[0] == 0, (down, up)
+    assert down == branches(0, deflections[::-1]) and up == branches(0.03, deflections[::-1])
+    # The branch of the start may be said, too.
+    between = next(d for d, a, b in zip(deflections, down, up) if a != b)
+    touch.StartDisplacement = [0, 0, -between]
+    touch.Displacement = [0, 0, -between]
+    for branch in (0, 1):
+        touch.StartBranch = branch
+        touch.UpdatePipeline()
+        assert touch.FieldData["Branch"].GetRange(0)[0] == branch
+    touch.StartBranch = 7
+    assert errors_of(touch.UpdatePipeline)
+
+
 names = sorted(name for name in os.listdir(EXAMPLES)
                if os.path.isfile(os.path.join(EXAMPLES, name, "README.md")))
 assert len(names) == 8, names
@@ -59,5 +89,7 @@ for name in names:
         check_the_triple(name)
     if name not in ("embedding", "liver"):
         open_state(name)
+        if name == "roof":
+            check_that_the_past_does_not_count()
         Disconnect()
         Connect()
