@@ -93,7 +93,7 @@ def make_discretisation():
     bodies = []
     for number, order in enumerate(("Linear", "Quadratic")):
         scene = liver_scene(order)
-        solve = SolveEquilibrium(Input=scene, ActiveNode=[NODE_IN_FRONT], TipRadius=TIP_RADIUS,
+        solve = SolveEquilibrium(Input=scene, ActiveNodes=[NODE_IN_FRONT], TipRadius=TIP_RADIUS,
                                  Displacement=pull(0.02))
         named(**{order: solve})
         warp = WarpByVector(Input=update(solve), Vectors=["POINTS", "Displacement"])
@@ -135,7 +135,7 @@ def make_stability():
                      "* YoungsModulus"))
 
     scene = liver_scene("Quadratic", change=stiffen)
-    solve = SolveEquilibrium(Input=scene, ActiveNode=[NODE_IN_FRONT], TipRadius=TIP_RADIUS,
+    solve = SolveEquilibrium(Input=scene, ActiveNodes=[NODE_IN_FRONT], TipRadius=TIP_RADIUS,
                              Displacement=pull(0.021))
     named(Solution=update(solve))
     warp = WarpByVector(Input=solve, Vectors=["POINTS", "Displacement"])

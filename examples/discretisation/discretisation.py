@@ -121,7 +121,7 @@ def measure(args, organ, samples):
                 # The point alone is a matter of one law.
                 if radius == 0 and law != args.laws[0]:
                     continue
-                solved = Measured(scene, displacement, ActiveNode=[node],
+                solved = Measured(scene, displacement, ActiveNodes=[node],
                                   TipRadius=radius * SLACK)
                 outcome = solved.figure("Outcome")
                 row = {"law": law, "element": element, "tip (mm)": 1e3 * radius,

@@ -55,7 +55,7 @@ def report(args):
     for element, body in bodies.items():
         for law, settings, ratio, formulation in cases():
             scene = AssignMaterial(Input=body, Law=law, C10=C10, C01=C01, **settings)
-            solved = Measured(scene, displacement, ActiveNode=[args.node])
+            solved = Measured(scene, displacement, ActiveNodes=[args.node])
             outcome = solved.figure("Outcome")
             rows.append({"Poisson's ratio": ratio, "element": element, "formulation": formulation,
                          "unknowns": solved.figure("Unknowns"), "seconds": solved.seconds,

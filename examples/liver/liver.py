@@ -230,7 +230,7 @@ def main():
     table.describe_space(output(space))
 
     touch = TouchStateSpace(Input=space, ActiveNode=nodes[0])
-    solve = SolveEquilibrium(Input=scene, ActiveNode=nodes[:1])
+    solve = SolveEquilibrium(Input=scene, ActiveNodes=nodes[:1])
     displacements = touches(space, nodes[0], half_width)
     for name, displacement in displacements.items():
         touch.Displacement = solve.Displacement = list(displacement)

@@ -175,7 +175,7 @@ def main():
     flat, _ = loop(spaces["Flat"], node, args)
 
     # The solver's own path: where it turns back.
-    solution = SolveEquilibrium(Input=scene, ActiveNode=[node], TipRadius=TIP,
+    solution = SolveEquilibrium(Input=scene, ActiveNodes=[node], TipRadius=TIP,
                                 Displacement=[0, 0, -args.half_width])
     folds = data_of(update(solution)).GetFieldData().GetArray("Folds")
     table = [dict(zip(COLUMNS, (1e3 * d[0], d[1], d[2], u[1], u[2], f[1], f[3])))

@@ -90,7 +90,7 @@ def materials(args):
 
 def measure(args):
     body, node, organ = read_body(args)
-    touch = {"ActiveNode": [node], "TipRadius": organ.tip_radius * SLACK}
+    touch = {"ActiveNodes": [node], "TipRadius": organ.tip_radius * SLACK}
     ways = [("1e-12 m", 1e-12)] + [(f"{share:g} x size", share * organ.size)
                                    for share in args.distances]
     rows = []

@@ -136,7 +136,7 @@ def measure(args):
     rows = []
     for law in args.laws:
         scene = scene_of(body, law, args)
-        exact = Exact(scene, half_width, args.points, {"ActiveNode": [node], **tip})
+        exact = Exact(scene, half_width, args.points, {"ActiveNodes": [node], **tip})
         print(f"{law}: {exact.regular.sum()} of {args.points} places are reached from rest by a "
               "regular way", flush=True)
         for name, settings, asked in spaces:

@@ -143,7 +143,7 @@ def main():
     picture("SetBoundary")
 
     solve = add("Solve Equilibrium")
-    solve.ActiveNode, solve.Displacement = [NODE], [0, 0, 0.02]
+    solve.ActiveNodes, solve.Displacement = [NODE], [0, 0, 0.02]
     apply()
     warp = WarpByVector(Input=solve, Vectors=["POINTS", "Displacement"])
     Show(warp)

@@ -28,7 +28,7 @@ def road(body, node, material=None, boundary=None, equilibrium=None):
     held.FixedRegion.Normal = [1, 0, 0]
     for name, value in (boundary or {}).items():
         setattr(held, name, value)
-    settings = {"ActiveNode": [node], "Displacement": [0.005, 0, 0], **(equilibrium or {})}
+    settings = {"ActiveNodes": [node], "Displacement": [0.005, 0, 0], **(equilibrium or {})}
     return SolveEquilibrium(Input=held, **settings)
 
 
@@ -164,7 +164,7 @@ def test_material_of_a_calculator(bad):
                              Function=value)
         boundary = SetBoundary(Input=changed, FixedRegion="Plane")
         boundary.FixedRegion.Origin = [0, 0, 0]
-        expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNode=[bad.node])),
+        expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNodes=[bad.node])),
                      *words)
     bad.good_run()
 
@@ -172,10 +172,10 @@ def test_material_of_a_calculator(bad):
 def test_missing_arrays(bad):
     boundary = SetBoundary(Input=bad.body, FixedRegion="Plane")
     boundary.FixedRegion.Origin = [0, 0, 0]
-    expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNode=[bad.node])),
+    expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNodes=[bad.node])),
                  "no material", "Assign Material")
     material = AssignMaterial(Input=bad.body)
-    expect_error(lambda: fetch(SolveEquilibrium(Input=material, ActiveNode=[bad.node])),
+    expect_error(lambda: fetch(SolveEquilibrium(Input=material, ActiveNodes=[bad.node])),
                  "fixed", "Set Boundary")
     bad.good_run()
 
@@ -239,7 +239,7 @@ def test_fixed_by_an_array_of_the_file(bad):
         grid.GetPointData().AddArray(fixed)
 
     material = AssignMaterial(Input=spoilt(fixed_zero))
-    expect_error(lambda: fetch(SolveEquilibrium(Input=material, ActiveNode=[bad.node])),
+    expect_error(lambda: fetch(SolveEquilibrium(Input=material, ActiveNodes=[bad.node])),
                  "No point", "fixed", "Set Boundary")
     bad.good_run()
 
@@ -252,8 +252,8 @@ def test_active_node(bad):
     beyond = bad.grid.GetNumberOfPoints()
     for node in (beyond, -1):
         bad.fails("does not exist", f"node {node}", node=node)
-    bad.fails("twice", equilibrium={"ActiveNode": [bad.node] * 2, "Displacement": [0.01, 0, 0] * 2})
-    bad.fails("No active node", equilibrium={"ActiveNode": []})
+    bad.fails("twice", equilibrium={"ActiveNodes": [bad.node] * 2, "Displacement": [0.01, 0, 0] * 2})
+    bad.fails("No active node", equilibrium={"ActiveNodes": []})
 
     def with_loose_point(grid):
         grid.GetPoints().InsertNextPoint(1, 1, 1)

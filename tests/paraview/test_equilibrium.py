@@ -16,7 +16,7 @@ INVERTED, UNSTABLE, NEAR_A_FOLD = 1, 2, 8
 
 
 def solve(boundary, nodes, displacements, **settings):
-    equilibrium = SolveEquilibrium(Input=boundary, ActiveNode=nodes,
+    equilibrium = SolveEquilibrium(Input=boundary, ActiveNodes=nodes,
                                    Displacement=list(numpy.ravel(displacements)), **settings)
     return expect_silence(lambda: fetch(equilibrium))
 
@@ -54,7 +54,7 @@ def test_inverted_cells():
     for t, inverted in (([0.005, 0, 0], False), ([-0.08, 0.02, 0], True)):
         boundary = scene("inverted", "St. Venant-Kirchhoff")
         equilibrium = SolveEquilibrium(Input=boundary, Displacement=t,
-                                       ActiveNode=[node_at(boundary, [0.2, 0.05, 0.05])])
+                                       ActiveNodes=[node_at(boundary, [0.2, 0.05, 0.05])])
         with Messages():
             grid = fetch(equilibrium)
         of_cells = cell_array(grid, "MinimumDetF")
@@ -124,7 +124,7 @@ def roof():
 def test_folds():
     """The roof snaps back in displacement too: beyond 17 mm it has jumped, and the jump is told."""
     body, crown = roof()
-    equilibrium = SolveEquilibrium(Input=body, ActiveNode=[crown], Displacement=[0, 0, -0.02])
+    equilibrium = SolveEquilibrium(Input=body, ActiveNodes=[crown], Displacement=[0, 0, -0.02])
     for increments in (1, 2):
         equilibrium.Increments = increments
         with Messages() as messages:
@@ -226,11 +226,11 @@ def test_tip_out_of_place():
     def run(**settings):
         return lambda: SolveEquilibrium(Input=boundary, **settings).UpdatePipeline()
 
-    expect_error(run(ActiveNode=nodes[:1], Displacement=[0, 0, 0], TipRadius=0.25), "fixed",
+    expect_error(run(ActiveNodes=nodes[:1], Displacement=[0, 0, 0], TipRadius=0.25), "fixed",
                  f"node {nodes[0]}", "0.25 m")
-    expect_error(run(ActiveNode=nodes, Displacement=[0] * 6, TipRadius=0.06), "share",
+    expect_error(run(ActiveNodes=nodes, Displacement=[0] * 6, TipRadius=0.06), "share",
                  str(nodes[0]), str(nodes[1]), "0.06 m")
-    expect_error(run(ActiveNode=nodes[:1], Displacement=[0, 0, 0], TipRadius=-1), "tip radius")
+    expect_error(run(ActiveNodes=nodes[:1], Displacement=[0, 0, 0], TipRadius=-1), "tip radius")
 
 
 def test_tip_on_the_liver():
@@ -269,7 +269,7 @@ def unfinished(boundary, prepare=None, **settings):
     """The solve ends early: a warning, no error, and a state from before."""
     displacement = [0.01, 0.005, 0]
     node = node_at(boundary, [0.2, 0.1, 0.1])
-    equilibrium = SolveEquilibrium(Input=boundary, ActiveNode=[node],
+    equilibrium = SolveEquilibrium(Input=boundary, ActiveNodes=[node],
                                    Displacement=displacement, **settings)
     if prepare:
         prepare(equilibrium.GetClientSideObject())
@@ -297,7 +297,7 @@ def abort_at_progress(algorithm):
 def test_run_after_an_abort():
     boundary = scene("abort", "Neo-Hookean")
     equilibrium = SolveEquilibrium(Input=boundary, Displacement=[0.01, 0.005, 0],
-                                   ActiveNode=[node_at(boundary, [0.2, 0.1, 0.1])])
+                                   ActiveNodes=[node_at(boundary, [0.2, 0.1, 0.1])])
     algorithm = equilibrium.GetClientSideObject()
     observer = abort_at_progress(algorithm)
     assert field(fetch(equilibrium), "Outcome")[0] == ABORTED

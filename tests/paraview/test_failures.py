@@ -28,7 +28,7 @@ def test_collections_are_refused():
     boundary = scene("collections", quadratic=False)
     node = node_at(boundary, [0.2, 0.1, 0.1])
     space = precompute(boundary, [node], Resolution=3)
-    on_body = {AssignMaterial: {}, SetBoundary: {}, SolveEquilibrium: {"ActiveNode": [node]},
+    on_body = {AssignMaterial: {}, SetBoundary: {}, SolveEquilibrium: {"ActiveNodes": [node]},
                PrecomputeStateSpace: {"ActiveNodes": [node], "Resolution": 3}}
     cases = [(boundary, "collection", on_body), (Sphere(), "collection", {TetrahedralizeSurface: {}}),
              (space, "no state space", {TouchStateSpace: {}, EstimateError: {}, AccuracyReport: {}})]

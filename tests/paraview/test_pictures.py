@@ -62,7 +62,7 @@ kinds, fixed, touchable = (point_array(fetch(boundary), name)
                            for name in ("BoundaryKind", "Fixed", "Touchable"))
 assert (kinds == 2 * fixed + touchable).all() and set(kinds) == {0, 1, 2}
 
-solved = SolveEquilibrium(Input=boundary, ActiveNode=[node], Displacement=[0, 0, 0.02])
+solved = SolveEquilibrium(Input=boundary, ActiveNodes=[node], Displacement=[0, 0, 0.02])
 assert is_coloured_by(Show(solved, CreateView("RenderView")), "Displacement")
 
 faulty = TetrahedralizeSurface(Input=Cone(Capping=0), RepairSurface=1)

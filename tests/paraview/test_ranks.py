@@ -60,7 +60,7 @@ def road(body, grid=None):
     boundary.FixedRegion.Normal = [1, 0, 0]
     points = places(grid or box_body())
     node = int(numpy.argmin(numpy.linalg.norm(points - [0.2, 0.1, 0.1], axis=1)))
-    return SolveEquilibrium(Input=boundary, ActiveNode=[node], Displacement=[0.01, 0.005, 0])
+    return SolveEquilibrium(Input=boundary, ActiveNodes=[node], Displacement=[0.01, 0.005, 0])
 
 
 def test_group(body, alone):

@@ -40,7 +40,7 @@ def main():
     worst = dict.fromkeys(("reaction", "energy", "displacement", "det F"), 0.0)
     for case in cases:
         grid = expect_silence(lambda: fetch(SolveEquilibrium(
-            Input=materials[case["law"]], ActiveNode=[case["active_node"]],
+            Input=materials[case["law"]], ActiveNodes=[case["active_node"]],
             Displacement=case["displacement_m"])))
         assert field(grid, "Outcome")[0] == 0
         displacement = point_array(grid, "Displacement")

@@ -70,14 +70,14 @@ def test_every_property(body):
             "TouchableRegion": "Box", "FixedArray": "Inlet", "TouchableArray": "Inlet",
             "FixedSelection": selection, "TouchableSelection": selection},
         SolveEquilibrium: {
-            "ActiveNode": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
+            "ActiveNodes": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0,
             "Increments": 2, "EstimateCondition": 1, "GroupUnknowns": 100, "LinearSolver": "Automatic",
             "Stress": 1},
     }
     for proxy, values in settings.items():
         filtered = proxy(Input=body, **values)
-        hidden = {"Input", "LinearSolverNames"}
+        hidden = {"Input", "LinearSolverNames", "ActiveNode", "ErrorCode"}
         assert set(filtered.ListProperties()) - hidden == set(values), filtered.ListProperties()
         for name, value in values.items():
             got = filtered.GetPropertyValue(name)
@@ -91,6 +91,9 @@ def test_every_property(body):
                 assert got == value, (name, got)
     for law in LAWS:
         assert AssignMaterial(Input=body, Law=law).Law == law
+    # By the name that it had in earlier versions.
+    by_old_name = SolveEquilibrium(Input=body, ActiveNode=[5, 6])
+    assert list(by_old_name.ActiveNodes) == [5, 6] and list(by_old_name.ActiveNode) == []
     for formulation in ("Automatic", "Displacement", "Mixed"):
         assert AssignMaterial(Input=body, Formulation=formulation).Formulation == formulation
     assert AssignMaterial(Input=body).Formulation == "Automatic"
@@ -306,7 +309,7 @@ def test_road(body):
         grid = fetch(boundary)
         node = int(numpy.argmin(numpy.linalg.norm(places(grid) - [0.2, 0.1, 0.1], axis=1)))
         solved = expect_silence(lambda: fetch(SolveEquilibrium(
-            Input=boundary, ActiveNode=[node], Displacement=[0.005, 0, 0])))
+            Input=boundary, ActiveNodes=[node], Displacement=[0.005, 0, 0])))
         assert field(solved, "Outcome")[0] == 0
         assert numpy.allclose(point_array(solved, "Displacement")[node], [0.005, 0, 0], atol=0)
         return field(solved, "ReactionForce")[0][0]
@@ -328,7 +331,7 @@ def test_laws_beside_each_other_solve(body):
         boundary = SetBoundary(Input=material, FixedBy="Array", FixedArray="Inlet")
         node = int(numpy.argmin(numpy.linalg.norm(places(fetch(boundary)) - [0.2, 0.1, 0.1], axis=1)))
         solved = expect_silence(lambda: fetch(SolveEquilibrium(
-            Input=boundary, ActiveNode=[node], Displacement=[0.005, 0, 0])))
+            Input=boundary, ActiveNodes=[node], Displacement=[0.005, 0, 0])))
         assert field(solved, "Outcome")[0] == 0, (left, right)
         assert field(solved, "ReactionForce")[0][0] > 0, (left, right)
 

@@ -81,6 +81,17 @@ def check_that_the_past_does_not_count():
     assert errors_of(touch.UpdatePipeline)
 
 
+def check_the_old_name(name):
+    """A state of a version in which the list of active nodes had another name."""
+    with open(os.path.join(EXAMPLES, name, name + ".pvsm"), encoding="utf-8") as file:
+        old = re.search(r'<Property name="ActiveNode" .*?<Element index="0" value="(\d+)"',
+                        file.read(), re.DOTALL)
+    assert old and old.group(1) != "0"
+    nodes = [list(proxy.ActiveNodes) for proxy in GetSources().values()
+             if proxy.GetXMLName() == "SolveEquilibrium"]
+    assert nodes and all(ids == [int(old.group(1))] for ids in nodes), (nodes, old.group(1))
+
+
 names = sorted(name for name in os.listdir(EXAMPLES)
                if os.path.isfile(os.path.join(EXAMPLES, name, "README.md")))
 assert len(names) == 8, names
@@ -89,6 +100,8 @@ for name in names:
         check_the_triple(name)
     if name not in ("embedding", "liver"):
         open_state(name)
+        if name in ("discretisation", "stability"):
+            check_the_old_name(name)
         if name == "roof":
             check_that_the_past_does_not_count()
         Disconnect()

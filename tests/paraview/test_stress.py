@@ -46,7 +46,7 @@ def expect_near(ours, theirs, tolerance, name):
 
 def test_equilibrium():
     boundary = scene("equilibrium")
-    solve = SolveEquilibrium(Input=boundary, ActiveNode=[node_at(boundary, CORNER)],
+    solve = SolveEquilibrium(Input=boundary, ActiveNodes=[node_at(boundary, CORNER)],
                              Displacement=[0.02, 0, 0])
     without = fetch(solve)
     assert not components(without.GetPointData()) and not components(without.GetCellData())
@@ -75,7 +75,7 @@ def test_touch(law):
     assert fetch(touch, 1).GetNumberOfPoints() == 0
 
     touch.Stress = touch.WholeBody = 1
-    solve = SolveEquilibrium(Input=boundary, ActiveNode=[node], Stress=1)
+    solve = SolveEquilibrium(Input=boundary, ActiveNodes=[node], Stress=1)
     for place, tolerance in (([0.01, -0.01, 0.02], AT_CHECK_POINT), ([0.005, -0.005, 0.015], None)):
         touch.Displacement = solve.Displacement = place
         surface, body = expect_silence(lambda: (fetch(touch), fetch(touch, 1)))

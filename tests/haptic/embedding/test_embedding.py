@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The example for other programs touches a body.
+"""The example for other programs touches a body, and so does the loop that its page shows.
 
-  test_embedding.py <palpate_touch> <palpate_test_make_space>
+  test_embedding.py <palpate_touch> <palpate_test_make_space> <palpate_test_embedding_page>
 """
 
 import os
@@ -14,7 +14,7 @@ LINE = re.compile(r"(running|stale): node moved by (\S+) m, (\S+) N")
 
 
 def main():
-    program, make_space = sys.argv[1:]
+    program, make_space, page = sys.argv[1:]
     with tempfile.TemporaryDirectory() as folder:
         space = os.path.join(folder, "block.palpate")
         subprocess.run([make_space, space], check=True, stdout=subprocess.DEVNULL)
@@ -27,6 +27,9 @@ def main():
         pressed = [line for line in lines[5:] if line.group(1) == "running"]
         assert any(0.003 < float(line.group(2)) < 0.006 and float(line.group(3)) > 0.05
                    for line in pressed), done.stdout
+
+        done = subprocess.run([page, space], capture_output=True, text=True, timeout=60, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
 
         for arguments, word in (([], "palpate file"), ([os.path.join(folder, "none")], "none"),
                                 ([space, "ffff:ffff"], "ffff:ffff")):
