@@ -15,7 +15,8 @@ class Failure(Exception):
 
 
 def update(proxy):
-    """Runs a source or filter and answers with it; an error that it reports becomes a Failure."""
+    """Runs a source or filter and answers with it; an error that it reports becomes a Failure, and so
+    does one of a filter of Palpate before it."""
     messages = []
 
     @calldata_type(VTK_STRING)
@@ -29,6 +30,9 @@ def update(proxy):
     if messages:
         # "ERROR: In <file>, line <n>\n<class> (<address>): <message>\n\n"
         raise Failure(messages[0].partition("): ")[2].strip() or messages[0].strip())
+    proxy.UpdatePropertyInformation()
+    if proxy.GetProperty("ErrorCode") and proxy.GetPropertyValue("ErrorCode") != 0:
+        raise Failure("a filter before this one failed; its message is above.")
     return proxy
 
 

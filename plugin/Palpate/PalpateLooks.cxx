@@ -47,7 +47,6 @@ constexpr const char* Looks = R"json({
     }
   },
   "standard_presets": {
-    "Force": "Viridis (matplotlib)",
     "EstimatedError": "Plasma (matplotlib)",
     "ErrorEnergyHermite": "Plasma (matplotlib)"
   },

@@ -11,7 +11,7 @@ import sys
 from xml.etree import ElementTree
 
 from paraview import servermanager
-from paraview.simple import GetActiveSource  # noqa: F401: connects, and so loads the plugin
+from paraview.simple import GetColorTransferFunction  # connects, and so loads the plugin
 
 SETTERS = {"DoubleVectorProperty", "IntVectorProperty", "StringVectorProperty",
            "IdTypeVectorProperty"}
@@ -61,6 +61,13 @@ def printed(sm_proxy, noun):
     return [line for line in lines if line.startswith(noun)]
 
 
+def expect_no_looks_of_other_data():
+    """A colour map goes by the name of an array alone: those of other data keep ParaView's default."""
+    default = list(GetColorTransferFunction("An array of the user").RGBPoints)
+    for name in ("Force", "Displacement", "Energy", "Stiffness", "Flags", "Error"):
+        assert list(GetColorTransferFunction(name).RGBPoints) == default, name
+
+
 def main():
     manager = servermanager.ProxyManager().SMProxyManager
     compared, wrong = 0, []
@@ -91,6 +98,7 @@ def main():
         by_class.UnRegister(None)
         by_xml.UnRegister(None)
     assert compared >= 15, compared
+    expect_no_looks_of_other_data()
     if wrong:
         sys.exit("\n".join(wrong))
 
