@@ -2,12 +2,22 @@
 # Finds ParaView, and Qt in the version that its window has.
 
 # Debian 13 renames the Python modules of ParaView, but not where paraview-dev tells CMake of them,
-# which stops at a file that is missing. The plugins need none of them.
-function(message mode)
-  if(NOT "${ARGN}" MATCHES "references the file.*/python3/dist-packages/")
-    _message("${mode}" ${ARGN})
-  endif()
-endfunction()
+# which stops at a file that is missing. The plugins need none of them, so their files are not looked
+# for: CMake leaves out targets that have a folder in such a variable, as Apple's XCFrameworks do.
+set(paraview_folders "${ParaView_DIR}")
+if(NOT ParaView_DIR)
+  file(GLOB paraview_folders "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/paraview-*")
+endif()
+foreach(folder IN LISTS paraview_folders)
+  file(GLOB exports "${folder}/*Python*-targets-*.cmake" "${folder}/vtk/*Python*-targets-*.cmake")
+  foreach(export IN LISTS exports)
+    file(STRINGS "${export}" modules REGEX "_cmake_import_check_targets ")
+    foreach(module IN LISTS modules)
+      string(REGEX REPLACE ".*_targets ([^ ]+) .*" "\\1" module "${module}")
+      set("_cmake_import_check_xcframework_for_${module}" "${folder}")
+    endforeach()
+  endforeach()
+endforeach()
 # Its functions are given empty arguments by its own code, which recent releases of CMake point out.
 set(CMAKE_POLICY_DEFAULT_CMP0174 OLD)
 
