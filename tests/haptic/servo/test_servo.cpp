@@ -108,6 +108,12 @@ class Watched final : public Transport {
   std::promise<void> end_;
 };
 
+/// Made once: that takes longer than a test.
+const std::shared_ptr<const Touchable>& box() {
+  static const std::shared_ptr<const Touchable> box = test::box_body();
+  return box;
+}
+
 /// A servo that presses the box, and what it owns.
 struct Pressing {
   explicit Pressing(const ServoOptions& options = patient()) {
@@ -141,7 +147,7 @@ struct Pressing {
     });
   }
 
-  std::shared_ptr<const Touchable> body = test::box_body();
+  std::shared_ptr<const Touchable> body = box();
   std::shared_ptr<Descent> motion = std::make_shared<Descent>();
   SimulatedBoard* board = nullptr;
   Watched* transport = nullptr;
@@ -230,11 +236,14 @@ TEST(Servo, ChangedFromOutsideWhileItRuns) {
   ASSERT_TRUE(pressing.wait_for_force(0.5));
   // One that the loop has done with is destroyed meanwhile.
   const TouchSpace space = test::box_space([](int) { return test::stiffening_spring(100); }, {}, 2);
+  TouchableOptions options;
+  options.method = Method::linear;
   ServoSettings settings;
   settings.workspace_centre = kMiddle;
   for (int i = 0; i < 300; ++i) {
-    pressing.servo->set_body(std::make_shared<const Touchable>(space));
-    if (i % 2) pressing.servo->set_body(std::make_shared<const Touchable>(space));
+    for (int offers = 0; offers <= i % 2; ++offers) {
+      pressing.servo->set_body(std::make_shared<const Touchable>(space, options));
+    }
     settings.force_limit = 1 + 0.01 * (i % 100);
     pressing.servo->set_settings(settings);
     TouchSettings touch;
