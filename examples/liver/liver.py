@@ -58,7 +58,7 @@ def parser():
                         "surface as they are")
     parser.add_argument("--max-volume", type=float, default=0.0, metavar="M3",
                         help="largest volume of a tetrahedron, m³; 0 is no bound")
-    parser.add_argument("--law", choices=LAWS, default="St. Venant-Kirchhoff",
+    parser.add_argument("--law", choices=LAWS, default="Neo-Hookean",
                         help="what the organ is made of (%(default)s)")
     parser.add_argument("--fixed", type=float, nargs=4, metavar=("X", "Y", "Z", "RADIUS"),
                         help="sphere in which the organ is held, m; by default one around its "
@@ -67,7 +67,7 @@ def parser():
                         help="points that are touched; by default (auto) the one farthest in "
                         "front")
     parser.add_argument("--half-width", type=float, metavar="M",
-                        help="how far they are moved along each axis, m; by default 6 %% of the "
+                        help="how far they are moved along each axis, m; by default 4 %% of the "
                         "size of the organ")
     parser.add_argument("--resolution", type=int, default=7,
                         help="check-points along an axis, odd (%(default)s)")
@@ -153,7 +153,7 @@ def choose_active_nodes(scene, args):
     points = vtk_to_numpy(data.GetPoints().GetData())
     touchable = np.flatnonzero(vtk_to_numpy(data.GetPointData().GetArray("Touchable")))
     nodes = args.active_nodes or [int(touchable[np.argmax(points[touchable] @ IN_FRONT)])]
-    half_width = args.half_width or float(f"{0.06 * np.ptp(points, axis=0).max():.2g}")
+    half_width = args.half_width or float(f"{0.04 * np.ptp(points, axis=0).max():.2g}")
     return nodes, half_width
 
 

@@ -18,7 +18,6 @@ void vtkSMPalpateRenamedProperty::Modified()
   {
     vtkSMPropertyHelper(proxy, this->NewName.c_str())
       .Set(this->GetElements(), this->GetNumberOfElements());
-    this->SetNumberOfElements(0);
   }
 }
 

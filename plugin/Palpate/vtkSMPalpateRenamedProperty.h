@@ -8,8 +8,8 @@
  *   <PalpateRenamedProperty name="ActiveNode" new_name="ActiveNodes" si_class="vtkSIIntVectorProperty"
  *                           repeatable="1" panel_visibility="never" />
  *
- * It has no command of its own and is not shown. It is empty again as soon as it has been set, so that
- * a state that is saved has the values once.
+ * It has no command of its own and is not shown. A state that is saved has both; there the one that
+ * comes later in the alphabet counts, so the new name has to be the later one.
  */
 #pragma once
 

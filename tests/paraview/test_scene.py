@@ -2,7 +2,8 @@
 """AssignMaterial and SetBoundary: from a body to a scene."""
 
 import numpy
-from paraview.simple import (AssignMaterial, Calculator, IDSelectionSource, SelectionQuerySource,
+from paraview.simple import (AssignMaterial, Calculator, GetSources, LoadState, SaveState,
+                             IDSelectionSource, SelectionQuerySource,
                              SetBoundary, SolveEquilibrium)
 from support import (Messages, box_body, cell_array, expect_silence, fetch, field, places,
                      point_array, source)
@@ -92,8 +93,13 @@ def test_every_property(body):
     for law in LAWS:
         assert AssignMaterial(Input=body, Law=law).Law == law
     # By the name that it had in earlier versions.
-    by_old_name = SolveEquilibrium(Input=body, ActiveNode=[5, 6])
-    assert list(by_old_name.ActiveNodes) == [5, 6] and list(by_old_name.ActiveNode) == []
+    renamed = SolveEquilibrium(Input=body, ActiveNode=[5, 6])
+    assert list(renamed.ActiveNodes) == [5, 6]
+    renamed.ActiveNodes = [7]
+    SaveState("renamed.pvsm")
+    LoadState("renamed.pvsm")
+    assert [list(proxy.ActiveNodes) for proxy in GetSources().values()
+            if proxy.GetXMLName() == "SolveEquilibrium"].count([7]) == 2
     for formulation in ("Automatic", "Displacement", "Mixed"):
         assert AssignMaterial(Input=body, Formulation=formulation).Formulation == formulation
     assert AssignMaterial(Input=body).Formulation == "Automatic"
