@@ -34,8 +34,9 @@ def faults_of(proxy):
     """What is wrong with a proxy, a line each."""
     if not text_of(proxy):
         yield "no documentation"
+    # An old name is not shown.
     properties = {element.get("name"): element for element in proxy
-                  if element.tag.endswith("Property")}
+                  if element.tag.endswith("Property") and element.tag != "PalpateRenamedProperty"}
     groups = {}
     for group in proxy.iter("PropertyGroup"):
         for entry in group.iter("Property"):
