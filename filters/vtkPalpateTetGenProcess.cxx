@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateTetGenProcess.h"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
@@ -11,7 +10,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
@@ -29,6 +27,8 @@
 #include "vtkXMLImageDataWriter.h"
 #include "vtkXMLPolyDataWriter.h"
 #include "vtkXMLUnstructuredGridReader.h"
+
+#include "base/find_program.h"
 
 extern char** environ;
 
@@ -277,56 +277,11 @@ std::vector<std::string> Arguments(const vtkPalpateTetGenOptions& options)
 }
 }
 
-std::string vtkPalpateFindTetGen()
-{
-  namespace fs = std::filesystem;
-  const auto runs = [](const fs::path& path)
-  {
-    std::error_code error;
-    return fs::is_regular_file(path, error) && access(path.c_str(), X_OK) == 0;
-  };
-  if (const char* given = std::getenv("PALPATE_TETGEN"); given && *given)
-  {
-    if (!runs(given))
-    {
-      throw BackendError(
-        std::string("The environment variable PALPATE_TETGEN names no program: ") + given + ".");
-    }
-    return given;
-  }
-  Dl_info info;
-  fs::path folder = fs::current_path();
-  if (dladdr(reinterpret_cast<void*>(&vtkPalpateFindTetGen), &info) != 0 && info.dli_fname)
-  {
-    std::error_code error;
-    const auto library = fs::canonical(info.dli_fname, error);
-    folder = error ? folder : library.parent_path();
-  }
-  const fs::path name = "palpate-tetgen";
-  if (runs(folder / name))
-  {
-    return folder / name;
-  }
-  for (auto above = folder;; above = above.parent_path())
-  {
-    if (runs(above / "bin" / name))
-    {
-      return above / "bin" / name;
-    }
-    if (above == above.root_path())
-    {
-      break;
-    }
-  }
-  throw BackendError("The program palpate-tetgen is neither in " + folder.string() +
-    " nor in a folder `bin` above it. Build it (PALPATE_WITH_TETGEN), or name it in the "
-    "environment variable PALPATE_TETGEN.");
-}
-
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateRunTetGen(vtkPolyData* surface,
   const vtkPalpateTetGenOptions& options, const vtkPalpateTetGenLimits& limits)
 {
-  const std::string program = vtkPalpateFindTetGen();
+  const std::string program =
+    palpate::find_program("palpate-tetgen", "PALPATE_TETGEN", "Build it (PALPATE_WITH_TETGEN)");
   NamelessFile input, region, mesh, errors;
   input.Write(ToText<vtkXMLPolyDataWriter>(surface));
   if (options.Region)

@@ -33,11 +33,6 @@ struct vtkPalpateTetGenLimits
   std::function<void()> Poll;
 };
 
-/// The program: that of the environment variable PALPATE_TETGEN, else `palpate-tetgen` beside this
-/// library or in the `bin` of a folder above it.
-/// @throws palpate::BackendError where there is none.
-PALPATEFILTERS_EXPORT std::string vtkPalpateFindTetGen();
-
 /// TetGen itself gave up or crashed: another surface may fare better.
 class vtkPalpateTetGenFailure : public palpate::BackendError
 {

@@ -124,6 +124,10 @@ class Hidapi final : public Hid {
     }
     return std::make_shared<HidapiDevice>(device);
   }
+
+  std::unique_ptr<Guardian> guard(const std::string& path, const Report& zero) override {
+    return std::make_unique<Guardian>(path, zero);
+  }
 };
 
 }  // namespace

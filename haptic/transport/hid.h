@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "haptic/guardian/guardian.h"
 #include "haptic/profile/profile.h"
 
 namespace palpate {
@@ -35,6 +36,11 @@ class Hid {
   [[nodiscard]] virtual std::vector<DeviceInfo> list() = 0;
   /// @return nullptr: it cannot be opened, and error says why (an errno).
   [[nodiscard]] virtual std::shared_ptr<HidDevice> open(const std::string& path, int& error) = 0;
+  /// Of an open device with motors; nullptr: it is none of the system's.
+  /// @param zero Switches the motors off, whatever the device's state is.
+  /// @throws BackendError it cannot be started.
+  [[nodiscard]] virtual std::unique_ptr<Guardian> guard(const std::string& path,
+                                                        const Report& zero) = 0;
 };
 
 /// hidapi over the kernel's hidraw.

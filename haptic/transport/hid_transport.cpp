@@ -117,7 +117,7 @@ TransportStatus HidTransport::write(const Report& report) noexcept {
 }
 
 std::string HidTransport::problem() const {
-  std::string text;
+  std::string text = guardian_ ? guardian_->problem() : why_unguarded_;
   const auto add = [&](const char* what, int error) {
     if (error == 0) return;
     if (!text.empty()) text += ' ';

@@ -41,16 +41,29 @@ class HidTransport final : public Transport {
   /// Of each call that is interrupted.
   static constexpr int kTries = 3;
 
-  explicit HidTransport(std::shared_ptr<HidDevice> device) : device_(std::move(device)) {}
+  /// @param guardian nullptr: the device has none, and why_unguarded says in words why, where that
+  ///   is something to tell.
+  explicit HidTransport(std::shared_ptr<HidDevice> device,
+                        std::unique_ptr<Guardian> guardian = nullptr,
+                        std::string why_unguarded = {})
+      : device_(std::move(device)),
+        guardian_(std::move(guardian)),
+        why_unguarded_(std::move(why_unguarded)) {}
 
   TransportStatus read(Report& report, Duration timeout) noexcept override;
   /// One that is empty is not sent.
   TransportStatus write(const Report& report) noexcept override;
+  GuardianChannel* guardian() noexcept override {
+    return guardian_ ? &guardian_->channel() : nullptr;
+  }
   /// From any thread.
   std::string problem() const override;
 
  private:
   std::shared_ptr<HidDevice> device_;
+  /// Ends before the device is closed.
+  std::unique_ptr<Guardian> guardian_;
+  std::string why_unguarded_;
   /// The last error of each, an errno.
   std::atomic<int> read_error_{0};
   std::atomic<int> write_error_{0};

@@ -32,7 +32,17 @@ OpenedDevice open(const DeviceInfo& info, ProfileKind kind, const std::shared_pt
     opened.feature = get_feature_report(device, *number, deadline);
   }
   opened.profile = make_profile(kind, opened.feature);
-  opened.transport = std::make_unique<HidTransport>(device);
+  std::unique_ptr<Guardian> guardian;
+  std::string why_unguarded;
+  if (opened.profile->specification().max_linear_force > 0) {
+    try {
+      // The zero report of a device that nothing is known of: it only switches the motors off.
+      guardian = hid->guard(info.path, opened.profile->zero_force({}));
+    } catch (const BackendError& error) {
+      why_unguarded = error.what();
+    }
+  }
+  opened.transport = std::make_unique<HidTransport>(device, std::move(guardian), why_unguarded);
   opened.info = info;
   return opened;
 }

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "haptic/guardian/channel.h"
 #include "haptic/profile/report.h"
 #include "haptic/realtime/clock.h"
 
@@ -32,6 +33,9 @@ class Transport {
 
   /// May block for as long as the device's driver does, which can be seconds.
   [[nodiscard]] virtual TransportStatus write(const Report& report) noexcept = 0;
+
+  /// Who sets the motors to zero when this process no longer does; nullptr: nobody.
+  [[nodiscard]] virtual GuardianChannel* guardian() noexcept { return nullptr; }
 
   /// What was last wrong, in words; empty: nothing. From any thread.
   [[nodiscard]] virtual std::string problem() const = 0;

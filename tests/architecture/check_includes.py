@@ -56,6 +56,7 @@ class Unit(NamedTuple):
 def solver_units():
     """The parts of solvers/ in order: each may include those before it."""
     wrapped = {
+        "base": {"POSIX"},  # where a program of ours is
         "assembly": {"xxHash"},  # the hash of a scene
         "linear": {"MUMPS", "METIS", "MPI", "POSIX"},
         "state_space": {"SQLite", "xxHash", "POSIX"},
@@ -71,10 +72,11 @@ def solver_units():
 
 
 def haptic_units():
-    """The parts of haptic/ in order, as those of solvers/; the program sees them all."""
+    """The parts of haptic/ in order, as those of solvers/, with the programs."""
     solvers = {"solvers/base", "solvers/state_space", "solvers/interpolation"}
     wrapped = {"transport": {"hidapi"}, "recording": {"CSV"}, "palpate_servo": {"CLI11"}}
-    parts = ["realtime", "profile", "transport", "touching", "servo", "recording", "palpate_servo"]
+    parts = ["realtime", "profile", "guardian", "palpate_guardian", "transport", "touching", "servo",
+             "recording", "palpate_servo"]
     return {
         f"haptic/{part}": Unit({"std", "POSIX", "Eigen"} | wrapped.get(part, set()),
                                {f"haptic/{earlier}" for earlier in parts[:index]} | solvers)

@@ -9,6 +9,7 @@
 #include <future>
 #include <map>
 
+#include "base/error.h"
 #include "haptic/transport/hid.h"
 
 namespace palpate::test {
@@ -78,6 +79,11 @@ class FakeHid final : public Hid {
     }
     return found->second;
   }
+  std::unique_ptr<Guardian> guard(const std::string& path, const Report& zero) override {
+    guarded.emplace_back(path, zero);
+    if (!why_unguarded.empty()) throw BackendError(why_unguarded);
+    return nullptr;
+  }
 
   /// @return The device behind the path, which can be opened.
   FakeDevice& add(const std::string& path, int vendor, int product, int page, int usage) {
@@ -101,6 +107,9 @@ class FakeHid final : public Hid {
   /// open() goes on when this is there.
   std::shared_future<void> hangs;
   std::vector<std::string> opened;
+  /// What guardians were asked for, with the zero report; they are refused where this says why.
+  std::vector<std::pair<std::string, Report>> guarded;
+  std::string why_unguarded;
 };
 
 /// What a call throws, in words; empty: it throws nothing.

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the servo loop and its guardian tell each other, in memory that both processes have.
+//
+// The loop says that it lives whenever it commands the motors, and the guardian whenever it looks.
+// Where the loop falls silent the guardian latches a trip and sets the motors to zero, again and
+// again until the loop has acknowledged the trip:
+//
+//   loop       beat, no trip? force …        (held up)      … trip! zero, acknowledge, zero …
+//   guardian   look        look         trip, zero, zero, zero, zero,           look …
+//
+// A loop that was held up between its look for a trip and its write sends one force that is too
+// late. It sees the trip in its next tick, and the guardian's next zero comes in any case, because
+// nothing has acknowledged the trip.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "haptic/profile/report.h"
+#include "haptic/realtime/clock.h"
+
+namespace palpate {
+
+/// All times are those of MonotonicClock. All calls are realtime-safe and ask the system nothing.
+class GuardianChannel {
+ public:
+  /// The loop is silent when it has not commanded the motors for so long.
+  static constexpr Duration kLoopSilence = std::chrono::milliseconds(20);
+  /// The guardian is dead when it has not looked for so long. It looks each kLook.
+  static constexpr Duration kGuardianSilence = std::chrono::milliseconds(60);
+  static constexpr Duration kLook = std::chrono::milliseconds(10);
+  /// Of what the two programs take the memory for.
+  static constexpr std::uint32_t kVersion = 1;
+
+  /// @param its_zero Switches the motors off, whatever the device's state is.
+  explicit GuardianChannel(const Report& its_zero = {}) : zero(its_zero) {}
+  GuardianChannel(const GuardianChannel&) = delete;
+  GuardianChannel& operator=(const GuardianChannel&) = delete;
+
+  // The loop's side.
+
+  /// The loop is about to command the motors.
+  void beat(Time now) noexcept { loop_lives_.store(now.count(), std::memory_order_release); }
+  /// The motors have zero force, and nobody will command them.
+  void rest() noexcept { loop_lives_.store(kResting, std::memory_order_release); }
+  /// There is a trip that the loop has not acknowledged.
+  [[nodiscard]] bool tripped() const noexcept {
+    return trips_.load(std::memory_order_acquire) !=
+           acknowledged_.load(std::memory_order_acquire);
+  }
+  /// The loop has seen the trip, and has set the motors to zero since.
+  void acknowledge() noexcept {
+    acknowledged_.store(trips_.load(std::memory_order_acquire), std::memory_order_release);
+  }
+  /// The guardian has looked lately.
+  [[nodiscard]] bool guarded(Time now) const noexcept {
+    const std::int64_t lives = guardian_lives_.load(std::memory_order_acquire);
+    return lives != kNever && now.count() - lives <= kGuardianSilence.count();
+  }
+  /// The guardian has ended because the device is unplugged.
+  [[nodiscard]] bool device_is_gone() const noexcept {
+    return device_is_gone_.load(std::memory_order_acquire);
+  }
+
+  [[nodiscard]] bool resting() const noexcept {
+    return loop_lives_.load(std::memory_order_acquire) == kResting;
+  }
+
+  // The guardian's side.
+
+  void look(Time now) noexcept { guardian_lives_.store(now.count(), std::memory_order_release); }
+  void trip() noexcept { trips_.fetch_add(1, std::memory_order_acq_rel); }
+  void say_device_is_gone() noexcept { device_is_gone_.store(true, std::memory_order_release); }
+  /// How long the loop may still be silent; zero or less: it was for too long.
+  [[nodiscard]] Duration until_loop_is_silent(Time now) const noexcept {
+    const std::int64_t lives = loop_lives_.load(std::memory_order_acquire);
+    if (lives == kResting) return Duration::max();
+    // The loop may have said it after the caller has asked for the time, but not much later: then
+    // something has overwritten the memory.
+    const Duration since = now - Time(lives);
+    return since < -kLoopSilence ? Duration(0) : kLoopSilence - since;
+  }
+
+  /// Written before the guardian starts.
+  const std::uint32_t version = kVersion;
+  const Report zero;
+
+ private:
+  static constexpr std::int64_t kResting = -1;
+  static constexpr std::int64_t kNever = -1;
+
+  // Each process writes to lines of the cache that the other only reads.
+  alignas(64) std::atomic<std::int64_t> loop_lives_{kResting};
+  std::atomic<std::uint32_t> acknowledged_{0};
+  alignas(64) std::atomic<std::int64_t> guardian_lives_{kNever};
+  std::atomic<std::uint32_t> trips_{0};
+  std::atomic<bool> device_is_gone_{false};
+
+  static_assert(std::atomic<std::int64_t>::is_always_lock_free);
+  static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+};
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The guardian of a device: a small program, palpate-guardian, that sets the motors to zero when
+// this process no longer does, because it is killed, has crashed, is stopped, or hangs.
+//
+// It is in a session of its own and takes no signal that can be blocked: neither Ctrl+C nor what
+// is sent to this process's group reaches it. It opens the device itself. channel.h has what the
+// two tell each other; besides, they are joined by a socket, which the system closes with this
+// process.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+
+#include "haptic/guardian/channel.h"
+
+namespace palpate {
+
+class Guardian {
+ public:
+  /// Starts the program, which the environment variable PALPATE_GUARDIAN names or which lies as
+  /// find_program() says, and waits until it watches.
+  /// @param device Path of the device: what is written to it goes to the motors.
+  /// @param zero Switches the motors off, whatever the device's state is.
+  /// @throws BackendError it cannot be started, or does not watch in time.
+  Guardian(const std::string& device, const Report& zero,
+           Duration deadline = std::chrono::seconds(2));
+  /// Where the motors rest the program ends, and where they do not it sets them to zero first.
+  ~Guardian();
+  Guardian(const Guardian&) = delete;
+  Guardian& operator=(const Guardian&) = delete;
+
+  [[nodiscard]] GuardianChannel& channel() noexcept { return *channel_; }
+  /// What is wrong with it, in words; empty: nothing. From any thread.
+  [[nodiscard]] std::string problem() const;
+  [[nodiscard]] pid_t process() const noexcept { return process_; }
+
+ private:
+  void start(const std::string& program, const std::string& device, int memory);
+  void wait_until_it_watches(const std::string& device, Duration deadline);
+  /// @param status As waitpid() gives it; −1: it is not known.
+  [[nodiscard]] bool ended(int& status);
+  void release() noexcept;
+
+  GuardianChannel* channel_ = nullptr;
+  /// This end of the socket.
+  int line_ = -1;
+  /// −1: it has ended, and was waited for.
+  pid_t process_ = -1;
+};
+
+}  // namespace palpate
