@@ -60,7 +60,7 @@ void Board::run() {
   measured_.counter = kFirstCounter;
   log_.add("units %g %g", kPositionUnit, kForceUnit);
   plug();
-  while (stroke_ < static_cast<int>(kScript.size())) {
+  while (stroke_ < static_cast<int>(script_.size())) {
     pollfd ready[2] = {{uhid_.file(), POLLIN, 0}, {timer, POLLIN, 0}};
     check(poll(ready, 2, -1) > 0, "poll");
     if (ready[0].revents != 0) take_event();
@@ -110,7 +110,7 @@ void Board::step() {
   Fault fault = Fault::none;
   if (stroke_ < 0 && ++waited_ == kLongestWait) stroke_ = 0;
   if (stroke_ >= 0) {
-    const Stroke& stroke = kScript[stroke_];
+    const Stroke& stroke = script_[stroke_];
     if (step_ == 0) log_.add("stroke %lld %s", microseconds(), name(stroke.fault));
     if (stroke.begins(step_)) begin(stroke.fault);
     if (stroke.ends(step_)) end(stroke.fault);
@@ -120,14 +120,17 @@ void Board::step() {
   if (fault != Fault::frozen) {
     measured_.time_us = time_us_;
     ++measured_.counter;
-    const Vec3 position = stylus(std::max(stroke_, 0), step_) / kPositionUnit;
+    const int number = std::max(stroke_, 0);
+    const Vec3 position = stylus(script_[number], number, step_) / kPositionUnit;
     for (int k = 0; k < 3; ++k) measured_.position[k] = std::lround(position[k]);
   }
-  measured_.buttons = (fault == Fault::stop ? 1 : 0) | (fault == Fault::leave ? 2 : 0);
+  measured_.buttons = (fault == Fault::stop ? 1 : 0) | (fault == Fault::leave ? 2 : 0) |
+                      (fault == Fault::write_error ? 4 : 0);
   if (open_) {
     constexpr std::size_t whole = sizeof measured_;
     switch (fault) {
-      case Fault::device_pause: break;
+      case Fault::device_pause:
+      case Fault::away: break;
       case Fault::wrong_size:
         if (step_ % 2 == 0) send("short", whole - 1);
         else send("long", whole + 1);
@@ -137,7 +140,7 @@ void Board::step() {
       default: send("whole", whole);
     }
   }
-  if (stroke_ >= 0 && ++step_ == kScript[stroke_].length) {
+  if (stroke_ >= 0 && ++step_ == script_[stroke_].length) {
     ++stroke_;
     step_ = 0;
   }
@@ -145,15 +148,29 @@ void Board::step() {
 
 void Board::begin(Fault fault) {
   log_.add("begin %lld %s", microseconds(), name(fault));
-  if (fault == Fault::host_pause) check(kill(user_, SIGSTOP) == 0, "kill");
-  if (fault == Fault::unplug || fault == Fault::stall) unplug();
+  switch (fault) {
+    case Fault::host_pause: host_.signal(SIGSTOP); break;
+    case Fault::kill: host_.signal(SIGKILL); break;
+    case Fault::crash: host_.signal(SIGSEGV); break;
+    case Fault::interrupt: host_.signal(SIGINT, true); break;
+    case Fault::unplug:
+    case Fault::stall: unplug(); break;
+    default: break;
+  }
 }
 
 void Board::end(Fault fault) {
   log_.add("end %lld %s", microseconds(), name(fault));
-  if (fault == Fault::host_pause) check(kill(user_, SIGCONT) == 0, "kill");
   stalls_ = fault == Fault::stall;
-  if (fault == Fault::unplug || fault == Fault::stall) plug();
+  switch (fault) {
+    case Fault::host_pause: host_.signal(SIGCONT); break;
+    case Fault::kill:
+    case Fault::crash:
+    case Fault::interrupt: host_.restart(); break;
+    case Fault::unplug:
+    case Fault::stall: plug(); break;
+    default: break;
+  }
 }
 
 void Board::send(const char* how, std::size_t size) {

@@ -11,9 +11,11 @@
 //   begin|end <µs> <fault>
 #pragma once
 
-#include <sys/types.h>
+#include <utility>
+#include <vector>
 
 #include "haptic/device/firmware.h"
+#include "haptic/device/host.h"
 #include "haptic/device/log.h"
 #include "haptic/device/script.h"
 #include "haptic/device/uhid.h"
@@ -26,8 +28,9 @@ class Board {
   static constexpr double kPositionUnit = 1e-6;
   static constexpr double kForceUnit = 2e-4;
 
-  /// @param user The process that uses the board, for the fault host_pause.
-  Board(Log& log, pid_t user) : log_(log), user_(user) {}
+  /// @param host Whose program uses the board.
+  Board(Log& log, Host& host, std::vector<Stroke> script)
+      : log_(log), host_(host), script_(std::move(script)) {}
 
   /// Waits for the first force report, but not forever, and then goes through the script.
   void run();
@@ -42,7 +45,8 @@ class Board {
   void send(const char* how, std::size_t size);
 
   Log& log_;
-  pid_t user_;
+  Host& host_;
+  std::vector<Stroke> script_;
   Uhid uhid_;
   /// Someone reads: a device that nobody reads sends nothing.
   bool open_ = false;

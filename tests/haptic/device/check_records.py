@@ -26,16 +26,24 @@ RELEASE_AFTER = 20 * TICK
 SOON = 5 * TICK
 # From the button by way of the program, which looks each ms, to the last force of the loop.
 STOP_AFTER = 10 * TICK
+# Zero force after the host's program was killed or stopped.
+NO_FORCE_WITHOUT_HOST = 25 * TICK
+# DeviceSession::kRetryPause, and two ticks.
+RETRY_AFTER = 7 * TICK
 # ServoOptions::stop_timeout.
 STOP_TIMEOUT = 200 * TICK
 # The kernel waits 5 s for a feature report; what the program has begun meanwhile comes before it.
 OPEN_AFTER = {"unplug": 100 * TICK, "stall": 5500 * TICK}
 
-NUM_STROKES = 12
+NUM_STROKES = 14
 # Of a stroke: within so long the stylus has come down to the body.
-IN_THE_BODY = 120 * TICK
+IN_THE_BODY = 140 * TICK
 # With these nothing that is fresh comes from a board that is there.
-SILENT = ("device_pause", "wrong_size", "frozen", "empty")
+SILENT = ("device_pause", "wrong_size", "frozen", "empty", "away")
+# After these there is no force until the tool was outside of the body.
+RELEASING = (*SILENT, "host_pause", "write_error")
+# The ways in which the host's program ends or stops.
+WAYS = {"kill": "SIGKILL", "host_pause": "SIGSTOP", "crash": "SIGSEGV", "interrupt": "Ctrl+C"}
 
 
 class Sent(NamedTuple):
@@ -74,9 +82,11 @@ class Span(NamedTuple):
 
 
 class Records:
-    def __init__(self, path):
+    """Of one script."""
+
+    def __init__(self, text):
         lines = self.lines = defaultdict(list)
-        for line in Path(path).read_text().splitlines():
+        for line in text.splitlines():
             kind, *values = line.split()
             lines[kind].append(values)
         self.sent = [Sent(int(t), int(c), (int(x), int(y), int(z)), how)
@@ -154,11 +164,14 @@ def expected_forces(records, body):
     a fresh report. A new loop, and one that has let go for that, must see it outside first.
     """
     position = {s.counter: s.position for s in records.whole}
+    # What the guardian sends answers nothing.
+    pause = records.faults["host_pause"]
+    guardians = Span(pause.begin, pause.end + SOON)
     expected = []
     for session in records.sessions:
         was_outside, anchor, fresh_at = False, None, math.inf
         for force in session.of(records.forces):
-            if force.counter not in position:
+            if force.counter not in position or force.time in guardians:
                 expected.append(None)
                 continue
             if force.time - fresh_at > RELEASE_AFTER:
@@ -191,9 +204,11 @@ class Requirements:
         self.failed |= not holds
 
 
-def check(records):
+def check(path):
     """Exit status."""
     require = Requirements()
+    faults, _, trials = Path(path).read_text().partition("trials\n")
+    records = Records(faults)
     strokes = records.times("stroke")
     require(records.lines["ended"] == [["0"]] and len(strokes) == NUM_STROKES,
             f"the script went to its end ({len(strokes)} strokes), and the program too")
@@ -204,6 +219,7 @@ def check(records):
         check_forces(require, records, body)
         check_times(require, records)
         check_faults(require, records)
+        check_trials(require, Records(trials))
     return 1 if require.failed else 0
 
 
@@ -247,7 +263,7 @@ def check_forces(require, records, body):
 
     # Zero is right while nothing fresh comes, as the last word, and before the first report.
     stale = [Span(faults[name].begin + STALE_AFTER - TICK, faults[name].end + SOON)
-             for name in (*SILENT, "host_pause")]
+             for name in RELEASING]
     last = {session.of(forces)[-1] for session in records.sessions}
     unmatched = [(f, e) for f, e in zip(forces, expected_forces(records, body))
                  if not matches(f, e) and not (f.is_zero() and (
@@ -268,14 +284,16 @@ def check_forces(require, records, body):
 
 
 def check_times(require, records):
-    pause = records.faults["host_pause"]
+    pauses = [records.faults[name] for name in ("host_pause", "write_error")]
     for session in records.sessions:
         at = [f.time for f in session.of(records.forces)]
         if len(at) < 2:
             require(False, "a loop ended after one tick")
             continue
         # The last force comes when it ends, not by the clock.
-        gaps = [b - a for a, b in zip(at, at[1:-1]) if not a - TICK <= pause.begin < pause.end <= b]
+        gaps = [b - a for a, b in zip(at, at[1:-1])
+                if not any(pause.begin - TICK <= b and a <= pause.end + RETRY_AFTER
+                           for pause in pauses)]
         require(max(gaps) < 2 * TICK, f"longest time without a force report: {max(gaps)} µs")
         rate = 1e6 * len(gaps) / sum(gaps)
         require(990 <= rate <= 1010, f"forces a second: {rate:.1f} in {len(gaps)} ticks")
@@ -290,7 +308,8 @@ def check_faults(require, records):
         require(len(during) >= least and all(f.is_zero() for f in during),
                 f"{name}: zero force from {NO_FORCE_AFTER / TICK:.0f} ms on, {len(during)} times")
     pause = faults["host_pause"]
-    require(not Span(pause.begin + TICK, pause.end).of(forces), "host_pause: there was one")
+    require(off_after(records, pause.begin, pause.end) <= NO_FORCE_WITHOUT_HOST,
+            "host_pause: the guardian sets the motors to zero")
     # Of what was kept of it the loop's records hold the newest few; check_forces() has seen that
     # none of them was answered by a force.
     waited = max(tick.time - records.measured_at[counter] for tick in records.ticks
@@ -299,13 +318,24 @@ def check_faults(require, records):
     doubled = faults["doubled"].of(forces)
     require(doubled and not any(f.is_zero() for f in doubled), "doubled: nothing is felt of it")
     strokes = records.times("stroke")
-    for name in (*SILENT, "host_pause"):
+    for name in RELEASING:
         rest = Span(faults[name].end, min(t for t in strokes if t > faults[name].end))
         after = rest.of(forces)
         require(after and all(f.is_zero() for f in after),
                 f"{name}: zero force in the rest of the stroke, {len(after)} times")
         touched = soonest(rest.end, (f.time for f in forces if not f.is_zero()))
         require(touched <= IN_THE_BODY, f"{name}: force again {touched} µs after the next began")
+    failing = faults["write_error"]
+    require(not Span(failing.begin + 2 * TICK, failing.end).of(forces), "write_error: writes fail")
+    before = [f for f in forces if f.time < failing.begin + 2 * TICK][-1]
+    first = next(f for f in forces if f.time > failing.end)
+    require(not before.is_zero() and first.is_zero() and first.time <= failing.end + RETRY_AFTER,
+            f"write_error: zero arrives {first.time - failing.end} µs after writes no longer fail")
+    away = faults["away"]
+    sides = [soonest_of(records.whole, away.begin - 2 * TICK), soonest_of(records.whole, away.end)]
+    moved = math.dist(*(s.position for s in sides))  # in µm
+    require(moved >= 50_000, f"away: silent for {1e-6 * (away.end - away.begin):.1f} s, moved "
+                           f"{1e-4 * moved:.1f} cm")
     for name, limit in OPEN_AFTER.items():
         after = soonest(faults[name].begin, records.times("gone"))
         require(after <= SOON, f"{name}: noticed after {after} µs")
@@ -323,9 +353,41 @@ def check_faults(require, records):
         require(ended == "1" and int(took) <= STOP_TIMEOUT, f"stop: took {took} µs")
 
 
+def check_trials(require, records):
+    strokes = records.times("stroke") + [sys.maxsize]
+    faults = [(name, int(begin)) for begin, name in records.lines["begin"] if name in WAYS]
+    number = len(faults) // len(WAYS)
+    require(number > 0 and records.lines["ended"] == [["0"]], f"trials: {number} of each")
+    after = {name: [] for name in WAYS}
+    for name, begin in faults:
+        end = next(at for at in strokes if at > begin)
+        held = [f for f in records.forces if f.time < begin][-1]
+        back = [f for f in Span(end, end + 180 * TICK).of(records.forces) if not f.is_zero()]
+        after[name].append(off_after(records, begin, end) if not held.is_zero() and back else math.inf)
+    for name, times_of in after.items():
+        good = [t for t in times_of if t <= NO_FORCE_WITHOUT_HOST]
+        times_of.sort()
+        require(len(good) == len(times_of) == number,
+                f"{WAYS[name]}: the force was zero within {NO_FORCE_WITHOUT_HOST / TICK:.0f} ms, and "
+                f"until the tool was outside, {len(good)} of {number} times; after "
+                f"{times_of[0] / TICK:.2f} to {times_of[-1] / TICK:.2f} ms, median "
+                f"{times_of[number // 2] / TICK:.2f} ms")
+
+
+def off_after(records, begin, end):
+    """When the motors had zero force for good between two times, after the first of them, µs."""
+    forces = Span(begin, end).of(records.forces)
+    last = max((f.time for f in forces if not f.is_zero()), default=begin)
+    return soonest(last, (f.time for f in forces if f.is_zero())) + last - begin
+
+
+def soonest_of(records, since):
+    return next(record for record in records if record.time > since)
+
+
 def soonest(since, at):
     return min((t - since for t in at if t > since), default=math.inf)
 
 
 if __name__ == "__main__":
-    sys.exit(check(Records(sys.argv[1])))
+    sys.exit(check(sys.argv[1]))

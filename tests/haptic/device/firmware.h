@@ -13,7 +13,7 @@ struct [[gnu::packed]] Feature {
   char magic[4] = {'P', 'L', 'P', 'T'};
   std::uint8_t version = 1;
   std::uint8_t motors = 0b111;
-  std::uint8_t buttons = 2;
+  std::uint8_t buttons = 3;
   std::uint32_t position_unit_nm = 0;
   std::uint32_t force_unit_un = 0;
   std::uint16_t largest_force_mn = 6000;

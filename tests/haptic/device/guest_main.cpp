@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The only program of the virtual machine: as /init it makes the system ready, plays the board, and
-// runs the program that touches with it beside; then it switches the machine off.
+// The program of the virtual machine: as /init it makes the system ready, plays the board, and
+// starts itself again as the host's program that touches with it; then it switches the machine off.
 #include <fcntl.h>
 #include <sched.h>
-#include <signal.h>
 #include <sys/mman.h>
 #include <sys/mount.h>
 #include <sys/reboot.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <utility>
+#include <vector>
 
 #include "haptic/device/board.h"
 #include "haptic/device/check.h"
+#include "haptic/device/host.h"
 #include "haptic/device/log.h"
 #include "haptic/device/user.h"
 
@@ -49,35 +51,50 @@ void be_hardware() {
   check(mlockall(MCL_CURRENT | MCL_FUTURE) == 0, "mlockall");
 }
 
-void run() {
-  make_ready();
-  const pid_t user = fork();
-  check(user >= 0, "fork");
+/// A board goes through a script, and its host's program leaves at the end of it.
+void run(std::vector<palpate::test::Stroke> script) {
   palpate::test::Log log(kRecords);
-  if (user == 0) {
-    palpate::test::touch_with_the_board(log);
-    log.write();
-    std::exit(0);
-  }
+  palpate::test::Host host;
+  palpate::test::Board(log, host, std::move(script)).run();
+  log.add("ended %d", host.wait());
+  log.write();
+}
+
+/// From the kernel's command line.
+int number_of_trials() {
+  const char* number = std::getenv("trials");
+  return number != nullptr ? std::atoi(number) : 0;
+}
+
+void be_the_machine() {
+  make_ready();
   be_hardware();
-  palpate::test::Board(log, user).run();
-  // It was told to end.
-  sleep(1);
-  kill(user, SIGKILL);
-  int status = 0;
-  check(waitpid(user, &status, 0) == user, "waitpid");
-  log.add("ended %d", status);
+  run(palpate::test::script());
+  {
+    palpate::test::Log log(kRecords);
+    log.add("trials");
+    log.write();
+  }
+  run(palpate::test::trials(number_of_trials()));
+}
+
+void be_the_host() {
+  palpate::test::Log log(kRecords);
+  palpate::test::touch_with_the_board(log);
   log.write();
 }
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const bool is_host = argc > 1 && std::strcmp(argv[1], palpate::test::Host::kArgument) == 0;
   try {
-    run();
+    if (is_host) be_the_host();
+    else be_the_machine();
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "init: %s\n", error.what());
+    std::fprintf(stderr, "%s: %s\n", is_host ? "host" : "init", error.what());
   }
+  if (is_host) return 0;
   sync();
   reboot(RB_POWER_OFF);
 }

@@ -10,7 +10,7 @@ namespace palpate::test {
 
 class Log {
  public:
-  explicit Log(std::string path) : path_(std::move(path)) { text_.reserve(std::size_t{4} << 20); }
+  explicit Log(std::string path) : path_(std::move(path)) { text_.reserve(std::size_t{16} << 20); }
 
   /// A line, as printf() makes it.
   [[gnu::format(printf, 2, 3)]] void add(const char* format, ...) {

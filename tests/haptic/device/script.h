@@ -3,7 +3,7 @@
 // into the body, along in it, and out again, with a fault while it is inside.
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "base/types.h"
 
@@ -13,8 +13,17 @@ enum class Fault {
   none,
   /// The board is silent.
   device_pause,
-  /// The servo's process does not run; the board goes on.
+  /// Silent, and the stylus is 5 cm away when the reports come again.
+  away,
+  /// The host's program gets a signal: SIGSTOP, and SIGCONT at the end.
   host_pause,
+  /// SIGKILL, SIGSEGV, and SIGINT for its whole process group, as Ctrl+C has it. At the end the
+  /// program is started again.
+  kill,
+  crash,
+  interrupt,
+  /// Writes fail; not of the board either: button 2 tells the program to let them.
+  write_error,
   /// Reports end early, or late.
   wrong_size,
   /// Each report comes twice.
@@ -54,23 +63,14 @@ struct Stroke {
   }
 };
 
-inline constexpr std::array kScript{
-    Stroke{},
-    Stroke{Fault::device_pause, 100},
-    Stroke{Fault::host_pause, 200, 600},
-    Stroke{Fault::wrong_size, 50},
-    Stroke{Fault::doubled, 50},
-    Stroke{Fault::frozen, 50},
-    Stroke{Fault::empty, 50},
-    Stroke{Fault::unplug, 100},
-    // The kernel waits 5 s for a feature report.
-    Stroke{Fault::stall, 100, 6000},
-    Stroke{Fault::stop, 50},
-    Stroke{},
-    Stroke{Fault::leave, 50},
-};
+/// Each fault once.
+[[nodiscard]] std::vector<Stroke> script();
+
+/// The faults that end or stop the host's program, that many times each.
+[[nodiscard]] std::vector<Stroke> trials(int number);
 
 /// Where the stylus is, in the device's axes, m: above the body, down into it, along, up.
-[[nodiscard]] Vec3 stylus(int stroke, int step);
+/// @param number Of the stroke in its script.
+[[nodiscard]] Vec3 stylus(const Stroke& stroke, int number, int step);
 
 }  // namespace palpate::test

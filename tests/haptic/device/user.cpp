@@ -2,6 +2,7 @@
 #include "haptic/device/user.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -52,6 +53,50 @@ void log_ticks(Log& log, TickRing& ring) {
   }
 }
 
+/// hidapi's, of a device whose writes fail as long as button 2 is held in its newest report.
+class FailingDevice final : public HidDevice {
+ public:
+  explicit FailingDevice(std::shared_ptr<HidDevice> device) : device_(std::move(device)) {}
+
+  int read(std::uint8_t* data, std::size_t size, int timeout_ms) noexcept override {
+    const int bytes = device_->read(data, size, timeout_ms);
+    Report report;
+    palpate_report::Input input;
+    if (bytes == palpate_report::kInputSize) {
+      report.size = palpate_report::kInputSize;
+      std::copy_n(data, report.size, report.data.begin());
+      if (decode_input(report, input)) fails_ = (input.buttons & 4) != 0;
+    }
+    return bytes;
+  }
+  int write(const std::uint8_t* data, std::size_t size) noexcept override {
+    return fails_ ? -EIO : device_->write(data, size);
+  }
+  int get_feature(std::uint8_t* data, std::size_t size) noexcept override {
+    return device_->get_feature(data, size);
+  }
+
+ private:
+  std::shared_ptr<HidDevice> device_;
+  bool fails_ = false;
+};
+
+class FailingHid final : public Hid {
+ public:
+  std::vector<DeviceInfo> list() override { return hid_->list(); }
+  std::shared_ptr<HidDevice> open(const std::string& path, int& error) override {
+    auto device = hid_->open(path, error);
+    if (device == nullptr) return nullptr;
+    return std::make_shared<FailingDevice>(std::move(device));
+  }
+  std::unique_ptr<Guardian> guard(const std::string& path, const Report& zero) override {
+    return hid_->guard(path, zero);
+  }
+
+ private:
+  std::shared_ptr<Hid> hid_ = hidapi();
+};
+
 End touch(Log& log, OpenedDevice device, const std::shared_ptr<const Touchable>& body) {
   const auto ring = std::make_shared<TickRing>(std::size_t{1} << 13);
   End end = End::left;
@@ -96,7 +141,7 @@ OpenedDevice wait_for_board(Log& log) {
     const Time before = now();
     const auto taken = [&] { return us(now() - before) / 1000; };
     try {
-      OpenedDevice device = open_device();
+      OpenedDevice device = open_device({}, std::make_shared<FailingHid>());
       log.add("opened %lld %lld %s", us(now()), taken(), device.info.path.c_str());
       return device;
     } catch (const InputError&) {

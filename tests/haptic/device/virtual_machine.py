@@ -53,15 +53,17 @@ def call(*command, **options):
     return result.stdout
 
 
-def shared_libraries(program):
-    """What the program is linked with, with the loader."""
-    return [Path(path) for path in re.findall(r"(/\S+) \(0x", call("ldd", program))]
+def shared_libraries(programs):
+    """What the programs are linked with, with the loader."""
+    return {Path(path) for program in programs
+            for path in re.findall(r"(/\S+) \(0x", call("ldd", program))}
 
 
-def make_initrd(path, program, modules):
+def make_initrd(path, program, others, modules):
     """An archive of files, not compressed, that the kernel takes for its first file system."""
-    files = {"init": program} | {module.name: module for module in modules}
-    files |= {str(library).lstrip("/"): library for library in shared_libraries(program)}
+    files = {"init": program} | {file.name: file for file in (*others, *modules)}
+    files |= {str(library).lstrip("/"): library
+              for library in sorted(shared_libraries([program, *others]))}
     folders = {str(parent) for name in files for parent in Path(name).parents} - {"."}
     with open(path, "wb") as archive:
         for name in sorted(folders | {"dev", "proc", "sys"}):
@@ -83,14 +85,14 @@ def pad(data):
     return data + bytes(-len(data) % 4)
 
 
-def run(program, folder, records, timeout):
-    """Runs the machine until it switches itself off, with the program as /init.
+def run(program, others, variables, folder, records, timeout):
+    """Runs the machine until it switches itself off, with the program as /init and others beside it.
 
-    The kernel writes to the first serial line, which goes to console.log in the folder; /dev/ttyS1
+    The variables are in the environment of the program. The kernel writes to the first serial line, which goes to console.log in the folder; /dev/ttyS1
     goes to the file `records`.
     """
     initrd = folder / "initrd"
-    make_initrd(initrd, program, [folder / f"{module}.ko" for module in MODULES])
+    make_initrd(initrd, program, others, [folder / f"{module}.ko" for module in MODULES])
     subprocess.run(
         [QEMU, "-accel", "tcg", "-icount", "shift=2,sleep=off", "-M", "q35", "-cpu", "Nehalem",
          "-smp", "1", "-m", "256M", "-rtc", "base=2026-01-01,clock=vm", "-seed", "1",
@@ -100,5 +102,5 @@ def run(program, folder, records, timeout):
          # nokaslr: addresses are the same in each run. preempt: a process that wakes runs at once.
          # panic: where /init dies the machine ends. The rest saves half of the time.
          "-append", "console=ttyS0 quiet nokaslr preempt=full panic=-1 cryptomgr.notests "
-                    "mitigations=off"],
+                    "mitigations=off " + " ".join(f"{k}={v}" for k, v in variables.items())],
         stdin=subprocess.DEVNULL, timeout=timeout, check=True)
