@@ -89,6 +89,28 @@ TEST_F(OpenDevice, RefusesABoardWithoutWatchdog) {
   EXPECT_TRUE(contains(what, "switch the motors off by itself")) << what;
 }
 
+TEST_F(OpenDevice, WhatHasMotorsGetsAGuardianThatSwitchesThemOff) {
+  hid->add("/dev/hidraw3", 0x256f, 0xc635, 1, 8);
+  (void)open_device("/dev/hidraw1", hid);
+  (void)open_device("/dev/hidraw2", hid);
+  (void)open_device("/dev/hidraw3", hid);
+  ASSERT_EQ(hid->guarded.size(), 2U) << "the SpaceMouse has none";
+  EXPECT_EQ(hid->guarded[0].first, "/dev/hidraw1");
+  palpate_report::Output output;
+  output.command = palpate_report::kForce;
+  ASSERT_TRUE(decode_output(hid->guarded[0].second, output));
+  EXPECT_EQ(output.command, palpate_report::kMotorsOff);
+  EXPECT_EQ(hid->guarded[1].first, "/dev/hidraw2");
+  EXPECT_EQ(hid->guarded[1].second.size, 15U);
+}
+
+TEST_F(OpenDevice, SaysWhyThereIsNoGuardian) {
+  hid->why_unguarded = "The program palpate-guardian is nowhere.";
+  const OpenedDevice opened = open_device("/dev/hidraw1", hid);
+  EXPECT_EQ(opened.transport->guardian(), nullptr);
+  EXPECT_EQ(opened.transport->problem(), hid->why_unguarded);
+}
+
 TEST(UdevRule, KnowsEveryDeviceThatIsMatchedByItsNumbers) {
   std::ifstream file(PALPATE_TEST_DATA "/../../haptic/transport/70-palpate.rules");
   std::stringstream rules;
