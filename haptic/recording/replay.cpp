@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "haptic/recording/columns.h"
 #include "haptic/recording/text.h"
+#include "haptic/servo/interlock.h"
 
 namespace palpate {
 namespace {
@@ -195,6 +196,8 @@ void ReplayTransport::play(const TickRecord& record) noexcept {
   next_ = 0;
   gone_ = record.tick.state == ServoState::gone;
   write_fails_ = record.write_failed;
+  guardian_.look(record.tick.time);
+  if ((record.tick.tripped & trips::guardian) != 0) guardian_.trip();
 }
 
 TransportStatus ReplayTransport::read(Report& report, Duration) noexcept {

@@ -62,6 +62,7 @@ class ReplayTransport final : public Transport {
 
   [[nodiscard]] TransportStatus read(Report& report, Duration timeout) noexcept override;
   [[nodiscard]] TransportStatus write(const Report& report) noexcept override;
+  [[nodiscard]] GuardianChannel* guardian() noexcept override { return &guardian_; }
   [[nodiscard]] std::string problem() const override;
 
   /// The last report that was written.
@@ -73,6 +74,8 @@ class ReplayTransport final : public Transport {
   std::size_t next_ = 0;
   bool gone_ = false;
   bool write_fails_ = false;
+  /// Trips as it did in the recording.
+  GuardianChannel guardian_;
   Report written_;
 };
 

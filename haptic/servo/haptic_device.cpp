@@ -93,4 +93,11 @@ bool HapticDevice::setForce(const Vec3& force) noexcept {
   return (limited & (limits::device | limits::not_finite)) == 0;
 }
 
+std::string HapticDevice::problem() const {
+  std::string text = transport_->problem();
+  const std::string why_off = why_motors_stay_off(*transport_, getSpecifications());
+  if (!text.empty() && !why_off.empty()) text += ' ';
+  return text + why_off;
+}
+
 }  // namespace palpate

@@ -84,7 +84,7 @@ class HapticDevice {
   [[nodiscard]] const Vec3& getForce() const noexcept { return sent_; }
 
   /// What was last wrong with the device, in words; empty: nothing.
-  [[nodiscard]] std::string problem() const { return transport_->problem(); }
+  [[nodiscard]] std::string problem() const;
 
  private:
   [[nodiscard]] bool fresh() const noexcept { return session_ && session_->fresh(); }

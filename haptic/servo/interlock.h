@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Holds the force off after a fault, until the hand has left the body.
 //
-// A cause (the reports are too old, writes fail, nobody holds the dead-man switch) holds for a
-// while. What it has tripped stays tripped when the cause is over: the hand may be anywhere by
-// then, and a force must not rise wherever it is. Outside of the body, where no force is due, the
-// interlock is armed again.
+// A cause (the reports are too old, writes fail, nobody holds the dead-man switch, the guardian had
+// to set the motors to zero) holds for a while. What it has tripped stays tripped when the cause is
+// over: the hand may be anywhere by then, and a force must not rise wherever it is. Outside of the
+// body, where no force is due, the interlock is armed again.
 #pragma once
 
 #include <cstdint>
@@ -19,6 +19,8 @@ inline constexpr std::uint32_t stale = 1;
 inline constexpr std::uint32_t failed_writes = 2;
 /// Forces are not permitted (ServoSettings::engaged), or the dead-man button is not held.
 inline constexpr std::uint32_t disengaged = 4;
+/// The guardian has latched a trip or does not look, or there is neither it nor a watchdog.
+inline constexpr std::uint32_t guardian = 8;
 }  // namespace trips
 
 class Interlock {

@@ -287,6 +287,7 @@ void Loop::count_trips(std::uint32_t before) noexcept {
   if (is_new & trips::stale) ++counters_.trips_by_stale_reports;
   if (is_new & trips::failed_writes) ++counters_.trips_by_failed_writes;
   if (is_new & trips::disengaged) ++counters_.trips_by_disengaging;
+  if (is_new & trips::guardian) ++counters_.trips_by_guardian;
 }
 
 void Loop::count() noexcept {

@@ -38,6 +38,9 @@ std::string why_tripped(const Tick& tick) {
   if (tick.tripped & trips::stale) {
     text += "The device or the loop was silent for too long. ";
   }
+  if (tick.tripped & trips::guardian) {
+    text += "The guardian has set the motors to zero, because the loop was silent, or looks no more. ";
+  }
   if (!text.empty()) text += "There is no force until the tool was outside of the body.";
   return text;
 }
@@ -249,9 +252,11 @@ std::string Servo::problem() {
     text += more;
   };
   add(shared_->transport->problem());
+  const std::string why_off = why_motors_stay_off(*shared_->transport, specification());
+  add(why_off);
   const LoopOutbox::Newest& newest = shared_->outbox.newest.read();
   const Counters& counters = newest.counters;
-  if (shared_->running) add(why_tripped(newest.tick));
+  if (shared_->running && why_off.empty()) add(why_tripped(newest.tick));
   // A few are stale at the beginning and after each pause of the machine.
   constexpr std::uint64_t kManyTicks = 1000;
   constexpr std::uint64_t kShare = 50;

@@ -31,6 +31,7 @@ constexpr int kLastAttempts = 20;
 DeviceSession::DeviceSession(Transport& transport, const Profile& profile, Clock& clock,
                              const ServoOptions& options)
     : transport_(transport),
+      guardian_(transport.guardian()),
       profile_(profile),
       clock_(clock),
       options_(options),
@@ -40,7 +41,13 @@ DeviceSession::~DeviceSession() {
   const Report zero = profile_.zero_force(state_);
   for (int attempt = 0; attempt < kLastAttempts && zero.size > 0 && !gone_; ++attempt) {
     write(zero, Vec3::Zero());
-    if (!write_failed()) return;
+    if (!write_failed()) {
+      if (guardian_ != nullptr) {
+        guardian_->acknowledge();
+        guardian_->rest();
+      }
+      return;
+    }
     clock_.sleep_until(clock_.now() + kRetryPause);
   }
 }
@@ -54,6 +61,7 @@ TransportStatus DeviceSession::read(Report& report, Duration timeout) noexcept {
 
 void DeviceSession::write(const Report& report, const Vec3& force) noexcept {
   const Time before = clock_.now();
+  if (guardian_ != nullptr) guardian_->beat(before);
   const TransportStatus status = transport_.write(report);
   const Time after = clock_.now();
   device_time_ += after - before;
@@ -63,6 +71,8 @@ void DeviceSession::write(const Report& report, const Vec3& force) noexcept {
     written_at_ = before;
     force_ = force;
     failed_writes_ = 0;
+    const bool trip_was_seen = (interlock_.tripped() & trips::guardian) != 0;
+    if (guardian_ != nullptr && trip_was_seen && force.isZero(0)) guardian_->acknowledge();
   } else if (status == TransportStatus::gone) {
     ++counted_.failed_writes;
     gone_ = true;
@@ -103,6 +113,7 @@ void DeviceSession::poll() noexcept {
   if (known_ && !device.has_device_time && moves_on) take_velocity(begin);
   age_ = age_at(clock_.now());
   watch_age();
+  watch_guardian();
 }
 
 // By when the loop has had a fresh state, not by the age of this one: after a pause of the host it
@@ -114,6 +125,15 @@ void DeviceSession::watch_age() noexcept {
   if (age_ > options_.stale_after || gone_) return;
   fresh_at_ = now;
   interlock_.set(trips::stale, false);
+}
+
+void DeviceSession::watch_guardian() noexcept {
+  const Specification& device = profile_.specification();
+  if (device.max_linear_force == 0) return;
+  const bool is_guarded = guardian_ != nullptr
+                              ? guardian_->guarded(clock_.now()) && !guardian_->tripped()
+                              : device.watchdog.count() > 0;
+  interlock_.set(trips::guardian, !is_guarded);
 }
 
 void DeviceSession::take(const Report& report) noexcept {
@@ -181,6 +201,7 @@ Duration DeviceSession::age_at(Time now) const noexcept {
 
 Vec3 DeviceSession::send(const Vec3& wanted, double largest, double step,
                          std::uint32_t& limited) noexcept {
+  watch_guardian();
   if (!fresh() || interlock_.tripped() != 0 || write_failed()) {
     send_zero();
     limited |= limits::device;
@@ -206,6 +227,7 @@ bool DeviceSession::is_cut() const noexcept {
 }
 
 void DeviceSession::send_zero() noexcept {
+  watch_guardian();
   if (gone_ || is_cut()) force_.setZero();
   const Report zero = profile_.zero_force(state_);
   if (zero.size == 0 || gone_) return;
@@ -224,6 +246,16 @@ void DeviceSession::count(Counters& counters) noexcept {
   counters.failed_reads += counted_.failed_reads;
   counters.failed_writes += counted_.failed_writes;
   counted_ = {};
+}
+
+std::string why_motors_stay_off(Transport& transport, const Specification& device) {
+  if (device.max_linear_force == 0 || device.watchdog.count() > 0 ||
+      transport.guardian() != nullptr) {
+    return {};
+  }
+  return "The motors stay off, because nobody would switch them off when this program is killed: "
+         "the device has no watchdog, and no guardian. Let the program palpate-guardian be found "
+         "and open the device again, or give the device a watchdog.";
 }
 
 }  // namespace palpate

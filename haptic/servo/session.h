@@ -14,11 +14,16 @@
 // What the motors have. A write that fails may have arrived or not: the motors have the force of
 // before, or the new one. So nothing but zero is written until a write has succeeded; only then is
 // it known again what the motors have.
+//
+// Who else looks. Each write tells the guardian that the loop lives, and before each the session
+// looks whether the guardian has tripped, or looks no more. A trip is acknowledged when the device
+// has taken zero after it.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "haptic/profile/profile.h"
 #include "haptic/servo/interlock.h"
@@ -104,6 +109,7 @@ class DeviceSession {
   /// @param force That the report asks for, N.
   void write(const Report& report, const Vec3& force) noexcept;
   void watch_age() noexcept;
+  void watch_guardian() noexcept;
   [[nodiscard]] Duration age_at(Time now) const noexcept;
   /// The device's watchdog has cut the motors, or is about to: it was long without a force.
   [[nodiscard]] bool may_be_cut() const noexcept;
@@ -111,6 +117,7 @@ class DeviceSession {
   [[nodiscard]] bool is_cut() const noexcept;
 
   Transport& transport_;
+  GuardianChannel* const guardian_;
   const Profile& profile_;
   Clock& clock_;
   const ServoOptions options_;
@@ -158,5 +165,8 @@ class DeviceSession {
   Duration device_time_{0};
   Counters counted_;
 };
+
+/// Why the motors of a device are never switched on, in words; empty: they are.
+[[nodiscard]] std::string why_motors_stay_off(Transport& transport, const Specification& device);
 
 }  // namespace palpate

@@ -31,6 +31,7 @@ struct Counters {
   std::uint64_t trips_by_stale_reports = 0;
   std::uint64_t trips_by_failed_writes = 0;
   std::uint64_t trips_by_disengaging = 0;
+  std::uint64_t trips_by_guardian = 0;
   /// Ticks in which the force was cut, held back, or not finite.
   std::uint64_t magnitude_limited = 0;
   std::uint64_t slew_limited = 0;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A tick allocates nothing, takes no lock, and calls the system for nothing: a child runs ticks
 // under a filter that ends it at any call but the one by which it reports. Among the ticks are some
-// that take another body, of a device that is silent, and of one that is gone.
+// that take another body, of a device that is silent, of one whose guardian has tripped, and of one
+// that is gone.
 #include <gtest/gtest.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
@@ -17,6 +18,7 @@
 #include <cstdlib>
 #include <functional>
 #include <mutex>
+#include <utility>
 
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
@@ -76,13 +78,17 @@ using namespace std::chrono_literals;
 constexpr Time kSilentFrom = 1000ms;
 constexpr Time kSilentTo = 1100ms;
 constexpr Time kGone = 4500ms;
+/// When its guardian trips.
+constexpr Time kTrip = 2500ms;
 
 /// A board in memory that does nothing but answer: no call of the system, no lock.
 class MemoryBoard final : public Transport {
  public:
   explicit MemoryBoard(Clock& clock) : clock_(clock) {}
   TransportStatus read(Report& report, Duration) noexcept override {
+    guardian_.look(clock_.now());
     if (clock_.now() >= kGone) return TransportStatus::gone;
+    if (clock_.now() >= kTrip && !std::exchange(has_tripped_, true)) guardian_.trip();
     const bool silent = clock_.now() >= kSilentFrom && clock_.now() < kSilentTo;
     const auto now = static_cast<std::uint32_t>(clock_.now() / 1us);
     if (silent || now == last_) return TransportStatus::nothing;
@@ -102,12 +108,15 @@ class MemoryBoard final : public Transport {
     if (palpate_report::decode_output(report, output) && output.force[2] != 0) ++num_forces;
     return TransportStatus::data;
   }
+  GuardianChannel* guardian() noexcept override { return &guardian_; }
   std::string problem() const override { return {}; }
 
   int num_forces = 0;
 
  private:
   Clock& clock_;
+  GuardianChannel guardian_;
+  bool has_tripped_ = false;
   std::uint32_t last_ = 0;
 };
 
@@ -157,6 +166,7 @@ TEST(TickRealtime, NoAllocationAndNoLock) {
     EXPECT_EQ(num_locks, locks);
     EXPECT_GT(scene.board.num_forces, kTicks / 4);
     EXPECT_GT(scene.outbox.newest.read().counters.stale_ticks, 90U);
+    EXPECT_EQ(scene.outbox.newest.read().counters.trips_by_guardian, 1U);
     EXPECT_EQ(scene.loop.last().state, ServoState::gone);
   }
 }
