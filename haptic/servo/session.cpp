@@ -17,7 +17,8 @@ constexpr int kMostReports = 256;
 
 /// Of two clocks at the most: crystals keep to 1e-4, trimmed oscillators to 3e-3.
 constexpr double kClockDrift = 3e-3;
-/// A gap in the reports lets the offset grow by no more than a gap of so long.
+/// A gap in the reports in which the queue was not seen empty lets the offset grow by no more than a
+/// gap of so long.
 constexpr Duration kLongestDrift = milliseconds(10);
 
 /// A device the time of which has gone back, as by a restart, is believed anew after so long.
@@ -129,7 +130,7 @@ void DeviceSession::watch_age() noexcept {
 
 void DeviceSession::watch_guardian() noexcept {
   const Specification& device = profile_.specification();
-  if (device.max_linear_force == 0) return;
+  if (device.max_linear_force == 0 || gone_) return;
   const bool is_guarded = guardian_ != nullptr
                               ? guardian_->guarded(clock_.now()) && !guardian_->tripped()
                               : device.watchdog.count() > 0;
@@ -167,7 +168,7 @@ void DeviceSession::take_velocity(Time now) noexcept {
 
 void DeviceSession::take_device_time_of(const DeviceState& before) noexcept {
   const Time now = clock_.now();
-  const Duration since_last = now - std::exchange(read_at_, now);
+  const Time last = std::exchange(read_at_, now);
   if (!profile_.specification().has_device_time) return;
   const Duration sample = now - state_.device_time;
   if (!known_) {
@@ -186,8 +187,9 @@ void DeviceSession::take_device_time_of(const DeviceState& before) noexcept {
       restart_ = Restart{now, state_.device_time};
     }
   }
-  const double drift =
-      kClockDrift * static_cast<double>(std::min(since_last, kLongestDrift).count());
+  // While the queue was seen empty nothing waited in it, and the clocks drifted all the same.
+  const Duration longest = std::max<Duration>(kLongestDrift, not_before_ - last);
+  const double drift = kClockDrift * static_cast<double>(std::min(now - last, longest).count());
   offset_ = std::min(offset_ + Duration(static_cast<Duration::rep>(drift)), sample);
   age_when_read_ = sample - offset_;
 }

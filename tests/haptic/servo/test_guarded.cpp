@@ -108,8 +108,8 @@ TEST_F(Guarded, ATripIsZeroUntilTheToolWasOutside) {
   EXPECT_EQ(rig->motors(), Vec3::Zero()) << "in the next tick";
   EXPECT_FALSE(channel.tripped()) << "acknowledged";
   EXPECT_NE(rig->loop->last().tripped & trips::guardian, 0U);
-  // Still inside for 350 ms more, and outside afterwards.
-  for (int i = 0; i < 300; ++i) {
+  // Still inside for 270 ms more, and outside afterwards.
+  for (int i = 0; i < 250; ++i) {
     run(1ms);
     ASSERT_EQ(rig->motors(), Vec3::Zero());
   }

@@ -661,6 +661,20 @@ TEST(Loop, VelocityIsThatBetweenReports) {
   }
 }
 
+TEST(Loop, ClocksMayDriftThroughASilence) {
+  for (double drift : {-2.8e-3, 2.8e-3}) {
+    BoardOptions options;
+    options.clock_drift = drift;
+    options.faults.silent = {500ms, 2500ms};
+    Rig rig(test::pressing(), options);
+    rig.run(2510ms);
+    const std::uint64_t stale = rig.counters().stale_ticks;
+    EXPECT_GT(stale, 1900U) << drift;
+    rig.run(500ms);
+    EXPECT_EQ(rig.counters().stale_ticks, stale) << drift;
+  }
+}
+
 TEST(Loop, ClocksMayDrift) {
   for (double drift : {-2e-3, 2e-3}) {
     BoardOptions options;
