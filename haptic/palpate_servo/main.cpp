@@ -230,6 +230,8 @@ int run(CommandLine line) {
                       : opened_device(line.device);
   const Specification& specification = device.profile->specification();
   print(specification);
+  const std::string notice = device.transport->problem();
+  if (!notice.empty()) std::printf("notice       %s\n", notice.c_str());
   if (body) {
     place_device(*body, specification, line);
   } else {

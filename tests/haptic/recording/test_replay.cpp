@@ -7,6 +7,7 @@
 #include "haptic/recording/folder.h"
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
+#include "haptic/support/guarded_transport.h"
 #include "haptic/transport/simulated_board.h"
 
 namespace palpate {
@@ -20,7 +21,8 @@ using test::write_text;
 class Replay : public test::RecordingTest {
  protected:
   /// A hand that comes down on the box, slides and leaves; the loop wakes up late as on a busy
-  /// machine, reports and forces take their time, and the board is silent for a while.
+  /// machine, reports and forces take their time, the board is silent for a while, and the guardian
+  /// trips.
   Counters record(const std::string& name, int num_ticks) const {
     const auto clock = std::make_shared<VirtualClock>();
     clock->advance(12345678901234567ns);
@@ -33,6 +35,8 @@ class Replay : public test::RecordingTest {
     options.clock_drift = 1e-4;
     options.faults.silent = {500ms, 520ms};
     SimulatedBoard board(clock, hand, options);
+    GuardianChannel guardian;
+    test::GuardedTransport device(board, &guardian);
 
     RecordedSetup setup;
     setup.feature = board.feature();
@@ -49,7 +53,7 @@ class Replay : public test::RecordingTest {
     settings.servo.damping = 2;
     inbox.settings.write(settings);
     {
-      Loop loop(board, *profile, *clock, setup.options, inbox, outbox);
+      Loop loop(device, *profile, *clock, setup.options, inbox, outbox);
       std::mt19937 random(3);
       for (int i = 0; i < num_ticks; ++i) {
         if (i == num_ticks / 2) {
@@ -57,6 +61,8 @@ class Replay : public test::RecordingTest {
           settings.touch.bonded = true;
           inbox.settings.write(settings);
         }
+        guardian.look(clock->now());
+        if (i == kTrip) guardian.trip();
         loop.tick();
         loop.wait();
         const bool late = random() % 50 == 0;
@@ -96,6 +102,9 @@ class Replay : public test::RecordingTest {
     return outbox.newest.read().counters;
   }
 
+  /// In which tick of a recording.
+  static constexpr int kTrip = 720;
+
   std::shared_ptr<const Touchable> body_ = test::box_body();
 };
 
@@ -108,6 +117,11 @@ TEST_F(Replay, GivesTheSameToTheBit) {
   EXPECT_GT(count([](const TickRecord& r) { return r.tick.force.norm() > 0.1; }), 300);
   EXPECT_GT(count([](const TickRecord& r) { return r.tick.state == ServoState::stale; }), 10);
   EXPECT_GT(count([](const TickRecord& r) { return r.tick.limited != 0; }), 0);
+  const auto by_guardian = [](const TickRecord& r) {
+    return (r.tick.tripped & trips::guardian) != 0;
+  };
+  EXPECT_GT(count(by_guardian), 10);
+  EXPECT_FALSE(by_guardian(ticks.back()));
   EXPECT_GT(count([](const TickRecord& r) { return r.tick.num_reports > 1; }), 0);
   EXPECT_GT(count([](const TickRecord& r) { return r.touch.bonded; }), 500);
   EXPECT_GT(count([](const TickRecord& r) { return r.tick.contact.nodes[2] >= 0; }), 100);

@@ -4,33 +4,14 @@
 
 #include "haptic/servo/haptic_device.h"
 #include "haptic/servo/rig.h"
+#include "haptic/support/guarded_transport.h"
 
 namespace palpate {
 namespace {
 
 using namespace std::chrono_literals;
+using test::GuardedTransport;
 using test::Rig;
-
-/// A device that has a guardian, and whose writes can fail.
-class GuardedTransport final : public Transport {
- public:
-  GuardedTransport(Transport& board, GuardianChannel* channel)
-      : board_(board), channel_(channel) {}
-  TransportStatus read(Report& report, Duration timeout) noexcept override {
-    return board_.read(report, timeout);
-  }
-  TransportStatus write(const Report& report) noexcept override {
-    return fails ? TransportStatus::error : board_.write(report);
-  }
-  GuardianChannel* guardian() noexcept override { return channel_; }
-  std::string problem() const override { return board_.problem(); }
-
-  bool fails = false;
-
- private:
-  Transport& board_;
-  GuardianChannel* channel_;
-};
 
 /// The board's profile with another specification.
 class OtherProfile final : public Profile {
