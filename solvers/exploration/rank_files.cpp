@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "exploration/rank_files.h"
 
+#include <algorithm>
 #include <string>
 #include <system_error>
 
 #include "base/error.h"
+#include "state_space/folder.h"
 
 namespace palpate {
 namespace fs = std::filesystem;
@@ -38,23 +40,26 @@ void RankFiles::merge() {
   });
 }
 
-/// What ranks of this or of an earlier, killed run have left.
-std::vector<fs::path> RankFiles::left_by_ranks() const {
+/// What ranks of this or of an earlier, killed run have left under names with this ending.
+std::vector<fs::path> RankFiles::left_by_ranks(const std::string& ending) const {
   std::vector<fs::path> files;
   const std::string prefix = path_.filename().string() + ".rank";
   const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
   std::error_code missing;  // StateSpaceFile says so
   for (const auto& entry : fs::directory_iterator(folder, missing)) {
     const std::string name = entry.path().filename().string();
-    if (name.size() > prefix.size() && name.compare(0, prefix.size(), prefix) == 0 &&
-        name.find_first_not_of("0123456789", prefix.size()) == std::string::npos) {
+    if (name.compare(0, prefix.size(), prefix) != 0) continue;
+    const std::size_t digits_end =
+        std::min(name.find_first_not_of("0123456789", prefix.size()), name.size());
+    if (digits_end > prefix.size() && name.substr(digits_end) == ending) {
       files.push_back(entry.path());
     }
   }
   return files;
 }
 
-/// Merges and removes one after the other: never more than one of them is on the disk twice.
+/// Merges and removes one after the other: never more than one of them is on the disk twice. What
+/// was merged is durable before its source is removed.
 void RankFiles::take_over() {
   for (const fs::path& file : left_by_ranks()) {
     own_->merge({file});
@@ -64,6 +69,11 @@ void RankFiles::take_over() {
                          " now, cannot be removed: " + error.message() + ". Remove it by hand.");
     }
   }
+  // Of a file that was half made or half removed when the power was lost.
+  for (const char* ending : {".part", "-journal", "-wal"}) {
+    for (const fs::path& remains : left_by_ranks(ending)) fs::remove(remains);
+  }
+  sync_folder_of(path_);
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -39,7 +40,8 @@ class RankFiles {
   void merge();
 
  private:
-  [[nodiscard]] std::vector<std::filesystem::path> left_by_ranks() const;
+  [[nodiscard]] std::vector<std::filesystem::path> left_by_ranks(
+      const std::string& ending = "") const;
   void take_over();
 
   std::filesystem::path path_;

@@ -28,6 +28,22 @@ std::string query_of(Access access) {
   return {};
 }
 
+/// Nothing that a file brings along is run, and nothing is made as large as the file says. The
+/// statements are ours alone and small.
+void defend(sqlite3* handle) {
+  for (const auto& [option, value] :
+       {std::pair{SQLITE_DBCONFIG_DEFENSIVE, 1}, std::pair{SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0},
+        std::pair{SQLITE_DBCONFIG_ENABLE_TRIGGER, 0}, std::pair{SQLITE_DBCONFIG_ENABLE_VIEW, 0}}) {
+    sqlite3_db_config(handle, option, value, nullptr);
+  }
+  for (const auto& [limit, value] :
+       {std::pair{SQLITE_LIMIT_SQL_LENGTH, 100'000}, std::pair{SQLITE_LIMIT_COLUMN, 100},
+        std::pair{SQLITE_LIMIT_EXPR_DEPTH, 100}, std::pair{SQLITE_LIMIT_ATTACHED, 0},
+        std::pair{SQLITE_LIMIT_TRIGGER_DEPTH, 1}}) {
+    sqlite3_limit(handle, limit, value);
+  }
+}
+
 /// A path as an URI that SQLite opens.
 std::string to_uri(const std::filesystem::path& path, const std::string& query) {
   std::string uri = "file:";
@@ -55,6 +71,7 @@ Database::Database(const std::filesystem::path& path, Access access) : path_(pat
   const bool denied = status == SQLITE_OK && writes && sqlite3_db_readonly(handle_, "main") == 1;
   if (status == SQLITE_OK && !denied) {
     sqlite3_busy_timeout(handle_, kBusyTimeout_ms);
+    defend(handle_);
     return;
   }
   try {
@@ -94,6 +111,10 @@ std::string Database::text(const std::string& sql) const {
   return statement.step() ? statement.take_text() : std::string();
 }
 
+void Database::limit_row(std::int64_t bytes) const {
+  sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, static_cast<int>(bytes));
+}
+
 std::int64_t Database::changes() const { return sqlite3_changes64(handle_); }
 
 void Database::fail() const {
@@ -107,6 +128,7 @@ void Database::fail() const {
       throw InputError(name + " is not a Palpate state space, or its beginning is damaged (" +
                        reason + "). Give another file name.");
     case SQLITE_CORRUPT:
+    case SQLITE_TOOBIG:
       throw InputError(name + " is damaged (" + reason +
                        "). Take a copy that is whole, or remove " +
                        "the file and compute it again.");
@@ -223,17 +245,6 @@ Transaction::~Transaction() {
 void Transaction::commit() {
   database_->execute("COMMIT");
   database_ = nullptr;
-}
-
-Attachment::Attachment(const Database& database, const std::filesystem::path& path)
-    : database_(&database) {
-  Statement attach(database, "ATTACH ? AS other");
-  attach.bind(to_uri(path, query_of(Access::read_only)));
-  attach.run();
-}
-
-Attachment::~Attachment() {
-  sqlite3_exec(database_->handle(), "DETACH other", nullptr, nullptr, nullptr);
 }
 
 }  // namespace palpate::sqlite

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The little of SQLite that the state-space file needs, with errors that say what to do.
+// The little of SQLite that the state-space file needs, with errors that say what to do. A file may
+// come from anywhere: nothing that it brings along is run.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +34,8 @@ class Database {
   /// First column of the first row; 0 where there is none.
   [[nodiscard]] std::int64_t integer(const std::string& sql) const;
   [[nodiscard]] std::string text(const std::string& sql) const;
+  /// No value and no row may be larger from now on: one that is counts as damaged.
+  void limit_row(std::int64_t bytes) const;
   /// Rows that the last INSERT, UPDATE or DELETE touched.
   [[nodiscard]] std::int64_t changes() const;
 
@@ -97,18 +100,6 @@ class Transaction {
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
   void commit();
-
- private:
-  const Database* database_;
-};
-
-/// Another file, to be read under the name `other` as long as this lives.
-class Attachment {
- public:
-  Attachment(const Database& database, const std::filesystem::path& path);
-  ~Attachment();
-  Attachment(const Attachment&) = delete;
-  Attachment& operator=(const Attachment&) = delete;
 
  private:
   const Database* database_;

@@ -17,6 +17,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "state_space/folder.h"
 #include "state_space/schema.sql.h"
 #include "state_space/sqlite.h"
 
@@ -130,11 +131,24 @@ Database open_exclusively(const fs::path& path) {
   return database;
 }
 
-void to_single_file(const Database& database) {
-  if (database.text("PRAGMA journal_mode = DELETE") != "delete") {
-    throw BackendError("The log of " + quoted(database.path()) + " cannot be put into the file. " +
-                       "Nothing is lost: open it again when no other program uses it.");
+[[noreturn]] void throw_log_stays(const fs::path& path) {
+  throw BackendError("The log of " + quoted(path) + " cannot be put into the file. Nothing is lost: " +
+                     "open it again when no other program uses it.");
+}
+
+/// Closes a file that was opened exclusively: afterwards it has no log beside it, and is durable.
+void close_as_single_file(Database database) {
+  const fs::path path = database.path();
+  {
+    const Database closed = std::move(database);
+    if (closed.text("PRAGMA journal_mode = DELETE") != "delete") throw_log_stays(path);
   }
+  sync_folder_of(path);
+}
+
+/// Puts the log into the file and waits for the disk: what was stored so far is durable.
+void checkpoint(const Database& database) {
+  if (database.integer("PRAGMA wal_checkpoint(TRUNCATE)") != 0) throw_log_stays(database.path());
 }
 
 Database open_to_read(const fs::path& path) {
@@ -145,7 +159,7 @@ Database open_to_read(const fs::path& path) {
     return database;
   }
   try {
-    to_single_file(open_exclusively(path));
+    close_as_single_file(open_exclusively(path));
   } catch (const BackendError& error) {
     // A writer, alive or killed, has a log; without one the file is whole, wherever it lies.
     if (has_log(path)) {
@@ -492,6 +506,7 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
       fs::remove(file.string() + suffix, error);
     }
   }
+  sync_folder_of(path);
   {
     const Database database(part, Access::create);
     database.execute("PRAGMA page_size = " + std::to_string(kPageSize));
@@ -508,6 +523,7 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
     throw BackendError(quoted(part) + " cannot be renamed to " + quoted(path) + ": " +
                        error.message() + ". Check the permissions of the folder.");
   }
+  sync_folder_of(path);
   return open_to_append(path, scene, solver_tolerance);
 }
 
@@ -555,7 +571,7 @@ StateSpaceFile StateSpaceFile::open_read_only(const fs::path& path) {
 void StateSpaceFile::close() {
   const std::unique_ptr<Impl> impl = std::move(impl_);
   impl->insert.reset();
-  if (impl->writes) to_single_file(impl->database);
+  if (impl->writes) close_as_single_file(std::move(impl->database));
 }
 
 const fs::path& StateSpaceFile::path() const { return impl_->database.path(); }
@@ -980,6 +996,7 @@ void StateSpaceFile::merge(const std::vector<fs::path>& others) {
     }
     database.execute("INSERT OR IGNORE INTO main.test_point SELECT * FROM other.test_point");
   }
+  checkpoint(database);
 }
 
 }  // namespace palpate

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Names on the disk: a file that was made, renamed or removed is so after a loss of power only when
+// its folder was synced since.
+#pragma once
+
+#include <filesystem>
+
+namespace palpate {
+
+/// Waits until the names of the folder that holds a file are on the disk. Does nothing where the file
+/// system cannot sync a folder.
+/// @throws BackendError the disk failed.
+void sync_folder_of(const std::filesystem::path& file);
+
+}  // namespace palpate
