@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "exploration/precompute.h"
+#include "state_space/state_space_file.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
@@ -283,6 +284,11 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     if (grows)
     {
       return;
+    }
+    if (!result.damaged.empty())
+    {
+      vtkWarningMacro(<< palpate::describe_left_out(this->FileName, result.damaged)
+                      << " This was removed, and is computed again.");
     }
     if (const std::string doubts = Doubts(result.report); !doubts.empty())
     {

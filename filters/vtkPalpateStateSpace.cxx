@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "state_space/state_space_file.h"
+#include "state_space/schema.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
 #include "vtkDoubleArray.h"
@@ -314,7 +314,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   hash->InsertNextValue(space.scene_hash);
   fields->AddArray(hash);
   AddArray<vtkIntArray>(fields, "SchemaVersion", 1, 1)
-    ->SetValue(0, palpate::StateSpaceFile::schema_version);
+    ->SetValue(0, static_cast<int>(palpate::kSchemaVersion));
   const auto count = static_cast<vtkIdType>(space.sites.size());
   auto* nodes = AddArray<vtkIdTypeArray>(fields, "ActiveNodes", 1, count);
   auto* tipRadii = AddArray<vtkDoubleArray>(fields, "TipRadius", 1, count);
@@ -688,6 +688,17 @@ void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData*
   file->InsertNextValue(fileName);
   fields->AddArray(file);
   AddArray<vtkIntArray>(fields, "Complete", 1, 1)->SetValue(0, complete ? 1 : 0);
+}
+
+void vtkPalpateAddLeftOut(const std::vector<std::string>& leftOut, vtkFieldData* fields)
+{
+  vtkNew<vtkStringArray> names;
+  names->SetName("LeftOut");
+  for (const std::string& name : leftOut)
+  {
+    names->InsertNextValue(name);
+  }
+  fields->AddArray(names);
 }
 
 vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection)

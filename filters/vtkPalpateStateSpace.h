@@ -44,6 +44,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "PalpateFiltersModule.h"
 #include "state_space/touch_space.h"
@@ -70,6 +71,10 @@ PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(const palpate::Scene& scene,
 /// Adds the field arrays `FileName` and `Complete` (1: nothing is left to find).
 PALPATEFILTERS_EXPORT void vtkPalpateAddFile(
   const std::string& fileName, bool complete, vtkFieldData* fields);
+
+/// Adds the field array `LeftOut`: what is damaged in the file, and so is missing here.
+PALPATEFILTERS_EXPORT void vtkPalpateAddLeftOut(
+  const std::vector<std::string>& leftOut, vtkFieldData* fields);
 
 /// What this rank has of `Body`: the partitions with points.
 PALPATEFILTERS_EXPORT vtkPalpatePieces vtkPalpateBody(vtkPartitionedDataSetCollection* collection);

@@ -52,8 +52,8 @@ int vtkPalpateStateSpaceReader::RequestData(
           scene = file.read_scene();
           space = palpate::make_touch_space(file, this->DisplacementBound);
           const auto sites = file.read_sites();
-          complete = std::all_of(
-            sites.begin(), sites.end(), [](const auto& site) { return site.complete; });
+          complete = space.left_out.empty() &&
+            std::all_of(sites.begin(), sites.end(), [](const auto& site) { return site.complete; });
         });
       // The blocks are the same on every rank.
       vtkPalpateNameBlocks(
@@ -66,7 +66,14 @@ int vtkPalpateStateSpaceReader::RequestData(
       for (const auto& configurations : vtkPalpateConfigurations(output))
       {
         vtkPalpateAddFile(this->FileName, complete, configurations->GetFieldData());
+        vtkPalpateAddLeftOut(space.left_out, configurations->GetFieldData());
         output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
+      }
+      if (!space.left_out.empty())
+      {
+        vtkWarningMacro(<< palpate::describe_left_out(this->FileName, space.left_out)
+                        << " This is left out. Precompute State Space with this file computes it "
+                        << "again.");
       }
     });
   return 1;

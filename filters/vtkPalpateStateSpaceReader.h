@@ -4,7 +4,9 @@
  * @brief reads a state space from a .palpate file
  *
  * Output: as vtkPalpatePrecomputeStateSpace gives it, without the figures of the run but `FileName`
- * and `Complete`. The file may be one that is not complete. Under MPI the result is whole on rank 0 and empty elsewhere.
+ * and `Complete`. The file may be one that is not complete. What is damaged in it is left out, with
+ * a warning, and named in the field array `LeftOut`. Under MPI the result is whole on rank 0 and
+ * empty elsewhere.
  */
 #pragma once
 

@@ -88,7 +88,11 @@ void list_devices() {
 }
 
 TouchSpace read_space(const std::string& path) {
-  return make_touch_space_without_modes(StateSpaceFile::open_read_only(path));
+  TouchSpace space = make_touch_space_without_modes(StateSpaceFile::open_read_only(path));
+  if (!space.left_out.empty()) {
+    std::fprintf(stderr, "%s This is left out.\n", describe_left_out(path, space.left_out).c_str());
+  }
+  return space;
 }
 
 const Touchable::Node& chosen_node(const Touchable& body, const CommandLine& line) {

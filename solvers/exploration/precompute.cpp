@@ -197,6 +197,7 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
       options.file.empty()
           ? make_memory_record(scene, sites, tolerance, communicator)
           : make_file_record(options.file, scene, sites, tolerance, communicator);
+  result.damaged = record->damaged();
 
   TipSolver site_solver(*solver, *tip);
   Engine engine(sites, site_solver, *record, communicator.network(), monitor, report);
@@ -222,10 +223,10 @@ void validate(const PrecomputeOptions& options) {
                      "; it must be a positive length in m.");
   }
   if (options.resolution < 3 || options.resolution % 2 == 0 ||
-      options.resolution > kLargestResolution) {
+      options.resolution > kLargestCoarsestResolution) {
     throw InputError("The resolution is " + std::to_string(options.resolution) +
                      "; it must be odd, so that the rest position is a check-point, and from 3 to " +
-                     std::to_string(kLargestResolution) + '.');
+                     std::to_string(kLargestCoarsestResolution) + '.');
   }
   if (!(std::isfinite(options.force_limit) && options.force_limit >= 0)) {
     throw InputError("The force limit is " + std::to_string(options.force_limit) +

@@ -106,6 +106,9 @@ struct PrecomputeResult {
   TouchSpace space;
   /// The same on every rank.
   PrecomputeReport report;
+  /// What was damaged in the file that the run went on from, and was removed from it, see
+  /// StateSpaceFile::left_out(); on rank 0.
+  std::vector<std::string> damaged;
 };
 
 struct ProgressState {

@@ -19,7 +19,9 @@ void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
       throw InputError("The file " + path_.string() + " is gone, but " + left.front().string() +
                        " of its last run is there. Remove that too, or give another file name.");
     }
+    const bool was_there = fs::exists(path_);
     own_ = StateSpaceFile::open_or_create(path_, scene_, solver_tolerance_);
+    if (was_there) damaged_ = own_->remove_damaged();
     take_over();
     prepare(*own_);
   });
@@ -62,7 +64,12 @@ std::vector<fs::path> RankFiles::left_by_ranks(const std::string& ending) const 
 /// was merged is durable before its source is removed.
 void RankFiles::take_over() {
   for (const fs::path& file : left_by_ranks()) {
-    own_->merge({file});
+    const std::vector<std::string> left_out = own_->merge(file);
+    if (!left_out.empty()) {
+      throw InputError(describe_left_out(file, left_out) + " All else of it is in " +
+                       path_.string() + " now. Remove the file, or move it away, and run again: " +
+                       "what is missing is computed again.");
+    }
     std::error_code error;
     if (!fs::remove(file, error)) {
       throw BackendError("The file " + file.string() + ", whose content is in " + path_.string() +

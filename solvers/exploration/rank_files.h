@@ -35,7 +35,13 @@ class RankFiles {
   [[nodiscard]] StateSpaceFile& own() { return *own_; }
   [[nodiscard]] const StateSpaceFile& own() const { return *own_; }
 
+  /// What was damaged in the file that open() found, and so was removed from it, see
+  /// StateSpaceFile::left_out(); on rank 0.
+  [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
+
   /// Everything into the file of rank 0.
+  /// @throws InputError the file of a rank is damaged: what is sound in it was taken over, and it
+  ///   stays.
   /// @note Collective
   void merge();
 
@@ -49,6 +55,7 @@ class RankFiles {
   double solver_tolerance_;
   Communicator& communicator_;
   std::optional<StateSpaceFile> own_;
+  std::vector<std::string> damaged_;
 };
 
 }  // namespace palpate

@@ -31,6 +31,7 @@ class MemoryRecord final : public Record {
   }
 
   [[nodiscard]] Known known(Index /*active_node*/) const override { return {}; }
+  [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
 
   void keep(Index active_node, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
@@ -151,13 +152,15 @@ class FileRecord final : public Record {
     Known all;
     if (communicator_.rank() != 0) return all;
     const StateSpaceFile& file = files_.own();
-    for (const auto& found :
-         {file.read_summaries(active_node), file.read_candidates(active_node)}) {
+    const std::vector<Configuration> settled = file.read_summaries(active_node);
+    for (const auto& found : {settled, file.read_candidates(active_node)}) {
       all.configurations.insert(all.configurations.end(), found.begin(), found.end());
     }
-    all.transitions = file.read_transitions(active_node);
+    all.transitions = file.read_linked_transitions(active_node, settled);
     return all;
   }
+
+  [[nodiscard]] std::vector<std::string> damaged() const override { return files_.damaged(); }
 
   void keep(Index active_node, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
@@ -176,7 +179,10 @@ class FileRecord final : public Record {
   [[nodiscard]] Configuration load(Index active_node,
                                    const ConfigurationSummary& summary) const override {
     Configuration configuration{summary, {}, {}, {}, {}};
-    files_.own().read_fields(active_node, configuration);
+    if (!files_.own().read_fields(active_node, configuration)) {
+      throw InputError("A part of " + path_.string() + " was damaged while it was in use: " +
+                       files_.own().left_out().front() + ". Check the disk and run again.");
+    }
     return configuration;
   }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "schedule/communicator.h"
@@ -28,6 +29,8 @@ class Record {
 
   /// On rank 0, empty elsewhere.
   [[nodiscard]] virtual Known known(Index active_node) const = 0;
+  /// What of earlier runs was damaged and is not known, see StateSpaceFile::left_out(); on rank 0.
+  [[nodiscard]] virtual std::vector<std::string> damaged() const = 0;
   /// Told on the rank that found the configuration, before anyone else hears of it.
   /// @param way The intermediate states on the way to it: they are kept with it, or neither is.
   virtual void keep(Index active_node, const Configuration& found,

@@ -23,6 +23,11 @@ void check(const Site& site) {
                      "; it takes a power of two that divides " + std::to_string(site.reach()) +
                      ", the number of check-points from rest to the border.");
   }
+  if (site.coarsest_resolution() > kLargestCoarsestResolution) {
+    throw InputError(which + " has " + std::to_string(site.coarsest_resolution() - 1) +
+                     " of the coarsest cells an axis; it takes " +
+                     std::to_string(kLargestCoarsestResolution - 1) + " at most.");
+  }
 }
 
 template <class T>

@@ -192,6 +192,11 @@ inline constexpr std::int32_t kMostIntermediateStates = 100;
 
 /// Check-points along an axis at the most: more would overflow the number of a node of the grid.
 inline constexpr std::int32_t kLargestResolution = 1001;
+/// Corners of the coarsest cells along an axis at the most. Each of them takes memory, whether
+/// there is a configuration or not.
+inline constexpr std::int32_t kLargestCoarsestResolution = 129;
+/// Corners of the coarsest cells of all sites of a space at the most, for the same reason.
+inline constexpr std::int64_t kMostCoarsestCorners = std::int64_t{1} << 24;
 
 /// The active site and the grid around it.
 struct Site {
@@ -225,6 +230,8 @@ struct Site {
     return resolution > 1 ? 2 * half_width / (resolution - 1) : 0;
   }
   [[nodiscard]] std::int32_t reach() const { return (resolution - 1) / 2; }
+  /// Corners of the coarsest cells along an axis.
+  [[nodiscard]] std::int32_t coarsest_resolution() const { return 2 * reach() / coarsest + 1; }
 
   [[nodiscard]] friend bool operator==(const Site& a, const Site& b) {
     const auto all = [](const Site& s) {

@@ -80,7 +80,7 @@ void FieldCache::read(const Site& site, const std::vector<ConfigurationSummary>&
   for (const ConfigurationSummary& summary : missing) {
     Configuration c;
     static_cast<ConfigurationSummary&>(c) = summary;
-    file.read_fields(site.active_node, c);
+    if (!file.read_fields(site.active_node, c)) fail("a configuration is damaged there");
     if (c.u.size() == 0 || c.v.rows() != c.u.size()) {
       fail("a configuration has no displacement, or no derivative of it, there");
     }

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Waits until the names of the folder that holds a file are on the disk. Does nothing where the file
-/// system cannot sync a folder.
+/// Waits until the names of the folder that holds a file are on the disk. Does nothing where the
+/// file system cannot sync a folder.
 /// @throws BackendError the disk failed.
 void sync_folder_of(const std::filesystem::path& file);
 

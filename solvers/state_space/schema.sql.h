@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tables of a state-space file, see state_space/state_space_file.h.
+//
+// A file of version 5 is read too. It has no checksum of a scene or a site; its summary_checksum
+// does not take in the column checksum; this and that of an intermediate state take flags without
+// bit 4.
 #pragma once
 
 namespace palpate {
@@ -20,7 +24,9 @@ CREATE TABLE scene (
   cells            BLOB NOT NULL,     -- int32 [num_cells x 4 or 10], nodes as in VTK
   material_of_cell BLOB,              -- int32 [num_cells]; NULL: material 0 throughout
   fixed            BLOB NOT NULL,     -- uint8 [num_points], 1: u = 0
-  touchable        BLOB NOT NULL      -- uint8 [num_points], 1: may be touched
+  touchable        BLOB NOT NULL,     -- uint8 [num_points], 1: may be touched
+  checksum         INTEGER            -- XXH3 (64 bit) of the bytes of touchable, seeded with that
+                                      -- of solver_tolerance; the hash takes in all else
 );
 CREATE TABLE material (
   scene_id    INTEGER NOT NULL REFERENCES scene,
@@ -54,6 +60,8 @@ CREATE TABLE site (
   intermediate_states INTEGER NOT NULL,  -- on the way to each configuration
   third_derivatives INTEGER NOT NULL, -- 1: configurations have their third derivative
   complete    INTEGER NOT NULL,       -- 1: nothing is left to find
+  checksum    INTEGER,                -- XXH3 (64 bit) of the columns from active_node to complete,
+                                      -- 8 bytes each
   PRIMARY KEY (scene_id, active_node)
 );
 CREATE TABLE configuration (
@@ -84,8 +92,8 @@ CREATE TABLE configuration (
   third_derivative BLOB,              -- float64 [10], d stiffness / d t: xxx xxy xxz xyy xyz xzz
                                       -- yyy yyz yzz zzz, N/m2; NULL: not computed
   summary_checksum INTEGER NOT NULL,  -- XXH3 (64 bit) of active_node and of the columns from i to
-                                      -- signature_z, 8 bytes each, NaN as -1, flags without bit 4;
-                                      -- then of third_derivative, where there is one
+                                      -- signature_z, 8 bytes each, NaN as -1; then of
+                                      -- third_derivative, where there is one, and of checksum
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
                                       -- that of v, and so on for p and p_v
   -- The fields: NULL where the transition failed.
@@ -118,7 +126,7 @@ CREATE TABLE intermediate (           -- equilibria on the way to a configuratio
   flags       INTEGER NOT NULL,
   seconds,
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of active_node and of the columns from i to
-                                      -- seconds, 8 bytes each, NaN as -1, flags without bit 4
+                                      -- seconds, 8 bytes each, NaN as -1
   PRIMARY KEY (scene_id, active_node, i, j, k, number)
 );
 CREATE TABLE test_point (             -- equilibria by which interpolation is measured

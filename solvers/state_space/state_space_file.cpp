@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "state_space/state_space_file.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <system_error>
 #include <type_traits>
+#include <utility>
 
 #include "base/error.h"
 #include "state_space/folder.h"
-#include "state_space/schema.sql.h"
+#include "state_space/rows.h"
+#include "state_space/schema.h"
 #include "state_space/sqlite.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
@@ -33,8 +35,6 @@ using sqlite::Statement;
 using sqlite::Transaction;
 
 namespace {
-
-constexpr std::int64_t kApplicationId = 0x50616c70;
 
 /// Large pages suit large blobs: a configuration of 160 kB is 10 pages.
 constexpr int kPageSize = 16384;
@@ -107,32 +107,18 @@ void check_is_there(const fs::path& path) {
   }
 }
 
-void check_identity(const Database& database) {
-  if (database.integer("PRAGMA application_id") != kApplicationId) {
-    throw InputError(quoted(database.path()) + " is an SQLite file of another program, not a " +
-                     "Palpate state space. Give another file name.");
-  }
-  const std::int64_t version = database.integer("PRAGMA user_version");
-  if (version != StateSpaceFile::schema_version) {
-    const bool newer = version > StateSpaceFile::schema_version;
-    throw InputError(quoted(database.path()) + " has version " + std::to_string(version) +
-                     " of the schema; this program knows version " +
-                     std::to_string(StateSpaceFile::schema_version) + ". " +
-                     (newer ? "Use a newer Palpate." : "Compute the state space again."));
-  }
-}
-
 /// Opens with the file locked for this program alone: then the log needs no shared memory, and
 /// works on network disks.
 Database open_exclusively(const fs::path& path) {
   Database database(path, Access::read_write);
   database.execute("PRAGMA locking_mode = EXCLUSIVE");
-  check_identity(database);
+  (void)check_schema(database);
   return database;
 }
 
 [[noreturn]] void throw_log_stays(const fs::path& path) {
-  throw BackendError("The log of " + quoted(path) + " cannot be put into the file. Nothing is lost: " +
+  throw BackendError("The log of " + quoted(path) +
+                     " cannot be put into the file. Nothing is lost: " +
                      "open it again when no other program uses it.");
 }
 
@@ -155,7 +141,7 @@ Database open_to_read(const fs::path& path) {
   check_is_there(path);
   if (!has_log(path) && !FileHeader(path).has_write_ahead_log()) {
     Database database(path, Access::read_only);
-    check_identity(database);
+    (void)check_schema(database);
     return database;
   }
   try {
@@ -168,7 +154,7 @@ Database open_to_read(const fs::path& path) {
                          "where it can be written.");
     }
     Database database(path, Access::immutable);
-    check_identity(database);
+    (void)check_schema(database);
     return database;
   }
   return {path, Access::read_only};
@@ -192,209 +178,13 @@ std::vector<T> take_array(Statement& statement, std::int64_t size, const Databas
   return values;
 }
 
-/// Calls visit for each number of a summary, in the order of the columns.
-template <class Summary, class Visit>
-void for_each_number(Summary& c, Visit&& visit) {
-  for (auto& x : c.check_point) visit(x);
-  visit(c.level);
-  for (auto& x : c.parent) visit(x);
-  visit(c.parent_level);
-  for (int a = 0; a < 3; ++a) visit(c.t[a]);
-  visit(c.energy);
-  for (int a = 0; a < 3; ++a) visit(c.force[a]);
-  for (int a = 0; a < 3; ++a) {
-    for (int b = 0; b < 3; ++b) visit(c.stiffness(a, b));
-  }
-  visit(c.outcome);
-  visit(c.flags);
-  visit(c.residual);
-  visit(c.minimum_det_f);
-  visit(c.negative_pivots);
-  visit(c.iterations);
-  visit(c.seconds);
-  for (int a = 0; a < 3; ++a) visit(c.signature[a]);
-  visit(c.third_derivative);
-}
-
-constexpr char kSummaryColumns[] =
-    "i, j, k, level, parent_i, parent_j, parent_k, parent_level, t_x, t_y, t_z, energy, force_x, force_y, "
-    "force_z, stiffness_xx, stiffness_xy, stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, "
-    "stiffness_zx, stiffness_zy, stiffness_zz, outcome, flags, residual, minimum_det_f, "
-    "negative_pivots, iterations, seconds, signature_x, signature_y, signature_z, third_derivative";
-constexpr int kNumSummaryColumns = 35;
-constexpr char kFieldColumns[] = "u, v, p, p_v";
-
 constexpr char kAtKey[] =
     " WHERE scene_id = 1 AND active_node = ? AND i = ? AND j = ? AND k = ? AND level = ?";
 
-struct BindNumber {
-  Statement& statement;
-  void operator()(double x) const { statement.bind(x); }
-  void operator()(std::int32_t x) const { statement.bind(std::int64_t{x}); }
-  template <class Enumeration>
-  void operator()(Enumeration x) const {
-    statement.bind(static_cast<std::int64_t>(x));
-  }
-  void operator()(const ThirdDerivative& x) const {
-    statement.bind(x.allFinite() ? x.data() : nullptr, sizeof x);
-  }
-};
-
-struct TakeNumber {
-  Statement& statement;
-  const fs::path& path;
-  void operator()(double& x) const { x = statement.take_double(); }
-  void operator()(std::int32_t& x) const {
-    x = static_cast<std::int32_t>(statement.take_integer());
-  }
-  template <class Enumeration>
-  void operator()(Enumeration& x) const {
-    x = static_cast<Enumeration>(statement.take_integer());
-  }
-  void operator()(ThirdDerivative& x) const {
-    const auto [data, bytes] = statement.take_blob();
-    x.setConstant(std::numeric_limits<double>::quiet_NaN());
-    if (bytes == 0) return;
-    if (bytes != sizeof x) throw_damaged(path, "a third derivative has another size");
-    std::memcpy(static_cast<void*>(x.data()), data, bytes);
-  }
-};
-
-/// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
-using Fields = std::array<Statement::Blob, 4>;
-
-Fields blobs_of(const Configuration& c) {
-  const auto blob = [](const auto& field) {
-    const auto size = static_cast<std::size_t>(field.size());
-    return Statement::Blob{size == 0 ? nullptr : field.data(), size * sizeof(double)};
-  };
-  return {blob(c.u), blob(c.v), blob(c.p), blob(c.p_v)};
-}
-
-std::int64_t checksum(const Fields& fields) {
-  XXH64_hash_t sum = 0;
-  for (const auto& [data, bytes] : fields) sum = XXH3_64bits_withSeed(data, bytes, sum);
-  return static_cast<std::int64_t>(sum);
-}
-
-/// Gathers the bytes of a summary but for the flag of the force limit, which changes with the limit.
-struct GatherNumber {
-  std::vector<std::int64_t>& bits;
-  void operator()(double x) const {
-    std::int64_t of_x = -1;  // any NaN: the file has only one
-    if (!std::isnan(x)) std::memcpy(&of_x, &x, sizeof of_x);
-    bits.push_back(of_x);
-  }
-  void operator()(std::int32_t x) const { bits.push_back(x); }
-  template <class Enumeration>
-  void operator()(Enumeration x) const {
-    bits.push_back(static_cast<std::int64_t>(x));
-  }
-  void operator()(const ThirdDerivative& x) const {
-    if (!x.allFinite()) return;
-    for (const double component : x) (*this)(component);
-  }
-};
-
-std::int64_t checksum(const std::vector<std::int64_t>& bits) {
-  return static_cast<std::int64_t>(XXH3_64bits(bits.data(), bits.size() * sizeof bits[0]));
-}
-
-std::int64_t checksum(Index active_node, ConfigurationSummary summary) {
-  summary.flags &= ~flags::beyond_force_limit;
-  std::vector<std::int64_t> bits{active_node};
-  for_each_number(summary, GatherNumber{bits});
-  return checksum(bits);
-}
-
-/// Calls visit for each number of a transition, in the order of the columns.
-template <class Transition, class Visit>
-void for_each_number_of_transition(Transition& transition, Visit&& visit) {
-  for (auto& x : transition.start) visit(x);
-  visit(transition.start_level);
-  for (auto& x : transition.target) visit(x);
-  visit(transition.reached);
-}
-
-constexpr char kTransitionColumns[] = "i, j, k, level, to_i, to_j, to_k, reached";
-
-std::int64_t checksum(Index active_node, const LevelTransition& transition) {
-  std::vector<std::int64_t> bits{active_node};
-  for_each_number_of_transition(transition, GatherNumber{bits});
-  return checksum(bits);
-}
-
-/// Calls visit for each number of an intermediate state, in the order of the columns.
-template <class State, class Visit>
-void for_each_number_of_intermediate(State& state, Visit&& visit) {
-  for (auto& x : state.target) visit(x);
-  visit(state.number);
-  for (int a = 0; a < 3; ++a) visit(state.t[a]);
-  visit(state.energy);
-  for (int a = 0; a < 3; ++a) visit(state.force[a]);
-  visit(state.outcome);
-  visit(state.flags);
-  visit(state.seconds);
-}
-
-constexpr char kIntermediateColumns[] =
-    "i, j, k, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, outcome, flags, seconds";
-
-std::int64_t checksum(Index active_node, IntermediateState state) {
-  state.flags &= ~flags::beyond_force_limit;
-  std::vector<std::int64_t> bits{active_node};
-  for_each_number_of_intermediate(state, GatherNumber{bits});
-  return checksum(bits);
-}
-
-constexpr char kTestPointColumns[] =
-    "kind, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, stiffness_xx, stiffness_xy, "
-    "stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, stiffness_zx, stiffness_zy, "
-    "stiffness_zz, outcome, flags, seconds";
-constexpr int kNumTestPointColumns = 21;
-
-std::int64_t checksum(const TestSet& set, const TestPoint& point) {
-  std::vector<std::int64_t> bits{set.active_node, set.seed};
-  GatherNumber{bits}(set.tip_radius);
-  GatherNumber{bits}(set.half_width);
-  for_each_number_of_test_point(point, GatherNumber{bits});
-  const auto size = static_cast<std::size_t>(point.displacement.size()) * sizeof(float);
-  return static_cast<std::int64_t>(XXH3_64bits_withSeed(
-      point.displacement.data(), size, static_cast<XXH64_hash_t>(checksum(bits))));
-}
-
-/// Whether they are those of a body with so many points; p may have any length.
-bool fit(const Fields& fields, std::int64_t num_points) {
-  const auto& [u, v, p, p_v] = fields;
-  const std::size_t of_points = static_cast<std::size_t>(num_points) * 3 * sizeof(double);
-  return (u.bytes == 0 || u.bytes == of_points) && (v.bytes == 0 || v.bytes == 3 * of_points) &&
-         p.bytes % sizeof(double) == 0 && p_v.bytes == 3 * p.bytes;
-}
-
-std::string describe(const CheckPoint& c) {
-  return '(' + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " + std::to_string(c[2]) +
-         ')';
-}
-
-constexpr char kSiteColumns[] =
-    "active_node, tip_radius, half_width, resolution, force_limit, coarsest, tolerance, "
-    "tolerance_is_relative, history, intermediate_states, third_derivatives, complete";
-
-SiteSpace take_site(Statement& select) {
-  SiteSpace space;
-  space.site.active_node = static_cast<Index>(select.take_integer());
-  space.site.tip_radius = select.take_double();
-  space.site.half_width = select.take_double();
-  space.site.resolution = static_cast<std::int32_t>(select.take_integer());
-  space.site.force_limit = select.take_double();
-  space.site.coarsest = static_cast<std::int32_t>(select.take_integer());
-  space.site.tolerance = select.take_double();
-  space.site.tolerance_is_relative = select.take_integer() != 0;
-  space.site.history = static_cast<History>(select.take_integer());
-  space.site.intermediate_states = static_cast<std::int32_t>(select.take_integer());
-  space.site.third_derivatives = select.take_integer() != 0;
-  space.complete = select.take_integer() != 0;
-  return space;
+/// Corners of its coarsest cells.
+std::int64_t coarsest_corners(const Site& site) {
+  const std::int64_t n = site.coarsest_resolution();
+  return n * n * n;
 }
 
 std::string describe(const Site& s) {
@@ -426,7 +216,7 @@ void require_extension(const fs::path& path, const Site& there, const Site& aske
 }
 
 void write_scene(const Database& database, const Scene& scene, double solver_tolerance) {
-  Statement insert(database, "INSERT INTO scene VALUES (1, NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement insert(database, "INSERT INTO scene VALUES (1, NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   const TetMesh& mesh = scene.mesh;
   insert.bind(hash(scene));
   insert.bind(solver_tolerance);
@@ -438,10 +228,11 @@ void write_scene(const Database& database, const Scene& scene, double solver_tol
   bind_array(insert, scene.material_of_cell);
   bind_array(insert, scene.fixed);
   bind_array(insert, scene.touchable);
+  insert.bind(rows::checksum(scene.touchable, solver_tolerance));
   insert.run();
   static_assert(max_parameters == 10, "as the columns of the table");
-  Statement insert_material(database,
-                            "INSERT INTO material VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  Statement insert_material(
+      database, "INSERT INTO material VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {
     insert_material.bind(static_cast<std::int64_t>(m));
     insert_material.bind(static_cast<std::int64_t>(scene.materials[m].law));
@@ -451,27 +242,240 @@ void write_scene(const Database& database, const Scene& scene, double solver_tol
   }
 }
 
+/// A value of a row is no larger, and neither is the memory that is taken to read it.
+std::int64_t largest_row(std::int64_t num_points, std::int64_t num_cells) {
+  constexpr std::int64_t kOfNumbers = 1 << 16;
+  // The scene: points, fixed, touchable; at most ten nodes a cell, and its material.
+  const std::int64_t of_scene = num_points * (3 * 8 + 2) + num_cells * (10 + 1) * 4;
+  // u and v; p and p_v at most at four corners a cell.
+  const std::int64_t of_fields = num_points * 12 * 8 + num_cells * 16 * 8;
+  return std::max(of_scene, of_fields) + kOfNumbers;
+}
+
+/// Makes a statement ready for the next time at the end.
+struct Reset {
+  Statement& statement;
+  ~Reset() { statement.reset(); }
+};
+
+/// What SQLite keeps in one row at the most.
+constexpr std::int64_t kLargestRow = 1'000'000'000;
+
+/// A commit waits for the disk when the last one that did is so long ago: a loss of power takes no
+/// more than what was computed meanwhile, and the disk is waited for once in that time.
+constexpr std::chrono::seconds kSyncEvery{1};
+
 }  // namespace
 
 struct StateSpaceFile::Impl {
-  explicit Impl(Database opened) : database(std::move(opened)) {
+  explicit Impl(Database opened)
+      : database(std::move(opened)), version(database.integer("PRAGMA user_version")) {
     Statement select(database,
-                     "SELECT hash, solver_tolerance, num_points FROM scene WHERE "
+                     "SELECT hash, solver_tolerance, num_points, num_cells FROM scene WHERE "
                      "scene_id = 1");
-    if (!select.step()) throw_damaged(database.path(), "it holds no scene");
+    if (!select.step()) throw_damaged(path(), "it holds no scene");
     scene_hash = select.take_text();
     solver_tolerance = select.take_double();
     num_points = select.take_integer();
+    num_cells = select.take_integer();
+    if (num_points < 0 || num_points > kLargestRow || num_cells < 0 || num_cells > kLargestRow ||
+        largest_row(num_points, num_cells) > kLargestRow) {
+      throw_damaged(path(), "a body of " + std::to_string(num_points) + " points and " +
+                                std::to_string(num_cells) + " cells");
+    }
+    database.limit_row(largest_row(num_points, num_cells));
   }
 
+  [[nodiscard]] const fs::path& path() const { return database.path(); }
+  [[nodiscard]] rows::Checked checked() const {
+    return version < kSchemaVersion ? rows::Checked::as_version_5 : rows::Checked::all;
+  }
+
+  /// Calls take(select, rowid) for each row of a table at an active node, in the order of the key;
+  /// what it cannot take it leaves out itself. Where a part of the table cannot be read, the other
+  /// rows are read one by one.
+  /// @param key The columns of the key, the first three of them i, j and k.
+  /// @param condition On the row.
+  /// @param forget Is called when rows come again, from the first.
+  template <class Take, class Forget>
+  void for_each_row(const std::string& table, const std::string& columns,
+                    const std::vector<std::string>& key, Index active_node,
+                    const std::string& condition, Take&& take, Forget&& forget) const;
+  /// The numbers and check-points of the rows, as far as they can be listed, in the order of the
+  /// key.
+  [[nodiscard]] std::vector<std::pair<std::int64_t, CheckPoint>> list_rows(
+      const std::string& table, const std::vector<std::string>& key, Index active_node,
+      const std::string& condition) const;
+
+  /// Is called before each change: decides whether its commit waits for the disk.
+  void before_change();
+  /// Writes a site in place of what is there.
+  void write(const SiteSpace& space) const;
+  /// Gives a row of the table of configurations other numbers; its fields stay.
+  /// @param level That it is found by.
+  void rewrite(Index active_node, std::int32_t level, const ConfigurationSummary& summary) const;
+  void write(Index active_node, const IntermediateState& state) const;
+  void set_touchable(const std::vector<char>& touchable) const;
+
   Database database;
+  std::int64_t version;
   bool writes = false;
   std::string scene_hash;
   double solver_tolerance = 0;
   std::int64_t num_points = 0;
+  std::int64_t num_cells = 0;
   /// Prepared at the first use.
   std::optional<Statement> insert;
+  mutable std::optional<Statement> select_fields;
+  mutable std::optional<Statement> select_outcome;
+  std::optional<bool> commits_wait;
+  std::chrono::steady_clock::time_point last_wait;
+  /// Where a row is that was found damaged; 0: its number is not known.
+  struct Place {
+    std::string table;
+    std::int64_t row = 0;
+  };
+  void leave_out(const std::string& what, const std::string& table, std::int64_t row) const {
+    left_out.emplace(what, Place{table, row});
+  }
+  /// What was found damaged; reading adds to it.
+  mutable std::map<std::string, Place> left_out;
 };
+
+template <class Take, class Forget>
+void StateSpaceFile::Impl::for_each_row(const std::string& table, const std::string& columns,
+                                        const std::vector<std::string>& key, Index active_node,
+                                        const std::string& condition, Take&& take,
+                                        Forget&& forget) const {
+  try {
+    std::string order;
+    for (const std::string& column : key) order += (order.empty() ? "" : ", ") + column;
+    Statement select(database, "SELECT rowid, " + columns + " FROM " + table +
+                                   " WHERE scene_id = 1 AND active_node = ? AND " + condition +
+                                   " ORDER BY " + order);
+    select.bind(std::int64_t{active_node});
+    while (select.step()) {
+      const std::int64_t row = select.take_integer();
+      take(select, row);
+    }
+    return;
+  } catch (const InputError&) {
+    forget();
+  }
+  for (const auto& [row, check_point] : list_rows(table, key, active_node, condition)) {
+    try {
+      Statement select(database,
+                       "SELECT rowid, " + columns + " FROM " + table + " WHERE rowid = ?");
+      select.bind(row);
+      if (select.step()) {
+        take(select, select.take_integer());
+        continue;
+      }
+    } catch (const InputError&) {
+    }
+    leave_out("a row of the table " + table + " at " + rows::describe(check_point) +
+                  " of active node " + std::to_string(active_node),
+              table, row);
+  }
+}
+
+std::vector<std::pair<std::int64_t, CheckPoint>> StateSpaceFile::Impl::list_rows(
+    const std::string& table, const std::vector<std::string>& key, Index active_node,
+    const std::string& condition) const {
+  // From both ends to where they cannot be read on. The index of the key holds all that is asked
+  // for.
+  std::vector<std::pair<std::int64_t, CheckPoint>> listed;
+  std::set<std::int64_t> numbers;
+  for (const char* direction : {" ASC", " DESC"}) {
+    std::string order;
+    for (const std::string& column : key) order += (order.empty() ? "" : ", ") + column + direction;
+    const auto first = static_cast<std::ptrdiff_t>(listed.size());
+    try {
+      Statement select(database, "SELECT rowid, i, j, k FROM " + table +
+                                     " WHERE scene_id = 1 AND active_node = ? AND " + condition +
+                                     " ORDER BY " + order);
+      select.bind(std::int64_t{active_node});
+      while (select.step()) {
+        const std::int64_t row = select.take_integer();
+        CheckPoint check_point;
+        for (auto& x : check_point) x = static_cast<std::int32_t>(select.take_integer());
+        if (numbers.insert(row).second) listed.emplace_back(row, check_point);
+      }
+      break;
+    } catch (const InputError&) {
+      leave_out("rows of the table " + table + " at active node " + std::to_string(active_node) +
+                    " that cannot be told apart",
+                table, 0);
+    }
+    if (first > 0) std::reverse(listed.begin() + first, listed.end());
+  }
+  return listed;
+}
+
+void StateSpaceFile::Impl::before_change() {
+  const auto now = std::chrono::steady_clock::now();
+  const bool waits = !commits_wait || now - last_wait >= kSyncEvery;
+  if (waits) last_wait = now;
+  if (commits_wait == waits) return;
+  database.execute(waits ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = NORMAL");
+  commits_wait = waits;
+}
+
+void StateSpaceFile::Impl::write(const SiteSpace& space) const {
+  Statement insert_site(
+      database,
+      "INSERT OR REPLACE INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+      "?)");
+  rows::for_each_number_of_site(space, rows::Bind{insert_site});
+  insert_site.bind(rows::checksum(space));
+  insert_site.run();
+}
+
+void StateSpaceFile::Impl::rewrite(Index active_node, std::int32_t level,
+                                   const ConfigurationSummary& summary) const {
+  const auto bind_key = [&](Statement& statement) {
+    statement.bind(std::int64_t{active_node});
+    for (std::int32_t x : summary.check_point) statement.bind(std::int64_t{x});
+    statement.bind(std::int64_t{level});
+  };
+  std::int64_t of_fields = 0;
+  {
+    Statement select(database, std::string("SELECT checksum FROM configuration") + kAtKey);
+    bind_key(select);
+    if (!select.step()) return;
+    of_fields = select.take_integer();
+  }
+  Statement update(database, std::string("UPDATE configuration SET level = ?, flags = ?, "
+                                         "summary_checksum = ?") +
+                                 kAtKey);
+  update.bind(std::int64_t{summary.level});
+  update.bind(std::int64_t{summary.flags});
+  update.bind(rows::checksum(active_node, summary, of_fields));
+  bind_key(update);
+  update.run();
+}
+
+void StateSpaceFile::Impl::write(Index active_node, const IntermediateState& state) const {
+  Statement insert_state(
+      database, std::string("INSERT OR REPLACE INTO intermediate (scene_id, active_node, ") +
+                    rows::intermediate_columns +
+                    ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+                    "?)");
+  insert_state.bind(std::int64_t{active_node});
+  rows::for_each_number_of_intermediate(state, rows::Bind{insert_state});
+  insert_state.bind(rows::checksum(active_node, state));
+  insert_state.run();
+}
+
+void StateSpaceFile::Impl::set_touchable(const std::vector<char>& touchable) const {
+  Statement update(
+      database,
+      "UPDATE scene SET touchable = ?1, checksum = ?2 WHERE touchable <> ?1 OR checksum "
+      "IS NOT ?2");
+  bind_array(update, touchable);
+  update.bind(rows::checksum(touchable, solver_tolerance));
+  update.run();
+}
 
 StateSpaceFile::StateSpaceFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 StateSpaceFile::StateSpaceFile(StateSpaceFile&&) noexcept = default;
@@ -496,6 +500,11 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
     throw InputError(quoted(path) + " is there already. Open it to append, or give another file " +
                      "name.");
   }
+  if (largest_row(scene.mesh.num_points(), scene.mesh.num_cells()) > kLargestRow) {
+    throw InputError("The body has " + std::to_string(scene.mesh.num_points()) + " points and " +
+                     std::to_string(scene.mesh.num_cells()) +
+                     " cells: more than a state-space file can hold. Take a coarser mesh.");
+  }
   // Filled under another name, so that a run killed here leaves no half file under this one.
   const fs::path part = path.string() + ".part";
   // What SQLite left beside a file that was removed would be taken for a log of the new one.
@@ -512,9 +521,7 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
     database.execute("PRAGMA page_size = " + std::to_string(kPageSize));
     database.execute("PRAGMA journal_mode = MEMORY");
     Transaction transaction(database);
-    database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
-    database.execute("PRAGMA user_version = " + std::to_string(schema_version));
-    database.execute(kSchema);
+    make_schema(database);
     write_scene(database, scene, solver_tolerance);
     transaction.commit();
   }
@@ -530,32 +537,30 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
 StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene& scene,
                                               double solver_tolerance) {
   check_is_there(path);
-  auto impl = std::make_unique<Impl>(open_exclusively(path));
-  const Database& database = impl->database;
+  StateSpaceFile file(std::make_unique<Impl>(open_exclusively(path)));
+  Impl& impl = *file.impl_;
+  const Database& database = impl.database;
   const std::string wanted = hash(scene);
-  if (impl->scene_hash != wanted) {
+  if (impl.scene_hash != wanted) {
     throw InputError(quoted(path) + " holds the state space of another scene: its hash is " +
-                     impl->scene_hash + ", that of this scene (mesh, materials, fixed points) is " +
+                     impl.scene_hash + ", that of this scene (mesh, materials, fixed points) is " +
                      wanted + ". Give another file name, or restore the scene it was made for.");
   }
-  if (impl->solver_tolerance != solver_tolerance) {
+  if (impl.solver_tolerance != solver_tolerance) {
     throw InputError(quoted(path) + " was computed with the solver tolerance " +
-                     number(impl->solver_tolerance) + ", not " + number(solver_tolerance) +
+                     number(impl.solver_tolerance) + ", not " + number(solver_tolerance) +
                      " (scene " + wanted + " in both). Give another file name, or that tolerance.");
   }
   if (database.text("PRAGMA journal_mode = WAL") != "wal") {
     throw BackendError("A write-ahead log cannot be kept beside " + quoted(path) +
                        ". Give a file name on another disk.");
   }
-  // Safe against the death of the process, which is what a run has to survive; a commit then costs
-  // no wait for the disk.
-  database.execute("PRAGMA synchronous = NORMAL");
+  impl.writes = true;
+  impl.before_change();
+  if (impl.version < kSchemaVersion) file.upgrade();
   // What may be touched is no part of the hash, and may have changed since.
-  Statement update(database, "UPDATE scene SET touchable = ?1 WHERE touchable <> ?1");
-  bind_array(update, scene.touchable);
-  update.run();
-  impl->writes = true;
-  return StateSpaceFile(std::move(impl));
+  impl.set_touchable(scene.touchable);
+  return file;
 }
 
 StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene& scene,
@@ -568,29 +573,115 @@ StateSpaceFile StateSpaceFile::open_read_only(const fs::path& path) {
   return StateSpaceFile(std::make_unique<Impl>(open_to_read(path)));
 }
 
+/// What is damaged stays so: its checksum is not made anew.
+void StateSpaceFile::upgrade() {
+  const std::vector<SiteSpace> sites = read_sites();
+  Transaction transaction(impl_->database);
+  extend_schema(impl_->database);
+  for (const SiteSpace& space : sites) {
+    const Index node = space.site.active_node;
+    const std::vector<Configuration> configurations = read_where(node, "true");
+    const std::vector<IntermediateState> states = read_intermediate_states(node);
+    impl_->write(space);
+    for (const Configuration& c : configurations) impl_->rewrite(node, c.level, c);
+    for (const IntermediateState& state : states) impl_->write(node, state);
+  }
+  transaction.commit();
+  impl_->version = kSchemaVersion;
+}
+
 void StateSpaceFile::close() {
   const std::unique_ptr<Impl> impl = std::move(impl_);
-  impl->insert.reset();
+  for (auto* statement : {&impl->insert, &impl->select_fields, &impl->select_outcome}) {
+    statement->reset();
+  }
   if (impl->writes) close_as_single_file(std::move(impl->database));
 }
 
-const fs::path& StateSpaceFile::path() const { return impl_->database.path(); }
+const fs::path& StateSpaceFile::path() const { return impl_->path(); }
 const std::string& StateSpaceFile::scene_hash() const { return impl_->scene_hash; }
 double StateSpaceFile::solver_tolerance() const { return impl_->solver_tolerance; }
 
+std::vector<std::string> StateSpaceFile::left_out() const {
+  std::vector<std::string> names;
+  for (const auto& [name, place] : impl_->left_out) names.push_back(name);
+  // A row whose key was damaged may belong to nothing that is read.
+  constexpr char kOfNoSite[] =
+      " OR active_node NOT IN (SELECT active_node FROM site WHERE scene_id = 1)";
+  for (const auto& [table, condition] :
+       {std::pair{"site", ""}, std::pair{"test_point", ""}, std::pair{"configuration", kOfNoSite},
+        std::pair{"transition", kOfNoSite}, std::pair{"intermediate", kOfNoSite}}) {
+    const std::string of_table = std::string("rows of the table ") + table;
+    const auto count = [&](const std::string& which) {
+      return impl_->database.integer(std::string("SELECT count(*) FROM ") + table + which);
+    };
+    try {
+      const std::int64_t of_nothing = count(std::string(" WHERE scene_id <> 1") + condition);
+      if (of_nothing > 0) {
+        names.push_back(std::to_string(of_nothing) + ' ' + of_table +
+                        " that belong to no active node");
+      }
+      // By their keys, and one after the other.
+      if (count("") != count(" NOT INDEXED"))
+        names.push_back(of_table + " that are not in its index");
+    } catch (const InputError&) {
+      names.push_back(of_table + " that cannot be listed");
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> StateSpaceFile::remove_damaged() {
+  for (const SiteSpace& space : read_sites()) {
+    const Index node = space.site.active_node;
+    for (Configuration& c : read_where(node, "true")) (void)read_fields(node, c);
+    (void)read_transitions(node);
+    (void)read_intermediate_states(node);
+  }
+  for (const TestSet& set : read_test_sets()) (void)read_test_points(set);
+  if (impl_->left_out.empty()) return {};
+  std::vector<std::string> names;
+  bool is_way_damaged = false;
+  impl_->before_change();
+  Transaction transaction(impl_->database);
+  for (const auto& [name, place] : impl_->left_out) {
+    if (place.row == 0) throw_damaged(path(), name);
+    Statement remove(impl_->database, "DELETE FROM " + place.table + " WHERE rowid = ?");
+    remove.bind(place.row);
+    remove.run();
+    names.push_back(name);
+    is_way_damaged = is_way_damaged || place.table == "intermediate";
+  }
+  if (is_way_damaged) {
+    // It is computed again with all states on the way to it.
+    impl_->database.execute(
+        "DELETE FROM configuration AS c WHERE scene_id = 1 AND level = 0 AND outcome = 0 AND (i <> "
+        "0 "
+        "OR j <> 0 OR k <> 0) AND (SELECT count(*) FROM intermediate AS w WHERE w.scene_id = 1 AND "
+        "w.active_node = c.active_node AND w.i = c.i AND w.j = c.j AND w.k = c.k) <> (SELECT "
+        "intermediate_states FROM site AS s WHERE s.scene_id = 1 AND s.active_node = "
+        "c.active_node)");
+  }
+  transaction.commit();
+  impl_->left_out.clear();
+  return names;
+}
+
 Scene StateSpaceFile::read_scene() const {
   const Database& database = impl_->database;
-  Statement select(database,
-                   "SELECT element_order, num_points, num_cells, points, cells, material_of_cell "
-                   "IS NULL, material_of_cell, fixed, touchable FROM scene WHERE scene_id = 1");
+  const bool has_checksum = impl_->version >= kSchemaVersion;
+  Statement select(database, std::string("SELECT element_order, points, cells, material_of_cell IS "
+                                         "NULL, material_of_cell, fixed, touchable, ") +
+                                 (has_checksum ? "checksum" : "NULL") +
+                                 " FROM scene WHERE scene_id = 1");
   select.step();
   Scene scene;
   TetMesh& mesh = scene.mesh;
   const std::int64_t order = select.take_integer();
   if (order != 1 && order != 2) throw_damaged(database.path(), "an unknown order of elements");
   mesh.order = static_cast<ElementOrder>(order);
-  const std::int64_t num_points = select.take_integer();
-  const std::int64_t num_cells = select.take_integer();
+  const std::int64_t num_points = impl_->num_points;
+  const std::int64_t num_cells = impl_->num_cells;
   mesh.points = take_array<Vec3>(select, num_points, database, "points");
   mesh.cells = take_array<Index>(select, num_cells * nodes_per_cell(mesh.order), database, "cells");
   const bool uniform = select.take_integer() != 0;
@@ -598,11 +689,17 @@ Scene StateSpaceFile::read_scene() const {
       take_array<Index>(select, uniform ? 0 : num_cells, database, "material_of_cell");
   scene.fixed = take_array<char>(select, num_points, database, "fixed");
   scene.touchable = take_array<char>(select, num_points, database, "touchable");
+  if (has_checksum &&
+      select.take_integer() != rows::checksum(scene.touchable, impl_->solver_tolerance)) {
+    impl_->leave_out("where the body may be touched", "scene", 0);
+    std::fill(scene.touchable.begin(), scene.touchable.end(), char{0});
+  }
 
-  Statement materials(database,
-                      "SELECT law, formulation, parameter_0, parameter_1, parameter_2, "
-                      "parameter_3, parameter_4, parameter_5, parameter_6, parameter_7, "
-                      "parameter_8, parameter_9 FROM material WHERE scene_id = 1 ORDER BY material");
+  Statement materials(
+      database,
+      "SELECT law, formulation, parameter_0, parameter_1, parameter_2, "
+      "parameter_3, parameter_4, parameter_5, parameter_6, parameter_7, "
+      "parameter_8, parameter_9 FROM material WHERE scene_id = 1 ORDER BY material");
   while (materials.step()) {
     Material material;
     const std::int64_t law = materials.take_integer();
@@ -625,116 +722,139 @@ Scene StateSpaceFile::read_scene() const {
   if (hash(scene) != impl_->scene_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
+  // Who made the file may have made the hash fit a body that is none.
+  const auto is_no_point = [&](Index p) { return p < 0 || p >= num_points; };
+  if (std::any_of(mesh.cells.begin(), mesh.cells.end(), is_no_point) ||
+      !std::all_of(mesh.points.begin(), mesh.points.end(),
+                   [](const Vec3& p) { return p.allFinite(); })) {
+    throw_damaged(database.path(), "a cell or a point of the body is none");
+  }
   return scene;
 }
 
 void StateSpaceFile::add_site(const Site& site) {
-  if (const std::optional<Site> there = find_site(site.active_node)) {
-    require_extension(path(), *there, site);
-    if (!(*there == site)) extend(site);
+  if (!rows::is_possible(site, impl_->num_points)) {
+    throw InputError("Active node " + std::to_string(site.active_node) + " with " + describe(site) +
+                     " cannot be stored: a number is out of its range.");
+  }
+  if (const std::optional<SiteSpace> there = find_site(site.active_node)) {
+    require_extension(path(), there->site, site);
+    if (!(there->site == site)) extend(site);
     return;
   }
-  Statement insert(impl_->database,
-                   "INSERT INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, 0)");
-  insert.bind(std::int64_t{site.active_node});
-  insert.bind(site.tip_radius);
-  insert.bind(site.half_width);
-  insert.bind(std::int64_t{site.resolution});
-  insert.bind(site.force_limit);
-  insert.bind(std::int64_t{site.coarsest});
-  insert.bind(site.tolerance);
-  insert.bind(std::int64_t{site.tolerance_is_relative});
-  insert.bind(static_cast<std::int64_t>(site.history));
-  insert.bind(std::int64_t{site.intermediate_states});
-  insert.bind(std::int64_t{site.third_derivatives});
-  insert.run();
+  std::int64_t num_corners = coarsest_corners(site);
+  for (const SiteSpace& space : read_sites()) num_corners += coarsest_corners(space.site);
+  if (num_corners > kMostCoarsestCorners) {
+    throw InputError("The grids around all active nodes have " + std::to_string(num_corners) +
+                     " check-points; a state space has " + std::to_string(kMostCoarsestCorners) +
+                     " at most. Take fewer active nodes or a lower resolution.");
+  }
+  impl_->before_change();
+  impl_->write(SiteSpace{site, false, {}, {}});
 }
 
 void StateSpaceFile::extend(const Site& site) {
+  impl_->before_change();
   Transaction transaction(impl_->database);
-  {
-    Statement update(impl_->database,
-                     "UPDATE site SET half_width = ?, resolution = ?, force_limit = ?, tolerance = "
-                     "?, tolerance_is_relative = ?, history = ?, complete = 0 WHERE scene_id = 1 AND "
-                     "active_node = ?");
-    update.bind(site.half_width);
-    update.bind(std::int64_t{site.resolution});
-    update.bind(site.force_limit);
-    update.bind(site.tolerance);
-    update.bind(std::int64_t{site.tolerance_is_relative});
-    update.bind(static_cast<std::int64_t>(site.history));
-    update.bind(std::int64_t{site.active_node});
-    update.run();
+  const Index node = site.active_node;
+  impl_->write(SiteSpace{site, false, {}, {}});
+  const auto marked = [&](Flags flags, const Vec3& force) {
+    const bool beyond = site.force_limit > 0 && force.norm() > site.force_limit;
+    return beyond ? flags | flags::beyond_force_limit : flags & ~flags::beyond_force_limit;
+  };
+  for (Configuration& c : read_where(node, "true")) {
+    const Flags flags = marked(c.flags, c.force);
+    if (flags == c.flags) continue;
+    c.flags = flags;
+    impl_->rewrite(node, c.level, c);
   }
-  const std::string beyond = std::to_string(flags::beyond_force_limit);
-  for (const std::string table : {"configuration", "intermediate"}) {
-    Statement flag(impl_->database,
-                   "UPDATE " + table + " SET flags = (flags & ~" + beyond +
-                       ") | CASE WHEN ?1 > 0 AND force_x * force_x + force_y * force_y + force_z * "
-                       "force_z > ?1 * ?1 THEN " +
-                       beyond + " ELSE 0 END WHERE scene_id = 1 AND active_node = ?2");
-    flag.bind(site.force_limit);
-    flag.bind(std::int64_t{site.active_node});
-    flag.run();
+  for (IntermediateState& state : read_intermediate_states(node)) {
+    const Flags flags = marked(state.flags, state.force);
+    if (flags == state.flags) continue;
+    state.flags = flags;
+    impl_->write(node, state);
   }
   transaction.commit();
 }
 
 void StateSpaceFile::set_complete(Index active_node, bool complete) {
-  Statement update(impl_->database,
-                   "UPDATE site SET complete = ? WHERE scene_id = 1 AND active_node = ?");
-  update.bind(std::int64_t{complete});
-  update.bind(std::int64_t{active_node});
-  update.run();
+  std::optional<SiteSpace> space = find_site(active_node);
+  if (!space) return;
+  space->complete = complete;
+  impl_->before_change();
+  impl_->write(*space);
 }
 
 std::vector<SiteSpace> StateSpaceFile::read_sites() const {
-  Statement select(impl_->database, std::string("SELECT ") + kSiteColumns +
+  const bool has_checksum = impl_->version >= kSchemaVersion;
+  Statement select(impl_->database, std::string("SELECT rowid, ") + rows::site_columns +
+                                        (has_checksum ? ", checksum" : ", NULL") +
                                         " FROM site WHERE scene_id = 1 ORDER BY active_node");
   std::vector<SiteSpace> sites;
-  while (select.step()) sites.push_back(take_site(select));
+  std::int64_t num_corners = 0;
+  while (select.step()) {
+    const std::int64_t row = select.take_integer();
+    SiteSpace space;
+    bool sound = true;
+    rows::for_each_number_of_site(space, rows::Take{select, sound});
+    if (has_checksum) sound = select.take_integer() == rows::checksum(space) && sound;
+    if (!sound || !rows::is_possible(space.site, impl_->num_points)) {
+      impl_->leave_out("active node " + std::to_string(space.site.active_node), "site", row);
+      continue;
+    }
+    num_corners += coarsest_corners(space.site);
+    if (num_corners > kMostCoarsestCorners) {
+      throw_damaged(path(), "its grids have more than " + std::to_string(kMostCoarsestCorners) +
+                                " check-points");
+    }
+    sites.push_back(space);
+  }
   return sites;
 }
 
-std::optional<Site> StateSpaceFile::find_site(Index active_node) const {
-  Statement select(impl_->database, std::string("SELECT ") + kSiteColumns +
-                                        " FROM site WHERE scene_id = 1 AND active_node = ?");
-  select.bind(std::int64_t{active_node});
-  if (!select.step()) return std::nullopt;
-  return take_site(select).site;
+std::optional<SiteSpace> StateSpaceFile::find_site(Index active_node) const {
+  for (const SiteSpace& space : read_sites()) {
+    if (space.site.active_node == active_node) return space;
+  }
+  return std::nullopt;
 }
 
 void StateSpaceFile::add(Index active_node, const Configuration& configuration,
                          const std::vector<IntermediateState>& way) {
+  impl_->before_change();
   if (way.empty()) return add_alone(active_node, configuration);
   Transaction transaction(impl_->database);
-  for (const IntermediateState& state : way) add_alone(active_node, state);
+  for (const IntermediateState& state : way) impl_->write(active_node, state);
   add_alone(active_node, configuration);
   transaction.commit();
 }
 
 void StateSpaceFile::add_alone(Index active_node, const Configuration& configuration) {
-  const Fields fields = blobs_of(configuration);
-  if (!fit(fields, impl_->num_points)) {
-    throw InputError("Configuration " + describe(configuration.check_point) + " of active node " +
-                     std::to_string(active_node) + " has fields of another size than the " +
-                     std::to_string(impl_->num_points) + " points of the body.");
+  const rows::Fields fields = rows::fields_of(configuration);
+  if (!rows::fit(fields, impl_->num_points, impl_->num_cells)) {
+    throw InputError("Configuration " + rows::describe(configuration.check_point) +
+                     " of active node " + std::to_string(active_node) +
+                     " has fields of another size than the " + std::to_string(impl_->num_points) +
+                     " points of the body.");
   }
   if (!impl_->insert) {
     std::string parameters = "?1";
-    for (int c = 1; c < kNumSummaryColumns + 7; ++c) parameters += ", ?" + std::to_string(c + 1);
+    for (int c = 1; c < rows::num_summary_columns + 7; ++c) {
+      parameters += ", ?" + std::to_string(c + 1);
+    }
     // Through the table of sites, so that nothing is stored for a site that is not there.
-    impl_->insert.emplace(impl_->database,
-                          "INSERT OR REPLACE INTO configuration (scene_id, active_node, " +
-                              std::string(kSummaryColumns) + ", summary_checksum, checksum, " +
-                              kFieldColumns + ") SELECT 1, " +
-                              parameters + " FROM site WHERE scene_id = 1 AND active_node = ?1");
+    impl_->insert.emplace(
+        impl_->database, "INSERT OR REPLACE INTO configuration (scene_id, active_node, " +
+                             std::string(rows::summary_columns) + ", summary_checksum, checksum, " +
+                             rows::field_columns + ") SELECT 1, " + parameters +
+                             " FROM site WHERE scene_id = 1 AND active_node = ?1");
   }
   Statement& insert = *impl_->insert;
   insert.bind(std::int64_t{active_node});
-  for_each_number(configuration, BindNumber{insert});
-  insert.bind(checksum(active_node, configuration));
-  insert.bind(checksum(fields));
+  rows::for_each_number_of_summary(configuration, rows::Bind{insert});
+  const std::int64_t of_fields = rows::checksum(fields);
+  insert.bind(rows::checksum(active_node, configuration, of_fields));
+  insert.bind(of_fields);
   for (const auto& [data, bytes] : fields) insert.bind(data, bytes);
   insert.run();
   if (impl_->database.changes() == 0) {
@@ -743,33 +863,40 @@ void StateSpaceFile::add_alone(Index active_node, const Configuration& configura
   }
 }
 
-std::vector<Configuration> StateSpaceFile::read_where(Index active_node, const char* level) const {
-  Statement select(impl_->database, std::string("SELECT ") + kSummaryColumns +
-                                        ", summary_checksum FROM configuration WHERE scene_id = 1 "
-                                        "AND active_node = ? AND " +
-                                        level + " ORDER BY i, j, k, level");
-  select.bind(std::int64_t{active_node});
+std::vector<Configuration> StateSpaceFile::read_where(Index active_node,
+                                                      const std::string& condition) const {
+  const std::optional<SiteSpace> space = find_site(active_node);
   std::vector<Configuration> configurations;
-  while (select.step()) {
-    Configuration& configuration = configurations.emplace_back();
-    for_each_number(configuration, TakeNumber{select, path()});
-    if (select.take_integer() != checksum(active_node, configuration)) {
-      throw_damaged(path(), "configuration " + describe(configuration.check_point) +
-                                " of active node " + std::to_string(active_node));
-    }
-  }
+  if (!space) return configurations;
+  impl_->for_each_row(
+      "configuration", std::string(rows::summary_columns) + ", checksum, summary_checksum",
+      {"i", "j", "k", "level"}, active_node, condition,
+      [&](Statement& select, std::int64_t row) {
+        Configuration& c = configurations.emplace_back();
+        bool sound = true;
+        rows::for_each_number_of_summary(c, rows::Take{select, sound});
+        const std::int64_t of_fields = select.take_integer();
+        const std::int64_t stored = select.take_integer();
+        if (sound && stored == rows::checksum(active_node, c, of_fields, impl_->checked()) &&
+            rows::is_possible(space->site, c)) {
+          return;
+        }
+        impl_->leave_out(rows::describe(c, active_node), "configuration", row);
+        configurations.pop_back();
+      },
+      [&] { configurations.clear(); });
   return configurations;
 }
 
 std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) const {
   std::vector<Configuration> configurations = read_where(active_node, "level >= 0");
-  for (const LevelTransition& transition : read_transitions(active_node)) {
+  for (const LevelTransition& transition : read_linked_transitions(active_node, configurations)) {
     Configuration key;
     key.check_point = transition.start;
     key.level = transition.start_level;
-    const auto start = std::lower_bound(configurations.begin(), configurations.end(), key);
-    if (start == configurations.end() || key < *start) continue;
-    start->reached[neighbour_number(transition.start, transition.target)] = transition.reached;
+    std::lower_bound(configurations.begin(), configurations.end(), key)
+        ->reached[neighbour_number(transition.start, transition.target)] =
+        transition.reached;
   }
   return configurations;
 }
@@ -780,109 +907,146 @@ std::vector<Configuration> StateSpaceFile::read_candidates(Index active_node) co
 
 void StateSpaceFile::settle(Index active_node, const ConfigurationSummary& candidate,
                             std::int32_t level) {
-  const auto bind_key = [&](Statement& statement) {
-    statement.bind(std::int64_t{active_node});
-    for (std::int32_t x : candidate.check_point) statement.bind(std::int64_t{x});
-    statement.bind(std::int64_t{candidate.level});
-    statement.run();
-  };
+  impl_->before_change();
   if (level < 0) {
     Statement remove(impl_->database, std::string("DELETE FROM configuration") + kAtKey);
-    return bind_key(remove);
+    remove.bind(std::int64_t{active_node});
+    for (std::int32_t x : candidate.check_point) remove.bind(std::int64_t{x});
+    remove.bind(std::int64_t{candidate.level});
+    return remove.run();
   }
   ConfigurationSummary settled = candidate;
   settled.level = level;
-  Statement update(impl_->database, std::string("UPDATE configuration SET level = ?, "
-                                                "summary_checksum = ?") +
-                                        kAtKey);
-  update.bind(std::int64_t{level});
-  update.bind(checksum(active_node, settled));
-  bind_key(update);
+  impl_->rewrite(active_node, candidate.level, settled);
 }
 
 void StateSpaceFile::add(Index active_node, const LevelTransition& transition) {
-  Statement insert(impl_->database, std::string("INSERT OR REPLACE INTO transition (scene_id, "
-                                                "active_node, ") +
-                                        kTransitionColumns +
+  impl_->before_change();
+  add_alone(active_node, transition, "REPLACE");
+}
+
+void StateSpaceFile::add_alone(Index active_node, const LevelTransition& transition,
+                               const std::string& where_there_is_one) {
+  Statement insert(impl_->database, "INSERT OR " + where_there_is_one +
+                                        " INTO transition (scene_id, active_node, " +
+                                        rows::transition_columns +
                                         ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   insert.bind(std::int64_t{active_node});
-  for_each_number_of_transition(transition, BindNumber{insert});
-  insert.bind(checksum(active_node, transition));
+  rows::for_each_number_of_transition(transition, rows::Bind{insert});
+  insert.bind(rows::checksum(active_node, transition));
   insert.run();
 }
 
 std::vector<LevelTransition> StateSpaceFile::read_transitions(Index active_node) const {
-  Statement select(impl_->database, std::string("SELECT ") + kTransitionColumns +
-                                        ", checksum FROM transition WHERE scene_id = 1 AND "
-                                        "active_node = ? ORDER BY i, j, k, level, to_i, to_j, to_k");
-  select.bind(std::int64_t{active_node});
+  const std::optional<SiteSpace> space = find_site(active_node);
   std::vector<LevelTransition> transitions;
-  while (select.step()) {
-    LevelTransition& transition = transitions.emplace_back();
-    for_each_number_of_transition(transition, TakeNumber{select, path()});
-    if (select.take_integer() != checksum(active_node, transition) ||
-        neighbour_number(transition.start, transition.target) < 0) {
-      throw_damaged(path(), "a transition from " + describe(transition.start) + " of active node " +
-                                std::to_string(active_node));
-    }
-  }
+  if (!space) return transitions;
+  impl_->for_each_row(
+      "transition", std::string(rows::transition_columns) + ", checksum",
+      {"i", "j", "k", "level", "to_i", "to_j", "to_k"}, active_node, "true",
+      [&](Statement& select, std::int64_t row) {
+        LevelTransition& transition = transitions.emplace_back();
+        bool sound = true;
+        rows::for_each_number_of_transition(transition, rows::Take{select, sound});
+        if (sound && select.take_integer() == rows::checksum(active_node, transition) &&
+            rows::is_possible(space->site, transition)) {
+          return;
+        }
+        impl_->leave_out(rows::describe(transition, active_node), "transition", row);
+        transitions.pop_back();
+      },
+      [&] { transitions.clear(); });
   return transitions;
 }
 
-void StateSpaceFile::add_alone(Index active_node, const IntermediateState& state) {
-  Statement insert(impl_->database,
-                   std::string("INSERT OR REPLACE INTO intermediate (scene_id, active_node, ") +
-                       kIntermediateColumns +
-                       ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  insert.bind(std::int64_t{active_node});
-  for_each_number_of_intermediate(state, BindNumber{insert});
-  insert.bind(checksum(active_node, state));
-  insert.run();
+std::vector<LevelTransition> StateSpaceFile::read_linked_transitions(
+    Index active_node, const std::vector<Configuration>& configurations) const {
+  const auto is_there = [&](const CheckPoint& check_point, std::int32_t level) {
+    Configuration key;
+    key.check_point = check_point;
+    key.level = level;
+    return std::binary_search(configurations.begin(), configurations.end(), key);
+  };
+  std::vector<LevelTransition> transitions = read_transitions(active_node);
+  const auto loose = [&](const LevelTransition& t) {
+    return !is_there(t.start, t.start_level) ||
+           (t.reached >= 0 && !is_there(t.target, t.reached));
+  };
+  transitions.erase(std::remove_if(transitions.begin(), transitions.end(), loose),
+                    transitions.end());
+  return transitions;
 }
 
 std::vector<IntermediateState> StateSpaceFile::read_intermediate_states(Index active_node) const {
-  Statement select(impl_->database, std::string("SELECT ") + kIntermediateColumns +
-                                        ", checksum FROM intermediate WHERE scene_id = 1 AND "
-                                        "active_node = ? ORDER BY i, j, k, number");
-  select.bind(std::int64_t{active_node});
+  const std::optional<SiteSpace> space = find_site(active_node);
   std::vector<IntermediateState> states;
-  while (select.step()) {
-    IntermediateState& state = states.emplace_back();
-    for_each_number_of_intermediate(state, TakeNumber{select, path()});
-    if (select.take_integer() != checksum(active_node, state)) {
-      throw_damaged(path(), "an intermediate state on the way to " + describe(state.target) +
-                                " of active node " + std::to_string(active_node));
-    }
-  }
+  if (!space) return states;
+  impl_->for_each_row(
+      "intermediate", std::string(rows::intermediate_columns) + ", checksum",
+      {"i", "j", "k", "number"}, active_node, "true",
+      [&](Statement& select, std::int64_t row) {
+        IntermediateState& state = states.emplace_back();
+        bool sound = true;
+        rows::for_each_number_of_intermediate(state, rows::Take{select, sound});
+        if (sound &&
+            select.take_integer() == rows::checksum(active_node, state, impl_->checked()) &&
+            rows::is_possible(space->site, state)) {
+          return;
+        }
+        impl_->leave_out(rows::describe(state, active_node), "intermediate", row);
+        states.pop_back();
+      },
+      [&] { states.clear(); });
   return states;
 }
 
-void StateSpaceFile::read_fields(Index active_node, Configuration& configuration) const {
-  const Database& database = impl_->database;
-  Statement select(database, std::string("SELECT checksum, ") + kFieldColumns +
-                                 " FROM configuration" + kAtKey);
-  select.bind(std::int64_t{active_node});
-  for (std::int32_t x : configuration.check_point) select.bind(std::int64_t{x});
-  select.bind(std::int64_t{configuration.level});
-  const std::string which = "configuration " + describe(configuration.check_point) +
-                            " of active node " + std::to_string(active_node);
-  if (!select.step()) throw InputError(quoted(path()) + " holds no " + which + '.');
-  const std::int64_t stored_checksum = select.take_integer();
-  Fields fields;
-  for (Statement::Blob& field : fields) field = select.take_blob();
-  if (!fit(fields, impl_->num_points) || checksum(fields) != stored_checksum) {
-    throw_damaged(database.path(), "the fields of " + which);
+bool StateSpaceFile::read_fields(Index active_node, Configuration& configuration) const {
+  const std::string which = rows::describe(configuration, active_node);
+  bool is_there = true;
+  std::int64_t row = 0;
+  try {
+    if (!impl_->select_fields) {
+      impl_->select_fields.emplace(impl_->database,
+                                   std::string("SELECT rowid, ") + rows::summary_columns +
+                                       ", summary_checksum, checksum, " + rows::field_columns +
+                                       " FROM configuration" + kAtKey);
+    }
+    Statement& select = *impl_->select_fields;
+    const Reset reset{select};
+    select.bind(std::int64_t{active_node});
+    for (std::int32_t x : configuration.check_point) select.bind(std::int64_t{x});
+    select.bind(std::int64_t{configuration.level});
+    is_there = select.step();
+    if (!is_there) throw InputError(quoted(path()) + " holds no " + which + '.');
+    row = select.take_integer();
+    bool sound = true;
+    ConfigurationSummary summary;
+    rows::for_each_number_of_summary(summary, rows::Take{select, sound});
+    const std::int64_t of_summary = select.take_integer();
+    const std::int64_t of_fields = select.take_integer();
+    rows::Fields fields;
+    for (Statement::Blob& field : fields) field = select.take_blob();
+    if (sound && rows::fit(fields, impl_->num_points, impl_->num_cells) &&
+        rows::checksum(fields) == of_fields &&
+        rows::checksum(active_node, summary, of_fields, impl_->checked()) == of_summary) {
+      auto field = fields.begin();
+      for_each_field(configuration, [&](auto& values) {
+        const auto [data, bytes] = *field++;
+        using Field = std::decay_t<decltype(values)>;
+        values = Field();
+        if (bytes == 0) return;
+        constexpr Eigen::Index columns = Field::ColsAtCompileTime == 1 ? 1 : 3;
+        values.resize(static_cast<Eigen::Index>(bytes / sizeof(double)) / columns, columns);
+        std::memcpy(values.data(), data, bytes);
+      });
+      return true;
+    }
+  } catch (const InputError&) {
+    // Else it cannot be read, or is larger than the fields of this body.
+    if (!is_there) throw;
   }
-  auto field = fields.begin();
-  for_each_field(configuration, [&](auto& values) {
-    const auto [data, bytes] = *field++;
-    using Field = std::decay_t<decltype(values)>;
-    values = Field();
-    if (bytes == 0) return;
-    constexpr Eigen::Index columns = Field::ColsAtCompileTime == 1 ? 1 : 3;
-    values.resize(static_cast<Eigen::Index>(bytes / sizeof(double)) / columns, columns);
-    std::memcpy(values.data(), data, bytes);
-  });
+  impl_->leave_out(which, "configuration", row);
+  return false;
 }
 
 StateSpace StateSpaceFile::read(bool with_fields) const {
@@ -893,110 +1057,154 @@ StateSpace StateSpaceFile::read(bool with_fields) const {
   space.sites = read_sites();
   for (SiteSpace& site : space.sites) {
     const Index node = site.site.active_node;
-    site.configurations = read_summaries(node);
+    for (Configuration& configuration : read_summaries(node)) {
+      if (with_fields && !read_fields(node, configuration)) continue;
+      site.configurations.push_back(std::move(configuration));
+    }
     site.intermediate_states = read_intermediate_states(node);
-    if (!with_fields) continue;
-    for (Configuration& configuration : site.configurations) read_fields(node, configuration);
   }
   return space;
 }
 
 void StateSpaceFile::add(const TestSet& set, const TestPoint& point) {
+  impl_->before_change();
+  add_alone(set, point);
+}
+
+void StateSpaceFile::add_alone(const TestSet& set, const TestPoint& point) {
   std::string parameters = "1, ?, ?, ?, ?";
-  for (int c = 0; c < kNumTestPointColumns + 2; ++c) parameters += ", ?";
+  for (int c = 0; c < rows::num_test_point_columns + 2; ++c) parameters += ", ?";
   Statement insert(impl_->database,
                    std::string("INSERT OR IGNORE INTO test_point (scene_id, active_node, "
                                "tip_radius, half_width, seed, ") +
-                       kTestPointColumns + ", checksum, displacement) VALUES (" + parameters + ')');
+                       rows::test_point_columns + ", checksum, displacement) VALUES (" +
+                       parameters + ')');
   insert.bind(std::int64_t{set.active_node});
   insert.bind(set.tip_radius);
   insert.bind(set.half_width);
   insert.bind(set.seed);
-  for_each_number_of_test_point(point, BindNumber{insert});
-  insert.bind(checksum(set, point));
+  for_each_number_of_test_point(point, rows::Bind{insert});
+  insert.bind(rows::checksum(set, point));
   const auto size = static_cast<std::size_t>(point.displacement.size()) * sizeof(float);
   insert.bind(size == 0 ? nullptr : point.displacement.data(), size);
   insert.run();
 }
 
 std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) const {
-  Statement select(impl_->database,
-                   std::string("SELECT ") + kTestPointColumns +
-                       ", checksum, displacement FROM test_point WHERE scene_id = 1 AND active_node "
-                       "= ? AND tip_radius = ? AND half_width = ? AND seed = ? ORDER BY kind, number");
+  Statement select(
+      impl_->database,
+      std::string("SELECT rowid, ") + rows::test_point_columns +
+          ", checksum, displacement FROM test_point WHERE scene_id = 1 AND active_node "
+          "= ? AND tip_radius = ? AND half_width = ? AND seed = ? ORDER BY kind, number");
   select.bind(std::int64_t{set.active_node});
   select.bind(set.tip_radius);
   select.bind(set.half_width);
   select.bind(set.seed);
   std::vector<TestPoint> points;
   while (select.step()) {
+    const std::int64_t row = select.take_integer();
     TestPoint& point = points.emplace_back();
-    for_each_number_of_test_point(point, TakeNumber{select, path()});
+    bool sound = true;
+    for_each_number_of_test_point(point, rows::Take{select, sound});
     const std::int64_t stored_checksum = select.take_integer();
     const Statement::Blob blob = select.take_blob();
-    point.displacement.resize(static_cast<Eigen::Index>(blob.bytes / sizeof(float)));
-    if (blob.bytes > 0) {
-      std::memcpy(point.displacement.data(), blob.data,
-                  static_cast<std::size_t>(point.displacement.size()) * sizeof(float));
+    if (sound && blob.bytes % (3 * sizeof(float)) == 0 &&
+        blob.bytes <= kSamplePoints * 3 * sizeof(float)) {
+      point.displacement.resize(static_cast<Eigen::Index>(blob.bytes / sizeof(float)));
+      if (blob.bytes > 0) std::memcpy(point.displacement.data(), blob.data, blob.bytes);
+      if (rows::checksum(set, point) == stored_checksum && rows::is_possible(point)) continue;
     }
-    if (checksum(set, point) != stored_checksum) {
-      throw_damaged(path(), "test point " + std::to_string(point.number) + " of active node " +
-                                std::to_string(set.active_node));
-    }
+    impl_->leave_out(rows::describe(point, set.active_node), "test_point", row);
+    points.pop_back();
   }
   return points;
 }
 
-void StateSpaceFile::merge(const std::vector<fs::path>& others) {
-  const Database& database = impl_->database;
-  for (const fs::path& other_path : others) {
-    std::vector<SiteSpace> sites;
-    {
-      // Opened by itself first: that checks it, and takes up the log of a rank that was killed.
-      const StateSpaceFile other = open_read_only(other_path);
-      if (other.scene_hash() != scene_hash() || other.solver_tolerance() != solver_tolerance()) {
-        throw InputError(quoted(other_path) + " cannot be merged into " + quoted(path()) +
-                         ": its scene has the hash " + other.scene_hash() + " and the tolerance " +
-                         number(other.solver_tolerance()) + ", here they are " + scene_hash() +
-                         " and " + number(solver_tolerance()) + ". Leave it out.");
-      }
-      sites = other.read_sites();
-    }
-    for (const SiteSpace& site : sites) {
-      if (const std::optional<Site> here = find_site(site.site.active_node)) {
-        require_extension(other_path, site.site, *here);
-      } else {
-        add_site(site.site);
-      }
-    }
-
-    const sqlite::Attachment attachment(database, other_path);
-    for (const SiteSpace& site : sites) {
-      const std::string node = std::to_string(site.site.active_node);
-      Transaction transaction(database);
-      database.execute(
-          "DELETE FROM main.configuration AS here WHERE scene_id = 1 AND active_node = " + node +
-          " AND outcome <> 0 AND EXISTS (SELECT 1 FROM other.configuration AS there WHERE "
-          "there.scene_id = 1 AND there.active_node = here.active_node AND there.i = here.i AND "
-          "there.j = here.j AND there.k = here.k AND there.level = here.level AND there.outcome "
-          "= 0)");
-      database.execute(
-          "INSERT OR IGNORE INTO main.configuration SELECT * FROM other.configuration WHERE "
-          "scene_id = 1 AND active_node = " +
-          node + " ORDER BY i, j, k, level");
-      database.execute(
-          "INSERT OR IGNORE INTO main.transition SELECT * FROM other.transition WHERE scene_id = 1 "
-          "AND active_node = " +
-          node);
-      database.execute(
-          "INSERT OR IGNORE INTO main.intermediate SELECT * FROM other.intermediate WHERE scene_id "
-          "= 1 AND active_node = " +
-          node + " ORDER BY i, j, k, number");
-      transaction.commit();
-    }
-    database.execute("INSERT OR IGNORE INTO main.test_point SELECT * FROM other.test_point");
+std::vector<TestSet> StateSpaceFile::read_test_sets() const {
+  Statement select(
+      impl_->database,
+      "SELECT DISTINCT active_node, tip_radius, half_width, seed FROM test_point WHERE "
+      "scene_id = 1");
+  std::vector<TestSet> sets;
+  while (select.step()) {
+    TestSet& set = sets.emplace_back();
+    set.active_node = static_cast<Index>(select.take_integer());
+    set.tip_radius = select.take_double();
+    set.half_width = select.take_double();
+    set.seed = select.take_integer();
   }
-  checkpoint(database);
+  return sets;
+}
+
+bool StateSpaceFile::is_of_use(Index active_node, const ConfigurationSummary& other) const {
+  if (!impl_->select_outcome) {
+    impl_->select_outcome.emplace(impl_->database,
+                                  std::string("SELECT outcome FROM configuration") + kAtKey);
+  }
+  Statement& select = *impl_->select_outcome;
+  const Reset reset{select};
+  select.bind(std::int64_t{active_node});
+  for (std::int32_t x : other.check_point) select.bind(std::int64_t{x});
+  select.bind(std::int64_t{other.level});
+  if (!select.step()) return true;
+  return static_cast<Outcome>(select.take_integer()) != Outcome::converged && other.usable();
+}
+
+std::vector<std::string> StateSpaceFile::merge(const fs::path& other_path) {
+  const StateSpaceFile other = open_read_only(other_path);
+  if (other.scene_hash() != scene_hash() || other.solver_tolerance() != solver_tolerance()) {
+    throw InputError(quoted(other_path) + " cannot be merged into " + quoted(path()) +
+                     ": its scene has the hash " + other.scene_hash() + " and the tolerance " +
+                     number(other.solver_tolerance()) + ", here they are " + scene_hash() +
+                     " and " + number(solver_tolerance()) + ". Leave it out.");
+  }
+  const std::vector<SiteSpace> sites = other.read_sites();
+  for (const SiteSpace& space : sites) {
+    if (const std::optional<SiteSpace> here = find_site(space.site.active_node)) {
+      require_extension(other_path, space.site, here->site);
+    } else {
+      add_site(space.site);
+    }
+  }
+  for (const SiteSpace& space : sites) {
+    const Index node = space.site.active_node;
+    Transaction transaction(impl_->database);
+    std::set<CheckPoint> taken;
+    for (Configuration& c : other.read_where(node, "true")) {
+      // What is of no use here need not be sound there.
+      if (!is_of_use(node, c) || !other.read_fields(node, c)) continue;
+      add_alone(node, c);
+      if (c.level == 0) taken.insert(c.check_point);
+    }
+    for (const LevelTransition& transition : other.read_transitions(node)) {
+      add_alone(node, transition, "IGNORE");
+    }
+    for (const IntermediateState& state : other.read_intermediate_states(node)) {
+      if (taken.count(state.target) > 0) impl_->write(node, state);
+    }
+    transaction.commit();
+  }
+  {
+    Transaction transaction(impl_->database);
+    for (const TestSet& set : other.read_test_sets()) {
+      for (const TestPoint& point : other.read_test_points(set)) add_alone(set, point);
+    }
+    transaction.commit();
+  }
+  checkpoint(impl_->database);
+  return other.left_out();
+}
+
+std::string describe_left_out(const fs::path& path, const std::vector<std::string>& left_out) {
+  constexpr std::size_t kNamed = 5;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kNamed, left_out.size()); ++i) {
+    names += (i > 0 ? ", " : "") + left_out[i];
+  }
+  if (left_out.size() > kNamed)
+    names += " and " + std::to_string(left_out.size() - kNamed) + " more";
+  return (left_out.size() == 1 ? "A part of " : std::to_string(left_out.size()) + " parts of ") +
+         quoted(path) + (left_out.size() == 1 ? " is" : " are") + " damaged: " + names + '.';
 }
 
 }  // namespace palpate

@@ -24,8 +24,14 @@
 //
 // Durability. A writer keeps a write-ahead log beside the file ("-wal"): when add() returns, the
 // configuration outlives the death of the process at any instant, also by kill -9. A loss of power
-// may take the last ones, never the file. close() leaves the single file; the log of a writer that
-// was killed is taken up by the next one that opens the file. One writer at a time.
+// never takes the file, what was merged, or what was there when close() returned; of a file that is
+// being written it may take what was added within a second after the disk was last waited for.
+// close() leaves the single file; the log of a writer that was killed is taken up by the next one
+// that opens the file. One writer at a time.
+//
+// Damage. Every row has a checksum of all its columns. What is damaged is left out, and said: all
+// else is read. A file that somebody else made is trusted in nothing: its tables must be those of
+// schema.sql.h alone, its numbers possible, and no memory is taken for what it merely claims.
 #pragma once
 
 #include <filesystem>
@@ -41,18 +47,16 @@ namespace palpate {
 
 /// An open file. Not thread-safe: one object for each thread.
 ///
-/// Every member throws InputError for a file that is damaged or no state space, and BackendError
-/// where the disk, its space, the permissions or another writer stand in the way.
+/// Every member throws InputError for a file that is no state space or damaged in its scene, and
+/// BackendError where the disk, its space, the permissions or another writer stand in the way.
 class StateSpaceFile {
  public:
-  static constexpr int schema_version = 5;
-
   /// Makes the file for a scene, open to append. It appears complete or not at all.
   /// @throws InputError there is such a file, or its folder is missing.
   [[nodiscard]] static StateSpaceFile create(const std::filesystem::path& path, const Scene& scene,
                                              double solver_tolerance);
 
-  /// Opens a file to append.
+  /// Opens a file to append. One of an older schema becomes one of this.
   /// @throws InputError it is missing, of another schema, or was made for another scene or
   ///   tolerance.
   [[nodiscard]] static StateSpaceFile open_to_append(const std::filesystem::path& path,
@@ -77,6 +81,13 @@ class StateSpaceFile {
   [[nodiscard]] const std::filesystem::path& path() const;
   [[nodiscard]] const std::string& scene_hash() const;
   [[nodiscard]] double solver_tolerance() const;
+  /// What was found damaged in all that was read so far, and so was left out: "configuration
+  /// (1, 0, -1) of active node 8", and rows that belong to nothing.
+  [[nodiscard]] std::vector<std::string> left_out() const;
+  /// Reads everything and removes what is damaged, so that it is computed again.
+  /// @returns What it was, as left_out().
+  /// @throws InputError the damage is such that it cannot be told row by row.
+  std::vector<std::string> remove_damaged();
   /// @throws InputError also where the scene does not have the hash it is stored with.
   [[nodiscard]] Scene read_scene() const;
 
@@ -108,12 +119,17 @@ class StateSpaceFile {
 
   void add(Index active_node, const LevelTransition& transition);
   [[nodiscard]] std::vector<LevelTransition> read_transitions(Index active_node) const;
+  /// Those of which both ends are among the configurations: others may have been lost.
+  /// @param configurations Of the site, in the order of operator<.
+  [[nodiscard]] std::vector<LevelTransition> read_linked_transitions(
+      Index active_node, const std::vector<Configuration>& configurations) const;
 
   /// All of a site, in their order.
   [[nodiscard]] std::vector<IntermediateState> read_intermediate_states(Index active_node) const;
 
   /// Fills in the fields: u, v, p and p_v.
-  void read_fields(Index active_node, Configuration& configuration) const;
+  /// @returns False where they are damaged: they are left out.
+  [[nodiscard]] bool read_fields(Index active_node, Configuration& configuration) const;
   /// Everything; without fields unless `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
@@ -122,23 +138,37 @@ class StateSpaceFile {
   /// Those of a set, in the order of operator<.
   [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
 
-  /// Takes over sites, configurations and test points of other files of the same scene, such as
-  /// those of the ranks of a run. What is here stays, except that a configuration that converged
-  /// there replaces one that did not converge here. The other files stay as they are; killed
-  /// half-way, it can be done again.
+  /// Takes over sites, configurations and test points of another file of the same scene, such as
+  /// that of a rank of a run. What is here stays, except that a configuration that converged there
+  /// replaces one that did not converge here. The other file stays as it is; killed half-way, it
+  /// can be done again. What was taken over is durable when this returns: the other file may be
+  /// removed, if nothing was left out.
+  /// @returns What is damaged there, as left_out().
   /// @throws InputError another scene or tolerance, or another tip or grid of the same site.
-  void merge(const std::vector<std::filesystem::path>& others);
+  [[nodiscard]] std::vector<std::string> merge(const std::filesystem::path& other);
 
  private:
   struct Impl;
   explicit StateSpaceFile(std::unique_ptr<Impl> impl);
-  [[nodiscard]] std::optional<Site> find_site(Index active_node) const;
-  /// @param level A condition on it.
-  [[nodiscard]] std::vector<Configuration> read_where(Index active_node, const char* level) const;
+  void upgrade();
+  [[nodiscard]] std::optional<SiteSpace> find_site(Index active_node) const;
+  /// @param condition In SQL, on the row.
+  [[nodiscard]] std::vector<Configuration> read_where(Index active_node,
+                                                      const std::string& condition) const;
+  [[nodiscard]] std::vector<TestSet> read_test_sets() const;
+  /// There is no such configuration here, or one that did not converge where the other did.
+  [[nodiscard]] bool is_of_use(Index active_node, const ConfigurationSummary& other) const;
   void extend(const Site& site);
   void add_alone(Index active_node, const Configuration& configuration);
-  void add_alone(Index active_node, const IntermediateState& state);
+  /// @param where_there_is_one REPLACE or IGNORE.
+  void add_alone(Index active_node, const LevelTransition& transition,
+                 const std::string& where_there_is_one);
+  void add_alone(const TestSet& set, const TestPoint& point);
   std::unique_ptr<Impl> impl_;
 };
+
+/// "3 parts of 'a.palpate' are damaged: …, … and 1 more." of a list that is not empty.
+[[nodiscard]] std::string describe_left_out(const std::filesystem::path& path,
+                                            const std::vector<std::string>& left_out);
 
 }  // namespace palpate

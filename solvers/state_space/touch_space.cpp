@@ -23,19 +23,29 @@ void gather(const Surface& surface, const Field& field, double factor, Column&& 
   }
 }
 
-void check_fields(const Configuration& configuration, Index num_points, Index active_node) {
-  const Eigen::Index rows = 3 * Eigen::Index{num_points};
+std::string describe(const ConfigurationSummary& configuration, Index active_node) {
   const CheckPoint& c = configuration.check_point;
-  const std::string which = "configuration (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) +
-                            ", " + std::to_string(c[2]) + ") of active node " +
-                            std::to_string(active_node);
-  if (configuration.u.size() != rows || configuration.v.rows() != rows ||
-      configuration.v.cols() != 3) {
-    throw InputError("The displacement and sensitivity of " + which +
+  return "configuration (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
+         std::to_string(c[2]) + ") of active node " + std::to_string(active_node);
+}
+
+bool has_fields(const Configuration& configuration, Index num_points) {
+  const Eigen::Index rows = 3 * Eigen::Index{num_points};
+  return configuration.u.size() == rows && configuration.v.rows() == rows &&
+         configuration.v.cols() == 3;
+}
+
+bool has_finite_fields(const Configuration& configuration) {
+  return configuration.u.allFinite() && configuration.v.allFinite();
+}
+
+void check_fields(const Configuration& configuration, Index num_points, Index active_node) {
+  if (!has_fields(configuration, num_points)) {
+    throw InputError("The displacement and sensitivity of " + describe(configuration, active_node) +
                      " are missing. Read the state space with its fields.");
   }
-  if (!configuration.u.allFinite() || !configuration.v.allFinite()) {
-    throw InputError("The displacement or sensitivity of " + which +
+  if (!has_finite_fields(configuration)) {
+    throw InputError("The displacement or sensitivity of " + describe(configuration, active_node) +
                      " is not finite, although it converged. Compute it again.");
   }
 }
@@ -57,25 +67,37 @@ class Builder {
     space_.scene_hash = std::move(scene_hash);
   }
 
-  /// @param fields_of Gives the configuration with its fields for an index.
+  /// @param fields_of Gives the configuration with its fields for an index; null: it is left out.
   template <class FieldsOf>
   void add(const Site& site, const std::vector<ConfigurationSummary>& summaries,
            std::vector<IntermediateState> intermediate_states, FieldsOf&& fields_of) {
     check_active_node(site, mesh_);
+    std::vector<ConfigurationSummary> configurations;
     std::vector<std::size_t> usable;
-    for (std::size_t c = 0; c < summaries.size(); ++c) {
-      if (summaries[c].usable()) usable.push_back(c);
+    const std::ptrdiff_t most =
+        std::count_if(summaries.begin(), summaries.end(), [](const auto& c) { return c.usable(); });
+    const Eigen::Index rows = 3 * Eigen::Index{surface_.num_points()};
+    Eigen::MatrixXf displacements(rows, most);
+    Eigen::MatrixXf sensitivities(rows, 3 * most);
+    for (std::size_t s = 0; s < summaries.size(); ++s) {
+      if (summaries[s].usable()) {
+        const Configuration* configuration = fields_of(s);
+        if (configuration == nullptr) continue;
+        check_fields(*configuration, mesh_.num_points(), site.active_node);
+        const auto c = static_cast<Eigen::Index>(usable.size());
+        gather(surface_, configuration->u, 1, displacements.col(c));
+        for (int a = 0; a < 3; ++a) {
+          gather(surface_, configuration->v.col(a), step_of(site), sensitivities.col(3 * c + a));
+        }
+        usable.push_back(configurations.size());
+      }
+      configurations.push_back(summaries[s]);
     }
     const auto n = static_cast<Eigen::Index>(usable.size());
-    Eigen::MatrixXf snapshots(3 * Eigen::Index{surface_.num_points()}, 4 * n);
-    for (Eigen::Index c = 0; c < n; ++c) {
-      const Configuration& configuration = fields_of(usable[c]);
-      check_fields(configuration, mesh_.num_points(), site.active_node);
-      gather(surface_, configuration.u, 1, snapshots.col(c));
-      for (int a = 0; a < 3; ++a) {
-        gather(surface_, configuration.v.col(a), step_of(site), snapshots.col(n + 3 * c + a));
-      }
-    }
+    Eigen::MatrixXf snapshots(rows, 4 * n);
+    snapshots << displacements.leftCols(n), sensitivities.leftCols(3 * n);
+    displacements.resize(0, 0);
+    sensitivities.resize(0, 0);
     const PodFit fit = basis_.extend(snapshots);
     space_.largest_displacement = std::max(space_.largest_displacement, fit.largest_displacement);
     space_.displacement_error = std::max(space_.displacement_error, fit.displacement_error);
@@ -84,7 +106,7 @@ class Builder {
     TouchSite& added = space_.sites.emplace_back();
     added.site = site;
     added.rest_position = mesh_.points[site.active_node];
-    added.configurations = summaries;
+    added.configurations = std::move(configurations);
     added.intermediate_states = std::move(intermediate_states);
     const Eigen::Index rank = fit.coefficients.rows();
     const auto total = static_cast<Eigen::Index>(added.configurations.size());
@@ -145,7 +167,7 @@ TouchSpace make_touch_space(const StateSpace& space, double bound) {
   Builder builder(space.scene, space.scene_hash, bound);
   for (const SiteSpace& site : space.sites) {
     builder.add(site.site, summaries_of(site.configurations), site.intermediate_states,
-                [&](std::size_t c) -> const Configuration& { return site.configurations[c]; });
+                [&](std::size_t c) { return &site.configurations[c]; });
   }
   return builder.finish();
 }
@@ -154,17 +176,25 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   const Scene scene = file.read_scene();
   Builder builder(scene, file.scene_hash(), bound);
   Configuration current;
+  std::vector<std::string> without_fields;
   for (const SiteSpace& site : file.read_sites()) {
     const Index node = site.site.active_node;
     const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(node));
-    builder.add(site.site, summaries, file.read_intermediate_states(node),
-                [&](std::size_t c) -> const Configuration& {
-                  static_cast<ConfigurationSummary&>(current) = summaries[c];
-                  file.read_fields(node, current);
-                  return current;
-                });
+    builder.add(
+        site.site, summaries, file.read_intermediate_states(node),
+        [&](std::size_t c) -> const Configuration* {
+          static_cast<ConfigurationSummary&>(current) = summaries[c];
+          if (!file.read_fields(node, current)) return nullptr;
+          if (has_fields(current, scene.mesh.num_points()) && has_finite_fields(current)) {
+            return &current;
+          }
+          without_fields.push_back(describe(current, node) + ", whose fields are no numbers");
+          return nullptr;
+        });
   }
   TouchSpace space = builder.finish();
+  space.left_out = file.left_out();
+  space.left_out.insert(space.left_out.end(), without_fields.begin(), without_fields.end());
   space.file = file.path().string();
   return space;
 }
@@ -188,6 +218,7 @@ TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
     site.coefficients.resize(0, num_configurations);
     site.coefficient_gradients.resize(0, num_configurations);
   }
+  space.left_out = file.left_out();
   return space;
 }
 

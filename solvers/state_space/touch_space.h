@@ -37,6 +37,8 @@ struct TouchSpace {
   Eigen::MatrixXf modes;
   /// By active node, ascending.
   std::vector<TouchSite> sites;
+  /// What the file holds but is damaged, see StateSpaceFile::left_out().
+  std::vector<std::string> left_out;
 
   /// Largest displacement of a surface point in any usable configuration, m.
   double largest_displacement = 0;
@@ -58,7 +60,8 @@ inline constexpr double kDefaultTouchBound = 1e-3;
 [[nodiscard]] TouchSpace make_touch_space(const StateSpace& space,
                                           double bound = kDefaultTouchBound);
 
-/// The same from a file, with the fields of one configuration in memory at a time.
+/// The same from a file, with the fields of one configuration in memory at a time. Configurations
+/// whose fields are damaged or not finite are left out.
 [[nodiscard]] TouchSpace make_touch_space(const StateSpaceFile& file,
                                           double bound = kDefaultTouchBound);
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A space, the files of ranks, a merge and a resume: nothing that counts as durable is lost with the
-// power, at whatever instant.
+// A space, the files of ranks, a merge and a resume: nothing that counts as durable is lost with
+// the power, at whatever instant.
 #include <gtest/gtest.h>
 
-#include <cstdint>
+#include <chrono>
 #include <cstdlib>
 #include <functional>
 #include <random>
 #include <set>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -61,7 +62,7 @@ class PowerLossTest : public testing::Test {
   void expect_holds(const StateSpaceFile& file, std::size_t num_durable) const {
     std::set<CheckPoint> found;
     for (Configuration& c : file.read_summaries(kNode)) {
-      file.read_fields(kNode, c);
+      EXPECT_TRUE(file.read_fields(kNode, c));
       const Configuration right = test::example_configuration(scene_, site(), c.check_point);
       EXPECT_EQ(c.force, right.force);
       EXPECT_EQ(c.u, right.u);
@@ -70,6 +71,7 @@ class PowerLossTest : public testing::Test {
     }
     std::size_t lost = 0;
     for (std::size_t c = 0; c < num_durable; ++c) lost += found.count(check_points_[c]) == 0;
+    EXPECT_TRUE(file.left_out().empty());
     EXPECT_EQ(lost, 0U) << "of " << num_durable << " configurations that were durable";
   }
 
@@ -107,6 +109,7 @@ TEST_F(PowerLossTest, NothingDurableIsLost) {
     resume([&](StateSpaceFile& file) { fill(file, n / 5 * 5, run == 0 ? n / 5 * 5 : n); });
   }
   promise(n);
+  Recording::stop();
 
   constexpr int kTrials = 200;
   std::mt19937 random(16);
@@ -114,7 +117,8 @@ TEST_F(PowerLossTest, NothingDurableIsLost) {
   for (int trial = 0; trial < kTrials && !HasFailure(); ++trial) {
     const std::size_t instant = random() % (first.size() + 1);
     std::size_t num_durable = 0;
-    for (const auto& [since, number] : durable) num_durable = since <= instant ? number : num_durable;
+    for (const auto& [since, number] : durable)
+      num_durable = since <= instant ? number : num_durable;
     make_disk(first.after_power_loss(instant, random));
     Folder after_second;
     SCOPED_TRACE("after " + std::to_string(instant) + " of " + std::to_string(first.size()) +
@@ -144,6 +148,26 @@ TEST_F(PowerLossTest, NothingDurableIsLost) {
     }
   }
   EXPECT_EQ(num_whole, kTrials);
+}
+
+// What was added a second after the disk was last waited for, and all before it, is durable.
+TEST_F(PowerLossTest, AtMostASecondOfWorkIsLost) {
+  make_disk({});
+  const Recording recording(folder_ / "disk");
+  StateSpaceFile file = StateSpaceFile::create(path(), scene_, kTolerance);
+  file.add_site(site());
+  fill(file, 0, 10);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1050));
+  fill(file, 10, 11);
+  const std::size_t instant = recording.size();
+  fill(file, 11, 12);
+  file.close();
+  Recording::stop();
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 20; ++trial) {
+    make_disk(recording.after_power_loss(instant, random));
+    expect_holds(StateSpaceFile::open_read_only(path()), 11);
+  }
 }
 
 }  // namespace

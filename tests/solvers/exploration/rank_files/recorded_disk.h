@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a loss of power leaves of a folder. The program that links this has its own open(), write(),
-// fsync(), rename() and so on, which SQLite and the C++ library call too: they do what they are asked
-// and note it. From the notes the folder is made as a disk may hold it that loses power at some
-// instant: what was synced is there, of all else any part.
+// fsync(), rename() and so on, which SQLite and the C++ library call too: they do what they are
+// asked and note it. From the notes the folder is made as a disk may hold it that loses power at
+// some instant: what was synced is there, of all else any part.
 //
-//   data      Each sector of a file holds what was written to it last before the sync, or after any of
+//   data      Each sector of a file holds what was written to it last before the sync, or after any
+//   of
 //             the writes since; so does the length of the file.
 //   names     Making, renaming and removing a file reaches the disk with the sync of its folder.
 //             Before that any of them may be missing, but of one name only the last ones.
@@ -33,6 +34,9 @@ class Recording {
   ~Recording();
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
+
+  /// Notes nothing any more.
+  static void stop();
 
   /// How many operations were noted so far.
   [[nodiscard]] std::size_t size() const { return operations_.size(); }

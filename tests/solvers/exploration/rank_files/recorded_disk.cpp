@@ -52,12 +52,15 @@ void write_folder(const fs::path& path, const Folder& files) {
   }
 }
 
-Recording::Recording(fs::path folder) : folder_(fs::canonical(folder)), before_(read_folder(folder_)) {
+Recording::Recording(fs::path folder)
+    : folder_(fs::canonical(folder)), before_(read_folder(folder_)) {
   for (const auto& [name, bytes] : before_) file_of_name_[name] = num_files_++;
   recording = this;
 }
 
-Recording::~Recording() { recording = nullptr; }
+Recording::~Recording() { stop(); }
+
+void Recording::stop() { recording = nullptr; }
 
 bool Recording::is_inside(const std::string& path) const {
   return fs::absolute(path).parent_path() == folder_;
@@ -82,7 +85,11 @@ void Recording::closed(int descriptor) { file_of_descriptor_.erase(descriptor); 
 void Recording::written(int descriptor, std::size_t offset, const void* data, std::size_t bytes) {
   const auto file = file_of_descriptor_.find(descriptor);
   if (file == file_of_descriptor_.end()) return;
-  operations_.push_back({Kind::write, file->second, {}, {}, offset,
+  operations_.push_back({Kind::write,
+                         file->second,
+                         {},
+                         {},
+                         offset,
                          std::string(static_cast<const char*>(data), bytes)});
 }
 
@@ -166,7 +173,9 @@ Folder Recording::after_power_loss(std::size_t num_operations, std::mt19937& ran
       case Kind::remove:
       case Kind::rename: pending_names.push_back(o); break;
       case Kind::write:
-      case Kind::resize: files[static_cast<std::size_t>(operation.file)].pending.push_back(o); break;
+      case Kind::resize:
+        files[static_cast<std::size_t>(operation.file)].pending.push_back(o);
+        break;
       case Kind::sync: sync(files[static_cast<std::size_t>(operation.file)]); break;
       case Kind::sync_folder:
         for (const std::size_t n : pending_names) apply_name(operations_[n]);
@@ -293,8 +302,7 @@ int remove(const char* path) {
 }
 
 int rename(const char* from, const char* to) {
-  const auto status =
-      static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
+  const auto status = static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, from, AT_FDCWD, to, 0));
   if (status == 0 && palpate::test::recording != nullptr) {
     palpate::test::recording->renamed(from, to);
   }

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The rows of a state-space file: the columns of each record, its checksum, and what a row may
+// hold.
+//
+// A file may be damaged, or made by anyone. A row is sound when its checksum is right and its
+// numbers are possible; what is not sound is left out. Each kind of record lists its numbers once,
+// in the order of its columns.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "state_space/sqlite.h"
+#include "state_space/state_space.h"
+#include "state_space/test_point.h"
+
+namespace palpate::rows {
+
+/// Calls visit for each number of a site.
+template <class Space, class Visit>
+void for_each_number_of_site(Space& space, Visit&& visit) {
+  auto& site = space.site;
+  visit(site.active_node);
+  visit(site.tip_radius);
+  visit(site.half_width);
+  visit(site.resolution);
+  visit(site.force_limit);
+  visit(site.coarsest);
+  visit(site.tolerance);
+  visit(site.tolerance_is_relative);
+  visit(site.history);
+  visit(site.intermediate_states);
+  visit(site.third_derivatives);
+  visit(space.complete);
+}
+inline constexpr char site_columns[] =
+    "active_node, tip_radius, half_width, resolution, force_limit, coarsest, tolerance, "
+    "tolerance_is_relative, history, intermediate_states, third_derivatives, complete";
+
+/// The same for a summary.
+template <class Summary, class Visit>
+void for_each_number_of_summary(Summary& c, Visit&& visit) {
+  for (auto& x : c.check_point) visit(x);
+  visit(c.level);
+  for (auto& x : c.parent) visit(x);
+  visit(c.parent_level);
+  for (int a = 0; a < 3; ++a) visit(c.t[a]);
+  visit(c.energy);
+  for (int a = 0; a < 3; ++a) visit(c.force[a]);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) visit(c.stiffness(a, b));
+  }
+  visit(c.outcome);
+  visit(c.flags);
+  visit(c.residual);
+  visit(c.minimum_det_f);
+  visit(c.negative_pivots);
+  visit(c.iterations);
+  visit(c.seconds);
+  for (int a = 0; a < 3; ++a) visit(c.signature[a]);
+  visit(c.third_derivative);
+}
+inline constexpr char summary_columns[] =
+    "i, j, k, level, parent_i, parent_j, parent_k, parent_level, t_x, t_y, t_z, energy, force_x, "
+    "force_y, force_z, stiffness_xx, stiffness_xy, stiffness_xz, stiffness_yx, stiffness_yy, "
+    "stiffness_yz, stiffness_zx, stiffness_zy, stiffness_zz, outcome, flags, residual, "
+    "minimum_det_f, negative_pivots, iterations, seconds, signature_x, signature_y, signature_z, "
+    "third_derivative";
+inline constexpr int num_summary_columns = 35;
+inline constexpr char field_columns[] = "u, v, p, p_v";
+
+/// The same for a transition.
+template <class Transition, class Visit>
+void for_each_number_of_transition(Transition& transition, Visit&& visit) {
+  for (auto& x : transition.start) visit(x);
+  visit(transition.start_level);
+  for (auto& x : transition.target) visit(x);
+  visit(transition.reached);
+}
+inline constexpr char transition_columns[] = "i, j, k, level, to_i, to_j, to_k, reached";
+
+/// The same for an intermediate state.
+template <class State, class Visit>
+void for_each_number_of_intermediate(State& state, Visit&& visit) {
+  for (auto& x : state.target) visit(x);
+  visit(state.number);
+  for (int a = 0; a < 3; ++a) visit(state.t[a]);
+  visit(state.energy);
+  for (int a = 0; a < 3; ++a) visit(state.force[a]);
+  visit(state.outcome);
+  visit(state.flags);
+  visit(state.seconds);
+}
+inline constexpr char intermediate_columns[] =
+    "i, j, k, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, outcome, flags, seconds";
+
+/// The columns of for_each_number_of_test_point().
+inline constexpr char test_point_columns[] =
+    "kind, number, t_x, t_y, t_z, energy, force_x, force_y, force_z, stiffness_xx, stiffness_xy, "
+    "stiffness_xz, stiffness_yx, stiffness_yy, stiffness_yz, stiffness_zx, stiffness_zy, "
+    "stiffness_zz, outcome, flags, seconds";
+inline constexpr int num_test_point_columns = 21;
+
+/// Binds each number to the next parameter.
+struct Bind {
+  sqlite::Statement& statement;
+  void operator()(double x) const { statement.bind(x); }
+  void operator()(std::int32_t x) const { statement.bind(std::int64_t{x}); }
+  template <class Enumeration>
+  void operator()(Enumeration x) const {
+    statement.bind(static_cast<std::int64_t>(x));
+  }
+  void operator()(const ThirdDerivative& x) const {
+    statement.bind(x.allFinite() ? x.data() : nullptr, sizeof x);
+  }
+};
+
+/// Takes each number from the next column. Makes `sound` false where one does not fit.
+struct Take {
+  sqlite::Statement& statement;
+  bool& sound;
+  void operator()(double& x) const { x = statement.take_double(); }
+  template <class Integer>
+  void operator()(Integer& x) const {
+    const std::int64_t stored = statement.take_integer();
+    x = static_cast<Integer>(stored);
+    if (static_cast<std::int64_t>(x) != stored) sound = false;
+  }
+  void operator()(ThirdDerivative& x) const {
+    const auto [data, bytes] = statement.take_blob();
+    x.setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (bytes == 0) return;
+    if (bytes == sizeof x) {
+      std::memcpy(static_cast<void*>(x.data()), data, bytes);
+    } else {
+      sound = false;
+    }
+  }
+};
+
+/// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
+using Fields = std::array<sqlite::Statement::Blob, 4>;
+[[nodiscard]] Fields fields_of(const Configuration& configuration);
+
+/// Which numbers a checksum takes in. Files of version 5 left some out, see schema.sql.h.
+enum class Checked { all, as_version_5 };
+
+[[nodiscard]] std::int64_t checksum(const Fields& fields);
+[[nodiscard]] std::int64_t checksum(const SiteSpace& space);
+/// @param of_fields The checksum of its fields.
+[[nodiscard]] std::int64_t checksum(Index active_node, ConfigurationSummary summary,
+                                    std::int64_t of_fields, Checked checked = Checked::all);
+[[nodiscard]] std::int64_t checksum(Index active_node, const LevelTransition& transition);
+[[nodiscard]] std::int64_t checksum(Index active_node, IntermediateState state,
+                                    Checked checked = Checked::all);
+[[nodiscard]] std::int64_t checksum(const TestSet& set, const TestPoint& point);
+/// Of what of a scene is no part of its hash.
+[[nodiscard]] std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance);
+
+/// Whether the numbers are ones that a program may rely on: indices that exist, and sizes for which
+/// there is memory.
+[[nodiscard]] bool is_possible(const Site& site, std::int64_t num_points);
+[[nodiscard]] bool is_possible(const Site& site, const ConfigurationSummary& summary);
+[[nodiscard]] bool is_possible(const Site& site, const LevelTransition& transition);
+[[nodiscard]] bool is_possible(const Site& site, const IntermediateState& state);
+[[nodiscard]] bool is_possible(const TestPoint& point);
+/// Whether they are those of a body.
+[[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells);
+
+/// "(1, 0, −1)"
+[[nodiscard]] std::string describe(const CheckPoint& check_point);
+/// "configuration (1, 0, −1) of active node 8"
+[[nodiscard]] std::string describe(const ConfigurationSummary& summary, Index active_node);
+[[nodiscard]] std::string describe(const LevelTransition& transition, Index active_node);
+[[nodiscard]] std::string describe(const IntermediateState& state, Index active_node);
+[[nodiscard]] std::string describe(const TestPoint& point, Index active_node);
+
+}  // namespace palpate::rows

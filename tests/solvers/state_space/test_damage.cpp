@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files that were damaged, made by somebody else with bad intent, or made by an older version.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "solvers/state_space/example_space.h"
+#include "state_space/field_cache.h"
+#include "state_space/rows.h"
+#include "state_space/sqlite.h"
+#include "state_space/state_space_file.h"
+#include "state_space/touch_space.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+using sqlite::Access;
+using sqlite::Database;
+using sqlite::Statement;
+using test::example_configuration;
+
+constexpr double kTolerance = 1e-8;
+constexpr Index kNode = 8;
+constexpr TestSet kTestSet{kNode, 0.001, 0.02, 7};
+
+TestPoint example_test_point() {
+  TestPoint point;
+  point.number = 5;
+  point.t = Vec3(0.1, 0.2, 0.3);
+  point.energy = 1.5;
+  point.force = Vec3(1, 2.5, -3);
+  point.outcome = Outcome::converged;
+  point.displacement = Eigen::VectorXf::LinSpaced(24, 1, 2);
+  return point;
+}
+
+class DamageTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+    path_ = folder_ / "a.palpate";
+    site_.intermediate_states = 1;
+    site_.third_derivatives = true;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] Configuration configuration(const CheckPoint& check_point) const {
+    Configuration c = example_configuration(scene_, site_, check_point);
+    c.third_derivative = test::example_third_derivative(c.t);
+    c.p = Eigen::VectorXd::LinSpaced(3, 1, 2);
+    c.p_v = Eigen::MatrixXd::Constant(3, 3, 0.5);
+    return c;
+  }
+  /// With a row in every table.
+  void make() const {
+    StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
+    file.add_site(site_);
+    for (std::int32_t i = -1; i <= 1; ++i) {
+      const Configuration c = configuration({i, 0, 0});
+      file.add(kNode, c, i == 0 ? std::vector<IntermediateState>() : test::example_way(c, 1));
+    }
+    file.add(kNode, LevelTransition{{0, 0, 0}, 0, {1, 0, 0}, 0});
+    file.add(kTestSet, example_test_point());
+    file.set_complete(kNode, true);
+    file.close();
+  }
+  void change(const std::string& sql) const { Database(path_, Access::read_write).execute(sql); }
+  /// Stores other numbers of a configuration with checksums that are right.
+  void forge(const CheckPoint& at, const std::string& sql,
+             const std::function<void(ConfigurationSummary&)>& same_change) const {
+    ConfigurationSummary c = configuration(at);
+    const std::int64_t of_fields = rows::checksum(rows::fields_of(configuration(at)));
+    same_change(c);
+    change("UPDATE configuration SET " + sql +
+           ", summary_checksum = " + std::to_string(rows::checksum(kNode, c, of_fields)) +
+           " WHERE i = " + std::to_string(at[0]));
+  }
+  /// The same of the site.
+  void forge_site(const std::string& sql, const std::function<void(Site&)>& same_change) const {
+    SiteSpace space{site_, true, {}, {}};
+    same_change(space.site);
+    change("UPDATE site SET " + sql + ", checksum = " + std::to_string(rows::checksum(space)));
+  }
+
+  /// Everything in the file is as make() has written it, or is left out and told, or the file is
+  /// refused. @returns False where nothing at all was noticed.
+  [[nodiscard]] bool is_noticed() const {
+    try {
+      const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+      const StateSpace space = file.read(true);
+      const std::vector<TestPoint> points = file.read_test_points(kTestSet);
+      std::vector<std::string> left_out = file.left_out();
+      // A test point of another set is not asked for.
+      if (left_out.empty() && points.empty()) {
+        left_out = StateSpaceFile::open_to_append(path_, scene_, kTolerance).remove_damaged();
+      }
+      EXPECT_TRUE(!left_out.empty() || space.scene.touchable == scene_.touchable);
+      EXPECT_TRUE(!left_out.empty() || (space.sites.size() == 1 && points.size() == 1));
+      for (const SiteSpace& site : space.sites) {
+        EXPECT_TRUE(site.site == site_ && site.complete);
+        EXPECT_TRUE(!left_out.empty() ||
+                    (site.configurations.size() == 3 && site.intermediate_states.size() == 2));
+        for (const Configuration& c : site.configurations) {
+          const Configuration right = configuration(c.check_point);
+          EXPECT_EQ(rows::checksum(kNode, c, rows::checksum(rows::fields_of(c))),
+                    rows::checksum(kNode, right, rows::checksum(rows::fields_of(right))));
+          const bool starts = c.check_point == CheckPoint{0, 0, 0};
+          EXPECT_TRUE(!starts || !left_out.empty() ||
+                      c.reached[neighbour_number({0, 0, 0}, {1, 0, 0})] == 0);
+        }
+        for (const IntermediateState& state : site.intermediate_states) {
+          const auto right = test::example_way(configuration(state.target), 1);
+          EXPECT_EQ(rows::checksum(kNode, state), rows::checksum(kNode, right[0]));
+        }
+      }
+      for (const TestPoint& point : points) {
+        EXPECT_EQ(rows::checksum(kTestSet, point), rows::checksum(kTestSet, example_test_point()));
+      }
+      return !left_out.empty();
+    } catch (const InputError&) {
+      return true;
+    }
+  }
+  [[nodiscard]] std::vector<std::string> left_out() const {
+    const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+    (void)file.read(true);
+    (void)file.read_test_points(kTestSet);
+    return file.left_out();
+  }
+  [[nodiscard]] std::string refusal() const {
+    try {
+      (void)StateSpaceFile::open_read_only(path_).read(true);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  fs::path folder_;
+  fs::path path_;
+  const Scene scene_ = test::cube_scene(1);
+  Site site_ = test::example_site(kNode, 3);
+};
+
+TEST_F(DamageTest, AWholeFileHasNone) {
+  make();
+  EXPECT_FALSE(is_noticed());
+  EXPECT_TRUE(left_out().empty());
+}
+
+// One bit of every value of every row of every table.
+TEST_F(DamageTest, AFlippedBitInAnyColumnIsNoticed) {
+  make();
+  const fs::path whole = folder_ / "whole";
+  fs::copy(path_, whole);
+  // Nothing is read from these.
+  const std::set<std::string> unused{"scene.parent_scene_id"};
+  int num_values = 0;
+  for (const std::string table :
+       {"scene", "material", "site", "configuration", "transition", "intermediate", "test_point"}) {
+    std::vector<std::pair<std::string, std::int64_t>> values;
+    {
+      const Database database(whole, Access::read_only);
+      Statement columns(database, "SELECT name FROM pragma_table_info('" + table + "')");
+      while (columns.step()) {
+        const std::string column = columns.take_text();
+        if (unused.count(table + '.' + column) > 0) continue;
+        Statement rows(database,
+                       "SELECT rowid FROM " + table + " WHERE " + column + " IS NOT NULL");
+        while (rows.step()) values.emplace_back(column, rows.take_integer());
+      }
+    }
+    for (const auto& [column, row] : values) {
+      fs::copy(whole, path_, fs::copy_options::overwrite_existing);
+      // Of a blob the last byte; of a number the least bit of its eight bytes or close to it.
+      change("UPDATE OR REPLACE " + table + " SET " + column + " = CASE typeof(" + column +
+             ") WHEN 'blob' THEN CAST(substr(" + column + ", 1, length(" + column +
+             ") - 1) || (CASE substr(" + column +
+             ", -1) WHEN x'00' THEN x'01' ELSE x'00' END) AS " +
+             "BLOB) WHEN 'text' THEN 'x' || substr(" + column + ", 2) WHEN 'integer' THEN (" +
+             column + " | 1) - (" + column + " & 1) ELSE " + column +
+             " * 1.0000000000000009 + 1e-300 END WHERE rowid = " + std::to_string(row));
+      EXPECT_TRUE(is_noticed()) << table << '.' << column << " of row " << row;
+      ++num_values;
+    }
+  }
+  EXPECT_GT(num_values, 200);
+}
+
+TEST_F(DamageTest, SwappedFieldsAreLeftOut) {
+  make();
+  change(
+      "CREATE TEMP TABLE kept AS SELECT i, checksum, u, v, p, p_v FROM configuration;"
+      "UPDATE configuration SET (checksum, u, v, p, p_v) = (SELECT checksum, u, v, p, p_v FROM "
+      "kept "
+      "WHERE kept.i = -configuration.i)");
+  EXPECT_EQ(left_out(), (std::vector<std::string>{"configuration (-1, 0, 0) of active node 8",
+                                                  "configuration (1, 0, 0) of active node 8"}));
+  EXPECT_TRUE(is_noticed());
+  // What is touched has the rest, and says so.
+  const TouchSpace space = make_touch_space(StateSpaceFile::open_read_only(path_));
+  EXPECT_EQ(space.sites[0].configurations.size(), 1U);
+  EXPECT_EQ(space.sites[0].coefficients.cols(), 1);
+  EXPECT_EQ(space.left_out.size(), 2U);
+}
+
+TEST_F(DamageTest, ConfigurationsWithoutNumbersAreNotTouched) {
+  {
+    StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
+    file.add_site(site_);
+    Configuration c = configuration({1, 0, 0});
+    c.u[3] = std::numeric_limits<double>::quiet_NaN();
+    file.add(kNode, c);
+    c = configuration({-1, 0, 0});
+    c.v.resize(0, 0);
+    file.add(kNode, c);
+    file.add(kNode, configuration({0, 0, 0}));
+  }
+  const TouchSpace space = make_touch_space(StateSpaceFile::open_read_only(path_));
+  EXPECT_EQ(space.sites[0].configurations.size(), 1U);
+  EXPECT_EQ(space.left_out.size(), 2U);
+}
+
+TEST_F(DamageTest, AResumeComputesWhatIsDamagedAgain) {
+  make();
+  change("UPDATE intermediate SET energy = 3 WHERE i = 1");
+  change("UPDATE configuration SET level = 4 WHERE i = -1");
+  change("UPDATE test_point SET energy = 3");
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+  EXPECT_EQ(
+      file.remove_damaged(),
+      (std::vector<std::string>{"configuration (-1, 0, 0) of level 4 of active node 8",
+                                "intermediate state 1 on the way to (1, 0, 0) of active node 8",
+                                "test point 5 of active node 8"}));
+  const std::vector<Configuration> known = file.read_summaries(kNode);
+  ASSERT_EQ(known.size(), 1U) << "without all states on the way to it";
+  EXPECT_EQ(known[0].check_point, (CheckPoint{0, 0, 0}));
+  EXPECT_EQ(known[0].reached, configuration({0, 0, 0}).reached) << "the other end is missing";
+  EXPECT_TRUE(file.left_out().empty());
+  EXPECT_TRUE(file.remove_damaged().empty());
+}
+
+TEST_F(DamageTest, MergesWhatIsSound) {
+  make();
+  change("UPDATE configuration SET u = zeroblob(length(u)) WHERE i = 1");
+  StateSpaceFile file = StateSpaceFile::create(folder_ / "b.palpate", scene_, kTolerance);
+  const std::vector<std::string> left_out = file.merge(path_);
+  EXPECT_EQ(left_out, std::vector<std::string>{"configuration (1, 0, 0) of active node 8"});
+  EXPECT_EQ(file.read_summaries(kNode).size(), 2U);
+  EXPECT_EQ(file.read_intermediate_states(kNode).size(), 1U);
+  EXPECT_EQ(file.read_test_points(kTestSet).size(), 1U);
+}
+
+TEST_F(DamageTest, RefusesWhatPalpateDoesNotMake) {
+  for (const std::string sql :
+       {"CREATE TRIGGER t AFTER INSERT ON configuration BEGIN DELETE FROM scene; END",
+        "CREATE VIEW v AS SELECT * FROM site", "CREATE TABLE other (x)",
+        "CREATE INDEX fast ON configuration (abs(energy))",
+        "ALTER TABLE configuration ADD COLUMN x AS (hex(zeroblob(energy)))",
+        "ALTER TABLE site RENAME TO kept; CREATE VIEW site AS SELECT * FROM kept",
+        "DROP TABLE test_point"}) {
+    fs::remove(path_);
+    make();
+    change(sql);
+    EXPECT_NE(refusal().find("is not as Palpate makes its files"), std::string::npos) << sql;
+    EXPECT_THROW((void)StateSpaceFile::open_to_append(path_, scene_, kTolerance), InputError)
+        << sql;
+  }
+}
+
+TEST_F(DamageTest, TakesNoMemoryForWhatIsMerelyClaimed) {
+  for (const std::string sql :
+       {"num_points = 1000000000", "num_points = -5", "num_points = 1099511627776",
+        "num_cells = 9000000000000000000", "num_cells = -1", "num_cells = 0",
+        "points = zeroblob(20000000)", "cells = zeroblob(20000000)", "points = x''"}) {
+    fs::remove(path_);
+    make();
+    change("UPDATE scene SET " + sql);
+    EXPECT_NE(refusal(), "") << sql;
+  }
+  for (const std::string sql : {"p = zeroblob(5000000), p_v = zeroblob(15000000)",
+                                "third_derivative = zeroblob(1000)", "u = zeroblob(8)"}) {
+    fs::remove(path_);
+    make();
+    change("UPDATE configuration SET " + sql + " WHERE i = 1");
+    EXPECT_EQ(left_out(), std::vector<std::string>{"configuration (1, 0, 0) of active node 8"})
+        << sql;
+  }
+}
+
+TEST_F(DamageTest, LeavesOutWhatCannotBe) {
+  const std::vector<std::string> expected{"configuration (1, 0, 0) of active node 8"};
+  const std::pair<std::string, std::function<void(ConfigurationSummary&)>> of_configuration[] = {
+      {"outcome = 9", [](auto& c) { c.outcome = static_cast<Outcome>(9); }},
+      {"outcome = -1", [](auto& c) { c.outcome = static_cast<Outcome>(-1); }},
+      {"flags = 1024", [](auto& c) { c.flags = 1024; }},
+      {"parent_i = 400", [](auto& c) { c.parent[0] = 400; }},
+      {"parent_level = -1", [](auto& c) { c.parent_level = -1; }},
+      {"t_x = NULL", [](auto& c) { c.t[0] = std::numeric_limits<double>::quiet_NaN(); }},
+      {"t_x = 5.0", [](auto& c) { c.t[0] = 5; }}};
+  for (const auto& [sql, same_change] : of_configuration) {
+    fs::remove(path_);
+    make();
+    forge({1, 0, 0}, sql, same_change);
+    EXPECT_EQ(left_out(), expected) << sql;
+  }
+  fs::remove(path_);
+  make();
+  forge({1, 0, 0}, "i = 100000", [](auto& c) { c.check_point[0] = 100000; });
+  EXPECT_EQ(left_out()[0], "configuration (100000, 0, 0) of active node 8");
+
+  const std::pair<std::string, std::function<void(Site&)>> of_site[] = {
+      {"resolution = 1001", [](Site& s) { s.resolution = 1001; }},
+      {"resolution = 2147483647", [](Site& s) { s.resolution = 2147483647; }},
+      {"resolution = -3", [](Site& s) { s.resolution = -3; }},
+      {"resolution = 4", [](Site& s) { s.resolution = 4; }},
+      {"coarsest = 0", [](Site& s) { s.coarsest = 0; }},
+      {"coarsest = -1", [](Site& s) { s.coarsest = -1; }},
+      {"coarsest = 64", [](Site& s) { s.coarsest = 64; }},
+      {"half_width = NULL",
+       [](Site& s) { s.half_width = std::numeric_limits<double>::quiet_NaN(); }},
+      {"half_width = 9e999",
+       [](Site& s) { s.half_width = std::numeric_limits<double>::infinity(); }},
+      {"half_width = -1.0", [](Site& s) { s.half_width = -1; }},
+      {"tip_radius = -1.0", [](Site& s) { s.tip_radius = -1; }},
+      {"force_limit = NULL",
+       [](Site& s) { s.force_limit = std::numeric_limits<double>::quiet_NaN(); }},
+      {"history = 7", [](Site& s) { s.history = static_cast<History>(7); }},
+      {"intermediate_states = -1", [](Site& s) { s.intermediate_states = -1; }},
+      {"intermediate_states = 1000000", [](Site& s) { s.intermediate_states = 1000000; }}};
+  for (const auto& [sql, same_change] : of_site) {
+    fs::remove(path_);
+    make();
+    forge_site(sql, same_change);
+    EXPECT_EQ(left_out().front(), "active node 8") << sql;
+  }
+  fs::remove(path_);
+  make();
+  forge_site("active_node = 1000", [](Site& s) { s.active_node = 1000; });
+  EXPECT_EQ(left_out().front(), "active node 1000");
+}
+
+TEST_F(DamageTest, RefusesGridsThatTakeTooMuchMemory) {
+  StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
+  Site site = test::example_site(0, kLargestCoarsestResolution);
+  int num_sites = 0;
+  try {
+    for (; site.active_node < 20; ++site.active_node, ++num_sites) file.add_site(site);
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("lower resolution"), std::string::npos);
+  }
+  EXPECT_EQ(num_sites, 7);
+  site.resolution += 2;
+  EXPECT_THROW(file.add_site(site), InputError);
+}
+
+// The file has 14 configurations, of the scene below, around active nodes 3 and 5.
+class OlderVersionTest : public DamageTest {
+ protected:
+  void SetUp() override {
+    DamageTest::SetUp();
+    fs::copy(fs::path(PALPATE_TEST_DATA) / "state_space_5.palpate", path_);
+  }
+  void expect_whole(const StateSpaceFile& file) const {
+    const StateSpace space = file.read(true);
+    EXPECT_EQ(hash(space.scene), hash(small_scene_));
+    EXPECT_EQ(space.scene.touchable, small_scene_.touchable);
+    ASSERT_EQ(space.sites.size(), 2U);
+    const SiteSpace& levels = space.sites[0];
+    EXPECT_EQ(levels.site.history, History::automatic);
+    EXPECT_FALSE(levels.complete);
+    ASSERT_EQ(levels.configurations.size(), 10U);
+    EXPECT_EQ(levels.find({0, 0, 0})->reached[neighbour_number({0, 0, 0}, {1, 0, 0})], 1);
+    EXPECT_EQ(levels.find({1, 0, 0}, 1)->signature, Vec3(1, 2, 3));
+    EXPECT_EQ(file.read_candidates(3).size(), 1U);
+    const SiteSpace& plain = space.sites[1];
+    EXPECT_TRUE(plain.complete);
+    EXPECT_EQ(plain.site.intermediate_states, 2);
+    EXPECT_EQ(plain.intermediate_states.size(), 4U);
+    ASSERT_EQ(plain.configurations.size(), 3U);
+    EXPECT_EQ(plain.configurations[1].outcome, Outcome::budget_used_up);
+    EXPECT_EQ(plain.configurations[1].flags, flags::beyond_force_limit);
+    EXPECT_EQ(plain.configurations[2].p, Eigen::VectorXd::LinSpaced(7, -1, 1));
+    for (const SiteSpace& site : space.sites) {
+      for (const Configuration& c : site.configurations) {
+        const Configuration right = example_configuration(small_scene_, site.site, c.check_point);
+        EXPECT_EQ(c.t, right.t);
+        EXPECT_TRUE(c.u.isApprox(right.u, 1e-14) && c.v.isApprox(right.v, 1e-14));
+      }
+    }
+    EXPECT_EQ(file.read_test_points(TestSet{3, 0.001, 0.02, 7}).size(), 1U);
+    EXPECT_TRUE(file.left_out().empty());
+  }
+  [[nodiscard]] std::int64_t version() const {
+    return Database(path_, Access::read_only).integer("PRAGMA user_version");
+  }
+
+  const Scene small_scene_ = test::cube_scene(1, ElementOrder::linear);
+};
+
+TEST_F(OlderVersionTest, IsRead) {
+  expect_whole(StateSpaceFile::open_read_only(path_));
+  EXPECT_EQ(version(), 5) << "reading changes nothing";
+  EXPECT_EQ(make_touch_space(StateSpaceFile::open_read_only(path_)).sites.size(), 2U);
+}
+
+TEST_F(OlderVersionTest, IsResumed) {
+  {
+    StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
+    expect_whole(file);
+    EXPECT_TRUE(file.remove_damaged().empty());
+    expect_whole(file);
+    file.close();
+  }
+  EXPECT_EQ(version(), 6);
+  expect_whole(StateSpaceFile::open_read_only(path_));
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
+  Site site = file.read_sites()[0].site;
+  file.add(site.active_node, example_configuration(small_scene_, site, {0, 0, 1}));
+  site.force_limit = 0.1;
+  file.add_site(site);
+  EXPECT_EQ(file.read(true).sites[0].configurations.size(), 11U);
+  EXPECT_TRUE(file.left_out().empty());
+}
+
+TEST_F(OlderVersionTest, IsMerged) {
+  StateSpaceFile file = StateSpaceFile::create(folder_ / "b.palpate", small_scene_, kTolerance);
+  EXPECT_TRUE(file.merge(path_).empty());
+  EXPECT_EQ(file.read(true).sites[0].configurations.size(), 10U);
+  EXPECT_EQ(file.read_candidates(3).size(), 1U);
+  EXPECT_EQ(file.read_intermediate_states(5).size(), 4U);
+  EXPECT_TRUE(file.left_out().empty());
+}
+
+TEST_F(OlderVersionTest, KeepsItsDamage) {
+  change("UPDATE configuration SET energy = 7 WHERE active_node = 3 AND i = -1 AND j = 0");
+  change("UPDATE configuration SET u = zeroblob(length(u)) WHERE active_node = 5 AND i = 1");
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
+  EXPECT_EQ(file.remove_damaged(),
+            (std::vector<std::string>{"configuration (-1, 0, 0) of active node 3",
+                                      "configuration (1, 0, 0) of active node 5"}));
+  EXPECT_EQ(file.read(true).sites[0].configurations.size(), 9U);
+}
+
+}  // namespace
+}  // namespace palpate
