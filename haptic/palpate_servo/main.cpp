@@ -18,7 +18,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <set>
+#include <vector>
 
 #include "base/error.h"
 #include "base/quantity.h"
@@ -64,26 +64,16 @@ class Signals {
   sigset_t before_{};
 };
 
-void list_devices() {
-  std::set<std::string> told;
-  for (const DeviceInfo& device : hidapi()->list()) {
-    // One with several collections is there several times.
-    const auto kind = match(device);
-    const std::string name = to_string(device);
-    if (!told.insert(name + (kind ? "+" : "-")).second) continue;
-    if (!kind) {
-      std::printf("%s: no haptic device that is known\n", name.c_str());
-      continue;
-    }
-    try {
-      const OpenedDevice opened = open_device(device.path);
-      std::printf("%s: can be used\n", name.c_str());
-      print(opened.profile->specification());
-    } catch (const std::exception& error) {
-      std::printf("%s: %s\n", name.c_str(), error.what());
-    }
+void print_devices() {
+  const std::vector<ListedDevice> devices = list_devices();
+  for (const ListedDevice& device : devices) {
+    const char* state = !device.known          ? "no haptic device that is known"
+                        : device.fault.empty() ? "can be used"
+                                               : device.fault.c_str();
+    std::printf("%s: %s\n", to_string(device.info).c_str(), state);
+    if (device.specification) print(*device.specification);
   }
-  if (told.empty()) std::printf("No HID device is plugged in.\n");
+  if (devices.empty()) std::printf("No HID device is plugged in.\n");
   std::printf("simulated: is always there\n");
 }
 
@@ -346,7 +336,7 @@ int main(int argc, char** argv) {
     const auto line = palpate::parse_command_line(argc, argv);
     if (!line) return EXIT_SUCCESS;
     if (line->device == "list") {
-      palpate::list_devices();
+      palpate::print_devices();
       return EXIT_SUCCESS;
     }
     return line->replay.empty() ? palpate::run(*line) : palpate::replay(*line);

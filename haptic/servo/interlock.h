@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 namespace palpate {
 
@@ -22,6 +23,16 @@ inline constexpr std::uint32_t disengaged = 4;
 /// The guardian has latched a trip or does not look, or there is neither it nor a watchdog.
 inline constexpr std::uint32_t guardian = 8;
 }  // namespace trips
+
+/// In words, the end of "There is no force: …"; of several causes the first; empty: there is none.
+[[nodiscard]] inline std::string_view words_for(std::uint32_t tripped) noexcept {
+  if ((tripped & trips::failed_writes) != 0) return "the device does not take what it is sent";
+  if ((tripped & trips::stale) != 0) return "the device was silent";
+  if ((tripped & trips::disengaged) != 0) {
+    return "it is not permitted, or the button of the device is not held";
+  }
+  return {};
+}
 
 class Interlock {
  public:

@@ -49,6 +49,28 @@ OpenedDevice open(const DeviceInfo& info, ProfileKind kind, const std::shared_pt
 
 }  // namespace
 
+std::vector<ListedDevice> list_devices(const std::shared_ptr<Hid>& hid, Duration deadline) {
+  std::vector<ListedDevice> listed;
+  for (const DeviceInfo& info : hid->list()) {
+    const auto kind = match(info);
+    const auto same = std::find_if(listed.begin(), listed.end(), [&](const ListedDevice& other) {
+      return other.info.path == info.path;
+    });
+    // A device is known by one of its collections.
+    if (same != listed.end() && (same->known || !kind)) continue;
+    ListedDevice& device = same != listed.end() ? *same : listed.emplace_back();
+    device.info = info;
+    device.known = kind.has_value();
+    if (!kind) continue;
+    try {
+      device.specification = open(info, *kind, hid, deadline).profile->specification();
+    } catch (const std::runtime_error& error) {
+      device.fault = error.what();
+    }
+  }
+  return listed;
+}
+
 std::string to_string(const DeviceInfo& device) {
   std::string text = device.path + ' ' + vendor_and_product(device);
   if (!device.manufacturer.empty()) text += ' ' + device.manufacturer;

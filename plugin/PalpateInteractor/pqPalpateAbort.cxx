@@ -3,7 +3,6 @@
 
 #include <QApplication>
 #include <QEvent>
-#include <QKeyEvent>
 
 #include "pqApplicationCore.h"
 #include "pqPipelineSource.h"
@@ -100,19 +99,13 @@ void pqPalpateAbort::endWork(vtkObject*, unsigned long, void*)
   }
 }
 
-// Of what the person does, only the button and Escape are heard: anything else might take away what
-// works.
+// Of what the person does, only the button is heard, and what passes through the window to filters
+// that were installed before: anything else might take away what works.
 bool pqPalpateAbort::eventFilter(QObject* object, QEvent* event)
 {
   if (event->type() == QEvent::Close)
   {
     event->ignore();
-    return true;
-  }
-  if (event->type() == QEvent::KeyPress &&
-    static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape)
-  {
-    Q_EMIT this->escaped();
     return true;
   }
   // A window passes on to its widgets what it gets.

@@ -19,10 +19,6 @@ class pqPalpateAbort : public QObject
 public:
   explicit pqPalpateAbort(QObject* parent = nullptr);
 
-Q_SIGNALS:
-  /// Escape was pressed meanwhile.
-  void escaped();
-
 protected:
   bool eventFilter(QObject* object, QEvent* event) override;
 

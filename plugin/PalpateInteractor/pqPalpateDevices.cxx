@@ -3,51 +3,35 @@
 
 #include <cmath>
 #include <exception>
-#include <set>
-#include <string>
 #include <utility>
 
-#include "haptic/transport/hid.h"
 #include "haptic/transport/open_device.h"
 #include "haptic/transport/simulated_board.h"
 
 const char* const pqPalpateMouseDevice = "mouse";
 const char* const pqPalpateHandDevice = "hand";
 
-QVector<pqPalpateDeviceName> pqPalpateListDevices(const QString& inUse)
+QVector<pqPalpateDeviceName> pqPalpateListDevices()
 {
   QVector<pqPalpateDeviceName> names;
-  names.push_back({ pqPalpateMouseDevice, "Mouse", {} });
-  names.push_back({ pqPalpateHandDevice, "Simulated hand", {} });
+  names.push_back({ pqPalpateMouseDevice, "Mouse", {}, false });
+  names.push_back({ pqPalpateHandDevice, "Simulated hand", {}, false });
   try
   {
-    // One with several collections is there several times.
-    std::set<std::string> told;
-    for (const palpate::DeviceInfo& device : palpate::hidapi()->list())
+    for (const palpate::ListedDevice& device : palpate::list_devices())
     {
-      if (!palpate::match(device) || !told.insert(device.path).second)
+      if (device.known)
       {
-        continue;
+        names.push_back({ QString::fromStdString(device.info.path),
+          QString::fromStdString(palpate::to_string(device.info)),
+          QString::fromStdString(device.fault),
+          device.specification && device.specification->num_buttons > 0 });
       }
-      const QString path = QString::fromStdString(device.path);
-      QString fault;
-      try
-      {
-        if (path != inUse)
-        {
-          static_cast<void>(palpate::open_device(device.path));
-        }
-      }
-      catch (const std::exception& error)
-      {
-        fault = error.what();
-      }
-      names.push_back({ path, QString::fromStdString(palpate::to_string(device)), fault });
     }
   }
   catch (const std::exception& error)
   {
-    names.push_back({ {}, "Other devices", error.what() });
+    names.push_back({ {}, "Other devices", error.what(), false });
   }
   return names;
 }

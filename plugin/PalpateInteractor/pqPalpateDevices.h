@@ -20,14 +20,16 @@ struct pqPalpateDeviceName
   QString Name;
   /// Why it cannot be opened; empty: it can.
   QString Fault;
+  /// Whether a person can hold a button of it.
+  bool HasButton = false;
 };
 
 extern const char* const pqPalpateMouseDevice;
 extern const char* const pqPalpateHandDevice;
 
 /// The mouse, the simulated hand, and the devices that are plugged in and known. Each of those is
-/// opened and closed, but for the one that is in use.
-QVector<pqPalpateDeviceName> pqPalpateListDevices(const QString& inUse);
+/// opened and closed: nothing may be touched meanwhile.
+QVector<pqPalpateDeviceName> pqPalpateListDevices();
 
 struct pqPalpateDevice
 {

@@ -14,21 +14,26 @@
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMSessionProxyManager.h"
 #include "vtkSMSourceProxy.h"
-#include "vtkSmartPointer.h"
+#include "vtkUnstructuredGrid.h"
 
 namespace
 {
-vtkPartitionedDataSetCollection* ClientSideData(vtkSMSourceProxy* proxy, int port)
+vtkDataObject* ClientSideData(vtkSMSourceProxy* proxy, int port)
 {
   auto* algorithm = vtkAlgorithm::SafeDownCast(proxy->GetClientSideObject());
-  return algorithm
-    ? vtkPartitionedDataSetCollection::SafeDownCast(algorithm->GetOutputDataObject(port))
-    : nullptr;
+  return algorithm ? algorithm->GetOutputDataObject(port) : nullptr;
 }
 
-/// What the server's first rank has, which is the whole of a state space.
-vtkSmartPointer<vtkSMSourceProxy> Fetcher(vtkSMSourceProxy* source, int port)
+/// Of this process where the server is built in; else what the server's first rank has, which is the
+/// whole of a state space and of a body.
+vtkSmartPointer<vtkDataObject> Fetch(pqOutputPort* port, int type)
 {
+  vtkSMSourceProxy* source = port->getSourceProxy();
+  source->UpdatePipeline();
+  if (source->GetClientSideObject())
+  {
+    return ClientSideData(source, port->getPortNumber());
+  }
   vtkSmartPointer<vtkSMSourceProxy> fetcher;
   fetcher.TakeReference(vtkSMSourceProxy::SafeDownCast(
     source->GetSessionProxyManager()->NewProxy("filters", "ClientServerMoveData")));
@@ -36,11 +41,12 @@ vtkSmartPointer<vtkSMSourceProxy> Fetcher(vtkSMSourceProxy* source, int port)
   {
     throw std::runtime_error("This ParaView cannot move data from its server to the client.");
   }
-  vtkSMPropertyHelper(fetcher, "Input").Set(source, port);
-  vtkSMPropertyHelper(fetcher, "OutputDataType").Set(VTK_PARTITIONED_DATA_SET_COLLECTION);
+  vtkSMPropertyHelper(fetcher, "Input")
+    .Set(source, static_cast<unsigned int>(port->getPortNumber()));
+  vtkSMPropertyHelper(fetcher, "OutputDataType").Set(type);
   fetcher->UpdateVTKObjects();
   fetcher->UpdatePipeline();
-  return fetcher;
+  return ClientSideData(fetcher, 0);
 }
 }
 
@@ -53,26 +59,18 @@ bool pqPalpateGivesStateSpace(pqOutputPort* port)
 
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port)
 {
-  vtkSMSourceProxy* source = port->getSourceProxy();
-  const int number = port->getPortNumber();
-  source->UpdatePipeline();
-  if (source->GetClientSideObject())
+  const vtkSmartPointer<vtkDataObject> data = Fetch(port, VTK_PARTITIONED_DATA_SET_COLLECTION);
+  if (auto* space = vtkPartitionedDataSetCollection::SafeDownCast(data))
   {
-    if (auto* data = ClientSideData(source, number))
-    {
-      return vtkPalpateSpaceFromCollection(data, nullptr);
-    }
-  }
-  else
-  {
-    const vtkSmartPointer<vtkSMSourceProxy> fetcher = Fetcher(source, number);
-    if (auto* data = ClientSideData(fetcher, 0))
-    {
-      return vtkPalpateSpaceFromCollection(data, nullptr);
-    }
+    return vtkPalpateSpaceFromCollection(space, nullptr);
   }
   throw std::runtime_error("This source gives no state space. Choose the output of Precompute "
                            "State Space or of State Space Reader.");
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> pqPalpateFetchBody(pqOutputPort* port)
+{
+  return vtkUnstructuredGrid::SafeDownCast(Fetch(port, VTK_UNSTRUCTURED_GRID));
 }
 
 vtkMTimeType pqPalpateDataTime(pqOutputPort* port)

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The client's own copy of a state space that is in the pipeline.
+/// The client's own copy of what is in the pipeline.
 #pragma once
 
 #include "vtkPalpateStateSpace.h"
+#include "vtkSmartPointer.h"
 #include "vtkType.h"
 
 class pqOutputPort;
+class vtkUnstructuredGrid;
 
 /// Whether the port gives a state space, as far as is known of its data.
 bool pqPalpateGivesStateSpace(pqOutputPort* port);
@@ -14,6 +16,9 @@ bool pqPalpateGivesStateSpace(pqOutputPort* port);
 /// to date.
 /// @throws palpate::InputError, std::runtime_error it is no state space, or cannot be fetched.
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port);
+
+/// The same of a body on its way to a state space; nullptr: it is no unstructured grid.
+vtkSmartPointer<vtkUnstructuredGrid> pqPalpateFetchBody(pqOutputPort* port);
 
 /// Changes when the data of a built-in server change; 0: the server is another process, of
 /// which nothing is known.

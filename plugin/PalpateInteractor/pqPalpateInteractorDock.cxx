@@ -37,6 +37,8 @@
 namespace
 {
 constexpr int FiguresInterval = 200; // ms
+/// Of a device in the list.
+constexpr int HasButtonRole = Qt::UserRole + 1;
 
 template <class T>
 T* Named(T* widget, const char* name, const char* tip = "")
@@ -68,8 +70,7 @@ QString IdOf(pqOutputPort* port)
 pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   : Superclass("Palpate", parent)
 {
-  auto* abort = new pqPalpateAbort(this);
-  QObject::connect(abort, &pqPalpateAbort::escaped, &this->Touch, &pqPalpateTouch::stop);
+  new pqPalpateAbort(this);
   auto* content = Named(new QWidget(), "content");
   auto* column = new QVBoxLayout(content);
   const auto addGroup = [&](const char* title, const char* name)
@@ -156,8 +157,8 @@ void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
   this->Space = Named(new QComboBox(), "space",
     "State spaces of the pipeline, from Precompute State Space or State Space Reader.");
   this->Device = Named(new QComboBox(), "device",
-    "Mouse: press the left button on the body and drag; the wheel goes in and out; Ctrl moves the "
-    "camera. Simulated hand: presses the first active node again and again.");
+    "Mouse: press the left button on the body near a black dot and drag; the wheel goes in and "
+    "out; Ctrl moves the camera. Simulated hand: presses the first active node again and again.");
   this->Refresh = Named(new QPushButton("Refresh"), "refresh", "Look for devices again.");
   this->Start = Named(new QPushButton("Start"), "start");
   this->Message = Named(new QLabel(), "message");
@@ -181,19 +182,12 @@ void pqPalpateInteractorDock::makeActions()
   this->StartAction->setShortcut(QKeySequence("Ctrl+Shift+T"));
   QObject::connect(
     this->StartAction, &QAction::triggered, this, &pqPalpateInteractorDock::startOrStop);
-  // What one presses when the device does what it should not.
-  this->StopAction = new QAction(this);
-  this->StopAction->setObjectName("stopAction");
-  this->StopAction->setShortcut(QKeySequence(Qt::Key_Escape));
-  QObject::connect(
-    this->StopAction, &QAction::triggered, &this->Touch, &pqPalpateTouch::stop);
   if (auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget()))
   {
     auto* bar = Named(new QToolBar("Palpate", window), "PalpateToolbar");
     bar->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
     bar->addAction(this->StartAction);
     window->addToolBar(bar);
-    window->addAction(this->StopAction);
   }
 }
 
@@ -238,20 +232,40 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
   this->Bonded = Named(new QCheckBox("Also pulls"), "bonded",
     "The tool is bonded to what it touches. The mouse always is.");
   this->Bonded->setChecked(settings.Bonded);
+  this->ReleaseForce = Named(NumberBox(settings.ReleaseForce, 100, 0.5, " N"), "releaseForce",
+    "The tool lets go where the body pulls with more than this.");
+  this->ReleaseForce->setSpecialValueText("never");
+  this->NeedsButton = Named(new QCheckBox("Only while the button is held"), "needsButton",
+    "There is a force only as long as the first button of the device is held. Who lets go of it "
+    "gets a force again when the tool was outside of the body. For devices with a button.");
+  this->NeedsButton->setChecked(settings.NeedsButton);
   form->addRow("Workspace scale", this->WorkspaceScale);
   form->addRow("Workspace", this->FollowsCamera);
   form->addRow("Force scale", this->ForceScale);
   form->addRow("Force limit", this->ForceLimit);
   form->addRow("Tool", this->Bonded);
-  for (QDoubleSpinBox* box : { this->WorkspaceScale, this->ForceScale, this->ForceLimit })
+  form->addRow("Lets go above", this->ReleaseForce);
+  form->addRow("Force", this->NeedsButton);
+  for (QDoubleSpinBox* box :
+    { this->WorkspaceScale, this->ForceScale, this->ForceLimit, this->ReleaseForce })
   {
     QObject::connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
       &pqPalpateInteractorDock::sendSettings);
   }
-  for (QCheckBox* box : { this->FollowsCamera, this->Bonded })
+  for (QCheckBox* box : { this->FollowsCamera, this->Bonded, this->NeedsButton })
   {
     QObject::connect(box, &QCheckBox::toggled, this, &pqPalpateInteractorDock::sendSettings);
   }
+  QObject::connect(
+    this->Bonded, &QCheckBox::toggled, this, &pqPalpateInteractorDock::enableSettings);
+  QObject::connect(this->Device, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+    &pqPalpateInteractorDock::enableSettings);
+}
+
+void pqPalpateInteractorDock::enableSettings()
+{
+  this->ReleaseForce->setEnabled(this->Bonded->isChecked());
+  this->NeedsButton->setEnabled(this->Device->currentData(HasButtonRole).toBool());
 }
 
 void pqPalpateInteractorDock::makeFigures(QFormLayout* form)
@@ -319,12 +333,13 @@ void pqPalpateInteractorDock::listDevices()
   this->Device->clear();
   auto* items = qobject_cast<QStandardItemModel*>(this->Device->model());
   QString faults;
-  for (const pqPalpateDeviceName& device : pqPalpateListDevices(this->Touch.device()))
+  for (const pqPalpateDeviceName& device : pqPalpateListDevices())
   {
     this->Device->addItem(device.Name, device.Id);
+    const int row = this->Device->count() - 1;
+    this->Device->setItemData(row, device.HasButton, HasButtonRole);
     if (!device.Fault.isEmpty())
     {
-      const int row = this->Device->count() - 1;
       items->item(row)->setEnabled(false);
       this->Device->setItemData(row, device.Fault, Qt::ToolTipRole);
       faults += (faults.isEmpty() ? "" : "\n") + device.Name + ": " + device.Fault;
@@ -332,6 +347,7 @@ void pqPalpateInteractorDock::listDevices()
   }
   const int index = this->Device->findData(chosen);
   this->Device->setCurrentIndex(index >= 0 ? index : 0);
+  this->enableSettings();
   this->say(faults, true);
 }
 
@@ -382,6 +398,8 @@ void pqPalpateInteractorDock::sendSettings()
   settings.ForceScale = this->ForceScale->value();
   settings.ForceLimit = this->ForceLimit->value();
   settings.Bonded = this->Bonded->isChecked();
+  settings.ReleaseForce = this->ReleaseForce->value();
+  settings.NeedsButton = this->NeedsButton->isEnabled() && this->NeedsButton->isChecked();
   this->Touch.setSettings(settings);
 }
 
@@ -395,8 +413,8 @@ void pqPalpateInteractorDock::showState()
   this->StartAction->setToolTip(
     (runs ? "Stop touching, with zero force" : "Touch the state space that the dock Palpate names") +
     QString(" (%1)").arg(this->StartAction->shortcut().toString(QKeySequence::NativeText)));
-  // Only then: Escape is of use elsewhere.
-  this->StopAction->setEnabled(runs);
+  // To list devices is to open them.
+  this->Refresh->setEnabled(!runs);
   this->Records->setEnabled(!runs);
   this->RecordingFile->setEnabled(!runs && this->Records->isChecked());
   this->Space->setEnabled(!runs);

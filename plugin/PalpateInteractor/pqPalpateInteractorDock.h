@@ -41,6 +41,8 @@ private:
 
   void listSpaces();
   void listDevices();
+  /// Settings that have no meaning with what is chosen are grey.
+  void enableSettings();
   void startOrStop();
   void showState();
   void showFigures();
@@ -61,7 +63,6 @@ private:
   QPushButton* Refresh = nullptr;
   QPushButton* Start = nullptr;
   QAction* StartAction = nullptr;
-  QAction* StopAction = nullptr;
   QLabel* Message = nullptr;
 
   QDoubleSpinBox* WorkspaceScale = nullptr;
@@ -69,6 +70,8 @@ private:
   QDoubleSpinBox* ForceScale = nullptr;
   QDoubleSpinBox* ForceLimit = nullptr;
   QCheckBox* Bonded = nullptr;
+  QDoubleSpinBox* ReleaseForce = nullptr;
+  QCheckBox* NeedsButton = nullptr;
 
   QCheckBox* Records = nullptr;
   pqFileChooserWidget* RecordingFile = nullptr;

@@ -2,9 +2,11 @@
 #include "pqPalpateMouse.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
+#include "pqPalpateHit.h"
 #include "vtkCamera.h"
 #include "vtkCellArray.h"
 #include "vtkCommand.h"
@@ -31,6 +33,8 @@ constexpr double Reach = 0.1;
 constexpr double Notch = 0.01;
 /// Of the half-width of the space: the drag ends within it, however the board rounds.
 constexpr double Within = 0.999;
+/// Of the body's diagonal: what is less far behind the surface is on it.
+constexpr double OnSurface = 1e-3;
 }
 
 pqPalpateMouse::pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
@@ -63,6 +67,7 @@ pqPalpateMouse::pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::TouchS
   const auto& bounds = this->Body->surface().bounds();
   this->Size = bounds.diagonal().norm();
   this->Centre = bounds.max() + bounds.diagonal();
+  this->Hint = "Press the left button on the body\nnear a black dot, and drag.";
 
   if (this->Interactor)
   {
@@ -102,6 +107,7 @@ void pqPalpateMouse::GoOnFrom(const pqPalpateMouse& other)
     return;
   }
   this->Phase = other.Phase;
+  this->Hint = other.Hint;
   this->Pressed = other.Pressed;
   this->Wanted = other.Wanted;
   this->Node = other.Node;
@@ -144,16 +150,8 @@ bool pqPalpateMouse::Press()
   {
     return false;
   }
-  const int* pixel = this->Interactor->GetEventPosition();
-  double near[4];
-  double far[4];
-  vtkInteractorObserver::ComputeDisplayToWorld(this->Renderer, pixel[0], pixel[1], 0, near);
-  vtkInteractorObserver::ComputeDisplayToWorld(this->Renderer, pixel[0], pixel[1], 1, far);
-  double along;
   double hit[3];
-  double parametric[3];
-  int subId;
-  if (!this->Surface->IntersectWithLine(near, far, 0, along, hit, parametric, subId))
+  if (!pqPalpateHit(this->Renderer, this->Surface, this->Interactor->GetEventPosition(), hit))
   {
     return false;
   }
@@ -162,13 +160,44 @@ bool pqPalpateMouse::Press()
     std::max(Reach * this->Size, this->Body->largest_tip_radius()));
   if (this->Wanted < 0)
   {
+    this->Hint = this->WayToNearest(place);
     return false;
   }
+  this->Hint.clear();
   this->Pressed = true;
   this->Grip = place;
   this->Depth.setZero();
   this->Displacement.setZero();
   return true;
+}
+
+std::string pqPalpateMouse::WayToNearest(const Vec3& place) const
+{
+  const int node = this->Body->nearest(place, std::numeric_limits<double>::infinity());
+  const Vec3& rest = this->Body->nodes()[node].rest_position;
+  char text[100];
+  std::snprintf(text, sizeof text, "Press near a black dot: the nearest is\n%.0f mm away%s",
+    1e3 * (rest - place).norm(),
+    this->IsHidden(rest) ? ", on the other side. A drag turns the body." : ".");
+  return text;
+}
+
+bool pqPalpateMouse::IsHidden(const Vec3& place) const
+{
+  double seen[3];
+  vtkInteractorObserver::ComputeWorldToDisplay(
+    this->Renderer, place.x(), place.y(), place.z(), seen);
+  double near[4];
+  vtkInteractorObserver::ComputeDisplayToWorld(this->Renderer, seen[0], seen[1], 0, near);
+  double along;
+  double hit[3];
+  double parametric[3];
+  int subId;
+  const Vec3 eye(near);
+  const Vec3 before = place + OnSurface * this->Size * (eye - place).normalized();
+  const int hits =
+    this->Surface->IntersectWithLine(near, before.data(), 0, along, hit, parametric, subId);
+  return hits != 0;
 }
 
 Vec3 pqPalpateMouse::PointUnderCursor(const Vec3& depthOf) const

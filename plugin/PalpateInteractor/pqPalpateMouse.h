@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The mouse as a hand. A press of the left button on the body takes hold of the nearest active
 /// node, a drag moves it in the plane of the view, the wheel away from the viewer and back, and
-/// letting go of the button lets go of the node. A press beside the body, or with Ctrl, moves the
-/// camera as ever.
+/// letting go of the button lets go of the node. A press on the body where no active node is near
+/// says where one is. That one, a press beside the body, and one with Ctrl move the camera as ever.
 ///
 /// What it moves is the point of a simulated board, so that it touches by the servo loop as a
 /// device does: the tool is put outside of the node, moved straight in until it is attached, then
@@ -10,6 +10,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "haptic/servo/tick.h"
@@ -45,6 +46,8 @@ public:
   const palpate::Vec3& GetWorkspaceCentre() const { return this->Centre; }
   /// The tool is to be bonded to what it touches.
   bool IsHolding() const { return this->Phase == Phases::Holding; }
+  /// What the person is told, a sentence a line; empty: all is well.
+  const std::string& GetHint() const { return this->Hint; }
 
 private:
   enum class Phases
@@ -61,6 +64,10 @@ private:
   /// @return Whether the event is the mouse's and not the camera's.
   bool HandleEvent(vtkObject* caller, unsigned long event, void* data);
   bool Press();
+  /// Where to press instead.
+  std::string WayToNearest(const palpate::Vec3& place) const;
+  /// Something of the body is in front of it.
+  bool IsHidden(const palpate::Vec3& place) const;
   void Drag();
   /// Of a pixel, in the depth of a place.
   palpate::Vec3 PointUnderCursor(const palpate::Vec3& depthOf) const;
@@ -79,6 +86,7 @@ private:
 
   Phases Phase = Phases::Away;
   bool Pressed = false;
+  std::string Hint;
   /// The node that the button was pressed at last, and the one that is touched.
   int Wanted = -1;
   int Node = -1;

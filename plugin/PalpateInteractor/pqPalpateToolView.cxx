@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vtkActor.h"
 #include "vtkArrowSource.h"
-#include "vtkCellArray.h"
+#include "vtkCoordinate.h"
+#include "vtkGlyph3D.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPVRenderView.h"
 #include "vtkPoints.h"
@@ -16,18 +16,43 @@
 #include "vtkRenderer.h"
 #include "vtkSMRenderViewProxy.h"
 #include "vtkSphereSource.h"
+#include "vtkTextActor.h"
+#include "vtkTextProperty.h"
 
 namespace
 {
 /// Of the diagonal of the body.
 constexpr double ToolRadius = 0.012;
 constexpr double LongestArrow = 0.4;
-constexpr double NodeSize = 8; // pixels
+constexpr double NodeRadius = 0.008;
+constexpr double RimRadius = 0.012;
+
+constexpr int TextSize = 14;
+/// Of the height of the view.
+constexpr double TextPlace = 0.98;
 
 /// Units of depth that bring anything to the front: a force that points into the body is seen too.
 constexpr double ToFront = -66000;
-/// A node in front of the surface that it lies in, and behind what is in front of that.
-constexpr double ToSurface = -500;
+/// A dot in front of its rim, and behind what is in front of both.
+constexpr double ToRim = -20000;
+
+// Real spheres: points that a driver shall draw as spheres are not drawn at all by Mesa's llvmpipe.
+void ShowSpheres(
+  vtkActor* actor, vtkPolyData* places, double radius, double brightness, double offset)
+{
+  vtkNew<vtkSphereSource> sphere;
+  sphere->SetRadius(radius);
+  vtkNew<vtkGlyph3D> spheres;
+  spheres->SetInputData(places);
+  spheres->SetSourceConnection(sphere->GetOutputPort());
+  spheres->ScalingOff();
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(spheres->GetOutputPort());
+  mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(0, offset);
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(brightness, brightness, brightness);
+  actor->GetProperty()->LightingOff();
+}
 
 void SetMapper(vtkActor* actor, vtkAlgorithmOutput* output)
 {
@@ -52,13 +77,11 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   const double size = (high - low).norm();
 
   vtkNew<vtkPoints> points;
-  vtkNew<vtkCellArray> vertices;
   double largestForce = 0;
   double radius = ToolRadius * size;
   for (const palpate::TouchSite& site : space.sites)
   {
-    const vtkIdType id = points->InsertNextPoint(site.rest_position.data());
-    vertices->InsertNextCell(1, &id);
+    points->InsertNextPoint(site.rest_position.data());
     radius = std::max(radius, site.site.tip_radius);
     for (const palpate::ConfigurationSummary& configuration : site.configurations)
     {
@@ -72,14 +95,8 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
 
   vtkNew<vtkPolyData> nodes;
   nodes->SetPoints(points);
-  nodes->SetVerts(vertices);
-  vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(nodes);
-  mapper->SetRelativeCoincidentTopologyPointOffsetParameter(ToSurface);
-  this->Nodes->SetMapper(mapper);
-  this->Nodes->GetProperty()->SetPointSize(NodeSize);
-  this->Nodes->GetProperty()->RenderPointsAsSpheresOn();
-  this->Nodes->GetProperty()->SetColor(0.15, 0.15, 0.15);
+  ShowSpheres(this->Rims, nodes, RimRadius * size, 1, 0);
+  ShowSpheres(this->Nodes, nodes, NodeRadius * size, 0, ToRim);
 
   vtkNew<vtkSphereSource> sphere;
   sphere->SetRadius(radius);
@@ -98,7 +115,7 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   {
     this->Renderer = client->GetNonCompositedRenderer();
   }
-  for (vtkActor* actor : { this->Nodes.Get(), this->Tool.Get(), this->Arrow.Get() })
+  for (vtkActor* actor : this->GetActors())
   {
     actor->PickableOff();
     if (this->Renderer)
@@ -108,17 +125,49 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   }
   this->Tool->VisibilityOff();
   this->Arrow->VisibilityOff();
+
+  vtkTextProperty* style = this->Text->GetTextProperty();
+  style->SetFontSize(TextSize);
+  style->SetColor(0, 0, 0);
+  style->SetBackgroundColor(1, 1, 0.85);
+  style->SetBackgroundOpacity(0.85);
+  style->SetJustificationToCentered();
+  style->SetVerticalJustificationToTop();
+  this->Text->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
+  this->Text->SetPosition(0.5, TextPlace);
+  this->Text->PickableOff();
+  this->Text->VisibilityOff();
+  if (this->Renderer)
+  {
+    this->Renderer->AddActor2D(this->Text);
+  }
 }
 
 pqPalpateToolView::~pqPalpateToolView()
 {
-  for (vtkActor* actor : { this->Nodes.Get(), this->Tool.Get(), this->Arrow.Get() })
+  for (vtkActor* actor : this->GetActors())
   {
     if (this->Renderer)
     {
       this->Renderer->RemoveActor(actor);
     }
   }
+  if (this->Renderer)
+  {
+    this->Renderer->RemoveActor2D(this->Text);
+  }
+}
+
+bool pqPalpateToolView::Say(const std::string& text)
+{
+  const char* before = this->Text->GetInput();
+  if (text == (before ? before : ""))
+  {
+    return false;
+  }
+  this->Text->SetInput(text.c_str());
+  this->Text->SetVisibility(!text.empty());
+  return true;
 }
 
 void pqPalpateToolView::Show(const palpate::Tick& tick, bool free)

@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What is drawn over the body: the active nodes, the tool, and the force on it as an arrow. Plain
-/// actors of the client's own, beside ParaView's representations: they follow without a pipeline,
-/// and tool and arrow are seen through the body.
+/// What is drawn over the body: the active nodes, the tool, the force on it as an arrow, and a line
+/// of text. Plain actors of the client's own, beside ParaView's representations: they follow
+/// without a pipeline, and tool and arrow are seen through the body.
 #pragma once
 
+#include <array>
+#include <string>
+
 #include "haptic/servo/tick.h"
+#include "vtkActor.h"
 #include "vtkNew.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkWeakPointer.h"
 
-class vtkActor;
 class vtkRenderer;
 class vtkSMRenderViewProxy;
+class vtkTextActor;
 
 class pqPalpateToolView
 {
@@ -24,11 +28,21 @@ public:
   /// @param free The tool is drawn where it touches nothing, too.
   void Show(const palpate::Tick& tick, bool free);
 
+  /// Writes it at the top of the view; empty: nothing.
+  /// @return Whether that is something else than before.
+  bool Say(const std::string& text);
+
 private:
+  /// In the order in which they are drawn.
+  std::array<vtkActor*, 4> GetActors() { return { Rims, Nodes, Tool, Arrow }; }
+
   vtkWeakPointer<vtkRenderer> Renderer;
+  /// Dots with rims: seen on every colour.
   vtkNew<vtkActor> Nodes;
+  vtkNew<vtkActor> Rims;
   vtkNew<vtkActor> Tool;
   vtkNew<vtkActor> Arrow;
+  vtkNew<vtkTextActor> Text;
   /// Length of the arrow for a newton of the body, m.
   double ArrowScale = 0;
 };

@@ -4,6 +4,7 @@
 #include <QCoreApplication>
 #include <QElapsedTimer>
 #include <QFileInfo>
+#include <QKeyEvent>
 #include <QPointer>
 #include <algorithm>
 #include <exception>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "haptic/recording/recorder.h"
+#include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
 #include "pqApplicationCore.h"
 #include "pqOutputPort.h"
@@ -165,6 +167,7 @@ struct pqPalpateTouch::Session
         mouse->GoOnFrom(*this->Mouse);
       }
       this->Mouse = std::move(mouse);
+      this->Tool->Say(this->Mouse->GetHint());
     }
     // As long as nothing is touched no frame is drawn.
     this->View->render();
@@ -254,9 +257,17 @@ pqPalpateTouch::~pqPalpateTouch()
   this->end({}, Left::Nothing);
 }
 
-QString pqPalpateTouch::device() const
+// Before anybody else gets the key: as a shortcut it would be ambiguous while one of ParaView's
+// modes of selection has the same one, and a dialog would keep it. The first event of a pressed key
+// is the one that asks whether somebody wants it in place of a shortcut.
+bool pqPalpateTouch::eventFilter(QObject* object, QEvent* event)
 {
-  return this->Running ? this->Running->Device : QString();
+  if ((event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress) &&
+    static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape)
+  {
+    this->stop();
+  }
+  return QObject::eventFilter(object, event);
 }
 
 QString pqPalpateTouch::start(
@@ -302,6 +313,8 @@ QString pqPalpateTouch::start(
     session->ConnectionObserver = session->Connection->AddObserver(vtkPVSessionBase::ConnectionLost,
       this, &pqPalpateTouch::loseConnection, ConnectionPriority);
     this->Running = std::move(session);
+    // The last one that is installed is asked first.
+    QCoreApplication::instance()->installEventFilter(this);
     this->applySettings({});
     this->Running->Servo->start();
   }
@@ -334,6 +347,7 @@ void pqPalpateTouch::end(const QString& why, Left left)
     return;
   }
   this->FrameTimer.stop();
+  QCoreApplication::instance()->removeEventFilter(this);
   const std::shared_ptr<Session> session = std::move(this->Running);
   const bool ended = session->Servo->stop();
   const palpate::Statistics statistics = session->Servo->statistics();
@@ -398,7 +412,9 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
   palpate::ServoSettings& servo = session.ServoSettings;
   servo.force_scale = this->Current.ForceScale;
   servo.force_limit = this->Current.ForceLimit;
+  servo.dead_man_button = this->Current.NeedsButton ? 0 : -1;
   session.TouchSettings.bonded = this->Current.Bonded;
+  session.TouchSettings.release_force = this->Current.ReleaseForce;
   const bool attached = tick.contact.status == palpate::ContactStatus::attached;
   if (session.Mouse)
   {
@@ -539,7 +555,9 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   const bool moved = node != session.Node || branch != session.Branch ||
     displacement != session.Displacement;
   const bool showsFree = !session.Mouse;
-  if (!moved && touches == session.Touches && (!showsFree || tick.position == session.Place))
+  const bool says = session.Mouse && session.Tool->Say(session.Mouse->GetHint());
+  if (!moved && !says && touches == session.Touches &&
+    (!showsFree || tick.position == session.Place))
   {
     session.BodyView->Rest();
     return;
@@ -599,5 +617,12 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
     figures.NotRecorded = session.Recorder->dropped();
   }
   figures.Problem = QString::fromStdString(session.Servo->problem());
+  const std::string_view why = palpate::words_for(tick.tripped);
+  if (!why.empty())
+  {
+    figures.Problem =
+      "There is no force: " + QString::fromUtf8(why.data(), static_cast<int>(why.size())) +
+      ". It comes back when that is over and the tool was outside of the body.";
+  }
   return figures;
 }

@@ -5,7 +5,8 @@
 /// The loop has its own thread and neither waits for ParaView nor is waited for. What is shown is a
 /// filter TouchStateSpace, on the server wherever that is, whose node and displacement are set each
 /// frame: other filters can hang on it. It ends by itself, with zero force, when the space, the
-/// view or the server goes, when the device is pulled out, and when ParaView quits.
+/// view or the server goes, when the device is pulled out, and when ParaView quits; and by Escape,
+/// wherever in ParaView's windows that is pressed, whatever else it does there.
 #pragma once
 
 #include <QElapsedTimer>
@@ -13,6 +14,8 @@
 #include <QString>
 #include <QTimer>
 #include <memory>
+
+#include "haptic/touching/settings.h"
 
 class pqOutputPort;
 class pqRenderView;
@@ -37,6 +40,10 @@ public:
     double ForceLimit = 0;
     /// The tool also pulls. The mouse is always bonded to what it holds.
     bool Bonded = false;
+    /// N of the body, above which a tool that pulls lets go; 0: never.
+    double ReleaseForce = palpate::TouchSettings().release_force;
+    /// There is a force only as long as the device's first button is held.
+    bool NeedsButton = false;
   };
 
   /// What is known of the loop and of the view, in words where it is not a number.
@@ -64,6 +71,7 @@ public:
     /// Ticks in the recording, and those that it lost.
     quint64 Recorded = 0;
     quint64 NotRecorded = 0;
+    /// What is wrong with the loop or its device, and what to do.
     QString Problem;
   };
 
@@ -79,8 +87,6 @@ public:
   /// Zero force, the body at rest.
   void stop();
   bool isRunning() const { return this->Running != nullptr; }
-  /// The device in use; empty: none.
-  QString device() const;
 
   void setSettings(const Settings& settings);
   Figures figures();
@@ -96,6 +102,9 @@ Q_SIGNALS:
   /// A recording is closed.
   /// @param fault Why it is not whole; empty: it is.
   void recorded(const QString& file, quint64 ticks, const QString& fault);
+
+protected:
+  bool eventFilter(QObject* object, QEvent* event) override;
 
 private:
   struct Session;

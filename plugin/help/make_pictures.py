@@ -18,7 +18,7 @@ from vtkmodules.vtkImagingColor import vtkImageQuantizeRGBToIndex
 source_folder = os.environ["PALPATE_SOURCE_DIR"]
 sys.path.append(os.path.join(source_folder, "tests", "paraview"))
 import qt
-from qt import Button, Event, Modifier, QtCore, QtGui, QtWidgets, application, wait, window
+from qt import QtCore, QtGui, QtWidgets, wait, window
 
 SIZE = QtCore.QSize(1120, 760)
 COLOURS = (96, 48)  # the first that makes the picture small enough
@@ -87,26 +87,6 @@ def look(source):
     ResetCamera(view)
     view.GetActiveCamera().Zoom(1.3)
     Render()
-
-
-def drag_node(view):
-    """Presses the left button on it, drags, and holds it there."""
-    canvas = qt.canvas()
-    values = FindSource("TouchStateSpace1").FieldData["ActivePosition"]
-    renderer = view.GetRenderer()
-    renderer.SetWorldPoint(*(values.GetRange(axis)[0] for axis in range(3)), 1)
-    renderer.WorldToDisplay()
-    x, y, _ = renderer.GetDisplayPoint()
-    at = QtCore.QPoint(round(x), canvas.height() - 1 - round(y))
-    for step in range(21):
-        kind = Event.MouseMove if step else Event.MouseButtonPress
-        application.sendEvent(canvas, QtGui.QMouseEvent(
-            kind, QtCore.QPointF(at), QtCore.QPointF(canvas.mapToGlobal(at)),
-            Button.NoButton if step else Button.LeftButton, Button.LeftButton,
-            Modifier.NoModifier))
-        wait(0.05 if step else 0.5)
-        at += QtCore.QPoint(1, 1)
-    wait(0.5)
 
 
 def main():
@@ -191,7 +171,10 @@ def main():
     dock.findChild(QtWidgets.QComboBox, "device").setCurrentText("Mouse")
     part("start").click()
     wait(0.5)
-    drag_node(GetActiveView())
+    # It stays pressed.
+    node = qt.pixel_of_node(GetActiveView(), FindSource("TouchStateSpace1"))
+    qt.drag(node, QtCore.QPoint(1, 1), 20)
+    wait(0.5)
     picture("dock")
     part("start").click()
     Delete(FindSource("TouchStateSpace1"))

@@ -2,9 +2,10 @@
 """Runs inside ParaView's window, does what PALPATE_INTERACTOR_RUN says with the dock Palpate, and
 quits; test_interactor.py reads what it prints. What a person clicks is clicked."""
 
+import contextlib
 import os
 import re
-import subprocess
+import signal
 import sys
 import time
 import traceback
@@ -13,9 +14,16 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, apply, application,
-                canvas, choose, dock, in_dialog, menu, open_file, part, property_widget, wait,
-                wait_until, window, write)
+from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply, application,
+                canvas, choose, click, dialogs, dock, drag, in_dialog, menu, open_file, part, pixel_of,
+                pixel_of_node, press_escape, property_widget, send, wait, wait_until, window, write)
+
+HOST = "127.0.0.1"  # A bare system knows no name for it.
+# The block's active nodes are at the end of large x: a place far from them that is seen from there,
+# a camera at the other end, and a place that is seen from that.
+FAR = [0.01, 0.03, 0.05]
+BEHIND = [-0.4, 0.25, -0.3]
+FAR_BEHIND = [0, 0.03, 0.02]
 
 
 def wait_for(condition, what):
@@ -77,6 +85,31 @@ def open_space():
     return space, view
 
 
+def work():
+    """Of this process, s: what this thread has spent on a processor, and what all its threads have
+    waited for one."""
+    waited = 0
+    for task in os.listdir("/proc/self/task"):
+        with contextlib.suppress(FileNotFoundError):  # It has ended.
+            with open(f"/proc/self/task/{task}/schedstat", encoding="ascii") as figures:
+                waited += 1e-9 * int(figures.read().split()[1])
+    return time.thread_time(), waited
+
+
+def measure_frames(view, seconds):
+    """Prints what a frame takes on a processor, s; the share of the time in which threads have waited
+    for one; frames in a second."""
+    window_of_view = view.GetRenderWindow()
+    frames = []
+    observer = window_of_view.AddObserver("EndEvent", lambda *_: frames.append(0))
+    begin, (worked, waited) = time.monotonic(), work()
+    wait(seconds)
+    elapsed, (worked_then, waited_then) = time.monotonic() - begin, work()
+    window_of_view.RemoveObserver(observer)
+    print("frame", (worked_then - worked) / len(frames), (waited_then - waited) / elapsed,
+          len(frames) / elapsed)
+
+
 def touching():
     """With the simulated hand, by the toolbar and by keys: the loop, the view, the graph, the
     recording, and the body at rest afterwards."""
@@ -91,6 +124,14 @@ def touching():
     wait(2)
     wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
     assert number("node") >= 0
+    assert not part("refresh").isEnabled()  # It would open other devices.
+    # The hand has no button, and a tool that does not pull lets go by itself.
+    assert not part("needsButton").isEnabled() and not part("releaseForce").isEnabled()
+    assert part("releaseForce").value() == 3
+    part("bonded").click()
+    assert part("releaseForce").isEnabled()
+    part("bonded").click()
+    measure_frames(view, 4)
     # Frames that come late do without smooth edges.
     slow = QtCore.QTimer()
     slow.timeout.connect(lambda: time.sleep(0.06))
@@ -108,15 +149,15 @@ def touching():
     window.grab().save("window.png")
     SaveScreenshot("touched.png", view, ImageResolution=[600, 450])
     print("rate", number("rates"))
-    print("frames", float(re.search(r"view (\d+)", part("rates").text()).group(1)))
+    assert re.search(r"view \d+ /s", part("rates").text()), part("rates").text()
     print("late", *re.findall(r"\d+", part("lateness").text()))
     print("ticks", *re.findall(r"\d+", part("missed").text()))
     part("forceGraph").grabFramebuffer().save("graph.png")
     # Without a window manager nobody else does.
     window.activateWindow()
     wait(0.2)
-    QTest.keyClick(window, QtCore.Qt.Key.Key_Escape)
-    assert not runs()
+    press_escape(window)
+    assert not runs() and part("refresh").isEnabled()
     assert list(touch_filter().Displacement) == [0, 0, 0]
     wait_for(lambda: touch_filter().PointData["Displacement"].GetRange(-1)[1] == 0, "all at rest")
     assert view.UseFXAA == 1
@@ -134,37 +175,77 @@ def touching():
     assert part("recorded").text().endswith("touch-2.csv"), part("recorded").text()
 
 
-def pixel_of_node(view):
-    """Where the active node is seen."""
-    renderer = view.GetRenderer()
-    values = touch_filter().FieldData["ActivePosition"]
-    renderer.SetWorldPoint(*(values.GetRange(axis)[0] for axis in range(3)), 1)
-    renderer.WorldToDisplay()
-    x, y, _ = renderer.GetDisplayPoint()
-    return QtCore.QPoint(round(x), canvas().height() - 1 - round(y))
-
-
-def send(kind, at, button=Button.LeftButton, buttons=Button.LeftButton):
-    """An event of the mouse in the view."""
-    application.sendEvent(canvas(), QtGui.QMouseEvent(
-        kind, QtCore.QPointF(at), QtCore.QPointF(canvas().mapToGlobal(at)), button, buttons,
-        Modifier.NoModifier))
-
-
-def drag(start, step, count):
-    """@returns where the button is still pressed."""
-    send(Event.MouseButtonPress, start)
-    wait(0.3)
-    for i in range(1, count + 1):
-        send(Event.MouseMove, start + i * step, Button.NoButton)
-        wait(0.02)
-    return start + count * step
-
-
 def let_go(at):
     send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
     wait_for(lambda: not touches(), "the node is let go of")
     wait_for(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
+
+
+def said(view):
+    """The text in the view."""
+    actors = view.GetClientSideObject().GetNonCompositedRenderer().GetActors2D()
+    texts = [actors.GetItemAsObject(i) for i in range(actors.GetNumberOfItems())]
+    return "".join(text.GetInput() or "" for text in texts
+                   if text.IsA("vtkTextActor") and text.GetVisibility())
+
+
+def pixels_of_dot(at):
+    """How many around a pixel are black, and white."""
+    image = canvas().grabFramebuffer()
+    colours = [image.pixelColor(at.x() + i, at.y() + j)
+               for i in range(-12, 13) for j in range(-12, 13)]
+    least = [min(colour.getRgb()[:3]) for colour in colours]
+    most = [max(colour.getRgb()[:3]) for colour in colours]
+    return sum(c < 30 for c in most), sum(c > 225 for c in least)
+
+
+def dots():
+    """The active nodes are seen in a window of any size."""
+    _, view = open_space()
+    click_start("Mouse")
+    for size in ((1000, 700), (1270, 1010)):
+        window.resize(*size)
+        wait(0.5)
+        Render()
+        wait(0.2)
+        window.grab().save(f"dots_{size[0]}.png")
+        print(f"dot_{size[0]}", *pixels_of_dot(pixel_of_node(view, touch_filter())))
+    click_stop()
+
+
+def escape():
+    """Stops whatever mode ParaView's window is in, and under a dialog."""
+    open_space()
+
+    def expect_stop(where):
+        assert runs(), where
+        press_escape(window)
+        assert not runs(), where
+
+    def expect_stop_in(dialog):
+        assert runs(), dialog.windowTitle()
+        press_escape(dialog)
+        assert not runs(), dialog.windowTitle()
+        dialog.close()
+
+    for mode in ("actionSelectSurfacePoints", "actionPolygonSelectionPoints",
+                 "actionInteractiveSelectSurfacePoints", "actionHoveringSurfacePoints"):
+        # ParaView tells of some modes when they begin.
+        told = QtCore.QTimer()
+        told.timeout.connect(lambda: [dialog.accept() for dialog in dialogs()])
+        told.start(100)
+        action(mode).trigger()
+        told.stop()
+        assert action(mode).isChecked(), mode
+        click_start()
+        expect_stop(mode)
+        if action(mode).isChecked():
+            action(mode).trigger()
+    click_start()
+    in_dialog(expect_stop_in)
+    QtWidgets.QMessageBox.about(window, "A question", "that waits")
+    assert not runs()
+    print("escaped 1")
 
 
 def mouse():
@@ -180,7 +261,8 @@ def mouse():
     click_start("Mouse")
     wait(0.5)
     canvas().grabFramebuffer().save("started.png")
-    node = pixel_of_node(view)
+    assert "near a black dot, and drag" in said(view), said(view)
+    node = pixel_of_node(view, touch_filter())
     before = list(view.CameraPosition)
     end = drag(QtCore.QPoint(15, 15), QtCore.QPoint(4, 2), 5)
     send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
@@ -191,8 +273,19 @@ def mouse():
     view.CameraViewUp = [0, 1, 0]
     Render()
 
+    click(pixel_of(view, FAR))
+    wait_for(lambda: "mm away." in said(view), "it says where to press")
+    assert not touches()
+    view.CameraPosition = BEHIND
+    Render()
+    click(pixel_of(view, FAR_BEHIND))
+    wait_for(lambda: "other side" in said(view), "it says that the body has to be turned")
+    view.CameraPosition = before
+    Render()
+
     end = drag(node, QtCore.QPoint(1, -1), 25)
     wait_for(touches, "the press takes hold")
+    assert "dot" not in said(view), said(view)
     wait_for(lambda: number("force") > 0.05, "the drag is felt")
     SaveScreenshot("dragged.png", view, ImageResolution=[600, 450])
     dragged = list(touch_filter().Displacement)
@@ -207,6 +300,47 @@ def mouse():
     assert list(view.CameraPosition) == before
     let_go(end)
     click_stop()
+
+
+def pick_nodes():
+    """Clicks the point 107 of the liver, another one and that again, and drags, which chooses none."""
+    view = GetActiveView()
+    body = servermanager.Fetch(GetActiveSource().Input)
+    nodes = property_widget("ActiveNodes", QtWidgets.QTableView).model()
+
+    def chosen():
+        values = [nodes.data(nodes.index(row, 0)) for row in range(nodes.rowCount())]
+        return [int(value) for value in values]
+
+    def told():
+        return window.findChild(QtWidgets.QLabel, "pickMessage").text()
+
+    button = property_widget("ActiveNodes", QtWidgets.QPushButton)
+    button.click()
+    before = list(view.CameraPosition), list(view.CameraFocalPoint)
+    # The point is in the middle of what is seen.
+    place, centre = body.GetPoint(107), body.GetCenter()
+    view.CameraFocalPoint = place
+    view.CameraPosition = [p + 6 * (p - c) for p, c in zip(place, centre)]
+    Render()
+    wait(0.3)
+    towards = list(view.CameraPosition)
+    end = drag(pixel_of(view, place), QtCore.QPoint(5, 0), 4)
+    send(Event.MouseButtonRelease, end, buttons=Button.NoButton)
+    wait(0.3)
+    assert list(view.CameraPosition) != towards and chosen() == [], chosen()
+    click(pixel_of(view, place))
+    assert chosen() == [107], chosen()
+    other = pixel_of(view, place) + QtCore.QPoint(15, 8)
+    click(other)
+    assert len(chosen()) == 2 and chosen()[0] == 107, (chosen(), told())
+    wait(0.3)
+    window.grab().save("picked.png")
+    click(other)
+    assert chosen() == [107], chosen()
+    button.click()
+    view.CameraPosition, view.CameraFocalPoint = before
+    Render()
 
 
 def road():
@@ -233,9 +367,7 @@ def road():
         line.editingFinished.emit()
     apply()
     menu("Filters", "Palpate", "Precompute State Space")
-    nodes = property_widget("ActiveNodes", QtWidgets.QTableView)
-    property_widget("ActiveNodes", QtWidgets.QToolButton).click()
-    nodes.model().setData(nodes.model().index(0, 0), "107")
+    pick_nodes()
     write("HalfWidth", "0.004")
     write("Resolution", "3")
     write("FileName", os.path.abspath("road.palpate"))
@@ -244,7 +376,7 @@ def road():
     SaveScreenshot("road.png", view, ImageResolution=[320, 240])
     click_start("Mouse")
     wait(0.3)
-    node = pixel_of_node(view)
+    node = pixel_of_node(view, touch_filter())
     end = drag(node, QtCore.QPoint(1, -1), 20)
     wait_for(lambda: touches() and number("force") > 0.05, "the liver is felt")
     assert number("node") == 107
@@ -344,7 +476,7 @@ def ends():
 
 def remote():
     """The space is computed on a server, and anew while it is touched; the loop has a copy here."""
-    Connect("localhost", int(os.environ["PALPATE_INTERACTOR_PORT"]))
+    Connect(HOST, int(os.environ["PALPATE_INTERACTOR_PORT"]))
     wait(0.5)
     space = compute_space(HalfWidth=0.01)
     click_start()
@@ -358,8 +490,7 @@ def remote():
 
 def lost():
     """The server is killed while its space is touched."""
-    port = os.environ["PALPATE_INTERACTOR_PORT"]
-    Connect("localhost", int(port))
+    Connect(HOST, int(os.environ["PALPATE_INTERACTOR_PORT"]))
     wait(0.5)
     open_space()
     click_start()
@@ -367,7 +498,8 @@ def lost():
 
     # ParaView can do no more than end: 5.11 asks before, 5.13 does not.
     in_dialog(lambda question: question.accept())
-    subprocess.run(["pkill", "-KILL", "-f", f"server-port={port}"], check=True)
+    for process in os.environ["PALPATE_INTERACTOR_SERVER"].split():
+        os.kill(int(process), signal.SIGKILL)
     wait(20)
     print("not lost", flush=True)
 
@@ -383,7 +515,8 @@ def goes_on(leave):
 
 def main():
     try:
-        {"touching": touching, "mouse": mouse, "road": road, "ends": ends, "remote": remote, "lost": lost,
+        {"touching": touching, "dots": dots, "escape": escape, "mouse": mouse, "road": road,
+         "ends": ends, "remote": remote, "lost": lost,
          "quit": lambda: goes_on(application.quit),
          "close": lambda: goes_on(window.close)}[os.environ["PALPATE_INTERACTOR_RUN"]]()
     except BaseException:

@@ -10,8 +10,8 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, application, canvas,
-                part, wait_until, window)
+from qt import (Button, Modifier, QtCore, QTest, QtWidgets, application, drag, part,
+                pixel_of_node, press_escape, wait_until, window)
 
 
 def figure(space, name):
@@ -32,19 +32,29 @@ def precompute(**settings):
 
 def aborting():
     """The bar tells how far it is and how long it takes, its button ends it, and what was found is
-    there, to be seen and touched. Nothing else is heard meanwhile."""
+    there, to be seen and touched. Escape stops what touches another space; nothing else is heard
+    meanwhile."""
     view = GetActiveViewOrCreate("RenderView")
+    other = OpenDataFile(os.path.abspath("block.palpate"))
+    Show(other, view)
+    wait_until(lambda: part("space").count() > 0, "the dock knows of it")
+    part("device").setCurrentText("Simulated hand")
+    QTest.mouseClick(part("start"), Button.LeftButton)
+    assert part("start").text() == "Stop", part("message").text()
     space = precompute(Resolution=41, FileName=os.path.abspath("long.palpate"))
     bar = next(w for w in window.findChildren(QtWidgets.QWidget)
                if w.metaObject().className() == "pqProgressWidget")
     button = bar.findChild(QtWidgets.QToolButton)
     enabled = [button.isEnabled()]
-    texts, closed = [], []
+    texts, escaped, closed = [], [], []
 
     def look():
         text = bar.findChild(QtWidgets.QLabel).text()
         if "configurations" in text and "left" in text and text not in texts:
             texts.append(text)
+        if texts and not escaped:
+            press_escape(window)
+            escaped.append(part("start").text() == "Start")
         if len(texts) >= 3 and not closed:
             closed.append(window.close())
             enabled.append(button.isEnabled())
@@ -61,7 +71,10 @@ def aborting():
     enabled.append(button.isEnabled())
     print(texts)
     print("texts", len(texts))
+    print("escaped", *map(int, escaped))
     print("closed", *map(int, closed))
+    Delete(FindSource("TouchStateSpace1"))
+    Delete(other)
     print("enabled", *map(int, enabled))
     print("aborted", found(space), 41 ** 3, figure(space, "Complete"))
     view.ResetCamera()
@@ -79,21 +92,6 @@ def aborting():
 
 def touches():
     return part("state").text().endswith(", touching")
-
-
-def drag(view):
-    """Presses the mouse on the node, moves it and holds it."""
-    view_canvas = canvas()
-    renderer = view.GetRenderer()
-    place = FindSource("TouchStateSpace1").FieldData["ActivePosition"]
-    renderer.SetWorldPoint(*(place.GetRange(axis)[0] for axis in range(3)), 1)
-    renderer.WorldToDisplay()
-    x, y, _ = renderer.GetDisplayPoint()
-    for kind, step in ((Event.MouseButtonPress, 0), (Event.MouseMove, 8)):
-        at = QtCore.QPointF(x + step, view_canvas.height() - 1 - y)
-        application.sendEvent(view_canvas, QtGui.QMouseEvent(
-            kind, at, QtCore.QPointF(view_canvas.mapToGlobal(at.toPoint())), Button.LeftButton,
-            Button.LeftButton, Modifier.NoModifier))
 
 
 def growing(touched=True):
@@ -115,7 +113,7 @@ def growing(touched=True):
         part("device").setCurrentText("Mouse")
         QTest.mouseClick(part("start"), Button.LeftButton)
         assert part("start").text() == "Stop", part("message").text()
-        drag(view)
+        drag(pixel_of_node(view, FindSource("TouchStateSpace1")), QtCore.QPoint(8, 0), 1)
         wait_until(touches, "the drag takes hold")
 
     def has_grown():
@@ -142,7 +140,7 @@ def here():
 
 def remote():
     """It grows on a server with two ranks, too."""
-    Connect("localhost", int(os.environ["PALPATE_INTERACTOR_PORT"]))
+    Connect("127.0.0.1", int(os.environ["PALPATE_INTERACTOR_PORT"]))
     growing(touched=False)
     print("ranks", servermanager.ActiveConnection.GetNumberOfDataPartitions())
     Disconnect()  # ParaView 5.13 that quits before says that a pipe is broken.

@@ -8,14 +8,12 @@ import traceback
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import QtCore, application, wait
+from qt import QtCore, application, display, wait
+
 
 def select(view, place):
     """Points of what is seen there, as with a small rectangle of the mouse."""
-    renderer = view.GetRenderer()
-    renderer.SetWorldPoint(*place, 1)
-    renderer.WorldToDisplay()
-    x, y, _ = (round(c) for c in renderer.GetDisplayPoint())
+    x, y = display(view, place)
     SelectSurfacePoints(Rectangle=[x - 2, y - 2, x + 2, y + 2], View=view)
     wait(0.3)
 

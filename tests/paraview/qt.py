@@ -39,6 +39,54 @@ def canvas():
                key=lambda widget: widget.width() * widget.height())
 
 
+def display(view, place):
+    """Where a place of the scene is seen in a view of ParaView: pixels from its lower left corner."""
+    renderer = view.GetRenderer()
+    renderer.SetWorldPoint(*place, 1)
+    renderer.WorldToDisplay()
+    return [round(c) for c in renderer.GetDisplayPoint()[:2]]
+
+
+def pixel_of(view, place):
+    """The same from the upper left corner, as Qt has it."""
+    x, y = display(view, place)
+    return QtCore.QPoint(x, canvas().height() - 1 - y)
+
+
+def pixel_of_node(view, touch):
+    """Where the active node of a filter TouchStateSpace is seen."""
+    place = touch.FieldData["ActivePosition"]
+    return pixel_of(view, [place.GetRange(axis)[0] for axis in range(3)])
+
+
+def send(kind, at, button=Button.LeftButton, buttons=Button.LeftButton):
+    """An event of the mouse in the view."""
+    application.sendEvent(canvas(), QtGui.QMouseEvent(
+        kind, QtCore.QPointF(at), QtCore.QPointF(canvas().mapToGlobal(at)), button, buttons,
+        Modifier.NoModifier))
+
+
+def drag(start, step, count):
+    """Presses the left button there, and moves the mouse.
+    @returns where the button is still pressed."""
+    send(Event.MouseButtonPress, start)
+    wait(0.3)
+    for i in range(1, count + 1):
+        send(Event.MouseMove, start + i * step, Button.NoButton)
+        wait(0.02)
+    return start + count * step
+
+
+def click(at):
+    send(Event.MouseButtonPress, at)
+    send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
+
+
+def press_escape(widget):
+    """As the keyboard does, through the widget's window."""
+    QTest.keyClick(widget.window().windowHandle(), QtCore.Qt.Key.Key_Escape)
+
+
 def wait(seconds):
     """Lets the window live."""
     loop = QtCore.QEventLoop()
@@ -55,6 +103,12 @@ def wait_until(condition, what, time_out=60):
         wait(0.05)
 
 
+def action(name):
+    """One of the view's toolbar."""
+    kind = QtGui.QAction if QT_6 else QtWidgets.QAction
+    return window.findChild(kind, name)
+
+
 def menu(*path):
     """Activates an entry of the menu bar, by the words that are seen."""
     entries = window.menuBar().actions()
@@ -67,19 +121,24 @@ def menu(*path):
     found[0].trigger()
 
 
+def dialogs():
+    """Those that are open."""
+    return [w for w in application.topLevelWidgets()
+            if w.isVisible() and isinstance(w, QtWidgets.QDialog)]
+
+
 def in_dialog(act):
     """When the next dialog is open, act(dialog)."""
     def look():
-        dialogs = [w for w in application.topLevelWidgets()
-                   if w.isVisible() and isinstance(w, QtWidgets.QDialog)]
-        if not dialogs:
+        found = dialogs()
+        if not found:
             QtCore.QTimer.singleShot(100, look)
             return
         try:
-            act(dialogs[0])
+            act(found[0])
         except BaseException:  # PyQt would abort the program
             traceback.print_exc()
-            dialogs[0].reject()
+            found[0].reject()
     QtCore.QTimer.singleShot(100, look)
 
 

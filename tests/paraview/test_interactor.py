@@ -20,11 +20,12 @@ from support import SKIPPED
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 TIME_OUT = 180  # s
+HOST = "127.0.0.1"  # A bare system knows no name for it.
 
 
 def free_port():
     with socket.socket() as held:
-        held.bind(("localhost", 0))
+        held.bind((HOST, 0))
         return held.getsockname()[1]
 
 
@@ -37,9 +38,18 @@ def wait_for(line, process):
     raise AssertionError(f"no line with {line}")
 
 
+def with_children(process):
+    """Its id, and those of all processes that it has started."""
+    found = [process]
+    for one in found:
+        with open(f"/proc/{one}/task/{one}/children", encoding="ascii") as children:
+            found += map(int, children.read().split())
+    return found
+
+
 @contextlib.contextmanager
 def served(server):
-    """The port of a server that runs."""
+    """The port of a server that runs, and its processes."""
     port = free_port()
     # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
     environment = {name: value for name, value in os.environ.items()
@@ -48,17 +58,20 @@ def served(server):
                           stderr=subprocess.STDOUT, text=True, env=environment) as running:
         try:
             wait_for("Accepting connection", running)
-            yield port
+            yield port, with_children(running.pid)
             running.wait(timeout=TIME_OUT)
         finally:
             running.terminate()
 
 
-def run(what, folder, port=0, script="interactor_script.py", loses_server=False):
+def run(what, folder, server=(0, ()), script="interactor_script.py", loses_server=False,
+        **environment):
     """What the window has printed, by its first word.
     loses_server: ParaView tells what it has lost, and its return code is not 0; before, the loop has
     ended."""
-    environment = dict(os.environ, PALPATE_INTERACTOR_RUN=what, PALPATE_INTERACTOR_PORT=str(port))
+    port, processes = server
+    environment = dict(os.environ, PALPATE_INTERACTOR_RUN=what, PALPATE_INTERACTOR_PORT=str(port),
+                       PALPATE_INTERACTOR_SERVER=" ".join(map(str, processes)), **environment)
     environment["PV_PLUGIN_PATH"] += os.pathsep + folder
     command = ["paraview", "--disable-registry", "--script",
                os.path.join(HERE, script)]
@@ -91,15 +104,28 @@ def main():
 
     touching = run("touching", folder)
     assert 0.1 < touching["force"][0] < 10, touching
-    # On a machine that is busy: an order less than what it is.
-    assert touching["rate"][0] > 500, touching
-    assert touching["frames"][0] >= 2, touching
+    # Whether the view follows and no tick is lost tells only a machine on which the threads hardly
+    # wait for a processor. On any other a frame still takes no more of the thread that draws it than
+    # twice what 65 ms are, the most that was seen with thirty other threads on two processors.
+    cost, waited, frames = touching["frame"]
+    is_quiet = waited < 0.05
+    assert frames > 20 if is_quiet else cost < 0.13, touching
+    assert touching["rate"][0] > (990 if is_quiet else 500), touching
     assert touching["ticks"][1] > 500, touching
     assert share_different("rest.png", "touched.png") > 0.01
     assert share_different("rest.png", "rest_again.png") == 0
     # The figures were shown before the end.
     assert touching["recorded"][0] >= touching["ticks"][1], touching
     assert share_drawn("graph.png") > 0.01
+
+    # Both of Mesa's, of which one does not draw points as spheres.
+    for driver in ("llvmpipe", "softpipe"):
+        dots = run("dots", folder, LIBGL_ALWAYS_SOFTWARE="1", GALLIUM_DRIVER=driver)
+        for size in ("dot_1000", "dot_1270"):
+            black, white = dots[size]
+            assert 20 < black < 200 and 15 < white < 200, (driver, size, dots)
+
+    assert run("escape", folder)["escaped"] == [1]
 
     mouse = run("mouse", folder)
     assert mouse["dragged"][0] > 0.002, mouse
@@ -111,12 +137,12 @@ def main():
     for what in ("quit", "close"):
         assert run(what, folder)["left"] == [1], what
 
-    with served(server) as port:
-        remote = run("remote", folder, port)
+    with served(server) as running:
+        remote = run("remote", folder, running)
     assert remote["ended"] == [1], remote
     assert remote["ranks"] == [server.count("-n") + 1], remote
-    with served(server) as port:
-        run("lost", folder, port, loses_server=True)
+    with served(server) as running:
+        run("lost", folder, running, loses_server=True)
 
 
 if __name__ == "__main__":

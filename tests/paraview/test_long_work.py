@@ -32,14 +32,15 @@ def main():
 
     here = run("here", folder, script=SCRIPT)
     assert here["texts"][0] >= 3, here
+    assert here["escaped"] == [1], here
     assert here["closed"] == [0] and here["enabled"] == [0, 1, 0], here
     found, expected, complete = here["aborted"]
     assert 1 < found < expected and complete == 0 and here["touched"][0] >= 1, here
     assert share_different("empty.png", "partial.png") > 0.001
     expect_growth(here)
 
-    with served(server) as port:
-        remote = run("remote", folder, port, SCRIPT)
+    with served(server) as running:
+        remote = run("remote", folder, running, SCRIPT)
     expect_growth(remote)
     assert remote["ranks"] == [server.count("-n") + 1], remote
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Inside the window of examples/touch: the example's liver can be touched, and gives a force."""
+"""Inside the window of examples/touch: no dialog stands before it, the example's liver can be
+touched, and gives a force."""
 
 import os
 import re
@@ -11,10 +12,15 @@ from paraview.simple import LoadState
 source = os.environ["PALPATE_SOURCE_DIR"]
 LIVER = os.path.join(source, "examples", "liver")
 sys.path.append(os.path.join(source, "tests", "paraview"))
-from qt import QtCore, dock, part, wait_until
+from qt import QtCore, dialogs, dock, part, wait, wait_until
+
+
+WELCOME = 1.0  # s after the window is there
 
 
 def main():
+    wait(2 * WELCOME)
+    assert not dialogs(), dialogs()
     LoadState(os.path.join(LIVER, "liver.pvsm"), data_directory=LIVER)
     wait_until(lambda: part("space").count() == 1, "a state space")
     assert dock.isVisible()

@@ -110,6 +110,7 @@ TEST(Loop, NoForceFromStaleReportsAfterAPauseOfTheHost) {
   tick = rig.step();
   EXPECT_EQ(tick.state, ServoState::tripped);
   EXPECT_EQ(tick.tripped, trips::stale);
+  EXPECT_EQ(words_for(tick.tripped), "the device was silent");
   EXPECT_LE(tick.age, 1ms);
   rig.run(750ms);  // out of the body and in again
   EXPECT_GT(rig.motors().norm(), 0.5);

@@ -111,6 +111,29 @@ TEST_F(OpenDevice, SaysWhyThereIsNoGuardian) {
   EXPECT_EQ(opened.transport->problem(), hid->why_unguarded);
 }
 
+TEST_F(OpenDevice, ListsEachDeviceOnceAndOpensThoseThatAreKnown) {
+  // A board whose first collection is a keyboard's, and a second time by its own.
+  DeviceInfo keyboard = hid->devices[1];
+  keyboard.usage_page = 1;
+  keyboard.usage = 6;
+  hid->devices.insert(hid->devices.begin(), keyboard);
+  hid->devices.push_back(hid->devices[2]);
+  hid->fail("/dev/hidraw2", EACCES);
+  const std::vector<ListedDevice> devices = list_devices(hid);
+  ASSERT_EQ(devices.size(), 3U);
+  EXPECT_EQ(devices[0].info.path, "/dev/hidraw1");
+  EXPECT_TRUE(devices[0].known);
+  EXPECT_EQ(devices[0].fault, "");
+  EXPECT_EQ(devices[0].specification.value().model, "board");
+  EXPECT_EQ(devices[1].info.path, "/dev/hidraw0");
+  EXPECT_FALSE(devices[1].known);
+  EXPECT_TRUE(devices[2].known);
+  EXPECT_FALSE(devices[2].specification);
+  EXPECT_TRUE(contains(devices[2].fault, "There is no permission")) << devices[2].fault;
+  EXPECT_EQ(hid->opened, (std::vector<std::string>{"/dev/hidraw1", "/dev/hidraw2"}));
+  EXPECT_EQ(hid->by_path["/dev/hidraw1"].use_count(), 1) << "it is closed again";
+}
+
 TEST(UdevRule, KnowsEveryDeviceThatIsMatchedByItsNumbers) {
   std::ifstream file(PALPATE_TEST_DATA "/../../haptic/transport/70-palpate.rules");
   std::stringstream rules;
