@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "base/error.h"
 #include "interpolation/branch_test.h"
 #include "interpolation/check_point_grid.h"
-#include "interpolation/hermite_basis.h"
+#include "interpolation/hermite_cell.h"
 #include "interpolation/hermite_data.h"
 
 namespace palpate {
@@ -44,7 +45,11 @@ class Estimator {
         data_(hermite_data(grid_, configurations, options_with(kNodes))),
         difference_(hermite_data(grid_, configurations, options_with(kFewerNodes))),
         hanging_(grid_.tree().leaves().size(), 0.0) {
-    for (std::size_t i = 0; i < data_.size(); ++i) difference_[i] -= data_[i];
+    for (std::size_t n = 0; n < data_.size(); ++n) {
+      for (std::size_t i = 0; i < std::size(data_[n].of); ++i) {
+        difference_[n].of[i] -= data_[n].of[i];
+      }
+    }
     for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_on_complete()) {
       const Vec3 force = force_of(data_, grid_.leaf(hanging.leaf), hanging.s);
       double& error = hanging_[hanging.leaf];
@@ -99,53 +104,26 @@ class Estimator {
     return found != configurations_.end() && found->check_point == key.check_point;
   }
 
-  [[nodiscard]] Vec3 force_of(const std::vector<double>& data, const CellTree::Leaf& leaf,
+  /// What the data make of the force in a leaf, N.
+  [[nodiscard]] Vec3 force_of(const std::vector<HermiteNode>& data, const CellTree::Leaf& leaf,
                               const Vec3& s) const {
-    double d[kHermiteData];
-    evaluate_hermite_data(data, leaf, s, d);
-    return Vec3(d[hermite_index(1, 0, 0)], d[hermite_index(0, 1, 0)], d[hermite_index(0, 0, 1)]) /
-           grid_.spacing();
+    HermiteJet jet;
+    kernel_(data.data(), leaf, s, jet);
+    return Vec3(jet[1], jet[2], jet[3]) / (leaf.cell.side * grid_.spacing());
   }
 
-  /// The force of the difference at all samples, one axis after another.
+  /// The largest force of the difference at the samples.
   [[nodiscard]] double of_mixed(std::int32_t leaf) const {
-    const CellTree::Leaf& at = grid_.leaf(leaf);
-    using Weights = Eigen::Matrix<double, 6, kSamples>;
-    Weights value;
-    Weights slope;
-    for (int i = 0; i < kSamples; ++i) {
-      const HermiteBasis basis(static_cast<double>(i) / (kSamples - 1), at.cell.side);
-      for (int k = 0; k < 6; ++k) {
-        value(k, i) = basis.of[0][k];
-        slope(k, i) = basis.of[1][k];
-      }
-    }
-    // [corner in x and a, corner in y and b][corner in z and c]
-    Eigen::Matrix<double, 36, 6> data;
-    for (int x = 0; x < 6; ++x) {
-      for (int y = 0; y < 6; ++y) {
-        for (int z = 0; z < 6; ++z) {
-          const std::int32_t node = at.corners[4 * (x / 3) + 2 * (y / 3) + z / 3];
-          data(6 * x + y, z) = difference_[std::size_t{kHermiteData} * node +
-                                           hermite_index(x % 3, y % 3, z % 3)];
+    double error2 = 0;
+    for (int x = 0; x < kSamples; ++x) {
+      for (int y = 0; y < kSamples; ++y) {
+        for (int z = 0; z < kSamples; ++z) {
+          const Vec3 s = Vec3(x, y, z) / (kSamples - 1);
+          error2 = std::max(error2, force_of(difference_, grid_.leaf(leaf), s).squaredNorm());
         }
       }
     }
-    const Eigen::Matrix<double, 36, kSamples> value_z = data * value;
-    const Eigen::Matrix<double, 36, kSamples> slope_z = data * slope;
-    double error2 = 0;
-    for (int z = 0; z < kSamples; ++z) {
-      using Plane = Eigen::Matrix<double, 6, 6>;
-      const Eigen::Map<const Plane> v(value_z.col(z).data());
-      const Eigen::Map<const Plane> s(slope_z.col(z).data());
-      const Eigen::Matrix<double, kSamples, 6> along_y = value.transpose() * v;
-      const Eigen::Matrix<double, kSamples, kSamples> x_force = along_y * slope;
-      const Eigen::Matrix<double, kSamples, kSamples> y_force = slope.transpose() * v * value;
-      const Eigen::Matrix<double, kSamples, kSamples> z_force = value.transpose() * s * value;
-      error2 = std::max(error2, (x_force.cwiseAbs2() + y_force.cwiseAbs2() + z_force.cwiseAbs2())
-                                    .maxCoeff());
-    }
-    return std::sqrt(error2) / (at.cell.side * grid_.spacing());
+    return std::sqrt(error2);
   }
 
   [[nodiscard]] double of_parent(std::int32_t leaf) const {
@@ -178,9 +156,10 @@ class Estimator {
   const std::vector<ConfigurationSummary>& configurations_;
   CheckPointGrid grid_;
   BranchTest branch_test_;
-  std::vector<double> data_;
+  HermiteKernel kernel_ = best_hermite_kernel();
+  std::vector<HermiteNode> data_;
   /// What the data with differences of fewer nodes have more.
-  std::vector<double> difference_;
+  std::vector<HermiteNode> difference_;
   /// By leaf: the largest error at the nodes that hang on it, N.
   std::vector<double> hanging_;
 };

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "interpolation/extrapolated_node.h"
-#include "interpolation/hermite_basis.h"
 
 namespace palpate {
 namespace {
@@ -209,7 +208,7 @@ struct Incomplete {
   std::array<Stencil, 3> stencils;
 };
 
-void fill_missing(const std::vector<Incomplete>& nodes, std::vector<double>& data) {
+void fill_missing(const std::vector<Incomplete>& nodes, std::vector<HermiteNode>& data) {
   for (int total = 3; total <= 6; ++total) {
     for (int a = 0; a <= 2; ++a) {
       for (int b = 0; b <= 2; ++b) {
@@ -227,15 +226,11 @@ void fill_missing(const std::vector<Incomplete>& nodes, std::vector<double>& dat
             --lower[axis];
             const int entry = hermite_index(lower[0], lower[1], lower[2]);
             for (int j = 0; j < stencil.size; ++j) {
-              sum +=
-                  stencil.weights[j] * data[std::size_t{kHermiteData} * stencil.nodes[j] + entry];
+              sum += stencil.weights[j] * data[stencil.nodes[j]].of[entry];
             }
             ++num_axes;
           }
-          if (num_axes > 0) {
-            double* of_node = data.data() + std::size_t{kHermiteData} * to_fill.node;
-            of_node[hermite_index(a, b, c)] = sum / num_axes;
-          }
+          if (num_axes > 0) data[to_fill.node].of[hermite_index(a, b, c)] = sum / num_axes;
         }
       }
     }
@@ -244,18 +239,18 @@ void fill_missing(const std::vector<Incomplete>& nodes, std::vector<double>& dat
 
 }  // namespace
 
-std::vector<double> hermite_data(const CheckPointGrid& grid,
-                                 const std::vector<ConfigurationSummary>& configurations,
-                                 const HermiteDataOptions& options) {
+std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
+                                      const std::vector<ConfigurationSummary>& configurations,
+                                      const HermiteDataOptions& options) {
   const auto num_nodes = static_cast<std::size_t>(grid.num_nodes());
-  std::vector<double> data(num_nodes * kHermiteData, 0.0);
+  std::vector<HermiteNode> data(num_nodes);
   if (!grid.any_usable()) return data;
   StencilFinder finder(grid, configurations, options.most);
   std::vector<Incomplete> nodes;
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
     if (!grid.usable(n) && !options.extrapolated_nodes) continue;
     const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
-    fill_known(known, grid.spacing(), data.data() + std::size_t{kHermiteData} * n);
+    fill_known(known, grid.spacing(), data[n].of);
     if (!grid.usable(n)) continue;
     Incomplete& node = nodes.emplace_back();
     node.node = n;
@@ -272,61 +267,19 @@ std::vector<double> hermite_data(const CheckPointGrid& grid,
     }
   }
   if (!finder.inserted().empty()) {
-    data.resize((num_nodes + finder.inserted().size()) * kHermiteData);
-    for (std::size_t i = 0; i < finder.inserted().size(); ++i) {
-      const CellTree::Place& place = finder.inserted()[i];
-      evaluate_hermite_data(data, grid.leaf(place.leaf), place.s,
-                            data.data() + (num_nodes + i) * kHermiteData);
+    for (const CellTree::Place& place : finder.inserted()) {
+      data.push_back(hermite_node_at(data.data(), grid.leaf(place.leaf), place.s));
     }
     fill_missing(nodes, data);
-    data.resize(num_nodes * kHermiteData);
+    data.resize(num_nodes);
   }
 
   const auto& hanging_nodes =
       options.extrapolated_nodes ? grid.hanging_nodes() : grid.hanging_on_complete();
   for (const CheckPointGrid::HangingNode& hanging : hanging_nodes) {
-    evaluate_hermite_data(data, grid.leaf(hanging.leaf), hanging.s,
-                          data.data() + std::size_t{kHermiteData} * hanging.node);
+    data[hanging.node] = hermite_node_at(data.data(), grid.leaf(hanging.leaf), hanging.s);
   }
   return data;
-}
-
-void evaluate_hermite_data(const std::vector<double>& data, const CellTree::Leaf& leaf,
-                           const Vec3& s, double* out) {
-  const double side = leaf.cell.side;
-  const HermiteBasis bx(s[0], side);
-  const HermiteBasis by(s[1], side);
-  const HermiteBasis bz(s[2], side);
-  double sum[kHermiteData] = {};
-  for (int x = 0; x < 2; ++x) {
-    double along_yz[3][9] = {};
-    for (int y = 0; y < 2; ++y) {
-      const std::int32_t* nodes = leaf.corners.data() + 4 * x + 2 * y;
-      const double* low = data.data() + std::size_t{kHermiteData} * nodes[0];
-      const double* high = data.data() + std::size_t{kHermiteData} * nodes[1];
-      for (int c = 0; c < 3; ++c) {
-        for (int ba = 0; ba < 9; ++ba) {
-          double along_z = 0;
-          for (int i = 0; i < 3; ++i) {
-            along_z += bz.of[c][i] * low[9 * i + ba] + bz.of[c][3 + i] * high[9 * i + ba];
-          }
-          for (int b = 0; b < 3; ++b) {
-            along_yz[ba % 3][3 * c + b] += by.of[b][3 * y + ba / 3] * along_z;
-          }
-        }
-      }
-    }
-    for (int cb = 0; cb < 9; ++cb) {
-      for (int a = 0; a < 3; ++a) {
-        for (int i = 0; i < 3; ++i) sum[3 * cb + a] += bx.of[a][3 * x + i] * along_yz[i][cb];
-      }
-    }
-  }
-  // From derivatives with respect to s.
-  const double per_side[3] = {1, 1 / side, 1 / (side * side)};
-  for (int i = 0; i < kHermiteData; ++i) {
-    out[i] = sum[i] * per_side[i % 3] * per_side[i / 3 % 3] * per_side[i / 9];
-  }
 }
 
 }  // namespace palpate

@@ -27,16 +27,12 @@
 #include <vector>
 
 #include "interpolation/check_point_grid.h"
+#include "interpolation/hermite_cell.h"
 
 namespace palpate {
 
-inline constexpr int kHermiteData = 27;
-
 /// Nodes in a difference.
 inline constexpr int kHermiteStencil = 5;
-
-/// Place of D^{abc} among the data of a node.
-[[nodiscard]] constexpr int hermite_index(int a, int b, int c) { return 9 * c + 3 * b + a; }
 
 struct HermiteDataOptions {
   /// Nodes in a difference, kHermiteStencil or fewer.
@@ -47,14 +43,9 @@ struct HermiteDataOptions {
   bool extrapolated_nodes = true;
 };
 
-/// D [num_nodes × 27], node by node; zero where no node is usable.
-[[nodiscard]] std::vector<double> hermite_data(
+/// D [num_nodes]; zero where no node is usable.
+[[nodiscard]] std::vector<HermiteNode> hermite_data(
     const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
     const HermiteDataOptions& options = {});
-
-/// D [27] in a leaf.
-/// @param data As of hermite_data. @param out May be those of a node that is no corner of the leaf.
-void evaluate_hermite_data(const std::vector<double>& data, const CellTree::Leaf& leaf,
-                           const Vec3& s, double* out);
 
 }  // namespace palpate
