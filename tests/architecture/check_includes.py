@@ -16,7 +16,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 # The folders at the top. Those of IGNORED are not part of the sources.
-TOP_FOLDERS = {".ci", "cmake", "examples", "filters", "haptic", "plugin", "solvers", "tests", "xml"}
+TOP_FOLDERS = {".ci", ".github", "cmake", "examples", "filters", "haptic", "plugin", "solvers",
+               "tests", "xml"}
 IGNORED = re.compile(r"build.*|out|\.git|__pycache__")
 
 # Outside libraries by the form of the name in an #include; the first that matches counts.
@@ -73,7 +74,7 @@ def solver_units():
 
 def haptic_units():
     """The parts of haptic/ in order, as those of solvers/, with the programs."""
-    solvers = {"solvers/base", "solvers/state_space", "solvers/interpolation"}
+    solvers = {"solvers/base", "solvers/mesh", "solvers/state_space", "solvers/interpolation"}
     wrapped = {"transport": {"hidapi"}, "recording": {"CSV"}, "palpate_servo": {"CLI11"}}
     parts = ["realtime", "profile", "guardian", "palpate_guardian", "transport", "touching", "servo",
              "recording", "palpate_servo"]

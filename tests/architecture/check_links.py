@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every link and picture of every page of the repository leads somewhere, heading included, and every
-picture of the Help window is small enough for what it shows.
+"""Every link and picture of every page of the repository leads somewhere, heading included, and
+every picture of the Help window is small enough for what it shows.
 
 Argument: the root of the repository.
 """
@@ -36,7 +36,7 @@ def faults_of(page):
 
 def main(root):
     os.chdir(root)
-    pages = [path for path in glob.glob("**/*.md", recursive=True)
+    pages = [path for path in glob.glob("**/*.md", recursive=True) + glob.glob(".github/*.md")
              if not path.startswith(("build", "out"))]
     assert len(pages) > 20, pages
     faults = [fault for page in sorted(pages) for fault in faults_of(page)]
