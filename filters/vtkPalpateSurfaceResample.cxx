@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdint>
 
+#include "mesh/box_tree.h"
 #include "vtkFlyingEdges3D.h"
 #include "vtkImageData.h"
-#include "vtkMath.h"
 #include "vtkNew.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceRelax.h"
@@ -145,59 +145,6 @@ void AddWinding(
   }
 }
 
-/// C. Ericson, Real-Time Collision Detection (2005), 5.1.5.
-double SquaredDistance(const double x[3], const double a[3], const double b[3], const double c[3])
-{
-  double ab[3], ac[3], ax[3], bx[3], cx[3];
-  vtkMath::Subtract(b, a, ab);
-  vtkMath::Subtract(c, a, ac);
-  vtkMath::Subtract(x, a, ax);
-  vtkMath::Subtract(x, b, bx);
-  vtkMath::Subtract(x, c, cx);
-  const double d1 = vtkMath::Dot(ab, ax), d2 = vtkMath::Dot(ac, ax);
-  const double d3 = vtkMath::Dot(ab, bx), d4 = vtkMath::Dot(ac, bx);
-  const double d5 = vtkMath::Dot(ab, cx), d6 = vtkMath::Dot(ac, cx);
-  double v = 0, w = 0; // nearest point a + v ab + w ac
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (d1 <= 0 && d2 <= 0)
-  {
-    // Nearest to a.
-  }
-  else if (d3 >= 0 && d4 <= d3)
-  {
-    v = 1;
-  }
-  else if (vc <= 0 && d1 >= 0 && d3 <= 0)
-  {
-    v = d1 / (d1 - d3);
-  }
-  else if (d6 >= 0 && d5 <= d6)
-  {
-    w = 1;
-  }
-  else if (vb <= 0 && d2 >= 0 && d6 <= 0)
-  {
-    w = d2 / (d2 - d6);
-  }
-  else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-  {
-    w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    v = 1 - w;
-  }
-  else
-  {
-    v = vb / (va + vb + vc);
-    w = vc / (va + vb + vc);
-  }
-  double squared = 0;
-  for (int i = 0; i < 3; ++i)
-  {
-    const double difference = ax[i] - v * ab[i] - w * ac[i];
-    squared += difference * difference;
-  }
-  return squared;
-}
-
 /// Distance of each grid point to the surface, in grid steps, at most BandInSteps.
 void Distance(const vtkPalpateSurface& surface, const Grid& grid, float* distance)
 {
@@ -205,8 +152,9 @@ void Distance(const vtkPalpateSurface& surface, const Grid& grid, float* distanc
   std::fill_n(distance, grid.Count(), static_cast<float>(BandInSteps * BandInSteps));
   for (const auto& triangle : surface.Triangles)
   {
-    const auto &a = surface.Points[triangle[0]], &b = surface.Points[triangle[1]],
-               &c = surface.Points[triangle[2]];
+    const palpate::Vec3 a(surface.Points[triangle[0]].data());
+    const palpate::Vec3 b(surface.Points[triangle[1]].data());
+    const palpate::Vec3 c(surface.Points[triangle[2]].data());
     std::array<int, 3> first, last;
     for (int i = 0; i < 3; ++i)
     {
@@ -220,10 +168,10 @@ void Distance(const vtkPalpateSurface& surface, const Grid& grid, float* distanc
       {
         for (int i = first[0]; i <= last[0]; ++i)
         {
-          const double x[3] = { grid.Coordinate(0, i), grid.Coordinate(1, j),
-            grid.Coordinate(2, k) };
+          const palpate::Vec3 x(
+            grid.Coordinate(0, i), grid.Coordinate(1, j), grid.Coordinate(2, k));
           const double squared =
-            SquaredDistance(x, a.data(), b.data(), c.data()) / (grid.Step * grid.Step);
+            palpate::nearest_on_triangle(a, b, c, x).squared_distance / (grid.Step * grid.Step);
           float& value = distance[i + j * grid.Stride(1) + k * grid.Stride(2)];
           value = std::min(value, static_cast<float>(squared));
         }

@@ -2,9 +2,9 @@
 #include "vtkPalpateTriangleIntersection.h"
 
 #include <algorithm>
-#include <numeric>
+#include <vector>
 
-#include "vtkBoundingBox.h"
+#include "mesh/box_tree.h"
 #include "vtkSMPThreadLocal.h"
 #include "vtkSMPTools.h"
 
@@ -104,131 +104,20 @@ struct Corners
   }
 };
 
-struct Boxes
+std::vector<palpate::BoxTree::Box> BoxesOf(const vtkPalpateSurface& surface)
 {
-  std::vector<std::array<double, 6>> Bounds;
-
-  explicit Boxes(const vtkPalpateSurface& surface)
+  std::vector<palpate::BoxTree::Box> boxes;
+  boxes.reserve(surface.Triangles.size());
+  for (const auto& triangle : surface.Triangles)
   {
-    Bounds.reserve(surface.Triangles.size());
-    for (const auto& triangle : surface.Triangles)
+    auto& box = boxes.emplace_back();
+    for (const vtkIdType point : triangle)
     {
-      auto& bounds = Bounds.emplace_back();
-      for (int i = 0; i < 3; ++i)
-      {
-        const auto range = std::minmax({ surface.Points[triangle[0]][i],
-          surface.Points[triangle[1]][i], surface.Points[triangle[2]][i] });
-        bounds[2 * i] = range.first;
-        bounds[2 * i + 1] = range.second;
-      }
+      box.extend(palpate::Vec3(surface.Points[point].data()));
     }
   }
-
-  bool Overlap(vtkIdType first, vtkIdType second) const
-  {
-    const auto& a = Bounds[first];
-    const auto& b = Bounds[second];
-    return a[0] <= b[1] && b[0] <= a[1] && a[2] <= b[3] && b[2] <= a[3] && a[4] <= b[5] &&
-      b[4] <= a[5];
-  }
-};
-
-/// Balanced tree of boxes over the triangles: halves of the median along the longest side.
-class BoxTree
-{
-public:
-  explicit BoxTree(const Boxes& boxes)
-    : Items(boxes)
-    , Order(boxes.Bounds.size())
-  {
-    std::iota(Order.begin(), Order.end(), vtkIdType{ 0 });
-    if (!Order.empty())
-    {
-      Build(0, static_cast<vtkIdType>(Order.size()));
-    }
-  }
-
-  /// Calls visit(id) for each triangle whose box overlaps that of `triangle`.
-  template <class Visit>
-  void ForOverlapping(vtkIdType triangle, Visit&& visit) const
-  {
-    if (!Nodes.empty())
-    {
-      Descend(0, triangle, visit);
-    }
-  }
-
-private:
-  struct Node
-  {
-    vtkBoundingBox Box;
-    vtkIdType Begin, End;
-    vtkIdType Second = 0; // the first child follows its parent; 0: a leaf
-  };
-  static constexpr vtkIdType LeafSize = 4;
-
-  vtkIdType Build(vtkIdType begin, vtkIdType end)
-  {
-    const auto index = static_cast<vtkIdType>(Nodes.size());
-    Node node{ vtkBoundingBox(), begin, end };
-    for (vtkIdType i = begin; i < end; ++i)
-    {
-      node.Box.AddBounds(Items.Bounds[Order[i]].data());
-    }
-    Nodes.push_back(node);
-    if (end - begin > LeafSize)
-    {
-      double lengths[3];
-      node.Box.GetLengths(lengths);
-      const auto side = std::max_element(lengths, lengths + 3) - lengths;
-      const vtkIdType middle = begin + (end - begin) / 2;
-      std::nth_element(Order.begin() + begin, Order.begin() + middle, Order.begin() + end,
-        [this, side](vtkIdType a, vtkIdType b)
-        {
-          const double a_middle = Items.Bounds[a][2 * side] + Items.Bounds[a][2 * side + 1];
-          const double b_middle = Items.Bounds[b][2 * side] + Items.Bounds[b][2 * side + 1];
-          return a_middle < b_middle || (a_middle == b_middle && a < b);
-        });
-      Build(begin, middle);
-      const vtkIdType second = Build(middle, end);
-      Nodes[index].Second = second;
-    }
-    return index;
-  }
-
-  template <class Visit>
-  void Descend(vtkIdType index, vtkIdType triangle, Visit& visit) const
-  {
-    const Node& node = Nodes[index];
-    const auto& bounds = Items.Bounds[triangle];
-    double box[6];
-    node.Box.GetBounds(box);
-    for (int i = 0; i < 3; ++i)
-    {
-      if (bounds[2 * i] > box[2 * i + 1] || bounds[2 * i + 1] < box[2 * i])
-      {
-        return;
-      }
-    }
-    if (node.Second != 0)
-    {
-      Descend(index + 1, triangle, visit);
-      Descend(node.Second, triangle, visit);
-      return;
-    }
-    for (vtkIdType i = node.Begin; i < node.End; ++i)
-    {
-      if (Items.Overlap(triangle, Order[i]))
-      {
-        visit(Order[i]);
-      }
-    }
-  }
-
-  const Boxes& Items;
-  std::vector<vtkIdType> Order;
-  std::vector<Node> Nodes;
-};
+  return boxes;
+}
 }
 
 bool vtkPalpateTrianglesIntersect(
@@ -275,8 +164,8 @@ std::vector<std::array<vtkIdType, 2>> vtkPalpateIntersectingTriangles(
     has_area[i] = ViewAxis(surface.Points[t[0]], surface.Points[t[1]], surface.Points[t[2]]) >= 0;
   }
 
-  const Boxes boxes(surface);
-  const BoxTree tree(boxes);
+  const std::vector<palpate::BoxTree::Box> boxes = BoxesOf(surface);
+  const palpate::BoxTree tree(boxes);
   vtkSMPThreadLocal<std::vector<std::array<vtkIdType, 2>>> found;
   vtkSMPTools::For(0, count,
     [&](vtkIdType begin, vtkIdType end)
@@ -284,10 +173,12 @@ std::vector<std::array<vtkIdType, 2>> vtkPalpateIntersectingTriangles(
       auto& pairs = found.Local();
       for (vtkIdType i = begin; i < end; ++i)
       {
-        tree.ForOverlapping(i,
-          [&, i](vtkIdType j)
+        tree.for_overlapping(boxes[i],
+          [&, i](palpate::Index place)
           {
-            if (j > i && has_area[i] && has_area[j] && vtkPalpateTrianglesIntersect(surface, i, j))
+            const vtkIdType j = tree.order()[place];
+            if (j > i && has_area[i] && has_area[j] && boxes[i].intersects(boxes[j]) &&
+              vtkPalpateTrianglesIntersect(surface, i, j))
             {
               pairs.push_back({ i, j });
             }

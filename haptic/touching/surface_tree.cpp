@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -14,19 +13,13 @@
 namespace palpate {
 namespace {
 
-constexpr Index kTrianglesPerLeaf = 4;
-/// Halving the number of triangles at each level, no index can need more.
-constexpr int kDeepest = 32;
-
 /// Zero where v is: a triangle without an area has no say.
 Vec3 unit(const Vec3& v) {
   const double length = v.norm();
   return length > 0 ? Vec3(v / length) : Vec3::Zero();
 }
 
-}  // namespace
-
-SurfaceTree::SurfaceTree(const Surface& surface) {
+std::vector<BoxTree::Box> boxes_of(const Surface& surface) {
   if (surface.triangles.empty()) {
     throw InputError("The surface of the state space has no triangle: there is nothing to touch.");
   }
@@ -35,48 +28,22 @@ SurfaceTree::SurfaceTree(const Surface& surface) {
       throw InputError("Point " + std::to_string(p) + " of the surface is not finite.");
     }
   }
-  std::vector<Corners> corners;
-  for (const auto& [a, b, c] : surface.triangles) {
-    corners.push_back({surface.points[a], surface.points[b], surface.points[c]});
+  std::vector<BoxTree::Box> boxes;
+  for (const auto& triangle : surface.triangles) {
+    BoxTree::Box& box = boxes.emplace_back();
+    for (Index point : triangle) box.extend(surface.points[point]);
   }
-  std::vector<Index> order(surface.triangles.size());
-  std::iota(order.begin(), order.end(), 0);
-  build(0, static_cast<Index>(order.size()), order, corners);
-  for (Index triangle : order) {
-    triangles_.push_back(surface.triangles[triangle]);
-    corners_.push_back(corners[triangle]);
-  }
-  find_normals(surface.num_points());
+  return boxes;
 }
 
-void SurfaceTree::build(Index first, Index last, std::vector<Index>& order,
-                        const std::vector<Corners>& corners) {
-  const auto centre = [&](Index triangle) {
-    const Corners& of = corners[triangle];
-    return Vec3((of[0] + of[1] + of[2]) / 3);
-  };
-  const std::size_t node = nodes_.size();
-  nodes_.emplace_back();
-  Eigen::AlignedBox3d box;
-  Eigen::AlignedBox3d box_of_centres;
-  for (Index i = first; i < last; ++i) {
-    for (const Vec3& corner : corners[order[i]]) box.extend(corner);
-    box_of_centres.extend(centre(order[i]));
+}  // namespace
+
+SurfaceTree::SurfaceTree(const Surface& surface) : tree_(boxes_of(surface)) {
+  for (Index triangle : tree_.order()) {
+    const auto& [a, b, c] = triangles_.emplace_back(surface.triangles[triangle]);
+    corners_.push_back({surface.points[a], surface.points[b], surface.points[c]});
   }
-  nodes_[node].box = box;
-  if (last - first <= kTrianglesPerLeaf) {
-    nodes_[node].first = first;
-    nodes_[node].last = last;
-    return;
-  }
-  int axis = 0;
-  box_of_centres.sizes().maxCoeff(&axis);
-  const Index middle = first + (last - first) / 2;
-  std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last,
-                   [&](Index a, Index b) { return centre(a)[axis] < centre(b)[axis]; });
-  build(first, middle, order, corners);
-  nodes_[node].last = static_cast<Index>(nodes_.size());
-  build(middle, last, order, corners);
+  find_normals(surface.num_points());
 }
 
 void SurfaceTree::find_normals(Index num_points) {
@@ -107,47 +74,6 @@ void SurfaceTree::find_normals(Index num_points) {
   }
 }
 
-// Ericson, Real-Time Collision Detection, 2005, 5.1.5.
-SurfaceTree::OnTriangle SurfaceTree::nearest_on(Index triangle, const Vec3& place) const noexcept {
-  const auto& [a, b, c] = corners_[triangle];
-  const auto at = [&](double wa, double wb, double wc) {
-    const Vec3 point = wa * a + wb * b + wc * c;
-    return OnTriangle{{wa, wb, wc}, point, (place - point).squaredNorm()};
-  };
-  const Vec3 ab = b - a;
-  const Vec3 ac = c - a;
-  const Vec3 ap = place - a;
-  const double d1 = ab.dot(ap);
-  const double d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return at(1, 0, 0);
-  const Vec3 bp = place - b;
-  const double d3 = ab.dot(bp);
-  const double d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return at(0, 1, 0);
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    const double w = d1 / (d1 - d3);
-    return at(1 - w, w, 0);
-  }
-  const Vec3 cp = place - c;
-  const double d5 = ab.dot(cp);
-  const double d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return at(0, 0, 1);
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    const double w = d2 / (d2 - d6);
-    return at(1 - w, 0, w);
-  }
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return at(0, 1 - w, w);
-  }
-  const double v = vb / (va + vb + vc);
-  const double w = vc / (va + vb + vc);
-  return at(1 - v - w, v, w);
-}
-
 Vec3 SurfaceTree::normal_at(Index triangle, const Vec3& weights) const noexcept {
   int num_zero = 0;
   int zero = 0;
@@ -168,7 +94,8 @@ SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const n
   if (!place.allFinite()) return result;
   OnTriangle best{Vec3::Zero(), Vec3::Zero(), std::numeric_limits<double>::infinity()};
   const auto visit = [&](Index triangle) {
-    const OnTriangle here = nearest_on(triangle, place);
+    const auto& [a, b, c] = corners_[triangle];
+    const OnTriangle here = nearest_on_triangle(a, b, c, place);
     if (here.squared_distance < best.squared_distance) {
       best = here;
       result.triangle = triangle;
@@ -176,38 +103,7 @@ SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const n
   };
   // Something near to begin with rules out most of the tree.
   visit(hint >= 0 && hint < num_triangles() ? hint : 0);
-
-  struct Waiting {
-    Index node;
-    double squared_distance;
-  };
-  Waiting stack[kDeepest];
-  int size = 0;
-  const auto push = [&](Index node, double squared_distance) {
-    if (squared_distance < best.squared_distance) stack[size++] = {node, squared_distance};
-  };
-  push(0, nodes_[0].box.squaredExteriorDistance(place));
-  while (size > 0) {
-    const Waiting waiting = stack[--size];
-    if (waiting.squared_distance >= best.squared_distance) continue;
-    const Node& node = nodes_[waiting.node];
-    if (node.first >= 0) {
-      for (Index triangle = node.first; triangle < node.last; ++triangle) visit(triangle);
-      continue;
-    }
-    const Index left = waiting.node + 1;
-    const Index right = node.last;
-    const double to_left = nodes_[left].box.squaredExteriorDistance(place);
-    const double to_right = nodes_[right].box.squaredExteriorDistance(place);
-    // The nearer one is popped first.
-    if (to_left < to_right) {
-      push(right, to_right);
-      push(left, to_left);
-    } else {
-      push(left, to_left);
-      push(right, to_right);
-    }
-  }
+  tree_.for_near(place, best.squared_distance, visit);
   if (result.triangle < 0) return result;  // so far away that its square overflows
   result.weights = best.weights;
   result.point = best.point;
@@ -226,7 +122,7 @@ double SurfaceTree::longest_side(Index triangle) const noexcept {
 void SurfaceTree::add_memory(MemoryRanges& ranges) const {
   palpate::add_memory(triangles_, ranges);
   palpate::add_memory(corners_, ranges);
-  palpate::add_memory(nodes_, ranges);
+  tree_.add_memory(ranges);
   palpate::add_memory(face_normals_, ranges);
   palpate::add_memory(side_normals_, ranges);
   palpate::add_memory(point_normals_, ranges);

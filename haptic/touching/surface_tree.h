@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/memory_ranges.h"
+#include "mesh/box_tree.h"
 #include "state_space/surface.h"
 
 namespace palpate {
@@ -46,36 +47,21 @@ class SurfaceTree {
   }
   [[nodiscard]] double longest_side(Index triangle) const noexcept;
   /// Around all of the surface.
-  [[nodiscard]] const Eigen::AlignedBox3d& bounds() const { return nodes_[0].box; }
+  [[nodiscard]] Eigen::AlignedBox3d bounds() const { return tree_.bounds(); }
   /// Memory that is held.
   void add_memory(MemoryRanges& ranges) const;
 
  private:
-  struct Node {
-    Eigen::AlignedBox3d box;
-    /// Of a leaf: its triangles [first, last) in order_. Else first is −1; the children are the
-    /// next node and the one at `last`.
-    Index first = -1;
-    Index last = 0;
-  };
   /// Positions of a triangle's points.
   using Corners = std::array<Vec3, 3>;
-  struct OnTriangle {
-    Vec3 weights;
-    Vec3 point;
-    double squared_distance;
-  };
 
-  void build(Index first, Index last, std::vector<Index>& order,
-             const std::vector<Corners>& corners);
   void find_normals(Index num_points);
-  [[nodiscard]] OnTriangle nearest_on(Index triangle, const Vec3& place) const noexcept;
   [[nodiscard]] Vec3 normal_at(Index triangle, const Vec3& weights) const noexcept;
 
+  BoxTree tree_;
   std::vector<std::array<Index, 3>> triangles_;
   /// In the order of triangles_: what a leaf needs lies together.
   std::vector<Corners> corners_;
-  std::vector<Node> nodes_;
   std::vector<Vec3> face_normals_;
   /// Of the side opposite to each of a triangle's points.
   std::vector<std::array<Vec3, 3>> side_normals_;

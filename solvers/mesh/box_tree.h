@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A balanced tree of boxes: what is near a place, and what overlaps a box. And the nearest point of
+// a triangle.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "base/memory_ranges.h"
+#include "base/types.h"
+
+namespace palpate {
+
+/// Immutable. The items are split at the median of the middles of their boxes, along the axis on
+/// which these are furthest apart.
+class BoxTree {
+ public:
+  using Box = Eigen::AlignedBox3d;
+
+  /// @param boxes Of the items, finite.
+  explicit BoxTree(const std::vector<Box>& boxes);
+
+  /// The items in the order of the leaves, so that neighbours are close together. Queries give
+  /// places in it.
+  [[nodiscard]] const std::vector<Index>& order() const { return order_; }
+  /// Around all items; empty where there is none.
+  [[nodiscard]] Box bounds() const { return nodes_.empty() ? Box() : nodes_[0].box; }
+  /// Memory that is held.
+  void add_memory(MemoryRanges& ranges) const;
+
+  /// Calls visit(place) for each item of the leaves that overlap a box.
+  template <class Visit>
+  void for_overlapping(const Box& box, Visit&& visit) const;
+
+  /// Calls visit(place) for each item of the leaves that are nearer to a point than a distance
+  /// which visit() may lessen meanwhile; leaves that are near come early.
+  /// @param squared_distance m².
+  /// @note Realtime-safe if visit is.
+  template <class Visit>
+  void for_near(const Vec3& point, const double& squared_distance, Visit&& visit) const noexcept;
+
+ private:
+  struct Node {
+    Box box;
+    /// Of a leaf: its items [first, last) in order_. Else first is −1; the children are the next
+    /// node and the one at `last`.
+    Index first = -1;
+    Index last = 0;
+  };
+  struct Waiting {
+    Index node;
+    double squared_distance;
+  };
+  /// Halving the number of items at each level, no index can need more.
+  static constexpr int kDeepest = 32;
+
+  void build(Index first, Index last, const std::vector<Box>& boxes);
+
+  std::vector<Index> order_;
+  std::vector<Node> nodes_;
+};
+
+struct OnTriangle {
+  /// Of the corners, which sum to 1.
+  Vec3 weights;
+  Vec3 point;
+  /// m².
+  double squared_distance;
+};
+
+/// The point of the triangle a, b, c that is nearest to a place (Ericson, Real-Time Collision
+/// Detection, 2005, 5.1.5).
+/// @note Realtime-safe.
+[[nodiscard]] inline OnTriangle nearest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c,
+                                                    const Vec3& place) noexcept {
+  const auto at = [&](double wa, double wb, double wc) {
+    const Vec3 point = wa * a + wb * b + wc * c;
+    return OnTriangle{{wa, wb, wc}, point, (place - point).squaredNorm()};
+  };
+  const Vec3 ab = b - a;
+  const Vec3 ac = c - a;
+  const Vec3 ap = place - a;
+  const double d1 = ab.dot(ap);
+  const double d2 = ac.dot(ap);
+  if (d1 <= 0 && d2 <= 0) return at(1, 0, 0);
+  const Vec3 bp = place - b;
+  const double d3 = ab.dot(bp);
+  const double d4 = ac.dot(bp);
+  if (d3 >= 0 && d4 <= d3) return at(0, 1, 0);
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    const double w = d1 / (d1 - d3);
+    return at(1 - w, w, 0);
+  }
+  const Vec3 cp = place - c;
+  const double d5 = ab.dot(cp);
+  const double d6 = ac.dot(cp);
+  if (d6 >= 0 && d5 <= d6) return at(0, 0, 1);
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    const double w = d2 / (d2 - d6);
+    return at(1 - w, 0, w);
+  }
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return at(0, 1 - w, w);
+  }
+  const double v = vb / (va + vb + vc);
+  const double w = vc / (va + vb + vc);
+  return at(1 - v - w, v, w);
+}
+
+template <class Visit>
+void BoxTree::for_overlapping(const Box& box, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  Index stack[kDeepest + 1] = {0};
+  for (int size = 1; size > 0;) {
+    const Index index = stack[--size];
+    const Node& node = nodes_[index];
+    if (!node.box.intersects(box)) continue;
+    for (Index place = node.first; place >= 0 && place < node.last; ++place) visit(place);
+    if (node.first >= 0) continue;
+    stack[size++] = node.last;
+    stack[size++] = index + 1;
+  }
+}
+
+template <class Visit>
+void BoxTree::for_near(const Vec3& point, const double& squared_distance,
+                       Visit&& visit) const noexcept {
+  if (nodes_.empty()) return;
+  Waiting stack[kDeepest];
+  int size = 0;
+  const auto push = [&](Index node, double distance) {
+    if (distance < squared_distance) stack[size++] = {node, distance};
+  };
+  push(0, nodes_[0].box.squaredExteriorDistance(point));
+  while (size > 0) {
+    const Waiting waiting = stack[--size];
+    if (waiting.squared_distance >= squared_distance) continue;
+    const Node& node = nodes_[waiting.node];
+    if (node.first >= 0) {
+      for (Index place = node.first; place < node.last; ++place) visit(place);
+      continue;
+    }
+    const Index left = waiting.node + 1;
+    const Index right = node.last;
+    const double to_left = nodes_[left].box.squaredExteriorDistance(point);
+    const double to_right = nodes_[right].box.squaredExteriorDistance(point);
+    // The nearer one is popped first.
+    if (to_left < to_right) {
+      push(right, to_right);
+      push(left, to_left);
+    } else {
+      push(left, to_left);
+      push(right, to_right);
+    }
+  }
+}
+
+}  // namespace palpate
