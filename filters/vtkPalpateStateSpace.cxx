@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -307,6 +308,23 @@ vtkSmartPointer<vtkPolyData> IntermediateStateData(const TouchSpace& space)
   return data;
 }
 
+/// Calls visit(name, value) for each field array that has a value for each site, but for the active
+/// nodes themselves. @tparam Site palpate::Site, or const.
+template <class Site, class Visit>
+void VisitSite(Site&& site, Visit&& visit)
+{
+  visit("TipRadius", site.tip_radius);
+  visit("HalfWidth", site.half_width);
+  visit("Resolution", site.resolution);
+  visit("ForceLimit", site.force_limit);
+  visit("CoarsestCell", site.coarsest);
+  visit("Tolerance", site.tolerance);
+  visit("ToleranceIsRelative", site.tolerance_is_relative);
+  visit("History", site.history);
+  visit("IntermediateStates", site.intermediate_states);
+  visit("ThirdDerivatives", site.third_derivatives);
+}
+
 void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 {
   vtkNew<vtkStringArray> hash;
@@ -317,32 +335,22 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
     ->SetValue(0, static_cast<int>(palpate::kSchemaVersion));
   const auto count = static_cast<vtkIdType>(space.sites.size());
   auto* nodes = AddArray<vtkIdTypeArray>(fields, "ActiveNodes", 1, count);
-  auto* tipRadii = AddArray<vtkDoubleArray>(fields, "TipRadius", 1, count);
-  auto* halfWidths = AddArray<vtkDoubleArray>(fields, "HalfWidth", 1, count);
-  auto* resolutions = AddArray<vtkIntArray>(fields, "Resolution", 1, count);
-  auto* limits = AddArray<vtkDoubleArray>(fields, "ForceLimit", 1, count);
-  auto* coarsest = AddArray<vtkIntArray>(fields, "CoarsestCell", 1, count);
-  auto* tolerances = AddArray<vtkDoubleArray>(fields, "Tolerance", 1, count);
-  auto* relative = AddArray<vtkIntArray>(fields, "ToleranceIsRelative", 1, count);
-  auto* history = AddArray<vtkIntArray>(fields, "History", 1, count);
-  auto* states = AddArray<vtkIntArray>(fields, "IntermediateStates", 1, count);
-  auto* thirdDerivatives = AddArray<vtkIntArray>(fields, "ThirdDerivatives", 1, count);
+  VisitSite(palpate::Site(),
+    [&](const char* name, auto value)
+    {
+      using Array =
+        std::conditional_t<std::is_same_v<decltype(value), double>, vtkDoubleArray, vtkIntArray>;
+      AddArray<Array>(fields, name, 1, count);
+    });
   auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
   for (vtkIdType i = 0; i < count; ++i)
   {
-    const palpate::Site& site = space.sites[i].site;
-    nodes->SetValue(i, site.active_node);
-    tipRadii->SetValue(i, site.tip_radius);
-    halfWidths->SetValue(i, site.half_width);
-    resolutions->SetValue(i, site.resolution);
-    limits->SetValue(i, site.force_limit);
-    coarsest->SetValue(i, site.coarsest);
-    tolerances->SetValue(i, site.tolerance);
-    relative->SetValue(i, site.tolerance_is_relative ? 1 : 0);
-    history->SetValue(i, static_cast<int>(site.history));
-    states->SetValue(i, site.intermediate_states);
-    thirdDerivatives->SetValue(i, site.third_derivatives ? 1 : 0);
-    numbers->SetValue(i, static_cast<vtkIdType>(space.sites[i].configurations.size()));
+    const TouchSite& site = space.sites[i];
+    nodes->SetValue(i, site.site.active_node);
+    VisitSite(site.site,
+      [&](const char* name, auto value)
+      { fields->GetArray(name)->SetComponent(i, 0, static_cast<double>(value)); });
+    numbers->SetValue(i, static_cast<vtkIdType>(site.configurations.size()));
   }
   AddNumber(fields, "LargestDisplacement", space.largest_displacement);
   AddNumber(fields, "DisplacementError", space.displacement_error);
@@ -497,16 +505,6 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
   space.displacement_error = Required(fields, "DisplacementError", 1)->GetComponent(0, 0);
   space.sensitivity_error = Required(fields, "SensitivityError", 1)->GetComponent(0, 0);
   vtkDataArray* sites = Required(fields, "ActiveNodes", 1);
-  vtkDataArray* tipRadii = Required(fields, "TipRadius", 1);
-  vtkDataArray* halfWidths = Required(fields, "HalfWidth", 1);
-  vtkDataArray* resolutions = Required(fields, "Resolution", 1);
-  vtkDataArray* limits = Required(fields, "ForceLimit", 1);
-  vtkDataArray* coarsest = Required(fields, "CoarsestCell", 1);
-  vtkDataArray* tolerances = Required(fields, "Tolerance", 1);
-  vtkDataArray* relative = Required(fields, "ToleranceIsRelative", 1);
-  vtkDataArray* history = Required(fields, "History", 1);
-  vtkDataArray* states = Required(fields, "IntermediateStates", 1);
-  vtkDataArray* thirdDerivatives = Required(fields, "ThirdDerivatives", 1);
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
   const int modes = space.num_modes();
@@ -517,16 +515,12 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
   {
     TouchSite& site = space.sites.emplace_back();
     site.site.active_node = static_cast<Index>(sites->GetComponent(s, 0));
-    site.site.tip_radius = tipRadii->GetComponent(s, 0);
-    site.site.half_width = halfWidths->GetComponent(s, 0);
-    site.site.resolution = static_cast<int>(resolutions->GetComponent(s, 0));
-    site.site.force_limit = limits->GetComponent(s, 0);
-    site.site.coarsest = static_cast<int>(coarsest->GetComponent(s, 0));
-    site.site.tolerance = tolerances->GetComponent(s, 0);
-    site.site.tolerance_is_relative = relative->GetComponent(s, 0) != 0;
-    site.site.history = static_cast<palpate::History>(static_cast<int>(history->GetComponent(s, 0)));
-    site.site.intermediate_states = static_cast<int>(states->GetComponent(s, 0));
-    site.site.third_derivatives = thirdDerivatives->GetComponent(s, 0) != 0;
+    VisitSite(site.site,
+      [&](const char* name, auto& value)
+      {
+        value =
+          static_cast<std::decay_t<decltype(value)>>(Required(fields, name, 1)->GetComponent(s, 0));
+      });
     std::vector<vtkIdType> ids;
     for (vtkIdType i = 0; i < count; ++i)
     {
