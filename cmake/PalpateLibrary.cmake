@@ -11,8 +11,8 @@ palpate_add_library(<part>
   [PRIVATE_DEPENDS <part or imported target>…])
 
 Makes the static, position-independent library palpate_<part> (alias palpate::<part>) of a folder
-of solvers/ or haptic/. A dependency without "::" is the name of another part. DEPENDS are those that the
-part's headers include.
+of solvers/ or haptic/. A dependency without "::" is the name of another part. DEPENDS are those
+that the part's headers include.
 ]]
 function(palpate_add_library part)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS;PRIVATE_DEPENDS")

@@ -22,8 +22,8 @@ endforeach()
 set(CMAKE_POLICY_DEFAULT_CMP0174 OLD)
 
 # Only what a server-side plugin needs: the whole of ParaView would ask for the development packages
-# of GDAL, FFmpeg and more. The targets of its window are there all the same; they need Qt's widgets,
-# and its component pqCore would ask for Qt's help system too.
+# of GDAL, FFmpeg and more. The targets of its window are there all the same; they need Qt's
+# widgets, and its component pqCore would ask for Qt's help system too.
 find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore VTKExtensionsExtraction)
 # Where VTK is a package of its own, as beneath Debian's ParaView 6.1, it looks for what lies behind a
 # module only when that module is asked for, and ParaView does not ask for these that it links. VTK's

@@ -27,7 +27,8 @@ palpate_missing_packages() {
 
 palpate_install_packages() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
-    palpate_fail "this script needs apt: it is made for Debian 12, 13 and unstable (see cmake/debian-packages.txt)."
+    palpate_fail "this script needs apt, of Debian 12, 13 or unstable" \
+      "(see cmake/debian-packages.txt)."
   local missing
   missing=$(palpate_missing_packages | paste -sd ' ')
   [ -n "$missing" ] || return 0

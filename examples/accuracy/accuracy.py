@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Error against run time: of every way to interpolate a state space, on your scene.
 
-State spaces of several sizes are computed, or one is read. At random places the equilibrium is solved
-for exactly, and what each method gives there is compared with it: how wrong, and what it takes to
-precompute, to hold and to evaluate.
+State spaces of several sizes are computed, or one is read. At random places the equilibrium is
+solved for exactly, and what each method gives there is compared with it: how wrong, and what it
+takes to precompute, to hold and to evaluate.
 
 Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run -a before them):
     pvbatch accuracy.py
     pvbatch accuracy.py liver.palpate
     pvbatch accuracy.py organ.stl --scale 0.001 --touched 0.01 0.05 0.08 --tip-radius 0.01
-    mpiexec -n 4 pvbatch accuracy.py scene.vtu --laws Own --half-width 0.012 --nodes 10 --points 2000
+    mpiexec -n 4 pvbatch accuracy.py scene.vtu --laws Own --half-width 0.012 --points 2000
 
 A .vtu scene keeps its points `Fixed`; its materials are replaced, but for the law Own. The results
 go to the folder `out`: report.md, table.csv, nodes.csv, points_*.vtp, charts and views (.png). What
@@ -44,8 +44,9 @@ COLUMNS = {"law": "s", "method": "s", "grid": "s", "states": ".0f", "precompute 
            "marked (%)": ".2g", "loop work": ".0e", "force jump": ".0e", "stiffness jump": ".0e",
            "set up (s)": ".2g"}
 # Of the columns of Accuracy Report.
-SAME = {"states": "Samples", "precompute (s)": "PrecomputeSeconds", "evaluate (ns)": "EvaluationP50",
-        "99.9 % (ns)": "EvaluationP999", "mean (%)": "MeanError", "99 % (%)": "P99Error",
+SAME = {"states": "Samples", "precompute (s)": "PrecomputeSeconds", 
+        "evaluate (ns)": "EvaluationP50", "99.9 % (ns)": "EvaluationP999", "mean (%)": "MeanError",
+        "99 % (%)": "P99Error",
         "largest (%)": "LargestError", "largest (N)": "LargestErrorN", "noticed (%)": "Noticeable",
         "near rest (%)": "NearRestError", "stiffness (%)": "MeanStiffnessError",
         "surface (%)": "MeanDisplacementError", "marked (%)": "MeanMarkedError",
@@ -123,9 +124,9 @@ class Report:
         counts = {name: int(row[name]) for name in POINTS}
         self.line = (f"{law}, {row['grid']}: {counts['TestPoints']} test points, of which "
                      f"{counts['Counted']} count, {counts['Marked']} are in marked regions, "
-                     f"{counts['Extrapolated']} beyond the configurations, {counts['Irregular']} not "
-                     f"regular and {counts['Failed']} not found; {seconds['Reused']:.0f} were known, "
-                     f"the others took {seconds['ExactSeconds']:.3g} s "
+                     f"{counts['Extrapolated']} beyond the configurations, {counts['Irregular']} "
+                     f"not regular and {counts['Failed']} not found; {seconds['Reused']:.0f} were "
+                     f"known, the others took {seconds['ExactSeconds']:.3g} s "
                      f"({1e3 * seconds['SolveSeconds']:.3g} ms each on one core), the measurements "
                      f"{seconds['MeasureSeconds']:.3g} s")
         Delete(report)
@@ -198,17 +199,18 @@ def remarks(rows):
             continue
         noticed = [f"{row['method']} {row['noticed (%)']:.2g} %" for row in of_law
                    if row["noticed (%)"] > 0]
-        lines.append(f"{law}, {finest}³: a hand notices a difference of forces of about {NOTICED} %. "
-                     + ("No method is off by more at any test point that counts." if not noticed else
-                        "Share of the test points that are off by more: " + ", ".join(noticed) + "."))
+        told = ("Share of the test points that are off by more: " + ", ".join(noticed) + "."
+                if noticed else "No method is off by more at any test point that counts.")
+        lines.append(f"{law}, {finest}³: a hand notices a difference of forces of about "
+                     f"{NOTICED} %. {told}")
         best = min(of_law, key=lambda row: row["mean (%)"])
         others = [row for row in of_law
                   if row["method"].split(",")[0] != best["method"].split(",")[0]]
         if others:
             second = min(others, key=lambda row: row["mean (%)"])
             lines.append(f"{law}, {finest}³: {best['method']} has the least mean error, "
-                         f"{best['mean (%)']:.2g} %, {second['mean (%)'] / best['mean (%)']:.3g} times "
-                         f"less than {second['method']} ({second['mean (%)']:.2g} %).")
+                         f"{best['mean (%)']:.2g} %, {second['mean (%)'] / best['mean (%)']:.3g} "
+                         f"times less than {second['method']} ({second['mean (%)']:.2g} %).")
     return lines
 
 
@@ -252,7 +254,8 @@ def draw(rows, reports, args):
         curves = []
         for number, method in enumerate(names):
             errors = np.sort(finest.errors(method))
-            shown = np.unique(np.linspace(0, len(errors) - 1, 60).astype(int)) if len(errors) else []
+            shown = (np.unique(np.linspace(0, len(errors) - 1, 60).astype(int))
+                     if len(errors) else [])
             found = [(errors[i], 100 * (1 - i / len(errors))) for i in shown if errors[i] > 0]
             if found:
                 curves.append(Curve(method, found, number, 1))
@@ -274,7 +277,8 @@ def main():
         report = Report(law, space, one_of_several, args)
         report.space_body = servermanager.Fetch(space, 0).GetPartition(1, 0)
         print(report.line, flush=True)
-        path = os.path.join(args.output, f"points_{slug(law)}_{report.rows[0]['points an axis']}.vtp")
+        per_axis = report.rows[0]["points an axis"]
+        path = os.path.join(args.output, f"points_{slug(law)}_{per_axis}.vtp")
         save_surface(report.points, path)
         reports.append(report)
     rows = [row for report in reports for row in report.rows]

@@ -6,8 +6,8 @@ Sample runs, with the plugin loaded (PV_PLUGIN_PATH):
     mpiexec -n 64 pvbatch precompute.py scene.vtu --output liver.palpate --at-most 100 \\
         --half-width 0.012 --tip-radius 0.005 --force-limit 3
 
-The scene is what Set Boundary makes, saved with Save Data. A run that was killed goes on where it was
-when it is started again in the same way.
+The scene is what Set Boundary makes, saved with Save Data. A run that was killed goes on where it
+was when it is started again in the same way.
 """
 import os
 import sys
@@ -25,8 +25,8 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 
 def arguments():
     parser = Arguments("precompute.py", __doc__.splitlines()[0])
-    parser.add_argument("scene", nargs="?", help="the body with the point arrays Fixed and Touchable (.vtu), "
-                        "in m")
+    parser.add_argument("scene", nargs="?", help="the body with the point arrays Fixed and "
+                        "Touchable (.vtu), in m")
     parser.add_argument("--output", default="space.palpate", metavar="FILE",
                         help="the state space, which is continued if it is there")
     parser.add_argument("--law", choices=LAWS, metavar="LAW",
@@ -73,7 +73,7 @@ def read_scene(args):
 
 
 def spread(points, most):
-    """Indices of so many of the points: the first, and each time the one farthest from the others."""
+    """Indices of so many points: the first, and each time the one farthest from the others."""
     chosen = [0]
     distance = np.linalg.norm(points - points[0], axis=1)
     while len(chosen) < min(most, len(points)):
@@ -130,8 +130,9 @@ def summary(space, args):
     explored, finished = figure("ExplorationSeconds"), figure("FinishingSeconds")
     core_hours = figure("Ranks") * (explored + finished) / 3600
     return (f"{figure('Solved'):.0f} configurations solved and {figure('Reused'):.0f} taken from "
-            f"{args.output} on {figure('Ranks'):.0f} ranks in {explored:.1f} s and {finished:.1f} s "
-            f"for the file: {core_hours:.3g} core hours, {os.path.getsize(args.output) / 1e9:.3g} GB")
+            f"{args.output} on {figure('Ranks'):.0f} ranks in {explored:.1f} s and "
+            f"{finished:.1f} s for the file: {core_hours:.3g} core hours, "
+            f"{os.path.getsize(args.output) / 1e9:.3g} GB")
 
 
 def main():

@@ -11,8 +11,8 @@ Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run 
     pvpython discretisation.py --laws Neo-Hookean --edges 0.09 0.07 0.055
     pvpython discretisation.py --locking scene.vtu --node 197 --pull -0.55 0.835 0 0.01
 
-The results go to the folder `out`: table.csv, table.md, and charts (.png). On several ranks (mpiexec
--n 4 pvbatch discretisation.py) large meshes are solved by all of them together.
+The results go to the folder `out`: table.csv, table.md, and charts (.png). On several ranks
+(mpiexec -n 4 pvbatch discretisation.py) large meshes are solved by all of them together.
 """
 import os
 import sys
@@ -53,9 +53,10 @@ def arguments():
                         help="edges of the cells, as shares of the longest side of the organ")
     parser.add_argument("--finer-linear", type=float, nargs="*", default=[0.034, 0.027],
                         help="edges for linear cells alone, which are cheaper")
-    parser.add_argument("--fine-tip", type=float, nargs="+", default=[0.12, 0.09, 0.07, 0.055, 0.043],
-                        help="edges of the quadratic cells that are smaller, by a factor of 4, at the "
-                        "tip; the least one is the reference's")
+    parser.add_argument("--fine-tip", type=float, nargs="+",
+                        default=[0.12, 0.09, 0.07, 0.055, 0.043],
+                        help="edges of the quadratic cells that are smaller, by a factor of 4, at "
+                        "the tip; the least one is the reference's")
     parser.add_argument("--laws", nargs="+", choices=LAWS, metavar="LAW",
                         default=["Linear", "Neo-Hookean", "Mooney-Rivlin incompressible"],
                         help="of: " + ", ".join(LAWS))
@@ -68,8 +69,8 @@ def arguments():
     parser.add_argument("--tip-radius", type=float, help="of the tool, m; by default 7 %% of the "
                         "longest side")
     parser.add_argument("--displacement", type=float, default=0.02,
-                        help="how far the place is pulled along the normal (pushed: negative), as a "
-                        "share of the longest side")
+                        help="how far the place is pulled along the normal (pushed: negative), as "
+                        "a share of the longest side")
     parser.add_argument("--wanted", type=float, default=1.0, help="the error to reach, %%")
     parser.add_argument("--locking", metavar="SCENE", help="instead: the table of locking, of this "
                         "scene (.vtu with the point array Fixed, quadratic)")
@@ -234,7 +235,8 @@ def main():
                   args.tip_radius)
     at_tip = [share * MESHES["Tet10, fine tip"][1] for share in args.fine_tip]
     if max(args.edges + at_tip) * organ.size > LARGEST_EDGE * organ.tip_radius:
-        raise Failure("the largest of --edges and --fine-tip make cells that are larger than the tip.")
+        raise Failure("the largest of --edges and --fine-tip make cells that are larger "
+                      "than the tip.")
     coarsest = organ.body(max(args.edges) * organ.size, "Linear", args.output)
     rows = measure(args, organ, samples_of(output(coarsest)))
     compare(rows)

@@ -6,7 +6,8 @@ Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run 
     pvpython liver.py organ.stl --scale 0.001 --repair --law Neo-Hookean
     mpiexec -n 4 pvbatch liver.py --resolution 9
 
-The results go to the folder `out`: the state space (.palpate), table.md and table.csv, and pictures.
+The results go to the folder `out`: the state space (.palpate), table.md and table.csv, and
+pictures.
 """
 import argparse
 import glob

@@ -71,9 +71,12 @@ def liver(points):
     body = without(body, ellipsoid(points, (0.066, -0.050, -0.040), (0.070, 0.070, 0.078)), 0.014)
     body = without(body, ellipsoid(points, (-0.026, -0.088, -0.064), (0.060, 0.080, 0.070)), 0.016)
     # The notch with its fissure, the gall bladder, the great vein.
-    body = without(body, capsule(points, (0.013, -0.034, 0.075), (0.020, 0.010, -0.030), 0.013), 0.014)
-    body = without(body, capsule(points, (-0.034, -0.056, 0.024), (-0.014, -0.022, -0.006), 0.012), 0.014)
-    body = without(body, capsule(points, (0.004, -0.05, -0.066), (0.008, 0.11, -0.052), 0.013), 0.012)
+    body = without(body, capsule(points, (0.013, -0.034, 0.075), (0.020, 0.010, -0.030), 0.013),
+                   0.014)
+    body = without(body, capsule(points, (-0.034, -0.056, 0.024), (-0.014, -0.022, -0.006), 0.012),
+                   0.014)
+    body = without(body, capsule(points, (0.004, -0.05, -0.066), (0.008, 0.11, -0.052), 0.013),
+                   0.012)
     return body
 
 

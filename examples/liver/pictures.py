@@ -99,7 +99,8 @@ def picture_touch(stage, touch, name, position, displacement, force, arrow, path
     arrow: where it starts and how far it goes, m
     """
     stage.clear()
-    # Pale, not translucent: several ranks would exchange it, which recent releases of Expat prevent.
+    # Pale, not translucent: several ranks would exchange it, which recent releases of Expat
+    # prevent.
     stage.show(stage.scene, PALE, Representation="Wireframe")
     stage.show_held()
     stage.show_touched(touch, np.linalg.norm(displacement))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Small helpers around ParaView's pipeline, for scripts that run in one process or under mpiexec."""
+"""Small helpers around ParaView's pipeline, for scripts in one process or under mpiexec."""
 import os
 
 from paraview.simple import *
@@ -37,7 +37,7 @@ def update(proxy):
 
 
 def output(proxy):
-    """The data that a filter has made. Those of Palpate are whole on rank 0, where a script runs."""
+    """The data that a filter has made. Palpate's are whole on rank 0, where a script runs."""
     return proxy.GetClientSideObject().GetOutputDataObject(0)
 
 

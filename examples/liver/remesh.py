@@ -156,7 +156,7 @@ class _Mesh:
                     self.add(*triangle)
 
     def collapse_edges(self, shortest, longest):
-        """Joins the ends of short edges, where that makes none that is too long and folds nothing."""
+        """Joins the ends of short edges where that makes none too long and folds nothing."""
         for a, b in self.edges():
             if self.around[a] & self.around[b] and self.length(a, b) < shortest:
                 self.collapse(a, b, longest)
@@ -182,7 +182,7 @@ class _Mesh:
             self.add(*triangle)
 
     def flip_edges(self):
-        """Turns an edge where its ends have too many neighbours and the corners opposite too few."""
+        """Turns an edge whose ends have too many neighbours and the corners opposite too few."""
         for a, b in self.edges():
             if not self.around[a] & self.around[b]:
                 continue

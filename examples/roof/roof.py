@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A body that snaps through: the hinged cylindrical roof, with levels and without.
 
-The roof (R = 2540 mm, half angle 0.1 rad, length 508 mm, 6.35 mm thick, E = 3102.75 MPa, nu = 0.3) is
-hinged along its straight edges and pressed at the middle of a free one, with a tool of 4 cm. It has
-two branches: pressed down it jumps at one deflection, let go it jumps back at another.
+The roof (R = 2540 mm, half angle 0.1 rad, length 508 mm, 6.35 mm thick, E = 3102.75 MPa, nu = 0.3)
+is hinged along its straight edges and pressed at the middle of a free one, with a tool of 4 cm. It
+has two branches: pressed down it jumps at one deflection, let go it jumps back at another.
 
 Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run -a before them):
     pvpython roof.py

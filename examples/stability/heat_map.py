@@ -9,8 +9,10 @@ from vtkmodules.vtkCommonDataModel import VTK_QUAD, vtkPolyData
 from sources import source_of
 
 # What a square says, and its colour; the worst comes last.
-ENDS = (("converged", (0.36, 0.68, 0.42)), ("converged, unstable or near a fold", (0.75, 0.82, 0.35)),
-        ("converged, inverted", (0.96, 0.72, 0.28)), ("stopped, with the reason", (0.80, 0.40, 0.32)),
+ENDS = (("converged", (0.36, 0.68, 0.42)),
+        ("converged, unstable or near a fold", (0.75, 0.82, 0.35)),
+        ("converged, inverted", (0.96, 0.72, 0.28)),
+        ("stopped, with the reason", (0.80, 0.40, 0.32)),
         ("budget used up", (0.60, 0.45, 0.70)), ("not factorised", (0.35, 0.35, 0.40)),
         ("refused", (0.75, 0.75, 0.75)))
 INK = (0.1,) * 3

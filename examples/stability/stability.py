@@ -178,9 +178,9 @@ def main():
     rows = measure(args)
     save_csv(vtk_table(rows, COLUMNS), os.path.join(args.output, "stability.csv"))
     different = differences(rows)
-    text = matrix(rows) + "\n\n" + ("Another equilibrium in many increments than in one:\n\n"
-                                    + "\n".join(different) if different else
-                                    "The same equilibrium in one increment and in many, everywhere.")
+    told = ("Another equilibrium in many increments than in one:\n\n" + "\n".join(different)
+            if different else "The same equilibrium in one increment and in many, everywhere.")
+    text = matrix(rows) + "\n\n" + told
     text += (f"\n\n{len(rows)} cells; the longest took "
              f"{max(row.get('seconds', 0) for row in rows):.2g} s.")
     with open(os.path.join(args.output, "stability.md"), "w", encoding="utf-8") as file:

@@ -84,7 +84,8 @@ def check_the_check():
         </SourceProxy></P>""")
     faults = sorted(fault for proxy in proxies(bad) for fault in faults_of(proxy))
     expected = ("A: in 0 property groups", "A: no unit", "B: no documentation", "B: no domain",
-                "B: not advanced", "D: in 0 property groups", "D: the panel", "the group Solver has an unknown property C")
+                "B: not advanced", "D: in 0 property groups", "D: the panel",
+                "the group Solver has an unknown property C")
     assert len(faults) == len(expected), faults
     assert all(map(str.startswith, faults, expected)), faults
 

@@ -5,9 +5,9 @@ Sample run, on one core:
   PV_PLUGIN_PATH=$(echo build/lib/paraview-*/plugins/Palpate) OPENBLAS_NUM_THREADS=1 \\
     xvfb-run -a pvbatch tests/benchmark/seed_problem.py path/to/liver_seed.vtu
 
-A liver of 978 Tet10 with 5094 unknowns, node 197 (or others) on 7 x 7 x 7 check-points of half-width
-12 mm. The floor is one assembly, one factorisation and three solves a configuration, as measured in
-the same run. compare.py puts other programs beside it.
+A liver of 978 Tet10 with 5094 unknowns, node 197 (or others) on 7 x 7 x 7 check-points of
+half-width 12 mm. The floor is one assembly, one factorisation and three solves a configuration, as
+measured in the same run. compare.py puts other programs beside it.
 """
 
 import argparse

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Frames a second of ParaView's window and the pace of the servo loop, in one run: the example's liver
-is pressed by the simulated hand, while nothing else is drawn. Sample run:
+"""Frames a second of ParaView's window and the pace of the servo loop, in one run: the example's
+liver is pressed by the simulated hand, while nothing else is drawn. Sample run:
 
   plugins=$(echo build/lib/paraview-*/plugins)
   PALPATE_SOURCE_DIR=$PWD PV_PLUGIN_PATH=$plugins/Palpate:$plugins/PalpateInteractor \\

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes tests/data/laws.json: energy, stress and tangent of each law at chosen displacement gradients,
-and the law's measure g of the change of volume with its derivatives.
+"""Makes tests/data/laws.json: energy, stress and tangent of each law at chosen displacement
+gradients, and the law's measure g of the change of volume with its derivatives.
 
     make_law_references.py <laws.json>
 

@@ -77,7 +77,8 @@ def main():
                 after = configurations(file)
                 assert before.keys() <= after.keys(), "something that was found is lost"
                 total = len(after)
-            solved_now, reused = finish(start(program, mpiexec, rng.randint(1, 3), file, tolerance)[0])
+            process, *_ = start(program, mpiexec, rng.randint(1, 3), file, tolerance)
+            solved_now, reused = finish(process)
             assert reused >= total, (reused, total)
             assert solved_now + reused == solved, (solved_now, reused, solved)
             compare(configurations(file), expected)
