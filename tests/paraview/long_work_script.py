@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs inside ParaView's window, does what PALPATE_INTERACTOR_RUN says with a space that takes long,
-and quits; test_long_work.py reads what it prints."""
+"""Runs inside ParaView's window, does what PALPATE_INTERACTOR_RUN says with a space that takes
+long, and quits; test_long_work.py reads what it prints."""
 
 import os
 import sys

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""For scripts inside ParaView's window: Qt in Python, of the version that the window has loaded, and
-what a person does there. Enumerators are written with their scope, which both versions know:
+"""For scripts inside ParaView's window: Qt in Python, of the version that the window has loaded,
+and what a person does there. Enumerators are written with their scope, which both versions know:
 Button.LeftButton."""
 
 import re

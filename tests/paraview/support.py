@@ -18,14 +18,15 @@ EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 
 
 def box_body(divisions=(4, 2, 2), lengths=(0.2, 0.1, 0.1), quadratic=True):
-    """A box with a corner at the origin, m: cubes, each cut into six tetrahedra round a diagonal."""
+    """A box with a corner at the origin, m: cubes of six tetrahedra each round a diagonal."""
     points, ids, cells = [], {}, []
 
     def point(lattice):
         # The lattice is twice as fine as the cubes: midside nodes are on it.
         if lattice not in ids:
             ids[lattice] = len(points)
-            points.append([length * i / (2 * n) for length, i, n in zip(lengths, lattice, divisions)])
+            points.append([length * i / (2 * n)
+                           for length, i, n in zip(lengths, lattice, divisions)])
         return ids[lattice]
 
     for cube in itertools.product(*map(range, divisions)):

@@ -313,7 +313,7 @@ def tolerance_rows(folder, *arguments):
 
 
 def check_roof():
-    """Both branches of a coarse roof, and the jumps between them in the cells where the paths end."""
+    """Both branches of a coarse roof, and the jumps between them where the paths end."""
     done = run(2 if MPIEXEC else 1, "--cells", "1", "--resolution", "11", "--force-limit", "2500",
                "--steps", "30", "--output", "roof", example="roof")
     assert done.returncode == 0, done.stderr

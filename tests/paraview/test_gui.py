@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The plugin in ParaView's window: the example's state loads and is drawn, and so is its report. The
-Help window has the pages.
+"""The plugin in ParaView's window: the example's state loads and is drawn, and so is its report.
+The Help window has the pages.
 
 Argument: 1 where the plugin has pages for the Help window, else 0
 """

@@ -67,8 +67,8 @@ def served(server):
 def run(what, folder, server=(0, ()), script="interactor_script.py", loses_server=False,
         **environment):
     """What the window has printed, by its first word.
-    loses_server: ParaView tells what it has lost, and its return code is not 0; before, the loop has
-    ended."""
+    loses_server: ParaView tells what it has lost, and its return code is not 0; before, the loop
+    has ended."""
     port, processes = server
     environment = dict(os.environ, PALPATE_INTERACTOR_RUN=what, PALPATE_INTERACTOR_PORT=str(port),
                        PALPATE_INTERACTOR_SERVER=" ".join(map(str, processes)), **environment)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Long work in ParaView's window: the bar says how far it is, its button aborts, and a space is seen
-and touched while it grows; it grows on a server with two ranks, too.
+"""Long work in ParaView's window: the bar says how far it is, its button aborts, and a space is
+seen and touched while it grows; it grows on a server with two ranks, too.
 
   test_long_work.py <palpate_test_make_space> <folder of the plugin PalpateInteractor> <server>…
 

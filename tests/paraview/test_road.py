@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The quick start: in ParaView's window from a surface to touching it, by menus, panels and the mouse.
+"""The quick start: in ParaView's window from a surface to touching it, by menus, panels and the
+mouse.
 
   test_road.py <folder of the plugin PalpateInteractor>
 """

@@ -73,8 +73,8 @@ def test_every_property(body):
         SolveEquilibrium: {
             "ActiveNodes": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0,
-            "Increments": 2, "EstimateCondition": 1, "GroupUnknowns": 100, "LinearSolver": "Automatic",
-            "Stress": 1},
+            "Increments": 2, "EstimateCondition": 1, "GroupUnknowns": 100,
+            "LinearSolver": "Automatic", "Stress": 1},
     }
     for proxy, values in settings.items():
         filtered = proxy(Input=body, **values)
@@ -205,7 +205,8 @@ def test_formulation(body):
     assert set(cell_array(fetch(mixed), "Formulation")) == {MIXED}
     locking = AssignMaterial(Input=mixed, PoissonsRatio=0.49, Formulation="Displacement",
                              RegionArray="Part", RegionValue=0)
-    assert (cell_array(fetch(locking), "Formulation") == numpy.where(left, DISPLACEMENT, MIXED)).all()
+    expected = numpy.where(left, DISPLACEMENT, MIXED)
+    assert (cell_array(fetch(locking), "Formulation") == expected).all()
     last = AssignMaterial(Input=locking, PoissonsRatio=0.49, RegionArray="Part", RegionValue=0)
     assert set(cell_array(fetch(last), "Formulation")) == {MIXED}
     none = AssignMaterial(Input=last, RegionArray="Part", RegionValue=1)
@@ -285,7 +286,8 @@ def test_touchable_points(body):
     _, scene = fixed_points(body, FixedBy="Array", FixedArray="Inlet")
     assert (point_array(scene, "Touchable") == (corner & surface & free)).all()
 
-    right = SelectionQuerySource(ElementType="Point Data", QueryString="mag(inputs[0].Points - [0.2, 0, 0]) < 0.06")
+    right = SelectionQuerySource(ElementType="Point Data",
+                                 QueryString="mag(inputs[0].Points - [0.2, 0, 0]) < 0.06")
     _, scene = fixed_points(body, FixedBy="Array", FixedArray="Inlet", TouchableBy="Selection",
                             TouchableSelection=right)
     near = numpy.linalg.norm(places(grid) - [0.2, 0, 0], axis=1) < 0.06
@@ -335,7 +337,8 @@ def test_laws_beside_each_other_solve(body):
         material = AssignMaterial(Input=material, Law=right, RegionArray="Part", RegionValue=1,
                                   **MATERIALS[right][0])
         boundary = SetBoundary(Input=material, FixedBy="Array", FixedArray="Inlet")
-        node = int(numpy.argmin(numpy.linalg.norm(places(fetch(boundary)) - [0.2, 0.1, 0.1], axis=1)))
+        offsets = places(fetch(boundary)) - [0.2, 0.1, 0.1]
+        node = int(numpy.argmin(numpy.linalg.norm(offsets, axis=1)))
         solved = expect_silence(lambda: fetch(SolveEquilibrium(
             Input=boundary, ActiveNodes=[node], Displacement=[0.005, 0, 0])))
         assert field(solved, "Outcome")[0] == 0, (left, right)

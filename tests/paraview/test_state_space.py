@@ -10,8 +10,8 @@ from paraview.simple import (AppendDatasets, AssignMaterial, Calculator, Estimat
                              OpenDataFile, PrecomputeStateSpace, RedistributeDataSet, SaveData, SolveEquilibrium, StateSpaceReader,
                              TouchStateSpace, Transform)
 from state_space_support import arrays_of, expect_same_space, fetch_space, precompute
-from support import (Messages, box_body, expect_error, expect_silence, fetch, field, node_at, places,
-                     point_array, scene, source)
+from support import (Messages, box_body, expect_error, expect_silence, fetch, field, node_at,
+                     places, point_array, scene, source)
 
 CORNER, EDGE = [0.2, 0.1, 0.1], [0.1, 0, 0.1]
 NOWHERE, INSIDE, EXTRAPOLATED, MARKED = range(4)
@@ -113,7 +113,8 @@ def test_size():
             arrays += [cells.GetConnectivityArray(), cells.GetOffsetsArray()]
         size = sum(array.GetNumberOfValues() * array.GetDataTypeSize() for array in arrays) / count
         # 353 for the figures, 80 of them the third derivatives, and of each mode a coefficient and
-        # its gradient in single precision; the end of the offsets of both kinds of cells is shared by all.
+        # its gradient in single precision; the end of the offsets of both kinds of cells is shared
+        # by all.
         assert size <= 353 + 16 * modes + 16 / count, (size, modes)
         assert coefficients.dtype == gradients.dtype == numpy.float32
 
@@ -241,7 +242,8 @@ def test_forms_of_a_space():
     expect_same_space(in_file, fetch_space(stock))
     forces = []
     for space in (kept, reader, stock):
-        touch = TouchStateSpace(Input=space, ActiveNode=nodes[1], Displacement=[0.003, 0.002, -0.004])
+        touch = TouchStateSpace(Input=space, ActiveNode=nodes[1],
+                                Displacement=[0.003, 0.002, -0.004])
         result = fetch(touch)
         assert field(result, "Found")[0] == INSIDE
         forces.append(field(result, "Force")[0])
@@ -299,8 +301,8 @@ def test_partitions():
 
 
 def test_growth():
-    """With an update interval a space is given as far as it is found, and each execution goes on; in
-    the end it is what it is without."""
+    """With an update interval a space is given as far as it is found, and each execution goes on;
+    in the end it is what it is without."""
     boundary = scene("growth", quadratic=False)
     node = node_at(boundary, CORNER)
     settings = {"Resolution": 3, "HalfWidth": 0.01}

@@ -88,7 +88,8 @@ def test_touch(law):
             expect_near(ours, theirs, tolerance or between, f"{law} {place} {array}")
             assert (point_array(surface, array) == point_array(body, array)[mesh_points]).all()
         shape = point_array(exact, "Displacement")
-        expect_near(point_array(body, "Displacement"), shape, tolerance or DISPLACEMENT_BETWEEN, f"{law} u")
+        expect_near(point_array(body, "Displacement"), shape, tolerance or DISPLACEMENT_BETWEEN,
+                    f"{law} u")
         # The second output is deformed.
         moved = places(body) - places(fetch(boundary))
         assert abs(moved - point_array(body, "Displacement")).max() < 1e-12
