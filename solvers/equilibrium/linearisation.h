@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Between the state that the solvers work on and the figures of an Equilibrium.
+// What follows from a state in equilibrium by the tangent there: stiffness, sensitivity, inertia.
+// These functions also translate between the state that the solvers work on and an Equilibrium.
 #pragma once
 
 #include "equilibrium/held_body.h"
@@ -21,7 +22,7 @@ namespace palpate {
 [[nodiscard]] Outcome linearise(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
                                 NodalVector* newton_step = nullptr);
 
-/// The same in a linear body, for x = start + v (t − start.t), without a solve: v, k and the
+/// Does the same in a linear body, for x = start + v (t − start.t), without a solve: v, k and the
 /// inertia are those of the start (elementary displacements: Cotin, Delingette & Ayache, IEEE
 /// Trans. Vis. Comput. Graph. 5, 1999), and so is the error.
 void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& state,
@@ -32,9 +33,9 @@ void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& stat
 inline constexpr double kSensitivityError = 1e-4;
 inline constexpr double kRoughSensitivityError = 1e-2;
 
-/// The same without a factor of the tangent at x: v by conjugate gradients, preconditioned with the
-/// factor at `start`, from which x was reached, and from its v; k by the functional that is
-/// stationary in v, so that its relative error is the square of v's. Costs about half a
+/// Does the same without a factor of the tangent at x: v by conjugate gradients, preconditioned
+/// with the factor at `start`, from which x was reached, and from its v; k by the functional that
+/// is stationary in v, so that its relative error is the square of v's. Costs about half a
 /// factorisation. The inertia is not computed; negative curvature along the way is seen.
 /// @param error That is left in v, relative.
 /// @returns false, and leaves the equilibrium to linearise(), where there is no such factor or it

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether one smooth branch runs through a leaf: by what is left of Π along its edges, which falls to 1/32 under refinement where Π is smooth, to a half where the force jumps, and stays
-// where Π does, from one branch to another.
+// Whether one smooth branch runs through a leaf. What is left of Π along its edges tells: it falls
+// to 1/32 under refinement where Π is smooth, to a half where the force jumps, and stays where Π
+// jumps from one branch to another.
 #pragma once
 
 #include <vector>
@@ -14,7 +15,7 @@ namespace palpate {
 [[nodiscard]] double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& b,
                                    const Vec3& d);
 
-/// Of what outlives it.
+/// It refers to its arguments, which have to outlive it.
 class BranchTest {
  public:
   BranchTest(const CheckPointGrid& grid, const Site& site,

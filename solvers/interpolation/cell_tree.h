@@ -25,7 +25,7 @@ namespace palpate {
 struct Cell {
   /// The corner with the least indices.
   CheckPoint first{};
-  /// In steps of the grid, a power of two.
+  /// The side in steps of the grid, a power of two.
   std::int32_t side = 1;
 };
 

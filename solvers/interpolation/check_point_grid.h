@@ -32,7 +32,7 @@ inline constexpr Flags kMarking = flags::inverted | flags::unstable | flags::nea
 
 class CheckPointGrid {
  public:
-  /// Of several levels at a check-point the first usable one is taken; only configurations with
+  /// If a check-point has several levels, the first usable one is taken; only configurations with
   /// finite energy, force and stiffness are.
   /// @throws InputError as CellTree, a half-width that is not positive, or a configuration that
   ///   does not lie at its check-point.
@@ -42,7 +42,7 @@ class CheckPointGrid {
   enum class Place {
     /// No configuration is usable, or t is not finite.
     nowhere,
-    /// In a leaf.
+    /// The place is in a leaf.
     cell,
     /// Outside the box: the nearest point of it is given.
     beside_cell,
@@ -53,13 +53,13 @@ class CheckPointGrid {
   struct Location {
     Place place = Place::nowhere;
     Support support = Support::none;
-    /// Of the tree; in or beside a cell.
+    /// The leaf of the tree that the place is in or beside.
     std::int32_t leaf = 0;
     /// Local coordinates in the leaf, in [0, 1].
     Vec3 s = Vec3::Zero();
     /// The nearest point of the box, in spacings from rest.
     Vec3 x = Vec3::Zero();
-    /// From there to t, m; zero in a cell.
+    /// The offset from there to t, m; it is zero in a cell.
     Vec3 offset = Vec3::Zero();
   };
 
@@ -100,9 +100,9 @@ class CheckPointGrid {
     /// Local coordinates in the leaf.
     Vec3 s = Vec3::Zero();
   };
-  /// In an order in which those among the corners of a leaf come before what hangs on it.
+  /// The order is such that the corners of a leaf come before the nodes that hang on it.
   [[nodiscard]] const std::vector<HangingNode>& hanging_nodes() const { return hanging_nodes_; }
-  /// The same of usable nodes and complete leaves alone.
+  /// The same list, made of usable nodes and complete leaves alone.
   [[nodiscard]] const std::vector<HangingNode>& hanging_on_complete() const {
     return hanging_on_complete_;
   }

@@ -30,14 +30,15 @@ namespace palpate {
 
 struct CellEstimate {
   Cell cell;
-  /// Of the force in the cell, N; infinite where there is too little to estimate it by: at a root
-  /// cell, with three check-points in a row or fewer, or where a corner is not usable.
+  /// The error of the force in the cell, N; infinite where there is too little to estimate it by:
+  /// at a root cell, with three check-points in a row or fewer, or where a corner is not usable.
   double error = 0;
   /// Refinement may not help.
   bool marked = false;
 };
 
-/// Of all leaves, in the order of their cells. Takes time in proportion to their number.
+/// Gives the estimates of all leaves, in the order of their cells. The time that it takes is in
+/// proportion to their number.
 /// @throws InputError as CheckPointGrid.
 [[nodiscard]] std::vector<CellEstimate> estimate_errors(
     const Site& site, const std::vector<ConfigurationSummary>& configurations);

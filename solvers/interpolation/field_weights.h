@@ -27,7 +27,7 @@ void for_each_corner(const CheckPointGrid& grid, const CellTree::Leaf& leaf, con
   }
 }
 
-/// The same at a location of the grid; nothing where that is nowhere.
+/// Does the same at a location of the grid, and nothing where the location is nowhere.
 /// @note Realtime-safe.
 template <class Visit>
 void for_each_node(const CheckPointGrid& grid, const CheckPointGrid::Location& at, Visit&& visit) {

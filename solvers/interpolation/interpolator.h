@@ -45,7 +45,7 @@ enum class Method : int {
   linear = 5,
 };
 
-/// In the order of their numbers.
+/// The methods are in the order of their numbers.
 [[nodiscard]] std::vector<Method> all_methods();
 
 /// 'Trilinear', 'Tricubic', 'RBF linear', 'RBF cubic', 'Energy Hermite', 'Linear'.
@@ -116,7 +116,7 @@ class Interpolator {
   double force_limit_;
   /// Largest |force| within the box, N.
   double largest_force_;
-  /// Where rest is the only check-point: what is there.
+  /// The result at rest, where rest is the only check-point.
   TouchResult rest_;
   std::size_t num_samples_ = 0;
 };

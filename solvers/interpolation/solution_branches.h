@@ -18,12 +18,12 @@
 
 namespace palpate {
 
-/// Immutable, and holds all it needs: the site may go.
+/// An object is immutable and holds all that it needs: the site may go.
 class SolutionBranches {
  public:
   explicit SolutionBranches(const TouchSite& site);
 
-  /// At least 1; the first is that of rest.
+  /// There is at least one branch; the first is that of rest.
   [[nodiscard]] int size() const { return static_cast<int>(configurations_.size()); }
   /// Places in the site's list, ascending.
   [[nodiscard]] const std::vector<std::int32_t>& configurations(int branch) const {
@@ -49,7 +49,7 @@ class SolutionBranches {
   std::vector<std::int16_t> next_;
 };
 
-/// The same site with these configurations alone, and the intermediate states on the way to them.
+/// Makes a site of these configurations alone, with the intermediate states on the way to them.
 /// @param configurations Places in the site's list, ascending.
 [[nodiscard]] TouchSite restricted(const TouchSite& site,
                                    const std::vector<std::int32_t>& configurations);

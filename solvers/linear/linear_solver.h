@@ -70,7 +70,7 @@ class LinearSolver {
   /// Overwrites each column with the solution for it. Needs a factor.
   virtual void solve(Eigen::Ref<Eigen::MatrixXd> columns) = 0;
 
-  /// Of the last factor: the number of negative eigenvalues of the matrix (Sylvester).
+  /// The number of negative eigenvalues of the matrix that was factorised last (Sylvester).
   [[nodiscard]] virtual int negative_pivots() const = 0;
 
   /// Of the last factor: the bytes of its numbers, on all ranks together. The library's indices and

@@ -27,14 +27,14 @@ class MumpsTeam {
   MumpsTeam(const MumpsTeam&) = delete;
   MumpsTeam& operator=(const MumpsTeam&) = delete;
 
-  /// On rank 0: a number for one more instance of MUMPS.
+  /// Call this on rank 0: it gives a number for one more instance of MUMPS.
   [[nodiscard]] int new_instance() { return num_instances_++; }
-  /// On rank 0: runs a job of an instance on all ranks, with its control parameters.
+  /// Call this on rank 0: it runs a job of an instance on all ranks, with its control parameters.
   void run(MumpsJob job, int instance, DMUMPS_STRUC_C& mumps);
-  /// The same in single precision.
+  /// Does the same in single precision.
   void run(MumpsJob job, int instance, SMUMPS_STRUC_C& mumps);
 
-  /// On the other ranks: does what rank 0 says until it releases them.
+  /// Call this on the other ranks: they do what rank 0 says until it releases them.
   void serve();
 
  private:

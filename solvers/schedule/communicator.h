@@ -19,12 +19,12 @@ class Communicator {
   [[nodiscard]] virtual int rank() const = 0;
   [[nodiscard]] virtual int size() const = 0;
 
-  /// What each rank gave, by rank.
+  /// Gives every rank what each rank gave, by rank.
   /// @note Collective
   /// @throws BackendError more than 16 GiB in all.
   [[nodiscard]] virtual std::vector<Bytes> all_gather(const Bytes& mine) = 0;
 
-  /// The same on rank 0, nothing elsewhere.
+  /// Gives it to rank 0, and nothing to the others.
   /// @note Collective
   /// @throws BackendError more than 16 GiB in all.
   [[nodiscard]] virtual std::vector<Bytes> gather(const Bytes& mine) = 0;

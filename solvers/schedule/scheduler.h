@@ -58,7 +58,7 @@ struct ScheduleOptions {
 /// Counted for a message besides its content.
 inline constexpr std::size_t kMessageBytes = 64;
 
-/// What one rank has done, or several together.
+/// What one rank has done, or what several have done together.
 struct ScheduleReport {
   std::int64_t tasks = 0;
   /// Sent, of all kinds, and their contents.
@@ -84,7 +84,7 @@ struct ScheduleReport {
 [[nodiscard]] bool run(Worker& worker, Communicator& communicator,
                        ScheduleReport* report = nullptr, const ScheduleOptions& options = {});
 
-/// Of all ranks, on every rank.
+/// Gives every rank the sum over all ranks.
 /// @note Collective
 [[nodiscard]] ScheduleReport sum(Communicator& communicator, const ScheduleReport& mine);
 
@@ -100,11 +100,11 @@ class Scheduler final : private Mail {
   };
   /// Takes in what has come, and executes one task at the most.
   Step step();
-  /// By the clock of the network; may be infinite.
+  /// A time by the clock of the network, which may be infinite.
   [[nodiscard]] double idle_until() const;
 
   [[nodiscard]] bool stopped() const { return stopped_; }
-  /// What the worker threw on this rank; null: nothing.
+  /// What the worker threw on this rank; null if it threw nothing.
   [[nodiscard]] std::exception_ptr error() const { return error_; }
   [[nodiscard]] const ScheduleReport& report() const { return report_; }
 
@@ -183,7 +183,7 @@ class Scheduler final : private Mail {
   double pause_;
   std::uint64_t random_;
 
-  /// Of messages that can make a rank busy.
+  /// These count the messages that can make a rank busy.
   Counts counts_;
   int parent_ = -1;
   std::vector<int> children_;

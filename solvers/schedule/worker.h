@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a user of the scheduler implements, and what he is given for it.
+// What a user of the scheduler implements, and what the scheduler gives for it.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ class Mail {
     send(home_of(key, size()), std::move(message));
   }
 
-  /// To be called now and then within Worker::work where a task is long: gives tasks to ranks that
+  /// Call this now and then within Worker::work where a task is long: it gives tasks to ranks that
   /// have none, through Worker::give, and hands on what keeps the run going. Delivers nothing to
   /// this rank: Worker::receive and Worker::take wait for the end of the task.
   /// @returns false when the run is to end early: the task may give up, its result is not needed.
@@ -45,7 +45,7 @@ class Worker {
  public:
   virtual ~Worker() = default;
 
-  /// Comes before all others.
+  /// This is called before all other functions.
   virtual void start(Mail&) {}
 
   /// A message has come that `from` posted. To be cheap: it is no task. Comes between tasks, and
@@ -62,7 +62,7 @@ class Worker {
   /// Within a task (from Mail::poll) the others may all go; between tasks one must stay, or it could
   /// travel from rank to rank and never be executed.
   [[nodiscard]] virtual Bytes give() = 0;
-  /// What give() of another rank has split off. There may be tasks here already.
+  /// Takes what give() of another rank has split off. There may be tasks here already.
   virtual void take(const Bytes& share, Mail& mail) = 0;
 
   /// The run ends early: drops all tasks. Nothing else is called afterwards.
