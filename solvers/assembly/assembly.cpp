@@ -13,6 +13,7 @@
 
 #include "assembly/kernels.h"
 #include "base/error.h"
+#include "elements/inversion.h"
 #include "elements/tetrahedron.h"
 
 namespace palpate {
@@ -20,6 +21,28 @@ namespace {
 
 /// Pairs of corners of a tetrahedron, each with itself too.
 constexpr int kCornerPairs = 10;
+
+/// Where the nodes of a Tet10 are: its points, and the change of their places.
+std::array<Vec3, 10> nodes_of(const std::vector<Vec3>& points, const Index* cell,
+                              const NodalVector& displacement) {
+  std::array<Vec3, 10> nodes;
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    nodes[a] = points[cell[a]] + displacement.segment<3>(3 * Eigen::Index{cell[a]});
+  }
+  return nodes;
+}
+
+/// @throws InputError
+void check_one_to_one(const TetMesh& mesh) {
+  const NodalVector none = NodalVector::Zero(3 * Eigen::Index{mesh.num_points()});
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    if (!find_inversion(corner_jacobians(nodes_of(mesh.points, mesh.cell(c), none)))) continue;
+    throw InputError("Cell " + std::to_string(c) +
+                     " is folded: its midside nodes are far from the "
+                     "middle of their edges, so that the map onto it is not one to one. Straighten "
+                     "the edges or mesh again.");
+  }
+}
 
 /// The elements of one law of energy and one formulation, laid out for the kernels.
 struct ElementGroup {
@@ -143,6 +166,9 @@ struct Assembly::Data {
   std::vector<Index> multipliers;
   SymmetricPattern pattern;
   std::vector<ElementGroup> groups;
+  /// Of a Tet10 mesh; empty for Tet4, in whose cells det F is constant.
+  std::vector<Vec3> points;
+  std::vector<Index> cells;
 
   // While it is made:
 
@@ -359,11 +385,6 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
     for (std::size_t q = 0; q < rule.size(); ++q) {
       const Mat3 jacobian = x * reference[q];
       const double det = jacobian.determinant();
-      if (!(det > 0)) {
-        throw InputError("Cell " + std::to_string(c) + " is folded: its midside nodes are far from "
-                         "the middle of their edges, so that the map onto it is not one to one. "
-                         "Straighten the edges or mesh again.");
-      }
       const Eigen::Matrix<double, Eigen::Dynamic, 3> gradients = reference[q] * jacobian.inverse();
       const std::size_t at = packet * rule.size() + q;
       for (int a = 0; a < npc; ++a) {
@@ -426,6 +447,11 @@ Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
         edges += (mesh.points[mesh.cell(c)[a]] - mesh.points[mesh.cell(c)[b]]).norm();
       }
     }
+  }
+  if (mesh.order == ElementOrder::quadratic) {
+    check_one_to_one(mesh);
+    data_->points = mesh.points;
+    data_->cells = mesh.cells;
   }
   data_->mean_edge = edges / (6.0 * mesh.num_cells());
   data_->number_nodes(scene);
@@ -492,6 +518,17 @@ std::vector<double> Assembly::minimum_det_f_of_cells(const NodalVector& state) c
     of_group.resize(group.cells.size());
     group.kernels->determinants(group.view(), state.data(), of_group.data());
     for (Index i = 0; i < group.num_cells; ++i) of_cells[group.cells[i]] = of_group[i];
+  }
+  if (data_->cells.empty()) return of_cells;
+  const NodalVector none = NodalVector::Zero(3 * Eigen::Index{data_->num_points});
+  for (Index c = 0; c < data_->num_cells; ++c) {
+    if (!(of_cells[c] > 0)) continue;
+    const Index* cell = data_->cells.data() + c * nodes_per_cell(ElementOrder::quadratic);
+    const CornerJacobians jacobians = corner_jacobians(nodes_of(data_->points, cell, state));
+    const auto place = find_inversion(jacobians);
+    if (!place) continue;
+    const CornerJacobians at_rest = corner_jacobians(nodes_of(data_->points, cell, none));
+    of_cells[c] = std::min(0.0, determinant(jacobians, *place) / determinant(at_rest, *place));
   }
   return of_cells;
 }

@@ -90,7 +90,9 @@ class Assembly {
     Index num_inverted_cells = 0;
   };
 
-  /// Least det F over quadrature points and corners of all cells.
+  /// Least det F over quadrature points and corners of all cells, and where it is positive there
+  /// and not everywhere between them, a place where it is not: so it is positive only where det F
+  /// is positive everywhere.
   /// @param state The displacement [3 × num_points] is enough.
   [[nodiscard]] Determinant minimum_det_f(const NodalVector& state) const;
   /// The same cell by cell [num_cells].
