@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "equilibrium/quasi_newton.h"
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -90,20 +89,22 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
   Correction result;
   const auto end = [&result](Outcome outcome) {
     result.outcome = outcome;
-    return result;
+    return std::move(result);
   };
   const double scale = body.displacement_scale(t);
   Iterate iterate;
   iterate.state = state;
   if (!evaluate(body, iterate)) return end(Outcome::not_converged);  // the predictor inverts a cell
-  const auto quasi_newton = body.is_saddle() ? make_broyden() : make_bfgs();
-  TangentFactor* factor = nullptr;
+  result.quasi_newton = body.is_saddle() ? make_broyden() : make_bfgs();
+  QuasiNewton& quasi_newton = *result.quasi_newton;
+  TangentFactor*& factor = result.factor;
   bool fresh = false;  // the factor is of the tangent at the iterate
   double first_step = 0;
   int num_steps = 0;  // with the factor
+  bool is_stuck = false;  // the last step was hardly one
   const auto use = [&](TangentFactor* other) {
     factor = other;
-    quasi_newton->clear();
+    quasi_newton.clear();
     num_steps = 0;
   };
   for (;;) {
@@ -121,13 +122,23 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
       if (factor == nullptr) use(body.factorise(start));
     }
     if (factor == nullptr) {
-      use(body.factorise(iterate.state));
-      if (factor == nullptr) return end(Outcome::tangent_not_factorised);
-      fresh = true;
+      TangentFactor* here = body.factorise(iterate.state);
+      if (here == nullptr) return end(Outcome::tangent_not_factorised);
+      TangentFactor* at_start = body.find_factor(start);
+      if (!body.is_saddle() && !is_stuck && body.negative_pivots(*here) > 0 &&
+          at_start != nullptr && body.negative_pivots(*at_start) == 0) {
+        // A positive definite one leads downhill, an indefinite one anywhere: so that of the start
+        // serves on, with all steps since.
+        factor = at_start;
+        num_steps = 0;
+      } else {
+        use(here);
+        fresh = true;
+      }
     }
     ++result.iterations;
     Eigen::VectorXd step =
-        quasi_newton->direction(iterate.r, [&](auto columns) { body.solve(*factor, columns); });
+        quasi_newton.direction(iterate.r, [&](auto columns) { body.solve(*factor, columns); });
     const double step_norm = step.lpNorm<Eigen::Infinity>();
     if (num_steps == 0) first_step = step_norm;
     if (num_steps >= kStepsBeforeJudging &&
@@ -144,11 +155,12 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
     }
     const Eigen::VectorXd old_r = iterate.r;
     const double length = step.allFinite() ? search(body, step, slope, iterate) : 0;
+    is_stuck = length < kShortStep;
     if (length == 0) {
       if (fresh) return end(Outcome::not_converged);
       factor = nullptr;
     } else {
-      quasi_newton->update(length * step, iterate.r - old_r);
+      quasi_newton.update(length * step, iterate.r - old_r);
       if (length < kShortStep && !fresh) factor = nullptr;
     }
     fresh = false;

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include "base/outcome.h"
 #include "equilibrium/held_body.h"
 #include "equilibrium/options.h"
+#include "equilibrium/quasi_newton.h"
 
 namespace palpate {
 
@@ -18,6 +20,10 @@ struct Correction {
   /// Largest component of the residual, see EquilibriumOptions::tolerance.
   double residual = 0;
   int iterations = 0;
+  /// The last factor, and the steps since: together an approximation of the inverse of the tangent
+  /// at the end. Null where it was of no more use; good until the next factorisation.
+  TangentFactor* factor = nullptr;
+  std::unique_ptr<QuasiNewton> quasi_newton;
 };
 
 /// Quasi-Newton from `state`, whose sites are at t, with the factor at `start` as long as that

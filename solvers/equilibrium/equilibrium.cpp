@@ -212,7 +212,7 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   }
   const double error = tangent == Tangent::rough ? kRoughSensitivityError : kSensitivityError;
   if (tangent != Tangent::factorised && !is_linear &&
-      linearise_by_iteration(body_, options_, progress.state, *state, error, next)) {
+      linearise_by_iteration(body_, options_, correction, progress.state, *state, error, next)) {
     return next;
   }
   next.outcome = polish(*state, next, progress);

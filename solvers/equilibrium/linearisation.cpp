@@ -158,13 +158,17 @@ void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& stat
 }
 
 bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
-                            const Equilibrium& start, const NodalVector& state, double error,
-                            Equilibrium& equilibrium) {
+                            const Correction& correction, const Equilibrium& start,
+                            const NodalVector& state, double error, Equilibrium& equilibrium) {
   if (body.is_saddle()) return false;
   const NodalVector start_state = state_of(body, start);
-  TangentFactor* factor = body.find_factor(start_state);
+  TangentFactor* factor = correction.factor;
+  if (factor == nullptr) factor = body.find_factor(start_state);
   if (factor == nullptr) factor = body.factorise(start_state);
-  if (factor == nullptr) return false;
+  if (factor == nullptr || body.negative_pivots(*factor) > 0) return false;
+  const auto precondition = [&](Eigen::Ref<Eigen::MatrixXd> columns) {
+    correction.quasi_newton->apply(columns, [&](auto each) { body.solve(*factor, each); });
+  };
   body.assemble_tangent(state);
   equilibrium.energy = body.evaluate(state);
   equilibrium.reaction = body.reaction();
@@ -177,7 +181,7 @@ bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
 
   Eigen::MatrixXd z(r.size(), parameters + 1);
   z << residual, r;
-  body.solve(*factor, z);
+  precondition(z);
   equilibrium.displacement_error =
       z.col(parameters).lpNorm<Eigen::Infinity>() / body.displacement_scale(equilibrium.t);
   if (!(equilibrium.displacement_error <= options.displacement_error())) return false;
@@ -196,7 +200,7 @@ bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
     v += p * alpha.asDiagonal();
     residual -= q * alpha.asDiagonal();
     z = residual;
-    body.solve(*factor, z);
+    precondition(z);
     const Eigen::RowVectorXd next_rho = residual.cwiseProduct(z).colwise().sum();
     p = z + p * next_rho.cwiseQuotient(rho).asDiagonal();
     rho = next_rho;

@@ -3,6 +3,7 @@
 // These functions also translate between the state that the solvers work on and an Equilibrium.
 #pragma once
 
+#include "equilibrium/corrector.h"
 #include "equilibrium/held_body.h"
 #include "equilibrium/options.h"
 #include "equilibrium/state.h"
@@ -33,15 +34,19 @@ void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& stat
 inline constexpr double kSensitivityError = 1e-4;
 inline constexpr double kRoughSensitivityError = 1e-2;
 
-/// Does the same without a factor of the tangent at x: v by conjugate gradients, preconditioned
-/// with the factor at `start`, from which x was reached, and from its v; k by the functional that
-/// is stationary in v, so that its relative error is the square of v's. Costs about half a
+/// Does the same without a factor of the tangent at x: v by conjugate gradients, preconditioned with
+/// what the correction to x has left, its last factor and the steps since, which approximate the
+/// inverse of the tangent there (Morales & Nocedal, Automatic preconditioning by limited memory
+/// quasi-Newton updating, SIAM J. Optim. 10, 2000), and from the v of `start`; k by the functional
+/// that is stationary in v, so that its relative error is the square of v's. Costs about half a
 /// factorisation. The inertia is not computed; negative curvature along the way is seen.
+/// @param start From which x was reached.
 /// @param error That is left in v, relative.
 /// @returns false, and leaves the equilibrium to linearise(), where there is no such factor or it
 ///   does not serve well, the tangent is not positive definite, or x needs another Newton step.
 [[nodiscard]] bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
-                                          const Equilibrium& start, const NodalVector& state,
-                                          double error, Equilibrium& equilibrium);
+                                          const Correction& correction, const Equilibrium& start,
+                                          const NodalVector& state, double error,
+                                          Equilibrium& equilibrium);
 
 }  // namespace palpate

@@ -24,18 +24,24 @@ class Bfgs final : public QuasiNewton {
     pairs_.push_back({step, change, 1 / curvature});
   }
 
+  void apply(Eigen::Ref<Eigen::MatrixXd> columns, const Solve& solve) const override {
+    Eigen::MatrixXd alpha(pairs_.size(), columns.cols());
+    for (std::size_t i = pairs_.size(); i-- > 0;) {
+      const Pair& pair = pairs_[i];
+      alpha.row(i) = pair.inverse_curvature * (pair.step.transpose() * columns);
+      columns.noalias() -= pair.change * alpha.row(i);
+    }
+    solve(columns);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      const Pair& pair = pairs_[i];
+      const Eigen::RowVectorXd beta = pair.inverse_curvature * (pair.change.transpose() * columns);
+      columns.noalias() += pair.step * (alpha.row(i) - beta);
+    }
+  }
+
   [[nodiscard]] Eigen::VectorXd direction(const Eigen::VectorXd& r, const Solve& solve) override {
     Eigen::VectorXd d = -r;
-    std::vector<double> alpha(pairs_.size());
-    for (std::size_t i = pairs_.size(); i-- > 0;) {
-      alpha[i] = pairs_[i].inverse_curvature * pairs_[i].step.dot(d);
-      d -= alpha[i] * pairs_[i].change;
-    }
-    solve(d);
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      const double beta = pairs_[i].inverse_curvature * pairs_[i].change.dot(d);
-      d += (alpha[i] - beta) * pairs_[i].step;
-    }
+    apply(d, solve);
     return d;
   }
 
@@ -61,10 +67,14 @@ class Broyden final : public QuasiNewton {
     pending_ = step;
   }
 
+  void apply(Eigen::Ref<Eigen::MatrixXd> columns, const Solve& solve) const override {
+    solve(columns);
+    for (const auto& [a, s] : factors_) columns += a * (s.transpose() * columns);
+  }
+
   [[nodiscard]] Eigen::VectorXd direction(const Eigen::VectorXd& r, const Solve& solve) override {
     Eigen::VectorXd z = r;
-    solve(z);
-    for (const auto& [a, s] : factors_) z += s.dot(z) * a;
+    apply(z, solve);
     if (pending_.size() > 0) {
       const Eigen::VectorXd hy = z - last_;
       const double denominator = pending_.dot(hy);

@@ -20,7 +20,9 @@ class QuasiNewton {
 
   /// Forgets all steps: the factor is another.
   virtual void clear() = 0;
-  /// −K⁻¹ r, approximately.
+  /// Overwrites each column with K⁻¹ times it, approximately.
+  virtual void apply(Eigen::Ref<Eigen::MatrixXd> columns, const Solve& solve) const = 0;
+  /// −K⁻¹ r, approximately; the next update is of this one.
   [[nodiscard]] virtual Eigen::VectorXd direction(const Eigen::VectorXd& r, const Solve& solve) = 0;
   /// @param step Change of the unknowns since the last direction. @param change Of the residual.
   virtual void update(const Eigen::VectorXd& step, const Eigen::VectorXd& change) = 0;
