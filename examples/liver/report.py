@@ -12,7 +12,8 @@ from remesh import arrays, volume
 OUTCOMES = ("converged", "not converged", "tangent could not be factorised", "budget used up",
             "aborted", "invalid scene")
 FLAGS = {1: "inverted (det F ≤ 0 somewhere)", 2: "unstable (negative pivots)",
-         4: "beyond the force limit", 8: "near a fold", 16: "inertia not computed"}
+         4: "beyond the force limit", 8: "near a fold", 16: "inertia not computed",
+         32: "inaccurate"}
 FOUND = ("nothing found", "inside the space", "extrapolated", "in a marked region")
 
 

@@ -29,6 +29,8 @@ inline constexpr Flags beyond_force_limit = 4;
 inline constexpr Flags near_fold = 8;
 /// The number of negative pivots is not known (a neighbour's factor was used).
 inline constexpr Flags inertia_not_computed = 16;
+/// An equilibrium to rounding, of which the displacement is less accurate than was asked for.
+inline constexpr Flags inaccurate = 32;
 }  // namespace flags
 using flags::Flags;
 

@@ -25,9 +25,12 @@ constexpr double kEnergyGap = 0.05;
 constexpr double kWorkGap = 0.01;
 /// Energies are sums over the body: this much of them is rounding.
 constexpr double kEnergyRounding = 1e-11;
-/// Where rounding does not allow the displacement to be as accurate as it should, as with stiffnesses
-/// that differ by 1e9, an error up to this is let be.
+/// Where rounding does not allow the displacement to be as accurate as it should, as with
+/// stiffnesses that differ by 1e9, an error up to this is let be, and told.
 constexpr double kMostDisplacementError = 1e-6;
+/// A Newton step that is longer, in shares of the displacement, corrects no error of rounding: the
+/// tangent is near singular there, and where the step leads may be on another branch.
+constexpr double kMostPolish = 1e-2;
 /// A step that failed this often in a row is followed along the path instead of being halved on.
 constexpr int kFailuresBeforeFollowing = 3;
 /// Points of a path that a solve follows; each costs two or three factorisations.
@@ -109,6 +112,8 @@ class EquilibriumSolver::Impl {
                    Progress& progress);
   /// Completes the equilibrium at a state, after Newton steps where the displacement needs them.
   Outcome polish(NodalVector& state, Equilibrium& next, Progress& progress);
+  /// Sets the flag of a displacement that is less accurate than was asked for.
+  void tell_accuracy(Equilibrium& state) const;
   /// Of one that has converged, if it is asked for.
   void add_third_derivative(Equilibrium& state);
   /// Takes the next equilibrium into progress.
@@ -163,7 +168,9 @@ Equilibrium EquilibriumSolver::Impl::rest() {
   state.reaction.setZero(parameters);
   state.stiffness.setZero(parameters, parameters);
   state.outcome = linearise(body_, NodalVector::Zero(assembly.state_size()), state);
-  if (state.outcome != Outcome::converged) state.message = explain_singular(body_);
+  tell_accuracy(state);
+  state.message = state.outcome == Outcome::converged ? explain(body_, state, state.t, 1)
+                                                      : explain_singular(body_);
   add_third_derivative(state);
   state.seconds = seconds_since(start_);
   return state;
@@ -225,19 +232,36 @@ Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next,
   Outcome outcome = linearise(body_, state, next, &newton_step);
   while (outcome == Outcome::converged && next.displacement_error > options_.displacement_error()) {
     const double before = next.displacement_error;
+    if (before > kMostPolish) return Outcome::not_converged;
     const NodalVector improved = state + newton_step;
     if (!std::isfinite(body_.evaluate(improved))) return Outcome::not_converged;
+    Eigen::VectorXd r;
+    body_.residual(r);
+    const double residual = body_.norm(r) / body_.displacement_scale(next.t);
+    if (!(residual <= options_.tolerance)) break;
+    Equilibrium moved = next;
+    moved.residual = residual;
     ++progress.iterations;
-    outcome = linearise(body_, improved, next, &newton_step);
+    outcome = linearise(body_, improved, moved, &newton_step);
+    if (outcome != Outcome::converged) break;
+    // Another inertia is that of another branch. And where the error grows, rounding is what is
+    // left.
+    if (moved.negative_pivots != next.negative_pivots || !(moved.displacement_error < before))
+      break;
     state = improved;
-    // Where it does not shrink any more, rounding is what is left.
+    next = std::move(moved);
     if (next.displacement_error > 0.5 * before) break;
   }
   if (outcome == Outcome::converged &&
       next.displacement_error > std::max(kMostDisplacementError, options_.displacement_error())) {
     return Outcome::not_converged;
   }
+  tell_accuracy(next);
   return outcome;
+}
+
+void EquilibriumSolver::Impl::tell_accuracy(Equilibrium& state) const {
+  if (state.displacement_error > options_.displacement_error()) state.flags |= flags::inaccurate;
 }
 
 void EquilibriumSolver::Impl::advance(double stride, const Eigen::VectorXd& way, Equilibrium next,
@@ -349,6 +373,7 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
   Path path =
       follow_path(body_, options_, options, [this] { return interruption(); }, start, t);
   path.end.third_derivative.resize(0);  // of the start
+  tell_accuracy(path.end);
   path.end.seconds = seconds_since(start_);
   path.end.message = explain(body_, path.end, t, path.points.back().way);
   return path;

@@ -123,6 +123,10 @@ std::string explain(const HeldBody& body, const Equilibrium& state, const Eigen:
   if ((state.flags & flags::unstable) != 0) {
     text << "The equilibrium is not stable (" << state.negative_pivots << " negative pivots). ";
   }
+  if ((state.flags & flags::inaccurate) != 0) {
+    text << "Rounding leaves the displacement with an error of " << state.displacement_error
+         << " of its size. ";
+  }
   std::string message = text.str();
   if (!message.empty()) message.pop_back();
   return message;

@@ -12,7 +12,8 @@ struct EquilibriumOptions {
   /// 1e-8.
   double tolerance = 1e-10;
   /// And when Newton's method would not move the body by more than this share of the larger of |t|
-  /// and a thousandth of the mean edge.
+  /// and a thousandth of the mean edge. Where rounding allows no better than 1e-6, as with
+  /// stiffnesses that differ by 1e9, it has converged too and flags::inaccurate is set.
   [[nodiscard]] double displacement_error() const { return 100 * tolerance; }
   /// Iterations of one step.
   int max_iterations = 60;

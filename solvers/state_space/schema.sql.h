@@ -81,7 +81,7 @@ CREATE TABLE configuration (
   outcome     INTEGER NOT NULL,       -- 0 converged, 1 not converged, 2 tangent could not be
                                       -- factorised, 3 budget used up, 4 aborted, 5 invalid scene
   flags       INTEGER NOT NULL,       -- bits: 1 inverted, 2 unstable, 4 beyond the force limit,
-                                      -- 8 near a fold, 16 inertia not computed
+                                      -- 8 near a fold, 16 inertia not computed, 32 inaccurate
   residual,                           -- over the force scale of the scene
   minimum_det_f,
   negative_pivots INTEGER NOT NULL,

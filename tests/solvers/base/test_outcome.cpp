@@ -21,6 +21,7 @@ TEST(Outcome, NumbersAreKept) {
   EXPECT_EQ(flags::beyond_force_limit, 4);
   EXPECT_EQ(flags::near_fold, 8);
   EXPECT_EQ(flags::inertia_not_computed, 16);
+  EXPECT_EQ(flags::inaccurate, 32);
 }
 
 TEST(Outcome, HasANameOfItsOwn) {
@@ -35,8 +36,9 @@ TEST(Flags, AreListed) {
   EXPECT_EQ(flags_to_string(0), "");
   EXPECT_EQ(flags_to_string(flags::inverted), "inverted");
   EXPECT_EQ(flags_to_string(flags::inverted | flags::unstable), "inverted, unstable");
-  EXPECT_EQ(flags_to_string(31),
-            "inverted, unstable, beyond the force limit, near a fold, inertia not computed");
+  EXPECT_EQ(flags_to_string(63),
+            "inverted, unstable, beyond the force limit, near a fold, inertia not computed, "
+            "inaccurate");
 }
 
 }  // namespace

@@ -6,17 +6,21 @@
 #include <sstream>
 
 #include "solvers/equilibrium/state.h"
+#include "solvers/support/bezier.h"
 #include "solvers/support/deformation.h"
 
 namespace palpate::test {
 namespace {
 
-/// Of a component of the residual, in shares of Σ|K_ij| times the largest displacement. A solver
-/// that measures by the mean row leaves more where a body has parts of different stiffness.
-constexpr double kResidual = 1e-6;
-/// Newton step from a solution, in shares of the displacement of the sites: what the residual of
-/// each row does not show, such as the net force on a stiff part that is free to move.
-constexpr double kDisplacement = 1e-6;
+/// EquilibriumOptions::tolerance is a share of this displacement, or of that of the sites where it
+/// is larger; in shares of the mean edge.
+constexpr double kLeastDisplacement = 1e-3;
+/// Of a residual that is summed up here in another order; times Σ|K_ij| |u|.
+constexpr double kRounding = 1e-14;
+/// EquilibriumOptions::displacement_error() is this many tolerances.
+constexpr double kDisplacement = 100;
+/// The most where rounding allows no better, which a flag must tell.
+constexpr double kMostDisplacement = 1e-6;
 /// Of det F, which is computed here by another order of operations; times the size of ∇u cubed.
 constexpr double kDetF = 1e-9;
 
@@ -32,10 +36,17 @@ Eigen::VectorXd row_sums(const SymmetricPattern& pattern, const std::vector<doub
   return sums;
 }
 
+/// Root of the sum of squares over each row.
+Eigen::VectorXd row_norms(const SymmetricPattern& pattern, std::vector<double> values) {
+  for (double& value : values) value *= value;
+  return row_sums(pattern, values).cwiseSqrt();
+}
+
 }  // namespace
 
 std::vector<std::string> faults(const Equilibrium& state, const Assembly& assembly,
-                                const Constraint& constraint, const TetMesh* mesh) {
+                                const Constraint& constraint, double tolerance,
+                                const TetMesh* mesh) {
   std::vector<std::string> result;
   const auto require = [&](bool holds, const auto&... what) {
     if (holds) return;
@@ -60,8 +71,12 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
     require(((state.flags & flags::unstable) != 0) == (state.negative_pivots > 0), "there are ",
             state.negative_pivots, " negative pivots and the flag 'unstable' says otherwise");
   }
-  require(state.outcome != Outcome::converged || state.displacement_error <= kDisplacement,
-          "converged, though a Newton step would move it by ", state.displacement_error);
+  const bool is_inaccurate = (state.flags & flags::inaccurate) != 0;
+  require(is_inaccurate == (state.displacement_error > kDisplacement * tolerance),
+          "a Newton step would move it by ", state.displacement_error,
+          " and the flag 'inaccurate' says otherwise");
+  require(state.displacement_error <= std::max(kMostDisplacement, kDisplacement * tolerance),
+          "a Newton step would move it by ", state.displacement_error);
   require(state.p.size() == assembly.num_pressures(), "there are ", state.p.size(),
           " pressures in place of ", assembly.num_pressures());
   if (!result.empty() || state.outcome == Outcome::tangent_not_factorised) return result;
@@ -88,19 +103,34 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
   require((state.reaction - reaction).norm() <= 1e-12 * in_sum.norm(), "the reaction is ",
           reaction.transpose(), " in place of ", state.reaction.transpose());
 
-  // A displacement that is less than a millionth of an edge is none, after one that was larger.
-  const double largest = std::max(whole.lpNorm<Eigen::Infinity>(), 1e-6 * assembly.mean_edge());
+  std::vector<double> values_at_rest;
+  NodalVector force_at_rest;
+  (void)assembly.tangent(NodalVector::Zero(assembly.state_size()), force_at_rest, values_at_rest);
+  const Eigen::VectorXd norms = row_norms(assembly.pattern(), values_at_rest);
+  const double scale =
+      std::max(state.t.lpNorm<Eigen::Infinity>(), kLeastDisplacement * assembly.mean_edge());
+  const double largest = whole.lpNorm<Eigen::Infinity>();
   for (Index i = 0; i < assembly.pattern().size; ++i) {
     const Index place = assembly.state_of_unknown()[i];
     if (place < 3 * assembly.num_points() && held[place / 3] != 0) continue;
-    if (std::abs(force[place]) <= kResidual * rows[i] * largest) continue;
-    require(false, "the residual at place ", place, " of the state is ", std::abs(force[place]),
-            ", ", std::abs(force[place]) / (rows[i] * largest), " of its scale");
+    const double rounding = kRounding * rows[i] * largest;
+    const double residual = std::max(0.0, std::abs(force[place]) - rounding) / (norms[i] * scale);
+    if (residual <= std::min(tolerance, (1 + kRounding) * state.residual)) continue;
+    require(false, "the residual at place ", place, " of the state is ", residual,
+            " of its scale, and the largest is said to be ", state.residual);
     break;
   }
   if (mesh != nullptr) {
     const double least = least_det_f(*mesh, state.u);
-    require(std::abs(least - state.minimum_det_f) <= kDetF * std::max(1.0, std::abs(least)),
+    bool inverted = least <= 0;
+    for (Index c = 0; c < mesh->num_cells() && !inverted; ++c) {
+      inverted = is_inverted(corner_jacobians(*mesh, c, state.u));
+    }
+    require(inverted == (state.minimum_det_f <= 0), "det F is ", inverted ? "not " : "",
+            "positive everywhere, and its least value is said to be ", state.minimum_det_f);
+    const bool is_between = least > 0 && inverted;
+    require(is_between ||
+                std::abs(least - state.minimum_det_f) <= kDetF * std::max(1.0, std::abs(least)),
             "the least det F is ", least, " in place of ", state.minimum_det_f);
   }
   return result;

@@ -15,16 +15,18 @@ namespace palpate::test {
 /// unless all went well, explained; and where every figure is that of an equilibrium at `state.t`,
 /// also where that is not the one asked for.
 ///
-/// Each component of the residual is measured by its own row of the tangent, so that forces of a
-/// soft part are not judged by those of a stiff one.
+/// Each component of the residual is measured as EquilibriumOptions::tolerance says, by its own row
+/// of the tangent at rest, so that forces of a soft part are not judged by those of a stiff one.
+/// @param tolerance That of the solver's options.
 /// @param mesh As in the scene; det F is computed anew. Null: it is not.
 [[nodiscard]] std::vector<std::string> faults(const Equilibrium& state, const Assembly& assembly,
-                                              const Constraint& constraint,
+                                              const Constraint& constraint, double tolerance,
                                               const TetMesh* mesh = nullptr);
 
 inline void expect_sound(const Equilibrium& state, const EquilibriumSolver& solver,
-                         const Constraint& constraint) {
-  for (const std::string& fault : faults(state, solver.assembly(), constraint)) {
+                         const Constraint& constraint,
+                         double tolerance = EquilibriumOptions{}.tolerance) {
+  for (const std::string& fault : faults(state, solver.assembly(), constraint, tolerance)) {
     ADD_FAILURE() << fault;
   }
 }

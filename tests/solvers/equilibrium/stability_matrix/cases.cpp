@@ -70,9 +70,14 @@ void add_contrasts(std::vector<Case>& cases) {
   // Everything is convex enough at these displacements: one stable equilibrium.
   for (double contrast : {1.0, 1e3, 1e6, 1e9}) {
     const std::string ratio = number(contrast);
+    Expected ends = converges();
+    // There rounding is a share of 1e9 · 1e-16 of the displacement of the soft part, and more.
+    if (contrast == 1e9) ends.may = flags::inaccurate;
+    Expected shell = converges_or_stops();
+    shell.may |= ends.may;
     for_each_body([&](ElementOrder order, Law law, const std::string& body) {
       cases.push_back(
-          {"Stiff inclusion, " + ratio, body, converges(), [=] {
+          {"Stiff inclusion, " + ratio, body, ends, [=] {
              Scene scene =
                  make_scene(make_box(order, {3, 3, 3}, Vec3::Constant(kSize)), tissue(law), {});
              scene.fixed = fixed_where(scene.mesh, at_left);
@@ -84,7 +89,7 @@ void add_contrasts(std::vector<Case>& cases) {
              return hold_point(std::move(scene), corner, kSize * Vec3(0.08, 0.04, -0.06));
            }});
       cases.push_back(
-          {"Stiff layer, " + ratio, body, converges(), [=] {
+          {"Stiff layer, " + ratio, body, ends, [=] {
              Scene scene =
                  make_scene(make_box(order, {4, 2, 2}, Vec3::Constant(kSize)), tissue(law), {});
              scene.fixed = fixed_where(scene.mesh, at_left);
@@ -96,7 +101,7 @@ void add_contrasts(std::vector<Case>& cases) {
       cases.push_back(
           {"Thin stiff shell around a soft core, " + ratio, body,
            // Its own thickness, contrast and incompressibility together leave no digits.
-           contrast == 1e9 && is_incompressible(law) ? converges_or_stops() : converges(), [=] {
+           contrast == 1e9 && is_incompressible(law) ? shell : ends, [=] {
              const std::vector<double> planes = {0, 0.02, 0.5, 0.98, 1};
              Scene scene =
                  make_scene(make_graded_box(order, {planes, {0, 0.02, 0.98, 1}, {0, 0.02, 0.98, 1}},
