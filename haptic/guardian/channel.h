@@ -45,8 +45,7 @@ class GuardianChannel {
   void rest() noexcept { loop_lives_.store(kResting, std::memory_order_release); }
   /// There is a trip that the loop has not acknowledged.
   [[nodiscard]] bool tripped() const noexcept {
-    return trips_.load(std::memory_order_acquire) !=
-           acknowledged_.load(std::memory_order_acquire);
+    return trips_.load(std::memory_order_acquire) != acknowledged_.load(std::memory_order_acquire);
   }
   /// The loop has seen the trip, and has set the motors to zero since.
   void acknowledge() noexcept {

@@ -88,8 +88,8 @@ Guardian::Guardian(const std::string& device, const Report& zero, Duration deadl
       ::fcntl(memory.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
     fail("Shared memory", errno);
   }
-  void* const mapped = ::mmap(nullptr, sizeof(GuardianChannel), PROT_READ | PROT_WRITE, MAP_SHARED,
-                              memory.get(), 0);
+  void* const mapped =
+      ::mmap(nullptr, sizeof(GuardianChannel), PROT_READ | PROT_WRITE, MAP_SHARED, memory.get(), 0);
   if (mapped == MAP_FAILED) fail("Shared memory", errno);
   channel_ = new (mapped) GuardianChannel(zero);
   // The loop shall not wait for a page of it. Where it is not permitted nothing is lost.

@@ -99,8 +99,10 @@ void watch(GuardianChannel& channel, int device) {
       channel.say_device_is_gone();
       return;
     }
-    if (host == Watch::Host::dead) clock.sleep_until(clock.now() + step.wait);
-    else host = wait_for_host(step.wait);
+    if (host == Watch::Host::dead)
+      clock.sleep_until(clock.now() + step.wait);
+    else
+      host = wait_for_host(step.wait);
   }
 }
 
@@ -110,8 +112,9 @@ void watch(GuardianChannel& channel, int device) {
 int main(int argc, char** argv) {
   palpate::GuardianChannel* const channel = argc == 2 ? palpate::shared_memory() : nullptr;
   if (channel == nullptr) {
-    std::fprintf(stderr, "palpate-guardian: Palpate starts this program when it opens a haptic "
-                         "device, and both have to be of the same version.\n");
+    std::fprintf(stderr,
+                 "palpate-guardian: Palpate starts this program when it opens a haptic "
+                 "device, and both have to be of the same version.\n");
     return argc == 2 ? errno : EXIT_FAILURE;
   }
   const int device = ::open(argv[1], O_WRONLY | O_CLOEXEC);

@@ -39,7 +39,8 @@ std::string why_tripped(const Tick& tick) {
     text += "The device or the loop was silent for too long. ";
   }
   if (tick.tripped & trips::guardian) {
-    text += "The guardian has set the motors to zero, because the loop was silent, or looks no more. ";
+    text +=
+        "The guardian has set the motors to zero, because the loop was silent, or looks no more. ";
   }
   if (!text.empty()) text += "There is no force until the tool was outside of the body.";
   return text;

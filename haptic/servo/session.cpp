@@ -17,8 +17,8 @@ constexpr int kMostReports = 256;
 
 /// Of two clocks at the most: crystals keep to 1e-4, trimmed oscillators to 3e-3.
 constexpr double kClockDrift = 3e-3;
-/// A gap in the reports in which the queue was not seen empty lets the offset grow by no more than a
-/// gap of so long.
+/// A gap in the reports in which the queue was not seen empty lets the offset grow by no more than
+/// a gap of so long.
 constexpr Duration kLongestDrift = milliseconds(10);
 
 /// A device the time of which has gone back, as by a restart, is believed anew after so long.

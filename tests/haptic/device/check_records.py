@@ -166,7 +166,7 @@ def expected_forces(records, body):
     position = {s.counter: s.position for s in records.whole}
     # What the guardian sends answers nothing.
     pause = records.faults["host_pause"]
-    guardians = Span(pause.begin, pause.end + SOON)
+    guardians = Span(pause.begin + TICK, pause.end + SOON)
     expected = []
     for session in records.sessions:
         was_outside, anchor, fresh_at = False, None, math.inf

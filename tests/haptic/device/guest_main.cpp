@@ -89,8 +89,10 @@ void be_the_host() {
 int main(int argc, char** argv) {
   const bool is_host = argc > 1 && std::strcmp(argv[1], palpate::test::Host::kArgument) == 0;
   try {
-    if (is_host) be_the_host();
-    else be_the_machine();
+    if (is_host)
+      be_the_host();
+    else
+      be_the_machine();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", is_host ? "host" : "init", error.what());
   }

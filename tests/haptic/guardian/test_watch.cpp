@@ -40,7 +40,7 @@ TEST_F(WatchTest, LeavesALivingLoopAlone) {
   EXPECT_FALSE(channel.tripped());
 }
 
-// However the looks lie before it, the one that finds the silence is there when it has lasted 20 ms.
+// However the looks lie before it, one comes when the silence has lasted 20 ms.
 TEST_F(WatchTest, TripsAfterTwentyMillisecondsOfSilence) {
   for (Duration first = 0ms; first < 10ms; first += 100us) {
     GuardianChannel silent;

@@ -41,8 +41,8 @@ struct Guarded : testing::Test {
     make_loop(*rig->profile);
   }
   void make_loop(const Profile& profile) {
-    rig->loop = std::make_unique<Loop>(*transport, profile, *rig->clock, ServoOptions{},
-                                       rig->inbox, rig->outbox);
+    rig->loop = std::make_unique<Loop>(*transport, profile, *rig->clock, ServoOptions{}, rig->inbox,
+                                       rig->outbox);
   }
   /// With a guardian that looks.
   void run(Duration duration) {

@@ -10,8 +10,7 @@ namespace palpate::test {
 /// A device that has a guardian, and whose writes can fail.
 class GuardedTransport final : public Transport {
  public:
-  GuardedTransport(Transport& board, GuardianChannel* channel)
-      : board_(board), channel_(channel) {}
+  GuardedTransport(Transport& board, GuardianChannel* channel) : board_(board), channel_(channel) {}
   TransportStatus read(Report& report, Duration timeout) noexcept override {
     return board_.read(report, timeout);
   }
