@@ -2,8 +2,9 @@
 # Finds ParaView, and Qt in the version that its window has.
 
 # Debian 13 renames the Python modules of ParaView, but not where paraview-dev tells CMake of them,
-# which stops at a file that is missing. The plugins need none of them, so their files are not looked
-# for: CMake leaves out targets that have a folder in such a variable, as Apple's XCFrameworks do.
+# which stops at a file that is missing. The plugins need none of them, so their files are not
+# looked for: CMake leaves out targets that have a folder in such a variable, as Apple's
+# XCFrameworks do.
 set(paraview_folders "${ParaView_DIR}")
 if(NOT ParaView_DIR)
   file(GLOB paraview_folders "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/paraview-*")
@@ -25,9 +26,9 @@ set(CMAKE_POLICY_DEFAULT_CMP0174 OLD)
 # of GDAL, FFmpeg and more. The targets of its window are there all the same; they need Qt's
 # widgets, and its component pqCore would ask for Qt's help system too.
 find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore VTKExtensionsExtraction)
-# Where VTK is a package of its own, as beneath Debian's ParaView 6.1, it looks for what lies behind a
-# module only when that module is asked for, and ParaView does not ask for these that it links. VTK's
-# development package brings them all.
+# Where VTK is a package of its own, as beneath Debian's ParaView 6.1, it looks for what lies behind
+# a module only when that module is asked for, and ParaView does not ask for these that it links.
+# VTK's development package brings them all.
 cmake_path(IS_PREFIX ParaView_DIR "${VTK_DIR}" vtk_is_part_of_paraview)
 if(NOT vtk_is_part_of_paraview)
   find_package(VTK REQUIRED COMPONENTS hdf5 jsoncpp netcdf)

@@ -92,8 +92,8 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
     table->AddColumn(Column<vtkDoubleArray>(
       name, rows, [=](const AccuracyRow& row) { return factor * row.*member; }));
   };
-  table->AddColumn(Column<vtkStringArray>(
-    "Method", rows, [](const AccuracyRow& row) { return row.method; }));
+  table->AddColumn(
+    Column<vtkStringArray>("Method", rows, [](const AccuracyRow& row) { return row.method; }));
   if (ofNodes)
   {
     integer("ActiveNode", &AccuracyRow::active_node);
@@ -149,7 +149,8 @@ void FillChart(std::vector<AccuracyRow> rows, vtkTable* table)
     if (!table->GetColumnByName(first.method.c_str()))
     {
       constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-      number(first.method, [&](const AccuracyRow& row)
+      number(first.method,
+        [&](const AccuracyRow& row)
         { return row.method == first.method ? PerCent * row.mean_error : nothing; });
     }
   }
@@ -168,8 +169,7 @@ void AddVectors(vtkPolyData* data, const char* name, const std::vector<AccuracyP
   data->GetPointData()->AddArray(array);
 }
 
-void FillPoints(
-  const palpate::TouchSpace& space, const AccuracyResult& result, vtkPolyData* data)
+void FillPoints(const palpate::TouchSpace& space, const AccuracyResult& result, vtkPolyData* data)
 {
   data->Initialize();
   const std::vector<AccuracyPoint>& all = result.points;
@@ -178,8 +178,7 @@ void FillPoints(
   vtkNew<vtkCellArray> vertices;
   for (const AccuracyPoint& point : all)
   {
-    const palpate::Vec3 place =
-      space.find(point.active_node)->rest_position + point.exact.t;
+    const palpate::Vec3 place = space.find(point.active_node)->rest_position + point.exact.t;
     vertices->InsertNextCell({ points->InsertNextPoint(place.data()) });
   }
   data->SetPoints(points);
@@ -287,8 +286,8 @@ int vtkPalpateAccuracyReport::RequestData(
     // One after the other: both are collective, and may fail on the first rank alone.
     palpate::agree(
       *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
-    palpate::agree(*communicator,
-      [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
+    palpate::agree(
+      *communicator, [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
 
     palpate::AccuracyOptions options;
     options.exact.test_points = this->TestPoints;
@@ -326,11 +325,10 @@ int vtkPalpateAccuracyReport::RequestData(
     AddRun(result, communicator->size(), rows->GetFieldData());
     if (!result.complete)
     {
-      vtkWarningMacro("Aborted. "
-        << (this->FileName.empty()
-               ? std::string("Nothing is kept.")
-               : "The test points that were solved are in " + this->FileName +
-                   ": the next run goes on from there."));
+      vtkWarningMacro(
+        "Aborted. " << (this->FileName.empty() ? std::string("Nothing is kept.")
+                                               : "The test points that were solved are in " +
+              this->FileName + ": the next run goes on from there."));
       return;
     }
     this->LastOf = of;

@@ -44,14 +44,16 @@ std::map<std::string, double> CoefficientsByName(const std::vector<std::array<do
 {
   if (rows.empty())
   {
-    throw InputError("Coefficients is empty; the law needs rows of the powers r and s and of C_rs.");
+    throw InputError(
+      "Coefficients is empty; the law needs rows of the powers r and s and of C_rs.");
   }
   std::map<std::string, double> values;
   for (const auto& [r, s, value] : rows)
   {
-    const auto known = std::find_if(palpate::polynomial_powers.begin(),
-      palpate::polynomial_powers.end(),
-      [r = r, s = s](const std::array<int, 2>& powers) { return powers[0] == r && powers[1] == s; });
+    const auto known =
+      std::find_if(palpate::polynomial_powers.begin(), palpate::polynomial_powers.end(),
+        [r = r, s = s](const std::array<int, 2>& powers)
+        { return powers[0] == r && powers[1] == s; });
     if (known == palpate::polynomial_powers.end())
     {
       std::ostringstream text;
@@ -147,8 +149,8 @@ int vtkPalpateAssignMaterial::RequestData(
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
-      const auto body = vtkPalpateGatherBody(
-        vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
+      const auto body =
+        vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
       if (!body || vtkPalpatePassFailure(body, output))
       {
         return;

@@ -64,7 +64,8 @@ public:
   vtkGetMacro(Exponent, double);
   ///@}
   ///@{
-  /// C_rs, Pa, of the powers r and s with a sum of 1, 2 or 3; those that are not given are 0. Law 4.
+  /// C_rs, Pa, of the powers r and s with a sum of 1, 2 or 3; those that are not given are 0.
+  /// Law 4.
   void AddCoefficient(double r, double s, double value);
   void ClearCoefficients();
   ///@}

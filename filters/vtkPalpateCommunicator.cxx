@@ -2,9 +2,9 @@
 #include "vtkPalpateCommunicator.h"
 
 #ifdef PALPATE_WITH_MPI
-#include "schedule/mpi_communicator.h"
-#include "vtkMPI.h"
-#include "vtkMPICommunicator.h"
+#  include "schedule/mpi_communicator.h"
+#  include "vtkMPI.h"
+#  include "vtkMPICommunicator.h"
 #endif
 #include "vtkMultiProcessController.h"
 

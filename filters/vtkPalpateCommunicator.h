@@ -8,8 +8,8 @@
 
 class vtkMultiProcessController;
 
-/// Address of the MPI_Comm of a controller, for code that takes it without an MPI header; null where
-/// the controller is null or does not speak MPI.
+/// Address of the MPI_Comm of a controller, for code that takes it without an MPI header; null
+/// where the controller is null or does not speak MPI.
 PALPATEFILTERS_EXPORT const void* vtkPalpateMpiComm(vtkMultiProcessController* controller);
 
 /// The ranks of a controller; one rank where it is null or does not speak MPI.

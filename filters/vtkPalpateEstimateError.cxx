@@ -39,9 +39,9 @@ std::vector<double> Estimate(const palpate::TouchSpace& space)
     for (std::size_t i = 0; i < errors.size(); ++i)
     {
       const auto& [x, y, z] = site.configurations[i].check_point;
-      rows.insert(rows.end(), { static_cast<double>(site.site.active_node),
-                                static_cast<double>(x), static_cast<double>(y),
-                                static_cast<double>(z), errors[i] });
+      rows.insert(rows.end(),
+        { static_cast<double>(site.site.active_node), static_cast<double>(x),
+          static_cast<double>(y), static_cast<double>(z), errors[i] });
     }
   }
   return rows;
@@ -61,8 +61,7 @@ std::map<Key, double> Share(std::vector<double> rows, vtkMultiProcessController*
   const auto integer = [&rows](std::size_t i) { return static_cast<int>(rows[i]); };
   for (std::size_t i = 0; i < rows.size(); i += 5)
   {
-    estimates.emplace(
-      Key(integer(i), integer(i + 1), integer(i + 2), integer(i + 3)), rows[i + 4]);
+    estimates.emplace(Key(integer(i), integer(i + 1), integer(i + 2), integer(i + 3)), rows[i + 4]);
   }
   return estimates;
 }
@@ -126,8 +125,8 @@ int vtkPalpateEstimateError::RequestData(
         return;
       }
       std::vector<double> rows;
-      palpate::agree(*ranks,
-        [&] { rows = Estimate(vtkPalpateSpaceFromCollection(input, controller)); });
+      palpate::agree(
+        *ranks, [&] { rows = Estimate(vtkPalpateSpaceFromCollection(input, controller)); });
       const std::map<Key, double> estimates = Share(std::move(rows), controller);
       output->CompositeShallowCopy(input);
       for (const auto& partition : vtkPalpateConfigurations(output))

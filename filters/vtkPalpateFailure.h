@@ -25,12 +25,12 @@ PALPATEFILTERS_EXPORT void vtkPalpateMarkFailed(vtkDataObject* output, const cha
 PALPATEFILTERS_EXPORT bool vtkPalpatePassFailure(vtkDataObject* input, vtkDataObject* output);
 
 /// The body of RequestData: calls `body()`. What it throws becomes the mark in `output` and one
-/// error message of `self` (null: none): of rank 0, or where that has none, of each rank that has one. Where one
-/// rank fails, the output of every rank bears the mark.
+/// error message of `self` (null: none): of rank 0, or where that has none, of each rank that has
+/// one. Where one rank fails, the output of every rank bears the mark.
 /// @param controller The ranks; null: one.
-/// @returns the error code, the same on every rank, for vtkAlgorithm::ErrorCode. (SetErrorCode would
-/// modify the filter, so that it runs again at the next render.) RequestData itself answers 1, for the
-/// reason given at vtkPalpateGuard.
+/// @returns the error code, the same on every rank, for vtkAlgorithm::ErrorCode. (SetErrorCode
+/// would modify the filter, so that it runs again at the next render.) RequestData itself answers
+/// 1, for the reason given at vtkPalpateGuard.
 /// @note Collective, so `body` must come to its end on every rank.
 [[nodiscard]] PALPATEFILTERS_EXPORT unsigned long vtkPalpateProduce(vtkObject* self,
   vtkDataObject* output, vtkMultiProcessController* controller,

@@ -138,7 +138,8 @@ vtkPalpateMaterials vtkPalpateReadMaterials(
 {
   const Reader reader(body);
   vtkPalpateMaterials all;
-  std::map<std::tuple<Law, Formulation, std::array<double, palpate::max_parameters>>, Index> indices;
+  std::map<std::tuple<Law, Formulation, std::array<double, palpate::max_parameters>>, Index>
+    indices;
   all.OfCell.assign(wanted.size(), vtkPalpateMaterials::None);
   for (std::size_t cell = 0; cell < wanted.size(); ++cell)
   {

@@ -49,8 +49,8 @@ public:
 
   void Copy(std::size_t piece, vtkIdType from, vtkIdType to)
   {
-    this->Output->CopyData(this->Arrays, this->GetAttributes(this->Pieces[piece]),
-      static_cast<int>(piece), from, to);
+    this->Output->CopyData(
+      this->Arrays, this->GetAttributes(this->Pieces[piece]), static_cast<int>(piece), from, to);
   }
 
 private:
@@ -107,7 +107,7 @@ vtkPalpatePieces vtkPalpateGatherPieces(
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateJoin(
   const vtkPalpatePieces& pieces, const vtkPalpateKeys& keys)
 {
-  using Place = std::pair<std::size_t, vtkIdType>;  // piece, point
+  using Place = std::pair<std::size_t, vtkIdType>; // piece, point
   std::map<std::vector<double>, Place> firsts;
   std::vector<std::vector<const std::vector<double>*>> keyOf(pieces.size());
   for (std::size_t p = 0; p < pieces.size(); ++p)

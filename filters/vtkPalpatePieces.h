@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Data in pieces: partitions of a block, or what each rank has of it. The filters of ours work on the
-// whole, so the pieces are brought to rank 0 and joined there, where points that several pieces have
-// are one again.
+// Data in pieces: partitions of a block, or what each rank has of it. The filters of ours work on
+// the whole, so the pieces are brought to rank 0 and joined there, where points that several pieces
+// have are one again.
 #pragma once
 
 #include <functional>
@@ -27,9 +27,9 @@ PALPATEFILTERS_EXPORT vtkPalpatePieces vtkPalpateGatherPieces(
 using vtkPalpateKeys = std::function<std::vector<vtkDataArray*>(vtkPointSet*)>;
 
 /// One data set of the pieces. Points whose keys are equal are one, with the values of the first
-/// piece; points come in the order of their keys, cells in that of the pieces, those that are ghosts
-/// or that are there already left out. It has the arrays that all pieces have, and the field data of
-/// the first one that has any.
+/// piece; points come in the order of their keys, cells in that of the pieces, those that are
+/// ghosts or that are there already left out. It has the arrays that all pieces have, and the field
+/// data of the first one that has any.
 /// @throws palpate::InputError what `keys` throws.
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateJoin(
   const vtkPalpatePieces& pieces, const vtkPalpateKeys& keys);

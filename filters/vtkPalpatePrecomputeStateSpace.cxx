@@ -230,8 +230,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.ranks_per_solve = this->RanksPerSolve;
 
     const std::string of = Describe(scene, options);
-    const bool fileIsThere =
-      this->FileName.empty() || std::filesystem::exists(this->FileName);
+    const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
     if (!palpate::any(*communicator, of != this->LastOf || !fileIsThere))
     {
       output->ShallowCopy(this->Last);
@@ -241,8 +240,9 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
 
     // Something is found each time, however short the interval.
     const palpate::Progress progress =
-      [this, tell = vtkPalpateProgress(this, communicator->rank(), this->LogInterval,
-               "Precompute State Space", "configurations")](const palpate::ProgressState& state)
+      [this,
+        tell = vtkPalpateProgress(this, communicator->rank(), this->LogInterval,
+          "Precompute State Space", "configurations")](const palpate::ProgressState& state)
     {
       const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
       return tell(state) && !(isDue && state.num_solved > 0);
@@ -275,8 +275,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     vtkPalpateFillCollection(scene, result.space, output);
     for (const auto& configurations : vtkPalpateConfigurations(output))
     {
-      vtkPalpateAddFile(
-        this->FileName, result.report.complete, configurations->GetFieldData());
+      vtkPalpateAddFile(this->FileName, result.report.complete, configurations->GetFieldData());
       AddReport(result.report, configurations->GetFieldData());
       output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
     }
@@ -292,15 +291,15 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
     if (const std::string doubts = Doubts(result.report); !doubts.empty())
     {
-      vtkWarningMacro("Configurations that are marked: " << doubts
-                      << ". Touching near them gives Found = 2 (extrapolated) or 3 (marked).");
+      vtkWarningMacro("Configurations that are marked: "
+        << doubts << ". Touching near them gives Found = 2 (extrapolated) or 3 (marked).");
     }
     if (const std::int64_t beyond = result.report.num_beyond_most_levels; beyond > 0)
     {
-      vtkWarningMacro(<< beyond << " transitions have found an equilibrium beyond the "
-                      << palpate::kMostLevels
-                      << " levels that a check-point may have, and count as failed. Touch a smaller "
-                         "box, or choose another law.");
+      vtkWarningMacro(
+        << beyond << " transitions have found an equilibrium beyond the " << palpate::kMostLevels
+        << " levels that a check-point may have, and count as failed. Touch a smaller "
+           "box, or choose another law.");
     }
     if (!result.report.complete)
     {

@@ -6,22 +6,21 @@
  * Input: a body with material and boundary (see vtkPalpateScene.h). Output: its state space (see
  * vtkPalpateStateSpace.h), with these field arrays of the run on `Configurations`:
  *
- *   `FileName`, `Ranks`, `Cells`, `Unknowns` (with those of the first active node, and of the patch that
- *                           moves with it, eliminated)
- *   `Solved`, `Reused`      configurations of this run, and those taken from the file
- *   `NotReached`            check-points that no usable configuration leads to, or that an abort left
- *   `Complete`              1 unless aborted
- *   `IntermediateStatesSolved`, `IntermediateStatesFailed`, `IntermediateStatesSeconds`   of this
- *                           run, beside its configurations; the time is the sum of all ranks
- *   `ExplorationSeconds`, `FinishingSeconds`   wall time of the solves, and of what follows them
- *   `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`   mean of one, in this run
- *   `FloorSeconds`          of a configuration: one assembly, one factorisation, three solves
+ *   `FileName`, `Ranks`, `Cells`, `Unknowns` (with those of the first active node, and of the patch
+ * that moves with it, eliminated) `Solved`, `Reused`      configurations of this run, and those
+ * taken from the file `NotReached`            check-points that no usable configuration leads to,
+ * or that an abort left `Complete`              1 unless aborted `IntermediateStatesSolved`,
+ * `IntermediateStatesFailed`, `IntermediateStatesSeconds`   of this run, beside its configurations;
+ * the time is the sum of all ranks `ExplorationSeconds`, `FinishingSeconds`   wall time of the
+ * solves, and of what follows them `AssemblySeconds`, `FactorisationSeconds`, `SolveSeconds`   mean
+ * of one, in this run `FloorSeconds`          of a configuration: one assembly, one factorisation,
+ * three solves
  *
  * Runs on all ranks of the global controller. The result is whole on rank 0 and empty elsewhere.
  * An abort keeps what was found; with a FileName the next run goes on from there.
  *
- * With an UpdateInterval the space grows: an execution ends after that time, with what was found, and
- * the next one goes on. In ParaView's window that comes by itself, see GetNeedsUpdate().
+ * With an UpdateInterval the space grows: an execution ends after that time, with what was found,
+ * and the next one goes on. In ParaView's window that comes by itself, see GetNeedsUpdate().
  */
 #pragma once
 
@@ -63,7 +62,8 @@ public:
   vtkGetMacro(Resolution, int);
   ///@}
   ///@{
-  /// Error of the force that is asked for: the grid is refined where it is larger; 0: a uniform grid.
+  /// Error of the force that is asked for: the grid is refined where it is larger; 0: a uniform
+  /// grid.
   vtkSetMacro(Tolerance, double);
   vtkGetMacro(Tolerance, double);
   ///@}
@@ -127,8 +127,8 @@ public:
   vtkGetMacro(UpdateInterval, double);
   ///@}
   ///@{
-  /// Factors are of single precision where that is safe: it takes less time, and no result changes but
-  /// for the last digits.
+  /// Factors are of single precision where that is safe: it takes less time, and no result changes
+  /// but for the last digits.
   vtkSetMacro(SinglePrecisionFactors, bool);
   vtkGetMacro(SinglePrecisionFactors, bool);
   vtkBooleanMacro(SinglePrecisionFactors, bool);
@@ -139,8 +139,8 @@ public:
   vtkGetMacro(MaximumSeconds, double);
   ///@}
   ///@{
-  /// Neighbouring ranks that factorise and solve together, 1 to the number of ranks: for bodies that
-  /// are too large for the memory of one.
+  /// Neighbouring ranks that factorise and solve together, 1 to the number of ranks: for bodies
+  /// that are too large for the memory of one.
   vtkSetMacro(RanksPerSolve, int);
   vtkGetMacro(RanksPerSolve, int);
   ///@}

@@ -32,8 +32,7 @@ palpate::Progress vtkPalpateProgress(vtkAlgorithm* filter, int rank, double logI
   const std::string& what, const std::string& things)
 {
   using Clock = std::chrono::steady_clock;
-  return [=, last = Clock::time_point(), logged = 0.0](
-           const palpate::ProgressState& state) mutable
+  return [=, last = Clock::time_point(), logged = 0.0](const palpate::ProgressState& state) mutable
   {
     const Clock::time_point now = Clock::now();
     if (std::chrono::duration<double>(now - last).count() >= ProgressInterval)

@@ -46,8 +46,7 @@ void ReadMaterials(vtkUnstructuredGrid* grid, palpate::Scene& scene)
   }
   vtkPalpateMaterials read = vtkPalpateReadMaterials(
     grid, std::vector<char>(static_cast<std::size_t>(grid->GetNumberOfCells()), 1));
-  const auto without =
-    std::find(read.OfCell.begin(), read.OfCell.end(), vtkPalpateMaterials::None);
+  const auto without = std::find(read.OfCell.begin(), read.OfCell.end(), vtkPalpateMaterials::None);
   if (without != read.OfCell.end())
   {
     throw InputError("Cell " + std::to_string(without - read.OfCell.begin()) +
@@ -156,8 +155,8 @@ palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid)
   }
   scene.fixed = vtkPalpateChosenPoints(fixed);
   vtkDataArray* touchable = ScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
-  scene.touchable =
-    touchable ? vtkPalpateChosenPoints(touchable) : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
+  scene.touchable = touchable ? vtkPalpateChosenPoints(touchable)
+                              : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
   palpate::check(scene);
   return scene;
 }

@@ -4,7 +4,8 @@
 //
 //   cell arrays of the material   `Law`, its parameters and `Formulation`: vtkPalpateMaterials.h
 //   point array `Fixed`           not 0 where the point is held
-//   point array `Touchable`       not 0 where the body may be touched; where there is no such array:
+//   point array `Touchable`       not 0 where the body may be touched; where there is no such
+//   array:
 //                                 corners on the surface, not fixed
 //
 // Ids of points and cells are the same in the grid and in the scene.

@@ -71,8 +71,9 @@ void AddKinds(
   kinds->SetName("BoundaryKind");
   kinds->SetNumberOfValues(static_cast<vtkIdType>(fixed.size()));
   std::transform(fixed.begin(), fixed.end(), touchable.begin(), kinds->GetPointer(0),
-    [](char isFixed, char isTouchable)
-    { return static_cast<unsigned char>(isFixed != 0 ? 2 : isTouchable != 0 ? 1 : 0); });
+    [](char isFixed, char isTouchable) {
+      return static_cast<unsigned char>(isFixed != 0 ? 2 : isTouchable != 0 ? 1 : 0);
+    });
   // Not SetScalars(), which would drop those that are there.
   arrays->AddArray(kinds);
   arrays->SetActiveScalars(kinds->GetName());
@@ -151,8 +152,8 @@ int vtkPalpateSetBoundary::RequestData(
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
-      const auto body = vtkPalpateGatherBody(
-        vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
+      const auto body =
+        vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
       if (!body || vtkPalpatePassFailure(body, output))
       {
         return;

@@ -123,8 +123,8 @@ palpate::Equilibrium Follow(
   palpate::EquilibriumSolver& solver, const Eigen::VectorXd& t, int increments)
 {
   palpate::Equilibrium state = solver.rest();
-  for (int increment = 0;
-       increment < increments && state.outcome == palpate::Outcome::converged; ++increment)
+  for (int increment = 0; increment < increments && state.outcome == palpate::Outcome::converged;
+       ++increment)
   {
     palpate::Equilibrium next = solver.solve(t * (increment + 1) / increments, state);
     next.iterations += state.iterations;
@@ -218,8 +218,8 @@ int vtkPalpateSolveEquilibrium::RequestData(
     palpate::agree(*communicator,
       [&]
       {
-        body = vtkPalpateGatherBody(
-          vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
+        body =
+          vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
         if (!body || vtkPalpatePassFailure(body, output))
         {
           return;

@@ -15,8 +15,8 @@
  *   `NegativePivots`  see solvers/equilibrium/state.h
  *   `Condition`       only where it is asked for: of the tangent, estimated
  *   `Folds`           only where folds were passed: a tuple a fold, `Way` (share of the way),
- *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm of
- *                     all reactions); After is NaN where the path does not come by that place again
+ *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm
+ * of all reactions); After is NaN where the path does not come by that place again
  *
  * and the cell array `MinimumDetF`, the least det F of each cell; where they are asked for also the
  * cell and point arrays of vtkPalpateStress.h.

@@ -17,10 +17,10 @@
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
+#include "vtkIdList.h"
 #include "vtkIdTypeArray.h"
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
-#include "vtkIdList.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkPalpatePieces.h"
@@ -109,7 +109,7 @@ void ForEachDoubleArray(Visit&& visit)
   visit("Displacement", 3, [](auto& c) { return c.t.data(); });
   visit("Force", 3, [](auto& c) { return c.force.data(); });
   visit("Energy", 1, [](auto& c) { return &c.energy; });
-  visit("Stiffness", 9, [](auto& c) { return c.stiffness.data(); });  // symmetric
+  visit("Stiffness", 9, [](auto& c) { return c.stiffness.data(); }); // symmetric
   visit("Residual", 1, [](auto& c) { return &c.residual; });
   visit("MinimumDetF", 1, [](auto& c) { return &c.minimum_det_f; });
   visit("Seconds", 1, [](auto& c) { return &c.seconds; });
@@ -245,8 +245,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   }
   if (std::any_of(all.begin(), all.end(), [](auto* c) { return c->has_history(); }))
   {
-    auto* reached =
-      AddArray<vtkIntArray>(arrays, LevelsReached, palpate::num_neighbours, count);
+    auto* reached = AddArray<vtkIntArray>(arrays, LevelsReached, palpate::num_neighbours, count);
     for (vtkIdType i = 0; i < count; ++i)
     {
       reached->SetTypedTuple(i, all[i]->reached.data());
@@ -388,8 +387,7 @@ void ReadSurface(vtkDataSet* data, TouchSpace& space)
   const vtkIdType count = data->GetNumberOfPoints();
   vtkDataArray* meshPoints = Required(data->GetPointData(), "MeshPoint", 1);
   const int modes = NumberOfModes(data->GetPointData());
-  vtkDataArray* values =
-    modes > 0 ? Required(data->GetPointData(), "Modes", 3 * modes) : nullptr;
+  vtkDataArray* values = modes > 0 ? Required(data->GetPointData(), "Modes", 3 * modes) : nullptr;
   palpate::Surface& surface = space.surface;
   surface.points.resize(count);
   surface.mesh_points.resize(count);
@@ -464,8 +462,8 @@ void ReadOutcomes(vtkPointData* arrays, std::vector<Item>& all)
 
 std::string SceneHash(vtkDataSet* configurations)
 {
-  auto* hash = vtkStringArray::SafeDownCast(
-    configurations->GetFieldData()->GetAbstractArray("SceneHash"));
+  auto* hash =
+    vtkStringArray::SafeDownCast(configurations->GetFieldData()->GetAbstractArray("SceneHash"));
   return hash && hash->GetNumberOfValues() > 0 ? hash->GetValue(0) : "";
 }
 
@@ -530,8 +528,7 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
       }
     }
     // A stock filter may have changed their order.
-    std::sort(
-      ids.begin(), ids.end(), [&](vtkIdType a, vtkIdType b) { return all[a] < all[b]; });
+    std::sort(ids.begin(), ids.end(), [&](vtkIdType a, vtkIdType b) { return all[a] < all[b]; });
     site.coefficients.resize(modes, static_cast<Eigen::Index>(ids.size()));
     site.coefficient_gradients.resize(3 * modes, static_cast<Eigen::Index>(ids.size()));
     for (std::size_t i = 0; i < ids.size(); ++i)
@@ -551,8 +548,8 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
       site.rest_position = space.surface.points[point];
     }
   }
-  std::sort(space.sites.begin(), space.sites.end(), [](const TouchSite& a, const TouchSite& b)
-    { return a.site.active_node < b.site.active_node; });
+  std::sort(space.sites.begin(), space.sites.end(),
+    [](const TouchSite& a, const TouchSite& b) { return a.site.active_node < b.site.active_node; });
 }
 
 /// Of the sites that the space has.
@@ -616,8 +613,8 @@ void ExpectOneSpace(const vtkPalpatePieces& configurations)
   hashes.erase("");
   if (hashes.size() > 1)
   {
-    throw InputError("The partitions of Configurations belong to " +
-      std::to_string(hashes.size()) + " different scenes. Give one state space alone.");
+    throw InputError("The partitions of Configurations belong to " + std::to_string(hashes.size()) +
+      " different scenes. Give one state space alone.");
   }
 }
 
@@ -655,8 +652,8 @@ void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output, bool hasInter
   }
 }
 
-void vtkPalpateFillCollection(const palpate::Scene& scene, const TouchSpace& space,
-  vtkPartitionedDataSetCollection* output)
+void vtkPalpateFillCollection(
+  const palpate::Scene& scene, const TouchSpace& space, vtkPartitionedDataSetCollection* output)
 {
   const auto configurations = ConfigurationData(space);
   AddSpaceFields(space, configurations->GetFieldData());

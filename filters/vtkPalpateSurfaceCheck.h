@@ -43,8 +43,8 @@ PALPATEFILTERS_EXPORT vtkPalpateSurfaceFaults vtkPalpateCheckSurface(
 PALPATEFILTERS_EXPORT std::string vtkPalpateDescribeFaults(
   const vtkPalpateSurface& surface, const vtkPalpateSurfaceFaults& faults);
 
-/// The faults to look at: a line an edge, a triangle a triangle; the cell array `SurfaceFault` holds
-/// the kind, the field arrays `FaultName` and `FaultCount` say for each kind what it is and how many
-/// there are (of triangles that cross each other: the pairs).
+/// The faults to look at: a line an edge, a triangle a triangle; the cell array `SurfaceFault`
+/// holds the kind, the field arrays `FaultName` and `FaultCount` say for each kind what it is and
+/// how many there are (of triangles that cross each other: the pairs).
 PALPATEFILTERS_EXPORT void vtkPalpateFaultsToPolyData(
   const vtkPalpateSurface& surface, const vtkPalpateSurfaceFaults& faults, vtkPolyData* output);

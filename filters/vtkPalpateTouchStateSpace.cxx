@@ -321,8 +321,7 @@ int vtkPalpateTouchStateSpace::RequestData(
       vtkNew<vtkTriangleMeshPointNormals> normals;
       normals->SetInputData(output);
       normals->Update();
-      output->GetPointData()->SetNormals(
-        normals->GetOutput()->GetPointData()->GetNormals());
+      output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
       output->GetPointData()->SetActiveScalars(displacement->GetName());
 
       AddVector(output, "Force", 3, touch.force.data());

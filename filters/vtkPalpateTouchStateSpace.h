@@ -3,8 +3,8 @@
  * @class vtkPalpateTouchStateSpace
  * @brief the force and the deformed surface when an active node is displaced
  *
- * Input: a state space (see vtkPalpateStateSpace.h). Output: the surface of the body, deformed, with
- * the point arrays `Displacement` (m) and `Normals`, and field arrays
+ * Input: a state space (see vtkPalpateStateSpace.h). Output: the surface of the body, deformed,
+ * with the point arrays `Displacement` (m) and `Normals`, and field arrays
  *
  *   `Force`      that holds the node, N; a hand feels its opposite
  *   `Stiffness`  its derivative by the displacement, N/m, 9

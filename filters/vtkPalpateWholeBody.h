@@ -15,8 +15,8 @@ namespace palpate
 struct Scene;
 }
 
-/// The body on rank 0, null on the others. Where several pieces have cells, they are joined by their
-/// global point ids, in whose order the points of the body then are.
+/// The body on rank 0, null on the others. Where several pieces have cells, they are joined by
+/// their global point ids, in whose order the points of the body then are.
 /// @param own What this rank has of it.
 /// @param controller The ranks; null: one.
 /// @note Collective.

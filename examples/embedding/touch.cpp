@@ -36,12 +36,14 @@ int main(int argc, char** argv) try {
   // 3. Where its workspace is: at the first active node, down is into the body. Safe limits.
   ServoSettings settings;
   settings.workspace_centre = body->nodes().front().rest_position;
-  settings.workspace_rotation = Eigen::Quaterniond::FromTwoVectors(
-      Vec3::UnitZ(), body->surface().nearest(settings.workspace_centre).normal).toRotationMatrix();
+  const Vec3 outwards = body->surface().nearest(settings.workspace_centre).normal;
+  settings.workspace_rotation =
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), outwards).toRotationMatrix();
   settings.force_limit = 1;  // N
-  TouchSettings touch;  // as stiff as the device displays, where the body is stiffer
-  touch.coupling_stiffness = coupling_stiffness_for(device.profile->specification(),
-                                                    body->largest_stiffness(), settings);
+  // As stiff as the device displays, where the body is stiffer.
+  TouchSettings touch;
+  touch.coupling_stiffness =
+      coupling_stiffness_for(device.profile->specification(), body->largest_stiffness(), settings);
 
   // 4. The loop, on a thread of its own. Here the program would draw, or simulate something else.
   Servo servo(std::move(device.transport), device.profile, clock);

@@ -15,8 +15,8 @@ class Failure(Exception):
 
 
 def update(proxy):
-    """Runs a source or filter and answers with it; an error that it reports becomes a Failure, and so
-    does one of a filter of Palpate before it."""
+    """Runs a source or filter and answers with it; an error that it reports becomes a Failure, and
+    so does one of a filter of Palpate before it."""
     messages = []
 
     @calldata_type(VTK_STRING)

@@ -54,7 +54,8 @@ void add_choice(CLI::App& app, const std::string& option, Value& value,
 /// A flag that takes something away.
 void add_without(CLI::App& app, const std::string& option, bool& value,
                  const std::string& meaning) {
-  app.add_flag_callback(option, [&value] { value = false; }, meaning);
+  app.add_flag_callback(
+      option, [&value] { value = false; }, meaning);
 }
 
 }  // namespace
@@ -64,10 +65,11 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   ServoSettings& settings = line.settings;
   TouchSettings& touch = line.touch;
   bool realtime = true;
-  CLI::App app("Lets a haptic device touch a state space, and prints how well the loop kept its "
-               "time and its safety rules.\nEnds after --seconds, or with Ctrl+C, Ctrl+\\ or "
-               "Ctrl+Z.",
-               "palpate-servo");
+  CLI::App app(
+      "Lets a haptic device touch a state space, and prints how well the loop kept its "
+      "time and its safety rules.\nEnds after --seconds, or with Ctrl+C, Ctrl+\\ or "
+      "Ctrl+Z.",
+      "palpate-servo");
   app.option_defaults()->always_capture_default();
   const CLI::Option* space =
       app.add_option("space", line.space,
@@ -97,8 +99,7 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
                      "Runs the ticks of a recording again, with its settings, and compares the "
                      "forces")
           ->type_name("CSV");
-  add_choice(app, "--method", line.touchable.method, methods(), "Interpolation",
-             "energy-hermite");
+  add_choice(app, "--method", line.touchable.method, methods(), "Interpolation", "energy-hermite");
   app.add_option("--scale", settings.workspace_scale,
                  "Metres in the scene for a metre at the device");
   app.add_option("--force-scale", settings.force_scale,
@@ -144,7 +145,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   if (!line.replay.empty()) {
     for (const CLI::Option* option : app.get_options()) {
       if (option->count() == 0 || option == space || option == replay) continue;
-      throw InputError("--replay and " + option->get_name() + " do not go together: a replay has "
+      throw InputError("--replay and " + option->get_name() +
+                       " do not go together: a replay has "
                        "the settings of the recording. Leave one of them out.");
     }
   }

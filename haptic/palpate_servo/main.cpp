@@ -131,12 +131,14 @@ std::shared_ptr<Motion> wished_motion(HandMotion motion, double clearance, doubl
       return std::make_shared<ScriptedMotion>(
           Waypoints{{0ms, up}, {1000ms, down}, {3000ms, down}, {4000ms, up}}, true);
     case HandMotion::slide:
-      return std::make_shared<ScriptedMotion>(
-          Waypoints{{0ms, up}, {1000ms, down}, {2000ms, down + aside}, {4000ms, down - aside},
-                    {5000ms, down}, {6000ms, up}},
-          true);
-    case HandMotion::circle:
-      break;
+      return std::make_shared<ScriptedMotion>(Waypoints{{0ms, up},
+                                                        {1000ms, down},
+                                                        {2000ms, down + aside},
+                                                        {4000ms, down - aside},
+                                                        {5000ms, down},
+                                                        {6000ms, up}},
+                                              true);
+    case HandMotion::circle: break;
   }
   // A turn a second, down and up in four.
   return std::make_shared<ScriptedMotion>([=](Time time) {
@@ -214,14 +216,12 @@ void place_device(const Touchable& body, const Specification& device, CommandLin
 int run(CommandLine line) {
   const Signals signals;
   // First of all: without a place for it there is no reason to open a device.
-  const auto recorder =
-      line.record.empty() ? nullptr : std::make_unique<Recorder>(line.record);
+  const auto recorder = line.record.empty() ? nullptr : std::make_unique<Recorder>(line.record);
   const auto body = line.space.empty() ? nullptr : read_body(line);
   const auto clock = std::make_shared<MonotonicClock>();
-  Device device = line.device == "simulated"
-                      ? simulated_device(clock, line.motion, line.depth,
-                                         line.settings.workspace_scale)
-                      : opened_device(line.device);
+  Device device = line.device == "simulated" ? simulated_device(clock, line.motion, line.depth,
+                                                                line.settings.workspace_scale)
+                                             : opened_device(line.device);
   const Specification& specification = device.profile->specification();
   print(specification);
   const std::string notice = device.transport->problem();
@@ -311,8 +311,7 @@ int replay(CommandLine line) {
     Loop loop(device, *profile, *clock, setup.options, inbox, outbox);
     for (TickRecord record; reader.next(record);) {
       inbox.settings.write({record.settings, record.touch});
-      limit = std::max(
-          limit, largest_force(profile->specification(), record.settings.force_limit));
+      limit = std::max(limit, largest_force(profile->specification(), record.settings.force_limit));
       device.play(record);
       loop.tick();
       loop.wait();

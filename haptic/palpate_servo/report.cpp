@@ -26,9 +26,8 @@ void print(const char* what, const Percentiles& p) {
 
 void print(const Specification& device) {
   std::printf("device       %s%s%s: %s, %d button(s)%s\n", device.manufacturer.c_str(),
-              device.manufacturer.empty() ? "" : " ", device.model.c_str(),
-              name_of(device.pacing), device.num_buttons,
-              device.senses_rotation ? ", senses rotation" : "");
+              device.manufacturer.empty() ? "" : " ", device.model.c_str(), name_of(device.pacing),
+              device.num_buttons, device.senses_rotation ? ", senses rotation" : "");
   std::printf("workspace    radius %.4g m, steps of %.3g m\n", device.workspace_radius,
               device.position_resolution);
   if (device.max_linear_force == 0) {

@@ -30,11 +30,13 @@ inline constexpr std::size_t kOutputSize = 10;
 
 /// What the board gives as its HID report descriptor.
 inline constexpr std::uint8_t kDescriptor[] = {
-    0x06, 0x50, 0xFF,        // usage page (vendor-defined 0xFF50)
-    0x09, 0x01,              // usage (1)
-    0xA1, 0x01,              // collection (application)
-    0x15, 0x00,              //   logical minimum (0)
-    0x26, 0xFF, 0x00,        //   logical maximum (255)
+    0x06, 0x50,
+    0xFF,        // usage page (vendor-defined 0xFF50)
+    0x09, 0x01,  // usage (1)
+    0xA1, 0x01,  // collection (application)
+    0x15, 0x00,  //   logical minimum (0)
+    0x26, 0xFF,
+    0x00,                    //   logical maximum (255)
     0x75, 0x08,              //   report size (8 bits)
     0x85, kFeature,          //   report number
     0x09, 0x02,              //   usage (2)

@@ -48,12 +48,9 @@ std::optional<std::uint8_t> feature_report(ProfileKind kind) noexcept {
 
 std::unique_ptr<const Profile> make_profile(ProfileKind kind, const Report& feature) {
   switch (kind) {
-    case ProfileKind::wooden_haptics:
-      return std::make_unique<WoodenHaptics>();
-    case ProfileKind::space_mouse:
-      return std::make_unique<SpaceMouse>();
-    case ProfileKind::palpate_report:
-      break;
+    case ProfileKind::wooden_haptics: return std::make_unique<WoodenHaptics>();
+    case ProfileKind::space_mouse: return std::make_unique<SpaceMouse>();
+    case ProfileKind::palpate_report: break;
   }
   return std::make_unique<PalpateReport>(palpate_report::decode_feature(feature));
 }

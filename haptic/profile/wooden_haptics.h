@@ -66,7 +66,8 @@ class WoodenHaptics final : public Profile {
 
  private:
   /// Nothing before the calibration, and while the switch is pressed. Where a motor would have to
-  /// give more than it can all three give less by the same factor: the direction of the force stays.
+  /// give more than it can all three give less by the same factor: the direction of the force
+  /// stays.
   Vec3 do_display(const Vec3& force, const DeviceState& state) const noexcept override;
   [[nodiscard]] Vec3 current_of(const Vec3& force, const DeviceState& state) const noexcept;
   Report do_encode(const Vec3& force, const DeviceState& state) const noexcept override;

@@ -7,8 +7,8 @@
 //
 // What a replay needs besides is in the last column, `settings`, as "name=value;" with numbers as
 // in the other columns: in the first row all of it, later in the rows where something has changed.
-// So there is one file, which cannot lose its other half, is complete from the first row on, and has
-// no line that a reader of tables would trip over.
+// So there is one file, which cannot lose its other half, is complete from the first row on, and
+// has no line that a reader of tables would trip over.
 //
 // Every 20 ms the rows are handed to the system: of a process that is killed more than that is not
 // lost, and at the most the last row is cut short. A loss of power may take what the system has not

@@ -62,8 +62,10 @@ struct RecordingReader::Impl {
       : name(path.string()), stream(path, std::ios::binary), names(column_names()) {
     if (!stream) throw InputError("The recording " + name + " cannot be opened.");
     if (!read_cells() || cells.cells() != names) {
-      throw InputError(name + " is no recording, or of another version: its first row does not name"
-                       " the columns " + names.front() + ", " + names[1] + ", …, " + names.back() +
+      throw InputError(name +
+                       " is no recording, or of another version: its first row does not name"
+                       " the columns " +
+                       names.front() + ", " + names[1] + ", …, " + names.back() +
                        ". Give a file that was written with --record.");
     }
     if (!read_record(first.emplace())) {

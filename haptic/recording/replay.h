@@ -12,10 +12,10 @@
 //
 // Forces are equal to the bit where the recording begins with the loop and has every tick, and
 // where no tick read more than TickRecord::kReports reports. Reports are read some microseconds
-// after a tick began, and replayed at its beginning: by a clock that does not stand still meanwhile,
-// a report that is just too old may be just fresh in the replay, and a device that tells rates is
-// elsewhere by that much. A body that was replaced meanwhile is not in the recording, but the hash
-// of its scene.
+// after a tick began, and replayed at its beginning: by a clock that does not stand still
+// meanwhile, a report that is just too old may be just fresh in the replay, and a device that tells
+// rates is elsewhere by that much. A body that was replaced meanwhile is not in the recording, but
+// the hash of its scene.
 #pragma once
 
 #include <cstdint>

@@ -39,8 +39,8 @@ class EnergyBalance {
     stored_ = stored;
   }
 
-  /// The same where the force was late, held back by the slew limit: what is stored did not come back
-  /// to the hand, or will not, and only the work is counted.
+  /// The same where the force was late, held back by the slew limit: what is stored did not come
+  /// back to the hand, or will not, and only the work is counted.
   /// @note Realtime-safe.
   void add_late(const Vec3& sent, const Vec3& moved, double stored) noexcept {
     dissipated_ -= sent.dot(moved);

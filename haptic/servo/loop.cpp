@@ -68,8 +68,9 @@ void validate(const ServoSettings& settings) {
   }
   const Mat3& r = settings.workspace_rotation;
   if (!((r.transpose() * r - Mat3::Identity()).norm() < 1e-6) || r.determinant() < 0) {
-    throw InputError("The rotation of the workspace is not a rotation: its columns have to be of "
-                     "unit length, at right angles, and right-handed.");
+    throw InputError(
+        "The rotation of the workspace is not a rotation: its columns have to be of "
+        "unit length, at right angles, and right-handed.");
   }
   check_scale("The scale of the workspace", settings.workspace_scale);
   check_not_negative("The scale of the force", settings.force_scale, "");
@@ -269,13 +270,12 @@ void Loop::send_force(const ServoSettings& settings) noexcept {
   } else {
     Vec3 wanted = Vec3::Zero();
     if (tick_.contact.status == ContactStatus::attached) {
-      wanted = settings.force_scale *
-                   (settings.workspace_rotation.transpose() * tick_.contact.force) -
-               (settings.damping + tick_.added_damping) * session_.velocity();
+      wanted =
+          settings.force_scale * (settings.workspace_rotation.transpose() * tick_.contact.force) -
+          (settings.damping + tick_.added_damping) * session_.velocity();
     }
     const double step = settings.slew_limit * std::min(interval_, 2 * seconds(options_.period));
-    session_.send(wanted, largest_force(specification_, settings.force_limit), step,
-                  tick_.limited);
+    session_.send(wanted, largest_force(specification_, settings.force_limit), step, tick_.limited);
   }
   tick_.force = settings.workspace_rotation * session_.force();
   count_trips(std::exchange(tick_.tripped, session_.interlock().tripped()));

@@ -115,8 +115,7 @@ SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const n
 
 double SurfaceTree::longest_side(Index triangle) const noexcept {
   const auto& [a, b, c] = corners_[triangle];
-  return std::sqrt(
-      std::max({(a - b).squaredNorm(), (b - c).squaredNorm(), (c - a).squaredNorm()}));
+  return std::sqrt(std::max({(a - b).squaredNorm(), (b - c).squaredNorm(), (c - a).squaredNorm()}));
 }
 
 void SurfaceTree::add_memory(MemoryRanges& ranges) const {

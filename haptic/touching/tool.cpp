@@ -85,10 +85,9 @@ bool Tool::attach(const SurfaceTree::Nearest& at, const TouchSettings& settings)
     }
   }
   if (num_held_ == 0) {
-    const double reach =
-        settings.reach > 0
-            ? settings.reach
-            : std::max(body_->surface().longest_side(at.triangle), body_->largest_tip_radius());
+    const double reach = settings.reach > 0 ? settings.reach
+                                            : std::max(body_->surface().longest_side(at.triangle),
+                                                       body_->largest_tip_radius());
     const std::int32_t node = body_->nearest(at.point, reach);
     if (node < 0) return false;
     held_[num_held_++] = {body_->nodes()[node].mesh_point, node, 1, 0};

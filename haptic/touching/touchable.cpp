@@ -13,8 +13,9 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
       surface_(space.surface),
       node_of_(space.surface.points.size(), -1) {
   if (space.sites.empty()) {
-    throw InputError("The state space has no active node: there is nothing to touch. Precompute it "
-                     "for at least one.");
+    throw InputError(
+        "The state space has no active node: there is nothing to touch. Precompute it "
+        "for at least one.");
   }
   nodes_.reserve(space.sites.size());
   for (const TouchSite& site : space.sites) {
@@ -46,9 +47,9 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
 }
 
 std::int32_t Touchable::find(Index mesh_point) const noexcept {
-  const auto found = std::lower_bound(
-      nodes_.begin(), nodes_.end(), mesh_point,
-      [](const Node& node, Index point) { return node.mesh_point < point; });
+  const auto found =
+      std::lower_bound(nodes_.begin(), nodes_.end(), mesh_point,
+                       [](const Node& node, Index point) { return node.mesh_point < point; });
   return found != nodes_.end() && found->mesh_point == mesh_point
              ? static_cast<std::int32_t>(found - nodes_.begin())
              : -1;

@@ -57,8 +57,8 @@ int uninterrupted(Call call) noexcept {
 
 }  // namespace
 
-std::shared_ptr<HidDevice> open_hid_device(const std::shared_ptr<Hid>& hid,
-                                           const std::string& path, Duration deadline) {
+std::shared_ptr<HidDevice> open_hid_device(const std::shared_ptr<Hid>& hid, const std::string& path,
+                                           Duration deadline) {
   using Opened = std::pair<std::shared_ptr<HidDevice>, int>;
   const Opened opened = within(deadline, "Opening " + path, [hid, path]() -> Opened {
     int error = 0;
@@ -90,9 +90,7 @@ Report get_feature_report(const std::shared_ptr<HidDevice>& device, std::uint8_t
 TransportStatus HidTransport::read(Report& report, Duration timeout) noexcept {
   const auto whole = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
   int wait = static_cast<int>(std::clamp<std::int64_t>(whole, 0, 1000));
-  const auto call = [&] {
-    return device_->read(report.data.data(), report.data.size(), wait);
-  };
+  const auto call = [&] { return device_->read(report.data.data(), report.data.size(), wait); };
   int result = uninterrupted(call);
   if (result == 0) {
     wait = 0;
@@ -108,8 +106,7 @@ TransportStatus HidTransport::read(Report& report, Duration timeout) noexcept {
 
 TransportStatus HidTransport::write(const Report& report) noexcept {
   if (report.size == 0) return TransportStatus::nothing;
-  const int result =
-      uninterrupted([&] { return device_->write(report.data.data(), report.size); });
+  const int result = uninterrupted([&] { return device_->write(report.data.data(), report.size); });
   if (result == static_cast<int>(report.size)) return TransportStatus::data;
   // Less than all: the device has not got a whole report.
   write_error_.store(result < 0 ? -result : EMSGSIZE, std::memory_order_relaxed);

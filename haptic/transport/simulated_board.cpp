@@ -101,8 +101,7 @@ struct SimulatedBoard::Firmware {
   void obey(const Output& output, Time time) {
     if (output.command == palpate_report::kForce) {
       for (std::size_t i = 0; i < 3; ++i) {
-        status.force[static_cast<int>(i)] =
-            1e-6 * options.feature.force_unit_un * output.force[i];
+        status.force[static_cast<int>(i)] = 1e-6 * options.feature.force_unit_un * output.force[i];
       }
       status.motors_on = true;
     } else {

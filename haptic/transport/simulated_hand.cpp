@@ -43,18 +43,16 @@ Motion::Pose SimulatedHand::advance(Time time, const Vec3& force) noexcept {
     position_ = wished_ = pose.position;
   }
   const double whole = seconds(time - time_);
-  const Vec3 wished_velocity =
-      whole > 0 ? Vec3((pose.position - wished_) / whole) : Vec3::Zero();
+  const Vec3 wished_velocity = whole > 0 ? Vec3((pose.position - wished_) / whole) : Vec3::Zero();
   const double mass = options_.device_mass + options_.hand_mass;
   while (time_ < time) {
     const Duration step = std::min(kStep, Duration(time - time_));
     const double dt = seconds(step);
     wished_ += wished_velocity * dt;
-    const Vec3 acceleration =
-        (force - options_.device_damping * velocity_ +
-         options_.hand_stiffness * (wished_ - position_) +
-         options_.hand_damping * (wished_velocity - velocity_)) /
-        mass;
+    const Vec3 acceleration = (force - options_.device_damping * velocity_ +
+                               options_.hand_stiffness * (wished_ - position_) +
+                               options_.hand_damping * (wished_velocity - velocity_)) /
+                              mass;
     velocity_ += acceleration * dt;
     position_ += velocity_ * dt;
     time_ += step;

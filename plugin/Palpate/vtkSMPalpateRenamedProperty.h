@@ -5,8 +5,8 @@
  *
  * What is set by the old name, in a state or a script of an earlier version, is set by the new one:
  *
- *   <PalpateRenamedProperty name="ActiveNode" new_name="ActiveNodes" si_class="vtkSIIntVectorProperty"
- *                           repeatable="1" panel_visibility="never" />
+ *   <PalpateRenamedProperty name="ActiveNode" new_name="ActiveNodes"
+ * si_class="vtkSIIntVectorProperty" repeatable="1" panel_visibility="never" />
  *
  * It has no command of its own and is not shown. A state that is saved has both; there the one that
  * comes later in the alphabet counts, so the new name has to be the later one.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Lets the button of ParaView's bar of progress abort the long work of our filters. ParaView shows how
-/// far they are, but handles no event meanwhile, and nobody listens to the button.
+/// Lets the button of ParaView's bar of progress abort the long work of our filters. ParaView shows
+/// how far they are, but handles no event meanwhile, and nobody listens to the button.
 ///
 /// For filters of this process alone: a server elsewhere hears nothing while it works.
 #pragma once

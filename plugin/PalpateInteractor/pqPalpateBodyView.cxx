@@ -143,7 +143,8 @@ void pqPalpateBodyView::KeepDomains()
     }
     representation->PostUpdateData(usesCache);
     // Who asks for ranges is told those of now.
-    if (vtkSMOutputPort* port = vtkSMPropertyHelper(representation, "Input", true).GetAsOutputPort())
+    if (vtkSMOutputPort* port =
+          vtkSMPropertyHelper(representation, "Input", true).GetAsOutputPort())
     {
       port->InvalidateDataInformation();
     }

@@ -2,9 +2,9 @@
 /// The touched body in ParaView's view: a filter TouchStateSpace, on the server wherever that is,
 /// which shows where a node is. Other filters can hang on it.
 ///
-/// On a machine that does not draw fast enough edges are not smoothed as long as it touches (without
-/// graphics hardware that takes more than half of the time of a frame), and the inner side of an
-/// opaque body, which nobody sees, is not drawn.
+/// On a machine that does not draw fast enough edges are not smoothed as long as it touches
+/// (without graphics hardware that takes more than half of the time of a frame), and the inner side
+/// of an opaque body, which nobody sees, is not drawn.
 #pragma once
 
 #include <QElapsedTimer>
@@ -21,7 +21,8 @@ class pqRenderView;
 class pqPalpateBodyView
 {
 public:
-  /// Shows the body at rest in the place of its state space. The filter is made where there is none.
+  /// Shows the body at rest in the place of its state space. The filter is made where there is
+  /// none.
   /// @param halfWidth The largest displacement that is coloured, m.
   /// @throws std::runtime_error the server does not have the filter.
   pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, double halfWidth);
@@ -45,8 +46,8 @@ public:
 
 private:
   void SetRest();
-  /// What has changed are the body's places alone: ParaView need not ask again, for each property of
-  /// each representation, which arrays there are. That takes it longer than to draw them.
+  /// What has changed are the body's places alone: ParaView need not ask again, for each property
+  /// of each representation, which arrays there are. That takes it longer than to draw them.
   void KeepDomains();
   /// Leaves out what costs most and is seen least when frames come too late.
   void KeepPace();

@@ -24,8 +24,8 @@ vtkDataObject* ClientSideData(vtkSMSourceProxy* proxy, int port)
   return algorithm ? algorithm->GetOutputDataObject(port) : nullptr;
 }
 
-/// Of this process where the server is built in; else what the server's first rank has, which is the
-/// whole of a state space and of a body.
+/// Of this process where the server is built in; else what the server's first rank has, which is
+/// the whole of a state space and of a body.
 vtkSmartPointer<vtkDataObject> Fetch(pqOutputPort* port, int type)
 {
   vtkSMSourceProxy* source = port->getSourceProxy();

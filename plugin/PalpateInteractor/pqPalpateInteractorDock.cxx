@@ -104,8 +104,8 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   area->setMinimumWidth(content->minimumSizeHint().width());
   this->setWidget(area);
 
-  QObject::connect(&this->Touch, &pqPalpateTouch::started, this,
-    &pqPalpateInteractorDock::showState);
+  QObject::connect(
+    &this->Touch, &pqPalpateTouch::started, this, &pqPalpateInteractorDock::showState);
   QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this,
     [this](const QString& why)
     {
@@ -143,8 +143,7 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
       }
     });
   // Later: where it ended because the server is gone, that has first to be dealt with.
-  QObject::connect(
-    &this->Touch, &pqPalpateTouch::stopped, this, list, Qt::QueuedConnection);
+  QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this, list, Qt::QueuedConnection);
   QObject::connect(model, &pqServerManagerModel::nameChanged, this, list);
 
   this->listSpaces();
@@ -410,8 +409,8 @@ void pqPalpateInteractorDock::showState()
   this->StartAction->setText(runs ? "Stop Touching" : "Touch");
   this->StartAction->setIcon(
     this->style()->standardIcon(runs ? QStyle::SP_MediaStop : QStyle::SP_MediaPlay));
-  this->StartAction->setToolTip(
-    (runs ? "Stop touching, with zero force" : "Touch the state space that the dock Palpate names") +
+  this->StartAction->setToolTip((runs ? "Stop touching, with zero force"
+                                      : "Touch the state space that the dock Palpate names") +
     QString(" (%1)").arg(this->StartAction->shortcut().toString(QKeySequence::NativeText)));
   // To list devices is to open them.
   this->Refresh->setEnabled(!runs);
@@ -461,9 +460,10 @@ void pqPalpateInteractorDock::showFigures()
   this->Node->setText(node);
   if (this->Records->isChecked())
   {
-    this->Recorded->setText(QString("%1 ticks%2").arg(f.Recorded).arg(f.NotRecorded > 0
-        ? QString(", %1 missing").arg(f.NotRecorded)
-        : QString()));
+    this->Recorded->setText(
+      QString("%1 ticks%2")
+        .arg(f.Recorded)
+        .arg(f.NotRecorded > 0 ? QString(", %1 missing").arg(f.NotRecorded) : QString()));
   }
   if (f.Problem != this->Problem)
   {

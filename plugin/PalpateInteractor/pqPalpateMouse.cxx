@@ -156,8 +156,8 @@ bool pqPalpateMouse::Press()
     return false;
   }
   const Vec3 place(hit);
-  this->Wanted = this->Body->nearest(place,
-    std::max(Reach * this->Size, this->Body->largest_tip_radius()));
+  this->Wanted =
+    this->Body->nearest(place, std::max(Reach * this->Size, this->Body->largest_tip_radius()));
   if (this->Wanted < 0)
   {
     this->Hint = this->WayToNearest(place);
@@ -250,8 +250,8 @@ void pqPalpateMouse::Advance(const palpate::Tick& tick)
   }
   else if (this->Phase == Phases::Coming)
   {
-    this->SetTarget(this->Body->nodes()[this->Node].rest_position -
-      Overshoot * this->Size * this->Normal);
+    this->SetTarget(
+      this->Body->nodes()[this->Node].rest_position - Overshoot * this->Size * this->Normal);
     if (attached)
     {
       this->Phase = Phases::Holding;

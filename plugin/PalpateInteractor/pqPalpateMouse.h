@@ -36,7 +36,8 @@ public:
   pqPalpateMouse(const pqPalpateMouse&) = delete;
   void operator=(const pqPalpateMouse&) = delete;
 
-  /// Goes on with what another one held, where the nodes of the two spaces are the same: one has grown.
+  /// Goes on with what another one held, where the nodes of the two spaces are the same: one has
+  /// grown.
   void GoOnFrom(const pqPalpateMouse& other);
 
   /// Moves the board's point on, once a frame.

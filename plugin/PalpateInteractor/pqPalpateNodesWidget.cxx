@@ -256,8 +256,8 @@ vtkIdType pqPalpateNodesWidget::nearest(const double* place) const
   double least = VTK_DOUBLE_MAX;
   for (vtkIdType point = 0; point < this->Grid->GetNumberOfPoints(); ++point)
   {
-    const bool isInside = fixed && touchable && fixed->GetTuple1(point) == 0 &&
-      touchable->GetTuple1(point) == 0;
+    const bool isInside =
+      fixed && touchable && fixed->GetTuple1(point) == 0 && touchable->GetTuple1(point) == 0;
     const double squared = vtkMath::Distance2BetweenPoints(place, this->Grid->GetPoint(point));
     if (!isInside && squared < least)
     {

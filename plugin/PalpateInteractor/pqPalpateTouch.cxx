@@ -281,8 +281,7 @@ QString pqPalpateTouch::start(
     if (!recording.isEmpty())
     {
       session->Recording = FreeName(recording);
-      session->Recorder =
-        std::make_unique<palpate::Recorder>(session->Recording.toStdString());
+      session->Recorder = std::make_unique<palpate::Recorder>(session->Recording.toStdString());
     }
     const palpate::TouchSpace copy = pqPalpateFetchSpace(space);
     session->Space = space;
@@ -293,8 +292,8 @@ QString pqPalpateTouch::start(
     session->SetSpace(copy);
     const auto clock = std::make_shared<palpate::MonotonicClock>();
     pqPalpateDevice opened = session->OpenDevice(clock, copy);
-    session->BodyView = std::make_unique<pqPalpateBodyView>(
-      space, view, copy.sites.front().site.half_width);
+    session->BodyView =
+      std::make_unique<pqPalpateBodyView>(space, view, copy.sites.front().site.half_width);
     session->ShowSpace(copy);
     session->Servo = std::make_unique<palpate::Servo>(
       std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);
@@ -310,8 +309,8 @@ QString pqPalpateTouch::start(
     session->Time.start();
     // ParaView opens a dialog when it hears of that, and the device would be left alone with it.
     session->Connection = space->getServer()->session();
-    session->ConnectionObserver = session->Connection->AddObserver(vtkPVSessionBase::ConnectionLost,
-      this, &pqPalpateTouch::loseConnection, ConnectionPriority);
+    session->ConnectionObserver = session->Connection->AddObserver(
+      vtkPVSessionBase::ConnectionLost, this, &pqPalpateTouch::loseConnection, ConnectionPriority);
     this->Running = std::move(session);
     // The last one that is installed is asked first.
     QCoreApplication::instance()->installEventFilter(this);
@@ -358,9 +357,8 @@ void pqPalpateTouch::end(const QString& why, Left left)
     session->Device.toUtf8().constData(), static_cast<unsigned long long>(statistics.ticks),
     statistics.rate(), Microseconds(statistics.lateness.median),
     Microseconds(statistics.lateness.p99), Microseconds(statistics.lateness.p999),
-    Microseconds(statistics.lateness.largest),
-    static_cast<unsigned long long>(statistics.missed), statistics.largest_force,
-    static_cast<unsigned long long>(frames),
+    Microseconds(statistics.lateness.largest), static_cast<unsigned long long>(statistics.missed),
+    statistics.largest_force, static_cast<unsigned long long>(frames),
     1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
   this->closeRecording(*session, {});
   session->Mouse.reset();
@@ -507,8 +505,7 @@ void pqPalpateTouch::showFrame()
   if (tick.state == palpate::ServoState::gone)
   {
     this->IsShowing = false;
-    this->end("The device is gone: " + QString::fromStdString(session.Servo->problem()),
-      Left::All);
+    this->end("The device is gone: " + QString::fromStdString(session.Servo->problem()), Left::All);
     return;
   }
   if (session.Mouse)
@@ -552,8 +549,8 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   const int node = touches ? tick.contact.nodes[0] : session.Node;
   const int branch = touches ? tick.contact.branches[0] : 0;
   const Vec3 displacement = touches ? tick.contact.displacement : Vec3::Zero();
-  const bool moved = node != session.Node || branch != session.Branch ||
-    displacement != session.Displacement;
+  const bool moved =
+    node != session.Node || branch != session.Branch || displacement != session.Displacement;
   const bool showsFree = !session.Mouse;
   const bool says = session.Mouse && session.Tool->Say(session.Mouse->GetHint());
   if (!moved && !says && touches == session.Touches &&

@@ -82,8 +82,8 @@ public:
   /// @param recording Every tick goes into this file, or one that is named after it where it is
   ///   there already; empty: into none.
   /// @return What was wrong; empty: it runs.
-  QString start(pqOutputPort* space, pqRenderView* view, const QString& device,
-    const QString& recording);
+  QString start(
+    pqOutputPort* space, pqRenderView* view, const QString& device, const QString& recording);
   /// Zero force, the body at rest.
   void stop();
   bool isRunning() const { return this->Running != nullptr; }

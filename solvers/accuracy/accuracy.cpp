@@ -26,10 +26,11 @@ std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
       throw InputError("The state space has no active node. Compute it again.");
     }
     if (space.scene_hash != hash(scene)) {
-      throw InputError("The state space is not of this body: its scene (mesh, materials, fixed "
-                       "points) has the hash " +
-                       space.scene_hash + ", that of the body is " + hash(scene) +
-                       ". Compute the state space again.");
+      throw InputError(
+          "The state space is not of this body: its scene (mesh, materials, fixed "
+          "points) has the hash " +
+          space.scene_hash + ", that of the body is " + hash(scene) +
+          ". Compute the state space again.");
     }
     for (const TouchSite& site : space.sites) {
       (void)CheckPointGrid(site);  // says what is wrong with it before anything is solved for
@@ -44,8 +45,8 @@ std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
 
 double share_above(const std::vector<double>& values, double limit) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto count = std::count_if(values.begin(), values.end(),
-                                   [&](double value) { return value > limit; });
+  const auto count =
+      std::count_if(values.begin(), values.end(), [&](double value) { return value > limit; });
   return static_cast<double>(count) / static_cast<double>(values.size());
 }
 
@@ -65,8 +66,7 @@ AccuracyRow row_of(const std::string& method, Index active_node, const Measureme
   row.extrapolated = count(PointClass::extrapolated);
   row.irregular = count(PointClass::irregular);
   row.failed = count(PointClass::failed);
-  row.test_points =
-      row.counted + row.marked + row.extrapolated + row.irregular + row.failed;
+  row.test_points = row.counted + row.marked + row.extrapolated + row.irregular + row.failed;
   row.mean_error = mean(m.relative);
   row.p99_error = quantile(m.relative, 0.99);
   row.largest_error = largest(m.relative);
@@ -91,8 +91,7 @@ AccuracyRow row_of(const std::string& method, Index active_node, const Measureme
 
 bool is_plain(const Variant& variant) {
   const InterpolationOptions& o = variant.options;
-  return variant.factor == 1 && o.linear_polynomial && o.intermediate_states &&
-         o.third_derivatives;
+  return variant.factor == 1 && o.linear_polynomial && o.intermediate_states && o.third_derivatives;
 }
 
 /// Runs the body on rank 0 while the others sleep: ranks that wait by asking again and again would

@@ -72,8 +72,8 @@ struct AccuracyPoint {
   TestPoint exact;
   Support support = Support::none;
   PointClass point_class = PointClass::failed;
-  /// Relative, in the order of AccuracyResult::methods; NaN where the point failed or the method does
-  /// not serve the site.
+  /// Relative, in the order of AccuracyResult::methods; NaN where the point failed or the method
+  /// does not serve the site.
   std::vector<double> errors;
 };
 
@@ -103,7 +103,6 @@ struct AccuracyResult {
 /// @throws InputError the space is not of this scene, or has no site; as solve_test_points().
 [[nodiscard]] AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                               const AccuracyOptions& options,
-                                              Communicator& communicator,
-                                              const Progress& progress);
+                                              Communicator& communicator, const Progress& progress);
 
 }  // namespace palpate

@@ -238,9 +238,8 @@ void put(const TestPoint& point, Packer& message) {
 
 TestPoint take_test_point(Unpacker& content) {
   TestPoint point;
-  for_each_number_of_test_point(point, [&](auto& number) {
-    number = content.take<std::decay_t<decltype(number)>>();
-  });
+  for_each_number_of_test_point(
+      point, [&](auto& number) { number = content.take<std::decay_t<decltype(number)>>(); });
   point.displacement.resize(content.take<Eigen::Index>());
   for (float& x : point.displacement) x = content.take<float>();
   return point;

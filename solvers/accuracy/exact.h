@@ -17,8 +17,8 @@ struct ExactOptions {
   /// Points of each active node.
   int test_points = 500;
   std::int64_t seed = 1;
-  /// Where they are kept, and taken from: a state-space file of the scene, such as that of the space
-  /// itself; empty: in memory alone.
+  /// Where they are kept, and taken from: a state-space file of the scene, such as that of the
+  /// space itself; empty: in memory alone.
   std::filesystem::path file;
   EquilibriumOptions equilibrium;
 };
@@ -38,11 +38,12 @@ struct ExactResult {
 
 /// @param scene The same on every rank.
 /// @param sites The same on every rank.
-/// @param progress Called now and then; false ends it, and what was found until then is in the file.
+/// @param progress Called now and then; false ends it, and what was found until then is in the
+/// file.
 /// @note Collective
 /// @throws InputError a file of another scene or tolerance.
 [[nodiscard]] ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites,
-                                            const ExactOptions& options,
-                                            Communicator& communicator, const Progress& progress);
+                                            const ExactOptions& options, Communicator& communicator,
+                                            const Progress& progress);
 
 }  // namespace palpate

@@ -105,9 +105,8 @@ double displacement_error(const TouchSpace& space, const std::vector<Index>& sam
   field.coefficients(point.t, c.data());
   double largest = 0;
   for (std::size_t s = 0; s < samples.size(); ++s) {
-    const Eigen::Vector3f u =
-        space.modes.middleRows<3>(3 * Eigen::Index{samples[s]}) * c -
-        point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s));
+    const Eigen::Vector3f u = space.modes.middleRows<3>(3 * Eigen::Index{samples[s]}) * c -
+                              point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s));
     largest = std::max(largest, static_cast<double>(u.norm()));
   }
   return space.largest_displacement > 0 ? largest / space.largest_displacement : largest;
@@ -141,8 +140,8 @@ void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& sub
     error.error = std::numeric_limits<double>::quiet_NaN();
     if (error.point_class == PointClass::failed) continue;
     const double absolute = (touch.force - point.force).norm();
-    error.error = absolute / std::max({point.force.norm(), floor,
-                                       std::numeric_limits<double>::min()});
+    error.error =
+        absolute / std::max({point.force.norm(), floor, std::numeric_limits<double>::min()});
     if (error.point_class == PointClass::irregular) continue;
     if (point.kind == TestKind::near_rest) result.near_rest.push_back(error.error);
     if (error.point_class == PointClass::marked) result.marked.push_back(error.error);
@@ -150,8 +149,7 @@ void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& sub
     if (error.point_class != PointClass::inside) continue;
     result.relative.push_back(error.error);
     result.absolute.push_back(absolute);
-    result.stiffness.push_back((touch.stiffness - point.stiffness).norm() /
-                               point.stiffness.norm());
+    result.stiffness.push_back((touch.stiffness - point.stiffness).norm() / point.stiffness.norm());
     if (point.displacement.size() == 3 * static_cast<Eigen::Index>(samples.size())) {
       result.displacement.push_back(
           displacement_error(space, samples, subject.field_on(branch), point));
@@ -167,10 +165,10 @@ struct Gauss {
   std::array<double, kPoints> weight{};
 
   Gauss() {
-    constexpr std::array<double, 4> at{0.1834346424956498, 0.5255324099163290,
-                                       0.7966664774136267, 0.9602898564975363};
-    constexpr std::array<double, 4> of{0.3626837833783620, 0.3137066458778873,
-                                       0.2223810344533745, 0.1012285362903763};
+    constexpr std::array<double, 4> at{0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                       0.9602898564975363};
+    constexpr std::array<double, 4> of{0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                       0.1012285362903763};
     for (std::size_t i = 0; i < 4; ++i) {
       x[i] = 0.5 * (1 - at[i]);
       x[7 - i] = 0.5 * (1 + at[i]);
@@ -180,7 +178,8 @@ struct Gauss {
 };
 
 /// ∫ h·dt along a straight way, cell by cell.
-/// @param peak The largest energy on it, J, is kept. @returns NaN where a part of it is extrapolated.
+/// @param peak The largest energy on it, J, is kept. @returns NaN where a part of it is
+/// extrapolated.
 double work_along(const Interpolator& interpolator, const Site& site, const Vec3& from,
                   const Vec3& to, double& peak) {
   static const Gauss gauss;
@@ -199,7 +198,8 @@ double work_along(const Interpolator& interpolator, const Site& site, const Vec3
     const double length = cuts[i] - cuts[i - 1];
     for (int q = 0; q < Gauss::kPoints; ++q) {
       const auto p = static_cast<std::size_t>(q);
-      const TouchResult touch = interpolator.evaluate(from + (cuts[i - 1] + length * gauss.x[p]) * way);
+      const TouchResult touch =
+          interpolator.evaluate(from + (cuts[i - 1] + length * gauss.x[p]) * way);
       if (touch.support == Support::extrapolated || touch.support == Support::none) {
         return std::numeric_limits<double>::quiet_NaN();
       }
@@ -261,7 +261,8 @@ void measure_jumps(const Interpolator& interpolator, const TouchSite& site, Meas
   }
 }
 
-/// Calls that jump about in the box, each timed by itself; what reading the clock takes is taken off.
+/// Calls that jump about in the box, each timed by itself; what reading the clock takes is taken
+/// off.
 void measure_time(const Interpolator& interpolator, const Site& site, Measurement& result) {
   Places place(site.half_width);
   std::vector<Vec3> places(kTimedCalls);
@@ -377,12 +378,11 @@ Measurement measure(const TouchSpace& space, const TouchSite& whole, const Varia
   result.samples = static_cast<double>(interpolator.num_samples());
   result.bytes = static_cast<double>(interpolator.bytes());
   for (const ConfigurationSummary& c : site.configurations) {
-    const bool counts = variant.method != Method::linear ||
-                        (c.check_point == CheckPoint{} && c.level == 0);
+    const bool counts =
+        variant.method != Method::linear || (c.check_point == CheckPoint{} && c.level == 0);
     if (counts) result.precompute_seconds += c.seconds;
   }
-  const bool is_rbf =
-      variant.method == Method::rbf_linear || variant.method == Method::rbf_cubic;
+  const bool is_rbf = variant.method == Method::rbf_linear || variant.method == Method::rbf_cubic;
   if (is_rbf && variant.options.intermediate_states) {
     for (const IntermediateState& s : site.intermediate_states) {
       result.precompute_seconds += s.seconds;

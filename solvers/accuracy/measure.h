@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far one way to interpolate a site is off, and what it takes.
 //
-// The relative error of the force [P08, eq. 2] is |h − h*| / max(|h*|, f), h* exact; the floor f is a
-// thousandth of the largest force of the site within its limit, so that what is nothing at rest does
-// not count as everything.
+// The relative error of the force [P08, eq. 2] is |h − h*| / max(|h*|, f), h* exact; the floor f is
+// a thousandth of the largest force of the site within its limit, so that what is nothing at rest
+// does not count as everything.
 //
-// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space Approximation,
-// EuroHaptics 2008.
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
+// Approximation, EuroHaptics 2008.
 #pragma once
 
 #include <string>
@@ -99,8 +99,8 @@ struct PointError {
   double error = 0;
 };
 
-/// Of a site with levels, what is held and evaluated is that of the branch of rest; errors are those
-/// of the branch that the body is on.
+/// Of a site with levels, what is held and evaluated is that of the branch of rest; errors are
+/// those of the branch that the body is on.
 /// @param whole Before it is coarsened. @param points Solved.
 /// @param errors At each of them [points.size()].
 [[nodiscard]] Measurement measure(const TouchSpace& space, const TouchSite& whole,

@@ -24,7 +24,8 @@ double largest(const std::vector<double>& values) {
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return kNothing;
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())));
+  const auto rank =
+      static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())));
   const auto place = values.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
   std::nth_element(values.begin(), place, values.end());
   return *place;

@@ -250,9 +250,8 @@ void Assembly::Data::number_pressures(const Scene& scene) {
         std::any_of(cell, cell + nodes_per_cell(mesh.order),
                     [&](Index point) { return unknown_of_point[point] >= 0; });
     for (int a = 0; a < 4; ++a) {
-      const auto [entry, is_new] =
-          numbers.try_emplace({cell[a], law_of_energy(material.law), decade_of(material)},
-                              num_pressures());
+      const auto [entry, is_new] = numbers.try_emplace(
+          {cell[a], law_of_energy(material.law), decade_of(material)}, num_pressures());
       if (is_new) {
         pressure_scale.push_back(pressure_scale_of(material));
         felt.push_back(0);
@@ -328,9 +327,9 @@ BlockTarget Assembly::Data::coupling_target_of(Index point, Index pressure,
   const Index row = unknown_of_pressure[pressure];
   if (column < 0 || row < 0) return {};
   const auto above = static_cast<Index>(3 * couplings.nodes[column].size());
-  return {pattern.column_start[3 * column] + above +
-              place_in(couplings.pressures_of_node[column], row),
-          couplings.column_length(column)};
+  return {
+      pattern.column_start[3 * column] + above + place_in(couplings.pressures_of_node[column], row),
+      couplings.column_length(column)};
 }
 
 Index Assembly::Data::pressure_target_of(Index a, Index b, const Couplings& couplings) const {
@@ -476,9 +475,7 @@ Index Assembly::num_pressures() const { return data_->num_pressures(); }
 Index Assembly::state_size() const { return 3 * data_->num_points + num_pressures(); }
 const std::vector<double>& Assembly::pressure_scale() const { return data_->pressure_scale; }
 const std::vector<Index>& Assembly::state_of_unknown() const { return data_->state_of_unknown; }
-Index Assembly::num_unknown_pressures() const {
-  return data_->pattern.size - 3 * data_->num_nodes;
-}
+Index Assembly::num_unknown_pressures() const { return data_->pattern.size - 3 * data_->num_nodes; }
 bool Assembly::has_stabilised_pressures() const { return data_->stabilised; }
 const std::vector<Index>& Assembly::multipliers() const { return data_->multipliers; }
 bool Assembly::is_linear() const { return data_->linear; }

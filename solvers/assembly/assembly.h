@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The discrete body: energy, internal force and tangent stiffness as functions of its state x, which
-// is the nodal displacement u and, where there are mixed materials, the pressures p at the corners of
-// their cells.
+// The discrete body: energy, internal force and tangent stiffness as functions of its state x,
+// which is the nodal displacement u and, where there are mixed materials, the pressures p at the
+// corners of their cells.
 //
 //   Π(x) = Σ_q w_q W(∇u, p),   f(x) = ∂Π/∂x,   K(x) = ∂²Π/∂x²
 //
-// A pressure is kept as a length, p = s p̂, so that all unknowns, and all their residuals, are of one
-// kind. Cells share the pressure at a corner when they are of one law and their shear moduli lie in
-// one decade, counted from the softest: at an interface of very different materials the pressure
-// jumps. s is the least modulus of the decade over the mean edge.
+// A pressure is kept as a length, p = s p̂, so that all unknowns, and all their residuals, are of
+// one kind. Cells share the pressure at a corner when they are of one law and their shear moduli
+// lie in one decade, counted from the softest: at an interface of very different materials the
+// pressure jumps. s is the least modulus of the decade over the mean edge.
 //
 // Unknowns are the components of the points that belong to a cell and are not fixed, three
 // together, then the pressures. K is symmetric: its lower triangle is kept, compressed by columns,
@@ -71,7 +71,8 @@ class Assembly {
   struct Result {
     /// J; infinite where a law is not defined (det F ≤ 0).
     double energy = 0;
-    /// Least det F over the quadrature points; 1 for cells of the linear law, which has no use for it.
+    /// Least det F over the quadrature points; 1 for cells of the linear law, which has no use for
+    /// it.
     double minimum_det_f = 1;
   };
 

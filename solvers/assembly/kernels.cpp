@@ -130,8 +130,8 @@ class Group {
         for (int m = 0; m < 6; ++m) {
           const int i = kRow[m];
           const int j = kColumn[m];
-          sum[StressSum::cauchy + m] += weight * (fs[i][0] * f(k, j, 0) + fs[i][1] * f(k, j, 1) +
-                                                  fs[i][2] * f(k, j, 2));
+          sum[StressSum::cauchy + m] +=
+              weight * (fs[i][0] * f(k, j, 0) + fs[i][1] * f(k, j, 1) + fs[i][2] * f(k, j, 2));
         }
         sum[StressSum::volume] += weight;
         if constexpr (L == Law::linear) {
@@ -305,10 +305,10 @@ class Group {
       Packet change[3][3];  // s w ∂g/∂F
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-          change[i][j] = scale * weight *
-                         (f(k, i, 0) * volume.s[kSymmetric[0][j]] +
-                          f(k, i, 1) * volume.s[kSymmetric[1][j]] +
-                          f(k, i, 2) * volume.s[kSymmetric[2][j]]);
+          change[i][j] =
+              scale * weight *
+              (f(k, i, 0) * volume.s[kSymmetric[0][j]] + f(k, i, 1) * volume.s[kSymmetric[1][j]] +
+               f(k, i, 2) * volume.s[kSymmetric[2][j]]);
         }
       }
       for (int a = 0; a < kNodes; ++a) {
@@ -404,9 +404,9 @@ class Group {
         if constexpr (L == Law::linear) {
           stress[i][j] = weight * r.s[kSymmetric[i][j]];
         } else {
-          stress[i][j] = weight * (f(k, i, 0) * r.s[kSymmetric[0][j]] +
-                                   f(k, i, 1) * r.s[kSymmetric[1][j]] +
-                                   f(k, i, 2) * r.s[kSymmetric[2][j]]);
+          stress[i][j] =
+              weight * (f(k, i, 0) * r.s[kSymmetric[0][j]] + f(k, i, 1) * r.s[kSymmetric[1][j]] +
+                        f(k, i, 2) * r.s[kSymmetric[2][j]]);
         }
       }
     }

@@ -16,8 +16,8 @@
 
 namespace palpate {
 
-/// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, compressed by columns; or the
-/// 1 × 3 block of a pressure and a node, whose row is below all of the nodes.
+/// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, compressed by columns; or
+/// the 1 × 3 block of a pressure and a node, whose row is below all of the nodes.
 struct BlockTarget {
   /// Position of the block's first stored value of its first column; −1: the block is not stored.
   std::int32_t first = -1;
@@ -49,8 +49,8 @@ struct ElementGroupView {
   const std::int32_t* pressures;
   /// Of each node and each corner's pressure [num_packets × nodes × 4 × 8].
   const BlockTarget* coupling_targets;
-  /// Of each pair of corners a ≤ b in the order 00 01 02 03 11 … [num_packets × 10 × 8]: position of
-  /// the value, −1: it is not stored.
+  /// Of each pair of corners a ≤ b in the order 00 01 02 03 11 … [num_packets × 10 × 8]: position
+  /// of the value, −1: it is not stored.
   const std::int32_t* pressure_targets;
 };
 

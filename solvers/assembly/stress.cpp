@@ -50,16 +50,14 @@ StressField of_cells(const Eigen::MatrixXd& sums) {
     field.von_mises[c] = von_mises(field.cauchy.col(c));
     Mat3 h;
     for (int i = 0; i < 9; ++i) {
-      h(i / 3, i % 3) =
-          of_cell[StressSum::displacement_gradient + i] / of_cell[StressSum::volume];
+      h(i / 3, i % 3) = of_cell[StressSum::displacement_gradient + i] / of_cell[StressSum::volume];
     }
     field.principal_stretches.col(c) = principal_stretches(h);
   }
   return field;
 }
 
-StressField at_points(const StressField& cells, const TetMesh& mesh,
-                      const Eigen::MatrixXd& sums) {
+StressField at_points(const StressField& cells, const TetMesh& mesh, const Eigen::MatrixXd& sums) {
   const Index count = mesh.num_points();
   StressField field = make_field(count);
   field.cauchy.setZero();

@@ -3,7 +3,8 @@
 //
 //   Cauchy stress        σ = F S Fᵀ / det F, with S = ∂W/∂E and, where the material is mixed, its
 //                        pressure; of the linear law σ = ∂W/∂ε. Of a cell the mean over its
-//                        deformed volume, σ̄ = ∫ σ dv / ∫ dv, which balances the forces on its sides.
+//                        deformed volume, σ̄ = ∫ σ dv / ∫ dv, which balances the forces on its
+//                        sides.
 //   von Mises stress     √(3/2 s : s), s the deviator of σ̄
 //   principal stretches  the singular values of the cell's mean F, whatever its law
 //

@@ -14,9 +14,7 @@ constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 const double kNear = (5 + 3 * std::sqrt(5.0)) / 20;
 const double kFar = (5 - std::sqrt(5.0)) / 20;
 
-std::array<double, 4> barycentric(const Vec3& xi) {
-  return {1 - xi.sum(), xi[0], xi[1], xi[2]};
-}
+std::array<double, 4> barycentric(const Vec3& xi) { return {1 - xi.sum(), xi[0], xi[1], xi[2]}; }
 
 /// ∂λ_a/∂ξ.
 Vec3 barycentric_gradient(int a) {
@@ -46,7 +44,8 @@ Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(ElementOrder order, con
     for (int e = 0; e < 6; ++e) {
       const auto [a, b] = kEdges[e];
       gradients.row(4 + e) =
-          4 * (lambda[a] * barycentric_gradient(b) + lambda[b] * barycentric_gradient(a)).transpose();
+          4 *
+          (lambda[a] * barycentric_gradient(b) + lambda[b] * barycentric_gradient(a)).transpose();
     }
   }
   return gradients;

@@ -13,8 +13,8 @@ constexpr double kSufficientDecrease = 1e-4;
 /// Energies that differ by less than this share are equal but for rounding; the residual decides.
 constexpr double kEnergyRounding = 1e-11;
 constexpr int kMaxBacktracks = 15;
-/// A step of which the search leaves less than this says that the factor is of another place: where a
-/// stiff part has turned since, what the factor takes for a soft mode is a stretch of it.
+/// A step of which the search leaves less than this says that the factor is of another place: where
+/// a stiff part has turned since, what the factor takes for a soft mode is a stretch of it.
 constexpr double kShortStep = 0.02;
 /// A factor is not judged by how the steps shrink before this many of them.
 constexpr int kStepsBeforeJudging = 8;
@@ -36,7 +36,8 @@ bool evaluate(HeldBody& body, Iterate& iterate) {
   return std::isfinite(iterate.norm);
 }
 
-/// Whether a trial at `length` of the step is good enough; if not, `length` becomes what to try next.
+/// Whether a trial at `length` of the step is good enough; if not, `length` becomes what to try
+/// next.
 bool accept_by_energy(const Iterate& old, const Iterate& trial, double slope, double& length) {
   const double change = trial.energy - old.energy;
   if (change <= kSufficientDecrease * length * slope) return true;
@@ -100,7 +101,7 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
   TangentFactor*& factor = result.factor;
   bool fresh = false;  // the factor is of the tangent at the iterate
   double first_step = 0;
-  int num_steps = 0;  // with the factor
+  int num_steps = 0;      // with the factor
   bool is_stuck = false;  // the last step was hardly one
   const auto use = [&](TangentFactor* other) {
     factor = other;

@@ -45,8 +45,8 @@ Scene checked(Scene scene) {
 bool agree(const Equilibrium& from, const Equilibrium& to) {
   const Eigen::VectorXd d = to.t - from.t;
   const double change = to.energy - from.energy;
-  const double expected = 0.5 * d.dot(from.reaction + to.reaction) +
-                          d.dot((from.stiffness - to.stiffness) * d) / 12;
+  const double expected =
+      0.5 * d.dot(from.reaction + to.reaction) + d.dot((from.stiffness - to.stiffness) * d) / 12;
   const double allowed = kEnergyGap * std::max(std::abs(change), std::abs(expected)) +
                          kWorkGap * 0.5 * std::abs(d.dot(to.reaction - from.reaction)) +
                          kEnergyRounding * (std::abs(from.energy) + std::abs(to.energy));
@@ -205,8 +205,8 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   std::optional<NodalVector> state = predict(stride, next_t, progress);
   if (!state) return next;
   const NodalVector from = state_of(body_, progress.state);
-  const Correction correction =
-      correct(body_, options_, [this] { return interruption(); }, from, next_t, *state);
+  const Correction correction = correct(
+      body_, options_, [this] { return interruption(); }, from, next_t, *state);
   progress.iterations += correction.iterations;
   next.residual = correction.residual;
   next.outcome = correction.outcome;
@@ -226,8 +226,7 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   return next;
 }
 
-Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next,
-                                        Progress& progress) {
+Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next, Progress& progress) {
   NodalVector newton_step;
   Outcome outcome = linearise(body_, state, next, &newton_step);
   while (outcome == Outcome::converged && next.displacement_error > options_.displacement_error()) {
@@ -274,10 +273,9 @@ void EquilibriumSolver::Impl::advance(double stride, const Eigen::VectorXd& way,
 
 Outcome EquilibriumSolver::Impl::follow(const Eigen::VectorXd& t, Progress& progress) {
   PathOptions options;
-  options.max_points =
-      std::clamp(options_.max_steps - progress.steps + 1, 2, kMaxPathPoints);
-  Path path =
-      follow_path(body_, options_, options, [this] { return interruption(); }, progress.state, t);
+  options.max_points = std::clamp(options_.max_steps - progress.steps + 1, 2, kMaxPathPoints);
+  Path path = follow_path(
+      body_, options_, options, [this] { return interruption(); }, progress.state, t);
   progress.steps += static_cast<int>(path.points.size()) - 1;
   progress.iterations += path.end.iterations;
   if (path.end.outcome != Outcome::converged) return path.end.outcome;
@@ -370,8 +368,8 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
   require_sites(t);
   if (start.outcome != Outcome::converged) return {{}, {}, start};
   if (t == start.t) throw InputError("A path needs a target that differs from its start.");
-  Path path =
-      follow_path(body_, options_, options, [this] { return interruption(); }, start, t);
+  Path path = follow_path(
+      body_, options_, options, [this] { return interruption(); }, start, t);
   path.end.third_derivative.resize(0);  // of the start
   tell_accuracy(path.end);
   path.end.seconds = seconds_since(start_);

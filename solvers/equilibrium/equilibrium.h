@@ -15,10 +15,10 @@
 //
 // A step goes from one equilibrium to the next: predictor u + v Δt, of second order from the second
 // step on; corrector quasi-Newton (updates of the factor at the start of the step) with a line
-// search. Where that contracts too slowly the tangent is factorised anew, where it fails the step is
-// halved. One more factor, at the solution, gives v, k and the inertia. Steps from one start share
-// its factor, and those from rest that of all sites (rest_factor.h). In a linear body u = v t, and v
-// and k are the same throughout.
+// search. Where that contracts too slowly the tangent is factorised anew, where it fails the step
+// is halved. One more factor, at the solution, gives v, k and the inertia. Steps from one start
+// share its factor, and those from rest that of all sites (rest_factor.h). In a linear body u = v
+// t, and v and k are the same throughout.
 //
 // A step must agree with the path that it claims to follow: with d = t₁ − t₀,
 //
@@ -67,8 +67,8 @@ class EquilibriumSolver {
   [[nodiscard]] const Work& work() const;
 
   /// Chooses the sites for the solves that follow. The symbolic analysis serves all choices, and so
-  /// does the factor at rest where not too many unknowns are held: always in a linear body, else from
-  /// three kept factors on.
+  /// does the factor at rest where not too many unknowns are held: always in a linear body, else
+  /// from three kept factors on.
   /// @throws InputError a point that does not exist, is in no cell, is fixed, or is named twice.
   void hold(const Constraint& constraint);
 

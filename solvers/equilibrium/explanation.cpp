@@ -50,9 +50,8 @@ int dimension(const std::vector<Vec3>& points) {
   if (points.empty()) return -1;
   Eigen::MatrixXd offsets(3, points.size());
   for (std::size_t i = 0; i < points.size(); ++i) offsets.col(i) = points[i] - points[0];
-  const Eigen::Vector3d spread = Eigen::JacobiSVD<Eigen::MatrixXd>(offsets * offsets.transpose())
-                                     .singularValues()
-                                     .cwiseSqrt();
+  const Eigen::Vector3d spread =
+      Eigen::JacobiSVD<Eigen::MatrixXd>(offsets * offsets.transpose()).singularValues().cwiseSqrt();
   if (spread[0] == 0) return 0;
   return spread[1] <= kLine * spread[0] ? 1 : 2;
 }
@@ -111,7 +110,8 @@ std::string explain(const HeldBody& body, const Equilibrium& state, const Eigen:
   }
   if ((state.flags & flags::inverted) != 0) {
     text << state.num_inverted_cells
-         << (state.num_inverted_cells == 1 ? " cell is inverted: " : " cells are inverted, the worst is ");
+         << (state.num_inverted_cells == 1 ? " cell is inverted: "
+                                           : " cells are inverted, the worst is ");
     worst_cell(text);
     text << " with det F = " << state.minimum_det_f
          << ". Displace less, give the tool a radius or refine the mesh there. ";

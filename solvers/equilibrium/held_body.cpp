@@ -243,7 +243,8 @@ void HeldBody::forget(const NodalVector& state) {
 LinearSolver& HeldBody::spare_solver() {
   if (spare_solver_ == nullptr) {
     const Timer timer(work_.analysis_seconds);
-    LinearSolver& other = rest_factor_ != nullptr ? rest_factor_->solver() : *factors_.front().solver;
+    LinearSolver& other =
+        rest_factor_ != nullptr ? rest_factor_->solver() : *factors_.front().solver;
     spare_solver_ = other.another();
   }
   return *spare_solver_;
@@ -258,10 +259,9 @@ HeldBody::KeptFactor& HeldBody::factor_to_replace() {
     (void)spare_solver();
     return factors_.emplace_back(std::move(spare_solver_));
   }
-  return *std::min_element(factors_.begin(), factors_.end(),
-                           [](const KeptFactor& a, const KeptFactor& b) {
-                             return a.last_use < b.last_use;
-                           });
+  return *std::min_element(
+      factors_.begin(), factors_.end(),
+      [](const KeptFactor& a, const KeptFactor& b) { return a.last_use < b.last_use; });
 }
 
 void HeldBody::assemble_tangent(const NodalVector& state) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The discrete body with its sites held: the linear systems that are solved on the way to an
-// equilibrium. With i the free unknowns and a those of the sites, K_ii is kept on the pattern of the
-// whole body, the rows and columns of a replaced by a multiple of the identity, so that one symbolic
-// analysis serves every choice of sites; and so does one factor of the tangent at rest, where a solve
-// for each unknown that is held costs less than a factorisation (rest_factor.h).
+// equilibrium. With i the free unknowns and a those of the sites, K_ii is kept on the pattern of
+// the whole body, the rows and columns of a replaced by a multiple of the identity, so that one
+// symbolic analysis serves every choice of sites; and so does one factor of the tangent at rest,
+// where a solve for each unknown that is held costs less than a factorisation (rest_factor.h).
 #pragma once
 
 #include <memory>
@@ -130,8 +130,8 @@ class HeldBody {
   void assemble(const NodalVector& state, std::vector<double>& values);
   /// The tangent there is that at rest.
   [[nodiscard]] bool is_as_at_rest(const NodalVector& state) const;
-  /// Whether the rest factor serves the present sites, the tangent at rest being the last one; makes
-  /// it so if it can.
+  /// Whether the rest factor serves the present sites, the tangent at rest being the last one;
+  /// makes it so if it can.
   [[nodiscard]] bool shares_rest_factor();
   /// The error of the rest factor's solutions for the last tangent, relative, roughly.
   [[nodiscard]] double error_of_rest_factor();

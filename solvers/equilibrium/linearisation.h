@@ -34,9 +34,9 @@ void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& stat
 inline constexpr double kSensitivityError = 1e-4;
 inline constexpr double kRoughSensitivityError = 1e-2;
 
-/// Does the same without a factor of the tangent at x: v by conjugate gradients, preconditioned with
-/// what the correction to x has left, its last factor and the steps since, which approximate the
-/// inverse of the tangent there (Morales & Nocedal, Automatic preconditioning by limited memory
+/// Does the same without a factor of the tangent at x: v by conjugate gradients, preconditioned
+/// with what the correction to x has left, its last factor and the steps since, which approximate
+/// the inverse of the tangent there (Morales & Nocedal, Automatic preconditioning by limited memory
 /// quasi-Newton updating, SIAM J. Optim. 10, 2000), and from the v of `start`; k by the functional
 /// that is stationary in v, so that its relative error is the square of v's. Costs about half a
 /// factorisation. The inertia is not computed; negative curvature along the way is seen.

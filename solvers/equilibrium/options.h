@@ -7,9 +7,9 @@ namespace palpate {
 
 struct EquilibriumOptions {
   /// A solve has converged when no component of the residual exceeds this share of what the node
-  /// would take to be displaced by t: the norm of its row of the tangent at rest times the larger of
-  /// |t| and a thousandth of the mean edge. 1e-10 leaves the reaction with a relative error far below
-  /// 1e-8.
+  /// would take to be displaced by t: the norm of its row of the tangent at rest times the larger
+  /// of |t| and a thousandth of the mean edge. 1e-10 leaves the reaction with a relative error far
+  /// below 1e-8.
   double tolerance = 1e-10;
   /// And when Newton's method would not move the body by more than this share of the larger of |t|
   /// and a thousandth of the mean edge. Where rounding allows no better than 1e-6, as with
@@ -26,20 +26,20 @@ struct EquilibriumOptions {
   /// A factor serves as long as the steps shrink to at most this share from one to the next, in the
   /// mean since it was made. A factorisation costs about as much as twenty-five iterations.
   double contraction = 0.7;
-  /// Where a step fails however small it is, as at a fold, follow the equilibrium path on to where it
-  /// reaches t, round the folds. If that fails, or without it, the body jumps to the equilibrium that
-  /// the energy falls to, if there is one; without it at once where that is inverted.
+  /// Where a step fails however small it is, as at a fold, follow the equilibrium path on to where
+  /// it reaches t, round the folds. If that fails, or without it, the body jumps to the equilibrium
+  /// that the energy falls to, if there is one; without it at once where that is inverted.
   bool follow_folds = true;
   /// Factors of tangents that are kept, those of the states that were used last; at least 2. Solves
-  /// that start from a state whose factor is kept save its factorisation. From 3 on, one of them can
-  /// be that at rest, which all sites share.
+  /// that start from a state whose factor is kept save its factorisation. From 3 on, one of them
+  /// can be that at rest, which all sites share.
   int kept_factors = 2;
-  /// Factors in single precision where the tangent is far from singular: for two thirds of the time,
-  /// with as many iterations; v has a relative error of 1e-8 then. Energies and residuals are always
-  /// in double precision.
+  /// Factors in single precision where the tangent is far from singular: for two thirds of the
+  /// time, with as many iterations; v has a relative error of 1e-8 then. Energies and residuals are
+  /// always in double precision.
   bool single_precision = false;
-  /// Whether an equilibrium of one site has its third derivative, for about a tenth of the time of a
-  /// solve.
+  /// Whether an equilibrium of one site has its third derivative, for about a tenth of the time of
+  /// a solve.
   bool third_derivatives = false;
   /// Asked before each iteration; true ends the solve with Outcome::aborted.
   std::function<bool()> abort_requested;

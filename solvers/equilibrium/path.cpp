@@ -126,8 +126,8 @@ class Follower {
     return true;
   }
 
-  /// Newton, with a factor as long as it contracts, from a predicted point to the path: in the plane
-  /// across the tangent, or at its λ.
+  /// Newton, with a factor as long as it contracts, from a predicted point to the path: in the
+  /// plane across the tangent, or at its λ.
   bool correct_across(bool at_its_way, Vector& point, int& iterations, double& residual) {
     TangentFactor* factor = body_.find_factor(here_.x);
     if (factor == nullptr) factor = body_.factorise(here_.x);
@@ -166,8 +166,8 @@ class Follower {
 
   /// Between the present point and the next one λ(s), with its slopes known, has its maximum.
   void add_fold(const Equilibrium& next, const Vector& point, const Vector& tangent) {
-    const double s = std::sqrt(
-        (point.x - here_.x).squaredNorm() + weight_ * std::pow(point.way - here_.way, 2));
+    const double s =
+        std::sqrt((point.x - here_.x).squaredNorm() + weight_ * std::pow(point.way - here_.way, 2));
     const double slope_0 = tangent_.way * s;
     const double slope_1 = tangent.way * s;
     const double rise = point.way - here_.way;

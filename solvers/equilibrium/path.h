@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equilibrium path of a body whose sites are moved along a straight way t(λ) = t₀ + λ (t₁ − t₀),
-// also where it turns back: at a fold λ falls on, and the equilibria between two folds are not
+// The equilibrium path of a body whose sites are moved along a straight way t(λ) = t₀ + λ (t₁ −
+// t₀), also where it turns back: at a fold λ falls on, and the equilibria between two folds are not
 // stable while the sites are held.
 //
-// The unknowns are (x_i, λ); a step of the length of the arc leads along the tangent of the path and
-// is corrected in the plane across it (Riks 1979; Crisfield 1981), by two solves with a factor of
-// K_ii instead of one of the bordered matrix:
+// The unknowns are (x_i, λ); a step of the length of the arc leads along the tangent of the path
+// and is corrected in the plane across it (Riks 1979; Crisfield 1981), by two solves with a factor
+// of K_ii instead of one of the bordered matrix:
 //
 //   K_ii w = −K_ia (t₁ − t₀),   K_ii y = −r,   δx = y + δλ w,   δλ from the plane
 #pragma once

@@ -31,8 +31,8 @@ class QuasiNewton {
   QuasiNewton() = default;
 };
 
-/// Limited-memory BFGS (Nocedal & Wright, algorithm 7.4) on a factor (Matthies & Strang 1979): keeps
-/// the approximation symmetric and positive definite. For minima of an energy.
+/// Limited-memory BFGS (Nocedal & Wright, algorithm 7.4) on a factor (Matthies & Strang 1979):
+/// keeps the approximation symmetric and positive definite. For minima of an energy.
 [[nodiscard]] std::unique_ptr<QuasiNewton> make_bfgs();
 
 /// Broyden's method (Kelley, Solving Nonlinear Equations with Newton's Method, chapter 4): asks

@@ -5,10 +5,10 @@
 //   Z = K⁻¹ E_a,   S⁻¹ = E_aᵀ Z,   S = K_aa − K_ai K_ii⁻¹ K_ia
 //   K_ii⁻¹ r_i = [K⁻¹ r − Z S (K⁻¹ r)_a]_i
 //
-// A choice of sites so costs a solve for each of a instead of a factorisation, and each solve as much
-// as before. The number of negative eigenvalues of K_ii is that of K less that of S (Haynsworth,
-// Linear Algebra Appl. 1, 1968). Where the sites hold what is soft in K, digits are lost on the way:
-// the solutions need refinement.
+// A choice of sites so costs a solve for each of a instead of a factorisation, and each solve as
+// much as before. The number of negative eigenvalues of K_ii is that of K less that of S
+// (Haynsworth, Linear Algebra Appl. 1, 1968). Where the sites hold what is soft in K, digits are
+// lost on the way: the solutions need refinement.
 #pragma once
 
 #include <memory>

@@ -57,8 +57,8 @@ std::optional<SecondDifferences> differences(HeldBody& body, const NodalVector& 
   };
   const Vec3 middle = residual_along_v(state);
   const auto along = [&](const NodalVector& direction) -> Vec3 {
-    const Vec3 ends = residual_along_v(state + step * direction) +
-                      residual_along_v(state - step * direction);
+    const Vec3 ends =
+        residual_along_v(state + step * direction) + residual_along_v(state - step * direction);
     return (ends - 2 * middle) / (step * step);
   };
   SecondDifferences second;

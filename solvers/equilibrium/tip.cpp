@@ -65,7 +65,8 @@ std::vector<Index> Tip::patch(Index node) const {
                      " belongs to no cell, so that nothing moves with it. Choose another.");
   }
   if (!patches_.on_surface(node)) {
-    throw InputError(name + place(points_[node]) + " lies inside the body, where nothing can touch "
+    throw InputError(name + place(points_[node]) +
+                     " lies inside the body, where nothing can touch "
                      "it. Choose a point on the surface.");
   }
   if (fixed_[node] != 0) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tip of a tool. The force that displaces a single vertex tends to zero as the mesh is refined;
-// a tip of finite size holds the patch of the surface under it, bonded: all its points move with the
-// node at its centre, and the reaction is the sum of theirs.
+// a tip of finite size holds the patch of the surface under it, bonded: all its points move with
+// the node at its centre, and the reaction is the sum of theirs.
 #pragma once
 
 #include <vector>
@@ -20,8 +20,8 @@ class Tip {
 
   /// Each node with its patch a site of its own, in their order.
   /// @throws InputError no node; a node that does not exist, is in no cell, inside the body, fixed
-  ///   or named twice; a patch that reaches a fixed point, or shares a point with another; a radius that
-  ///   is negative or not finite.
+  ///   or named twice; a patch that reaches a fixed point, or shares a point with another; a radius
+  ///   that is negative or not finite.
   [[nodiscard]] Constraint hold(const std::vector<Index>& nodes) const;
 
  private:

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A space that refines itself to a tolerance: first the corners of the coarsest cells, as
 // layered_grid.h; then, round by round, the points of the halves of those cells that
-// error_estimate.h says are not good enough. A round begins when the one before is complete, so that
-// what is refined does not depend on the order in which configurations are found; it is planned anew
-// from the same configurations when an exploration is resumed or its tolerance changed.
+// error_estimate.h says are not good enough. A round begins when the one before is complete, so
+// that what is refined does not depend on the order in which configurations are found; it is
+// planned anew from the same configurations when an exploration is resumed or its tolerance
+// changed.
 //
-// The points of a cell are reached from its corners, the nearest first, then the one nearest to rest.
+// The points of a cell are reached from its corners, the nearest first, then the one nearest to
+// rest.
 #pragma once
 
 #include <map>

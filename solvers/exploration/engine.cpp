@@ -191,9 +191,7 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
     case Kind::make:
       while (!content.at_end()) batches_.push_front(unpack(content));
       break;
-    case Kind::progress:
-      monitor_.set_count(from, content.take<Monitor::Count>());
-      break;
+    case Kind::progress: monitor_.set_count(from, content.take<Monitor::Count>()); break;
   }
 }
 
@@ -240,8 +238,8 @@ void Engine::settle(Index active_node, Home& home, const Settlement& settlement,
   mail.send(candidate.rank, message.take());
 }
 
-/// Sends what the frontier of a home asks for to those that have the starts, and records what it has
-/// given up.
+/// Sends what the frontier of a home asks for to those that have the starts, and records what it
+/// has given up.
 void Engine::hand_out(Index active_node, Mail& mail) {
   Home& home = homes_.at(active_node);
   const std::vector<Transition> due = home.frontier->next();

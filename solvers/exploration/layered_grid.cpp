@@ -97,9 +97,7 @@ LayeredGrid::Status& LayeredGrid::at(const CheckPoint& p) {
   return status_[((p[0] + reach_) * n + (p[1] + reach_)) * n + (p[2] + reach_)];
 }
 
-std::int64_t LayeredGrid::num_expected() const {
-  return static_cast<std::int64_t>(status_.size());
-}
+std::int64_t LayeredGrid::num_expected() const { return static_cast<std::int64_t>(status_.size()); }
 
 bool LayeredGrid::is_complete() const { return has_begun_ && num_under_way_ == 0 && due_.empty(); }
 

@@ -15,8 +15,8 @@ namespace {
 /// errors below a thousandth of this.
 constexpr double kSame = 1e-3;
 
-/// What is left of the energy along an edge falls to 1/32 when the edge is halved, where it is smooth
-/// and the edge is short enough; where the force jumps, to a half.
+/// What is left of the energy along an edge falls to 1/32 when the edge is halved, where it is
+/// smooth and the edge is short enough; where the force jumps, to a half.
 constexpr double kShrinks = 0.25;
 /// And counts only beyond this share of the work along the edge.
 constexpr double kCounts = 2e-3;
@@ -137,7 +137,8 @@ void LevelledGrid::find_suspects() {
       CheckPoint next = p;
       ++next[axis];
       const ConfigurationSummary* other = flat_at(next);
-      if (other == nullptr || (other->flags & kNoQuestion) != 0 || !is_across(found, axis)) continue;
+      if (other == nullptr || (other->flags & kNoQuestion) != 0 || !is_across(found, axis))
+        continue;
       suspects_.insert(p);
       suspects_.insert(next);
     }

@@ -43,8 +43,9 @@ std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& option
       if (scene.touchable[p] != 0 && scene.fixed[p] == 0) nodes.push_back(p);
     }
     if (nodes.empty()) {
-      throw InputError("No point of the body is touchable. Choose touchable points with Set "
-                       "Boundary or name active nodes.");
+      throw InputError(
+          "No point of the body is touchable. Choose touchable points with Set "
+          "Boundary or name active nodes.");
     }
   }
   std::sort(nodes.begin(), nodes.end());
@@ -194,9 +195,8 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   });
   const double tolerance = options.equilibrium.tolerance;
   const std::unique_ptr<Record> record =
-      options.file.empty()
-          ? make_memory_record(scene, sites, tolerance, communicator)
-          : make_file_record(options.file, scene, sites, tolerance, communicator);
+      options.file.empty() ? make_memory_record(scene, sites, tolerance, communicator)
+                           : make_file_record(options.file, scene, sites, tolerance, communicator);
   result.damaged = record->damaged();
 
   TipSolver site_solver(*solver, *tip);
@@ -224,21 +224,24 @@ void validate(const PrecomputeOptions& options) {
   }
   if (options.resolution < 3 || options.resolution % 2 == 0 ||
       options.resolution > kLargestCoarsestResolution) {
-    throw InputError("The resolution is " + std::to_string(options.resolution) +
-                     "; it must be odd, so that the rest position is a check-point, and from 3 to " +
-                     std::to_string(kLargestCoarsestResolution) + '.');
+    throw InputError(
+        "The resolution is " + std::to_string(options.resolution) +
+        "; it must be odd, so that the rest position is a check-point, and from 3 to " +
+        std::to_string(kLargestCoarsestResolution) + '.');
   }
   if (!(std::isfinite(options.force_limit) && options.force_limit >= 0)) {
     throw InputError("The force limit is " + std::to_string(options.force_limit) +
                      "; it must be a force in N, or 0 for none.");
   }
   if (!(std::isfinite(options.tolerance) && options.tolerance >= 0)) {
-    throw InputError("The tolerance is " + std::to_string(options.tolerance) +
-                     "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
+    throw InputError(
+        "The tolerance is " + std::to_string(options.tolerance) +
+        "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
   }
   if (options.history == History::levels && options.tolerance > 0) {
-    throw InputError("Levels are explored on a uniform grid. Choose a resolution instead of a "
-                     "tolerance, or another history.");
+    throw InputError(
+        "Levels are explored on a uniform grid. Choose a resolution instead of a "
+        "tolerance, or another history.");
   }
   if (options.intermediate_states < 0 || options.intermediate_states > kMostIntermediateStates) {
     throw InputError("The intermediate states are " + std::to_string(options.intermediate_states) +

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a scene to a state space: the transitions that a frontier asks for are made on all ranks, and
-// what they find is recorded.
+// From a scene to a state space: the transitions that a frontier asks for are made on all ranks,
+// and what they find is recorded.
 //
 // [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
 // Approximation, EuroHaptics 2008.
@@ -20,7 +20,8 @@ namespace palpate {
 struct PrecomputeOptions {
   /// Points that are touched; empty: all that the scene says are touchable.
   std::vector<Index> active_nodes;
-  /// What is touched: the surface patch within this distance of the node, see tip.h, m; 0: it alone.
+  /// What is touched: the surface patch within this distance of the node, see tip.h, m; 0: it
+  /// alone.
   double tip_radius = 0;
   /// Half the side of the box of check-points, m.
   double half_width = 0.01;
@@ -46,10 +47,11 @@ struct PrecomputeOptions {
   EquilibriumOptions equilibrium;
   /// Name of a linear solver; empty: the default.
   std::string linear_solver;
-  /// Neighbouring ranks that factorise and solve together, with MUMPS, for bodies that are too large
-  /// for the memory of one. The first of each group explores, the others serve it and are not asked
-  /// for progress; ranks that fill no group are of the last one. The sums within a group depend on
-  /// who is first, so that the space is the same to the solver's tolerance, not to the bit.
+  /// Neighbouring ranks that factorise and solve together, with MUMPS, for bodies that are too
+  /// large for the memory of one. The first of each group explores, the others serve it and are not
+  /// asked for progress; ranks that fill no group are of the last one. The sums within a group
+  /// depend on who is first, so that the space is the same to the solver's tolerance, not to the
+  /// bit.
   int ranks_per_solve = 1;
 };
 
@@ -91,7 +93,8 @@ struct PrecomputeReport {
   std::int64_t num_intermediate_states = 0;
   std::int64_t num_intermediate_states_failed = 0;
   double intermediate_seconds = 0;
-  /// Wall time of the exploration, and of the POD and the rest that follows, s, of the slowest rank.
+  /// Wall time of the exploration, and of the POD and the rest that follows, s, of the slowest
+  /// rank.
   double exploration_seconds = 0;
   double finishing_seconds = 0;
   /// Of all ranks.

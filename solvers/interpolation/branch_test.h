@@ -26,7 +26,8 @@ class BranchTest {
   [[nodiscard]] double largest_residual(const Cell& cell) const { return largest(cell, false); }
 
   /// For each leaf 1 where it lies across branches: twice in a row refinement has left more than an
-  /// eighth of the residual; and where it is so near to one that its mixed derivatives reach across.
+  /// eighth of the residual; and where it is so near to one that its mixed derivatives reach
+  /// across.
   [[nodiscard]] std::vector<char> leaves_across() const;
 
  private:

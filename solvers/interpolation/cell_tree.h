@@ -3,8 +3,8 @@
 // configurations, and from nothing else.
 //
 // Root cells of side Site::coarsest tile the box. A cell of side > 1 is split into eight where
-// there is a configuration, usable or not, at each of the 27 points of its halves. The leaves are what is
-// interpolated on; neighbours may differ in size, by any power of two.
+// there is a configuration, usable or not, at each of the 27 points of its halves. The leaves are
+// what is interpolated on; neighbours may differ in size, by any power of two.
 //
 // Nodes are the corners of leaves; those of root cells are there with or without a configuration. A
 // node hangs where it lies on a side or an edge of a leaf without being a corner of it.

@@ -39,18 +39,18 @@ DisplayField::DisplayField(const TouchSite& site)
     return data_.data() + static_cast<std::size_t>(n) * 4 * r;
   };
   for (std::int32_t n = 0; n < grid_.num_nodes(); ++n) {
-    visit_configuration(grid_, n, 1, Vec3::Zero(),
-                        [&](std::int32_t configuration, double, const Vec3& offset) {
-      const float* c = site.coefficients.col(configuration).data();
-      const float* slopes = site.coefficient_gradients.col(configuration).data();
-      float* node = node_data(n);
-      std::copy_n(c, r, node);
-      std::copy_n(slopes, 3 * r, node + r);
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto along = static_cast<float>(offset[axis]);
-        for (std::size_t m = 0; m < r; ++m) node[m] += along * slopes[axis * r + m];
-      }
-    });
+    visit_configuration(
+        grid_, n, 1, Vec3::Zero(), [&](std::int32_t configuration, double, const Vec3& offset) {
+          const float* c = site.coefficients.col(configuration).data();
+          const float* slopes = site.coefficient_gradients.col(configuration).data();
+          float* node = node_data(n);
+          std::copy_n(c, r, node);
+          std::copy_n(slopes, 3 * r, node + r);
+          for (int axis = 0; axis < 3; ++axis) {
+            const auto along = static_cast<float>(offset[axis]);
+            for (std::size_t m = 0; m < r; ++m) node[m] += along * slopes[axis * r + m];
+          }
+        });
   }
   for (const CheckPointGrid::HangingNode& hanging : grid_.hanging_nodes()) {
     const CellTree::Leaf& leaf = grid_.leaf(hanging.leaf);
@@ -83,9 +83,8 @@ Support DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   using Place = CheckPointGrid::Place;
   std::fill_n(out, num_modes_, 0.F);
   const CheckPointGrid::Location at = grid_.locate(t);
-  for_each_node(grid_, at, [&](std::int32_t node, double a, const Vec3& d) {
-    add_node(node, a, d, out);
-  });
+  for_each_node(grid_, at,
+                [&](std::int32_t node, double a, const Vec3& d) { add_node(node, a, d, out); });
   // So far out that it overflows there is nothing to go by.
   if (at.place != Place::cell && !std::all_of(out, out + num_modes_, is_finite)) {
     std::fill_n(out, num_modes_, 0.F);

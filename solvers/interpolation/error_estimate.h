@@ -15,11 +15,11 @@
 // The first is the error of the mixed derivatives, mostly the larger part; the third that of the
 // quintic, which remains where there is nothing mixed; the others measure. The factors are such
 // that on seven energies, smooth, with a wall and with a kink, the force was off by no more than
-// 1.05 times the tolerance asked for, at 20 000 points. A leaf shares the error of a larger one at the
-// side between them; it is the estimate of the larger one that counts it.
+// 1.05 times the tolerance asked for, at 20 000 points. A leaf shares the error of a larger one at
+// the side between them; it is the estimate of the larger one that counts it.
 //
-// A leaf is marked where refinement may not help: a corner is inverted, unstable, near a fold or not
-// usable; or it lies across branches, see branch_test.h.
+// A leaf is marked where refinement may not help: a corner is inverted, unstable, near a fold or
+// not usable; or it lies across branches, see branch_test.h.
 #pragma once
 
 #include <vector>
@@ -51,8 +51,8 @@ struct CellEstimate {
 
 /// A leaf that is marked by some of its corners is split down to a quarter of the coarsest side,
 /// which tells the marked region from the rest; one that is marked by all of them is not. Where an
-/// edge marks it, down to an eighth, since it takes three sizes to know: a jump across the whole box
-/// then costs some 3000 configurations at any tolerance.
+/// edge marks it, down to an eighth, since it takes three sizes to know: a jump across the whole
+/// box then costs some 3000 configurations at any tolerance.
 inline constexpr std::int32_t kMarkedCorner = 4;
 inline constexpr std::int32_t kMarkedEdge = 8;
 

@@ -46,8 +46,7 @@ void visit_configuration(const CheckPointGrid& grid, std::int32_t node, double a
   const std::int32_t nearest = grid.nearest(node);
   const CheckPoint to = grid.tree().point(node);
   const CheckPoint from = grid.tree().point(nearest);
-  const Vec3 offset =
-      grid.spacing() * Vec3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  const Vec3 offset = grid.spacing() * Vec3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   visit(grid.configuration(nearest), a, Vec3(d + a * offset));
 }
 

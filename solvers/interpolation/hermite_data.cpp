@@ -70,8 +70,8 @@ void fill_weights(const double* x, int n, int p, double* weights) {
 /// larger leaf goes on into it by inserted points, at which the data are those that the leaf gives.
 class StencilFinder {
  public:
-  StencilFinder(const CheckPointGrid& grid,
-                const std::vector<ConfigurationSummary>& configurations, int most)
+  StencilFinder(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
+                int most)
       : grid_(grid), links_(find_links(grid)), most_(most) {
     for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
       marked_.push_back(grid.usable(n) &&

@@ -159,10 +159,9 @@ Centres find_centres(const TouchSite& site, const CheckPointGrid& grid,
       continue;
     }
     const Vec3 place = state.t / grid.spacing();
-    const bool is_new =
-        std::none_of(centres.places.begin(), centres.places.end(), [&](const Vec3& other) {
-          return (place - other).squaredNorm() < kSamePlace * kSamePlace;
-        });
+    const bool is_new = std::none_of(
+        centres.places.begin(), centres.places.end(),
+        [&](const Vec3& other) { return (place - other).squaredNorm() < kSamePlace * kSamePlace; });
     if (is_new) add(state.t, state.force, state.energy);
   }
   return centres;

@@ -7,7 +7,8 @@
 // the usable intermediate states. p is a linear polynomial or not there. x is t in spacings.
 //
 // The stiffness is the exact gradient of the interpolated force, and is not symmetrised; at a
-// centre that of r, which has none, counts as 0. The interpolated force is not the gradient of an energy.
+// centre that of r, which has none, counts as 0. The interpolated force is not the gradient of an
+// energy.
 //
 // A dense system of as many unknowns as there are centres is solved once: its time grows with the
 // cube of their number, that of an evaluation with the number.

@@ -9,8 +9,7 @@ Trilinear::Trilinear(const TouchSite& site, const InterpolationOptions& options)
     : Interpolator(site), stiffness_(grid(), site.configurations, options.third_derivatives) {
   if (!grid().any_usable()) return;
   for (std::int32_t n = 0; n < grid().num_nodes(); ++n) {
-    const NodeData data =
-        node_data(grid(), site.configurations, n, options.third_derivatives);
+    const NodeData data = node_data(grid(), site.configurations, n, options.third_derivatives);
     nodes_.emplace_back() << data.force, data.energy;
   }
   for (const CheckPointGrid::HangingNode& hanging : grid().hanging_nodes()) {
@@ -38,9 +37,7 @@ void Trilinear::in_leaf(const CellTree::Leaf& leaf, const Vec3& s,
   Values slope_y[2];
   Values slope_z[2];
   for (int x = 0; x < 2; ++x) {
-    const auto corner = [&](int yz) -> const Values& {
-      return nodes_[leaf.corners[4 * x + yz]];
-    };
+    const auto corner = [&](int yz) -> const Values& { return nodes_[leaf.corners[4 * x + yz]]; };
     const Values along_z[2] = {between(corner(0), corner(1), s[2]),
                                between(corner(2), corner(3), s[2])};
     along_yz[x] = between(along_z[0], along_z[1], s[1]);

@@ -74,7 +74,8 @@ class LinearSolver {
   [[nodiscard]] virtual int negative_pivots() const = 0;
 
   /// Of the last factor: the bytes of its numbers, on all ranks together. The library's indices and
-  /// work space, a third to two thirds of it, come on top. Without a factor: what is to be expected.
+  /// work space, a third to two thirds of it, come on top. Without a factor: what is to be
+  /// expected.
   [[nodiscard]] virtual std::int64_t factor_bytes() const = 0;
 
  protected:

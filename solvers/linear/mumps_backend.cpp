@@ -173,8 +173,7 @@ class MumpsBackend final : public Backend {
   [[nodiscard]] std::int64_t factor_bytes() const override {
     // INFOG(20), as the analysis expects, and INFOG(29); below zero they count millions.
     const std::int64_t entries = mumps_.infog[28] != 0 ? mumps_.infog[28] : mumps_.infog[19];
-    return (entries < 0 ? -1'000'000 * entries : entries) *
-           static_cast<std::int64_t>(sizeof(Real));
+    return (entries < 0 ? -1'000'000 * entries : entries) * static_cast<std::int64_t>(sizeof(Real));
   }
 
  private:

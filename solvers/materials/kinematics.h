@@ -47,9 +47,11 @@ struct Kinematics {
   }
 
   /// tr E − (J − 1), which is of second order in the strain, from terms that are: with the
-  /// invariants of E, (1 + j)² = det(I + 2E) = 1 + 2 I + 4 II + 8 III. A rotation has no part in it.
+  /// invariants of E, (1 + j)² = det(I + 2E) = 1 + 2 I + 4 II + 8 III. A rotation has no part in
+  /// it.
   [[nodiscard]] T trace_without_volume() const {
-    const T minors = e[0] * e[1] - e[5] * e[5] + e[0] * e[2] - e[4] * e[4] + e[1] * e[2] - e[3] * e[3];
+    const T minors =
+        e[0] * e[1] - e[5] * e[5] + e[0] * e[2] - e[4] * e[4] + e[1] * e[2] - e[3] * e[3];
     const T det = e[0] * (e[1] * e[2] - e[3] * e[3]) - e[5] * (e[5] * e[2] - e[3] * e[4]) +
                   e[4] * (e[5] * e[3] - e[1] * e[4]);
     return 0.5 * j * j - 2.0 * minors - 4.0 * det;

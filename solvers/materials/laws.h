@@ -7,7 +7,8 @@
 //
 // The linear law has no S of its own: P = σ(sym H) and a constant A.
 //
-// W and S are computed in forms without cancellation, so that small displacements keep their digits.
+// W and S are computed in forms without cancellation, so that small displacements keep their
+// digits.
 #pragma once
 
 #include <cmath>
@@ -42,7 +43,8 @@ struct LawOf<Law::linear> {
   template <bool WithTangent, class T>
   static void evaluate(const Kinematics<T>& k, const T (&p)[2], Response<T>& out) {
     T strain[6];
-    for (int m = 0; m < 6; ++m) strain[m] = 0.5 * (k.h[kRow[m]][kColumn[m]] + k.h[kColumn[m]][kRow[m]]);
+    for (int m = 0; m < 6; ++m)
+      strain[m] = 0.5 * (k.h[kRow[m]][kColumn[m]] + k.h[kColumn[m]][kRow[m]]);
     quadratic<WithTangent>(strain, p, out);
   }
 
@@ -130,8 +132,8 @@ struct IsochoricInvariants {
     const T q = k.trace_without_volume();
     const T x_1_squared = x_1 * x_1;
     first = a * (2.0 * q + x_1_squared * (2.0 * x + 1.0));
-    second = b * (4.0 * q + 2.0 * (tr * tr - trace(e2)) -
-                  x_1_squared * (3.0 * x * x + 2.0 * x + 1.0));
+    second =
+        b * (4.0 * q + 2.0 * (tr * tr - trace(e2)) - x_1_squared * (3.0 * x * x + 2.0 * x + 1.0));
   }
 
   /// ∂Ī₁/∂E = 4 a C⁻¹ dev E.

@@ -166,8 +166,7 @@ Parameters law_constants(const Material& material) {
       if (!whole) constants[0] = 0;
       return constants;
     }
-    case Law::fung:
-      return {shear_modulus(material), p[2], whole ? bulk_modulus(material) : 0};
+    case Law::fung: return {shear_modulus(material), p[2], whole ? bulk_modulus(material) : 0};
     case Law::neo_hookean_incompressible: return {shear_modulus(material) / 2, 0, 0};
     case Law::mooney_rivlin_incompressible: return {p[0], p[1], 0};
     default: return {whole ? lame(p) : 0, shear_modulus(material)};

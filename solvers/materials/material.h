@@ -12,9 +12,9 @@
 // with E = ½(C − I), C = FᵀF, Ī₁ = J^(−2/3) I₁, Ī₂ = J^(−4/3) I₂; W in J/m³ at rest.
 //
 // Every law is W = W_rest + κ̂/2 g² with a volumetric modulus κ̂ and a measure g of the change of
-// volume: g = tr ε, tr E, ln J or J − 1. The displacement formulation takes W as it stands and locks
-// where κ̂ is large beside the shear modulus. The mixed formulation has the pressure-like p = κ̂ g
-// as an unknown of its own: W_rest + p g − p²/(2κ̂), where κ̂ may be infinite.
+// volume: g = tr ε, tr E, ln J or J − 1. The displacement formulation takes W as it stands and
+// locks where κ̂ is large beside the shear modulus. The mixed formulation has the pressure-like p =
+// κ̂ g as an unknown of its own: W_rest + p g − p²/(2κ̂), where κ̂ may be infinite.
 //
 // [P06] I. Peterlík, Haptic Interaction with Deformable Objects, Masaryk University 2006.
 #pragma once

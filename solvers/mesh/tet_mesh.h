@@ -32,7 +32,9 @@ struct TetMesh {
   [[nodiscard]] Index num_cells() const {
     return static_cast<Index>(cells.size()) / nodes_per_cell(order);
   }
-  [[nodiscard]] const Index* cell(Index c) const { return cells.data() + c * nodes_per_cell(order); }
+  [[nodiscard]] const Index* cell(Index c) const {
+    return cells.data() + c * nodes_per_cell(order);
+  }
 };
 
 /// Checks indices and coordinates, and turns cells whose corners are in left-handed order round.

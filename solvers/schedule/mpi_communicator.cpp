@@ -86,8 +86,9 @@ class MpiCommunicator final : public Communicator {
     for (const std::int64_t bytes : layout.bytes) {
       const std::int64_t units = (bytes + kUnit - 1) / kUnit;
       if (layout.total + units > std::numeric_limits<int>::max()) {
-        throw BackendError("The ranks would exchange more than 16 GiB at once. Explore fewer active "
-                           "nodes in one run or use a coarser mesh.");
+        throw BackendError(
+            "The ranks would exchange more than 16 GiB at once. Explore fewer active "
+            "nodes in one run or use a coarser mesh.");
       }
       layout.counts.push_back(static_cast<int>(units));
       layout.offsets.push_back(static_cast<int>(layout.total));

@@ -62,9 +62,8 @@ class MpiNetwork final : public Network {
     start_receiving();
     // The first that is whole and has none of its sender before it.
     for (auto i = incoming_.begin(); i != incoming_.end();) {
-      const bool is_first = std::none_of(incoming_.begin(), i, [&](const Part& before) {
-        return before.from == i->from;
-      });
+      const bool is_first = std::none_of(
+          incoming_.begin(), i, [&](const Part& before) { return before.from == i->from; });
       int is_there = 0;
       if (is_first) check(MPI_Test(&i->request, &is_there, MPI_STATUS_IGNORE), "MPI_Test");
       if (is_there == 0) {
@@ -98,7 +97,8 @@ class MpiNetwork final : public Network {
       return;
     }
     const int doublings = std::min(num_rests_ - kYields, 20);
-    const double sleep = std::min({kLongestSleep, kShortestSleep * (1 << doublings), until - now()});
+    const double sleep =
+        std::min({kLongestSleep, kShortestSleep * (1 << doublings), until - now()});
     if (sleep > 0) std::this_thread::sleep_for(std::chrono::duration<double>(sleep));
   }
 

@@ -9,10 +9,10 @@
 // theirs: first the one that gave last, then one at random after the other, with a pause of a few
 // ms where it is refused. Because of the pauses, and since a request may go to any rank, the many
 // that are idle at the end do not drown the few that are busy: each of these is asked as often as
-// each idle rank asks. Where a request stays unanswered for long, since the other one does not poll,
-// a next one is asked as well. In the simulator, lifelines [LGB], over which a rank that has got work
-// shares it with neighbours that asked before, took longer and moved four times as many shares: many
-// went to ranks that had got work meanwhile.
+// each idle rank asks. Where a request stays unanswered for long, since the other one does not
+// poll, a next one is asked as well. In the simulator, lifelines [LGB], over which a rank that has
+// got work shares it with neighbours that asked before, took longer and moved four times as many
+// shares: many went to ranks that had got work meanwhile.
 //
 // Termination. The four-counter method [Mattern, section 4]: waves run over a tree of all ranks;
 // each rank joins a wave once it has neither work nor mail, with the numbers of messages that it
@@ -81,8 +81,8 @@ struct ScheduleReport {
 /// @returns false: it was stopped. The same on every rank.
 /// @param report Of this rank.
 /// @note Collective. A worker's error is thrown on all ranks, see agree().
-[[nodiscard]] bool run(Worker& worker, Communicator& communicator,
-                       ScheduleReport* report = nullptr, const ScheduleOptions& options = {});
+[[nodiscard]] bool run(Worker& worker, Communicator& communicator, ScheduleReport* report = nullptr,
+                       const ScheduleOptions& options = {});
 
 /// Gives every rank the sum over all ranks.
 /// @note Collective

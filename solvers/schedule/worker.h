@@ -59,8 +59,8 @@ class Worker {
   virtual void work(Mail& mail) = 0;
 
   /// Splits off about half of this rank's tasks for one that has none; empty: none can be spared.
-  /// Within a task (from Mail::poll) the others may all go; between tasks one must stay, or it could
-  /// travel from rank to rank and never be executed.
+  /// Within a task (from Mail::poll) the others may all go; between tasks one must stay, or it
+  /// could travel from rank to rank and never be executed.
   [[nodiscard]] virtual Bytes give() = 0;
   /// Takes what give() of another rank has split off. There may be tasks here already.
   virtual void take(const Bytes& share, Mail& mail) = 0;

@@ -3,8 +3,8 @@
 // check-point [P07, 3.2.3].
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
-// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space Approximation,
-// EuroHaptics 2008.
+// [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
+// Approximation, EuroHaptics 2008.
 #pragma once
 
 #include <array>
@@ -80,8 +80,8 @@ struct ConfigurationSummary {
   double minimum_det_f = 1;
   std::int32_t negative_pivots = 0;
   std::int32_t iterations = 0;
-  /// Tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random, m. Of two states it
-  /// differs by about the root mean square of the difference of u.
+  /// Tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random, m. Of two states
+  /// it differs by about the root mean square of the difference of u.
   Vec3 signature = Vec3::Zero();
   /// Where history matters, the level that the body is on when it is moved on from here to each
   /// neighbour.

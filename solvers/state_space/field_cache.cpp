@@ -29,8 +29,8 @@ std::size_t bytes_of(const Configuration& c) {
 
 }  // namespace
 
-std::vector<const Configuration*> FieldCache::get(
-    const Site& site, const std::vector<ConfigurationSummary>& wanted) {
+std::vector<const Configuration*> FieldCache::get(const Site& site,
+                                                  const std::vector<ConfigurationSummary>& wanted) {
   const auto key_of = [&](const ConfigurationSummary& c) {
     return Key{site.active_node, c.check_point, c.level};
   };
@@ -91,10 +91,9 @@ void FieldCache::read(const Site& site, const std::vector<ConfigurationSummary>&
 
 void FieldCache::forget_old_ones() {
   while (bytes_ > most_bytes_) {
-    const auto oldest =
-        std::min_element(entries_.begin(), entries_.end(), [](const auto& a, const auto& b) {
-          return a.second.last_use < b.second.last_use;
-        });
+    const auto oldest = std::min_element(
+        entries_.begin(), entries_.end(),
+        [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; });
     if (oldest->second.last_use == uses_) return;
     bytes_ -= bytes_of(oldest->second.configuration);
     entries_.erase(oldest);

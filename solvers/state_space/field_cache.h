@@ -24,8 +24,7 @@ class FieldCache {
 
   /// @param scene_hash Of the scene whose configurations are asked for.
   /// @param bytes Of fields that are kept; those used last are.
-  FieldCache(std::filesystem::path path, std::string scene_hash,
-             std::size_t bytes = default_bytes)
+  FieldCache(std::filesystem::path path, std::string scene_hash, std::size_t bytes = default_bytes)
       : path_(std::move(path)), scene_hash_(std::move(scene_hash)), most_bytes_(bytes) {}
 
   /// The scene in the file.

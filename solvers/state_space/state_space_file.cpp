@@ -895,8 +895,7 @@ std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) con
     key.check_point = transition.start;
     key.level = transition.start_level;
     std::lower_bound(configurations.begin(), configurations.end(), key)
-        ->reached[neighbour_number(transition.start, transition.target)] =
-        transition.reached;
+        ->reached[neighbour_number(transition.start, transition.target)] = transition.reached;
   }
   return configurations;
 }
@@ -969,8 +968,7 @@ std::vector<LevelTransition> StateSpaceFile::read_linked_transitions(
   };
   std::vector<LevelTransition> transitions = read_transitions(active_node);
   const auto loose = [&](const LevelTransition& t) {
-    return !is_there(t.start, t.start_level) ||
-           (t.reached >= 0 && !is_there(t.target, t.reached));
+    return !is_there(t.start, t.start_level) || (t.reached >= 0 && !is_there(t.target, t.reached));
   };
   transitions.erase(std::remove_if(transitions.begin(), transitions.end(), loose),
                     transitions.end());

@@ -76,8 +76,8 @@ def haptic_units():
     """The parts of haptic/ in order, as those of solvers/, with the programs."""
     solvers = {"solvers/base", "solvers/mesh", "solvers/state_space", "solvers/interpolation"}
     wrapped = {"transport": {"hidapi"}, "recording": {"CSV"}, "palpate_servo": {"CLI11"}}
-    parts = ["realtime", "profile", "guardian", "palpate_guardian", "transport", "touching", "servo",
-             "recording", "palpate_servo"]
+    parts = ["realtime", "profile", "guardian", "palpate_guardian", "transport", "touching",
+             "servo", "recording", "palpate_servo"]
     return {
         f"haptic/{part}": Unit({"std", "POSIX", "Eigen"} | wrapped.get(part, set()),
                                {f"haptic/{earlier}" for earlier in parts[:index]} | solvers)

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How time and memory grow with the size of a body: a cube of Tet10, neo-Hookean (ν = 0.45), held
-// at its bottom, a patch of its top pulled by a tenth of its height in one step; and the memory of an
-// exploration on 7 × 7 × 7 check-points around that place, which keeps the factors of the starts on the
-// way from rest to a corner of the box. Prints a Markdown table and the exponents of the growth; on
-// several ranks they factorise together, and the memory is that of the first, the largest.
+// at its bottom, a patch of its top pulled by a tenth of its height in one step; and the memory of
+// an exploration on 7 × 7 × 7 check-points around that place, which keeps the factors of the starts
+// on the way from rest to a corner of the box. Prints a Markdown table and the exponents of the
+// growth; on several ranks they factorise together, and the memory is that of the first, the
+// largest.
 //
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_growth 160000
 //   mpiexec -n 2 palpate_benchmark_growth 160000
@@ -110,9 +111,9 @@ PrecomputeReport explore(const Scene& scene) {
   options.half_width = kEdge / 10;
   options.resolution = 7;
   options.ranks_per_solve = communicator->size();
-  return precompute(scene, options, *communicator, [](const ProgressState& state) {
-           return state.num_done < kExplored;
-         }).report;
+  return precompute(scene, options, *communicator,
+                    [](const ProgressState& state) { return state.num_done < kExplored; })
+      .report;
 }
 
 struct Figure {

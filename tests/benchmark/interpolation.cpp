@@ -95,17 +95,15 @@ BENCHMARK_CAPTURE(evaluate, linear, Method::linear, uniform());
 BENCHMARK_CAPTURE(evaluate, trilinear, Method::trilinear, uniform());
 BENCHMARK_CAPTURE(evaluate, tricubic, Method::tricubic, uniform());
 BENCHMARK_CAPTURE(evaluate, energy_hermite, Method::energy_hermite, uniform());
-BENCHMARK_CAPTURE(evaluate, energy_hermite_third, Method::energy_hermite,
-                  with_third_derivatives());
+BENCHMARK_CAPTURE(evaluate, energy_hermite_third, Method::energy_hermite, with_third_derivatives());
 BENCHMARK_CAPTURE(evaluate, trilinear_walk, Method::trilinear, uniform(), walk());
-BENCHMARK_CAPTURE(evaluate, energy_hermite_walk, Method::energy_hermite,
-                  with_third_derivatives(), walk());
+BENCHMARK_CAPTURE(evaluate, energy_hermite_walk, Method::energy_hermite, with_third_derivatives(),
+                  walk());
 BENCHMARK_CAPTURE(evaluate, rbf_linear, Method::rbf_linear, uniform());
 BENCHMARK_CAPTURE(evaluate, rbf_linear_intermediate, Method::rbf_linear,
                   with_intermediate_states());
 BENCHMARK_CAPTURE(evaluate, rbf_cubic, Method::rbf_cubic, uniform());
-BENCHMARK_CAPTURE(evaluate, rbf_cubic_intermediate, Method::rbf_cubic,
-                  with_intermediate_states());
+BENCHMARK_CAPTURE(evaluate, rbf_cubic_intermediate, Method::rbf_cubic, with_intermediate_states());
 BENCHMARK_CAPTURE(evaluate, trilinear_adaptive, Method::trilinear,
                   test::graded_site(test::exponential));
 BENCHMARK_CAPTURE(evaluate, energy_hermite_adaptive, Method::energy_hermite,

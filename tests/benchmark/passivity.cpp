@@ -111,9 +111,10 @@ void print() {
   constexpr Duration delays[] = {0ms, 1ms, 3ms};
   constexpr std::uint32_t resolutions[] = {1000, 10000, 50000};
   const HandOptions hand;
-  std::printf("| body, N/m | delay, ms | swing, µm, at steps of 1 µm: off | on | 10 µm: off | on | "
-              "50 µm: off | on | energy made, µJ, at 10 µm: off | on |\n"
-              "|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| body, N/m | delay, ms | swing, µm, at steps of 1 µm: off | on | 10 µm: off | on | "
+      "50 µm: off | on | energy made, µJ, at 10 µm: off | on |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
   for (double stiffness : {200.0, 1000.0, 2000.0, 4000.0, 8000.0}) {
     for (Duration delay : delays) {
       std::printf("| %.0f | %.0f |", stiffness, 1e3 * seconds(delay));
@@ -128,8 +129,9 @@ void print() {
       std::printf(" %.0f | %.0f |\n", 1e6 * middle[0].made, 1e6 * middle[1].made);
     }
   }
-  std::printf("\n| delay, ms | step, µm | largest stable, N/m: off | on | b/(T/2 + delay) |\n"
-              "|---|---|---|---|---|\n");
+  std::printf(
+      "\n| delay, ms | step, µm | largest stable, N/m: off | on | b/(T/2 + delay) |\n"
+      "|---|---|---|---|---|\n");
   for (Duration delay : delays) {
     for (std::uint32_t resolution : resolutions) {
       const Case what{0, delay, resolution, false};
@@ -137,10 +139,9 @@ void print() {
       with.controller = true;
       // Colgate & Schenkel, Passivity of a Class of Sampled-Data Systems, J. Robotic Systems 14(1),
       // 1997: what the damping of device and hand makes up for.
-      const double bound =
-          (hand.device_damping + hand.hand_damping) / (0.5e-3 + seconds(delay));
-      std::printf("| %.0f | %.0f | %.0f | %.0f | %.0f |\n", 1e3 * seconds(delay),
-                  1e-3 * resolution, largest_stable(what), largest_stable(with), bound);
+      const double bound = (hand.device_damping + hand.hand_damping) / (0.5e-3 + seconds(delay));
+      std::printf("| %.0f | %.0f | %.0f | %.0f | %.0f |\n", 1e3 * seconds(delay), 1e-3 * resolution,
+                  largest_stable(what), largest_stable(with), bound);
     }
   }
 }

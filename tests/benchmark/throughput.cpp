@@ -8,8 +8,8 @@
 // The arguments are the file, whose number of active nodes is a multiple of the ranks, the number
 // of rounds, and a folder for files of the explorations; without it they are in memory. Prints a
 // Markdown table, a row a round, and the ratio of the two rates. That of the runs side by side is
-// the sum of each one's own: the one that ends first does not wait for the others. On a machine that
-// is not quiet look at the processor time too, of all ranks: an idle rank sleeps.
+// the sum of each one's own: the one that ends first does not wait for the others. On a machine
+// that is not quiet look at the processor time too, of all ranks: an idle rank sleeps.
 #include <mpi.h>
 #include <sys/resource.h>
 
@@ -148,8 +148,9 @@ void print_table(const Problem& problem, int num_rounds, const std::string& fold
                  Communicator& world) {
   const bool prints = world.rank() == 0;
   if (prints) {
-    std::printf("| side by side, 1/s | together, 1/s | ratio | factorisations | together | processor, "
-                "s | together | shares | idle, %% of a rank |\n|---|---|---|---|---|---|---|---|---|\n");
+    std::printf(
+        "| side by side, 1/s | together, 1/s | ratio | factorisations | together | processor, "
+        "s | together | shares | idle, %% of a rank |\n|---|---|---|---|---|---|---|---|---|\n");
   }
   std::vector<double> ratios;
   for (int round = 0; round < num_rounds; ++round) {
@@ -184,8 +185,8 @@ int main(int argc, char** argv) {
     try {
       if (argc < 2) throw palpate::InputError("Give a .palpate file.");
       palpate::print_table(palpate::read(argv[1], world->size()),
-                           argc > 2 ? std::max(1, std::atoi(argv[2])) : 3,
-                           argc > 3 ? argv[3] : "", *world);
+                           argc > 2 ? std::max(1, std::atoi(argv[2])) : 3, argc > 3 ? argv[3] : "",
+                           *world);
     } catch (const std::exception& error) {
       if (world->rank() == 0) std::fprintf(stderr, "%s\n", error.what());
       result = EXIT_FAILURE;

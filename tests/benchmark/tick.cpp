@@ -5,14 +5,14 @@
 //   palpate_benchmark_tick [space.palpate]
 //
 // With a state space: its nodes. Always: boxes with 9 to 961 active nodes of 343 configurations.
-// Burst: ticks one after the other, what they need is in the caches. Paced: a thousand a second, with
-// real-time priority, while another thread goes through 64 MB again and again, as a program that
-// draws does.
+// Burst: ticks one after the other, what they need is in the caches. Paced: a thousand a second,
+// with real-time priority, while another thread goes through 64 MB again and again, as a program
+// that draws does.
 //
-// A machine takes time away at any moment, for its timer and, where it is a virtual one, for others:
-// the last column but one, of a loop that only reads the clock. That says nothing about a tick, so
-// each runs five times in the same place of the same way, and the median of its times is taken; the
-// last column is without that.
+// A machine takes time away at any moment, for its timer and, where it is a virtual one, for
+// others: the last column but one, of a loop that only reads the clock. That says nothing about a
+// tick, so each runs five times in the same place of the same way, and the median of its times is
+// taken; the last column is without that.
 #include <pthread.h>
 #include <sched.h>
 
@@ -188,9 +188,10 @@ int main(int argc, char** argv) {
   if (pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters) != 0) {
     std::printf("Without real-time priority: other work of the machine counts.\n");
   }
-  std::printf("| body | nodes | MB | coupling | ticks | touching, %% | median, µs | p99 | p99.9 | "
-              "largest | > 10 µs taken away, 1/s | p99.9 as it is |\n"
-              "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| body | nodes | MB | coupling | ticks | touching, %% | median, µs | p99 | p99.9 | "
+      "largest | > 10 µs taken away, 1/s | p99.9 as it is |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   if (argc > 1) {
     const auto body = std::make_shared<const Touchable>(
         make_touch_space_without_modes(StateSpaceFile::open_read_only(argv[1])));

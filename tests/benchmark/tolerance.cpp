@@ -7,9 +7,9 @@
 //
 // The arguments are the file, the half-width of the box in m, the number of random points at which
 // the equilibrium is solved for exactly, each from rest, and the spaces: a tolerance in per cent,
-// or the check-points along an axis of a uniform grid. The exact solutions are kept beside the file,
-// as a .csv that is named after the scene, the tip and the box: the next run goes on from them.
-// Prints a Markdown table:
+// or the check-points along an axis of a uniform grid. The exact solutions are kept beside the
+// file, as a .csv that is named after the scene, the tip and the box: the next run goes on from
+// them. Prints a Markdown table:
 //
 //   configurations, s   solved for, and processor time of the exploration
 //   mean, 99 %, largest of the error of the force, as a share of the largest force, where the space
@@ -142,9 +142,9 @@ double largest_jump(const TouchSite& site, const Interpolator& interpolator) {
     for (int k = 0; k < 3; ++k) t[k] += k == face.axis ? 0 : face.side * uniform(random);
     t *= grid.spacing();
     const Vec3 step = apart * Vec3::Unit(face.axis);
-    largest = std::max(largest, (interpolator.evaluate(t + step).force -
-                                 interpolator.evaluate(t - step).force)
-                                    .norm());
+    largest = std::max(
+        largest,
+        (interpolator.evaluate(t + step).force - interpolator.evaluate(t - step).force).norm());
   }
   return largest;
 }
@@ -209,8 +209,9 @@ void print_row(const std::string& name, const Scene& scene, const PrecomputeOpti
 
 int main_of(const std::vector<std::string>& arguments) {
   if (arguments.size() < 3) {
-    throw InputError("Give a .palpate file, a half-width in m, a number of points, and spaces such "
-                     "as 1% or 7.");
+    throw InputError(
+        "Give a .palpate file, a half-width in m, a number of points, and spaces such "
+        "as 1% or 7.");
   }
   const StateSpaceFile file = StateSpaceFile::open_read_only(arguments[0]);
   const Scene scene = file.read_scene();
@@ -229,9 +230,10 @@ int main_of(const std::vector<std::string>& arguments) {
   const auto num_regular =
       std::count_if(exact.begin(), exact.end(), [](const Exact& e) { return e.regular(); });
   std::printf("%zu points, from rest regular to %td\n\n", exact.size(), num_regular);
-  std::printf("| space | configurations | s | error: mean %% | 99 %% | largest %% | marked %% | "
-              "error there %% | irregular %% | error there %% | jump | MB |\n"
-              "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+  std::printf(
+      "| space | configurations | s | error: mean %% | 99 %% | largest %% | marked %% | "
+      "error there %% | irregular %% | error there %% | jump | MB |\n"
+      "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   for (std::size_t i = 3; i < arguments.size(); ++i) {
     const bool is_uniform = arguments[i].back() != '%';
     options.tolerance = is_uniform ? 0 : 0.01 * std::stod(arguments[i]);

@@ -14,9 +14,10 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply, application,
-                canvas, choose, click, dialogs, dock, drag, in_dialog, menu, open_file, part, pixel_of,
-                pixel_of_node, press_escape, property_widget, send, wait, wait_until, window, write)
+from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
+                application, canvas, choose, click, dialogs, dock, drag, in_dialog, menu,
+                open_file, part, pixel_of, pixel_of_node, press_escape, property_widget, send,
+                wait, wait_until, window, write)
 
 HOST = "127.0.0.1"  # A bare system knows no name for it.
 # The block's active nodes are at the end of large x: a place far from them that is seen from there,
@@ -97,8 +98,8 @@ def work():
 
 
 def measure_frames(view, seconds):
-    """Prints what a frame takes on a processor, s; the share of the time in which threads have waited
-    for one; frames in a second."""
+    """Prints what a frame takes on a processor, s; the share of the time in which threads have
+    waited for one; frames in a second."""
     window_of_view = view.GetRenderWindow()
     frames = []
     observer = window_of_view.AddObserver("EndEvent", lambda *_: frames.append(0))
@@ -303,7 +304,7 @@ def mouse():
 
 
 def pick_nodes():
-    """Clicks the point 107 of the liver, another one and that again, and drags, which chooses none."""
+    """Clicks the point 107 of the liver, another one and that again, and drags: none by that."""
     view = GetActiveView()
     body = servermanager.Fetch(GetActiveSource().Input)
     nodes = property_widget("ActiveNodes", QtWidgets.QTableView).model()

@@ -40,7 +40,7 @@ def canvas():
 
 
 def display(view, place):
-    """Where a place of the scene is seen in a view of ParaView: pixels from its lower left corner."""
+    """Where a place of the scene is seen in a view: pixels from its lower left corner."""
     renderer = view.GetRenderer()
     renderer.SetWorldPoint(*place, 1)
     renderer.WorldToDisplay()

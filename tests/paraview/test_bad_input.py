@@ -252,7 +252,8 @@ def test_active_node(bad):
     beyond = bad.grid.GetNumberOfPoints()
     for node in (beyond, -1):
         bad.fails("does not exist", f"node {node}", node=node)
-    bad.fails("twice", equilibrium={"ActiveNodes": [bad.node] * 2, "Displacement": [0.01, 0, 0] * 2})
+    bad.fails("twice",
+              equilibrium={"ActiveNodes": [bad.node] * 2, "Displacement": [0.01, 0, 0] * 2})
     bad.fails("No active node", equilibrium={"ActiveNodes": []})
 
     def with_loose_point(grid):

@@ -62,7 +62,7 @@ def printed(sm_proxy, noun):
 
 
 def expect_no_looks_of_other_data():
-    """A colour map goes by the name of an array alone: those of other data keep ParaView's default."""
+    """A colour map goes by an array's name alone: those of other data keep ParaView's default."""
     default = list(GetColorTransferFunction("An array of the user").RGBPoints)
     for name in ("Force", "Displacement", "Energy", "Stiffness", "Flags", "Error"):
         assert list(GetColorTransferFunction(name).RGBPoints) == default, name

@@ -2,8 +2,9 @@
 """Input that is refused, on one rank and on two: one error, which a script can see, and the process
 goes on; and data of the user that looks like a failure and is none."""
 
-from paraview.simple import (AccuracyReport, AssignMaterial, Calculator, EstimateError, GroupDatasets,
-                             PrecomputeStateSpace, SetBoundary, SolveEquilibrium, Sphere,
+from paraview.simple import (AccuracyReport, AssignMaterial, Calculator, EstimateError,
+                             GroupDatasets, PrecomputeStateSpace, SetBoundary, SolveEquilibrium,
+                             Sphere,
                              StateSpaceReader, TetrahedralizeSurface, TouchStateSpace)
 from state_space_support import precompute
 from support import (box_body, expect_error, expect_silence, fetch, field, node_at, scene, source)
@@ -30,8 +31,10 @@ def test_collections_are_refused():
     space = precompute(boundary, [node], Resolution=3)
     on_body = {AssignMaterial: {}, SetBoundary: {}, SolveEquilibrium: {"ActiveNodes": [node]},
                PrecomputeStateSpace: {"ActiveNodes": [node], "Resolution": 3}}
-    cases = [(boundary, "collection", on_body), (Sphere(), "collection", {TetrahedralizeSurface: {}}),
-             (space, "no state space", {TouchStateSpace: {}, EstimateError: {}, AccuracyReport: {}})]
+    cases = [(boundary, "collection", on_body),
+             (Sphere(), "collection", {TetrahedralizeSurface: {}}),
+             (space, "no state space",
+              {TouchStateSpace: {}, EstimateError: {}, AccuracyReport: {}})]
     for member, words, filters in cases:
         for kind in COLLECTIONS:
             grouped = group(member, kind)

@@ -105,8 +105,8 @@ def main():
     touching = run("touching", folder)
     assert 0.1 < touching["force"][0] < 10, touching
     # Whether the view follows and no tick is lost tells only a machine on which the threads hardly
-    # wait for a processor. On any other a frame still takes no more of the thread that draws it than
-    # twice what 65 ms are, the most that was seen with thirty other threads on two processors.
+    # wait for a processor. On any other a frame still takes no more of the thread that draws it
+    # than twice what 65 ms are, the most that was seen with thirty other threads on two processors.
     cost, waited, frames = touching["frame"]
     is_quiet = waited < 0.05
     assert frames > 20 if is_quiet else cost < 0.13, touching

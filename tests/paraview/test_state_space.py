@@ -7,7 +7,8 @@ import sqlite3
 import numpy
 from paraview import servermanager
 from paraview.simple import (AppendDatasets, AssignMaterial, Calculator, EstimateError,
-                             OpenDataFile, PrecomputeStateSpace, RedistributeDataSet, SaveData, SolveEquilibrium, StateSpaceReader,
+                             OpenDataFile, PrecomputeStateSpace, RedistributeDataSet, SaveData,
+                             SolveEquilibrium, StateSpaceReader,
                              TouchStateSpace, Transform)
 from state_space_support import arrays_of, expect_same_space, fetch_space, precompute
 from support import (Messages, box_body, expect_error, expect_silence, fetch, field, node_at,
@@ -281,13 +282,15 @@ def test_partitions():
     blocks = servermanager.Fetch(split, 0)
     for block in (1, 2):
         sizes = [blocks.GetPartition(block, p).GetNumberOfPoints()
-                 for p in range(blocks.GetNumberOfPartitions(block)) if blocks.GetPartition(block, p)]
+                 for p in range(blocks.GetNumberOfPartitions(block))
+                 if blocks.GetPartition(block, p)]
         assert sum(size > 0 for size in sizes) > 1, (block, sizes)
     whole, parts = (TouchStateSpace(Input=source, Displacement=[0.012, -0.003, 0.007])
                     for source in (space, split))
     for method in ("Energy Hermite", "RBF cubic"):
         whole.Interpolation = parts.Interpolation = method
-        ours, theirs = (expect_silence(lambda touch=touch: fetch(touch)) for touch in (parts, whole))
+        ours, theirs = (expect_silence(lambda touch=touch: fetch(touch))
+                        for touch in (parts, whole))
         assert (field(ours, "Force") == field(theirs, "Force")).all()
         assert field(ours, "Found")[0] == INSIDE
         assert (places(ours) == places(theirs)).all()

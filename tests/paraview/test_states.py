@@ -52,8 +52,8 @@ def check_the_triple(name):
 
 
 def check_that_the_past_does_not_count():
-    """A body that snaps, at the same displacements in whatever order: the branch depends on where the
-    node is said to come from."""
+    """A body that snaps, at the same displacements in whatever order: the branch depends on where
+    the node is said to come from."""
     touch = FindSource("Touch")
     deflections = [0.0025 * i for i in range(13)]
 

@@ -32,11 +32,11 @@ constexpr int kLongestWait = 2000;
 
 /// Report descriptor of a mouse with one button: a device that is not ours.
 constexpr std::array<std::uint8_t, 46> kMouse{
-    0x05, 0x01,  // usage page (generic desktop)
-    0x09, 0x02,  // usage (mouse)
-    0xA1, 0x01,  // collection (application)
-    0x09, 0x01,  //   usage (pointer)
-    0xA1, 0x00,  //   collection (physical)
+    0x05, 0x01,                                                  // usage page (generic desktop)
+    0x09, 0x02,                                                  // usage (mouse)
+    0xA1, 0x01,                                                  // collection (application)
+    0x09, 0x01,                                                  //   usage (pointer)
+    0xA1, 0x00,                                                  //   collection (physical)
     0x05, 0x09, 0x19, 0x01, 0x29, 0x01, 0x15, 0x00, 0x25, 0x01,  // button 1, 0 or 1
     0x95, 0x01, 0x75, 0x01, 0x81, 0x02,                          // a bit of input
     0x75, 0x07, 0x81, 0x03,                                      // seven bits of padding
@@ -132,8 +132,10 @@ void Board::step() {
       case Fault::device_pause:
       case Fault::away: break;
       case Fault::wrong_size:
-        if (step_ % 2 == 0) send("short", whole - 1);
-        else send("long", whole + 1);
+        if (step_ % 2 == 0)
+          send("short", whole - 1);
+        else
+          send("long", whole + 1);
         break;
       case Fault::empty: send("empty", 0); break;
       case Fault::doubled: send("whole", whole); [[fallthrough]];

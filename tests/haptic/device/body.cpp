@@ -24,8 +24,7 @@ Energy energy_of(const Mat3& k) {
     Sample sample;
     sample.energy = 0.5 * t.dot(k * t) + 0.25 * kStiffening * square * square;
     sample.force = k * t + kStiffening * square * t;
-    sample.stiffness =
-        k + kStiffening * (square * Mat3::Identity() + 2 * t * t.transpose());
+    sample.stiffness = k + kStiffening * (square * Mat3::Identity() + 2 * t * t.transpose());
     return sample;
   };
 }
@@ -33,8 +32,8 @@ Energy energy_of(const Mat3& k) {
 Surface block() {
   Surface surface;
   for (double z : {0.0, -kHeight}) {
-    for (const auto& [x, y] : std::array<std::array<double, 2>, 4>{
-             {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}) {
+    for (const auto& [x, y] :
+         std::array<std::array<double, 2>, 4>{{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}}) {
       surface.points.push_back({x * kSide / 2, y * kSide / 2, z});
       surface.mesh_points.push_back(surface.num_points() - 1);
     }

@@ -363,13 +363,14 @@ def check_trials(require, records):
         end = next(at for at in strokes if at > begin)
         held = [f for f in records.forces if f.time < begin][-1]
         back = [f for f in Span(end, end + 180 * TICK).of(records.forces) if not f.is_zero()]
-        after[name].append(off_after(records, begin, end) if not held.is_zero() and back else math.inf)
+        worked = not held.is_zero() and back
+        after[name].append(off_after(records, begin, end) if worked else math.inf)
     for name, times_of in after.items():
         good = [t for t in times_of if t <= NO_FORCE_WITHOUT_HOST]
         times_of.sort()
         require(len(good) == len(times_of) == number,
-                f"{WAYS[name]}: the force was zero within {NO_FORCE_WITHOUT_HOST / TICK:.0f} ms, and "
-                f"until the tool was outside, {len(good)} of {number} times; after "
+                f"{WAYS[name]}: the force was zero within {NO_FORCE_WITHOUT_HOST / TICK:.0f} ms, "
+                f"and until the tool was outside, {len(good)} of {number} times; after "
                 f"{times_of[0] / TICK:.2f} to {times_of[-1] / TICK:.2f} ms, median "
                 f"{times_of[number // 2] / TICK:.2f} ms")
 

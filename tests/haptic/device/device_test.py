@@ -4,9 +4,10 @@
 
     device_test.py <program> <palpate-guardian> <folder>
 
-The environment variable PALPATE_DEVICE_TRIALS says how often each way in which the host's program can
-end or stop is tried; 4 times without it. The folder keeps the kernel, and of the last run console.log, what the guest's kernel said, and
-records.log. Ends with 77 where there is no QEMU or no kernel to be had; with 1 where the
+The environment variable PALPATE_DEVICE_TRIALS says how often each way in which the host's program
+can end or stop is tried; 4 times without it. The folder keeps the kernel, and of the last run
+console.log, what the guest's kernel said, and records.log. Ends with 77 where there is no QEMU or
+no kernel to be had; with 1 where the
 environment has PALPATE_SKIP_NOTHING.
 """
 

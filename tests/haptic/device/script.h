@@ -52,9 +52,7 @@ struct Stroke {
 
   /// While the stylus is inside.
   static constexpr int kFaultFrom = 180;
-  [[nodiscard]] bool begins(int step) const {
-    return fault != Fault::none && step == kFaultFrom;
-  }
+  [[nodiscard]] bool begins(int step) const { return fault != Fault::none && step == kFaultFrom; }
   [[nodiscard]] bool ends(int step) const {
     return fault != Fault::none && step == kFaultFrom + fault_length;
   }

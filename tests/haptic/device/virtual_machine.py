@@ -86,10 +86,11 @@ def pad(data):
 
 
 def run(program, others, variables, folder, records, timeout):
-    """Runs the machine until it switches itself off, with the program as /init and others beside it.
+    """Runs the machine until it switches itself off, with the program as /init and others
+    beside it.
 
-    The variables are in the environment of the program. The kernel writes to the first serial line, which goes to console.log in the folder; /dev/ttyS1
-    goes to the file `records`.
+    The variables are in the environment of the program. The kernel writes to the first
+    serial line, which goes to console.log in the folder; /dev/ttyS1 goes to the file `records`.
     """
     initrd = folder / "initrd"
     make_initrd(initrd, program, others, [folder / f"{module}.ko" for module in MODULES])

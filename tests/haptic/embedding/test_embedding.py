@@ -28,7 +28,8 @@ def main():
         assert any(0.003 < float(line.group(2)) < 0.006 and float(line.group(3)) > 0.05
                    for line in pressed), done.stdout
 
-        done = subprocess.run([page, space], capture_output=True, text=True, timeout=60, check=False)
+        done = subprocess.run([page, space], capture_output=True, text=True, timeout=60,
+                              check=False)
         assert done.returncode == 0, done.stdout + done.stderr
 
         for arguments, word in (([], "palpate file"), ([os.path.join(folder, "none")], "none"),

@@ -38,13 +38,13 @@ Feature feature() {
 
 /// The bytes as they are published in haptic/README.md.
 const Report kFeature = report({
-    1,    'P',  'L',  'P',  'T',                                // number, magic
-    1,    15,   2,                                              // version, flags, buttons
-    0x10, 0x27, 0,    0,                                        // 10000 nm
-    0xF4, 0x01, 0,    0,                                        // 500 µN
-    0xDC, 0x1E, 0xB8, 0x0B, 0xE8, 0x03, 0x20, 0x03,             // mN, N/m, damping, radius
-    50,   0,    0xE8, 0x03,                                     // ms, µs
-    'U', 'l', 'm', ' ', '2', 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  // model
+    1,    'P',  'L',  'P',  'T',                     // number, magic
+    1,    15,   2,                                   // version, flags, buttons
+    0x10, 0x27, 0,    0,                             // 10000 nm
+    0xF4, 0x01, 0,    0,                             // 500 µN
+    0xDC, 0x1E, 0xB8, 0x0B, 0xE8, 0x03, 0x20, 0x03,  // mN, N/m, damping, radius
+    50,   0,    0xE8, 0x03,                          // ms, µs
+    'U',  'l',  'm',  ' ',  '2',  0,    0,    0,    0, 0, 0, 0, 0, 0, 0, 0,  // model
 });
 
 const Report kInput = report({
@@ -58,7 +58,7 @@ const Report kInput = report({
 });
 
 const Report kOutput = report({
-    3,    0x02, 0x01,                    // number, counter
+    3, 0x02, 0x01,                       // number, counter
     0xE8, 0x03, 0x18, 0xFC, 0x07, 0x00,  // 1000, −1000, 7
     1,                                   // force
 });

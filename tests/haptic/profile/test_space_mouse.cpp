@@ -41,8 +41,7 @@ TEST(SpaceMouse, RotationIsARateInOurAxes) {
 TEST(SpaceMouse, NewerReportHoldsBoth) {
   const SpaceMouse profile;
   DeviceState state;
-  ASSERT_TRUE(profile.decode(
-      report({1, 0, 0, kFull, 1, 0, 0, 0, 0, 0, 0, 0xA2, 0xFE}), state));
+  ASSERT_TRUE(profile.decode(report({1, 0, 0, kFull, 1, 0, 0, 0, 0, 0, 0, 0xA2, 0xFE}), state));
   EXPECT_TRUE(state.rate.isApprox(Vec3(0.1, 0, 0), 1e-15));
   EXPECT_TRUE(state.angular_rate.isApprox(Vec3(0, 0, 1.5), 1e-15));
 }
@@ -73,9 +72,8 @@ TEST(SpaceMouse, Buttons) {
 TEST(SpaceMouse, RefusesOtherReports) {
   const SpaceMouse profile;
   DeviceState state;
-  for (const Report& r :
-       {report({1, 9, 9, 9, 9, 9}), report({1, 9, 9, 9, 9, 9, 9, 9}), report({2, 9, 9, 9}),
-        report({3}), report({0x17, 50, 0}), Report{}}) {
+  for (const Report& r : {report({1, 9, 9, 9, 9, 9}), report({1, 9, 9, 9, 9, 9, 9, 9}),
+                          report({2, 9, 9, 9}), report({3}), report({0x17, 50, 0}), Report{}}) {
     EXPECT_FALSE(profile.decode(r, state));
   }
   EXPECT_EQ(state.rate, Vec3::Zero());

@@ -134,8 +134,7 @@ TEST(WoodenHaptics, SwitchIsAnsweredWithACalibrationAndNoForce) {
   DeviceState state;
   ASSERT_TRUE(profile.decode(pressed, state));
   EXPECT_EQ(state.buttons, 1U);
-  const Report expected =
-      report({0, 4, 0, 5, 0, 0xFA, 0xFF, 1, 0, 1, 0, 0xFE, 0xFF, 0x70, 0x17});
+  const Report expected = report({0, 4, 0, 5, 0, 0xFA, 0xFF, 1, 0, 1, 0, 0xFE, 0xFF, 0x70, 0x17});
   EXPECT_EQ(bytes(profile.encode({0, 1, 0}, state)), bytes(expected));
   EXPECT_EQ(bytes(profile.zero_force(state)), bytes(expected));
   EXPECT_EQ(profile.displayed({0, 1, 0}, state), Vec3::Zero());

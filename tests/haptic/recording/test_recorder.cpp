@@ -28,8 +28,8 @@ class AnyValue {
   template <class Value>
   void operator()(const recording::Name&, Value& value) {
     if constexpr (std::is_same_v<Value, double>) {
-      constexpr double kSpecial[] = {0, -0.0, 5e-324, 1.7976931348623157e308, HUGE_VAL, -HUGE_VAL,
-                                     0.1, 1.0 / 3};
+      constexpr double kSpecial[] = {0,        -0.0,      5e-324, 1.7976931348623157e308,
+                                     HUGE_VAL, -HUGE_VAL, 0.1,    1.0 / 3};
       const std::uint64_t bits = random_();
       std::memcpy(&value, &bits, sizeof value);
       if (std::isnan(value) || bits % 4 == 0) value = kSpecial[random_() % 8];
@@ -178,9 +178,7 @@ TEST_F(Recording, ThatWasNeverStartedLeavesNoFile) {
   EXPECT_FALSE(std::filesystem::exists(file("a.csv")));
 }
 
-TEST_F(Recording, NeedsAFolder) {
-  EXPECT_THROW(Recorder(file("none") / "a.csv"), InputError);
-}
+TEST_F(Recording, NeedsAFolder) { EXPECT_THROW(Recorder(file("none") / "a.csv"), InputError); }
 
 TickRecord numbered(std::uint64_t number) {
   TickRecord record;

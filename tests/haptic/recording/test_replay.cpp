@@ -26,9 +26,11 @@ class Replay : public test::RecordingTest {
   Counters record(const std::string& name, int num_ticks) const {
     const auto clock = std::make_shared<VirtualClock>();
     clock->advance(12345678901234567ns);
-    const auto hand = std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
-        {0ms, {0, 0, 0.02}}, {400ms, {0, 0, -0.006}}, {700ms, {0.004, 0.003, -0.004}},
-        {1100ms, {0, 0, 0.02}}});
+    const auto hand = std::make_shared<ScriptedMotion>(
+        std::vector<ScriptedMotion::Waypoint>{{0ms, {0, 0, 0.02}},
+                                              {400ms, {0, 0, -0.006}},
+                                              {700ms, {0.004, 0.003, -0.004}},
+                                              {1100ms, {0, 0, 0.02}}});
     BoardOptions options;
     options.report_delay = 700us;
     options.force_delay = 300us;

@@ -20,9 +20,7 @@ constexpr double kForceUnit = 1e-3;
 constexpr double kInterpolation = 1e-3;
 
 /// What a hand at a place of the device feels of the box that is pressed at its middle.
-Vec3 exact_force(const Vec3& device) {
-  return -test::stiffening_spring(200)(device).force;
-}
+Vec3 exact_force(const Vec3& device) { return -test::stiffening_spring(200)(device).force; }
 
 TEST(Loop, EachForceIsThatOfTheNewestReport) {
   Rig rig(test::pressing());
@@ -165,7 +163,8 @@ TEST(Loop, ShortReportsAreCountedAndGiveNoForce) {
 TEST(Loop, DuplicatesAndEmptyPacketsChangeNothing) {
   for (bool duplicates : {true, false}) {
     BoardOptions options;
-    BoardFaults::Span& fault = duplicates ? options.faults.duplicates : options.faults.empty_packets;
+    BoardFaults::Span& fault =
+        duplicates ? options.faults.duplicates : options.faults.empty_packets;
     fault = {400ms, 700ms};
     Rig rig(test::pressing(), options);
     rig.run(399ms);
@@ -381,7 +380,8 @@ TEST(Loop, AWorkspaceThatIsMovedIntoTheBodyGivesNoForce) {
   EXPECT_GT(rig.motors().norm(), 0.2);
 }
 
-/// The motors' force never grows by more than the slew limit allows; a late tick has the time of two.
+/// The motors' force never grows by more than the slew limit allows; a late tick has the time of
+/// two.
 void expect_no_jump(Rig& rig, Duration duration) {
   double before = rig.motors().norm();
   for (const Time until = rig.clock->now() + duration; rig.clock->now() < until;) {
@@ -440,8 +440,8 @@ TEST(Loop, NoForceFromAStateThatBecameStaleInTheTick) {
   };
   Rig rig(test::holding());
   SlowRead slow(rig.board, *rig.clock);
-  rig.loop = std::make_unique<Loop>(slow, *rig.profile, *rig.clock, ServoOptions{}, rig.inbox,
-                                    rig.outbox);
+  rig.loop =
+      std::make_unique<Loop>(slow, *rig.profile, *rig.clock, ServoOptions{}, rig.inbox, rig.outbox);
   rig.run(500ms);
   ASSERT_GT(rig.motors().norm(), 0.5);
   slow.hold_up = 20ms;
@@ -651,9 +651,8 @@ TEST(Loop, VelocityIsThatBetweenReports) {
   for (std::uint16_t interval_us : {1003, 1500, 2000}) {
     BoardOptions options;
     options.feature.interval_us = interval_us;
-    Rig rig(std::make_shared<ScriptedMotion>([](Time time) {
-              return Motion::Pose{Vec3(0.1 * seconds(time), 0, 0.02)};
-            }),
+    Rig rig(std::make_shared<ScriptedMotion>(
+                [](Time time) { return Motion::Pose{Vec3(0.1 * seconds(time), 0, 0.02)}; }),
             options);
     rig.run(50ms);
     for (int i = 0; i < 100; ++i) {

@@ -27,8 +27,7 @@ double dissipated_by_spring(double speed, int ticks_late) {
 // out: what is made is n d² k.
 TEST(EnergyBalance, ASampledSpringMakesWhatTheFormulaSays) {
   const double d = 0.02 * kInterval;
-  EXPECT_NEAR(dissipated_by_spring(0.02, 0), -199 * d * d * kStiffness,
-              3 * d * d * kStiffness);
+  EXPECT_NEAR(dissipated_by_spring(0.02, 0), -199 * d * d * kStiffness, 3 * d * d * kStiffness);
   EXPECT_LT(dissipated_by_spring(0.02, 3), 6 * dissipated_by_spring(0.02, 0));
 }
 

@@ -134,8 +134,8 @@ struct Scene {
     offer_body(150);
   }
   void offer_body(double stiffness) {
-    inbox.body.offer(std::make_shared<const Touchable>(test::box_space(
-        [=](int n) { return test::stiffening_spring(stiffness * (n + 1)); })));
+    inbox.body.offer(std::make_shared<const Touchable>(
+        test::box_space([=](int n) { return test::stiffening_spring(stiffness * (n + 1)); })));
   }
   void run(int ticks) {
     for (int i = 0; i < ticks; ++i) {

@@ -23,8 +23,8 @@ inline Energy stiffening_spring(double k) {
     Sample s;
     s.energy = 0.5 * k * (t.dot(d * t) + 0.5 * q * t.squaredNorm());
     s.force = k * (d * t + q * t);
-    s.stiffness = k * (d + q * Mat3::Identity() +
-                       2 * t * t.transpose() / (kHalfWidth * kHalfWidth));
+    s.stiffness =
+        k * (d + q * Mat3::Identity() + 2 * t * t.transpose() / (kHalfWidth * kHalfWidth));
     return s;
   };
 }
@@ -37,8 +37,8 @@ inline Surface box_surface(int squares = 4) {
   const auto number = [&](const std::array<int, 3>& p) {
     const auto [place, is_new] = numbers.try_emplace(p, static_cast<Index>(numbers.size()));
     if (is_new) {
-      surface.points.push_back(
-          Vec3(p[0], p[1], p[2]).cwiseProduct(kBox) / static_cast<double>(squares));
+      surface.points.push_back(Vec3(p[0], p[1], p[2]).cwiseProduct(kBox) /
+                               static_cast<double>(squares));
       surface.mesh_points.push_back(place->second);
     }
     return place->second;
@@ -58,8 +58,10 @@ inline Surface box_surface(int squares = 4) {
           };
           const Index square[4] = {corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)};
           for (const auto& [a, b, c] : {std::array{0, 1, 2}, std::array{0, 2, 3}}) {
-            if (side > 0) surface.triangles.push_back({square[a], square[b], square[c]});
-            else surface.triangles.push_back({square[a], square[c], square[b]});
+            if (side > 0)
+              surface.triangles.push_back({square[a], square[b], square[c]});
+            else
+              surface.triangles.push_back({square[a], square[c], square[b]});
           }
         }
       }

@@ -101,8 +101,7 @@ TEST(Tool, WhereNoNodeIsNear) {
   far.reach = 0.1;
   Tool other;
   (void)other.move(body.get(), Vec3(0.001, 0.001, -0.002), far);
-  EXPECT_EQ(other.move(body.get(), Vec3(0.001, 0.001, 0.002), far).status,
-            ContactStatus::attached);
+  EXPECT_EQ(other.move(body.get(), Vec3(0.001, 0.001, 0.002), far).status, ContactStatus::attached);
 }
 
 TEST(Tool, WhatBeginsInsideIsNotThrownOut) {
@@ -110,8 +109,7 @@ TEST(Tool, WhatBeginsInsideIsNotThrownOut) {
   Tool tool;
   EXPECT_EQ(tool.move(body.get(), kMiddle - Vec3(0, 0, 0.01), {}).status, ContactStatus::inside);
   (void)tool.move(body.get(), kMiddle + Vec3(0, 0, 0.001), {});
-  EXPECT_EQ(tool.move(body.get(), kMiddle - Vec3(0, 0, 0.001), {}).status,
-            ContactStatus::attached);
+  EXPECT_EQ(tool.move(body.get(), kMiddle - Vec3(0, 0, 0.001), {}).status, ContactStatus::attached);
 }
 
 TEST(Tool, BondedPullsUntilItLetsGo) {
@@ -238,8 +236,7 @@ TEST(Tool, ChangesTheNodeInAHollow) {
   ASSERT_EQ(first, middle);
   bool changed = false;
   for (double s = 0; s < 0.019; s += 1e-4) {
-    const Contact contact =
-        tool.move(&body, bottom + Vec3(s, 0, -0.001 + 0.75 * s), {});
+    const Contact contact = tool.move(&body, bottom + Vec3(s, 0, -0.001 + 0.75 * s), {});
     ASSERT_EQ(contact.status, ContactStatus::attached) << s;
     changed |= contact.nodes != std::array<std::int32_t, 3>{middle, -1, -1};
   }
@@ -258,9 +255,9 @@ TEST(Tool, NoPlaceGivesANaN) {
     Tool tool;
     (void)press(tool, *body, kMiddle, 0.004, settings);
     for (int i = 0; i < 20000; ++i) {
-      const Vec3 place = kMiddle + std::pow(10, exponent(random)) *
-                                       Vec3(direction(random), direction(random),
-                                            direction(random));
+      const Vec3 place =
+          kMiddle + std::pow(10, exponent(random)) *
+                        Vec3(direction(random), direction(random), direction(random));
       const Contact contact = tool.move(body.get(), place, settings);
       ASSERT_TRUE(contact.force.allFinite() && std::isfinite(contact.energy));
     }

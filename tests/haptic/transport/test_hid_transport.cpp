@@ -26,9 +26,7 @@ struct Opened : testing::Test {
   HidTransport transport{device};
   Report read;
 
-  TransportStatus try_read(Duration timeout = Duration(0)) {
-    return transport.read(read, timeout);
-  }
+  TransportStatus try_read(Duration timeout = Duration(0)) { return transport.read(read, timeout); }
 };
 
 using HidTransportTest = Opened;
@@ -134,8 +132,8 @@ TEST(OpenHidDevice, DoesNotWaitForOneThatHangs) {
   const std::weak_ptr<FakeDevice> device = hid->by_path["slow"];
   std::promise<void> wake;
   hid->hangs = wake.get_future();
-  const auto what = error_of<BackendError>(
-      [&] { (void)open_hid_device(hid, "slow", milliseconds(120)); });
+  const auto what =
+      error_of<BackendError>([&] { (void)open_hid_device(hid, "slow", milliseconds(120)); });
   EXPECT_TRUE(contains(what, "Opening slow took more than 0.1 s")) << what;
   hid.reset();
   EXPECT_FALSE(device.expired()) << "the thread that hangs needs it";
@@ -164,8 +162,8 @@ TEST(GetFeatureReport, DoesNotWaitForADeviceThatHangs) {
   auto device = std::make_shared<FakeDevice>();
   std::promise<void> wake;
   device->hangs = wake.get_future();
-  const auto what = error_of<BackendError>(
-      [&] { (void)get_feature_report(device, 1, milliseconds(120)); });
+  const auto what =
+      error_of<BackendError>([&] { (void)get_feature_report(device, 1, milliseconds(120)); });
   EXPECT_TRUE(contains(what, "feature report 1 took more than 0.1 s")) << what;
   // The thread that hangs still holds the device, and lets go of it when the answer comes.
   const std::weak_ptr<FakeDevice> held = device;

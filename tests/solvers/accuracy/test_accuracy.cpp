@@ -29,8 +29,7 @@ class Accuracy : public testing::Test {
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
-  test::Block block_ =
-      test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
+  test::Block block_ = test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
   TouchSpace space_;
   AccuracyOptions options_;
 };

@@ -49,8 +49,7 @@ class Exact : public testing::Test {
 
   std::unique_ptr<Communicator> world_ = test::make_world();
   std::unique_ptr<Communicator> serial_ = make_serial_communicator();
-  test::Block block_ =
-      test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
+  test::Block block_ = test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
   std::vector<Site> sites_;
   ExactOptions options_;
   Progress progress_;

@@ -81,9 +81,15 @@ class Elements {
   };
 
   Results run(const Kernels& kernels) const {
-    const ElementGroupView view{kPackets,         nodes_.data(),    gradients_.data(),
-                                weights_.data(),  parameters_.data(), homogeneous_,
-                                targets_.data(),  pressures_.data(),  coupling_targets_.data(),
+    const ElementGroupView view{kPackets,
+                                nodes_.data(),
+                                gradients_.data(),
+                                weights_.data(),
+                                parameters_.data(),
+                                homogeneous_,
+                                targets_.data(),
+                                pressures_.data(),
+                                coupling_targets_.data(),
                                 pressure_targets_.data()};
     Results r;
     r.force.resize(u_.size());

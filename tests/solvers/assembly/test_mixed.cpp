@@ -100,8 +100,7 @@ TEST_P(Mixed, TangentIsTheDerivativeOfTheForce) {
         },
         1e-3 * kSpacing);
     for (Index i = 0; i < assembly.pattern().size; ++i) {
-      ASSERT_NEAR(k(i, j), expected[state_of_unknown[i]],
-                  kDifference * k.lpNorm<Eigen::Infinity>())
+      ASSERT_NEAR(k(i, j), expected[state_of_unknown[i]], kDifference * k.lpNorm<Eigen::Infinity>())
           << i << ' ' << j;
     }
   }
@@ -133,8 +132,7 @@ TEST_P(Mixed, WithTheRightPressureAUniformStrainHasTheEnergyOfTheLaw) {
   NodalVector force;
   NodalVector force_of_plain;
   const double energy = mixed.residual(x, force).energy;
-  const double expected =
-      plain.residual(x.head(plain.state_size()), force_of_plain).energy;
+  const double expected = plain.residual(x.head(plain.state_size()), force_of_plain).energy;
   EXPECT_NEAR(energy, expected, kRounding * expected);
   const double scale = force_of_plain.lpNorm<Eigen::Infinity>();
   EXPECT_LT((force.head(plain.state_size()) - force_of_plain).lpNorm<Eigen::Infinity>(),

@@ -82,11 +82,11 @@ std::string name_of_body(const testing::TestParamInfo<Body>& info) {
          (std::get<2>(info.param) == Formulation::mixed ? "Mixed" : "");
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Each, Stress,
-    testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kAllLaws),
-                     testing::Values(Formulation::displacement, Formulation::mixed)),
-    name_of_body);
+INSTANTIATE_TEST_SUITE_P(Each, Stress,
+                         testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kAllLaws),
+                                          testing::Values(Formulation::displacement,
+                                                          Formulation::mixed)),
+                         name_of_body);
 
 TEST_P(Stress, OfAUniformDeformationIsThatOfTheLaw) {
   scene_.materials.resize(1);
@@ -152,7 +152,8 @@ TEST_P(Stress, TurnsWithTheBody) {
             kRounding);
 }
 
-// Σ f_a ⊗ x_a = ∫ σ dv: what the forces at the nodes do is the mean stress (the virial of the body).
+// Σ f_a ⊗ x_a = ∫ σ dv: what the forces at the nodes do is the mean stress (the virial of the
+// body).
 TEST_P(Stress, BalancesTheForcesAtTheNodes) {
   const Assembly assembly(scene_);
   const NodalVector x = random_state(assembly);
@@ -209,8 +210,7 @@ TEST_P(Stress, ThereIsNoneInACellThatIsInverted) {
   NodalVector x = NodalVector::Zero(assembly.state_size());
   // All nodes of a cell but the points of one face are pushed through that face.
   const Index* cell = mesh.cell(0);
-  const Vec3 middle =
-      (mesh.points[cell[1]] + mesh.points[cell[2]] + mesh.points[cell[3]]) / 3;
+  const Vec3 middle = (mesh.points[cell[1]] + mesh.points[cell[2]] + mesh.points[cell[3]]) / 3;
   x.segment<3>(3 * cell[0]) = 3 * (middle - mesh.points[cell[0]]);
   const BodyStress stress = stress_of(assembly, mesh, x);
   Index num_without = 0;
@@ -221,7 +221,8 @@ TEST_P(Stress, ThereIsNoneInACellThatIsInverted) {
     num_without += inverted ? 1 : 0;
     EXPECT_EQ(stress.of_cells.cauchy.col(c).hasNaN(), inverted) << c;
     EXPECT_EQ(std::isnan(stress.of_cells.von_mises[c]), inverted) << c;
-    for (int a = 0; a < nodes_per_cell(mesh.order) && !inverted; ++a) has_stress[mesh.cell(c)[a]] = 1;
+    for (int a = 0; a < nodes_per_cell(mesh.order) && !inverted; ++a)
+      has_stress[mesh.cell(c)[a]] = 1;
   }
   for (Index p = 0; p < mesh.num_points(); ++p) {
     EXPECT_EQ(stress.at_points.cauchy.col(p).allFinite(), has_stress[p] != 0) << p;

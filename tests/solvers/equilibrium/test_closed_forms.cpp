@@ -18,8 +18,8 @@
 #include "solvers/support/closed_form.h"
 #include "solvers/support/deformation.h"
 #include "solvers/support/laws.h"
-#include "solvers/support/solvable.h"
 #include "solvers/support/orders.h"
+#include "solvers/support/solvable.h"
 
 namespace palpate::test {
 namespace {

@@ -143,8 +143,8 @@ Errors errors(const Scene& scene, const NodalVector& u, const Map& exact) {
       const Mat3 strain = (h + h.transpose()) / 2;
       const double weight = point.weight * jacobian.determinant();
       sum.displacement += weight * difference.squaredNorm();
-      sum.energy += weight * (lambda * strain.trace() * strain.trace() +
-                              2 * mu * strain.squaredNorm());
+      sum.energy +=
+          weight * (lambda * strain.trace() * strain.trace() + 2 * mu * strain.squaredNorm());
     }
   }
   return {std::sqrt(sum.displacement), std::sqrt(sum.energy)};
@@ -195,8 +195,8 @@ void expect_equilibrium(Law law, const Map& exact) {
   const Vec3 p(0.3, 0.6, 0.4);
   Vec3 divergence = Vec3::Zero();
   for (int j = 0; j < 3; ++j) {
-    divergence += derivative(
-        [&](double s) -> Vec3 { return stress(p + s * Vec3::Unit(j)).col(j); }, 1e-2);
+    divergence +=
+        derivative([&](double s) -> Vec3 { return stress(p + s * Vec3::Unit(j)).col(j); }, 1e-2);
   }
   EXPECT_LT(divergence.norm(), 1e-9 * stress(p).norm());
 }

@@ -38,8 +38,7 @@ class Derivatives : public testing::TestWithParam<std::tuple<ElementOrder, Law>>
     for (Eigen::Index i = 0; i < t.size(); ++i) {
       const double h = derivative([&](double s) { return moved(i, s).energy; }, kStep);
       EXPECT_NEAR(state.reaction[i], h, kDifference * state.reaction.norm()) << "h, " << i;
-      const Eigen::VectorXd k =
-          derivative([&](double s) { return moved(i, s).reaction; }, kStep);
+      const Eigen::VectorXd k = derivative([&](double s) { return moved(i, s).reaction; }, kStep);
       EXPECT_LT((state.stiffness.col(i) - k).norm(), kDifference * state.stiffness.norm())
           << "k, " << i;
       const Eigen::VectorXd v = derivative([&](double s) { return moved(i, s).u; }, kStep);
@@ -50,13 +49,12 @@ class Derivatives : public testing::TestWithParam<std::tuple<ElementOrder, Law>>
   Block block_;
 };
 
-INSTANTIATE_TEST_SUITE_P(
-    Each, Derivatives,
-    testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kLaws)),
-    [](const testing::TestParamInfo<std::tuple<ElementOrder, Law>>& each) {
-      return name_of_order({std::get<0>(each.param), 0}) +
-             letters(to_string(std::get<1>(each.param)));
-    });
+INSTANTIATE_TEST_SUITE_P(Each, Derivatives,
+                         testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kLaws)),
+                         [](const testing::TestParamInfo<std::tuple<ElementOrder, Law>>& each) {
+                           return name_of_order({std::get<0>(each.param), 0}) +
+                                  letters(to_string(std::get<1>(each.param)));
+                         });
 
 TEST_P(Derivatives, OfOneNode) { check(hold_nodes({block_.corner}), Vec3(-0.008, 0.006, 0.007)); }
 

@@ -251,8 +251,8 @@ TEST(Solve, BadDisplacementsAreRefused) {
   const Equilibrium rest = solver.rest();
   EXPECT_THROW((void)solver.solve(Eigen::VectorXd::Zero(6), rest), InputError);
   EXPECT_THROW((void)solver.solve(Eigen::VectorXd::Zero(0), rest), InputError);
-  for (double bad : {std::numeric_limits<double>::quiet_NaN(),
-                     std::numeric_limits<double>::infinity()}) {
+  for (double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW((void)solver.solve(Vec3(0, bad, 0), rest), InputError);
   }
 }

@@ -40,8 +40,7 @@ TEST_P(LinearScene, ForceIsStiffnessTimesDisplacement) {
       EXPECT_EQ(from_rest.stiffness, rest.stiffness);
       // A body that moves by 1e6 m and back keeps the rounding of 1e6 m.
       const double scale = std::max(t.norm(), last.t.norm());
-      EXPECT_LT((from_last.reaction - expected).norm(),
-                kRounding * rest.stiffness.norm() * scale);
+      EXPECT_LT((from_last.reaction - expected).norm(), kRounding * rest.stiffness.norm() * scale);
       last = from_last;
     }
   }

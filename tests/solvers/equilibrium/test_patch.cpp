@@ -23,12 +23,12 @@ constexpr double kTolerance = 1e-13;
 constexpr double kAccuracy = 1e-10;
 
 class Patch : public testing::TestWithParam<std::tuple<ElementOrder, Law>> {};
-INSTANTIATE_TEST_SUITE_P(
-    Each, Patch, testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kLaws)),
-    [](const testing::TestParamInfo<std::tuple<ElementOrder, Law>>& each) {
-      return name_of_order({std::get<0>(each.param), 0}) +
-             letters(to_string(std::get<1>(each.param)));
-    });
+INSTANTIATE_TEST_SUITE_P(Each, Patch,
+                         testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kLaws)),
+                         [](const testing::TestParamInfo<std::tuple<ElementOrder, Law>>& each) {
+                           return name_of_order({std::get<0>(each.param), 0}) +
+                                  letters(to_string(std::get<1>(each.param)));
+                         });
 
 TEST_P(Patch, AnAffineSurfaceGivesAnAffineBody) {
   const auto [order, law] = GetParam();
@@ -68,13 +68,12 @@ TEST_P(Patch, AnAffineSurfaceGivesAnAffineBody) {
     }
     const double det_f = (Mat3::Identity() + h).determinant();
     EXPECT_NEAR(state.minimum_det_f, det_f, kAccuracy);
-    EXPECT_NEAR(state.energy, volume(mesh) * respond(material, h).energy,
-                kAccuracy * state.energy);
+    EXPECT_NEAR(state.energy, volume(mesh) * respond(material, h).energy, kAccuracy * state.energy);
     // ∫ P over the body is the sum of forces times places.
     Mat3 sum = Mat3::Zero();
     for (std::size_t i = 0; i < surface.size(); ++i) {
-      sum += state.reaction.segment<3>(3 * i) *
-             (mesh.points[surface[i]] - mesh.points[0]).transpose();
+      sum +=
+          state.reaction.segment<3>(3 * i) * (mesh.points[surface[i]] - mesh.points[0]).transpose();
     }
     const Mat3 expected = volume(mesh) * first_piola(material, h);
     EXPECT_LT((sum - expected).norm(), kAccuracy * expected.norm());

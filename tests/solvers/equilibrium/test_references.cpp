@@ -58,8 +58,8 @@ Scene make_reference_scene(const nlohmann::json& reference) {
     }
     const auto& parameters = material.at("parameters");
     std::copy(parameters.begin(), parameters.end(), made.parameters.begin());
-    made.formulation = material.at("formulation") == "mixed" ? Formulation::mixed
-                                                             : Formulation::displacement;
+    made.formulation =
+        material.at("formulation") == "mixed" ? Formulation::mixed : Formulation::displacement;
     scene.materials.push_back(made);
   }
   if (scene.materials.size() > 1) {

@@ -245,8 +245,8 @@ TEST(RestFactor, OfAFloatingBodyThereIsNone) {
   }
 }
 
-// The softer what carries the body, the more digits does its factor lose beside one of the body with
-// its sites held. What is found does not.
+// The softer what carries the body, the more digits does its factor lose beside one of the body
+// with its sites held. What is found does not.
 TEST(RestFactor, OfABodyOnSoftFeetServesAsFarAsItIsAccurate) {
   for (const double softness : {1e-3, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15}) {
     SCOPED_TRACE(softness);
@@ -319,8 +319,7 @@ TEST(RestFactor, SolvesWithWhatIsFree) {
 TEST(RestFactor, IsWorthItForMoreUnknownsTheLargerTheBody) {
   Index last = 0;
   for (const int cells : {2, 4, 8}) {
-    const Block block =
-        make_block(Law::neo_hookean, {ElementOrder::linear, {cells, cells, cells}});
+    const Block block = make_block(Law::neo_hookean, {ElementOrder::linear, {cells, cells, cells}});
     const Index expected = most_held(Assembly(block.scene).pattern());
     EXPECT_GT(expected, last);
     last = expected;

@@ -41,8 +41,9 @@ constexpr LimitPoint kThick{0.7421 * 3000, 11.293e-3};
 constexpr LimitPoint kThin{0.1953 * 3000, 12.892e-3};
 constexpr double kLoadAccuracy = 0.025;
 
-/// The thin roof beyond its limit point, as its curve is usually drawn; no table of it was at hand, and
-/// the figures are no sharper than the accuracy that they are asked with: where the deflection turns, m, and the least load, N.
+/// The thin roof beyond its limit point, as its curve is usually drawn; no table of it was at hand,
+/// and the figures are no sharper than the accuracy that they are asked with: where the deflection
+/// turns, m, and the least load, N.
 constexpr double kTurnsBack = 17.0e-3;
 constexpr double kTurnsOn = 14.5e-3;
 constexpr double kLeastLoad = -380;

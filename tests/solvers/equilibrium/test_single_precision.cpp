@@ -13,7 +13,6 @@
 namespace palpate {
 namespace {
 
-
 struct Both {
   Equilibrium full;
   Equilibrium single;
@@ -38,8 +37,7 @@ void expect_same(const Both& both) {
   const auto& [full, single] = both;
   ASSERT_EQ(full.outcome, Outcome::converged) << full.message;
   ASSERT_EQ(single.outcome, Outcome::converged) << single.message;
-  EXPECT_LE((full.u - single.u).lpNorm<Eigen::Infinity>(),
-            2e-8 * full.u.lpNorm<Eigen::Infinity>());
+  EXPECT_LE((full.u - single.u).lpNorm<Eigen::Infinity>(), 2e-8 * full.u.lpNorm<Eigen::Infinity>());
   EXPECT_LE((full.v - single.v).norm(), 3e-4 * full.v.norm());
   EXPECT_LE((full.reaction - single.reaction).norm(), 1e-7 * full.reaction.norm());
   EXPECT_LE((full.stiffness - single.stiffness).norm(), 1e-6 * full.stiffness.norm());
@@ -47,8 +45,8 @@ void expect_same(const Both& both) {
 }
 
 TEST(SinglePrecision, FindsTheSame) {
-  for (const Law law : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean,
-                        Law::mooney_rivlin, Law::fung}) {
+  for (const Law law :
+       {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::mooney_rivlin, Law::fung}) {
     const test::Block block = test::make_block(law);
     expect_same(solve(block.scene, block.corner, Vec3(0.015, -0.01, 0.008)));
   }
@@ -65,8 +63,7 @@ TEST(SinglePrecision, SensitivityOfAStartIsRefined) {
     states.push_back(solver.solve(Vec3(0.01, 0.004, 0), solver.rest()));
   }
   EXPECT_LE((states[0].v - states[1].v).norm(), 1e-7 * states[0].v.norm());
-  EXPECT_LE((states[0].stiffness - states[1].stiffness).norm(),
-            1e-8 * states[0].stiffness.norm());
+  EXPECT_LE((states[0].stiffness - states[1].stiffness).norm(), 1e-8 * states[0].stiffness.norm());
   EXPECT_EQ(states[0].negative_pivots, states[1].negative_pivots);
 }
 
@@ -78,8 +75,8 @@ TEST(SinglePrecision, IsLeftAsideWhereItIsNotSafe) {
   block.scene.material_of_cell[block.scene.mesh.num_cells() / 2] = 1;
   expect_same(solve(block.scene, block.corner, Vec3(0.004, -0.002, 0.003)));
 
-  const test::Block mixed = test::make_block(
-      Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}, 0.1, 3000, 0.499});
+  const test::Block mixed =
+      test::make_block(Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}, 0.1, 3000, 0.499});
   expect_same(solve(mixed.scene, mixed.corner, Vec3(0.01, -0.002, 0.003)));
 }
 

@@ -43,8 +43,7 @@ Column make_column(ElementOrder order) {
     }
   }
   column.scene = make_scene(
-      std::move(mesh),
-      make_isotropic(Law::st_venant_kirchhoff, Column::kYoungsModulus, 0), fixed);
+      std::move(mesh), make_isotropic(Law::st_venant_kirchhoff, Column::kYoungsModulus, 0), fixed);
   return column;
 }
 

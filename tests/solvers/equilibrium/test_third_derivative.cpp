@@ -89,8 +89,8 @@ TEST(ThirdDerivativeOfAPatch, IsThatOfTheStiffness) {
 
 // The state is (u, p̂).
 TEST(ThirdDerivativeOfMixedCells, IsThatOfTheStiffness) {
-  const Block block = make_block(Law::mooney_rivlin,
-                                 {ElementOrder::quadratic, {3, 2, 2}, 0.1, 3000, 0.499});
+  const Block block =
+      make_block(Law::mooney_rivlin, {ElementOrder::quadratic, {3, 2, 2}, 0.1, 3000, 0.499});
   ASSERT_GT(EquilibriumSolver(block.scene, {}).assembly().num_pressures(), 0);
   check(block, hold_nodes({block.corner}));
 }

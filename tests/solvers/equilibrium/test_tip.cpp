@@ -156,8 +156,8 @@ TEST_F(TipTest, RefusesPlacesWhereNoTipCanBe) {
   const auto inside =
       static_cast<Index>(std::find(on_surface.begin(), on_surface.end(), 0) - on_surface.begin());
   expect_mentions(error_of(scene, 0, {inside}), {std::to_string(inside), "inside"});
-  const auto fixed = static_cast<Index>(
-      std::find(scene.fixed.begin(), scene.fixed.end(), 1) - scene.fixed.begin());
+  const auto fixed = static_cast<Index>(std::find(scene.fixed.begin(), scene.fixed.end(), 1) -
+                                        scene.fixed.begin());
   expect_mentions(error_of(scene, 0, {fixed}), {std::to_string(fixed), "fixed"});
   expect_mentions(error_of(scene, kRadius, {block_.corner, block_.corner}), {"named twice"});
   Scene loose = scene;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Explores a block of tissue into a state-space file, for test_kills.py, which kills it. Prints the
-// process id of each rank, and at the end how many configurations were found and taken from the file.
+// process id of each rank, and at the end how many configurations were found and taken from the
+// file.
 //
 //   mpiexec -n 2 palpate_test_explore block.palpate <tolerance of the force, 0: a uniform grid>
 #include <mpi.h>

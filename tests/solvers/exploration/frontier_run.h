@@ -24,15 +24,15 @@ inline std::string to_string(Order order) {
 /// @param until Ends before this many.
 /// @returns what they found, in the order in which the frontier heard of it.
 inline std::vector<ConfigurationSummary> explore(Frontier& frontier, const Site& site, Order order,
-                                                 const Solve& solve,
-                                                 std::size_t until = SIZE_MAX) {
+                                                 const Solve& solve, std::size_t until = SIZE_MAX) {
   std::mt19937 random(7);
   std::vector<Transition> tasks = frontier.next();
   std::vector<ConfigurationSummary> unheard;
   std::vector<ConfigurationSummary> heard;
   const auto pick = [&](std::size_t size) {
     if (order == Order::deep) return size - 1;
-    return order == Order::wide ? 0 : std::uniform_int_distribution<std::size_t>(0, size - 1)(random);
+    return order == Order::wide ? 0
+                                : std::uniform_int_distribution<std::size_t>(0, size - 1)(random);
   };
   while ((!tasks.empty() || !unheard.empty()) && heard.size() < until) {
     const bool listens = tasks.empty() || (!unheard.empty() && order == Order::random &&

@@ -34,9 +34,7 @@ struct Stiffening {
   double c = 1e-3;
   double k = 100;
 
-  [[nodiscard]] Vec3 force(const Vec3& t) const {
-    return c * std::expm1(g.dot(t)) * g + k * t;
-  }
+  [[nodiscard]] Vec3 force(const Vec3& t) const { return c * std::expm1(g.dot(t)) * g + k * t; }
   [[nodiscard]] ConfigurationSummary at(const Site& site, const Transition& transition) const {
     ConfigurationSummary found;
     const auto& [i, j, l] = transition.target;
@@ -149,13 +147,16 @@ TEST(AdaptiveGrid, AnInterruptedRunGoesOnToTheSameSpace) {
     AdaptiveGrid first(site);
     AdaptiveGrid second(site);
     std::set<CheckPoint> all;
-    explore(first, site, Order::random, [&](const Transition& t) {
-      ConfigurationSummary c = Stiffening().at(site, t);
-      c.check_point = t.target;
-      second.recall(c);
-      all.insert(c.check_point);
-      return c;
-    }, until);
+    explore(
+        first, site, Order::random,
+        [&](const Transition& t) {
+          ConfigurationSummary c = Stiffening().at(site, t);
+          c.check_point = t.target;
+          second.recall(c);
+          all.insert(c.check_point);
+          return c;
+        },
+        until);
     for (const auto& c : explore(second, site, Order::random, stiffening(site))) {
       EXPECT_TRUE(all.insert(c.check_point).second) << "found again";
     }

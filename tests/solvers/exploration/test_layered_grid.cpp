@@ -124,8 +124,7 @@ TEST_P(LayeredGridTest, TriesTheThreeBestStartsInTurn) {
     }
     return found;
   });
-  EXPECT_EQ(starts.at(hard),
-            (std::vector<CheckPoint>{{1, 0, 0}, {1, 1, 0}, {1, 0, -1}}));
+  EXPECT_EQ(starts.at(hard), (std::vector<CheckPoint>{{1, 0, 0}, {1, 1, 0}, {1, 0, -1}}));
   EXPECT_EQ(starts.at({2, 0, 0}).size(), 2U);
   EXPECT_EQ(starts.at(from_second), (std::vector<CheckPoint>{{-1, 0, 0}, {-1, 1, 0}}));
   // Behind the one that failed the next best start serves.
@@ -173,15 +172,18 @@ TEST(LayeredGrid, GoesOnFromWhatAnEarlierRunFound) {
     LayeredGrid second(site_of(9));
     std::set<CheckPoint> all;
     // What was found is kept before the frontier hears of it.
-    explore(first, site_of(9), Order::random, [&](const Transition& t) {
-      ConfigurationSummary found = moody(t);
-      found.check_point = t.target;
-      if (found.usable()) {
-        second.recall(found);
-        all.insert(found.check_point);
-      }
-      return found;
-    }, until);
+    explore(
+        first, site_of(9), Order::random,
+        [&](const Transition& t) {
+          ConfigurationSummary found = moody(t);
+          found.check_point = t.target;
+          if (found.usable()) {
+            second.recall(found);
+            all.insert(found.check_point);
+          }
+          return found;
+        },
+        until);
     const auto rest = explore(second, site_of(9), Order::random, moody);
     for (const auto& found : rest) {
       EXPECT_TRUE(!found.usable() || all.insert(found.check_point).second) << "found again";
@@ -192,8 +194,8 @@ TEST(LayeredGrid, GoesOnFromWhatAnEarlierRunFound) {
 
 TEST(LayeredGrid, StopsWhereRestItselfFails) {
   LayeredGrid grid(site_of(3));
-  const auto found =
-      explore(grid, site_of(3), Order::deep, [](const Transition&) { return ConfigurationSummary{}; });
+  const auto found = explore(grid, site_of(3), Order::deep,
+                             [](const Transition&) { return ConfigurationSummary{}; });
   EXPECT_EQ(found.size(), 1U);
   EXPECT_EQ(grid.given_up().size(), 27U);
 }

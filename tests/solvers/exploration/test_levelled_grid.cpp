@@ -187,8 +187,8 @@ TEST(LevelledGrid, WithLevelsAsksForEveryTransitionOnce) {
                            [](const Settlement& s) { return s.is_new; }));
 }
 
-// The far side of the fold is not found, and that is a sign as well; so is an edge whose energy does
-// not fit.
+// The far side of the fold is not found, and that is a sign as well; so is an edge whose energy
+// does not fit.
 TEST(LevelledGrid, AJumpThatFailsIsTriedFromAllSides) {
   const Site site = make_site();
   Body body({}, site);
@@ -315,8 +315,7 @@ TEST(LevelledGrid, GoesOnFromWhatWasFound) {
       const LevelTransition& t = s.transition;
       resumed.recall(t);
       if (!s.has_candidate) continue;
-      auto candidate =
-          kept.extract({t.target, candidate_level(t.start, t.start_level, t.target)});
+      auto candidate = kept.extract({t.target, candidate_level(t.start, t.start_level, t.target)});
       if (!s.is_new) continue;
       candidate.mapped().level = t.reached;
       kept[{t.target, t.reached}] = candidate.mapped();

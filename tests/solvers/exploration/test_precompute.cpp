@@ -164,9 +164,9 @@ TEST_F(Precompute, ALargerBoxAndAHigherForceLimitKeepWhatIsThere) {
   options_.force_limit = 0;
   const PrecomputeResult unlimited = run(*world_);
   EXPECT_EQ(unlimited.report.num_reused, num_small + larger.report.num_solved);
-  EXPECT_EQ(unlimited.report.num_solved + unlimited.report.num_reused +
-                unlimited.report.num_not_reached,
-            250);
+  EXPECT_EQ(
+      unlimited.report.num_solved + unlimited.report.num_reused + unlimited.report.num_not_reached,
+      250);
   EXPECT_GT(unlimited.report.num_solved, 0);
   if (world_->rank() != 0) return;
   options_.file.clear();
@@ -292,8 +292,7 @@ TEST_F(Precompute, ASmoothSpaceCostsOneFactorisationAStart) {
     EXPECT_EQ(factorisations, kStarts);
   } else {
     EXPECT_GE(factorisations, kStarts);
-    EXPECT_LE(factorisations,
-              kStarts + world_->size() - 1 + result.report.schedule.steals_granted);
+    EXPECT_LE(factorisations, kStarts + world_->size() - 1 + result.report.schedule.steals_granted);
   }
   EXPECT_EQ(result.report.num_by_flag.at(flags::inertia_not_computed), 2 * 218);
 }
@@ -378,8 +377,8 @@ TEST_F(Precompute, ATipOfFiniteSizeIsAnotherSite) {
 }
 
 TEST_F(Precompute, PressuresOfMixedCellsAreKept) {
-  block_ = test::make_block(Law::neo_hookean,
-                            {ElementOrder::quadratic, {3, 2, 2}, 0.1, 3000, 0.499});
+  block_ =
+      test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}, 0.1, 3000, 0.499});
   options_.active_nodes = {block_.corner};
   options_.resolution = 5;
   options_.half_width = 0.01;
@@ -602,9 +601,9 @@ TEST_F(Precompute, ASpaceThatRefinesItselfHasIntermediateStatesToo) {
   if (world_->rank() != 0) return;
   const TouchSite& site = result.space.sites.front();
   for (const IntermediateState& state : site.intermediate_states) {
-    const auto target = std::find_if(
-        site.configurations.begin(), site.configurations.end(),
-        [&](const ConfigurationSummary& c) { return c.check_point == state.target; });
+    const auto target =
+        std::find_if(site.configurations.begin(), site.configurations.end(),
+                     [&](const ConfigurationSummary& c) { return c.check_point == state.target; });
     const auto start = std::find_if(
         site.configurations.begin(), site.configurations.end(),
         [&](const ConfigurationSummary& c) { return c.check_point == target->parent; });

@@ -74,8 +74,8 @@ inline ThirdDerivative exponential_third(const Vec3& t) {
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j) {
       for (int k = j; k < 3; ++k) {
-        third[kThirdIndex[i][j][k]] = g[i] * g[j] * g[k] + g[i] * a(j, k) + g[j] * a(i, k) +
-                                      g[k] * a(i, j);
+        third[kThirdIndex[i][j][k]] =
+            g[i] * g[j] * g[k] + g[i] * a(j, k) + g[j] * a(i, k) + g[k] * a(i, j);
       }
     }
   }

@@ -310,8 +310,8 @@ TEST(Adaptive, MarkedLeavesOfAnySizeSaySo) {
   const auto interpolator = make_interpolator(Method::energy_hermite, site);
   const CellTree tree(site.site, site.configurations);
   for (const CellTree::Leaf& leaf : tree.leaves()) {
-    const bool marked = std::find(leaf.corners.begin(), leaf.corners.end(),
-                                  tree.find({0, 0, 0})) != leaf.corners.end();
+    const bool marked = std::find(leaf.corners.begin(), leaf.corners.end(), tree.find({0, 0, 0})) !=
+                        leaf.corners.end();
     Vec3 x;
     for (int k = 0; k < 3; ++k) x[k] = leaf.cell.first[k] + 0.4 * leaf.cell.side;
     EXPECT_EQ(interpolator->evaluate(site.site.spacing() * x).support,

@@ -33,8 +33,8 @@ class BodyFieldTest : public testing::Test {
 
   [[nodiscard]] std::filesystem::path path() const { return folder_ / "space.palpate"; }
 
-  /// Gives the usable configurations random fields, in the file and as the coefficients of a mode for
-  /// each unknown; pressures that are the first of u.
+  /// Gives the usable configurations random fields, in the file and as the coefficients of a mode
+  /// for each unknown; pressures that are the first of u.
   void write(TouchSite& site) {
     std::filesystem::remove(path());
     StateSpaceFile file = StateSpaceFile::create(path(), scene_, kTolerance);

@@ -91,10 +91,10 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
   const Vec3 hole = at(site, {1, 1, 1}).t;
   const Vec3 nearest = at(site, {0, 1, 1}).t;
   EXPECT_EQ(field.coefficients(hole, c.data()), Support::extrapolated);
-  EXPECT_LT((c.cast<double>() - quadratic.value(nearest) -
-             quadratic.gradient(nearest) * (hole - nearest))
-                .norm(),
-            kSingle);
+  EXPECT_LT(
+      (c.cast<double>() - quadratic.value(nearest) - quadratic.gradient(nearest) * (hole - nearest))
+          .norm(),
+      kSingle);
 
   test::RandomPoints points(1.5 * kHalfWidth);
   for (int i = 0; i < 500; ++i) {

@@ -47,8 +47,7 @@ TEST_P(AnyMethod, IsExactAtTheCheckPoints) {
     const TouchResult r = interpolator->evaluate(c.t);
     EXPECT_EQ(r.support, Support::inside);
     EXPECT_NEAR(r.energy, c.energy, (1e-13 + rounding(GetParam())) * std::abs(c.energy));
-    EXPECT_LT((r.force - c.force).norm(),
-              (1e-12 + rounding(GetParam())) * (1 + c.force.norm()));
+    EXPECT_LT((r.force - c.force).norm(), (1e-12 + rounding(GetParam())) * (1 + c.force.norm()));
   }
 }
 
@@ -330,8 +329,7 @@ TEST(Tricubic, AgreesWithTheTensorProductWrittenOut) {
         for (int k = 0; k < 4; ++k) {
           const double weight = lagrange(nodes[0], i, t.x()) * lagrange(nodes[1], j, t.y()) *
                                 lagrange(nodes[2], k, t.z());
-          const ConfigurationSummary& c =
-              at(site, {first[0] + i, first[1] + j, first[2] + k});
+          const ConfigurationSummary& c = at(site, {first[0] + i, first[1] + j, first[2] + k});
           force += weight * c.force;
           energy += weight * c.energy;
         }

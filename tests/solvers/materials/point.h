@@ -30,7 +30,8 @@ template <class F>
 auto with_law(Law law, F&& f) {
   switch (law_of_energy(law)) {
     case Law::linear: return f(std::integral_constant<Law, Law::linear>{});
-    case Law::st_venant_kirchhoff: return f(std::integral_constant<Law, Law::st_venant_kirchhoff>{});
+    case Law::st_venant_kirchhoff:
+      return f(std::integral_constant<Law, Law::st_venant_kirchhoff>{});
     case Law::neo_hookean: return f(std::integral_constant<Law, Law::neo_hookean>{});
     case Law::mooney_rivlin_polynomial:
       return f(std::integral_constant<Law, Law::mooney_rivlin_polynomial>{});
@@ -113,8 +114,9 @@ inline Mat9 first_piola_tangent(Law law, const Response<double>& r, const Mat3& 
           double value = !linear && i == k ? r.s[baseline::kSymmetric[jj][ll]] : 0;
           for (int m = 0; m < 3; ++m) {
             for (int n = 0; n < 3; ++n) {
-              value += f(i, m) * f(k, n) *
-                       r.d[baseline::lower(baseline::kSymmetric[m][jj], baseline::kSymmetric[n][ll])];
+              value +=
+                  f(i, m) * f(k, n) *
+                  r.d[baseline::lower(baseline::kSymmetric[m][jj], baseline::kSymmetric[n][ll])];
             }
           }
           a(i + 3 * jj, k + 3 * ll) = value;

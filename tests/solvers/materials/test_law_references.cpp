@@ -33,10 +33,9 @@ double largest_error(const double* values, const std::vector<double>& expected) 
 
 void expect_equal(const Response<double>& r, const nlohmann::json& reference, double size,
                   const char* what) {
-  const double errors[3] = {
-      largest_error(&r.energy, {reference.at("energy").get<double>()}),
-      largest_error(r.s, reference.at("stress").get<std::vector<double>>()),
-      largest_error(r.d, reference.at("tangent").get<std::vector<double>>())};
+  const double errors[3] = {largest_error(&r.energy, {reference.at("energy").get<double>()}),
+                            largest_error(r.s, reference.at("stress").get<std::vector<double>>()),
+                            largest_error(r.d, reference.at("tangent").get<std::vector<double>>())};
   for (int order = 0; order < 3; ++order) {
     EXPECT_LT(errors[order], kTolerance)
         << what << ", derivative " << order << ", H of size " << size;

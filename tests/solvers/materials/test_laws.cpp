@@ -65,8 +65,8 @@ TEST_P(Laws, StressIsTheDerivativeOfTheEnergy) {
       const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
       const double expected = derivative(
           [&](double s) { return respond(material(), h + s * direction).energy; }, step(h));
-      EXPECT_NEAR(p.reshaped()[i], expected, kDifference * scale) << "det F "
-          << (Mat3::Identity() + h).determinant() << ", component " << i;
+      EXPECT_NEAR(p.reshaped()[i], expected, kDifference * scale)
+          << "det F " << (Mat3::Identity() + h).determinant() << ", component " << i;
     }
   }
 }
@@ -76,8 +76,8 @@ TEST_P(Laws, TangentIsTheDerivativeOfTheStress) {
     const Mat9 a = first_piola_tangent(material(), h);
     for (int i = 0; i < 9; ++i) {
       const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
-      const Mat3 expected = derivative(
-          [&](double s) { return first_piola(material(), h + s * direction); }, step(h));
+      const Mat3 expected =
+          derivative([&](double s) { return first_piola(material(), h + s * direction); }, step(h));
       EXPECT_LT((a.col(i) - Vec9(expected.reshaped())).norm(), kDifference * a.norm())
           << "det F " << (Mat3::Identity() + h).determinant() << ", component " << i;
     }
@@ -350,11 +350,11 @@ TEST(Fung, BeyondTheLargestExponentEnergyStressAndTangentStillBelongTogether) {
     const Mat9 a = first_piola_tangent(material, h);
     for (int i = 0; i < 9; ++i) {
       const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
-      const double energy = derivative(
-          [&](double s) { return respond(material, h + s * direction).energy; }, 1e-3);
+      const double energy =
+          derivative([&](double s) { return respond(material, h + s * direction).energy; }, 1e-3);
       EXPECT_NEAR(p.reshaped()[i], energy, 1e-8 * p.norm());
-      const Mat3 change = derivative(
-          [&](double s) { return first_piola(material, h + s * direction); }, 1e-3);
+      const Mat3 change =
+          derivative([&](double s) { return first_piola(material, h + s * direction); }, 1e-3);
       EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), 1e-8 * a.norm());
     }
   }
@@ -364,8 +364,7 @@ TEST(Log1pRemainder, KeepsItsDigits) {
   for (double sign : {-1.0, 1.0}) {
     for (double x : {1e-300, 1e-150, 1e-12, 1e-8}) {
       // The next term of x²/2 − x³/3 + x⁴/4 is below 1e-16 of the first.
-      EXPECT_NEAR(baseline::log1p_remainder(sign * x), x * x * (0.5 - sign * x / 3),
-                  1e-15 * x * x);
+      EXPECT_NEAR(baseline::log1p_remainder(sign * x), x * x * (0.5 - sign * x / 3), 1e-15 * x * x);
     }
     for (double x : {1e-3, 0.01, 0.0499999, 0.05, 0.0500001, 0.1, 0.9}) {
       // 64-bit mantissa: from 1e-3 on, the subtraction leaves 16 digits.

@@ -210,8 +210,9 @@ TEST(Material, BadParametersOfIncompressibleLawsAreNamed) {
     EXPECT_EQ(error.rfind("Young's modulus is ", 0), 0U) << error;
   }
   const auto error = [](double c10, double c01) {
-    return error_of(
-        [&] { return palpate::make_material(Law::mooney_rivlin_incompressible, {c10, c01}); });
+    return error_of([&] {
+      return palpate::make_material(Law::mooney_rivlin_incompressible, {c10, c01});
+    });
   };
   for (double bad : {-1.0, kNaN, kInfinity}) {
     EXPECT_EQ(error(bad, 1).rfind("C10 is ", 0), 0U);

@@ -15,9 +15,9 @@ namespace {
 
 Index nearest(const TetMesh& mesh, const Vec3& place) {
   const auto distance = [&](const Vec3& p) { return (p - place).norm(); };
-  const auto best = std::min_element(
-      mesh.points.begin(), mesh.points.end(),
-      [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
+  const auto best =
+      std::min_element(mesh.points.begin(), mesh.points.end(),
+                       [&](const Vec3& a, const Vec3& b) { return distance(a) < distance(b); });
   return static_cast<Index>(best - mesh.points.begin());
 }
 
@@ -83,8 +83,8 @@ TEST_P(SurfacePatch, RefusesWhatIsNoPlaceOrNoRadius) {
   for (const Index node : {inside, -1, mesh.num_points()}) {
     EXPECT_THROW((void)patches.around(node, 0), InputError);
   }
-  for (const double radius : {-1.0, std::numeric_limits<double>::infinity(),
-                              std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double radius :
+       {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_THROW((void)patches.around(0, radius), InputError);
   }
 }

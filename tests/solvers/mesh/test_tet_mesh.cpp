@@ -98,8 +98,8 @@ TEST_P(AnyOrder, ABodyWithoutCellsIsRefused) {
 }
 
 TEST_P(AnyOrder, ACoordinateThatIsNotFiniteIsNamed) {
-  for (double bad : {std::numeric_limits<double>::quiet_NaN(),
-                     std::numeric_limits<double>::infinity()}) {
+  for (double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     TetMesh mesh = box();
     mesh.points[7].y() = bad;
     EXPECT_TRUE(contains(error_of(mesh), "Point 7 ")) << error_of(mesh);

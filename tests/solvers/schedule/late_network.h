@@ -22,9 +22,7 @@ class LateNetwork final : public Network {
 
   [[nodiscard]] int rank() const override { return network_.rank(); }
   [[nodiscard]] int size() const override { return network_.size(); }
-  void send(int to, int tag, Bytes content) override {
-    network_.send(to, tag, std::move(content));
-  }
+  void send(int to, int tag, Bytes content) override { network_.send(to, tag, std::move(content)); }
   [[nodiscard]] std::optional<Message> receive() override {
     while (auto message = network_.receive()) {
       const double uniform = static_cast<double>(mix(++random_) >> 11) * 0x1p-53;
@@ -46,7 +44,8 @@ class LateNetwork final : public Network {
   void rest(double until) override { network_.rest(until); }
 
   [[nodiscard]] bool is_empty() const {
-    return std::all_of(held_.begin(), held_.end(), [](const auto& of) { return of.second.empty(); });
+    return std::all_of(held_.begin(), held_.end(),
+                       [](const auto& of) { return of.second.empty(); });
   }
 
  private:

@@ -26,7 +26,9 @@ std::string text_of(const Bytes& bytes) {
 
 TEST_F(Schedule, GathersMessagesOfAnyLength) {
   // Lengths that are no multiple of the unit of transport, nothing among them.
-  const auto message = [](int rank) { return std::string(static_cast<std::size_t>(rank) * 5, 'x'); };
+  const auto message = [](int rank) {
+    return std::string(static_cast<std::size_t>(rank) * 5, 'x');
+  };
   const auto all = world_->all_gather(bytes_of(message(world_->rank())));
   ASSERT_EQ(static_cast<int>(all.size()), world_->size());
   const auto on_first = world_->gather(bytes_of(message(world_->rank())));

@@ -439,7 +439,8 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
     const std::size_t place = random() % bytes.size();
     bytes[place] = static_cast<char>(bytes[place] ^ static_cast<char>(1 << random() % 8));
     if (trial % 4 == 0) bytes.resize(place);
-    std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path_, std::ios::binary)
+        .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     try {
       const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
       const Scene scene = file.read_scene();
@@ -496,12 +497,12 @@ TEST_F(StateSpaceFileTest, BodyOfOneMaterialWithoutCellArray) {
 
 TEST_F(StateSpaceFileTest, MaterialsOfEveryLawAndFormulation) {
   Scene scene = scene_;
-  scene.materials = {
-      with_formulation(make_mooney_rivlin(300, 30.1, 900), Formulation::mixed),
-      make_material(Law::mooney_rivlin_polynomial, {1000, 10, -3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}),
-      make_material(Law::fung, {1000, 0.3, 0.1}),
-      make_material(Law::neo_hookean_incompressible, {1000.1}),
-      make_material(Law::mooney_rivlin_incompressible, {0.1, 0.2})};
+  scene.materials = {with_formulation(make_mooney_rivlin(300, 30.1, 900), Formulation::mixed),
+                     make_material(Law::mooney_rivlin_polynomial,
+                                   {1000, 10, -3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}),
+                     make_material(Law::fung, {1000, 0.3, 0.1}),
+                     make_material(Law::neo_hookean_incompressible, {1000.1}),
+                     make_material(Law::mooney_rivlin_incompressible, {0.1, 0.2})};
   StateSpaceFile::create(path_, scene, kTolerance).close();
   const Scene read = StateSpaceFile::open_read_only(path_).read_scene();
   EXPECT_EQ(read.materials, scene.materials);

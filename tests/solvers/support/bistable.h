@@ -3,9 +3,9 @@
 //
 //   V(w) = ¼ w⁴ − ½ a w² − b w,   a = a₀ + a₁ x,   b = b₀ + z,
 //
-// of which there are two where 27 b² < 4 a³, and Π = ½ c |t|² + V. Moved slowly, w stays in its well
-// until that is gone, and then falls into the other one. With a₁ = 0 a loop in z has hysteresis;
-// with a₁ > 0 the branches join round a cusp at a = b = 0.
+// of which there are two where 27 b² < 4 a³, and Π = ½ c |t|² + V. Moved slowly, w stays in its
+// well until that is gone, and then falls into the other one. With a₁ = 0 a loop in z has
+// hysteresis; with a₁ > 0 the branches join round a cusp at a = b = 0.
 #pragma once
 
 #include <algorithm>

@@ -36,9 +36,8 @@ Block make_block(Law law, const BlockOptions& options) {
   std::vector<char> fixed;
   for (const Vec3& p : mesh.points) fixed.push_back(p.x() == 0 ? 1 : 0);
   warp_straight(mesh, wavy(size));
-  block.scene = make_scene(std::move(mesh),
-                           make_material(law, options.youngs_modulus, options.poissons_ratio),
-                           fixed);
+  block.scene = make_scene(
+      std::move(mesh), make_material(law, options.youngs_modulus, options.poissons_ratio), fixed);
   return block;
 }
 

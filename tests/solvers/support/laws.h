@@ -21,9 +21,8 @@ inline void PrintTo(Law law, std::ostream* out) { *out << to_string(law); }
 namespace palpate::test {
 
 /// Those that have a displacement formulation.
-inline constexpr Law kLaws[] = {Law::linear,        Law::st_venant_kirchhoff,
-                                Law::neo_hookean,   Law::mooney_rivlin,
-                                Law::mooney_rivlin_polynomial, Law::fung};
+inline constexpr Law kLaws[] = {Law::linear,        Law::st_venant_kirchhoff,      Law::neo_hookean,
+                                Law::mooney_rivlin, Law::mooney_rivlin_polynomial, Law::fung};
 inline constexpr Law kNonlinearLaws[] = {Law::st_venant_kirchhoff, Law::neo_hookean,
                                          Law::mooney_rivlin, Law::mooney_rivlin_polynomial,
                                          Law::fung};
@@ -51,8 +50,8 @@ inline Material make_material(Law law, double youngs_modulus, double poissons_ra
   switch (law) {
     case Law::mooney_rivlin: return make_mooney_rivlin(mu / 3, mu / 6, kappa);
     case Law::mooney_rivlin_polynomial:
-      return palpate::make_material(law, {kappa, mu / 3, mu / 6, mu / 10, mu / 20, mu / 40,
-                                          mu / 60, mu / 80, mu / 70, mu / 90});
+      return palpate::make_material(law, {kappa, mu / 3, mu / 6, mu / 10, mu / 20, mu / 40, mu / 60,
+                                          mu / 80, mu / 70, mu / 90});
     case Law::fung: return palpate::make_material(law, {youngs_modulus, poissons_ratio, 1.5});
     case Law::neo_hookean_incompressible: return palpate::make_material(law, {youngs_modulus});
     case Law::mooney_rivlin_incompressible: return palpate::make_material(law, {mu / 3, mu / 6});

@@ -147,8 +147,8 @@ TEST_F(RoofLevels, BothBranchesAreFoundAndTouchJumpsWhereTheBodyDoes) {
 
   // Between the folds both branches are there, and beyond them one is.
   for (std::int32_t k = 1; k <= site.site.reach(); ++k) {
-    const auto num = std::count_if(
-        site.configurations.begin(), site.configurations.end(), [&](const auto& c) {
+    const auto num =
+        std::count_if(site.configurations.begin(), site.configurations.end(), [&](const auto& c) {
           return c.check_point == CheckPoint{0, 0, -k} && c.usable() &&
                  (c.flags & flags::unstable) == 0;
         });
@@ -209,8 +209,7 @@ TEST_F(RoofLevels, AnAbortedRunGoesOnAndMakesNoTransitionTwice) {
   const PrecomputeResult resumed = run(*world_, file);
   EXPECT_TRUE(resumed.report.complete);
   // Of the last ones before the abort the homes had not heard, but they were kept.
-  EXPECT_LE(aborted.report.num_transitions + resumed.report.num_transitions,
-            num_transitions_);
+  EXPECT_LE(aborted.report.num_transitions + resumed.report.num_transitions, num_transitions_);
   EXPECT_GT(aborted.report.num_transitions, 0);
   const PrecomputeResult again = run(*world_, file);
   EXPECT_EQ(again.report.num_solved, 0);
