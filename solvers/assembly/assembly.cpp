@@ -168,7 +168,7 @@ struct Assembly::Data {
   std::vector<ElementGroup> groups;
   /// Of a Tet10 mesh; empty for Tet4, in whose cells det F is constant.
   std::vector<Vec3> points;
-  std::vector<Index> cells;
+  std::vector<Index> quadratic_cells;
 
   // While it is made:
 
@@ -450,7 +450,7 @@ Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
   if (mesh.order == ElementOrder::quadratic) {
     check_one_to_one(mesh);
     data_->points = mesh.points;
-    data_->cells = mesh.cells;
+    data_->quadratic_cells = mesh.cells;
   }
   data_->mean_edge = edges / (6.0 * mesh.num_cells());
   data_->number_nodes(scene);
@@ -516,11 +516,11 @@ std::vector<double> Assembly::minimum_det_f_of_cells(const NodalVector& state) c
     group.kernels->determinants(group.view(), state.data(), of_group.data());
     for (Index i = 0; i < group.num_cells; ++i) of_cells[group.cells[i]] = of_group[i];
   }
-  if (data_->cells.empty()) return of_cells;
+  if (data_->quadratic_cells.empty()) return of_cells;
   const NodalVector none = NodalVector::Zero(3 * Eigen::Index{data_->num_points});
   for (Index c = 0; c < data_->num_cells; ++c) {
     if (!(of_cells[c] > 0)) continue;
-    const Index* cell = data_->cells.data() + c * nodes_per_cell(ElementOrder::quadratic);
+    const Index* cell = data_->quadratic_cells.data() + c * nodes_per_cell(ElementOrder::quadratic);
     const CornerJacobians jacobians = corner_jacobians(nodes_of(data_->points, cell, state));
     const auto place = find_inversion(jacobians);
     if (!place) continue;

@@ -155,7 +155,9 @@ TEST(SinglePrecision, ASolveDoesNotDependOnThoseBefore) {
     const Equilibrium deep = used.solve(inverted, rest, Tangent::factorised);
     ASSERT_EQ(deep.outcome, Outcome::converged) << deep.message;
     // Unless the linear solver has no single precision.
-    if (counts->single > 0) EXPECT_GT(counts->full, 0);
+    if (counts->single > 0) {
+      EXPECT_GT(counts->full, 0);
+    }
     expect_same_bits(used.solve(t, rest, Tangent::factorised), first);
     expect_same_bits(used.solve(further, first, tangent), second);
     // As on another rank: starts come from elsewhere, and nothing is kept of them.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "exploration/layered_grid.h"
@@ -181,6 +182,7 @@ class EndlessSolver final : public SiteSolver {
 class TransitionRecord final : public Record {
  public:
   [[nodiscard]] Known known(Index /*active_node*/) const override { return left; }
+  [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
   void keep(Index, const Configuration&, const std::vector<IntermediateState>&) override {}
   void keep(Index, const LevelTransition& transition) override { kept.push_back(transition); }
   void settle(Index, const ConfigurationSummary&, std::int32_t) override {}

@@ -186,6 +186,7 @@ class ReplayRecord final : public Record {
     known.configurations.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(number));
     return known;
   }
+  [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
   void keep(Index, const Configuration&, const std::vector<IntermediateState>&) override {}
   void keep(Index, const LevelTransition&) override {}
   void settle(Index, const ConfigurationSummary&, std::int32_t) override {}
