@@ -519,12 +519,16 @@ std::vector<double> Assembly::minimum_det_f_of_cells(const NodalVector& state) c
   if (data_->quadratic_cells.empty()) return of_cells;
   const NodalVector none = NodalVector::Zero(3 * Eigen::Index{data_->num_points});
   for (Index c = 0; c < data_->num_cells; ++c) {
-    if (!(of_cells[c] > 0)) continue;
     const Index* cell = data_->quadratic_cells.data() + c * nodes_per_cell(ElementOrder::quadratic);
     const CornerJacobians jacobians = corner_jacobians(nodes_of(data_->points, cell, state));
+    const CornerJacobians at_rest = corner_jacobians(nodes_of(data_->points, cell, none));
+    for (int corner = 0; corner < 4; ++corner) {
+      of_cells[c] =
+          std::min(of_cells[c], jacobians[corner].determinant() / at_rest[corner].determinant());
+    }
+    if (!(of_cells[c] > 0)) continue;
     const auto place = find_inversion(jacobians);
     if (!place) continue;
-    const CornerJacobians at_rest = corner_jacobians(nodes_of(data_->points, cell, none));
     of_cells[c] = std::min(0.0, determinant(jacobians, *place) / determinant(at_rest, *place));
   }
   return of_cells;

@@ -30,10 +30,6 @@ struct Element<2> {
   static constexpr double barycentric(int point, int corner) {
     return point == corner ? 0.58541019662496845 : 0.13819660112501052;
   }
-  /// See corner_extrapolation() in elements/tetrahedron.h: (1 − b)/(a − b) and −b/(a − b) with
-  /// a = (5 + 3√5)/20, b = (5 − √5)/20.
-  static constexpr double corner_own = 1.9270509831248424;
-  static constexpr double corner_other = -0.30901699437494745;
 };
 
 /// Mixed elements have a continuous, linear pressure. That of Tet10 is stable (Taylor & Hood 1973).
@@ -67,28 +63,12 @@ class Group {
     for (std::int32_t p = 0; p < group.num_packets; ++p) {
       Packet ue[kNodes][3];
       gather(group, p, state, ue);
-      Kinematics<Packet> at[kPoints];
       Packet least = std::numeric_limits<double>::max();
       for (int q = 0; q < kPoints; ++q) {
-        displacement_gradient(group, p, q, ue, at[q]);
-        at[q].update();
-        least = min(least, 1.0 + at[q].j);
-      }
-      if constexpr (Order == 2) {
-        for (int corner = 0; corner < 4; ++corner) {
-          Kinematics<Packet> k;
-          for (int i = 0; i < 3; ++i) {
-            for (int j = 0; j < 3; ++j) {
-              k.h[i][j] = 0.0;
-              for (int q = 0; q < kPoints; ++q) {
-                k.h[i][j] += (q == corner ? Element<2>::corner_own : Element<2>::corner_other) *
-                             at[q].h[i][j];
-              }
-            }
-          }
-          k.update();
-          least = min(least, 1.0 + k.j);
-        }
+        Kinematics<Packet> k;
+        displacement_gradient(group, p, q, ue, k);
+        k.update();
+        least = min(least, 1.0 + k.j);
       }
       least.store(minimum_det_f + p * kPacketSize);
     }

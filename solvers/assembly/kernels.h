@@ -86,7 +86,7 @@ struct Kernels {
   /// As residual, and adds the tangent to `values`.
   GroupResult (*tangent)(const ElementGroupView&, const double* state, double* force,
                          double* values);
-  /// Least det F of each element over quadrature points and corners, [num_packets × 8].
+  /// Least det F of each element over its quadrature points, [num_packets × 8].
   void (*determinants)(const ElementGroupView&, const double* state, double* minimum_det_f);
   /// The sums of each element, [num_packets × StressSum::count × 8]. Where det F ≤ 0 and the law is
   /// not defined, its stress is NaN.

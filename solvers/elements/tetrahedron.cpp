@@ -63,8 +63,4 @@ Eigen::VectorXd shape_values(ElementOrder order, const Vec3& xi) {
   return values;
 }
 
-CornerExtrapolation corner_extrapolation() {
-  return {(1 - kFar) / (kNear - kFar), -kFar / (kNear - kFar)};
-}
-
 }  // namespace palpate

@@ -28,12 +28,4 @@ struct QuadraturePoint {
 /// N_a at xi [nodes_per_cell].
 [[nodiscard]] Eigen::VectorXd shape_values(ElementOrder order, const Vec3& xi);
 
-/// Value at corner i of the linear function with value f_q at the four points of the Tet10 rule is
-/// Σ f_q · (q == i ? own : other).
-struct CornerExtrapolation {
-  double own;
-  double other;
-};
-[[nodiscard]] CornerExtrapolation corner_extrapolation();
-
 }  // namespace palpate

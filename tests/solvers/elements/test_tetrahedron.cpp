@@ -101,21 +101,5 @@ TEST_P(Tetrahedron, QuadratureIsExactToItsDegree) {
   }
 }
 
-TEST(CornerExtrapolation, IsExactForLinearFunctions) {
-  const auto weights = corner_extrapolation();
-  const auto& rule = quadrature(ElementOrder::quadratic);
-  for (int corner = 0; corner < 4; ++corner) {
-    Vec3 place = Vec3::Zero();
-    double one = 0;
-    for (int q = 0; q < 4; ++q) {
-      const double weight = q == corner ? weights.own : weights.other;
-      place += weight * rule[q].xi;
-      one += weight;
-    }
-    EXPECT_NEAR(one, 1, kRounding);
-    EXPECT_LT((place - reference_node(corner)).norm(), kRounding) << "corner " << corner;
-  }
-}
-
 }  // namespace
 }  // namespace palpate::test

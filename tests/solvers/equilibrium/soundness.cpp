@@ -121,10 +121,12 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
     break;
   }
   if (mesh != nullptr) {
-    const double least = least_det_f(*mesh, state.u);
+    TetMesh oriented = *mesh;
+    check_and_orient(oriented);
+    const double least = least_det_f(oriented, state.u);
     bool inverted = least <= 0;
-    for (Index c = 0; c < mesh->num_cells() && !inverted; ++c) {
-      inverted = is_inverted(corner_jacobians(*mesh, c, state.u));
+    for (Index c = 0; c < oriented.num_cells() && !inverted; ++c) {
+      inverted = is_inverted(corner_jacobians(oriented, c, state.u));
     }
     require(inverted == (state.minimum_det_f <= 0), "det F is ", inverted ? "not " : "",
             "positive everywhere, and its least value is said to be ", state.minimum_det_f);
