@@ -101,8 +101,7 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
   TangentFactor*& factor = result.factor;
   bool fresh = false;  // the factor is of the tangent at the iterate
   double first_step = 0;
-  int num_steps = 0;      // with the factor
-  bool is_stuck = false;  // the last step was hardly one
+  int num_steps = 0;  // with the factor
   const auto use = [&](TangentFactor* other) {
     factor = other;
     quasi_newton.clear();
@@ -123,19 +122,9 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
       if (factor == nullptr) use(body.factorise(start));
     }
     if (factor == nullptr) {
-      TangentFactor* here = body.factorise(iterate.state);
-      if (here == nullptr) return end(Outcome::tangent_not_factorised);
-      TangentFactor* at_start = body.find_factor(start);
-      if (!body.is_saddle() && !is_stuck && body.negative_pivots(*here) > 0 &&
-          at_start != nullptr && body.negative_pivots(*at_start) == 0) {
-        // A positive definite one leads downhill, an indefinite one anywhere: so that of the start
-        // serves on, with all steps since.
-        factor = at_start;
-        num_steps = 0;
-      } else {
-        use(here);
-        fresh = true;
-      }
+      use(body.factorise(iterate.state));
+      if (factor == nullptr) return end(Outcome::tangent_not_factorised);
+      fresh = true;
     }
     ++result.iterations;
     Eigen::VectorXd step =
@@ -156,7 +145,6 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
     }
     const Eigen::VectorXd old_r = iterate.r;
     const double length = step.allFinite() ? search(body, step, slope, iterate) : 0;
-    is_stuck = length < kShortStep;
     if (length == 0) {
       if (fresh) return end(Outcome::not_converged);
       factor = nullptr;
