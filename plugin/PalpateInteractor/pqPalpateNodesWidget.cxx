@@ -112,6 +112,8 @@ void pqPalpateNodesWidget::startOrEnd(bool starts)
   else
   {
     this->end();
+    // To take a selection away makes its source active, too; the button is in this filter's panel.
+    this->activate();
   }
   this->Message->setVisible(starts);
 }
@@ -192,10 +194,7 @@ void pqPalpateNodesWidget::end()
   }
   this->Grid = nullptr;
   this->PickingView->setCursor(QCursor());
-  // To take a selection away makes its source active, too.
-  pqPipelineSource* active = pqActiveObjects::instance().activeSource();
   pqPVApplicationCore::instance()->selectionManager()->clearSelection(this->Body);
-  pqActiveObjects::instance().setActiveSource(active);
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
   vtkSMRenderViewProxy* view = this->PickingView->getRenderViewProxy();
   if (!this->BodyWasSeen)
