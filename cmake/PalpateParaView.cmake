@@ -34,6 +34,7 @@ if(NOT vtk_is_part_of_paraview)
   find_package(VTK REQUIRED COMPONENTS hdf5 jsoncpp netcdf)
 endif()
 if(PALPATE_WITH_INTERACTOR)
+  find_package(X11 REQUIRED)
   find_package(Qt${VTK_QT_VERSION} REQUIRED COMPONENTS Widgets)
   if(VTK_QT_VERSION GREATER 5)
     find_package(Qt6 REQUIRED COMPONENTS OpenGLWidgets)  # Qt 5 has it in Widgets.

@@ -181,7 +181,7 @@ void Servo::start() {
 
 bool Servo::stop() noexcept {
   if (!shared_->thread.joinable()) return !shared_->running;
-  shared_->stop = true;
+  let_go();
   if (shared_->ended.wait_for(shared_->options.stop_timeout) == std::future_status::ready) {
     shared_->thread.join();
     return true;
@@ -189,6 +189,8 @@ bool Servo::stop() noexcept {
   shared_->thread.detach();
   return false;
 }
+
+void Servo::let_go() noexcept { shared_->stop = true; }
 
 void Servo::set_body(std::shared_ptr<const Touchable> body) {
   // The system calls for it are made here, and not in the loop.

@@ -26,7 +26,7 @@
 
 namespace palpate {
 
-/// All calls come from one thread.
+/// All calls come from one thread, except let_go().
 class Servo {
  public:
   /// Nothing runs yet, and the device is not read.
@@ -43,6 +43,8 @@ class Servo {
   /// Zero force, then the end of the loop. In time whatever the device does.
   /// @return Whether the thread has ended.
   bool stop() noexcept;
+  /// Zero force, and the loop ends by itself. Any thread may call this, and none waits in it.
+  void let_go() noexcept;
 
   /// The body, from the next tick on; also while it is touched. nullptr: none.
   void set_body(std::shared_ptr<const Touchable> body);

@@ -18,6 +18,7 @@
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
+#include "pqPalpateEscape.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateMouse.h"
 #include "pqPalpateToolView.h"
@@ -119,6 +120,8 @@ struct pqPalpateTouch::Session
   unsigned long ConnectionObserver = 0;
 
   std::unique_ptr<palpate::Servo> Servo;
+  /// Uses the servo.
+  std::unique_ptr<pqPalpateEscape> Escape;
   /// The servo's, as last set.
   palpate::ServoSettings ServoSettings;
   palpate::TouchSettings TouchSettings;
@@ -316,6 +319,8 @@ QString pqPalpateTouch::start(
     QCoreApplication::instance()->installEventFilter(this);
     this->applySettings({});
     this->Running->Servo->start();
+    this->Running->Escape =
+      std::make_unique<pqPalpateEscape>([servo = this->Running->Servo.get()] { servo->let_go(); });
   }
   catch (const std::exception& error)
   {
@@ -493,6 +498,14 @@ void pqPalpateTouch::takeNewData()
 
 void pqPalpateTouch::showFrame()
 {
+  if (this->Running)
+  {
+    this->Running->Escape->HearsItself();
+    if (this->Running->Escape->WasPressed())
+    {
+      this->stop();
+    }
+  }
   // Rendering may handle events, a timer's too.
   if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
   {

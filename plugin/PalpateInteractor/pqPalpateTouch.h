@@ -6,7 +6,8 @@
 /// filter TouchStateSpace, on the server wherever that is, whose node and displacement are set each
 /// frame: other filters can hang on it. It ends by itself, with zero force, when the space, the
 /// view or the server goes, when the device is pulled out, and when ParaView quits; and by Escape,
-/// wherever in ParaView's windows that is pressed, whatever else it does there.
+/// wherever in ParaView's windows that is pressed, whatever else it does there, and while they
+/// handle no event.
 #pragma once
 
 #include <QElapsedTimer>

@@ -42,6 +42,7 @@ LIBRARIES = [
     ("ParaView", r"(vtkSM|vtkPV|vtkSI|vtkClientServer|pq)\w+\.h"),
     ("VTK", r"(vtk|QVTK)\w+\.(h|txx)|vtksys/.+"),
     ("Qt", r"(Qt\w+/)?Q[A-Z]\w*"),
+    ("X11", r"X11/\w+\.h"),
     ("POSIX", r"sys/\w+\.h|(unistd|fcntl|spawn|signal|poll|dlfcn|pthread|sched|ucontext)\.h"),
     ("std", r"[a-z_0-9]+"),
 ]
@@ -90,7 +91,7 @@ UNITS = solver_units() | haptic_units() | {
     "filters": Unit({"std", "POSIX", "VTK"}, {"solvers"}),
     "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}),
     "plugin/Palpate": Unit({"std", "VTK", "ParaView"}, {"filters"}),
-    "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt"}, {"filters", "haptic"}),
+    "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt", "X11"}, {"filters", "haptic"}),
     # What somebody else's program would be.
     "examples": Unit({"std", "Eigen"}, {"haptic", "solvers/base", "solvers/state_space",
                                         "solvers/interpolation"}),

@@ -6,6 +6,7 @@ import contextlib
 import os
 import re
 import signal
+import subprocess
 import sys
 import time
 import traceback
@@ -247,6 +248,22 @@ def escape():
     QtWidgets.QMessageBox.about(window, "A question", "that waits")
     assert not runs()
     print("escaped 1")
+
+
+def busy():
+    """The key stops the loop while ParaView handles no event."""
+    open_space()
+    part("records").click()
+    part("recordingFile").findChild(QtWidgets.QLineEdit).setText(os.path.abspath("busy.csv"))
+    click_start()
+    wait_for(touches, "the hand presses")
+    before = number("recorded")
+    with subprocess.Popen(["sh", "-c", "sleep 1; xdotool keydown Escape; sleep 0.2; "
+                                       "xdotool keyup Escape"]) as key:
+        time.sleep(4)  # as a filter does that works for long
+        assert key.poll() == 0, key.poll()
+    wait_for(lambda: not runs(), "it has ended")
+    print("ticks", number("recorded") - before)
 
 
 def mouse():
@@ -516,7 +533,7 @@ def goes_on(leave):
 
 def main():
     try:
-        {"touching": touching, "dots": dots, "escape": escape, "mouse": mouse, "road": road,
+        {"touching": touching, "dots": dots, "escape": escape, "busy": busy, "mouse": mouse, "road": road,
          "ends": ends, "remote": remote, "lost": lost,
          "quit": lambda: goes_on(application.quit),
          "close": lambda: goes_on(window.close)}[os.environ["PALPATE_INTERACTOR_RUN"]]()

@@ -126,6 +126,8 @@ def main():
             assert 10 < black < 200 and 15 < white < 200, (driver, size, dots)
 
     assert run("escape", folder)["escaped"] == [1]
+    # The key is pressed one second after the work has begun, which takes four.
+    assert run("busy", folder)["ticks"][0] < 2500
 
     mouse = run("mouse", folder)
     assert mouse["dragged"][0] > 0.002, mouse

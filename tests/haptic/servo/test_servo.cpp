@@ -11,6 +11,7 @@
 #include <condition_variable>
 #include <future>
 #include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -191,6 +192,17 @@ TEST(Servo, AHundredTimes) {
 
 TEST(Servo, NeverStarted) {
   Pressing pressing;
+  EXPECT_TRUE(pressing.servo->stop());
+}
+
+TEST(Servo, LetsGoWhenAnotherThreadSaysSo) {
+  Pressing pressing;
+  pressing.servo->start();
+  ASSERT_TRUE(pressing.wait_for_force(0.5));
+  std::thread([&] { pressing.servo->let_go(); }).join();
+  EXPECT_TRUE(pressing.transport->wait_until(
+      [&] { return pressing.servo->latest().state == ServoState::closed; }));
+  EXPECT_FALSE(pressing.board->status().motors_on);
   EXPECT_TRUE(pressing.servo->stop());
 }
 
