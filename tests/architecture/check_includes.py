@@ -91,7 +91,8 @@ UNITS = solver_units() | haptic_units() | {
     "filters": Unit({"std", "POSIX", "VTK"}, {"solvers"}),
     "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}),
     "plugin/Palpate": Unit({"std", "VTK", "ParaView"}, {"filters"}),
-    "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt", "X11"}, {"filters", "haptic"}),
+    "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt", "X11"},
+                                     {"filters", "haptic"}),
     # What somebody else's program would be.
     "examples": Unit({"std", "Eigen"}, {"haptic", "solvers/base", "solvers/state_space",
                                         "solvers/interpolation"}),

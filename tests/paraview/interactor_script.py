@@ -533,8 +533,8 @@ def goes_on(leave):
 
 def main():
     try:
-        {"touching": touching, "dots": dots, "escape": escape, "busy": busy, "mouse": mouse, "road": road,
-         "ends": ends, "remote": remote, "lost": lost,
+        {"touching": touching, "dots": dots, "escape": escape, "busy": busy,
+         "mouse": mouse, "road": road, "ends": ends, "remote": remote, "lost": lost,
          "quit": lambda: goes_on(application.quit),
          "close": lambda: goes_on(window.close)}[os.environ["PALPATE_INTERACTOR_RUN"]]()
     except BaseException:
