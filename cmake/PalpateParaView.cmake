@@ -26,11 +26,9 @@ set(CMAKE_POLICY_DEFAULT_CMP0174 OLD)
 # of GDAL, FFmpeg and more. The targets of its window are there all the same; they need Qt's
 # widgets, and its component pqCore would ask for Qt's help system too.
 find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore VTKExtensionsExtraction)
-# Where VTK is a package of its own, as beneath Debian's ParaView 6.1, it looks for what lies behind
-# a module only when that module is asked for, and ParaView does not ask for these that it links.
-# VTK's development package brings them all.
-cmake_path(IS_PREFIX ParaView_DIR "${VTK_DIR}" vtk_is_part_of_paraview)
-if(NOT vtk_is_part_of_paraview)
+# From Debian 13 on VTK looks for what lies behind a module only when that module is asked for, and
+# ParaView does not ask for these that it links. Its development package brings them all.
+if(ParaView_VERSION VERSION_GREATER_EQUAL 5.13)
   find_package(VTK REQUIRED COMPONENTS hdf5 jsoncpp netcdf)
 endif()
 if(PALPATE_WITH_INTERACTOR)
