@@ -82,7 +82,7 @@ class Engine final : public Worker {
 
   void recall_some(Mail& mail);
   void recall(Unpacker& content, Mail& mail);
-  void tell(Mail& mail);
+  void tell();
   void hand_out(Index active_node, Mail& mail);
   void settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail);
   void take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "exploration/precompute.h"
+#include "exploration/transfer.h"
 #include "schedule/scheduler.h"
 
 namespace palpate {
@@ -26,17 +27,20 @@ class Monitor {
     std::int64_t reused = 0;
     std::int64_t expected = 0;
   };
-  void set_count(int rank, const Count& count) { of_ranks_[rank] = count; }
-
   /// While there is a run: what comes from other ranks is served.
   void set_mail(Mail* mail) { mail_ = mail; }
 
-  /// Whether to send the count to rank 0 again.
-  [[nodiscard]] bool is_due() {
-    if (network_.now() - last_sent_ < kInterval) return false;
+  /// Takes down how far this rank is, and sends it to rank 0 now and then. Call this in a run.
+  /// @param message What the message begins with, by which the worker knows it.
+  void tell(const Count& count, Packer message = {}) {
+    of_ranks_[mail_->rank()] = count;
+    if (mail_->rank() == 0 || network_.now() - last_sent_ < kInterval) return;
     last_sent_ = network_.now();
-    return true;
+    message.put(count);
+    mail_->send(0, message.take());
   }
+  /// Takes down what another rank has told.
+  void hear(int from, Unpacker& message) { of_ranks_[from] = message.take<Count>(); }
 
   bool go_on() {
     if (mail_ != nullptr && !mail_->poll()) stopped_ = true;

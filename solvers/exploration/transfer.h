@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "schedule/communicator.h"
 #include "state_space/configuration.h"
+#include "state_space/test_point.h"
 
 namespace palpate {
 
@@ -18,16 +20,30 @@ class Packer {
     static_assert(std::is_trivially_copyable_v<T>);
     put(&value, sizeof value);
   }
+  template <class A, class B>
+  void put(const std::pair<A, B>& both) {
+    put(both.first);
+    put(both.second);
+  }
   /// Without fields.
   void put(const ConfigurationSummary& summary);
   /// With fields, which may be empty.
   void put(const Configuration& configuration);
   void put(const IntermediateState& state);
+  void put(const TestPoint& point);
+  /// @param list Any container of what can be put in.
+  template <class List>
+  void put_list(const List& list) {
+    put(list.size());
+    for (const auto& value : list) put(value);
+  }
 
   [[nodiscard]] Bytes take() { return std::move(bytes_); }
 
  private:
   void put(const void* data, std::size_t size);
+  template <class Matrix>
+  void put_matrix(const Matrix& matrix);
 
   Bytes bytes_;
 };
@@ -41,20 +57,57 @@ class Unpacker {
 
   template <class T>
   [[nodiscard]] T take() {
-    static_assert(std::is_trivially_copyable_v<T>);
     T value;
-    take(&value, sizeof value);
+    take(value);
     return value;
   }
-  [[nodiscard]] ConfigurationSummary take_summary();
-  [[nodiscard]] Configuration take_configuration();
-  [[nodiscard]] IntermediateState take_intermediate_state();
+  /// What Packer::put_list() has put in, as a container of the caller's choice.
+  template <class List>
+  [[nodiscard]] List take_list() {
+    List list;
+    for (auto left = take<std::size_t>(); left > 0; --left) {
+      list.push_back(take<typename List::value_type>());
+    }
+    return list;
+  }
 
  private:
+  template <class T>
+  void take(T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    take(&value, sizeof value);
+  }
+  template <class A, class B>
+  void take(std::pair<A, B>& both) {
+    take(both.first);
+    take(both.second);
+  }
+  void take(ConfigurationSummary& summary);
+  void take(Configuration& configuration);
+  void take(IntermediateState& state);
+  void take(TestPoint& point);
   void take(void* data, std::size_t size);
+  template <class Matrix>
+  void take_matrix(Matrix& matrix);
 
   const Bytes& bytes_;
   std::size_t at_ = 0;
 };
+
+/// Moves what the other ranks have in their lists to the end of that of rank 0, by rank.
+/// @note Collective
+template <class T>
+void gather(std::vector<T>& list, Communicator& communicator) {
+  Packer mine;
+  if (communicator.rank() != 0) mine.put_list(std::exchange(list, {}));
+  std::vector<Bytes> all = communicator.gather(mine.take());
+  agree(communicator, [&] {
+    for (Bytes& bytes : all) {
+      if (bytes.empty()) continue;
+      for (T& value : Unpacker(bytes).take_list<std::vector<T>>()) list.push_back(std::move(value));
+      bytes = {};
+    }
+  });
+}
 
 }  // namespace palpate
