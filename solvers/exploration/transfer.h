@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What ranks of one run tell each other, as bytes: put in, and taken out in the same order.
+// What the ranks of a run send each other, as bytes. Values are taken out in the order in which
+// they were put in.
 #pragma once
 
 #include <cstddef>
@@ -25,13 +26,14 @@ class Packer {
     put(both.first);
     put(both.second);
   }
-  /// Without fields.
+  /// Puts in a configuration without its fields.
   void put(const ConfigurationSummary& summary);
-  /// With fields, which may be empty.
+  /// Puts in a configuration with its fields, which may be empty.
   void put(const Configuration& configuration);
   void put(const IntermediateState& state);
   void put(const TestPoint& point);
-  /// @param list Any container of what can be put in.
+  /// Puts in the number of values, then one after the other.
+  /// @param list Any container of values that can be put in.
   template <class List>
   void put_list(const List& list) {
     put(list.size());
@@ -48,7 +50,7 @@ class Packer {
   Bytes bytes_;
 };
 
-/// Of bytes that outlive it.
+/// Takes values out of bytes that outlive it.
 class Unpacker {
  public:
   explicit Unpacker(const Bytes& bytes) : bytes_(bytes) {}
@@ -61,7 +63,7 @@ class Unpacker {
     take(value);
     return value;
   }
-  /// What Packer::put_list() has put in, as a container of the caller's choice.
+  /// Takes what Packer::put_list() has put in, into a container that the caller chooses.
   template <class List>
   [[nodiscard]] List take_list() {
     List list;
@@ -94,7 +96,7 @@ class Unpacker {
   std::size_t at_ = 0;
 };
 
-/// Moves what the other ranks have in their lists to the end of that of rank 0, by rank.
+/// Appends the lists of the other ranks, by rank, to that of rank 0, and empties them.
 /// @note Collective
 template <class T>
 void gather(std::vector<T>& list, Communicator& communicator) {
