@@ -21,42 +21,43 @@
 
 namespace palpate {
 
-/// All times are those of MonotonicClock. All calls are realtime-safe and ask the system nothing.
+/// The memory that both share. All times are those of MonotonicClock. All calls are realtime-safe
+/// and make no system call.
 class GuardianChannel {
  public:
-  /// The loop is silent when it has not commanded the motors for so long.
+  /// The loop counts as silent when it has not commanded the motors for so long.
   static constexpr Duration kLoopSilence = std::chrono::milliseconds(20);
-  /// The guardian is dead when it has not looked for so long. It looks each kLook.
+  /// The guardian counts as dead when it has not looked for so long. It looks once every kLook.
   static constexpr Duration kGuardianSilence = std::chrono::milliseconds(60);
   static constexpr Duration kLook = std::chrono::milliseconds(10);
-  /// Of what the two programs take the memory for.
+  /// The version of this class; the two programs must have the same.
   static constexpr std::uint32_t kVersion = 1;
 
-  /// @param its_zero Switches the motors off, whatever the device's state is.
+  /// @param its_zero The report that switches the motors off, whatever the device's state is.
   explicit GuardianChannel(const Report& its_zero = {}) : zero(its_zero) {}
   GuardianChannel(const GuardianChannel&) = delete;
   GuardianChannel& operator=(const GuardianChannel&) = delete;
 
-  // The loop's side.
+  // The loop calls these.
 
-  /// The loop is about to command the motors.
+  /// Says that the loop is about to command the motors.
   void beat(Time now) noexcept { loop_lives_.store(now.count(), std::memory_order_release); }
-  /// The motors have zero force, and nobody will command them.
+  /// Says that the motors have zero force, and that nobody will command them.
   void rest() noexcept { loop_lives_.store(kResting, std::memory_order_release); }
-  /// There is a trip that the loop has not acknowledged.
+  /// Whether there is a trip that the loop has not acknowledged.
   [[nodiscard]] bool tripped() const noexcept {
     return trips_.load(std::memory_order_acquire) != acknowledged_.load(std::memory_order_acquire);
   }
-  /// The loop has seen the trip, and has set the motors to zero since.
+  /// Says that the loop has seen the trip, and has set the motors to zero since.
   void acknowledge() noexcept {
     acknowledged_.store(trips_.load(std::memory_order_acquire), std::memory_order_release);
   }
-  /// The guardian has looked lately.
+  /// Whether the guardian has looked lately.
   [[nodiscard]] bool guarded(Time now) const noexcept {
     const std::int64_t lives = guardian_lives_.load(std::memory_order_acquire);
     return lives != kNever && now.count() - lives <= kGuardianSilence.count();
   }
-  /// The guardian has ended because the device is unplugged.
+  /// Whether the guardian has ended because the device is unplugged.
   [[nodiscard]] bool device_is_gone() const noexcept {
     return device_is_gone_.load(std::memory_order_acquire);
   }
@@ -65,12 +66,12 @@ class GuardianChannel {
     return loop_lives_.load(std::memory_order_acquire) == kResting;
   }
 
-  // The guardian's side.
+  // The guardian calls these.
 
   void look(Time now) noexcept { guardian_lives_.store(now.count(), std::memory_order_release); }
   void trip() noexcept { trips_.fetch_add(1, std::memory_order_acq_rel); }
   void say_device_is_gone() noexcept { device_is_gone_.store(true, std::memory_order_release); }
-  /// How long the loop may still be silent; zero or less: it was for too long.
+  /// How long the loop may still be silent; zero or less: it has been silent for too long.
   [[nodiscard]] Duration until_loop_is_silent(Time now) const noexcept {
     const std::int64_t lives = loop_lives_.load(std::memory_order_acquire);
     if (lives == kResting) return Duration::max();
@@ -80,7 +81,7 @@ class GuardianChannel {
     return since < -kLoopSilence ? Duration(0) : kLoopSilence - since;
   }
 
-  /// Written before the guardian starts.
+  // These are written before the guardian starts.
   const std::uint32_t version = kVersion;
   const Report zero;
 

@@ -21,31 +21,32 @@ class Guardian {
   /// Starts the program, which the environment variable PALPATE_GUARDIAN names or which lies as
   /// find_program() says, and waits until it watches.
   /// @param device Path of the device: what is written to it goes to the motors.
-  /// @param zero Switches the motors off, whatever the device's state is.
+  /// @param zero The report that switches the motors off, whatever the device's state is.
   /// @throws BackendError it cannot be started, or does not watch in time.
   Guardian(const std::string& device, const Report& zero,
            Duration deadline = std::chrono::seconds(2));
-  /// Where the motors rest the program ends, and where they do not it sets them to zero first.
+  /// Ends the program. Where the motors do not rest, the program sets them to zero first.
   ~Guardian();
   Guardian(const Guardian&) = delete;
   Guardian& operator=(const Guardian&) = delete;
 
   [[nodiscard]] GuardianChannel& channel() noexcept { return *channel_; }
-  /// What is wrong with it, in words; empty: nothing. From any thread.
+  /// What is wrong with the program, in words; empty: nothing. It may be called from any thread.
   [[nodiscard]] std::string problem() const;
   [[nodiscard]] pid_t process() const noexcept { return process_; }
 
  private:
   void start(const std::string& program, const std::string& device, int memory);
   void wait_until_it_watches(const std::string& device, Duration deadline);
-  /// @param status As waitpid() gives it; −1: it is not known.
+  /// Whether the program has ended.
+  /// @param status Is set to what waitpid() gives; −1: it is not known.
   [[nodiscard]] bool ended(int& status);
   void release() noexcept;
 
   GuardianChannel* channel_ = nullptr;
   /// This end of the socket.
   int line_ = -1;
-  /// −1: it has ended, and was waited for.
+  /// The program; −1: it has ended, and was waited for.
   pid_t process_ = -1;
 };
 

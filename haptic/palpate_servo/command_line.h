@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What palpate-servo is asked for.
+// The command line of palpate-servo.
 #pragma once
 
 #include <optional>
@@ -15,14 +15,14 @@ enum class HandMotion { tap, press, slide, circle };
 
 struct CommandLine {
   std::string space;
-  /// "simulated", "list", or as for open_device().
+  /// "simulated", "list", or a device as open_device() takes it.
   std::string device = "simulated";
   HandMotion motion = HandMotion::press;
-  /// Where the simulated hand wants to be, m in the scene; 0: half of what the space reaches.
+  /// How deep the simulated hand wants to be, m in the scene; 0: half of what the space reaches.
   double depth = 0;
-  /// Point of the mesh; none: the first active one.
+  /// The point of the mesh that is touched; empty: the first active node.
   std::optional<Index> node;
-  /// 0: until a signal.
+  /// How long the loop runs, s; 0: until a signal comes.
   double seconds = 60;
   std::string record;
   std::string replay;
@@ -30,12 +30,14 @@ struct CommandLine {
   ServoOptions options;
   ServoSettings settings;
   TouchSettings touch;
-  /// None: as stiff as the device displays, where the body is stiffer.
+  /// The stiffness of the coupling, N/m; empty: what the device displays, where the body is
+  /// stiffer.
   std::optional<double> coupling;
 };
 
-/// @return None: help was asked for, and printed.
-/// @throws InputError what is given makes no sense.
+/// Reads the command line.
+/// @return Empty: help was asked for, and printed.
+/// @throws InputError an argument makes no sense.
 [[nodiscard]] std::optional<CommandLine> parse_command_line(int argc, char** argv);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What palpate-servo prints: a line a subject, in SI units but for times in us.
+// What palpate-servo prints: a line for each subject, in SI units, but times in µs.
 #pragma once
 
 #include "haptic/profile/specification.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Our own published HID reports, version 1, for boards that people build: the layout, and both ends
-// of it. The tables with units, and what the firmware has to do, are in haptic/README.md.
+// Our own published HID reports, version 1, for boards that people build: the layout, and how both
+// ends write and read it. The tables with units, and what the firmware has to do, are in
+// haptic/README.md.
 //
 // All integers are little endian. Axes are those of DeviceState. Three reports, whose number is the
 // first byte: a feature report in which the board says what it is; an input report with a
@@ -23,12 +24,12 @@ inline constexpr std::uint16_t kUsage = 0x01;
 inline constexpr std::uint8_t kFeature = 1;
 inline constexpr std::uint8_t kInput = 2;
 inline constexpr std::uint8_t kOutput = 3;
-/// Bytes with the number.
+/// Sizes of the reports with their number, bytes.
 inline constexpr std::size_t kFeatureSize = 44;
 inline constexpr std::size_t kInputSize = 29;
 inline constexpr std::size_t kOutputSize = 10;
 
-/// What the board gives as its HID report descriptor.
+/// The HID report descriptor of the board.
 inline constexpr std::uint8_t kDescriptor[] = {
     0x06, 0x50,
     0xFF,        // usage page (vendor-defined 0xFF50)
@@ -59,42 +60,43 @@ struct Feature {
   std::uint8_t version = 1;
   /// Bits: axes with a motor (x, y, z: 0 to 2), kSensesRotation, kLockStep.
   std::uint8_t flags = 7;
-  /// 0 to 8.
+  /// Number of buttons, 0 to 8.
   std::uint8_t num_buttons = 1;
-  /// A count of position, nm, and of force, µN.
+  /// The unit of position, nm, and of force, µN.
   std::uint32_t position_unit_nm = 10'000;
   std::uint32_t force_unit_un = 1'000;
   std::uint16_t max_force_mn = 7'900;
-  /// N/m, and 0.01 N·s/m.
+  /// The largest stiffness, N/m, and the largest damping, 0.01 N·s/m.
   std::uint16_t max_stiffness = 3'000;
   std::uint16_t max_damping = 1'000;
-  /// 0.1 mm.
+  /// Radius of the workspace, 0.1 mm.
   std::uint16_t workspace_radius = 800;
   /// The firmware switches the motors off by itself after so long without an output report, ms.
   std::uint16_t watchdog_ms = 50;
-  /// From a measurement to the next, µs.
+  /// Time from a measurement to the next, µs.
   std::uint16_t interval_us = 1'000;
-  /// Up to 16 bytes of UTF-8.
+  /// The name of the model, up to 16 bytes of UTF-8.
   std::string model = "board";
 };
 
 inline constexpr std::uint8_t kAxes = 7;
-/// The rotation in the input report counts.
+/// The rotation in the input report is valid.
 inline constexpr std::uint8_t kSensesRotation = 8;
-/// The board measures and reports when an output report has come, and not by itself.
+/// The board measures and reports when an output report has come, not by itself.
 inline constexpr std::uint8_t kLockStep = 16;
 
 struct Input {
-  /// When it was measured, by the board's own clock; wraps.
+  /// When the board measured, by its own clock, µs; it wraps.
   std::uint32_t time_us = 0;
-  /// One more for each report; wraps.
+  /// It grows by one with each report, and wraps.
   std::uint16_t counter = 0;
-  /// Position_unit counts [3].
+  /// Position [3], in units of position_unit_nm.
   std::array<std::int32_t, 3> position{};
-  /// Quaternion w, x, y, z of any length but zero [4].
+  /// Rotation as a quaternion w, x, y, z of any length but zero [4].
   std::array<std::int16_t, 4> rotation{32767, 0, 0, 0};
   std::uint8_t buttons = 0;
-  /// Bits kMotorsOn, kWatchdogCut; for a person who looks at the bytes, the host does not use them.
+  /// Bits kMotorsOn and kWatchdogCut. They are for a person who looks at the bytes: the host does
+  /// not use them.
   std::uint8_t status = 0;
 };
 
@@ -102,9 +104,9 @@ inline constexpr std::uint8_t kMotorsOn = 1;
 inline constexpr std::uint8_t kWatchdogCut = 2;
 
 struct Output {
-  /// Of the input report that it answers.
+  /// The counter of the input report that it answers.
   std::uint16_t counter = 0;
-  /// Force_unit counts [3].
+  /// Force [3], in units of force_unit_un.
   std::array<std::int16_t, 3> force{};
   std::uint8_t command = 0;
 };
@@ -112,13 +114,14 @@ struct Output {
 inline constexpr std::uint8_t kMotorsOff = 0;
 inline constexpr std::uint8_t kForce = 1;
 
-/// The board's end: nothing is checked but the number and the size.
+// The board's end. Nothing is checked but the number and the size of a report.
 [[nodiscard]] Report encode_feature(const Feature& feature) noexcept;
 [[nodiscard]] Report encode_input(const Input& input) noexcept;
 [[nodiscard]] bool decode_output(const Report& report, Output& output) noexcept;
 
-/// The host's end.
-/// @throws InputError the report is none of ours, or a field is out of range.
+// The host's end.
+
+/// @throws InputError it is not our report, or a field is out of range.
 [[nodiscard]] Feature decode_feature(const Report& report);
 [[nodiscard]] bool decode_input(const Report& report, Input& input) noexcept;
 [[nodiscard]] Report encode_output(const Output& output) noexcept;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the bytes of a kind of device mean. Pure functions: nothing is kept between calls, nothing
-// is read or written; see transport/ for that.
+// What the bytes of a kind of device mean. These are pure functions: nothing is kept between calls,
+// and nothing is read from a device or written to it; transport/ does that.
 #pragma once
 
 #include <cstdint>
@@ -24,33 +24,34 @@ class Profile {
   [[nodiscard]] const Specification& specification() const { return specification_; }
 
   /// Takes a report into the state.
-  /// @param state The last one: what the report does not say stays as it is.
-  /// @return Whether the report is one of this profile's, whole and in range; if not the state is
+  /// @param state The last state. What the report does not say stays as it is.
+  /// @return Whether the report is one of this profile's, whole and in range. If not, the state is
   ///   unchanged.
   /// @note Realtime-safe.
   [[nodiscard]] virtual bool decode(const Report& report, DeviceState& state) const noexcept = 0;
 
-  /// What becomes of the state in a while without a report: where the device tells a rate, the
-  /// position moves on.
+  /// Moves the state on by a time without a report: where the device tells rates, the position
+  /// changes.
   /// @note Realtime-safe.
   virtual void advance(DeviceState& state, Duration duration) const noexcept;
 
-  /// A force on the axes that have motors alone.
+  /// The part of a force on the axes that have motors.
   /// @note Realtime-safe.
   [[nodiscard]] Vec3 on_motors(const Vec3& force) const noexcept;
 
-  /// What the device makes of a force: what it has no motor for is left out, and what its motors
-  /// cannot give, or must not yet, is less.
-  /// @param force N; not finite, or above max_linear_force: nothing. @return N, no longer.
+  /// The force that the device displays when it is asked for one. Axes without a motor are left
+  /// out, and it is less where the motors cannot give it, or must not yet.
+  /// @param force N. One that is not finite, or above max_linear_force, gives zero.
+  /// @return N, never longer than `force`.
   /// @note Realtime-safe.
   [[nodiscard]] Vec3 displayed(const Vec3& force, const DeviceState& state) const noexcept;
 
-  /// The report of displayed(force), that answers the state.
-  /// @return Empty where the device has no motors.
+  /// The report that asks for displayed(force), in answer to the state.
+  /// @return The report; empty where the device has no motors.
   /// @note Realtime-safe.
   [[nodiscard]] Report encode(const Vec3& force, const DeviceState& state) const noexcept;
 
-  /// Motors off.
+  /// The report that switches the motors off.
   /// @note Realtime-safe.
   [[nodiscard]] virtual Report zero_force(const DeviceState& state) const noexcept = 0;
 
@@ -58,24 +59,24 @@ class Profile {
   explicit Profile(Specification specification) : specification_(std::move(specification)) {}
 
  private:
-  /// @param force On the axes that have motors alone.
+  /// @param force It has only components that have motors.
   [[nodiscard]] virtual Vec3 do_display(const Vec3& force, const DeviceState& state) const noexcept;
-  /// @param force As displayed() gives it.
+  /// @param force It is as displayed() gives it.
   [[nodiscard]] virtual Report do_encode(const Vec3& force,
                                          const DeviceState& state) const noexcept = 0;
 
   Specification specification_;
 };
 
-/// What the system says of a HID device before it is opened.
+/// What the system tells of a HID device before it is opened.
 struct DeviceInfo {
   std::string path;
   std::uint16_t vendor_id = 0;
   std::uint16_t product_id = 0;
-  /// Of the top-level collection; 0: not known.
+  /// Usage page and usage of the top-level collection; 0: not known.
   std::uint16_t usage_page = 0;
   std::uint16_t usage = 0;
-  /// Of the USB device; −1: it has none.
+  /// Number of the interface of the USB device; −1: it has none.
   int interface_number = -1;
   std::string manufacturer;
   std::string product;
@@ -84,12 +85,13 @@ struct DeviceInfo {
 
 enum class ProfileKind { palpate_report, wooden_haptics, space_mouse };
 
-/// The profile for a device; none: it is not a device of ours.
+/// The kind of profile that serves a device; empty: none does.
 [[nodiscard]] std::optional<ProfileKind> match(const DeviceInfo& device) noexcept;
 
-/// Number of the feature report that a profile is made from; none: it needs none.
+/// The number of the feature report that a profile is made from; empty: it needs none.
 [[nodiscard]] std::optional<std::uint8_t> feature_report(ProfileKind kind) noexcept;
 
+/// Makes a profile.
 /// @param feature The answer to feature_report(kind), where there is one.
 /// @throws InputError the feature report does not say what it should; the message says which field,
 ///   and what the board's firmware has to do.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bytes of one HID report, as hidapi takes and gives them: where a device numbers its reports
-// the first byte is the number; where it does not, what is read begins with the data, and what is
-// written begins with a 0 that is not sent.
+// The bytes of one HID report, as hidapi takes and gives them. Where a device numbers its reports
+// the first byte is the number. Where it does not, a report that is read begins with the data, and
+// one that is written begins with a 0 that is not sent.
 #pragma once
 
 #include <array>
@@ -12,11 +12,12 @@
 namespace palpate {
 
 struct Report {
-  /// A full-speed device's interrupt reports are 64 bytes at the most, and one for the number.
+  /// The interrupt reports of a full-speed device have 64 bytes at most; one more is for the
+  /// number.
   static constexpr std::size_t kCapacity = 65;
 
   std::array<std::uint8_t, kCapacity> data{};
-  /// Bytes that count; 0: there is no report.
+  /// The number of bytes that are used; 0: there is no report.
   std::size_t size = 0;
 
   [[nodiscard]] friend bool operator==(const Report& a, const Report& b) {

@@ -20,7 +20,7 @@ class SpaceMouse final : public Profile {
   static constexpr double kFullSpeed = 0.1;
   static constexpr double kFullTurn = 1.5;
   static constexpr int kFullDeflection = 350;
-  /// Less than so many counts is no deflection: the cap does not come back to zero exactly.
+  /// Fewer counts are taken for no deflection: the cap does not come back to zero exactly.
   static constexpr int kDeadZone = 10;
 
   SpaceMouse();
@@ -29,7 +29,7 @@ class SpaceMouse final : public Profile {
 
   bool decode(const Report& report, DeviceState& state) const noexcept override;
   void advance(DeviceState& state, Duration duration) const noexcept override;
-  /// Empty.
+  /// An empty report: there are no motors.
   Report zero_force(const DeviceState& state) const noexcept override;
 
  private:

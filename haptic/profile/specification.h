@@ -28,18 +28,18 @@ struct Specification {
   double max_linear_stiffness = 0;
   /// Largest damping that it displays stably at 1 kHz, N·s/m.
   double max_linear_damping = 0;
-  /// Of the sphere that can be reached, m.
+  /// Radius of the sphere that can be reached, m.
   double workspace_radius = 0;
-  /// Steps of position and of force, m and N; 0: not known.
+  /// The smallest steps of position, m, and of force, N; 0: not known.
   double position_resolution = 0;
   double force_resolution = 0;
   std::array<bool, 3> actuated{};
   bool senses_rotation = false;
   int num_buttons = 0;
   Pacing pacing = Pacing::free_running;
-  /// Its reports say when they were measured.
+  /// Whether reports tell when the device measured.
   bool has_device_time = false;
-  /// After so long without a force report the device switches its motors off by itself; 0: never.
+  /// After so long without a force report the device itself switches its motors off; 0: never.
   Duration watchdog{0};
 };
 

@@ -29,22 +29,22 @@
 
 namespace palpate {
 
-/// The arrays are by joint: a, b, c.
+/// Lengths and constants of the device. The components of a vector are those of the joints a, b, c.
 struct WoodenHapticsGeometry {
-  /// m; the capstan's is negative where the motor turns against the body.
+  /// Diameters, m; that of the capstan is negative where the motor turns against the body.
   Vec3 capstan_diameter{0.010, 0.010, 0.010};
   Vec3 body_diameter{0.160, 0.120, 0.120};
-  /// L, m.
+  /// Lengths L, m.
   Vec3 length{0.080, 0.205, 0.245};
   /// Centre of the workspace from where the axes of a and b would meet the table [3], m.
   Vec3 centre{0.220, 0.000, 0.080};
-  /// Of the encoders, at four a line.
+  /// Counts of the encoders in a turn, four a line.
   Vec3 counts_per_turn{2000, 2000, 2000};
-  /// N·m/A.
+  /// Torque constants of the motors, N·m/A.
   Vec3 torque_constant{0.0259, 0.0259, 0.0259};
-  /// That the encoders a … f are set to by a calibration.
+  /// The values that a calibration sets the encoders a … f to.
   std::array<std::int16_t, 6> home{0, 0, 6000, 0, 0, 0};
-  /// More than that a motor's amplifier cannot give for long, A.
+  /// The largest current that a motor's amplifier can give for long, A.
   double max_current = 2.0;
 };
 

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Since the origin of the clock that gave it.
+/// A time since the origin of the clock that gave it.
 using Time = std::chrono::nanoseconds;
 using Duration = std::chrono::nanoseconds;
 
@@ -18,19 +18,19 @@ class Clock {
   virtual ~Clock() = default;
   /// @note Realtime-safe.
   [[nodiscard]] virtual Time now() noexcept = 0;
-  /// Returns at once where that time is past.
+  /// Sleeps until a time; returns at once where that is past.
   virtual void sleep_until(Time time) noexcept = 0;
 };
 
-/// The monotonic clock of the system: no jump when the time of day is set.
+/// The monotonic clock of the system, which does not jump when the time of day is set.
 class MonotonicClock final : public Clock {
  public:
   Time now() noexcept override;
   void sleep_until(Time time) noexcept override;
 };
 
-/// Stands still but for sleep_until() and advance(): what is tested with it takes no time, and goes
-/// the same way each time.
+/// A clock that stands still but for sleep_until() and advance(): a test with it takes no time, and
+/// goes the same way each time.
 class VirtualClock final : public Clock {
  public:
   Time now() noexcept override { return now_; }

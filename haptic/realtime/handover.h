@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Replaces a large object that a real-time thread is using. That thread neither waits nor
-// frees: what it has done with goes back, and is destroyed by the one who replaces.
+// Replaces a large object that a real-time thread is using. That thread neither waits nor frees
+// memory: it gives back what it no longer uses, and the thread that replaces destroys it.
 //
 // An object passes through four places, each of which holds at most one: offered → current →
 // previous → returned. The first and the last are shared by an atomic exchange; the other two
@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// One thread offers, one other (the real-time one) takes.
+/// One thread offers, and one other, the real-time one, takes.
 template <class T>
 class Handover {
  public:
@@ -27,18 +27,19 @@ class Handover {
     delete previous_;
   }
 
-  /// In place of what is there; an earlier offer that was not taken is destroyed.
+  /// Offers an object in place of the one there is. An earlier offer that was not taken is
+  /// destroyed.
   void offer(std::shared_ptr<T> value) {
     collect();
     delete offered_.exchange(new Held(std::move(value)), std::memory_order_acq_rel);
   }
 
-  /// Destroys what the other thread has returned. Called by offer(); by itself it frees memory
-  /// earlier.
+  /// Destroys what the other thread has returned. offer() does this too; a call of its own frees
+  /// the memory earlier.
   void collect() { delete returned_.exchange(nullptr, std::memory_order_acq_rel); }
 
-  /// The newest offer, or nullptr before the first. It, and what the call before gave, are valid
-  /// until the next call.
+  /// The newest offer, or nullptr before the first. It is valid until the next call, and so is what
+  /// the call before has given.
   /// @note Realtime-safe.
   [[nodiscard]] T* take() noexcept {
     // One that is not yet collected keeps the place; the offer waits meanwhile.

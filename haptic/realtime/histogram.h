@@ -17,13 +17,13 @@ struct Percentiles {
   Duration largest{0};
 };
 
-/// Counts by size: sixteen buckets for each doubling, so that a percentile is at most a sixteenth
-/// too large. One thread adds; any may read meanwhile.
+/// Counts durations by size, in sixteen buckets for each doubling, so that a percentile is at most
+/// a sixteenth too large. One thread adds; any thread may read meanwhile.
 class DurationHistogram {
  public:
   /// @note Realtime-safe.
   void add(Duration duration) noexcept;
-  /// Of what was added so far; zero without any.
+  /// The percentiles of what was added so far; zero where that is nothing.
   [[nodiscard]] Percentiles percentiles() const noexcept;
 
  private:

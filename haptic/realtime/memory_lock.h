@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Keeps pages of memory from being paged out, while it lives.
+// A lock keeps pages of memory from being paged out while it lives.
 //
 // Only what is named is locked. mlockall() would lock all that the program has, and what it comes
 // to have: inside ParaView the data sets that are shown, which may be larger than the memory.
 //
-// The system counts nothing: one munlock() of a page undoes all mlock() of it. Objects of the heap
-// share pages, so locks are counted here, a page at a time, for the whole process.
+// The system does not count locks: one munlock() of a page undoes every mlock() of it. Objects of
+// the heap share pages, so locks are counted here, a page at a time, for the whole process.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ class MemoryLock {
  public:
   /// Locks the pages that hold the ranges, as far as the system permits (RLIMIT_MEMLOCK).
   explicit MemoryLock(const MemoryRanges& ranges);
-  /// Unlocks those that no other lock has.
+  /// Unlocks the pages that no other lock has.
   ~MemoryLock();
   MemoryLock(const MemoryLock&) = delete;
   MemoryLock& operator=(const MemoryLock&) = delete;
 
-  /// All of them are locked.
+  /// Whether all of the pages are locked.
   [[nodiscard]] bool complete() const { return complete_; }
 
  private:
-  /// Numbers of the pages, ascending.
+  /// The numbers of the pages, ascending.
   std::vector<std::uintptr_t> pages_;
   bool complete_ = true;
 };

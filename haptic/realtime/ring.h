@@ -9,17 +9,17 @@
 
 namespace palpate {
 
-/// One thread pushes, one other pops.
+/// One thread pushes, and one other pops.
 template <class T>
 class Ring {
  public:
-  /// @param capacity At least that many fit.
+  /// @param capacity At least so many values fit.
   explicit Ring(std::size_t capacity) {
     while (size_ < capacity) size_ *= 2;
     slots_.reset(new T[size_]());
   }
 
-  /// Where it is full the value is dropped, and counted.
+  /// Adds a value. Where the ring is full the value is dropped, and counted.
   /// @note Realtime-safe.
   void push(const T& value) noexcept {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
@@ -31,7 +31,8 @@ class Ring {
     head_.store(head + 1, std::memory_order_release);
   }
 
-  /// The oldest value; false: there is none.
+  /// Takes the oldest value.
+  /// @return false: there is none.
   /// @note Realtime-safe.
   [[nodiscard]] bool pop(T& value) noexcept {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
@@ -41,7 +42,7 @@ class Ring {
     return true;
   }
 
-  /// Values that found no place.
+  /// The number of values that were dropped.
   [[nodiscard]] std::uint64_t dropped() const noexcept {
     return dropped_.load(std::memory_order_relaxed);
   }

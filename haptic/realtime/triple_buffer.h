@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The newest value from one thread to another; neither ever waits for the other.
+// Passes the newest value from one thread to another; neither ever waits for the other.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// One thread writes, one other reads.
+/// One thread writes, and one other reads.
 template <class T>
 class TripleBuffer {
  public:
@@ -17,13 +17,13 @@ class TripleBuffer {
     back_ = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel) & kSlot;
   }
 
-  /// A value was written that read() has not given yet.
+  /// Whether a value was written that read() has not given yet.
   /// @note Realtime-safe.
   [[nodiscard]] bool has_new() const noexcept {
     return (middle_.load(std::memory_order_relaxed) & kFresh) != 0;
   }
 
-  /// The newest value that was written; T() before the first. Valid until the next call.
+  /// The newest value that was written, or T() before the first. It is valid until the next call.
   /// @note Realtime-safe.
   [[nodiscard]] const T& read() noexcept {
     if (has_new()) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The columns of a recording: said once, for the writer and the reader.
+// The columns of a recording, listed once for the writer and the reader.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace palpate::recording {
 
-/// In parts, so that the writer puts nothing together for each value.
+/// The name of a column, in parts so that the writer need not put it together for each value.
 struct Name {
   std::string_view what;
   std::string_view part = {};
   std::string_view unit = {};
 
-  /// "force_x_N".
+  /// The whole name, such as "force_x_N".
   [[nodiscard]] std::string text() const {
     std::string result(what);
     for (const std::string_view more : {part, unit}) {
@@ -41,7 +41,7 @@ void visit_matrix(std::string_view what, std::string_view unit, Matrix& matrix, 
   for (int k = 0; k < 9; ++k) visit(Name{what, kEntries[k], unit}, matrix(k / 3, k % 3));
 }
 
-/// All of a record but its settings.
+/// Calls visit for each column of a record but the settings.
 template <class Record, class Visit>
 void visit_columns(Record& record, Visit&& visit) {
   auto& tick = record.tick;
@@ -90,10 +90,10 @@ void visit_columns(Record& record, Visit&& visit) {
   visit(Name{"write_failed"}, record.write_failed);
 }
 
-/// The last column.
+/// The name of the last column.
 inline constexpr std::string_view kSettings = "settings";
 
-/// What may change from tick to tick.
+/// Calls visit for each setting that may change from tick to tick.
 template <class Record, class Visit>
 void visit_settings(Record& record, Visit&& visit) {
   auto& servo = record.settings;
@@ -115,7 +115,7 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"coupling_stiffness", "N_per_m"}, touch.coupling_stiffness);
 }
 
-/// What may not.
+/// Calls visit for each setting that may not.
 template <class Setup, class Visit>
 void visit_setup(Setup& setup, Visit&& visit) {
   visit(Name{"device"}, setup.device);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes every tick of a servo loop into a file, on a thread of its own.
 //
-// The file is a table of comma-separated values: a header row with names and units, then a row a
-// tick, about 700 bytes; columns.h says which. ParaView opens it as a table: numbers are numbers,
-// and a report is the letter x and its bytes in hexadecimal.
+// The file is a table of comma-separated values: a header row with names and units, then a row for
+// each tick, of about 700 bytes; columns.h says which. ParaView opens it as a table: numbers are
+// numbers, and a report is the letter x and its bytes in hexadecimal.
 //
 // What a replay needs besides is in the last column, `settings`, as "name=value;" with numbers as
 // in the other columns: in the first row all of it, later in the rows where something has changed.
@@ -31,16 +31,16 @@ class Recorder {
   /// @throws InputError there is such a file (a recording cannot be made again), or it cannot be
   ///   made.
   explicit Recorder(const std::filesystem::path& path);
-  /// Closes without a word when something fails: call close() to know. What was never started
-  /// leaves no file.
+  /// Closes the file, and says nothing when that fails: call close() to know. A recorder that was
+  /// never started leaves no file.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// From now on what is in the ring is written. To be called once.
+  /// From now on what is in the ring is written. Call this once.
   void start(const RecordedSetup& setup);
 
-  /// For the servo loop; room for eight seconds at 1 kHz.
+  /// The ring for the servo loop. It has room for eight seconds at 1 kHz.
   [[nodiscard]] std::shared_ptr<TickRing> ring() const;
 
   /// Writes what is in the ring and closes the file; then it is on the disk.
@@ -48,9 +48,9 @@ class Recorder {
   ///   much there is; it is whole rows.
   void close();
 
-  /// Ticks that are in the file.
+  /// The number of ticks that are in the file.
   [[nodiscard]] std::uint64_t written() const;
-  /// Ticks that are not: the ring was full, or the file cannot be written any more.
+  /// The number of ticks that are not, as the ring was full or the file cannot be written any more.
   [[nodiscard]] std::uint64_t dropped() const;
   /// Why the file cannot be written any more; empty: it can.
   [[nodiscard]] std::string problem() const;

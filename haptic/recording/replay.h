@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording as a device: what the loop has read comes again at the same times, so that the same
-// loop does the same.
+// A recording in place of a device: what the loop has read comes again at the same times, so that
+// the same loop does the same.
 //
 //   RecordingReader reader(path);
 //   ReplayTransport device(clock);
@@ -32,7 +32,7 @@ namespace palpate {
 /// Reads a recording from its beginning, a tick at a time.
 class RecordingReader {
  public:
-  /// @throws InputError the file is missing or is no recording, or as next().
+  /// @throws InputError the file is missing or is no recording, or as next() does.
   explicit RecordingReader(const std::filesystem::path& path);
   ~RecordingReader();
   RecordingReader(const RecordingReader&) = delete;
@@ -40,12 +40,13 @@ class RecordingReader {
 
   [[nodiscard]] const RecordedSetup& setup() const;
 
-  /// The next tick; false: there is none.
+  /// Reads the next tick.
+  /// @return false: there is none.
   /// @throws InputError the row is not as it should be, or its settings are out of range; the
   ///   message says which.
   [[nodiscard]] bool next(TickRecord& record);
 
-  /// What is missing of what was read, in words: ticks, or the end of the last row; empty: nothing.
+  /// What is missing in what was read, in words: ticks, or the end of the last row; empty: nothing.
   [[nodiscard]] std::string notice() const;
 
  private:
@@ -57,7 +58,7 @@ class ReplayTransport final : public Transport {
  public:
   explicit ReplayTransport(std::shared_ptr<VirtualClock> clock) : clock_(std::move(clock)) {}
 
-  /// Sets the clock to the time of a tick, and lets what it read be read.
+  /// Sets the clock to the time of a tick, and has the reports of that tick ready to be read.
   void play(const TickRecord& record) noexcept;
 
   [[nodiscard]] TransportStatus read(Report& report, Duration timeout) noexcept override;
@@ -74,7 +75,7 @@ class ReplayTransport final : public Transport {
   std::size_t next_ = 0;
   bool gone_ = false;
   bool write_fails_ = false;
-  /// Trips as it did in the recording.
+  /// This trips as it did in the recording.
   GuardianChannel guardian_;
   Report written_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a replay has to know besides the ticks.
+// What a replay must know besides the ticks.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@
 namespace palpate {
 
 struct RecordedSetup {
-  /// In words.
+  /// The device, in words.
   std::string device;
   ProfileKind profile = ProfileKind::palpate_report;
-  /// That the profile was made from; empty: none.
+  /// The feature report that the profile was made from; empty: it needs none.
   Report feature;
-  /// Of the body that is touched; empty: there is none.
+  /// The hash of the scene of the body that is touched; empty: there is none.
   std::string scene_hash;
   TouchableOptions touchable;
   ServoOptions options;

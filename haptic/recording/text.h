@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The values of a recording as text, such that what is read is what was written, to the bit.
+// The values of a recording as text, such that what is read is what was written, bit for bit.
 #pragma once
 
 #include <charconv>
@@ -46,7 +46,7 @@ inline void append(std::string& text, ProfileKind kind) {
   text.append(kProfiles[static_cast<int>(kind)]);
 }
 
-/// In s with nine decimals: a double would not hold each nanosecond.
+/// Appends a duration in s with nine decimals: a double would not hold each nanosecond.
 inline void append(std::string& text, Duration duration) {
   if (duration.count() < 0) text.push_back('-');
   const auto count = static_cast<std::uint64_t>(std::abs(duration.count()));
@@ -55,7 +55,8 @@ inline void append(std::string& text, Duration duration) {
   text.append(".").append(9 - decimals.size(), '0').append(decimals);
 }
 
-/// The x makes it a word, also where all digits are decimal.
+/// Appends a report as x and hexadecimal digits. With the x it is a word also where all digits are
+/// decimal.
 inline void append(std::string& text, const Report& report) {
   constexpr std::string_view digits = "0123456789abcdef";
   text.push_back('x');
@@ -65,7 +66,7 @@ inline void append(std::string& text, const Report& report) {
   }
 }
 
-/// What would end the value early becomes a space.
+/// Appends words; characters that would end the value early become spaces.
 inline void append(std::string& text, const std::string& words) {
   for (const char c : words) {
     const bool safe = static_cast<unsigned char>(c) >= ' ' && c != ';' && c != '"';
@@ -73,6 +74,7 @@ inline void append(std::string& text, const std::string& words) {
   }
 }
 
+/// Reads a value.
 /// @return Whether all of the text is such a value.
 template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
 [[nodiscard]] bool parse(std::string_view text, Number& value) {

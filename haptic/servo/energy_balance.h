@@ -24,23 +24,25 @@ namespace palpate {
 
 class EnergyBalance {
  public:
-  /// A touch begins.
+  /// Begins anew, for a touch that begins.
   /// @param stored Π₀, J.
   void begin(double stored) noexcept {
     stored_ = stored;
     dissipated_ = 0;
   }
 
-  /// @param sent Force that was sent in the tick before, N. @param moved Since then, m.
-  /// @param stored Now, J.
+  /// Adds an interval between two ticks.
+  /// @param sent The force that was sent in the tick before, N.
+  /// @param moved How far the device has moved since then, m.
+  /// @param stored The energy that is stored now, J.
   /// @note Realtime-safe.
   void add(const Vec3& sent, const Vec3& moved, double stored) noexcept {
     dissipated_ -= sent.dot(moved) + stored - stored_;
     stored_ = stored;
   }
 
-  /// The same where the force was late, held back by the slew limit: what is stored did not come
-  /// back to the hand, or will not, and only the work is counted.
+  /// Adds an interval in which the force was late, as the slew limit held it back. What is stored
+  /// did not come back to the hand, or will not, so that only the work is counted.
   /// @note Realtime-safe.
   void add_late(const Vec3& sent, const Vec3& moved, double stored) noexcept {
     dissipated_ -= sent.dot(moved);
@@ -51,7 +53,9 @@ class EnergyBalance {
   [[nodiscard]] double dissipated() const noexcept { return dissipated_; }
 
   /// b, N·s/m.
-  /// @param velocity m/s. @param interval Δt, s. @param largest N·s/m.
+  /// @param velocity m/s.
+  /// @param interval Δt, s.
+  /// @param largest N·s/m.
   [[nodiscard]] double damping(const Vec3& velocity, double interval,
                                double largest) const noexcept {
     const double per_damping = velocity.squaredNorm() * interval;

@@ -8,6 +8,16 @@
 #include "haptic/servo/tick.h"
 
 namespace palpate {
+namespace {
+
+ServoOptions servo_options(const HapticDeviceOptions& options) {
+  ServoOptions result;
+  result.stale_after = options.stale_after;
+  result.release_after = options.release_after;
+  return result;
+}
+
+}  // namespace
 
 HapticDevice::HapticDevice(std::unique_ptr<Transport> transport,
                            std::shared_ptr<const Profile> profile, std::shared_ptr<Clock> clock,
@@ -16,10 +26,7 @@ HapticDevice::HapticDevice(std::unique_ptr<Transport> transport,
       profile_(std::move(profile)),
       clock_(std::move(clock)),
       options_(options) {
-  ServoOptions servo;
-  servo.stale_after = options.stale_after;
-  servo.release_after = options.release_after;
-  validate(servo);
+  validate(servo_options(options));
   ServoSettings settings;
   settings.force_limit = options.force_limit;
   settings.slew_limit = options.slew_limit;
@@ -30,10 +37,7 @@ HapticDevice::~HapticDevice() = default;
 
 bool HapticDevice::open() noexcept {
   if (session_) return false;
-  ServoOptions options;
-  options.stale_after = options_.stale_after;
-  options.release_after = options_.release_after;
-  session_.emplace(*transport_, *profile_, *clock_, options);
+  session_.emplace(*transport_, *profile_, *clock_, servo_options(options_));
   sent_.setZero();
   sent_at_.reset();
   return true;

@@ -10,10 +10,10 @@
 //   }
 //   device.close();
 //
-// It goes the way of the servo loop: the newest report counts, a state that is too old is told and
-// gets no force, after an outage there is none until zero was asked for, the limiter is the last
-// step, and the end is zero force. Not thread-safe. A device
-// whose driver hangs holds the caller up; Servo does not have that fault.
+// It does what the servo loop does: the newest report counts, a state that is too old is told and
+// gets no force, after an outage there is no force until zero was asked for, the limiter is the
+// last step, and the end is zero force. It is not thread-safe. A device whose driver hangs holds
+// the caller up; Servo does not have that fault.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +30,10 @@ namespace palpate {
 struct HapticDeviceOptions {
   /// A report older than this gives no force.
   Duration stale_after = std::chrono::milliseconds(5);
-  /// Without a report that is fresh for so long, or after writes that have failed, there is no
-  /// force until the caller asks for zero force, as it does where the hand is free.
+  /// When no fresh report has come for so long, or writes have failed, there is no force until the
+  /// caller asks for zero force, as it does where the hand is free.
   Duration release_after = std::chrono::milliseconds(20);
-  /// Largest force, N; 0: that of the device. Never above that of the device.
+  /// Largest force, N; 0: that of the device. It is never above that of the device.
   double force_limit = 0;
   /// Largest change of the force in a second, N/s; it may always fall to zero at once.
   double slew_limit = 500;
@@ -45,42 +45,45 @@ class HapticDevice {
   HapticDevice(std::unique_ptr<Transport> transport, std::shared_ptr<const Profile> profile,
                std::shared_ptr<Clock> clock = std::make_shared<MonotonicClock>(),
                const HapticDeviceOptions& options = {});
-  /// Closes.
+  /// Closes the device.
   ~HapticDevice();
   HapticDevice(const HapticDevice&) = delete;
   HapticDevice& operator=(const HapticDevice&) = delete;
 
   /// @return false: it is open already.
   bool open() noexcept;
-  /// Zero force. @return false: it is not open.
+  /// Sends zero force and ends the use of the device.
+  /// @return false: it is not open.
   bool close() noexcept;
 
-  /// m_maxLinearForce and the others are max_linear_force and so on here.
+  /// What the device can do; m_maxLinearForce of CHAI3D is max_linear_force here, and so on.
   [[nodiscard]] const Specification& getSpecifications() const noexcept {
     return profile_->specification();
   }
 
-  /// Reads the device; what the others give is of the same moment.
+  /// Reads the device. What the other functions give is of the same moment.
   /// @param position From the centre of the workspace [3], m.
   /// @return false: the device is closed or gone, or what it says is too old. Then the position is
   ///   the last that is known, zero before there is one.
   /// @note Realtime-safe but for the device's own calls.
   bool getPosition(Vec3& position) noexcept;
-  /// @param velocity m/s. @return As getPosition().
+  /// @param velocity m/s.
+  /// @return As getPosition().
   bool getLinearVelocity(Vec3& velocity) const noexcept;
-  /// @param rotation From the tool's axes to the device's. @return As getPosition().
+  /// @param rotation From the tool's axes to the device's.
+  /// @return As getPosition().
   bool getRotation(Mat3& rotation) const noexcept;
   bool getUserSwitch(int index, bool& is_down) const noexcept;
   /// @param switches Bit i: button i is held down.
   bool getUserSwitches(std::uint32_t& switches) const noexcept;
 
-  /// Sends a force, limited. To be called in every round of the loop: a device in lock-step
-  /// measures when it gets one, and a watchdog cuts the motors of one that gets none.
+  /// Sends a force, limited. Call this in every round of the loop: a device in lock-step measures
+  /// when it gets a force, and a watchdog cuts the motors of a device that gets none.
   /// @param force In the device's axes [3], N.
   /// @return false: zero was sent in place of it, or nothing could be.
   /// @note Realtime-safe but for the device's own calls.
   bool setForce(const Vec3& force) noexcept;
-  /// What was last sent, N.
+  /// The force that was last sent, N.
   [[nodiscard]] const Vec3& getForce() const noexcept { return sent_; }
 
   /// What was last wrong with the device, in words; empty: nothing.
@@ -97,7 +100,7 @@ class HapticDevice {
   Vec3 linear_velocity_ = Vec3::Zero();
   Vec3 sent_ = Vec3::Zero();
   std::optional<Time> sent_at_;
-  /// The last: it sends zero force through what is above.
+  /// The last member: at its end it sends zero force through those above.
   std::optional<DeviceSession> session_;
 };
 

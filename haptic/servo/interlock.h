@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Holds the force off after a fault, until the hand has left the body.
+// The interlock holds the force off after a fault, until the hand has left the body.
 //
 // A cause (the reports are too old, writes fail, nobody holds the dead-man switch, the guardian had
 // to set the motors to zero) holds for a while. What it has tripped stays tripped when the cause is
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Why the interlock has tripped (bits). Numbers are stored in recordings: keep them.
+/// Why the interlock has tripped (bits). The numbers are stored in recordings: keep them.
 namespace trips {
 /// The device's state was not fresh for ServoOptions::release_after.
 inline constexpr std::uint32_t stale = 1;
@@ -20,11 +20,11 @@ inline constexpr std::uint32_t stale = 1;
 inline constexpr std::uint32_t failed_writes = 2;
 /// Forces are not permitted (ServoSettings::engaged), or the dead-man button is not held.
 inline constexpr std::uint32_t disengaged = 4;
-/// The guardian has latched a trip or does not look, or there is neither it nor a watchdog.
+/// The guardian has latched a trip or does not look, or there is neither a guardian nor a watchdog.
 inline constexpr std::uint32_t guardian = 8;
 }  // namespace trips
 
-/// In words, the end of "There is no force: …"; of several causes the first; empty: there is none.
+/// The first of the causes in words, as the end of "There is no force: …"; empty: there is none.
 [[nodiscard]] inline std::string_view words_for(std::uint32_t tripped) noexcept {
   if ((tripped & trips::failed_writes) != 0) return "the device does not take what it is sent";
   if ((tripped & trips::stale) != 0) return "the device was silent";
@@ -36,7 +36,7 @@ inline constexpr std::uint32_t guardian = 8;
 
 class Interlock {
  public:
-  /// Trips where a cause holds.
+  /// Trips for a cause where it holds.
   /// @param cause A bit of namespace trips.
   /// @note Realtime-safe.
   void set(std::uint32_t cause, bool holds) noexcept {
@@ -44,17 +44,17 @@ class Interlock {
     tripped_ |= causes_;
   }
 
-  /// The hand is outside of the body: causes that are over are forgotten.
+  /// Forgets the causes that are over. Call this when the hand is outside of the body.
   /// @note Realtime-safe.
   void rearm() noexcept { tripped_ = causes_; }
 
-  /// Causes that have held since it was last armed, bits of namespace trips; with any of them no
-  /// force may be sent.
+  /// The causes that have held since the interlock was last armed, bits of namespace trips. With
+  /// any of them no force may be sent.
   /// @note Realtime-safe.
   [[nodiscard]] std::uint32_t tripped() const noexcept { return tripped_; }
 
  private:
-  /// That hold now.
+  /// The causes that hold now.
   std::uint32_t causes_ = 0;
   std::uint32_t tripped_ = 0;
 };

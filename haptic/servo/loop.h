@@ -7,8 +7,8 @@
 // After a fault the interlock holds the force off, and the tool lets go, until the fault is over
 // and the tool was outside of the body.
 //
-// One thread runs it. What it needs from others comes, and what it has done goes, without waiting:
-// the inbox and outbox are what crosses.
+// One thread runs the loop. What it needs from other threads comes by the inbox, and what it has
+// done goes by the outbox; neither side waits for the other.
 #pragma once
 
 #include "haptic/realtime/handover.h"
@@ -48,24 +48,26 @@ struct LoopOutbox {
 
 class Loop {
  public:
-  /// What is given must outlive the loop.
+  /// All arguments must outlive the loop.
   /// @throws InputError an option is out of range.
   Loop(Transport& transport, const Profile& profile, Clock& clock, const ServoOptions& options,
        LoopInbox& inbox, LoopOutbox& outbox);
 
-  /// One tick, now.
+  /// Does one tick, now.
   /// @note Realtime-safe but for the device's own calls.
   void tick() noexcept;
 
-  /// Sleeps until the next tick is due. Where the device has the pace that is at once, since the
-  /// tick itself waits for it. Late by a period or more, the rhythm begins anew.
+  /// Sleeps until the next tick is due. Where the device sets the pace it returns at once, since
+  /// the tick itself waits for the device. After a tick that was late by a period or more the
+  /// rhythm begins anew.
   void wait() noexcept;
 
   [[nodiscard]] const Tick& last() const noexcept { return tick_; }
 
  private:
   void keep_time(Time begin) noexcept;
-  /// Of the tick: the newest ones, but the workspace that the tool has attached with.
+  /// Takes the settings of the tick: the newest ones, but the workspace with which the tool was
+  /// attached.
   void take_settings() noexcept;
   void locate(const ServoSettings& settings) noexcept;
   void touch(const Touchable* body, const LoopInbox::Settings& settings) noexcept;
@@ -83,20 +85,21 @@ class Loop {
   DeviceSession session_;
   Tool tool_;
   EnergyBalance balance_;
-  /// Of the tick, and whether energy under those of the tick before goes on under them.
+  /// The settings of the tick, and whether the energy that was counted under those of the tick
+  /// before goes on under them.
   LoopInbox::Settings settings_;
   bool energy_goes_on_ = false;
-  /// The newest ones have another workspace, for when the tool is free.
+  /// The newest settings have another workspace, which waits until the tool is free.
   bool workspace_waits_ = false;
 
   Tick tick_;
   Counters counters_;
-  /// Of the device, in its axes, since the tick before, m.
+  /// How far the device has moved since the tick before, in its axes, m.
   Vec3 device_moved_ = Vec3::Zero();
-  /// What the energy that is observed belongs to: with anything else it begins anew.
+  /// The body that the observed energy belongs to: with another body it begins anew.
   const Touchable* observed_body_ = nullptr;
   bool observing_ = false;
-  /// Of the tick, and since the one before, s.
+  /// When the tick began, and the time since the one before, s.
   Time begin_{0};
   double interval_ = 0;
   Time first_begin_{0};

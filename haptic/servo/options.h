@@ -10,16 +10,17 @@
 
 namespace palpate {
 
-/// What is fixed while the loop runs.
+/// Options that are fixed while the loop runs.
 struct ServoOptions {
-  /// Of the loop, where it has the pace.
+  /// The period of the loop, where the loop sets the pace.
   Duration period = std::chrono::milliseconds(1);
   /// A report older than this gives no force.
   Duration stale_after = std::chrono::milliseconds(5);
-  /// Without a report that is fresh for so long the tool lets go, and there is no force until it
-  /// was outside of the body.
+  /// When no fresh report has come for so long the tool lets go, and there is no force until it was
+  /// outside of the body.
   Duration release_after = std::chrono::milliseconds(20);
-  /// Lock-step devices: without a report for so long, a zero-force report is sent to set it going.
+  /// When no report of a device in lock-step has come for so long, a zero-force report is sent to
+  /// set it going.
   Duration lock_step_timeout = std::chrono::milliseconds(2);
   /// stop() returns after this, whatever the device does.
   Duration stop_timeout = std::chrono::milliseconds(200);
@@ -30,25 +31,25 @@ struct ServoOptions {
 /// @throws InputError a value is out of range.
 void validate(const ServoOptions& options);
 
-/// What may change from tick to tick.
+/// Settings that may change from tick to tick.
 struct ServoSettings {
-  /// Forces are permitted. Else the device is read, the tool touches nothing, and there is no force
-  /// until it was outside of the body.
+  /// Forces are permitted. Without this the device is read, the tool touches nothing, and there is
+  /// no force until it was outside of the body.
   bool engaged = true;
   /// A dead-man switch: forces are permitted only as long as this button of the device is held,
-  /// from 0; −1: none is required.
+  /// counted from 0; −1: no button is required.
   std::int32_t dead_man_button = -1;
   /// Place in the scene of the centre of the device's workspace [3], m. This, the rotation and the
   /// scale stay as they are while the tool is attached: others take effect when it is free, and
   /// where they bring it into the body there is no force until it was outside.
   Vec3 workspace_centre = Vec3::Zero();
-  /// From the device's axes to those of the scene: a rotation.
+  /// The rotation from the device's axes to those of the scene.
   Mat3 workspace_rotation = Mat3::Identity();
   /// Metres in the scene for a metre at the device.
   double workspace_scale = 1;
   /// Newtons at the device for a newton of the body.
   double force_scale = 1;
-  /// Largest force, N; 0: that of the device. Never above that of the device.
+  /// Largest force, N; 0: that of the device. It is never above that of the device.
   double force_limit = 0;
   /// Largest change of the force in a second, N/s; it may always fall to zero at once.
   double slew_limit = 500;
@@ -60,16 +61,16 @@ struct ServoSettings {
 
 /// @throws InputError a value is out of range.
 void validate(const ServoSettings& settings);
-/// @throws InputError the same, or the device lacks what is required.
+/// @throws InputError a value is out of range, or the device lacks what is required.
 void validate(const ServoSettings& settings, const Specification& device);
 
-/// Largest force that is sent, N.
-/// @param limit As ServoSettings::force_limit.
+/// The largest force that is sent, N.
+/// @param limit It is as ServoSettings::force_limit.
 [[nodiscard]] double largest_force(const Specification& device, double limit) noexcept;
 
-/// Stiffness of the coupling with which a body is not felt stiffer than the device displays stably,
-/// N/m in the scene; 0: it needs none.
-/// @param body_stiffness Largest of the body, N/m.
+/// The stiffness of the coupling with which a body is felt no stiffer than the device displays
+/// stably, N/m in the scene; 0: it needs no coupling.
+/// @param body_stiffness The largest stiffness of the body, N/m.
 [[nodiscard]] double coupling_stiffness_for(const Specification& device, double body_stiffness,
                                             const ServoSettings& settings);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a recording keeps of a tick: all that a replay needs, and all that was made of it.
+// What a recording keeps of a tick: all that a replay needs, and all that the loop has made of it.
 #pragma once
 
 #include <array>
@@ -16,10 +16,11 @@ struct TickRecord {
   static constexpr int kReports = 4;
 
   Tick tick;
-  /// That held in the tick.
+  /// The settings that held in the tick.
   ServoSettings settings;
   TouchSettings touch;
-  /// The newest reports that were read in the tick, oldest first; the empty ones do not count.
+  /// The newest reports that were read in the tick, the oldest of them first; empty places hold
+  /// none.
   std::array<Report, kReports> received{};
   /// The report that was written, and whether writing it has failed.
   Report sent;

@@ -29,34 +29,35 @@ namespace palpate {
 /// All calls come from one thread, except let_go().
 class Servo {
  public:
-  /// Nothing runs yet, and the device is not read.
+  /// Makes the loop, but does not start it: the device is not read yet.
   /// @throws InputError an option is out of range.
   Servo(std::unique_ptr<Transport> transport, std::shared_ptr<const Profile> profile,
         std::shared_ptr<Clock> clock, const ServoOptions& options = {});
-  /// Stops.
+  /// Stops the loop.
   ~Servo();
   Servo(const Servo&) = delete;
   Servo& operator=(const Servo&) = delete;
 
   /// @throws BackendError the thread cannot be started, or was started before.
   void start();
-  /// Zero force, then the end of the loop. In time whatever the device does.
+  /// Sends zero force and ends the loop. It returns in time whatever the device does.
   /// @return Whether the thread has ended.
   bool stop() noexcept;
   /// Zero force, and the loop ends by itself. Any thread may call this, and none waits in it.
   void let_go() noexcept;
 
-  /// The body, from the next tick on; also while it is touched. nullptr: none.
+  /// Gives the body that is touched from the next tick on, also while another is touched; nullptr:
+  /// none.
   void set_body(std::shared_ptr<const Touchable> body);
   /// @throws InputError a value is out of range, or the device lacks what is required.
   void set_settings(const ServoSettings& settings);
   /// @throws InputError a value is out of range.
   void set_touch_settings(const TouchSettings& settings);
-  /// Every tick goes into the ring from the next tick on; nullptr: none.
+  /// Puts every tick from the next one on into the ring; nullptr: none is kept.
   void set_recording(std::shared_ptr<TickRing> ring);
 
   [[nodiscard]] const Specification& specification() const;
-  /// The newest tick; where the thread hangs in the device's driver the state is stale.
+  /// The newest tick. Where the thread hangs in the device's driver its state is stale.
   [[nodiscard]] Tick latest();
   [[nodiscard]] Statistics statistics();
   /// What is wrong with the device, its clock, or the thread's priority, in words; empty: nothing.

@@ -37,68 +37,71 @@ namespace palpate {
 
 class DeviceSession {
  public:
-  /// So many writes in a row that fail trip the interlock.
+  /// When so many writes in a row have failed the interlock trips.
   static constexpr int kFailedWrites = 3;
-  /// From then on zero is tried again after a pause, so that a device that fails is not hammered; a
-  /// fifth of the 25 ms in which motors have to be off.
+  /// From then on zero is tried again after this pause, so that a device that fails is not
+  /// hammered. It is a fifth of the 25 ms within which motors have to be off.
   static constexpr Duration kRetryPause = std::chrono::milliseconds(5);
 
-  /// What is given must outlive the session.
+  /// All arguments must outlive the session.
   DeviceSession(Transport& transport, const Profile& profile, Clock& clock,
                 const ServoOptions& options);
-  /// Sends zero force; where that fails, again and again, for 100 ms.
+  /// Sends zero force; where that fails it tries again and again, for 100 ms.
   ~DeviceSession();
   DeviceSession(const DeviceSession&) = delete;
   DeviceSession& operator=(const DeviceSession&) = delete;
 
-  /// Reads all reports that are there; a device in lock-step is waited for. One that has lost a
-  /// report stays silent until it is sent something: send() must follow whatever was read.
+  /// Reads all reports that are there, and waits for a device in lock-step. Such a device stays
+  /// silent after a report was lost, until something is sent to it: send() must follow whatever was
+  /// read.
   /// @note Realtime-safe but for the device's own calls.
   void poll() noexcept;
 
   /// Sends what the limits leave of a force in the device's axes (force_limiter.h); where the state
   /// is no longer fresh, the interlock has tripped, or the last write has failed, zero.
-  /// @param largest N. @param step From what the motors have, N.
+  /// @param largest N.
+  /// @param step The largest change from what the motors have, N.
   /// @param limited Bits of namespace limits (tick.h), set where they hold.
   /// @return As force().
   /// @note Realtime-safe but for the device's own calls.
   Vec3 send(const Vec3& wanted, double largest, double step, std::uint32_t& limited) noexcept;
-  /// Motors off.
+  /// Switches the motors off.
   /// @note Realtime-safe but for the device's own calls.
   void send_zero() noexcept;
 
-  /// poll() and send() trip it for what the session sees. Whoever knows the body arms it again.
+  /// The interlock. poll() and send() trip it for what the session sees; whoever knows the body
+  /// arms it again.
   [[nodiscard]] Interlock& interlock() noexcept { return interlock_; }
   [[nodiscard]] const Interlock& interlock() const noexcept { return interlock_; }
 
   [[nodiscard]] const DeviceState& state() const noexcept { return state_; }
-  /// Of the state at the last poll, at most.
+  /// The age of the state at the last poll, at most.
   [[nodiscard]] Duration age() const noexcept { return age_; }
-  /// The state may be answered by a force, now.
+  /// Whether the state may be answered by a force now.
   [[nodiscard]] bool fresh() const noexcept {
     return !gone_ && age_at(clock_.now()) <= options_.stale_after;
   }
-  /// What the motors have [3], N; while writes fail, the most that they may have.
+  /// The force that the motors have [3], N; while writes fail, the largest that they may have.
   [[nodiscard]] const Vec3& force() const noexcept { return force_; }
-  /// Of the position, from report to report [3], m/s.
+  /// The velocity of the position from report to report [3], m/s.
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] bool gone() const noexcept { return gone_; }
-  /// The device has said where it is.
+  /// Whether the device has said where it is.
   [[nodiscard]] bool known() const noexcept { return known_; }
 
-  /// Of the last poll: how many reports, and the newest of them.
+  /// How many reports the last poll has read, and the newest of them.
   [[nodiscard]] std::int32_t num_received() const noexcept { return num_received_; }
   [[nodiscard]] const std::array<Report, TickRecord::kReports>& received() const noexcept {
     return received_;
   }
   /// The last report that was written.
   [[nodiscard]] const Report& sent() const noexcept { return sent_; }
-  /// Writing it has failed.
+  /// Whether writing it has failed.
   [[nodiscard]] bool write_failed() const noexcept { return failed_writes_ > 0; }
-  /// Time in the device's calls since the last one asked.
+  /// The time in the device's calls since this was last called.
   [[nodiscard]] Duration take_device_time() noexcept;
 
-  /// Adds what was counted since the last call.
+  /// Adds to the counters what was counted since the last call.
   void count(Counters& counters) noexcept;
 
  private:
@@ -106,14 +109,14 @@ class DeviceSession {
   void take(const Report& report) noexcept;
   void take_device_time_of(const DeviceState& before) noexcept;
   void take_velocity(Time now) noexcept;
-  /// @param force That the report asks for, N.
+  /// @param force The force that the report asks for, N.
   void write(const Report& report, const Vec3& force) noexcept;
   void watch_age() noexcept;
   void watch_guardian() noexcept;
   [[nodiscard]] Duration age_at(Time now) const noexcept;
-  /// The device's watchdog has cut the motors, or is about to: it was long without a force.
+  /// Whether the device's watchdog has cut the motors or is about to: it was long without a force.
   [[nodiscard]] bool may_be_cut() const noexcept;
-  /// It has cut them, though the last report came as late as it can.
+  /// Whether it has cut them for certain, even if the last report has come as late as it can.
   [[nodiscard]] bool is_cut() const noexcept;
 
   Transport& transport_;
@@ -129,14 +132,14 @@ class DeviceSession {
   Time polled_at_{0};
   /// When the queue was last seen empty, if it was.
   std::optional<Time> last_empty_;
-  /// The newest report did not come before that.
+  /// The newest report did not come before this time.
   Time not_before_{0};
   /// When the newest report was read, and how old it was then by the device's time.
   Time read_at_{0};
   Duration age_when_read_{0};
   Duration offset_{0};
-  /// The device's time went back: when that was, by both clocks. Not believed as long as this is
-  /// set.
+  /// When the device's time went back, by both clocks. The device's time is not believed as long as
+  /// this is set.
   struct Restart {
     Time at;
     Time device_time;
@@ -144,16 +147,16 @@ class DeviceSession {
   std::optional<Restart> restart_;
   VelocityEstimator estimator_;
   Vec3 velocity_ = Vec3::Zero();
-  /// Of the last position that it has, by the clock that tells its time.
+  /// The time of the last position in the estimator, by the clock that the estimator goes by.
   std::optional<Time> velocity_at_;
-  /// When the last report that was written was begun, if one was.
+  /// When the write of the last report that was written began, if there was one.
   std::optional<Time> written_at_;
   /// When the last attempt to write a force ended.
   Time force_until_{0};
   Vec3 force_ = Vec3::Zero();
-  /// Writes that have failed since the last one that has not.
+  /// The number of writes that have failed since the last one that has not.
   int failed_writes_ = 0;
-  /// When zero is tried again.
+  /// When zero is tried again after writes have failed.
   Time retry_at_{0};
   /// When the state was last fresh, if it was.
   std::optional<Time> fresh_at_;

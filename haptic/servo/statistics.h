@@ -12,14 +12,14 @@ namespace palpate {
 /// What is counted from tick to tick.
 struct Counters {
   std::uint64_t ticks = 0;
-  /// From the beginning of the first tick to that of the last.
+  /// Time from the beginning of the first tick to that of the last.
   Duration running{0};
-  /// Ticks that should have been and were not: the loop was late by a period or more.
+  /// Ticks that were missed, as the loop was late by a period or more.
   std::uint64_t missed = 0;
   std::uint64_t reports = 0;
-  /// Reports that were none of the profile's: short, or of another number.
+  /// Reports that the profile does not know: they are too short, or have another number.
   std::uint64_t bad_reports = 0;
-  /// Reports that the device counted and that were not read.
+  /// Reports that the device has counted and that were not read.
   std::uint64_t lost_reports = 0;
   std::uint64_t failed_reads = 0;
   std::uint64_t failed_writes = 0;
@@ -41,21 +41,22 @@ struct Counters {
   std::uint64_t touching_ticks = 0;
   double sum_of_forces = 0;
   double largest_force = 0;
-  /// Least of Tick::dissipated, J.
+  /// The least Tick::dissipated, J.
   double least_dissipated = 0;
   /// Ticks in which the passivity controller added damping.
   std::uint64_t damped_ticks = 0;
 };
 
 struct Statistics : Counters {
-  /// How late ticks began after their time.
+  /// How late ticks began.
   Percentiles lateness;
-  /// Between the beginnings of ticks.
+  /// The time between the beginnings of two ticks.
   Percentiles interval;
-  /// From the beginning of a tick to its end, and of that what is not the device's driver's.
+  /// The time from the beginning of a tick to its end, and that time without the device's driver.
   Percentiles tick_time;
   Percentiles own_time;
-  /// The thread has real-time priority; its stack, its objects and the body are locked in memory.
+  /// Whether the thread has real-time priority, and whether its stack, its objects and the body are
+  /// locked in memory.
   bool realtime_priority = false;
   bool memory_locked = false;
 
@@ -63,7 +64,7 @@ struct Statistics : Counters {
   [[nodiscard]] double rate() const {
     return ticks > 1 ? static_cast<double>(ticks - 1) / seconds(running) : 0;
   }
-  /// Over the ticks in which the tool was attached, N.
+  /// The mean force over the ticks in which the tool was attached, N.
   [[nodiscard]] double mean_force() const {
     return touching_ticks > 0 ? sum_of_forces / static_cast<double>(touching_ticks) : 0;
   }

@@ -10,18 +10,19 @@
 
 namespace palpate {
 
-/// Numbers are stored in recordings: keep them.
+/// The state of the loop in a tick. The numbers are stored in recordings: keep them.
 enum class ServoState : int {
-  /// There is no loop.
+  /// The loop does not run.
   closed = 0,
-  /// The device is read, forces are off.
+  /// The device is read, but forces are off.
   ready = 1,
   running = 2,
-  /// What the device says is too old, or it says nothing: no force until it is fresh again.
+  /// What the device says is too old, or it says nothing. There is no force until it is fresh
+  /// again.
   stale = 3,
-  /// Unplugged: the device must be opened anew.
+  /// The device is unplugged: it must be opened anew.
   gone = 4,
-  /// The interlock has tripped: no force until its cause is over and the tool was outside.
+  /// The interlock has tripped: there is no force until its cause is over and the tool was outside.
   tripped = 5,
 };
 
@@ -31,37 +32,37 @@ enum class ServoState : int {
 namespace limits {
 inline constexpr std::uint32_t magnitude = 1;
 inline constexpr std::uint32_t slew = 2;
-/// It was not finite.
+/// The force was not finite.
 inline constexpr std::uint32_t not_finite = 4;
-/// The device's motors cannot give it, or it could not be sent.
+/// The device's motors cannot give the force, or it could not be sent.
 inline constexpr std::uint32_t device = 8;
 }  // namespace limits
 
 struct Tick {
-  /// Since the loop began, from 1.
+  /// The number of the tick since the loop began, from 1.
   std::uint64_t number = 0;
-  /// When it began, by the loop's clock.
+  /// When the tick began, by the loop's clock.
   Time time{0};
   ServoState state = ServoState::closed;
-  /// The newest report of the device, and how old it is at most.
+  /// The state of the device in its newest report, and how old that is at most.
   DeviceState device;
   Duration age{0};
-  /// Reports that were read in this tick.
+  /// The number of reports that were read in this tick.
   std::int32_t num_reports = 0;
   /// Place of the device in the scene [3], m, and its velocity there, m/s.
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
   Contact contact;
-  /// That was sent, in the axes of the scene [3], N at the device; where writes fail the most that
-  /// the motors may still have.
+  /// The force that was sent, in the axes of the scene [3], N at the device. Where writes fail it
+  /// is the largest that the motors may still have.
   Vec3 force = Vec3::Zero();
   std::uint32_t limited = 0;
   /// Why the interlock has tripped, bits of namespace trips (interlock.h); 0: it has not.
   std::uint32_t tripped = 0;
-  /// What the hand has put into the sampled loop since it touched, less what the body stores, J at
-  /// the device; below zero the loop has made energy.
+  /// The energy that the hand has put into the sampled loop since it touched, less what the body
+  /// stores, J at the device. Below zero the loop has made energy.
   double dissipated = 0;
-  /// Damping that the passivity controller adds, N·s/m.
+  /// The damping that the passivity controller adds, N·s/m.
   double added_damping = 0;
 };
 

@@ -9,39 +9,40 @@
 
 namespace palpate {
 
-/// Numbers are stored in recordings: keep them.
+/// How the tool and the body are to each other. The numbers are stored in recordings: keep them.
 enum class ContactStatus : int {
   /// There is no body.
   nothing = 0,
-  /// Outside the body.
+  /// The tool is outside the body.
   free = 1,
-  /// Inside the body at rest without touching it: the tool began there, was let go there, or came
-  /// in where no active node is near.
+  /// The tool is inside the body at rest and does not touch it: it began there, has let go there,
+  /// or came in where no active node is near.
   inside = 2,
-  /// Attached to the surface.
+  /// The tool is attached to the surface.
   attached = 3,
 };
 
 struct Contact {
   ContactStatus status = ContactStatus::nothing;
-  /// Distance to the surface at rest while not attached, m, negative inside.
+  /// Distance to the surface at rest while the tool is not attached, m; negative inside.
   double distance = 0;
-  /// The active nodes that are moved and their weights, which sum to 1; −1: none.
+  /// The active nodes that are moved, −1: none, and their weights, which add up to 1.
   std::array<std::int32_t, 3> nodes{-1, -1, -1};
   std::array<double, 3> weights{};
   /// The branch that the body is on at each of them.
   std::array<std::int32_t, 3> branches{};
-  /// Point of the surface at rest that the tool is attached to; while free, the nearest one [3], m.
+  /// The point of the surface at rest that the tool is attached to; while it is free, the nearest
+  /// point [3], m.
   Vec3 anchor = Vec3::Zero();
   /// Displacement of the active nodes [3], m.
   Vec3 displacement = Vec3::Zero();
-  /// On the tool [3], N: the opposite of what holds the nodes.
+  /// Force on the tool [3], N: the opposite of that which holds the nodes.
   Vec3 force = Vec3::Zero();
   /// −∂force/∂(tool) [3×3], N/m.
   Mat3 stiffness = Mat3::Zero();
-  /// That body and coupling store, J.
+  /// Energy that body and coupling store, J.
   double energy = 0;
-  /// The least certain of the nodes'.
+  /// The least certain support of the nodes.
   Support support = Support::none;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The nearest point of a closed surface, and whether a place is inside: a tree of boxes around the
-// triangles. The sign of the distance is that of the angle-weighted normal at the nearest point,
-// which is right at edges and corners too [BA].
+// Finds the nearest point of a closed surface, and whether a place is inside, by a tree of boxes
+// around the triangles. The sign of the distance is that of the angle-weighted normal at the
+// nearest point, which is right at edges and corners too [BA].
 //
 // [BA] Bærentzen & Aanæs, Signed Distance Computation Using the Angle Weighted Pseudonormal, IEEE
 // TVCG 11(3), 2005.
@@ -17,38 +17,40 @@
 
 namespace palpate {
 
-/// Immutable, and holds all it needs: the surface may go.
+/// A tree that does not change once it is made. It holds all it needs: the surface need not outlive
+/// it.
 class SurfaceTree {
  public:
   /// @throws InputError the surface has no triangle, or a point of it is not finite.
   explicit SurfaceTree(const Surface& surface);
 
   struct Nearest {
-    /// −1: the place is not finite.
+    /// The triangle that is nearest; −1: the place is not finite.
     Index triangle = -1;
-    /// Of the triangle's points, which sum to 1.
+    /// The weights of the triangle's points, which add up to 1.
     Vec3 weights = Vec3::Zero();
     Vec3 point = Vec3::Zero();
-    /// Outward, of unit length.
+    /// The normal there, outward, of unit length.
     Vec3 normal = Vec3::Zero();
-    /// m, negative inside.
+    /// The distance, m; negative inside.
     double distance = 0;
   };
 
+  /// Finds the nearest point of the surface.
   /// @param hint A triangle that may be near, such as that of the last answer; −1: none.
   /// @note Realtime-safe.
   [[nodiscard]] Nearest nearest(const Vec3& place, Index hint = -1) const noexcept;
 
-  /// They are numbered anew, neighbours close together.
+  /// The number of triangles. They are numbered anew, neighbours close together.
   [[nodiscard]] Index num_triangles() const { return static_cast<Index>(triangles_.size()); }
-  /// The points of a triangle, into those of the surface.
+  /// The points of a triangle, by their places among those of the surface.
   [[nodiscard]] const std::array<Index, 3>& points_of(Index triangle) const {
     return triangles_[triangle];
   }
   [[nodiscard]] double longest_side(Index triangle) const noexcept;
-  /// Around all of the surface.
+  /// The box around the whole surface.
   [[nodiscard]] Eigen::AlignedBox3d bounds() const { return tree_.bounds(); }
-  /// Memory that is held.
+  /// Adds the memory that the tree holds.
   void add_memory(MemoryRanges& ranges) const;
 
  private:
@@ -60,10 +62,10 @@ class SurfaceTree {
 
   BoxTree tree_;
   std::vector<std::array<Index, 3>> triangles_;
-  /// In the order of triangles_: what a leaf needs lies together.
+  /// These are in the order of triangles_, so that what a leaf needs lies together.
   std::vector<Corners> corners_;
   std::vector<Vec3> face_normals_;
-  /// Of the side opposite to each of a triangle's points.
+  /// The normals of the sides opposite to each of a triangle's points.
   std::vector<std::array<Vec3, 3>> side_normals_;
   std::vector<Vec3> point_normals_;
 };

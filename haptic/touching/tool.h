@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tool on its way: free, attached to the body, free again.
+// The tool on its way, free or attached to the body.
 //
 // Attached at the point a of the surface at rest, the tool at p moves the active nodes there by one
 // displacement t, and feels
 //
 //   f = −h(t),   h = Σ w_n h_n(t) = ∇Π,   Π = Σ w_n Π_n(t),   t = p − a
 //
-// with the weights w of a in its triangle, or the nearest active node alone. The weights stay as
-// they are as long as it is attached: a force the weights of which followed the tool would do work
+// with the weights w of a in its triangle, or that of the nearest active node alone. The weights
+// stay as they are while the tool is attached: if they followed the tool, the force would do work
 // around a closed path. The force is zero where the tool comes in, t = 0.
 //
 // With a coupling of stiffness c the tool holds the nodes by a spring: t is where
@@ -26,8 +26,9 @@ namespace palpate {
 class Tool {
  public:
   /// Takes the tool to a place, m.
-  /// @param body nullptr: there is none. Another one with the same scene is taken over while
-  ///   attached; of another scene, or without the nodes that are held, the tool lets go.
+  /// @param body The body; nullptr: there is none. The tool stays attached when the body is
+  ///   replaced by another one of the same scene. It lets go when that is of another scene or lacks
+  ///   the nodes that are held.
   /// @note Realtime-safe.
   [[nodiscard]] Contact move(const Touchable* body, const Vec3& place,
                              const TouchSettings& settings) noexcept;
@@ -47,15 +48,16 @@ class Tool {
 
   void take_over(const Touchable* body) noexcept;
   [[nodiscard]] bool attach(const SurfaceTree::Nearest& at, const TouchSettings& settings) noexcept;
-  /// Energy, force that holds, and stiffness at a displacement, each node on its branch.
+  /// Energy, force that holds, and stiffness at a displacement, with each node on its branch.
   [[nodiscard]] TouchResult evaluate(const Vec3& t) const noexcept;
-  /// Where the tool stands at p: the displacement of the nodes and what is felt there.
+  /// The contact when the tool is `offset` away from the anchor: the displacement of the nodes, and
+  /// what is felt there.
   [[nodiscard]] Contact touch(const Vec3& offset, double coupling) noexcept;
   [[nodiscard]] TouchResult balance(const Vec3& offset, double coupling, Vec3& t) const noexcept;
   [[nodiscard]] bool lets_go(const Contact& contact, const TouchSettings& settings) const noexcept;
 
   const Touchable* body_ = nullptr;
-  /// It was outside since it last let go.
+  /// The tool was outside since it last let go.
   bool armed_ = false;
   bool attached_ = false;
   std::array<Held, 3> held_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A body as the servo loop touches it: its surface at rest, and the force at each active node.
+// A body as the servo loop touches it: its surface at rest, and the forces at each active node.
 #pragma once
 
 #include <memory>
@@ -18,14 +18,15 @@ struct TouchableOptions {
   InterpolationOptions interpolation;
 };
 
-/// Immutable: a space that grows is touched by replacing this by a new one.
+/// A body that does not change once it is made. When its state space has grown, give the loop a new
+/// one.
 class Touchable {
  public:
   /// @throws InputError the space has no site, or a site cannot be interpolated with the method.
   explicit Touchable(const TouchSpace& space, const TouchableOptions& options = {});
 
   struct Node {
-    /// Point of the mesh, and of the surface.
+    /// The point of the mesh and of the surface that it is.
     Index mesh_point = 0;
     Index surface_point = 0;
     Vec3 rest_position = Vec3::Zero();
@@ -38,27 +39,27 @@ class Touchable {
   [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
   [[nodiscard]] const SurfaceTree& surface() const { return surface_; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
-  /// Place in nodes() of a point of the surface; −1: it is not active.
+  /// The place of a point of the surface in nodes(); −1: it is not active.
   [[nodiscard]] std::int32_t node_of_surface_point(Index point) const { return node_of_[point]; }
-  /// Place in nodes() of a point of the mesh; −1: it is not active.
+  /// The place of a point of the mesh in nodes(); −1: it is not active.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t find(Index mesh_point) const noexcept;
-  /// Place in nodes() of the active node nearest to a point, at rest; −1: there is none within
-  /// reach, m.
+  /// The place in nodes() of the active node that is nearest to a point, at rest; −1: there is none
+  /// within `reach`, m.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t nearest(const Vec3& point, double reach) const noexcept;
-  /// Largest eigenvalue of the stiffness of any usable configuration, N/m.
+  /// The largest eigenvalue of the stiffness of any usable configuration, N/m.
   [[nodiscard]] double largest_stiffness() const { return largest_stiffness_; }
-  /// Of any active node, m.
+  /// The largest radius of the tip of any active node, m.
   [[nodiscard]] double largest_tip_radius() const { return largest_tip_radius_; }
-  /// Memory that is held.
+  /// The memory that it holds.
   [[nodiscard]] MemoryRanges memory() const;
   [[nodiscard]] std::size_t bytes() const { return total_bytes(memory()); }
 
  private:
   std::string scene_hash_;
   SurfaceTree surface_;
-  /// By mesh point, ascending.
+  /// The nodes in the order of their mesh points.
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_;
   double largest_stiffness_ = 0;

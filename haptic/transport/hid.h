@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is used of hidapi: the rest of the transport goes by this, and tests put their own in its
-// place.
+// What is used of hidapi. The rest of the transport uses this interface, and tests put their own in
+// its place.
 #pragma once
 
 #include <cstddef>
@@ -14,30 +14,30 @@
 
 namespace palpate {
 
-/// An open device; closed by the destructor. What fails gives −errno, as the system calls that
-/// hidapi makes left it, and −ENODEV where the system says that the device is no more.
+/// An open device, which the destructor closes. A call that fails gives −errno, as the system calls
+/// of hidapi have left it, and −ENODEV where the system says that the device is gone.
 class HidDevice {
  public:
   virtual ~HidDevice() = default;
-  /// @return Bytes; 0: none came in time, or an empty packet did.
+  /// @return The number of bytes; 0: none came in time, or an empty packet came.
   virtual int read(std::uint8_t* data, std::size_t size, int timeout_ms) noexcept = 0;
-  /// @return Bytes.
+  /// @return The number of bytes.
   virtual int write(const std::uint8_t* data, std::size_t size) noexcept = 0;
-  /// @param data Begins with the number of the report; is overwritten.
-  /// @return Bytes.
+  /// @param data It begins with the number of the report, and is overwritten.
+  /// @return The number of bytes.
   virtual int get_feature(std::uint8_t* data, std::size_t size) noexcept = 0;
 };
 
 class Hid {
  public:
   virtual ~Hid() = default;
-  /// Without opening them: also those that there is no permission for.
+  /// All devices. They are not opened, so that those without permission are listed too.
   /// @note A device with several top-level collections is there several times.
   [[nodiscard]] virtual std::vector<DeviceInfo> list() = 0;
-  /// @return nullptr: it cannot be opened, and error says why (an errno).
+  /// @return The device; nullptr: it cannot be opened, and error says why (an errno).
   [[nodiscard]] virtual std::shared_ptr<HidDevice> open(const std::string& path, int& error) = 0;
-  /// Of an open device with motors; nullptr: it is none of the system's.
-  /// @param zero Switches the motors off, whatever the device's state is.
+  /// Starts the guardian of an open device with motors; nullptr: it is not a device of the system.
+  /// @param zero The report that switches the motors off, whatever the device's state is.
   /// @throws BackendError it cannot be started.
   [[nodiscard]] virtual std::unique_ptr<Guardian> guard(const std::string& path,
                                                         const Report& zero) = 0;

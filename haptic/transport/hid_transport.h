@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The reports of a real device, through hidapi (0.13) over the kernel's hidraw.
 //
-// What ordinary code gets wrong, and what is done here:
+// This is what ordinary code gets wrong, and what is done here:
 // - hid_read_timeout() gives 0 when nothing came in time, and for an empty packet: it is asked
 //   once more, without waiting, before nothing is said.
 // - It gives −1 when a signal interrupts it (EINTR), and when the device is unplugged. Of the
@@ -27,7 +27,7 @@ namespace palpate {
 
 inline constexpr Duration kAnswerTime = std::chrono::seconds(2);
 
-/// @throws BackendError it cannot be opened, or not in time; the message says what to do.
+/// @throws BackendError the device cannot be opened, or not in time; the message says what to do.
 [[nodiscard]] std::shared_ptr<HidDevice> open_hid_device(const std::shared_ptr<Hid>& hid,
                                                          const std::string& path,
                                                          Duration deadline = kAnswerTime);
@@ -38,11 +38,11 @@ inline constexpr Duration kAnswerTime = std::chrono::seconds(2);
 
 class HidTransport final : public Transport {
  public:
-  /// Of each call that is interrupted.
+  /// How often a call that is interrupted is tried.
   static constexpr int kTries = 3;
 
-  /// @param guardian nullptr: the device has none, and why_unguarded says in words why, where that
-  ///   is something to tell.
+  /// @param guardian The guardian of the device; nullptr: it has none.
+  /// @param why_unguarded Why it has none, in words, where that is worth telling.
   explicit HidTransport(std::shared_ptr<HidDevice> device,
                         std::unique_ptr<Guardian> guardian = nullptr,
                         std::string why_unguarded = {})
@@ -51,20 +51,20 @@ class HidTransport final : public Transport {
         why_unguarded_(std::move(why_unguarded)) {}
 
   TransportStatus read(Report& report, Duration timeout) noexcept override;
-  /// One that is empty is not sent.
+  /// Writes a report, unless it is empty.
   TransportStatus write(const Report& report) noexcept override;
   GuardianChannel* guardian() noexcept override {
     return guardian_ ? &guardian_->channel() : nullptr;
   }
-  /// From any thread.
+  /// As that of Transport; it may be called from any thread.
   std::string problem() const override;
 
  private:
   std::shared_ptr<HidDevice> device_;
-  /// Ends before the device is closed.
+  /// The guardian, which must end before the device is closed.
   std::unique_ptr<Guardian> guardian_;
   std::string why_unguarded_;
-  /// The last error of each, an errno.
+  /// The last error of reading and of writing, an errno.
   std::atomic<int> read_error_{0};
   std::atomic<int> write_error_{0};
 };

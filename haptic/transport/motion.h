@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What moves the point of a simulated device: the hand, and the mechanics between it and the
+// The motion of the point of a simulated device: the hand, and the mechanics between it and the
 // motors.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace palpate {
 class Motion {
  public:
   struct Pose {
-    /// As in DeviceState.
+    /// Position, rotation and buttons as in DeviceState.
     Vec3 position = Vec3::Zero();
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     std::uint8_t buttons = 0;
@@ -25,13 +25,14 @@ class Motion {
   virtual ~Motion() = default;
 
   /// Moves on.
-  /// @param time Where to, since the board was switched on; never before that of the last call.
-  /// @param force Of the motors, constant since the last call [3], N.
-  /// @return Where the point then is.
+  /// @param time The time until which it moves on, since the board was switched on. It is never
+  ///   before that of the last call.
+  /// @param force The force of the motors, which was constant since the last call [3], N.
+  /// @return Where the point is then.
   virtual Pose advance(Time time, const Vec3& force) noexcept = 0;
 };
 
-/// Goes its way whatever the force.
+/// A motion that does not depend on the force.
 class ScriptedMotion final : public Motion {
  public:
   struct Waypoint {
@@ -40,10 +41,10 @@ class ScriptedMotion final : public Motion {
   };
 
   explicit ScriptedMotion(std::function<Pose(Time)> pose) : pose_(std::move(pose)) {}
-  /// From rest to rest between two waypoints, with the least jerk; before the first and after the
-  /// last at rest there.
-  /// @param repeat From the last the script begins anew.
-  /// @throws InputError there are none, or their times do not increase.
+  /// The point goes from waypoint to waypoint, from rest to rest with the least jerk. Before the
+  /// first and after the last waypoint it is at rest there.
+  /// @param repeat Whether the script begins anew after the last waypoint.
+  /// @throws InputError there are no waypoints, or their times do not increase.
   explicit ScriptedMotion(std::vector<Waypoint> waypoints, bool repeat = false);
 
   Pose advance(Time time, const Vec3& force) noexcept override;
@@ -52,14 +53,15 @@ class ScriptedMotion final : public Motion {
   std::function<Pose(Time)> pose_;
 };
 
-/// Follows a target that another thread sets, critically damped: no jump of position or velocity.
+/// A motion that follows a target which another thread sets. It is critically damped, so that
+/// neither position nor velocity jumps.
 class MouseMotion final : public Motion {
  public:
-  /// @param settling Time constant.
+  /// @param settling The time constant.
   explicit MouseMotion(Duration settling = std::chrono::milliseconds(15))
       : settling_(seconds(settling)) {}
 
-  /// From one thread.
+  /// Call this from one thread.
   void set_target(const Vec3& position, std::uint8_t buttons = 0) noexcept;
 
   Pose advance(Time time, const Vec3& force) noexcept override;

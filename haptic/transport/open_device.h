@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From what is plugged in to a device that the loop can use.
+// Finds what is plugged in, and opens a device that the loop can use.
 #pragma once
 
 #include <memory>
@@ -17,24 +17,26 @@ struct OpenedDevice {
   std::shared_ptr<const Profile> profile;
   DeviceInfo info;
   ProfileKind kind{};
-  /// That the profile was made from; empty: it needs none.
+  /// The feature report that the profile was made from; empty: it needs none.
   Report feature;
 };
 
+/// Opens a device.
 /// @param which Its path (/dev/hidraw3), or vendor and product in hexadecimal digits (1234:0006);
 ///   empty: the first that can be opened.
-/// @throws InputError there is no such device, or none of ours; the message says what there is.
-/// @throws BackendError none of those can be opened; the message says for each why.
+/// @throws InputError there is no such device, or none that is known; the message says what there
+///   is.
+/// @throws BackendError no such device can be opened; the message says why for each.
 [[nodiscard]] OpenedDevice open_device(const std::string& which = {},
                                        const std::shared_ptr<Hid>& hid = hidapi(),
                                        Duration deadline = kAnswerTime);
 
-/// What is plugged in, as a person chooses from it.
+/// A device that is plugged in, for a person who chooses one.
 struct ListedDevice {
   DeviceInfo info;
-  /// Whether it is a haptic device that is known; the rest is of these alone.
+  /// Whether it is a haptic device that is known; only these have what follows.
   bool known = false;
-  /// Where it can be opened.
+  /// What it can do, where it can be opened.
   std::optional<Specification> specification;
   /// Why it cannot be opened; empty: it can.
   std::string fault;
@@ -46,7 +48,7 @@ struct ListedDevice {
 [[nodiscard]] std::vector<ListedDevice> list_devices(const std::shared_ptr<Hid>& hid = hidapi(),
                                                      Duration deadline = kAnswerTime);
 
-/// One line: path, vendor and product, name.
+/// A line with path, vendor and product, and name.
 [[nodiscard]] std::string to_string(const DeviceInfo& device);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device that is not there: the firmware of a board that speaks our report, and the queue of the
-// kernel's hidraw between it and the host.
+// A simulated device: the firmware of a board that speaks our report, and the queue of the kernel's
+// hidraw between it and the host.
 //
 // Everything happens by the clock, in the order of its times, when the host calls: with a virtual
 // clock each run goes the same way. The motors hold a force until the next one takes effect.
@@ -24,19 +24,20 @@ struct BoardFaults {
     [[nodiscard]] bool contains(Time time) const { return from <= time && time < to; }
   };
 
-  /// It measures and reports nothing.
+  /// In this span the board measures and reports nothing.
   Span silent;
-  /// Reports lack their last byte.
+  /// In this span reports lack their last byte.
   Span short_reports;
-  /// Each report comes twice.
+  /// In this span each report comes twice.
   Span duplicates;
-  /// An empty packet comes before each report: one read gives nothing though more is there.
+  /// In this span an empty packet comes before each report: a read gives nothing though more is
+  /// there.
   Span empty_packets;
   /// The first report does not arrive.
   bool first_report_lost = false;
   Span failing_writes;
-  /// A write in this span returns at its end; where that is never, when release_writes() is called
-  /// or the board is unplugged. It has no effect.
+  /// A write in this span returns at the end of the span, or where that is never, when
+  /// release_writes() is called or the board is unplugged. It has no effect.
   Span blocking_writes;
   Time unplugged = kNever;
 };
@@ -46,9 +47,10 @@ struct BoardOptions {
   /// What the board's clock and its counter show when it is switched on.
   std::uint32_t first_time_us = 0;
   std::uint16_t first_counter = 0;
-  /// The board's clock gains that much on ours, s/s.
+  /// How much the board's clock gains on ours, s/s.
   double clock_drift = 0;
-  /// From a measurement until the host can read it; from a write until the motors follow.
+  /// The time from a measurement until the host can read it, and from a write until the motors
+  /// follow.
   Duration report_delay{0};
   Duration force_delay{0};
   BoardFaults faults;
@@ -56,31 +58,32 @@ struct BoardOptions {
 
 /// What the board is doing and has done.
 struct BoardStatus {
-  /// Of the motors [3], N.
+  /// Force of the motors [3], N.
   Vec3 force = Vec3::Zero();
   bool motors_on = false;
   Motion::Pose pose;
-  /// Reports that were sent, and of them those that found the host's queue full.
+  /// The number of reports that were sent, and of those among them that found the host's queue
+  /// full.
   std::uint64_t reports = 0;
   std::uint64_t lost = 0;
-  /// Output reports that arrived whole, and others.
+  /// The number of output reports that have arrived whole, and of others.
   std::uint64_t outputs = 0;
   std::uint64_t bad_outputs = 0;
   /// The last of them; its counter is that of the report it answers.
   palpate_report::Output last_output;
-  /// Times that the watchdog has cut the motors.
+  /// How often the watchdog has cut the motors.
   std::uint64_t cuts = 0;
 };
 
 class SimulatedBoard final : public Transport {
  public:
-  /// Unread reports that hidraw keeps, the oldest: its ring has 64 places, and one stays empty
-  /// (HIDRAW_BUFFER_SIZE in the kernel's drivers/hid/hidraw.c).
+  /// The number of unread reports that hidraw keeps, the oldest ones: its ring has 64 places, of
+  /// which one stays empty (HIDRAW_BUFFER_SIZE in the kernel's drivers/hid/hidraw.c).
   static constexpr int kQueue = 63;
-  /// Reports, and forces, that can be on their way at once.
+  /// The number of reports, and of forces, that can be on their way at once.
   static constexpr int kOnTheWay = 64;
 
-  /// Switched on.
+  /// Makes a board that is switched on.
   /// @throws InputError the options are out of range.
   SimulatedBoard(std::shared_ptr<Clock> clock, std::shared_ptr<Motion> motion,
                  const BoardOptions& options = {});
@@ -93,11 +96,11 @@ class SimulatedBoard final : public Transport {
   TransportStatus write(const Report& report) noexcept override;
   std::string problem() const override;
 
-  /// From any thread.
+  /// What the board is doing and has done. It may be called from any thread.
   [[nodiscard]] BoardStatus status() noexcept;
-  /// Writes that block return, and none blocks from now on. From any thread.
+  /// Lets writes that block return, and none block from now on. It may be called from any thread.
   void release_writes() noexcept;
-  /// As if its plug was pulled now. From any thread.
+  /// Pulls the plug of the board. It may be called from any thread.
   void unplug() noexcept;
 
  private:

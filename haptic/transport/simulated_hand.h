@@ -3,9 +3,10 @@
 //
 //   (m_d + m_h) x'' = f − b_d x' + k_h (x_w − x) + b_h (x_w' − x')
 //
-// m_d and b_d of the device, m_h, k_h and b_h of the arm and the grip, f of the motors, and x_w
-// where the person wants to be. What a grip is like differs from person to person and from moment
-// to moment; the defaults are those of a light one, at the lower end of what is measured [KH].
+// with m_d and b_d of the device, m_h, k_h and b_h of the arm and the grip, the force f of the
+// motors, and the place x_w where the person wants to be. What a grip is like differs from person
+// to person and from moment to moment; the defaults are those of a light one, at the lower end of
+// what is measured [KH].
 //
 // [KH] Kuchenbecker, Park & Niemeyer, Characterizing the Human Wrist for Improved Haptic
 // Interaction, ASME IMECE 2003.
@@ -18,13 +19,13 @@
 namespace palpate {
 
 struct HandOptions {
-  /// kg
+  /// m_d and m_h, kg.
   double device_mass = 0.1;
   double hand_mass = 0.1;
-  /// N·s/m
+  /// b_d and b_h, N·s/m.
   double device_damping = 0.5;
   double hand_damping = 1.5;
-  /// N/m
+  /// k_h, N/m.
   double hand_stiffness = 150;
 };
 

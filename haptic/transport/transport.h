@@ -18,7 +18,7 @@ enum class TransportStatus {
   nothing,
   /// The device is unplugged: nothing will come any more.
   gone,
-  /// It did not work this time; problem() says what.
+  /// Something failed this time; problem() says what.
   error,
 };
 
@@ -26,18 +26,19 @@ class Transport {
  public:
   virtual ~Transport() = default;
 
-  /// The oldest report that has not been read.
-  /// @param timeout To wait for one; 0: none.
+  /// Reads the oldest report that was not read yet.
+  /// @param timeout How long to wait for one; 0: not at all.
   /// @note Realtime-safe but for the device's own calls.
   [[nodiscard]] virtual TransportStatus read(Report& report, Duration timeout) noexcept = 0;
 
-  /// May block for as long as the device's driver does, which can be seconds.
+  /// Writes a report. It may block for as long as the device's driver does, which can be seconds.
   [[nodiscard]] virtual TransportStatus write(const Report& report) noexcept = 0;
 
-  /// Who sets the motors to zero when this process no longer does; nullptr: nobody.
+  /// The guardian, which sets the motors to zero when this process no longer does; nullptr: there
+  /// is none.
   [[nodiscard]] virtual GuardianChannel* guardian() noexcept { return nullptr; }
 
-  /// What was last wrong, in words; empty: nothing. From any thread.
+  /// What was last wrong, in words; empty: nothing. It may be called from any thread.
   [[nodiscard]] virtual std::string problem() const = 0;
 };
 

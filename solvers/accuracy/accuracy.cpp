@@ -19,7 +19,7 @@ namespace {
 /// The sites of rank 0, on every rank.
 std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
                               Communicator& communicator) {
-  Packer mine;
+  std::vector<Site> sites;
   agree(communicator, [&] {
     if (communicator.rank() != 0) return;
     if (space.sites.empty()) {
@@ -34,13 +34,13 @@ std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
     }
     for (const TouchSite& site : space.sites) {
       (void)CheckPointGrid(site);  // says what is wrong with it before anything is solved for
-      mine.put(site.site);
+      sites.push_back(site.site);
     }
   });
+  Packer mine;
+  mine.put_list(sites);
   const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  std::vector<Site> sites;
-  for (Unpacker content(all.front()); !content.at_end();) sites.push_back(content.take<Site>());
-  return sites;
+  return Unpacker(all.front()).take_list<std::vector<Site>>();
 }
 
 double share_above(const std::vector<double>& values, double limit) {

@@ -13,38 +13,39 @@ namespace palpate {
 
 struct AccuracyOptions {
   ExactOptions exact;
-  /// Empty: all.
+  /// The methods that are compared; empty: all.
   std::vector<Method> methods;
 };
 
 /// Figures of one method on one grid; NaN where nothing was measured. Errors are shares, not per
-/// cent, and of test points that count: inside the space, not marked and regular.
+/// cent, and are of those test points that count: inside the space, not marked, and regular.
 struct AccuracyRow {
   std::string method;
-  /// −1: all together.
+  /// −1: the row is of all active nodes together.
   Index active_node = -1;
-  /// Check-points along an axis; of the smallest cells where there are several sizes.
+  /// Check-points along an axis; where cells have several sizes, of the smallest ones.
   std::int32_t resolution = 0;
-  /// A site: configurations and intermediate states, s on one core, bytes, s.
+  /// Of one site in the mean: configurations and intermediate states; the time to compute them, s
+  /// on one core; the memory of the method, bytes; the time to set it up, s.
   double samples = 0;
   double precompute_seconds = 0;
   double bytes = 0;
   double setup_seconds = 0;
-  /// Test points: all, by what became of them, see PointClass.
+  /// The number of test points, and how many of them are of each class, see PointClass.
   int test_points = 0;
   int counted = 0;
   int marked = 0;
   int extrapolated = 0;
   int irregular = 0;
   int failed = 0;
-  /// Relative error of the force, see measure.h, and absolute, N.
+  /// Error of the force, relative, see measure.h, and absolute, N.
   double mean_error = 0;
   double p99_error = 0;
   double largest_error = 0;
   double mean_absolute_error = 0;
   double p99_absolute_error = 0;
   double largest_absolute_error = 0;
-  /// Share of points whose relative error a hand notices, kNoticeable.
+  /// Share of the points whose relative error a hand notices: it is above kNoticeable.
   double noticeable = 0;
   /// Largest relative error within kNearRest half-widths from rest.
   double near_rest_error = 0;
@@ -53,15 +54,15 @@ struct AccuracyRow {
   double largest_marked_error = 0;
   double largest_extrapolated_error = 0;
   double mean_stiffness_error = 0;
-  /// Of a surface point, as a share of the largest displacement in the space.
+  /// Error of a surface point's displacement, as a share of the largest displacement in the space.
   double mean_displacement_error = 0;
   double largest_displacement_error = 0;
-  /// The largest of random closed paths, over the largest energy on each.
+  /// The largest work along a random closed path, over the largest energy on the path.
   double loop_work = 0;
-  /// The largest at random points of faces between cells, over the largest force and stiffness.
+  /// Largest jump at random points of faces between cells, over the largest force and stiffness.
   double force_jump = 0;
   double stiffness_jump = 0;
-  /// One evaluation of force, stiffness and energy, ns.
+  /// Time of one evaluation of force, stiffness and energy, ns.
   double p50_nanoseconds = 0;
   double p999_nanoseconds = 0;
 };
@@ -72,8 +73,8 @@ struct AccuracyPoint {
   TestPoint exact;
   Support support = Support::none;
   PointClass point_class = PointClass::failed;
-  /// Relative, in the order of AccuracyResult::methods; NaN where the point failed or the method
-  /// does not serve the site.
+  /// Relative errors of the force, in the order of AccuracyResult::methods; NaN where the point
+  /// failed or the method does not serve the site.
   std::vector<double> errors;
 };
 
@@ -82,7 +83,8 @@ struct AccuracyResult {
   std::vector<AccuracyRow> rows;
   /// The same for each site.
   std::vector<AccuracyRow> rows_of_sites;
-  /// Without settings that were only compared: with all that the space has, on the whole grid.
+  /// The methods that use all that the space has, on the whole grid: variants that are only there
+  /// to be compared with are left out.
   std::vector<std::string> methods;
   std::vector<AccuracyPoint> points;
   std::int64_t num_solved = 0;
@@ -90,17 +92,18 @@ struct AccuracyResult {
   /// Time of the exact solves and of the measurements, s.
   double exact_seconds = 0;
   double measure_seconds = 0;
-  /// Of the exact solves, on one core each, s.
+  /// Mean time of an exact solve on one core, s.
   double mean_solve_seconds = 0;
-  /// It was not aborted; the same on every rank.
+  /// The run was not aborted; the same on every rank.
   bool complete = false;
 };
 
+/// Measures the accuracy of a space by solving exactly at test points.
 /// @param scene The same on every rank.
-/// @param space Whole on rank 0; elsewhere it is not looked at.
-/// @returns Whole on rank 0, empty elsewhere.
+/// @param space Whole on rank 0; on other ranks it is not looked at.
+/// @returns The result, whole on rank 0, empty elsewhere.
 /// @note Collective
-/// @throws InputError the space is not of this scene, or has no site; as solve_test_points().
+/// @throws InputError the space is not of this scene, or has no site; or as solve_test_points().
 [[nodiscard]] AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                               const AccuracyOptions& options,
                                               Communicator& communicator, const Progress& progress);

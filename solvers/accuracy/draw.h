@@ -9,21 +9,24 @@
 
 namespace palpate {
 
-/// Points of one walk: it begins at rest, heads for a random place of the box, then for the next.
+/// The number of points of a walk, which begins at rest, heads for a random place of the box, and
+/// from there for the next.
 inline constexpr int kWalkLength = 20;
-/// From one to the next, in half-widths.
+/// The distance from a point of a walk to the next, in half-widths.
 inline constexpr double kWalkStep = 1.0 / 12;
-/// How far from rest the points near rest are at most, in half-widths.
+/// The largest distance of the points near rest from rest, in half-widths.
 inline constexpr double kNearRest = 0.01;
 
-/// Anchors along an axis: test points anywhere in the box are reached by way of the nearest one.
+/// The number of anchors along an axis. A test point that is on no walk is reached by way of the
+/// nearest anchor.
 inline constexpr int kAnchors = 3;
 
-/// The middle of that of kAnchors³ equal parts of the box that a place lies in.
+/// The anchor of a place: the box has kAnchors³ equal parts, and the anchor is the middle of the
+/// one that the place lies in.
 [[nodiscard]] Vec3 anchor_of(const Vec3& t, double half_width);
 
-/// @param num Of which a fifth are on walks, a tenth are near rest, and the others anywhere.
-/// @returns Not solved, in the order of operator<.
+/// Draws the test points of a set: a fifth on walks, a tenth near rest, the others anywhere.
+/// @returns The points in the order of operator<. They are not solved.
 [[nodiscard]] std::vector<TestPoint> draw_test_points(const TestSet& set, int num);
 
 }  // namespace palpate

@@ -7,9 +7,9 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <set>
-#include <type_traits>
 #include <utility>
 
 #include "accuracy/draw.h"
@@ -38,16 +38,11 @@ struct Task {
 
 void put(const Task& task, Packer& message) {
   message.put(task.site);
-  message.put(task.points.size());
-  for (const std::int32_t point : task.points) message.put(point);
+  message.put_list(task.points);
 }
 
 Task take_task(Unpacker& content) {
-  Task task;
-  task.site = content.take<std::int32_t>();
-  task.points.resize(content.take<std::size_t>());
-  for (std::int32_t& point : task.points) point = content.take<std::int32_t>();
-  return task;
+  return {content.take<std::int32_t>(), content.take_list<std::vector<std::int32_t>>()};
 }
 
 /// The tasks of a site: of points that are not known; a walk is made whole.
@@ -111,7 +106,7 @@ class Solver final : public Worker {
 
   void receive(int from, const Bytes& message, Mail& /*mail*/) override {
     Unpacker content(message);
-    monitor_.set_count(from, content.take<Monitor::Count>());
+    monitor_.hear(from, content);
   }
 
   [[nodiscard]] bool has_work() const override { return !tasks.empty(); }
@@ -205,13 +200,8 @@ class Solver final : public Worker {
 
   void tell(Mail& mail) {
     const bool first = mail.rank() == 0;
-    const Monitor::Count count{num_solved + (first ? num_known_ : 0), first ? num_known_ : 0,
-                               first ? num_all_ : 0};
-    monitor_.set_count(mail.rank(), count);
-    if (first || !monitor_.is_due()) return;
-    Packer message;
-    message.put(count);
-    mail.send(0, message.take());
+    monitor_.tell(
+        {num_solved + (first ? num_known_ : 0), first ? num_known_ : 0, first ? num_all_ : 0});
   }
 
   const Scene& scene_;
@@ -230,27 +220,12 @@ class Solver final : public Worker {
   Equilibrium rest_;
 };
 
-void put(const TestPoint& point, Packer& message) {
-  for_each_number_of_test_point(point, [&](const auto& number) { message.put(number); });
-  message.put(point.displacement.size());
-  for (const float x : point.displacement) message.put(x);
-}
-
-TestPoint take_test_point(Unpacker& content) {
-  TestPoint point;
-  for_each_number_of_test_point(
-      point, [&](auto& number) { number = content.take<std::decay_t<decltype(number)>>(); });
-  point.displacement.resize(content.take<Eigen::Index>());
-  for (float& x : point.displacement) x = content.take<float>();
-  return point;
-}
-
 /// In the file of this rank, or in memory.
 class TestRecord {
  public:
   TestRecord(const Scene& scene, const std::vector<Site>& sites, const ExactOptions& options,
              Communicator& communicator)
-      : sites_(sites), seed_(options.seed), communicator_(communicator), found_(sites.size()) {
+      : sites_(sites), seed_(options.seed), communicator_(communicator) {
     if (options.file.empty()) return;
     files_.emplace(options.file, scene, options.equilibrium.tolerance, communicator);
     files_->open([](StateSpaceFile&) {});
@@ -269,11 +244,10 @@ class TestRecord {
   }
 
   void keep(std::int32_t site, const TestPoint& point) {
-    const auto s = static_cast<std::size_t>(site);
     if (files_) {
-      files_->own().add(set_of(sites_[s], seed_), point);
+      files_->own().add(set_of(sites_[static_cast<std::size_t>(site)], seed_), point);
     } else {
-      found_[s].push_back(point);
+      found_.emplace_back(site, point);
     }
   }
 
@@ -288,22 +262,13 @@ class TestRecord {
       });
       return all;
     }
-    Packer mine;
-    for (std::size_t s = 0; s < found_.size() && communicator_.rank() != 0; ++s) {
-      for (const TestPoint& point : found_[s]) {
-        mine.put(s);
-        put(point, mine);
-      }
-      found_[s].clear();
+    gather(found_, communicator_);
+    std::vector<std::vector<TestPoint>> all(sites_.size());
+    for (auto& [site, point] : found_) {
+      all[static_cast<std::size_t>(site)].push_back(std::move(point));
     }
-    for (const Bytes& bytes : communicator_.gather(mine.take())) {
-      for (Unpacker content(bytes); !content.at_end();) {
-        const auto s = content.take<std::size_t>();
-        found_[s].push_back(take_test_point(content));
-      }
-    }
-    for (auto& points : found_) std::sort(points.begin(), points.end());
-    return std::move(found_);
+    for (auto& points : all) std::sort(points.begin(), points.end());
+    return all;
   }
 
  private:
@@ -311,7 +276,8 @@ class TestRecord {
   std::int64_t seed_;
   Communicator& communicator_;
   std::optional<RankFiles> files_;
-  std::vector<std::vector<TestPoint>> found_;
+  /// With the place of the site; empty where there are files.
+  std::vector<std::pair<std::int32_t, TestPoint>> found_;
 };
 
 }  // namespace
@@ -370,11 +336,9 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites
   result.complete = run(worker, communicator);
   monitor.set_mail(nullptr);
 
-  Packer mine;
-  mine.put(worker.num_solved);
-  for (const Bytes& bytes : communicator.gather(mine.take())) {
-    result.num_solved += Unpacker(bytes).take<std::int64_t>();
-  }
+  std::vector<std::int64_t> solved{worker.num_solved};
+  gather(solved, communicator);
+  result.num_solved = std::accumulate(solved.begin(), solved.end(), std::int64_t{0});
   result.points = record.finish();
   // A file may hold more than was asked for.
   for (std::size_t s = 0; s < result.points.size(); ++s) {

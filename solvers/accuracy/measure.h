@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far one way to interpolate a site is off, and what it takes.
+// How wrong one way to interpolate a site is, and what it costs.
 //
-// The relative error of the force [P08, eq. 2] is |h − h*| / max(|h*|, f), h* exact; the floor f is
-// a thousandth of the largest force of the site within its limit, so that what is nothing at rest
-// does not count as everything.
+// The relative error of the force [P08, eq. 2] is |h − h*| / max(|h*|, f) with the exact force h*.
+// The floor f is a thousandth of the largest force of the site within its limit: without it, tiny
+// errors near rest would count as large ones.
 //
 // [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
 // Approximation, EuroHaptics 2008.
@@ -27,65 +27,65 @@ inline constexpr double kNoticeable = 0.1;
 struct Variant {
   Method method = Method::energy_hermite;
   InterpolationOptions options;
-  /// The space is coarsened by it, see coarsen.h.
+  /// The site is coarsened by this factor, see coarsen.h.
   std::int32_t factor = 1;
 };
 
-/// 'RBF cubic, no intermediate states'.
+/// The name of a variant, such as 'RBF cubic, no intermediate states'.
 [[nodiscard]] std::string to_string(const Variant& variant);
 
-/// All that serve a site.
-/// @param methods Of these; empty: of all.
+/// All variants that serve a site.
+/// @param methods The methods they are of; empty: all.
 [[nodiscard]] std::vector<Variant> variants(const TouchSite& site,
                                             const std::vector<Method>& methods);
 
 /// What is known of one test point.
 enum class PointClass {
-  /// The space says that it is inside, and it is regular: it counts.
+  /// The point counts: it is regular, and the space says that it is inside.
   inside,
-  /// Regular, in a marked region of the space.
+  /// The point is regular, in a marked region of the space.
   marked,
-  /// Regular, beyond the configurations of the space.
+  /// The point is regular, beyond the configurations of the space.
   extrapolated,
-  /// Not regular: inverted, unstable, or beyond a jump.
+  /// The point is not regular: it is inverted, unstable, or beyond a jump.
   irregular,
-  /// It did not converge: nothing is known.
+  /// The solve did not converge: nothing is known.
   failed,
 };
 
 /// Raw figures of a site, or of several together.
 struct Measurement {
-  /// Configurations and intermediate states, of all sites.
+  /// The number of configurations and intermediate states, of all sites.
   double samples = 0;
-  /// The time that finding these took, s, on one core: recorded with each of them.
+  /// The time that it took to find these, s on one core, as it is recorded with each of them.
   double precompute_seconds = 0;
-  /// To make what is evaluated, s, and what it holds.
+  /// The time to make what is evaluated, s, and its memory, bytes.
   double setup_seconds = 0;
   double bytes = 0;
   std::int32_t resolution = 0;
   int sites = 0;
 
-  /// Test points of each class, by its number.
+  /// The number of test points of each class, by the number of the class.
   std::vector<int> points = std::vector<int>(5, 0);
-  /// Relative and absolute (N) errors of the force at points that count.
+  /// Errors of the force at the points that count, relative and absolute, N.
   std::vector<double> relative;
   std::vector<double> absolute;
-  /// Of the stiffness, |k − k*| / |k*|.
+  /// Errors of the stiffness there, |k − k*| / |k*|.
   std::vector<double> stiffness;
-  /// Largest error of the displacement at any of sample_points(), as a share of the largest
-  /// displacement in the space; it is that of the display field, the same for all methods.
+  /// The largest error of the displacement at any of sample_points(), as a share of the largest
+  /// displacement in the space. The display field makes it, so that it is the same for all methods.
   std::vector<double> displacement;
-  /// Relative errors of the force in marked regions, and of points near rest.
+  /// Relative errors of the force in marked regions, and at points near rest.
   std::vector<double> marked;
   std::vector<double> near_rest;
-  /// Relative errors of points that are regular, but beyond the configurations.
+  /// Relative errors at points that are regular, but beyond the configurations.
   std::vector<double> extrapolated;
-  /// |∮ h·dt| over the largest energy on the way, of closed paths.
+  /// For each closed path |∮ h·dt| over the largest energy on it.
   std::vector<double> loop_work;
-  /// Across faces between cells, as a share of the largest force and stiffness.
+  /// Jumps across faces between cells, as a share of the largest force and stiffness.
   std::vector<double> force_jump;
   std::vector<double> stiffness_jump;
-  /// Of one evaluation, ns.
+  /// Times of one evaluation, ns.
   std::vector<double> nanoseconds;
 
   Measurement& operator+=(const Measurement& other);
@@ -99,10 +99,11 @@ struct PointError {
   double error = 0;
 };
 
-/// Of a site with levels, what is held and evaluated is that of the branch of rest; errors are
-/// those of the branch that the body is on.
-/// @param whole Before it is coarsened. @param points Solved.
-/// @param errors At each of them [points.size()].
+/// Measures one variant on one site. Of a site with levels, memory and time are those of the branch
+/// of rest; errors are those of the branch that the body is on.
+/// @param whole The site before it is coarsened.
+/// @param points Test points of the site, solved.
+/// @param errors Is set to the error at each of them [points.size()].
 [[nodiscard]] Measurement measure(const TouchSpace& space, const TouchSite& whole,
                                   const Variant& variant, const std::vector<TestPoint>& points,
                                   std::vector<PointError>& errors);

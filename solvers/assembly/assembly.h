@@ -22,12 +22,13 @@
 
 namespace palpate {
 
-/// Lower triangle of a symmetric matrix, compressed by columns; rows ascend, the diagonal is there.
+/// The lower triangle of a symmetric matrix, compressed by columns. Rows ascend in each column, and
+/// the diagonal is there.
 struct SymmetricPattern {
   Index size = 0;
-  /// [size + 1]
+  /// Where each column begins in `row` [size + 1].
   std::vector<Index> column_start;
-  /// [column_start.back()]
+  /// The row of each value [column_start.back()].
   std::vector<Index> row;
 
   [[nodiscard]] Index num_values() const { return column_start.empty() ? 0 : column_start.back(); }
@@ -35,7 +36,7 @@ struct SymmetricPattern {
 
 class Assembly {
  public:
-  /// Copies of the mesh's geometry are made, the scene itself is not kept.
+  /// Copies what it needs: the scene need not outlive this object.
   /// @throws InputError a cell whose mapping is not one to one (a Tet10 with bad midside nodes).
   explicit Assembly(const Scene& scene);
   ~Assembly();
@@ -44,25 +45,25 @@ class Assembly {
 
   [[nodiscard]] Index num_points() const;
   [[nodiscard]] Index num_cells() const;
-  /// 0 for a body without mixed materials.
+  /// Number of pressures; 0 for a body without mixed materials.
   [[nodiscard]] Index num_pressures() const;
-  /// Length of a state: 3 num_points + num_pressures.
+  /// The length of a state: 3 num_points + num_pressures.
   [[nodiscard]] Index state_size() const;
-  /// s of each pressure, Pa/m [num_pressures].
+  /// The scale s of each pressure, Pa/m [num_pressures].
   [[nodiscard]] const std::vector<double>& pressure_scale() const;
-  /// Every material is linear: K does not depend on u.
+  /// Whether every material is linear, so that K does not depend on u.
   [[nodiscard]] bool is_linear() const;
-  /// Number of the first of the three unknowns of a point, −1 for a fixed or unused one
+  /// The number of the first of the three unknowns of each point, −1 for a fixed or unused one
   /// [num_points].
   [[nodiscard]] const std::vector<Index>& unknown_of_point() const;
-  /// Place of each unknown in the state [pattern().size]; the pressures come last. A pressure that
-  /// no free point feels is no unknown: it stays 0.
+  /// The place of each unknown in the state [pattern().size]; pressures come last. A pressure that
+  /// no free point feels is not an unknown: it stays 0.
   [[nodiscard]] const std::vector<Index>& state_of_unknown() const;
   [[nodiscard]] Index num_unknown_pressures() const;
   /// The unknown pressures of incompressible materials.
   [[nodiscard]] const std::vector<Index>& multipliers() const;
-  /// The pressures are those of Tet4, whose differences are resisted; else the tangent has zeros on
-  /// the diagonal at multipliers().
+  /// Whether the pressures are those of Tet4, whose differences are resisted. Otherwise the tangent
+  /// has zeros on the diagonal at multipliers().
   [[nodiscard]] bool has_stabilised_pressures() const;
   [[nodiscard]] const SymmetricPattern& pattern() const;
   /// Mean length of the edges between corners, m.
@@ -76,30 +77,30 @@ class Assembly {
     double minimum_det_f = 1;
   };
 
-  /// Energy, and f(x) [state_size], N: the internal force of every point, then for each pressure
-  /// how far its volume is from what it should be.
+  /// Computes the energy and f(x) [state_size], N: the internal force of every point, then for each
+  /// pressure how far its volume is from what it should be.
   Result residual(const NodalVector& state, NodalVector& force) const;
 
-  /// As residual, and the values of K(x) on pattern(), N/m.
+  /// Computes what residual() does, and the values of K(x) on pattern(), N/m.
   Result tangent(const NodalVector& state, NodalVector& force, std::vector<double>& values) const;
 
   struct Determinant {
     double value = 1;
-    /// Where it is.
+    /// The cell where that is.
     Index cell = -1;
-    /// Cells with det F ≤ 0 somewhere.
+    /// The number of cells with det F ≤ 0 somewhere.
     Index num_inverted_cells = 0;
   };
 
-  /// Least det F over quadrature points and corners of all cells, and where it is positive there
-  /// and not everywhere between them, a place where it is not: so it is positive only where det F
-  /// is positive everywhere.
-  /// @param state The displacement [3 × num_points] is enough.
+  /// The least det F over quadrature points and corners of all cells. Where det F is positive at
+  /// these but not everywhere between them, a value that is not positive is taken instead. So the
+  /// result is positive only if det F is positive everywhere.
+  /// @param state Its first 3 num_points components, the displacement, are enough.
   [[nodiscard]] Determinant minimum_det_f(const NodalVector& state) const;
   /// The same cell by cell [num_cells].
   [[nodiscard]] std::vector<double> minimum_det_f_of_cells(const NodalVector& state) const;
-  /// What the stress of each cell is made of, see StressSum in assembly/kernels.h and
-  /// assembly/stress.h [StressSum::count × num_cells].
+  /// The sums from which the stress of each cell is made [StressSum::count × num_cells], see
+  /// StressSum in assembly/kernels.h and assembly/stress.h.
   [[nodiscard]] Eigen::MatrixXd stress_sums(const NodalVector& state) const;
 
  private:

@@ -16,18 +16,20 @@
 
 namespace palpate {
 
-/// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, compressed by columns; or
-/// the 1 × 3 block of a pressure and a node, whose row is below all of the nodes.
+/// Where the 3 × 3 block of a pair of nodes goes in the lower triangle, which is compressed by
+/// columns. The same for the 1 × 3 block of a pressure and a node; its row is below all rows of
+/// nodes.
 struct BlockTarget {
-  /// Position of the block's first stored value of its first column; −1: the block is not stored.
+  /// Position of the first value that is stored in the block's first column; −1: the block is not
+  /// stored.
   std::int32_t first = -1;
-  /// Stored values in the first column of the block's column of blocks; negative where the block
-  /// goes in transposed. The next columns are shorter by one each.
+  /// Number of values in the matrix column that the block's first column belongs to; negative where
+  /// the block goes in transposed. Each of the next two columns is shorter by one.
   std::int32_t column_length = 0;
 };
 
-/// A group of elements. All arrays are packet by packet, the kPacketSize elements of one innermost;
-/// the last packet is filled up with copies of its last element that have no weight.
+/// A group of elements. All arrays go packet by packet, with the kPacketSize elements of a packet
+/// innermost. The last packet is filled up with copies of its last element that have no weight.
 struct ElementGroupView {
   std::int32_t num_packets;
   /// Point of each node [num_packets × nodes × 8].
@@ -36,39 +38,40 @@ struct ElementGroupView {
   const double* gradients;
   /// Weight times Jacobian [num_packets × points × 8], m³.
   const double* weights;
-  /// Constants of the law (law_constants), and of mixed elements 1/κ̂, 1/(2μ) and the scale s of
-  /// their pressures, Pa/m: n in all, [n] when homogeneous, else [num_packets × n × 8].
+  /// Constants of the law (law_constants), and for mixed elements 1/κ̂, 1/(2μ) and the scale s of
+  /// their pressures, Pa/m: n in all, [n] where homogeneous, else [num_packets × n × 8].
   const double* parameters;
   bool homogeneous;
-  /// Of each pair of nodes a ≤ b in the order 00 01 … 0n 11 … [num_packets × pairs × 8].
+  /// The target of each pair of nodes a ≤ b in the order 00 01 … 0n 11 … [num_packets × pairs × 8].
   const BlockTarget* targets;
 
-  // Of mixed elements, else null.
+  // These are of mixed elements; else they are null.
 
   /// Place of the pressure of each corner in the state [num_packets × 4 × 8].
   const std::int32_t* pressures;
-  /// Of each node and each corner's pressure [num_packets × nodes × 4 × 8].
+  /// The target of each node with each corner's pressure [num_packets × nodes × 4 × 8].
   const BlockTarget* coupling_targets;
-  /// Of each pair of corners a ≤ b in the order 00 01 02 03 11 … [num_packets × 10 × 8]: position
-  /// of the value, −1: it is not stored.
+  /// The position of the value of each pair of corners a ≤ b, in the order 00 01 02 03 11 …
+  /// [num_packets × 10 × 8]; −1: it is not stored.
   const std::int32_t* pressure_targets;
 };
 
 struct GroupResult {
-  /// J; infinite where the law is not defined because det F ≤ 0.
+  /// Energy, J; infinite where the law is not defined because det F ≤ 0.
   double energy;
   /// Least det F over the quadrature points (1 for the linear law: it knows no finite strain).
   double minimum_det_f;
 };
 
-/// What is summed up over the quadrature points of an element for its stress.
+/// The sums over the quadrature points of an element from which its stress is made.
 struct StressSum {
   enum : int {
     /// ∫ σ dv over the deformed element, Pa m³; components in the order xx yy zz yz xz xy.
     cauchy = 0,
     /// ∫ ∇u dV, m³; row by row.
     displacement_gradient = 6,
-    /// ∫ dv, the deformed volume, and ∫ dV, that at rest, m³. The linear law knows but the latter.
+    /// ∫ dv, the deformed volume, and ∫ dV, that at rest, m³. The linear law gives the latter
+    /// alone.
     deformed_volume = 15,
     volume = 16,
     /// Least det F (1 for the linear law).
@@ -79,22 +82,23 @@ struct StressSum {
 
 struct Kernels {
   const char* instruction_set;
-  /// Of the law of energy.
+  /// The number of constants of the law of energy.
   int num_constants;
-  /// Adds the derivative of the energy of the group by the state to `force` [as the state].
+  /// Adds the derivative of the group's energy by the state to `force`, which is as long as the
+  /// state.
   GroupResult (*residual)(const ElementGroupView&, const double* state, double* force);
-  /// As residual, and adds the tangent to `values`.
+  /// Does the same, and adds the tangent to `values`.
   GroupResult (*tangent)(const ElementGroupView&, const double* state, double* force,
                          double* values);
-  /// Least det F of each element over its quadrature points, [num_packets × 8].
+  /// Gives the least det F of each element over its quadrature points [num_packets × 8].
   void (*determinants)(const ElementGroupView&, const double* state, double* minimum_det_f);
-  /// The sums of each element, [num_packets × StressSum::count × 8]. Where det F ≤ 0 and the law is
-  /// not defined, its stress is NaN.
+  /// Gives the sums of each element [num_packets × StressSum::count × 8]. Where det F ≤ 0 and the
+  /// law is not defined, its stress is NaN.
   void (*stress)(const ElementGroupView&, const double* state, double* sums);
 };
 
-/// Kernels for an element order (1, 2), a law of energy and a formulation (their numbers), for this
-/// processor.
+/// The kernels for an element order (1, 2), a law of energy and a formulation, given by their
+/// numbers, on this processor.
 [[nodiscard]] const Kernels& best_kernels(int order, int law, int formulation);
 
 }  // namespace palpate

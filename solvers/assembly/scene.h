@@ -24,7 +24,7 @@ struct Scene {
 };
 
 /// Checks the mesh (and orients its cells), the sizes of the arrays, and that some point is fixed.
-/// @throws InputError what is wrong, where, and what to do.
+/// @throws InputError says what is wrong, where, and what to do.
 void check(Scene& scene);
 
 /// 128-bit hash (XXH3, hexadecimal) of mesh, materials and boundary: two scenes with the same hash

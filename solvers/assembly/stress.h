@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stress and stretch of the deformed body, a value a cell and a value a point.
+// Stress and stretch of the deformed body, with a value for each cell and for each point.
 //
 //   Cauchy stress        σ = F S Fᵀ / det F, with S = ∂W/∂E and, where the material is mixed, its
 //                        pressure; of the linear law σ = ∂W/∂ε. Of a cell the mean over its
@@ -20,11 +20,11 @@
 namespace palpate {
 
 struct StressField {
-  /// xx yy zz xy yz xz, Pa.
+  /// Components xx yy zz xy yz xz, Pa.
   Eigen::Matrix<double, 6, Eigen::Dynamic> cauchy;
-  /// Pa.
+  /// Von Mises stress, Pa.
   Eigen::VectorXd von_mises;
-  /// The largest first.
+  /// Principal stretches, the largest first.
   Eigen::Matrix<double, 3, Eigen::Dynamic> principal_stretches;
 };
 
@@ -33,7 +33,8 @@ struct BodyStress {
   StressField at_points;
 };
 
-/// @param mesh That of the assembly.
+/// Finds the stress of the deformed body.
+/// @param mesh The mesh that the assembly was made of.
 /// @param u Displacement [3 × num_points], m.
 /// @param p Pressures of mixed cells [num_pressures], Pa; empty: 0.
 [[nodiscard]] BodyStress find_stress(const Assembly& assembly, const TetMesh& mesh,

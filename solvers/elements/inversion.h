@@ -19,11 +19,12 @@ namespace palpate {
 /// ∂x/∂ξ at the corners of a cell, or of a part of it.
 using CornerJacobians = std::array<Mat3, 4>;
 
-/// @param x Where the nodes of a Tet10 are, in the order of TetMesh.
+/// Gives ∂x/∂ξ at the corners of a Tet10.
+/// @param x The places of its nodes, in the order of TetMesh.
 [[nodiscard]] CornerJacobians corner_jacobians(const std::array<Vec3, 10>& x);
 
-/// A place where det ∂x/∂ξ ≤ 0, or as near to zero as can be told, in barycentric coordinates; none
-/// where there is none.
+/// A place where det ∂x/∂ξ is not positive, or as near to zero as can be told, in barycentric
+/// coordinates; empty where there is no such place.
 [[nodiscard]] std::optional<Eigen::Vector4d> find_inversion(const CornerJacobians& jacobians);
 
 /// det ∂x/∂ξ at a place in barycentric coordinates.

@@ -13,19 +13,20 @@ namespace palpate {
 struct QuadraturePoint {
   /// Place in the reference element.
   Vec3 xi;
-  /// Weight; those of an element sum to its reference volume 1/6.
+  /// Its weight; the weights of an element add up to the reference volume 1/6.
   double weight;
 };
 
-/// One point for Tet4, exact for its constant strain; the 4-point rule of degree 2 for Tet10
-/// (Keast 1986), in the order of the corners that the points lie near.
+/// The quadrature points of an element: one point for Tet4, which is exact for its constant strain,
+/// and the 4-point rule of degree 2 for Tet10 (Keast 1986), in the order of the corners that the
+/// points lie near.
 [[nodiscard]] const std::vector<QuadraturePoint>& quadrature(ElementOrder order);
 
-/// ∂N_a/∂ξ at xi [nodes_per_cell × 3].
+/// The gradients ∂N_a/∂ξ of the shape functions at xi [nodes_per_cell × 3].
 [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(ElementOrder order,
                                                                        const Vec3& xi);
 
-/// N_a at xi [nodes_per_cell].
+/// The shape functions N_a at xi [nodes_per_cell].
 [[nodiscard]] Eigen::VectorXd shape_values(ElementOrder order, const Vec3& xi);
 
 }  // namespace palpate

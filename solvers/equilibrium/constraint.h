@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Which points of a body are held.
 #pragma once
 
 #include <vector>
@@ -7,16 +8,16 @@
 
 namespace palpate {
 
-/// C of C u = t: each site is a point, or several that move as one.
+/// The matrix C of C u = t: each site is a point, or several points that move as one.
 struct Constraint {
-  /// Points that are held.
+  /// The points that are held.
   std::vector<Index> points;
-  /// Site of each point, 0 … num_sites − 1.
+  /// The site of each of these points, 0 … num_sites − 1.
   std::vector<Index> site_of_point;
   Index num_sites = 0;
 };
 
-/// Each node a site of its own.
+/// A constraint in which each node is a site of its own.
 [[nodiscard]] Constraint hold_nodes(const std::vector<Index>& nodes);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a predicted state to the equilibrium near it, the sites held.
+// The corrector goes from a predicted state to the equilibrium near it, while the sites are held.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Outcome::converged as long as there is no reason to stop.
+/// Gives Outcome::converged as long as there is no reason to stop, else the reason.
 using Interruption = std::function<Outcome()>;
 
 struct Correction {
@@ -20,16 +20,16 @@ struct Correction {
   /// Largest component of the residual, see EquilibriumOptions::tolerance.
   double residual = 0;
   int iterations = 0;
-  /// The last factor, and the steps since: together an approximation of the inverse of the tangent
-  /// at the end. Null where it was of no more use; good until the next factorisation.
+  /// The last factor and the steps since then: together they approximate the inverse of the tangent
+  /// at the end. Null where the factor was of no more use; valid until the next factorisation.
   TangentFactor* factor = nullptr;
   std::unique_ptr<QuasiNewton> quasi_newton;
 };
 
-/// Quasi-Newton from `state`, whose sites are at t, with the factor at `start` as long as that
-/// contracts, and line search: on the energy, which is a minimum at a stable equilibrium, or with
-/// pressures, where it is a saddle, on the norm of the residual. A trial state that inverts a cell
-/// of a law with a barrier has infinite energy and is drawn back.
+/// Goes by a quasi-Newton method from `state`, whose sites are at t, with the factor at `start` as
+/// long as that contracts. A line search lessens the energy, which has a minimum at a stable
+/// equilibrium, or with pressures, where it has a saddle, the norm of the residual. A trial state
+/// that inverts a cell of a law with a barrier has infinite energy and is drawn back.
 [[nodiscard]] Correction correct(HeldBody& body, const EquilibriumOptions& options,
                                  const Interruption& interruption, const NodalVector& start,
                                  const Eigen::VectorXd& t, NodalVector& state);

@@ -43,13 +43,14 @@ namespace palpate {
 
 /// How v and k at a solution are found.
 enum class Tangent {
-  /// From a factor of the tangent there, with its inertia.
+  /// They come from a factor of the tangent there, which also gives the inertia.
   factorised,
-  /// By iteration with the factor at the start where that serves, which is cheaper and sets
-  /// flags::inertia_not_computed; else as before. For states from which no other solve starts.
+  /// They come from an iteration with the factor at the start where that serves, else as before.
+  /// This is cheaper and sets flags::inertia_not_computed. It is for states from which no other
+  /// solve starts.
   iterated,
-  /// As before, but v is rough, with an error of a hundredth, and there is no third derivative. For
-  /// states of which no more than u, Π and h is of use.
+  /// As before, but v has an error of a hundredth, and there is no third derivative. This is for
+  /// states of which no more than u, Π and h is used.
   rough,
 };
 
@@ -72,7 +73,7 @@ class EquilibriumSolver {
   /// @throws InputError a point that does not exist, is in no cell, is fixed, or is named twice.
   void hold(const Constraint& constraint);
 
-  /// The body at rest (u = 0) with its sensitivity and stiffness. Needs `hold`.
+  /// The body at rest (u = 0) with its sensitivity and stiffness. Call hold() before.
   [[nodiscard]] Equilibrium rest();
 
   /// Moves the sites from those of `start` to t [3 × num_sites], m. `start` is an equilibrium of
@@ -81,7 +82,8 @@ class EquilibriumSolver {
   [[nodiscard]] Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                   Tangent tangent = Tangent::factorised);
 
-  /// No solve will start from this state again: if its factor is kept, it is the next to go.
+  /// Tells that no solve will start from this state again: if its factor is kept, it is the next to
+  /// be replaced.
   void forget(const Equilibrium& state);
 
   /// Follows the equilibrium path from `start` until it reaches t, however often it folds.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What happened, for a person: what is wrong, where, and what to change.
+// Messages for a person: what is wrong, where, and what to change.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace palpate {
 
-/// Of a solve that came a share `way` of the way to `target`; empty when there is nothing to say.
+/// Explains a solve that came a share `way` of the way to `target`; empty: there is nothing to say.
 [[nodiscard]] std::string explain(const HeldBody& body, const Equilibrium& state,
                                   const Eigen::VectorXd& target, double way);
 
-/// Of a body whose tangent at rest is singular: which piece of it is not held.
+/// Explains why the tangent of a body at rest is singular: which piece of it is not held.
 [[nodiscard]] std::string explain_singular(const HeldBody& body);
 
 }  // namespace palpate

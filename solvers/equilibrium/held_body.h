@@ -21,10 +21,10 @@ namespace palpate {
 
 class HeldBody {
  public:
-  /// @param scene Checked.
-  /// @param kept_factors At least 2: that of the start of a step and that of where it is.
+  /// @param scene It was checked, see check().
+  /// @param kept_factors At least 2: the factors at the start of a step and where it has come to.
   /// @throws InputError a body that the linear solver cannot factorise.
-  /// @param precision Of factors; a saddle has those of full precision in any case, and so has a
+  /// @param precision That of factors. They have full precision in any case for a saddle, and for a
   ///   body whose tangent at rest is too near to singular for others.
   HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
            Precision precision);
@@ -37,24 +37,24 @@ class HeldBody {
   [[nodiscard]] const Work& work() const { return work_; }
   [[nodiscard]] const TetMesh& mesh() const { return mesh_; }
   [[nodiscard]] const std::vector<char>& fixed() const { return fixed_; }
-  /// 3 num_sites.
+  /// Number of components of the sites' displacement: 3 num_sites.
   [[nodiscard]] Index num_parameters() const { return 3 * constraint_.num_sites; }
   /// The equilibrium is a saddle of the energy: there are pressures.
   [[nodiscard]] bool is_saddle() const { return assembly_.num_pressures() > 0; }
 
   /// A displacement that matters when the sites are at t: |t|, or a thousandth of an edge, m.
   [[nodiscard]] double displacement_scale(const Eigen::VectorXd& t) const;
-  /// Largest component of a residual, each over the norm of its row of the tangent at rest, m: of a
-  /// soft part beside a stiff one the residual counts as much.
+  /// Largest component of a residual, each over the norm of its row of the tangent at rest, m: so
+  /// the residual of a soft part counts as much as that of a stiff one.
   [[nodiscard]] double norm(const Eigen::VectorXd& r) const;
   /// Root of the sum of squares of the same, m.
   [[nodiscard]] double euclidean_norm(const Eigen::VectorXd& r) const;
 
-  /// Energy at a state, J; the force stays for residual() and reaction().
+  /// Energy at a state, J. The force there is kept for residual(), reaction() and force().
   double evaluate(const NodalVector& state);
-  /// Of the last evaluation: the components that must vanish, by unknown; zero for those of sites.
+  /// The components of force() that must vanish, by unknown; zero for the unknowns of sites.
   void residual(Eigen::VectorXd& r) const;
-  /// Of the last evaluation: the force that holds each site [num_parameters], N.
+  /// The force that holds each site in the last evaluation [num_parameters], N.
   [[nodiscard]] Eigen::VectorXd reaction() const;
 
   /// ∂Π/∂x of the last evaluation [state_size], N.
@@ -62,38 +62,38 @@ class HeldBody {
 
   /// Puts the points of the sites at t.
   void place_sites(const Eigen::VectorXd& t, NodalVector& state) const;
-  /// The free unknowns of a change of the state, those of sites 0.
+  /// A change of the state as a change of the unknowns; those of sites are 0.
   [[nodiscard]] Eigen::VectorXd as_unknowns(const NodalVector& state) const;
   /// A change of the unknowns as a change of the state.
   [[nodiscard]] NodalVector as_state(const Eigen::VectorXd& unknowns) const;
 
-  /// To be called before each solve, so that what it makes does not depend on those before.
+  /// Call this before each solve, so that its result does not depend on the solves before.
   void begin_solve();
 
-  /// The factor of the tangent at a state, if it is kept; else null.
+  /// The factor of the tangent at a state; null unless it is kept.
   [[nodiscard]] TangentFactor* find_factor(const NodalVector& state);
-  /// Gives the place of the factor at a state free.
+  /// Makes the factor at a state, if it is kept, the next to be replaced.
   void forget(const NodalVector& state);
-  /// The tangent at a state, for k_ia(), k_aa() and times_tangent().
+  /// Assembles the tangent at a state for k_ia(), k_aa() and times_tangent().
   void assemble_tangent(const NodalVector& state);
   /// Assembles and factorises the tangent at a state, in place of the factor not used for longest;
   /// null where it is singular. A linear body has one factor for all states, and where it can be,
   /// the one at rest is that of all sites. A factor follows from the scene, the sites and the state
   /// alone: one that is made again is the same.
   [[nodiscard]] TangentFactor* factorise(const NodalVector& state);
-  /// The same, of this state and these sites alone and in full precision: not rough. It is there
-  /// until the next one is made.
+  /// Does the same for this state and these sites alone and in full precision, so that the factor
+  /// is not rough. It is valid until the next one is made.
   [[nodiscard]] TangentFactor* factorise_accurately(const NodalVector& state);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
-  /// Negative pivots beyond the one that each pressure has by right.
+  /// The number of negative pivots beyond the one that belongs to each pressure.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
-  /// K_ii x of the last tangent, column by column.
+  /// K_ii x of the last tangent for each column x.
   [[nodiscard]] Eigen::MatrixXd times_tangent(const Eigen::MatrixXd& columns) const;
   /// K_ia [unknowns × num_parameters] and K_aa of the last tangent.
   [[nodiscard]] const Eigen::MatrixXd& k_ia() const { return k_ia_; }
   [[nodiscard]] const Eigen::MatrixXd& k_aa() const { return k_aa_; }
 
-  /// 1-norm condition number of the last tangent, estimated. Costs a few solves.
+  /// An estimate of the 1-norm condition number of the last tangent. It costs a few solves.
   [[nodiscard]] double condition(TangentFactor& factor) const;
 
  private:
@@ -111,7 +111,7 @@ class HeldBody {
     bool diagonal;
   };
 
-  /// A factor of the present sites, and the state whose tangent it is of; empty: none.
+  /// A factor for the present sites, and the state at which it was made; empty: there is none.
   struct KeptFactor final : TangentFactor {
     explicit KeptFactor(std::unique_ptr<LinearSolver> with) : solver(std::move(with)) {}
     void solve(Eigen::Ref<Eigen::MatrixXd> columns) override { solver->solve(columns); }
@@ -120,27 +120,27 @@ class HeldBody {
 
     std::unique_ptr<LinearSolver> solver;
     NodalVector state;
-    /// Single precision was not tried, as it had failed before in the same solve: another solve
-    /// would, and does not see this factor.
+    /// Single precision was not tried, as it had failed before in the same solve. Another solve
+    /// would try it, and so does not take this factor.
     bool is_provisional = false;
     /// When it was made or last asked for.
     long last_use = 0;
   };
 
   void assemble(const NodalVector& state, std::vector<double>& values);
-  /// The tangent there is that at rest.
+  /// Whether the tangent at a state is that at rest.
   [[nodiscard]] bool is_as_at_rest(const NodalVector& state) const;
-  /// Whether the rest factor serves the present sites, the tangent at rest being the last one;
-  /// makes it so if it can.
+  /// Makes the rest factor serve the present sites if that can be, and tells whether it does. The
+  /// last tangent must be that at rest.
   [[nodiscard]] bool shares_rest_factor();
-  /// The error of the rest factor's solutions for the last tangent, relative, roughly.
+  /// The relative error of the rest factor's solutions for the last tangent, roughly.
   [[nodiscard]] double error_of_rest_factor();
-  /// That of factors which may be rough.
+  /// The precision of factors that may be rough.
   [[nodiscard]] Precision usual_precision();
   [[nodiscard]] KeptFactor* factorise_alone(const NodalVector& state, Precision precision);
   [[nodiscard]] KeptFactor* find_kept_factor(const NodalVector& state);
   KeptFactor& factor_to_replace();
-  /// spare_solver_, made if there is none.
+  /// Gives spare_solver_, and makes it if there is none.
   LinearSolver& spare_solver();
   [[nodiscard]] std::vector<char> find_idle_multipliers() const;
 
@@ -148,21 +148,21 @@ class HeldBody {
   std::vector<char> fixed_;
   Assembly assembly_;
   std::size_t kept_factors_;
-  /// Asked for. Whether the tangent at rest, no site held, is safe in single precision; unknown
-  /// until that is asked for.
+  /// The precision that was asked for, and whether the tangent at rest with no site held is safe in
+  /// single precision; empty: that is not known yet.
   Precision precision_;
   std::optional<bool> rest_is_safe_;
-  /// In this solve a tangent was not safe in single precision; the next ones on the way will hardly
-  /// be.
+  /// In this solve a tangent was not safe in single precision. The next ones on the way will hardly
+  /// be, and are not tried.
   bool single_fails_ = false;
   std::vector<KeptFactor> factors_;
-  /// Analysed, and without a factor that is needed; null: all have one.
+  /// A solver that is analysed and has no factor that is needed; null: all have one.
   std::unique_ptr<LinearSolver> spare_solver_;
-  /// Null until it is asked for, and where there is none.
+  /// The factor at rest; null until it is asked for, and where there is none.
   std::unique_ptr<RestFactor> rest_factor_;
-  /// Unknowns that sites may hold for that one to serve them.
+  /// The number of unknowns up to which the factor at rest serves sites.
   Index most_shared_ = 0;
-  /// Whether it does; unknown until it is asked for.
+  /// Whether it serves the present ones; empty: that is not known yet.
   std::optional<bool> is_shared_;
   long uses_ = 0;
   Work work_;
@@ -171,20 +171,20 @@ class HeldBody {
   Eigen::VectorXd inverse_row_norm_;
 
   Constraint constraint_;
-  /// Parameter of each unknown, −1 for those that are not held.
+  /// The parameter of each unknown, −1 for those that are not held.
   std::vector<Index> parameter_of_unknown_;
   std::vector<Coupling> couplings_;
   std::vector<Held> held_;
-  /// Values of multipliers that no free unknown feels, off the diagonal and on it.
+  /// Positions of the values of multipliers that no free unknown feels, off the diagonal and on it.
   std::vector<Index> idle_;
   std::vector<Index> idle_diagonal_;
 
   /// ∂Π/∂x of the last evaluation.
   NodalVector force_;
-  /// The tangent at rest, no site held; and the last one, with the sites held.
+  /// The tangent at rest with no site held, and the last one, with the sites held.
   std::vector<double> rest_values_;
   std::vector<double> values_;
-  /// Of a linear body: the last one is that of the present sites.
+  /// For a linear body: the last tangent is that of the present sites.
   bool has_tangent_ = false;
   Eigen::MatrixXd k_ia_;
   Eigen::MatrixXd k_aa_;

@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// The state x = (u, p̂) of an equilibrium.
+/// The state x = (u, p̂) that an equilibrium is at.
 [[nodiscard]] NodalVector state_of(const HeldBody& body, const Equilibrium& equilibrium);
 /// ∂x/∂t [state_size × 3 num_sites].
 [[nodiscard]] Eigen::MatrixXd sensitivity_of(const HeldBody& body, const Equilibrium& equilibrium);
@@ -18,7 +18,7 @@ namespace palpate {
 /// Factorises the tangent at an equilibrium x, whose sites are at equilibrium.t, and fills in what
 /// follows from it: u, v, p, reaction, stiffness, energy, inertia, det F and their flags, and how
 /// far Newton's method would still move the state.
-/// @param newton_step Where to, if not null: the change of the state.
+/// @param newton_step If not null, it is set to that change of the state.
 /// @returns Outcome::tangent_not_factorised where there is no tangent, else converged.
 [[nodiscard]] Outcome linearise(HeldBody& body, const NodalVector& state, Equilibrium& equilibrium,
                                 NodalVector* newton_step = nullptr);
@@ -29,20 +29,20 @@ namespace palpate {
 void superpose(HeldBody& body, const Equilibrium& start, const NodalVector& state,
                Equilibrium& equilibrium);
 
-/// Errors that v may be left with, relative: that of a state to be kept, and that of one whose k is
-/// asked for alone.
+/// Relative errors that may be left in v: of a state that is kept, and of one that only gives k.
 inline constexpr double kSensitivityError = 1e-4;
 inline constexpr double kRoughSensitivityError = 1e-2;
 
-/// Does the same without a factor of the tangent at x: v by conjugate gradients, preconditioned
-/// with what the correction to x has left, its last factor and the steps since, which approximate
-/// the inverse of the tangent there (Morales & Nocedal, Automatic preconditioning by limited memory
-/// quasi-Newton updating, SIAM J. Optim. 10, 2000), and from the v of `start`; k by the functional
-/// that is stationary in v, so that its relative error is the square of v's. Costs about half a
-/// factorisation. The inertia is not computed; negative curvature along the way is seen.
-/// @param start From which x was reached.
-/// @param error That is left in v, relative.
-/// @returns false, and leaves the equilibrium to linearise(), where there is no such factor or it
+/// Does the same without a factor of the tangent at x. v is found by conjugate gradients from the v
+/// of `start`. Their preconditioner is what the correction to x has left: its last factor and the
+/// steps since then, which approximate the inverse of the tangent there (Morales & Nocedal,
+/// Automatic preconditioning by limited memory quasi-Newton updating, SIAM J. Optim. 10, 2000). k
+/// comes from the functional that is stationary in v, so that its relative error is the square of
+/// v's. This costs about half a factorisation. The inertia is not computed; negative curvature
+/// along the way is seen.
+/// @param start The equilibrium from which x was reached.
+/// @param error The relative error that may be left in v.
+/// @returns False, and leaves the equilibrium to linearise(), where there is no such factor or it
 ///   does not serve well, the tangent is not positive definite, or x needs another Newton step.
 [[nodiscard]] bool linearise_by_iteration(HeldBody& body, const EquilibriumOptions& options,
                                           const Correction& correction, const Equilibrium& start,

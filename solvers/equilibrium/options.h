@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// How an equilibrium is searched for.
 #pragma once
 
 #include <functional>
@@ -11,37 +12,38 @@ struct EquilibriumOptions {
   /// of |t| and a thousandth of the mean edge. 1e-10 leaves the reaction with a relative error far
   /// below 1e-8.
   double tolerance = 1e-10;
-  /// And when Newton's method would not move the body by more than this share of the larger of |t|
+  /// Besides, Newton's method must not move the body by more than this share of the larger of |t|
   /// and a thousandth of the mean edge. Where rounding allows no better than 1e-6, as with
-  /// stiffnesses that differ by 1e9, it has converged too and flags::inaccurate is set.
+  /// stiffnesses that differ by 1e9, the solve has converged too and flags::inaccurate is set.
   [[nodiscard]] double displacement_error() const { return 100 * tolerance; }
-  /// Iterations of one step.
+  /// The largest number of iterations of one step.
   int max_iterations = 60;
   /// A step may be halved this often: 1/256 of the way.
   int max_halvings = 8;
-  /// Steps of one solve, failed ones included.
+  /// The largest number of steps of one solve, failed ones included.
   int max_steps = 600;
-  /// Time for one solve, s; 0 is no bound. A factorisation is not interrupted.
+  /// The longest time for one solve, s; 0: there is no bound. A factorisation is not interrupted.
   double max_seconds = 0;
-  /// A factor serves as long as the steps shrink to at most this share from one to the next, in the
-  /// mean since it was made. A factorisation costs about as much as twenty-five iterations.
+  /// A factor serves as long as the steps shrink from one to the next to at most this share, in the
+  /// mean since the factor was made. A factorisation costs about as much as twenty-five iterations.
   double contraction = 0.7;
-  /// Where a step fails however small it is, as at a fold, follow the equilibrium path on to where
-  /// it reaches t, round the folds. If that fails, or without it, the body jumps to the equilibrium
-  /// that the energy falls to, if there is one; without it at once where that is inverted.
+  /// Where a step fails however small it is, as at a fold, the equilibrium path is followed round
+  /// the folds to where it reaches t. If that fails, or without this option, the body jumps to the
+  /// equilibrium that the energy falls to, if there is one; without it, at once where that is
+  /// inverted.
   bool follow_folds = true;
-  /// Factors of tangents that are kept, those of the states that were used last; at least 2. Solves
-  /// that start from a state whose factor is kept save its factorisation. From 3 on, one of them
+  /// The number of factors of tangents that are kept, at least 2: those of the states that were
+  /// used last. Solves that start from such a state save its factorisation. From 3 on, one of them
   /// can be that at rest, which all sites share.
   int kept_factors = 2;
-  /// Factors in single precision where the tangent is far from singular: for two thirds of the
-  /// time, with as many iterations; v has a relative error of 1e-8 then. Energies and residuals are
-  /// always in double precision.
+  /// Factors are in single precision where the tangent is far from singular. They take two thirds
+  /// of the time, with as many iterations; v has a relative error of 1e-8 then. Energies and
+  /// residuals are always in double precision.
   bool single_precision = false;
   /// Whether an equilibrium of one site has its third derivative, for about a tenth of the time of
   /// a solve.
   bool third_derivatives = false;
-  /// Asked before each iteration; true ends the solve with Outcome::aborted.
+  /// It is called before each iteration; true ends the solve with Outcome::aborted.
   std::function<bool()> abort_requested;
 };
 

@@ -18,11 +18,11 @@
 namespace palpate {
 
 struct PathOptions {
-  /// Share of the way that the first step takes.
+  /// The share of the way that the first step takes.
   double first_step = 1.0 / 16;
   /// No step is longer than this many times the first one.
   double largest_step = 2;
-  /// Points of the path at most.
+  /// The largest number of points of the path.
   int max_points = 400;
 };
 
@@ -38,20 +38,20 @@ struct PathPoint {
   /// h [3 × num_sites], N.
   Eigen::VectorXd reaction;
   double minimum_det_f = 1;
-  /// Of K_ii: 0 where the equilibrium is stable while the sites are held.
+  /// Negative pivots of K_ii: 0 where the equilibrium is stable while the sites are held.
   int negative_pivots = 0;
 };
 
 struct Path {
-  /// From the start on.
+  /// The points of the path in their order, the start the first.
   std::vector<PathPoint> points;
-  /// Where λ begins to fall; those where it begins to rise again are between them.
+  /// The folds at which λ begins to fall; those at which it begins to rise again lie between them.
   std::vector<Fold> folds;
   /// The last equilibrium: at t₁ when the outcome is converged.
   Equilibrium end;
 };
 
-/// Follows the path from `start` towards `target` [3 × num_sites] until it reaches it.
+/// Follows the path from `start` until it reaches `target` [3 × num_sites], m.
 [[nodiscard]] Path follow_path(HeldBody& body, const EquilibriumOptions& options,
                                const PathOptions& path_options, const Interruption& interruption,
                                const Equilibrium& start, const Eigen::VectorXd& target);

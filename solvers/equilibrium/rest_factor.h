@@ -22,17 +22,18 @@ namespace palpate {
 
 class RestFactor final : public TangentFactor {
  public:
-  /// The most unknowns that may be held for the solves to cost at most half of a factorisation.
-  /// @param solver Analysed, for so many unknowns.
+  /// The number of unknowns that may be held at most: with more, the solves for them would cost
+  /// more than half of a factorisation.
+  /// @param solver It was analysed for so many unknowns.
   [[nodiscard]] static Index most_held(const LinearSolver& solver, Index num_unknowns);
 
-  /// @param solver Has the factor of K.
+  /// @param solver It has the factor of K.
   RestFactor(std::unique_ptr<LinearSolver> solver, Index num_unknowns)
       : solver_(std::move(solver)), num_unknowns_(num_unknowns) {}
 
   [[nodiscard]] LinearSolver& solver() { return *solver_; }
 
-  /// Chooses what is held. Costs a solve for each.
+  /// Chooses which unknowns are held. This costs a solve for each.
   void hold(std::vector<Index> unknowns);
 
   void solve(Eigen::Ref<Eigen::MatrixXd> columns) override;
@@ -43,7 +44,7 @@ class RestFactor final : public TangentFactor {
   std::unique_ptr<LinearSolver> solver_;
   Index num_unknowns_;
   std::vector<Index> held_;
-  /// Z S [num_unknowns × held], and the negative eigenvalues of S.
+  /// Z S [num_unknowns × held], and the number of negative eigenvalues of S.
   Eigen::MatrixXd elastic_;
   int num_negative_ = 0;
 };

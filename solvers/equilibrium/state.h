@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a solve finds.
+// The result of a solve.
 #pragma once
 
 #include <string>
@@ -13,20 +13,20 @@ namespace palpate {
 /// A place where the equilibrium path turns back: a body whose sites are moved on jumps from there
 /// to another equilibrium at the same t.
 struct Fold {
-  /// Share of the way from the start to the target.
+  /// Where it is, as a share of the way from the start to the target.
   double way = 0;
   /// Displacement of the sites [3 × num_sites], m.
   Eigen::VectorXd t;
-  /// Just before the jump: Π, J, and h [3 × num_sites], N.
+  /// Π, J, and h [3 × num_sites], N, just before the jump.
   double energy = 0;
   Eigen::VectorXd reaction;
-  /// Where the path comes by the same t again further on, if it does.
+  /// Whether the path comes by the same t again further on, and Π, J, and h, N, there.
   bool lands = false;
   double landing_energy = 0;
   Eigen::VectorXd landing_reaction;
 };
 
-/// A state of the body. For a solve that did not converge: the last equilibrium on the way, so
+/// An equilibrium of the body. Where the solve did not converge it is the last one on the way, so
 /// that every figure belongs to `t`.
 struct Equilibrium {
   /// Displacement of the sites [3 × num_sites], m.
@@ -45,8 +45,8 @@ struct Equilibrium {
   Eigen::VectorXd reaction;
   /// k [3 × num_sites, 3 × num_sites], N/m.
   Eigen::MatrixXd stiffness;
-  /// ∂³Π/∂t³ [10], N/m², see third_derivative.h; empty unless it was asked for, with several sites,
-  /// and for a solve that did not converge.
+  /// ∂³Π/∂t³ [10], N/m², see third_derivative.h; empty with several sites, where the solve did not
+  /// converge, and where it was not asked for.
   Eigen::VectorXd third_derivative;
 
   Outcome outcome = Outcome::not_converged;
@@ -59,18 +59,18 @@ struct Equilibrium {
   double displacement_error = 0;
   /// Least det F over quadrature points and corners.
   double minimum_det_f = 1;
-  /// Where it is.
+  /// The cell where that is.
   Index minimum_det_f_cell = -1;
   Index num_inverted_cells = 0;
-  /// Of the tangent K_ii at u, beyond the one that each pressure has by right.
+  /// Negative pivots of the tangent K_ii at u, beyond the one that belongs to each pressure.
   int negative_pivots = 0;
   int iterations = 0;
-  /// Steps taken, failed ones included.
+  /// Number of steps, failed ones included.
   int steps = 0;
   double seconds = 0;
-  /// Folds that were passed on the way.
+  /// The folds that were passed on the way.
   std::vector<Fold> folds;
-  /// What happened, for a person; empty when there is nothing to say.
+  /// What happened, in words; empty when there is nothing to say.
   std::string message;
 };
 

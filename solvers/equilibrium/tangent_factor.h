@@ -10,12 +10,12 @@ class TangentFactor {
  public:
   virtual ~TangentFactor() = default;
 
-  /// Overwrites each column with the solution for it; what is in the rows of held unknowns has no
-  /// part in the others.
+  /// Overwrites each column with the solution for it. The rows of held unknowns have no influence
+  /// on the others.
   virtual void solve(Eigen::Ref<Eigen::MatrixXd> columns) = 0;
   /// The number of negative eigenvalues of K_ii.
   [[nodiscard]] virtual int negative_pivots() const = 0;
-  /// Solutions have errors beyond those of double precision, which refinement removes.
+  /// Whether solutions have larger errors than those of double precision; refinement removes them.
   [[nodiscard]] virtual bool is_rough() const = 0;
 
  protected:

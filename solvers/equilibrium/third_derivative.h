@@ -18,9 +18,9 @@
 namespace palpate {
 
 /// T at an equilibrium with its sensitivity, in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz,
-/// yzz, zzz [10], N/m². Costs 13 residuals; none in a linear body, where it is zero. An error of v
-/// is one of T of three times its share.
-/// @param body With one site.
+/// yzz, zzz [10], N/m². This costs 13 residuals; none in a linear body, where T is zero. The
+/// relative error of T is three times that of v.
+/// @param body It has one site.
 /// @returns NaN where the residual is not defined on either side, however small the step.
 [[nodiscard]] Eigen::VectorXd third_derivative(HeldBody& body, const Equilibrium& equilibrium);
 

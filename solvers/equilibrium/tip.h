@@ -18,7 +18,7 @@ class Tip {
   /// @param radius See SurfacePatches::around, m; 0 holds the nodes alone.
   Tip(const Scene& scene, double radius);
 
-  /// Each node with its patch a site of its own, in their order.
+  /// A constraint in which each node with its patch is a site of its own, in the nodes' order.
   /// @throws InputError no node; a node that does not exist, is in no cell, inside the body, fixed
   ///   or named twice; a patch that reaches a fixed point, or shares a point with another; a radius
   ///   that is negative or not finite.

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a solver has done, by number and by time.
+// The work that a solver has done: how often it has done what, and how long that took.
 #pragma once
 
 #include <chrono>
 
 namespace palpate {
 
-/// Work done so far. A configuration cannot cost less than one assembly, one factorisation and
-/// three solves, unless it does without its own tangent: `floor_seconds`.
+/// The work done so far.
 struct Work {
   long residuals = 0, assemblies = 0, analyses = 0, factorisations = 0, right_hand_sides = 0;
   double residual_seconds = 0, assembly_seconds = 0, analysis_seconds = 0,
          factorisation_seconds = 0, solve_seconds = 0;
 
-  /// Mean of one assembly + one factorisation + three solves, s; 0 before any was done.
+  /// Mean time of one assembly, one factorisation and three solves, s; 0 before any was done. A
+  /// configuration cannot cost less, unless it does without a tangent of its own.
   [[nodiscard]] double floor_seconds() const;
   Work& operator+=(const Work& other);
 };

@@ -20,7 +20,7 @@ namespace palpate {
 
 class AdaptiveGrid final : public Frontier {
  public:
-  /// @param site With a tolerance.
+  /// @param site It has a tolerance.
   explicit AdaptiveGrid(const Site& site);
 
   void recall(const ConfigurationSummary& found) override;
@@ -37,14 +37,15 @@ class AdaptiveGrid final : public Frontier {
   void plan_round();
   [[nodiscard]] std::vector<CheckPoint> starts(const std::set<CheckPoint>& corners,
                                                const CheckPoint& target) const;
-  /// N.
+  /// The error of the force that is asked for, given what was found so far, N.
   [[nodiscard]] double tolerance(const std::vector<ConfigurationSummary>& found) const;
 
   Site site_;
   LayeredGrid coarse_;
-  /// Of the rounds so far, usable or not; also the points that nothing leads to.
+  /// What the rounds so far have found, usable or not, and the points that nothing leads to.
   Summaries found_;
-  /// Of earlier runs, beyond the coarsest cells, that no round has asked for yet.
+  /// What earlier runs have found between the corners of the coarsest cells, and no round has
+  /// asked for yet.
   Summaries recalled_;
   /// Targets that are under way, and the starts that may be tried next.
   std::map<CheckPoint, std::vector<CheckPoint>> under_way_;

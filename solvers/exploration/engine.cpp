@@ -165,7 +165,7 @@ void Engine::recall(Unpacker& content, Mail& mail) {
     if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   }
   for (auto left = content.take<std::size_t>(); left > 0; --left) {
-    const ConfigurationSummary summary = content.take_summary();
+    const ConfigurationSummary summary = content.take<ConfigurationSummary>();
     home.frontier->recall(summary);
     if (summary.usable()) home.held[{summary.check_point, summary.level}] = {summary, 0};
     if (summary.level >= 0) count(summary, true, report_);
@@ -179,19 +179,19 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
     case Kind::recalled: recall(content, mail); break;
     case Kind::found: {
       const auto node = content.take<Index>();
-      take_in(node, content.take_summary(), from, mail);
+      take_in(node, content.take<ConfigurationSummary>(), from, mail);
       break;
     }
     case Kind::settle: {
       const auto node = content.take<Index>();
-      const ConfigurationSummary candidate = content.take_summary();
+      const ConfigurationSummary candidate = content.take<ConfigurationSummary>();
       record_.settle(node, candidate, content.take<std::int32_t>());
       break;
     }
     case Kind::make:
       while (!content.at_end()) batches_.push_front(unpack(content));
       break;
-    case Kind::progress: monitor_.set_count(from, content.take<Monitor::Count>()); break;
+    case Kind::progress: monitor_.hear(from, content); break;
   }
 }
 
@@ -298,7 +298,7 @@ void Engine::hand_out(Index active_node, Mail& mail) {
 bool Engine::has_work() const { return !to_recall_.empty() || !batches_.empty(); }
 
 void Engine::work(Mail& mail) {
-  tell(mail);
+  tell();
   if (!to_recall_.empty()) return recall_some(mail);
   current_ = std::move(batches_.back());
   batches_.pop_back();
@@ -344,15 +344,12 @@ void Engine::work(Mail& mail) {
 }
 
 /// How far the homes here are.
-void Engine::tell(Mail& mail) {
-  const Monitor::Count count{report_.num_solved + report_.num_reused, report_.num_reused,
-                             report_.num_expected - num_not_reached_};
-  monitor_.set_count(mail.rank(), count);
-  if (mail.rank() == 0 || !monitor_.is_due()) return;
+void Engine::tell() {
   Packer message;
   message.put(Kind::progress);
-  message.put(count);
-  mail.send(0, message.take());
+  monitor_.tell({report_.num_solved + report_.num_reused, report_.num_reused,
+                 report_.num_expected - num_not_reached_},
+                std::move(message));
 }
 
 void Engine::load_state(Batch& batch) const {
@@ -471,20 +468,18 @@ void Engine::pack(Batch& batch, bool with_state, Packer& message) {
     ++report_.num_states_given;
     message.put(to_configuration(Equilibrium(*batch.state)));
   }
-  message.put(batch.targets.size());
-  for (const Target& target : batch.targets) message.put(target);
+  message.put_list(batch.targets);
 }
 
 Engine::Batch Engine::unpack(Unpacker& message) {
   Batch batch;
   batch.active_node = message.take<Index>();
-  batch.start = message.take_summary();
+  batch.start = message.take<ConfigurationSummary>();
   if (message.take<bool>()) {
-    batch.state = std::make_shared<const Equilibrium>(to_equilibrium(message.take_configuration()));
+    batch.state =
+        std::make_shared<const Equilibrium>(to_equilibrium(message.take<Configuration>()));
   }
-  for (auto left = message.take<std::size_t>(); left > 0; --left) {
-    batch.targets.push_back(message.take<Target>());
-  }
+  batch.targets = message.take_list<std::deque<Target>>();
   return batch;
 }
 

@@ -30,10 +30,10 @@ namespace palpate {
 
 class Engine final : public Worker {
  public:
-  /// All of them must outlive it.
-  /// @param sites In the order of their active nodes.
-  /// @param network Of the scheduler that runs it.
-  /// @param report What the tasks of this rank and the homes here have done is added.
+  /// All arguments must outlive the engine.
+  /// @param sites They are in the order of their active nodes.
+  /// @param network The network of the scheduler that runs the engine.
+  /// @param report The engine adds what the tasks of this rank and the homes here have done.
   Engine(const std::vector<Site>& sites, SiteSolver& solver, Record& record, const Network& network,
          Monitor& monitor, PrecomputeReport& report);
 
@@ -48,18 +48,18 @@ class Engine final : public Worker {
  private:
   struct Target {
     CheckPoint check_point{};
-    /// Of what is found: 0, or that of a candidate.
+    /// The level of what is found: 0, or that of a candidate.
     std::int32_t level = 0;
-    /// Of earlier attempts, which failed.
+    /// What earlier attempts, which failed, have taken.
     std::int32_t iterations = 0;
     double seconds = 0;
   };
   /// Transitions from one start.
   struct Batch {
     Index active_node = 0;
-    /// Of the rest position where there is no start.
+    /// The start; not usable for the rest position, which has none.
     ConfigurationSummary start;
-    /// Null until it is needed, and where there is no start.
+    /// The state of the start; null until it is needed, and where there is no start.
     std::shared_ptr<const Equilibrium> state;
     std::deque<Target> targets;
     [[nodiscard]] bool has_start() const { return start.usable(); }
@@ -72,31 +72,33 @@ class Engine final : public Worker {
   /// An active node whose home is here.
   struct Home {
     std::unique_ptr<Frontier> frontier;
-    /// All that is usable, by check-point and level.
+    /// All usable configurations, by check-point and level.
     std::map<std::pair<CheckPoint, std::int32_t>, Held> held;
-    /// Failed transitions that may be tried from another start, with all earlier attempts.
+    /// Failed transitions that may be tried from another start; their figures are those of all
+    /// attempts together.
     std::map<CheckPoint, ConfigurationSummary> failed;
-    /// Frontier::num_expected() when it was asked last.
+    /// What Frontier::num_expected() gave when it was last called.
     std::int64_t num_expected = 0;
   };
 
   void recall_some(Mail& mail);
   void recall(Unpacker& content, Mail& mail);
-  void tell(Mail& mail);
+  void tell();
   void hand_out(Index active_node, Mail& mail);
   void settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail);
   void take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail);
-  /// Takes some of the targets for another rank.
+  /// Takes every other target out of a batch, for another rank.
   [[nodiscard]] static Batch split(Batch& batch);
-  /// @param with_state For a rank whose record does not have the start.
+  /// @param with_state Whether the state of the start is put in too: for a rank whose record does
+  ///   not have it.
   void pack(Batch& batch, bool with_state, Packer& message);
   [[nodiscard]] static Batch unpack(Unpacker& message);
-  /// Has the state of its start read where that is needed.
+  /// Reads the state of a batch's start, unless it is there.
   void load_state(Batch& batch) const;
   [[nodiscard]] const Site& site_of(Index active_node) const;
   [[nodiscard]] Configuration make(const Batch& batch, const Target& target);
-  /// The intermediate states on the straight way to a configuration that was made; where it was
-  /// aborted, the last has that outcome.
+  /// Solves for the intermediate states on the straight way to a configuration that was found.
+  /// Where that is aborted, the last one has that outcome.
   [[nodiscard]] std::vector<IntermediateState> make_way(const Batch& batch,
                                                         const ConfigurationSummary& found);
 
@@ -106,15 +108,15 @@ class Engine final : public Worker {
   Monitor& monitor_;
   PrecomputeReport& report_;
   std::map<Index, Home> homes_;
-  /// On rank 0: active nodes whose homes wait for what is known, and what is left to tell of the
-  /// first; null until it is read.
+  /// On rank 0: the active nodes whose homes wait for what is known of them, and what is left to
+  /// tell of the first of these, null until it is read.
   std::deque<Index> to_recall_;
   std::unique_ptr<Known> known_;
-  /// Of the homes here: targets that were given up without any transition.
+  /// The targets that homes here have given up without any transition.
   std::int64_t num_not_reached_ = 0;
-  /// The last is the next; those in front are given away.
+  /// The last one is worked on next; those in front are given away.
   std::deque<Batch> batches_;
-  /// The one of the transition that is being made.
+  /// The batch whose transition is being made.
   std::optional<Batch> current_;
 };
 

@@ -19,11 +19,11 @@ namespace palpate {
 /// A step from a configuration that is known to one that is sought.
 struct Transition {
   CheckPoint target{};
-  /// The target itself for the rest position, which needs no start.
+  /// Where the transition begins. The rest position needs no start: there it is the target itself.
   CheckPoint start{};
   std::int32_t start_level = 0;
-  /// Not the first configuration of the target is sought but what is reached from this start, which
-  /// may be known: a candidate, see candidate_level().
+  /// What is sought is not the first configuration at the target but the one that is reached from
+  /// this start. It may be known already: it is a candidate, see candidate_level().
   bool finds_candidate = false;
 
   [[nodiscard]] bool needs_no_start() const { return start == target; }
@@ -40,7 +40,7 @@ struct Settlement {
 
 /// The targets to which transitions from a configuration are made whatever else is found. The same
 /// target follows from no other configuration.
-/// @param found Of an exploration of the site.
+/// @param found A configuration that an exploration of the site has found.
 [[nodiscard]] std::vector<CheckPoint> following(const Site& site,
                                                 const ConfigurationSummary& found);
 

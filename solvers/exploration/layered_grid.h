@@ -29,18 +29,18 @@ class LayeredGrid final : public Frontier {
   [[nodiscard]] std::vector<CheckPoint> given_up() override;
   [[nodiscard]] std::int64_t num_expected() const override;
 
-  /// Whether a check-point is one of this grid's.
+  /// Whether a check-point belongs to this grid.
   [[nodiscard]] bool holds(const CheckPoint& p) const;
   /// Nothing is under way, and nothing is due.
   [[nodiscard]] bool is_complete() const;
 
  private:
   enum class Status : char {
-    /// Not found yet.
+    /// It was not found yet.
     open,
-    /// A transition to it was given out, or follows from its start.
+    /// A transition to it was given out, or is made because it follows from its start.
     under_way,
-    /// Found, and others may be reached from it.
+    /// It was found, and others may be reached from it.
     start,
     /// Others may not be reached from it: it failed, is beyond the force limit or is not reached.
     no_start,
@@ -48,19 +48,20 @@ class LayeredGrid final : public Frontier {
 
   [[nodiscard]] Status& at(const CheckPoint& p);
   void take_in(const ConfigurationSummary& found);
-  /// Gives a target out, up, or lets it wait.
+  /// Gives out a transition to a target, gives the target up, or lets it wait.
   void decide(const CheckPoint& target);
   /// Decides the targets of the next layer that touch p.
   void decide_around(const CheckPoint& p);
 
   std::int32_t step_;
-  /// In steps of the grid.
+  /// The largest index of a check-point, in steps of this grid.
   std::int32_t reach_;
-  /// [(2 reach + 1)³], k fastest.
+  /// Of each check-point [(2 reach + 1)³], k fastest.
   std::vector<Status> status_;
   std::int64_t num_under_way_ = 0;
   bool has_begun_ = false;
-  /// Where the last step to a target began, that failed. Here and below in steps of the grid.
+  /// By target the start of the last step to it, which failed; in steps of this grid. What is due
+  /// and given up is in steps of the site's.
   std::map<CheckPoint, CheckPoint> failed_from_;
   std::vector<Transition> due_;
   std::vector<CheckPoint> given_up_;

@@ -35,7 +35,7 @@ namespace palpate {
 
 class LevelledGrid final : public Frontier {
  public:
-  /// @param site Of a uniform grid.
+  /// @param site Its grid is uniform.
   explicit LevelledGrid(const Site& site);
 
   void recall(const ConfigurationSummary& found) override;
@@ -48,17 +48,17 @@ class LevelledGrid final : public Frontier {
 
  private:
   using Levels = std::map<std::int32_t, ConfigurationSummary>;
-  /// Start, its level, target.
+  /// A transition: its start, the level of that, and its target.
   using Key = std::tuple<CheckPoint, std::int32_t, CheckPoint>;
 
   [[nodiscard]] bool is_in_box(const CheckPoint& p) const;
   [[nodiscard]] const ConfigurationSummary* flat_at(const CheckPoint& p) const;
   [[nodiscard]] bool is_suspect(const ConfigurationSummary& found) const;
-  /// Whether the energy along an edge does not fit.
+  /// Whether the energy along an edge does not fit the forces at its ends.
   [[nodiscard]] bool is_across(const ConfigurationSummary& found, int axis) const;
-  /// Those of the flat space, once it is complete.
+  /// Finds the suspects of the flat space, once that is complete.
   void find_suspects();
-  /// The transitions that suspects ask for, without those that are settled.
+  /// The transitions that suspects ask for and that are not settled yet.
   [[nodiscard]] std::set<Key> missing() const;
   void add_transitions(const CheckPoint& from, const CheckPoint& to, std::set<Key>& all) const;
   void settle(const Key& key);
@@ -69,12 +69,12 @@ class LevelledGrid final : public Frontier {
   LayeredGrid flat_;
   bool has_suspects_ = false;
   std::set<CheckPoint> suspects_;
-  /// Of the flat space and of the rounds so far.
+  /// What the flat space and the rounds so far have found.
   std::map<CheckPoint, Levels> found_;
-  /// Beyond the flat space, of earlier runs too.
+  /// The levels beyond the flat space, those of earlier runs too.
   std::map<CheckPoint, Levels> levels_;
   std::int64_t num_levels_ = 0;
-  /// Of earlier runs.
+  /// The levels that transitions of earlier runs have reached.
   std::map<Key, std::int32_t> recalled_;
   /// What transitions of this round, and those of earlier runs that were not settled, have found.
   std::map<Key, ConfigurationSummary> candidates_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far the ranks are, and whether to go on: not once an abort was asked for on any rank.
+// A monitor tells the user how far the ranks are, and the solvers whether to go on: they stop when
+// an abort was asked for on any rank.
 #pragma once
 
 #include <cstdint>
@@ -7,36 +8,42 @@
 #include <utility>
 
 #include "exploration/precompute.h"
+#include "exploration/transfer.h"
 #include "schedule/scheduler.h"
 
 namespace palpate {
 
 class Monitor {
  public:
-  /// @param network Whose clock it goes by.
+  /// @param network The monitor goes by its clock.
   Monitor(Progress progress, const Network& network)
       : progress_(std::move(progress)),
         network_(network),
         start_(network.now()),
         last_sent_(start_) {}
 
-  /// What the homes of a rank know of.
+  /// What a rank knows of: configurations that were found, in this run or an earlier one, those of
+  /// them that an earlier run has found, and those that are expected in all.
   struct Count {
     std::int64_t found = 0;
     std::int64_t reused = 0;
     std::int64_t expected = 0;
   };
-  void set_count(int rank, const Count& count) { of_ranks_[rank] = count; }
-
-  /// While there is a run: what comes from other ranks is served.
+  /// Give the mail at the begin of a run and null at its end: in between go_on() serves what comes
+  /// from other ranks.
   void set_mail(Mail* mail) { mail_ = mail; }
 
-  /// Whether to send the count to rank 0 again.
-  [[nodiscard]] bool is_due() {
-    if (network_.now() - last_sent_ < kInterval) return false;
+  /// Takes down how far this rank is, and sends it to rank 0 now and then. Call this during a run.
+  /// @param message What the message begins with, by which the worker knows it.
+  void tell(const Count& count, Packer message = {}) {
+    of_ranks_[mail_->rank()] = count;
+    if (mail_->rank() == 0 || network_.now() - last_sent_ < kInterval) return;
     last_sent_ = network_.now();
-    return true;
+    message.put(count);
+    mail_->send(0, message.take());
   }
+  /// Takes down what another rank has told.
+  void hear(int from, Unpacker& message) { of_ranks_[from] = message.take<Count>(); }
 
   bool go_on() {
     if (mail_ != nullptr && !mail_->poll()) stopped_ = true;
@@ -45,7 +52,7 @@ class Monitor {
   }
 
  private:
-  /// s
+  /// How long a rank waits before it tells rank 0 again, s.
   static constexpr double kInterval = 0.5;
 
   [[nodiscard]] ProgressState state() const {
@@ -65,7 +72,7 @@ class Monitor {
   }
 
   Progress progress_;
-  /// Of all ranks on rank 0, elsewhere of this one.
+  /// On rank 0 the counts of all ranks, elsewhere that of this one.
   std::map<int, Count> of_ranks_;
   const Network& network_;
   Mail* mail_ = nullptr;

@@ -124,16 +124,8 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
   mine.put(report.num_unknowns);
   mine.put(report.exploration_seconds);
   mine.put(report.finishing_seconds);
-  mine.put(report.num_by_outcome.size());
-  for (const auto& [outcome, number] : report.num_by_outcome) {
-    mine.put(outcome);
-    mine.put(number);
-  }
-  mine.put(report.num_by_flag.size());
-  for (const auto& [flag, number] : report.num_by_flag) {
-    mine.put(flag);
-    mine.put(number);
-  }
+  mine.put_list(report.num_by_outcome);
+  mine.put_list(report.num_by_flag);
   report.num_solved = report.num_reused = report.num_expected = report.iterations = 0;
   report.num_transitions = report.num_levels = report.num_beyond_most_levels = 0;
   report.num_states_given = 0;
@@ -161,13 +153,13 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
     report.num_unknowns = std::max(report.num_unknowns, of_rank.take<Index>());
     report.exploration_seconds = std::max(report.exploration_seconds, of_rank.take<double>());
     report.finishing_seconds = std::max(report.finishing_seconds, of_rank.take<double>());
-    for (auto left = of_rank.take<std::size_t>(); left > 0; --left) {
-      const auto outcome = of_rank.take<Outcome>();
-      report.num_by_outcome[outcome] += of_rank.take<std::int64_t>();
+    using ByOutcome = std::vector<std::pair<Outcome, std::int64_t>>;
+    using ByFlag = std::vector<std::pair<Flags, std::int64_t>>;
+    for (const auto& [outcome, number] : of_rank.take_list<ByOutcome>()) {
+      report.num_by_outcome[outcome] += number;
     }
-    for (auto left = of_rank.take<std::size_t>(); left > 0; --left) {
-      const auto flag = of_rank.take<Flags>();
-      report.num_by_flag[flag] += of_rank.take<std::int64_t>();
+    for (const auto& [flag, number] : of_rank.take_list<ByFlag>()) {
+      report.num_by_flag[flag] += number;
     }
   }
   report.num_not_reached = report.num_expected - report.num_solved - report.num_reused;

@@ -18,32 +18,33 @@
 namespace palpate {
 
 struct PrecomputeOptions {
-  /// Points that are touched; empty: all that the scene says are touchable.
+  /// The points of the mesh that are touched; empty: all that the scene says are touchable.
   std::vector<Index> active_nodes;
-  /// What is touched: the surface patch within this distance of the node, see tip.h, m; 0: it
+  /// The surface patch within this distance of a node moves with it, see tip.h, m; 0: the node
   /// alone.
   double tip_radius = 0;
   /// Half the side of the box of check-points, m.
   double half_width = 0.01;
-  /// Check-points along an axis; odd. With a tolerance, of the coarsest cells.
+  /// Check-points along an axis; odd. With a tolerance these are the corners of the coarsest cells.
   int resolution = 7;
-  /// Error of the force that is asked for, N, or as a share of the largest force within the limit:
-  /// cells are refined until it is reached, at most to 1/64 of their side. 0: a uniform grid.
+  /// The error of the force that is asked for, N, or as a share of the largest force within the
+  /// limit. Cells are refined until it is reached, at most to 1/64 of their side. 0: the grid is
+  /// uniform.
   double tolerance = 0;
   bool tolerance_is_relative = true;
-  /// N; 0 is none.
+  /// The force limit of the device, N; 0: there is none.
   double force_limit = 0;
-  /// Automatic with a tolerance is flat.
+  /// With a tolerance, automatic means flat.
   History history = History::automatic;
   /// Equilibria at equal parts of the straight way to each configuration of level 0, as more places
   /// at which the force is known [P08]; each costs about 60 % of a configuration.
   int intermediate_states = 0;
-  /// Where the space is kept and resumed; empty: in memory alone.
+  /// The file in which the space is kept and from which it is resumed; empty: in memory alone.
   std::filesystem::path file;
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
   double touch_bound = kDefaultTouchBound;
-  /// How many factors are kept follows from the resolution; with third_derivatives, configurations
-  /// have theirs.
+  /// Options of each solve. The number of kept factors follows from the resolution; with
+  /// third_derivatives, each configuration has its third derivative.
   EquilibriumOptions equilibrium;
   /// Name of a linear solver; empty: the default.
   std::string linear_solver;
@@ -58,19 +59,19 @@ struct PrecomputeOptions {
 /// @throws InputError a field out of its range, by name.
 void validate(const PrecomputeOptions& options);
 
-/// Factors that a rank keeps: of the starts on the way down through so many layers, depth first,
-/// and of a step.
+/// The number of factors that a rank keeps: those of the starts on the way down through so many
+/// layers, depth first, and that of a step.
 [[nodiscard]] constexpr int num_kept_factors(int num_layers) { return num_layers + 2; }
 
 struct PrecomputeReport {
   int num_ranks = 1;
   Index num_cells = 0;
-  /// Unknowns with those of the first active node, and of the patch that moves with it, eliminated.
+  /// Number of unknowns without those of the first active node and of the patch that moves with it.
   Index num_unknowns = 0;
   /// Configurations solved in this run, and taken from the file.
   std::int64_t num_solved = 0;
   std::int64_t num_reused = 0;
-  /// All of them by outcome, and by flag.
+  /// All these configurations by outcome, and by flag.
   std::map<Outcome, std::int64_t> num_by_outcome;
   std::map<Flags, std::int64_t> num_by_flag;
   /// Configurations that all frontiers can lead to.
@@ -85,22 +86,21 @@ struct PrecomputeReport {
   /// kMostLevels of its check-point: it is not kept.
   std::int64_t num_beyond_most_levels = 0;
   std::int64_t iterations = 0;
-  /// Starts whose states went to other ranks with a share of what follows from them; their factors
-  /// are made there again.
+  /// Starts whose states went to another rank with a share of the targets that follow from them;
+  /// that rank makes their factors again.
   std::int64_t num_states_given = 0;
   /// Intermediate states that were solved for in this run, those of them that did not converge, and
   /// the time of all ranks that they took, s; they count as no configurations.
   std::int64_t num_intermediate_states = 0;
   std::int64_t num_intermediate_states_failed = 0;
   double intermediate_seconds = 0;
-  /// Wall time of the exploration, and of the POD and the rest that follows, s, of the slowest
-  /// rank.
+  /// Wall time, s, of the slowest rank: for the exploration, and for the POD and the rest after it.
   double exploration_seconds = 0;
   double finishing_seconds = 0;
-  /// Of all ranks.
+  /// The work of all ranks together.
   Work work;
   ScheduleReport schedule;
-  /// The whole was explored, not aborted.
+  /// The whole space was explored: the run was not aborted.
   bool complete = false;
 };
 
@@ -115,12 +115,12 @@ struct PrecomputeResult {
 };
 
 struct ProgressState {
-  /// Configurations that are known, and that are expected as far as can be said.
+  /// Configurations that are known, and that are expected in all as far as can be said now.
   std::int64_t num_done = 0;
   std::int64_t num_expected = 0;
   /// Configurations that were solved for in this run.
   std::int64_t num_solved = 0;
-  /// Since the begin, and until the end as it looks now, s; below zero where nothing can be said.
+  /// Time since the begin, and until the end as it looks now, s; below zero: nothing can be said.
   double seconds = 0;
   double seconds_left = -1;
 
@@ -129,11 +129,12 @@ struct ProgressState {
   }
 };
 
-/// Called on every rank now and then, with the state of all on rank 0 and of the rank elsewhere;
-/// false on any rank ends the exploration, and what was found until then is kept.
+/// This is called on every rank now and then, on rank 0 with the state of all ranks, elsewhere with
+/// that of the rank alone. Where it returns false on any rank the exploration ends, and what was
+/// found until then is kept.
 using Progress = std::function<bool(const ProgressState&)>;
 
-/// The space around each active node.
+/// Computes the space around each active node.
 /// @param scene The same on every rank.
 /// @note Collective
 /// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of

@@ -26,20 +26,21 @@ class RankFiles {
         solver_tolerance_(solver_tolerance),
         communicator_(communicator) {}
 
-  /// @param prepare Called with the open file of each rank.
+  /// Opens or makes the files of all ranks.
+  /// @param prepare It is called on each rank with the file of that rank.
   /// @throws InputError a file of another scene or tolerance.
   /// @note Collective
   void open(const std::function<void(StateSpaceFile&)>& prepare);
 
-  /// Of this rank; none is there between merge() and the end on ranks other than 0.
+  /// The file of this rank. After merge() only rank 0 has one.
   [[nodiscard]] StateSpaceFile& own() { return *own_; }
   [[nodiscard]] const StateSpaceFile& own() const { return *own_; }
 
-  /// What was damaged in the file that open() found, and so was removed from it, see
-  /// StateSpaceFile::left_out(); on rank 0.
+  /// What open() has found damaged in the file and so has removed from it, see
+  /// StateSpaceFile::left_out(); empty on other ranks than 0.
   [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
 
-  /// Everything into the file of rank 0.
+  /// Moves everything into the file of rank 0, and removes the other files.
   /// @throws InputError the file of a rank is damaged: what is sound in it was taken over, and it
   ///   stays.
   /// @note Collective

@@ -61,56 +61,26 @@ class MemoryRecord final : public Record {
   }
 
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
-    Packer mine;
-    if (communicator_.rank() != 0) {
-      for (const auto& [node, configurations] : found_) {
-        for (const auto& [key, c] : configurations) {
-          mine.put(node);
-          mine.put(c);
-        }
-      }
-      found_.clear();
+    std::vector<std::pair<Index, Configuration>> configurations;
+    for (auto& [node, found] : found_) {
+      for (auto& [key, c] : found) configurations.emplace_back(node, std::move(c));
     }
-    Packer my_transitions;
-    for (const auto& [node, transition] : transitions_) {
-      my_transitions.put(node);
-      my_transitions.put(transition);
-    }
-    const std::vector<Bytes> all_transitions = communicator_.gather(my_transitions.take());
-    Packer my_intermediate_states;
-    for (const auto& [node, state] : intermediate_states_) {
-      my_intermediate_states.put(node);
-      my_intermediate_states.put(state);
-    }
-    const std::vector<Bytes> all_intermediate_states =
-        communicator_.gather(my_intermediate_states.take());
-    std::vector<Bytes> all = communicator_.gather(mine.take());
+    found_.clear();
+    gather(configurations, communicator_);
+    gather(transitions_, communicator_);
+    gather(intermediate_states_, communicator_);
     TouchSpace result;
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
-      for (Bytes& bytes : all) {
-        for (Unpacker of_rank(bytes); !of_rank.at_end();) {
-          const auto node = of_rank.take<Index>();
-          Configuration c = of_rank.take_configuration();
-          found_[node].emplace(key_of(c), std::move(c));
-        }
-        bytes = {};
-      }
-      for (const Bytes& bytes : all_transitions) {
-        for (Unpacker of_rank(bytes); !of_rank.at_end();) {
-          const auto node = of_rank.take<Index>();
-          const auto transition = of_rank.take<LevelTransition>();
-          found_.at(node)
-              .at({transition.start, transition.start_level})
-              .reached[neighbour_number(transition.start, transition.target)] = transition.reached;
-        }
+      for (auto& [node, c] : configurations) found_[node].emplace(key_of(c), std::move(c));
+      for (const auto& [node, transition] : transitions_) {
+        found_.at(node)
+            .at({transition.start, transition.start_level})
+            .reached[neighbour_number(transition.start, transition.target)] = transition.reached;
       }
       std::map<Index, std::vector<IntermediateState>> intermediate_states;
-      for (const Bytes& bytes : all_intermediate_states) {
-        for (Unpacker of_rank(bytes); !of_rank.at_end();) {
-          const auto node = of_rank.take<Index>();
-          intermediate_states[node].push_back(of_rank.take_intermediate_state());
-        }
+      for (const auto& [node, state] : intermediate_states_) {
+        intermediate_states[node].push_back(state);
       }
       for (SiteSpace& site : space_.sites) {
         site.complete = complete;

@@ -15,23 +15,23 @@ class SiteSolver {
   SiteSolver(const SiteSolver&) = delete;
   SiteSolver& operator=(const SiteSolver&) = delete;
 
-  /// EquilibriumSolver::rest().
+  /// As EquilibriumSolver::rest(), with this node held.
   /// @throws InputError an active node that the tip cannot be put on.
   [[nodiscard]] virtual Equilibrium rest(Index active_node) = 0;
-  /// EquilibriumSolver::solve().
+  /// As EquilibriumSolver::solve(), with this node held.
   [[nodiscard]] virtual Equilibrium solve(Index active_node, const Eigen::VectorXd& t,
                                           const Equilibrium& start, Tangent tangent) = 0;
-  /// EquilibriumSolver::forget(), of a state of the active node that was solved for last.
+  /// As EquilibriumSolver::forget(), for a state of the active node that was solved for last.
   virtual void forget(const Equilibrium& state) = 0;
 
  protected:
   SiteSolver() = default;
 };
 
-/// With the tip of a tool.
+/// Solves with the tip of a tool at the active node.
 class TipSolver final : public SiteSolver {
  public:
-  /// Both must outlive it.
+  /// Both arguments must outlive this object.
   TipSolver(EquilibriumSolver& solver, const Tip& tip) : solver_(solver), tip_(tip) {}
 
   [[nodiscard]] Equilibrium rest(Index active_node) override {

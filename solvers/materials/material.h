@@ -25,7 +25,7 @@
 
 namespace palpate {
 
-/// The numbers are stored in files and data arrays: keep them.
+/// The law of a material. The numbers are stored in files and data arrays: keep them.
 enum class Law : int {
   linear = 0,
   st_venant_kirchhoff = 1,
@@ -39,7 +39,7 @@ enum class Law : int {
 
 inline constexpr int num_laws = 8;
 
-/// How a change of volume is resisted; stored as `Law` is.
+/// How a change of volume is resisted. The numbers are stored as those of `Law` are.
 enum class Formulation : int {
   /// By the displacement alone.
   displacement = 0,
@@ -47,8 +47,9 @@ enum class Formulation : int {
   mixed = 1,
 };
 
-/// 'Linear', 'St. Venant-Kirchhoff', 'Neo-Hookean', 'Mooney-Rivlin', 'Mooney-Rivlin polynomial',
-/// 'Fung', 'Neo-Hookean incompressible', 'Mooney-Rivlin incompressible'.
+/// The name of a law: 'Linear', 'St. Venant-Kirchhoff', 'Neo-Hookean', 'Mooney-Rivlin',
+/// 'Mooney-Rivlin polynomial', 'Fung', 'Neo-Hookean incompressible' or 'Mooney-Rivlin
+/// incompressible'.
 [[nodiscard]] std::string to_string(Law law);
 
 [[nodiscard]] constexpr bool is_incompressible(Law law) {
@@ -73,13 +74,13 @@ inline constexpr std::array<std::array<int, 2>, num_polynomial_terms> polynomial
 
 inline constexpr int max_parameters = 1 + num_polynomial_terms;
 
-/// Names of the parameters of a law, and so their number, in the order of Material::parameters:
+/// The names of the parameters of a law, and so their number, in the order of Material::parameters:
 /// 'YoungsModulus', 'PoissonsRatio', 'Exponent', 'C10', 'C01', 'C20', …, 'C03', 'BulkModulus'.
 [[nodiscard]] const std::vector<std::string>& parameter_names(Law law);
 
 struct Material {
   Law law = Law::st_venant_kirchhoff;
-  /// As the user gave them, Pa or without unit; those behind the law's last are 0:
+  /// The parameters as the user gave them, Pa or without unit; those behind the law's last are 0:
   ///   linear, St. Venant–Kirchhoff, neo-Hookean   Young's modulus, Poisson's ratio
   ///   Mooney–Rivlin                               C₁₀, C₀₁, κ
   ///   polynomial                                  κ, C₁₀, C₀₁, C₂₀, C₁₁, C₀₂, C₃₀, C₂₁, C₁₂, C₀₃
@@ -96,21 +97,23 @@ struct Material {
 
 /// A material with the formulation that suits it: mixed where it is incompressible or Poisson's
 /// ratio at rest is above 0.45.
-/// @param parameters As Material::parameters.
+/// @param parameters They are as Material::parameters.
 /// @throws InputError a parameter out of its range, by name.
 [[nodiscard]] Material make_material(Law law, const std::array<double, max_parameters>& parameters);
 
 /// The material in another formulation than the one that suits it.
-/// @throws InputError displacement where the law is incompressible, mixed where κ̂ is not positive.
+/// @throws InputError the formulation is displacement and the law incompressible, or it is mixed
+///   and κ̂ not positive.
 [[nodiscard]] Material with_formulation(Material material, Formulation formulation);
 
-/// Linear, St. Venant–Kirchhoff or neo-Hookean from Young's modulus (Pa) and Poisson's ratio.
+/// A linear, St. Venant–Kirchhoff or neo-Hookean material from Young's modulus (Pa) and Poisson's
+/// ratio.
 [[nodiscard]] Material make_isotropic(Law law, double youngs_modulus, double poissons_ratio);
 [[nodiscard]] Material make_mooney_rivlin(double c10, double c01, double bulk_modulus);
 
-/// The constants of the law's energy: (λ, μ) of linear, St. Venant–Kirchhoff and neo-Hookean,
-/// (C₁₀, C₀₁, κ) of Mooney–Rivlin (κ = 0 where it is incompressible), (κ, C₁₀, …, C₀₃), and
-/// (μ, b, κ) of Fung. Of a mixed material those of W_rest: λ or κ is 0.
+/// The constants of the law's energy: (λ, μ) of linear, St. Venant–Kirchhoff and neo-Hookean, (C₁₀,
+/// C₀₁, κ) of Mooney–Rivlin (κ = 0 where it is incompressible), (κ, C₁₀, …, C₀₃) of the polynomial,
+/// and (μ, b, κ) of Fung. For a mixed material they are those of W_rest: λ or κ is 0.
 [[nodiscard]] std::array<double, max_parameters> law_constants(const Material& material);
 
 /// 1/κ̂, 1/Pa: the inverse of λ or κ; 0 where the law is incompressible.

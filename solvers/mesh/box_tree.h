@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A balanced tree of boxes: what is near a place, and what overlaps a box. And the nearest point of
-// a triangle.
+// A balanced tree of boxes, which finds what is near a place and what overlaps a box; and the point
+// of a triangle that is nearest to a place.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,30 +11,30 @@
 
 namespace palpate {
 
-/// Immutable. The items are split at the median of the middles of their boxes, along the axis on
-/// which these are furthest apart.
+/// A tree that does not change once it is made. The items are split at the median of the middles of
+/// their boxes, along the axis on which these are furthest apart.
 class BoxTree {
  public:
   using Box = Eigen::AlignedBox3d;
 
-  /// @param boxes Of the items, finite.
+  /// @param boxes The boxes of the items; they must be finite.
   explicit BoxTree(const std::vector<Box>& boxes);
 
   /// The items in the order of the leaves, so that neighbours are close together. Queries give
-  /// places in it.
+  /// places in this list.
   [[nodiscard]] const std::vector<Index>& order() const { return order_; }
-  /// Around all items; empty where there is none.
+  /// The box around all items; empty where there is none.
   [[nodiscard]] Box bounds() const { return nodes_.empty() ? Box() : nodes_[0].box; }
-  /// Memory that is held.
+  /// Adds the memory that the tree holds.
   void add_memory(MemoryRanges& ranges) const;
 
   /// Calls visit(place) for each item of the leaves that overlap a box.
   template <class Visit>
   void for_overlapping(const Box& box, Visit&& visit) const;
 
-  /// Calls visit(place) for each item of the leaves that are nearer to a point than a distance
-  /// which visit() may lessen meanwhile; leaves that are near come early.
-  /// @param squared_distance m².
+  /// Calls visit(place) for each item of the leaves that are nearer to a point than a distance,
+  /// which visit() may lessen meanwhile. Leaves that are near come early.
+  /// @param squared_distance The square of the distance, m².
   /// @note Realtime-safe if visit is.
   template <class Visit>
   void for_near(const Vec3& point, const double& squared_distance, Visit&& visit) const noexcept;
@@ -42,8 +42,8 @@ class BoxTree {
  private:
   struct Node {
     Box box;
-    /// Of a leaf: its items [first, last) in order_. Else first is −1; the children are the next
-    /// node and the one at `last`.
+    /// A leaf has the items [first, last) of order_. Of other nodes `first` is −1; their children
+    /// are the next node and the one at `last`.
     Index first = -1;
     Index last = 0;
   };
@@ -51,7 +51,7 @@ class BoxTree {
     Index node;
     double squared_distance;
   };
-  /// Halving the number of items at each level, no index can need more.
+  /// The largest depth: the number of items is halved at each level.
   static constexpr int kDeepest = 32;
 
   void build(Index first, Index last, const std::vector<Box>& boxes);
@@ -61,10 +61,10 @@ class BoxTree {
 };
 
 struct OnTriangle {
-  /// Of the corners, which sum to 1.
+  /// The weights of the corners, which add up to 1.
   Vec3 weights;
   Vec3 point;
-  /// m².
+  /// Square of the distance to the place, m².
   double squared_distance;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a tool of finite size touches: the connected patch of the surface around a node.
+// The patch of the surface that a tool of finite size touches: it is connected and lies around a
+// node.
 #pragma once
 
 #include <vector>
@@ -25,7 +26,7 @@ class SurfacePatches {
   std::vector<Vec3> points_;
   int nodes_per_face_;
   std::vector<Index> faces_;
-  /// Numbers of the faces of each point, point by point, and where those of a point begin.
+  /// The numbers of the faces at each point, point by point, and where those of each point begin.
   std::vector<Index> face_of_point_;
   std::vector<Index> first_face_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A body of tetrahedra, at rest.
+// The mesh of a body: tetrahedra, at rest.
 #pragma once
 
 #include <array>
@@ -23,9 +23,9 @@ enum class ElementOrder : int { linear = 1, quadratic = 2 };
 /// nodes of the edges 01 12 02 03 13 23).
 struct TetMesh {
   ElementOrder order = ElementOrder::linear;
-  /// Position at rest [num_points], m. A point may belong to no cell; it is then no unknown.
+  /// Position at rest [num_points], m. A point that belongs to no cell is not an unknown.
   std::vector<Vec3> points;
-  /// [num_cells × nodes_per_cell(order)], cell by cell.
+  /// The points of the nodes [num_cells × nodes_per_cell(order)], cell by cell.
   std::vector<Index> cells;
 
   [[nodiscard]] Index num_points() const { return static_cast<Index>(points.size()); }
@@ -38,25 +38,26 @@ struct TetMesh {
 };
 
 /// Checks indices and coordinates, and turns cells whose corners are in left-handed order round.
-/// @throws InputError no cells, an index out of range, a coordinate that is not finite, a cell
-///   without volume (less than 1e-12 of the cube of its longest edge): it names the first such
-///   point or cell and how many there are.
+/// @throws InputError there are no cells, an index is out of range, a coordinate is not finite, or
+///   a cell has no volume (less than 1e-12 of the cube of its longest edge). The message names the
+///   first such point or cell, and how many there are.
 void check_and_orient(TetMesh& mesh);
 
-/// Points that belong to a cell [num_points].
+/// 1 for each point that belongs to a cell, else 0 [num_points].
 [[nodiscard]] std::vector<char> points_in_use(const TetMesh& mesh);
 
-/// Volume by the straight edges, m³.
+/// The volume of the cells with straight edges, m³.
 [[nodiscard]] double volume(const TetMesh& mesh);
 
-/// Faces of the boundary [num_faces × nodes_per_face(order)], outward, face by face: those that
-/// belong to one cell. Corners a b c, then the midside nodes of ab, bc, ca.
+/// The faces of the boundary, which are those that belong to one cell alone, face by face
+/// [num_faces × nodes_per_face(order)]. They look outward: corners a b c, then the midside nodes of
+/// ab, bc, ca.
 [[nodiscard]] std::vector<Index> boundary_faces(const TetMesh& mesh);
 
-/// The same, corners only.
+/// The corners of the faces of the boundary.
 [[nodiscard]] std::vector<std::array<Index, 3>> boundary_triangles(const TetMesh& mesh);
 
-/// Points on the boundary, midside nodes included [num_points].
+/// 1 for each point on the boundary, midside nodes included, else 0 [num_points].
 [[nodiscard]] std::vector<char> boundary_points(const TetMesh& mesh);
 
 }  // namespace palpate

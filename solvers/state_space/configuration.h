@@ -18,7 +18,7 @@
 
 namespace palpate {
 
-/// Place on the grid around the rest position of a site, in steps of the grid: (0,0,0) is rest.
+/// A place on the grid around the rest position of a site, in steps of the grid: (0,0,0) is rest.
 using CheckPoint = std::array<std::int32_t, 3>;
 
 /// The check-points around one, itself among them, by number: i slowest, k fastest.
@@ -26,7 +26,7 @@ inline constexpr int num_neighbours = 27;
 [[nodiscard]] inline CheckPoint neighbour(const CheckPoint& p, int number) {
   return {p[0] + number / 9 - 1, p[1] + number / 3 % 3 - 1, p[2] + number % 3 - 1};
 }
-/// The number of q among the neighbours of p; −1: it is none.
+/// The number of q among the neighbours of p; −1: it is not one of them.
 [[nodiscard]] inline int neighbour_number(const CheckPoint& p, const CheckPoint& q) {
   int number = 0;
   for (int k = 0; k < 3; ++k) {
@@ -36,14 +36,14 @@ inline constexpr int num_neighbours = 27;
   return number;
 }
 
-/// Levels that a check-point has at most. A body that finds more equilibria there, as one does that
-/// is beyond what its law describes, would never be explored to the end.
+/// The largest number of levels of a check-point. Without this limit a body that is deformed beyond
+/// what its law describes, and so finds ever more equilibria, would never be explored to the end.
 inline constexpr std::int32_t kMostLevels = 64;
 
 /// The levels reached by transitions to the neighbours of a check-point, by their numbers.
 using Reached = std::array<std::int32_t, num_neighbours>;
-/// In place of a level: the transition was not tried, it failed, or it has found a configuration
-/// that is none of the kMostLevels of its check-point.
+/// These stand in place of a level where the transition was not tried, has failed, or has found a
+/// configuration beyond the kMostLevels of its check-point.
 inline constexpr std::int32_t not_tried = -2;
 inline constexpr std::int32_t failed_to_reach = -1;
 inline constexpr std::int32_t beyond_most_levels = -3;
@@ -51,11 +51,11 @@ inline constexpr std::int32_t beyond_most_levels = -3;
 /// ∂³Π/∂t³ in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz, yzz, zzz [10], N/m².
 using ThirdDerivative = Eigen::Matrix<double, 10, 1>;
 
-/// All of a configuration but its fields.
+/// A configuration without its fields.
 struct ConfigurationSummary {
   CheckPoint check_point{};
-  /// Which of the equilibria at this check-point, 0 the first. Below zero: what a transition from a
-  /// neighbour has found, which may be one that is known, see candidate_level().
+  /// Which of the equilibria at this check-point it is, 0 the first. Below zero it is a candidate,
+  /// which a transition from a neighbour has found and which may be known, see candidate_level().
   std::int32_t level = 0;
   /// The configuration whose state was the start of the transition to this one; rest is its own
   /// parent.
@@ -80,23 +80,23 @@ struct ConfigurationSummary {
   double minimum_det_f = 1;
   std::int32_t negative_pivots = 0;
   std::int32_t iterations = 0;
-  /// Tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random, m. Of two states
-  /// it differs by about the root mean square of the difference of u.
+  /// Tells displacements apart: Σ s_n u_n / √num_points [3], s_n = ±1 at random, m. Between two
+  /// states it differs by about the root mean square of the difference of u.
   Vec3 signature = Vec3::Zero();
-  /// Where history matters, the level that the body is on when it is moved on from here to each
+  /// Where history matters, the level that the body is on after it was moved from here to each
   /// neighbour.
   Reached reached = filled_with_not_tried();
   /// Time the transition took, s.
   double seconds = 0;
 
-  /// Safe to interpolate: converged, and a force and a stiffness are there.
+  /// It may be interpolated: it has converged, and so has a force and a stiffness.
   [[nodiscard]] bool usable() const { return outcome == Outcome::converged; }
-  /// Others may be reached from it: it is usable, and within the force limit.
+  /// Other configurations may be reached from it: it is usable and within the force limit.
   [[nodiscard]] bool leads_on() const {
     return usable() && (flags & flags::beyond_force_limit) == 0;
   }
   [[nodiscard]] bool has_third_derivative() const { return third_derivative.allFinite(); }
-  /// Transitions between levels were made from here, or led here.
+  /// Transitions between levels were made from here, or have led here.
   [[nodiscard]] bool has_history() const {
     return level != 0 || reached != filled_with_not_tried();
   }
@@ -112,15 +112,15 @@ struct ConfigurationSummary {
 /// An equilibrium on the way to a configuration, between its parent's displacement and its own
 /// [P08]: more places at which the force is known.
 struct IntermediateState {
-  /// Of the configuration.
+  /// The check-point of the configuration.
   CheckPoint target{};
-  /// Along the way, from 1.
+  /// Its number along the way, from 1.
   std::int32_t number = 1;
   /// Displacement of the active site from rest t [3], m.
   Vec3 t = Vec3::Zero();
   /// Potential energy, J.
   double energy = 0;
-  /// That holds the site, N.
+  /// Force that holds the site, N.
   Vec3 force = Vec3::Zero();
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
@@ -144,16 +144,16 @@ struct LevelTransition {
   std::int32_t reached = failed_to_reach;
 };
 
-/// The level of what a transition from (start, start_level) finds at a neighbour until it is known
-/// which level it is; below zero, and no other transition to that neighbour has it.
+/// The level that stands for what a transition from (start, start_level) has found at a neighbour,
+/// until its level is known. It is below zero, and no other transition to that neighbour has it.
 [[nodiscard]] inline std::int32_t candidate_level(const CheckPoint& start, std::int32_t start_level,
                                                   const CheckPoint& target) {
   return -1 - neighbour_number(target, start) - num_neighbours * start_level;
 }
 
 struct Configuration : ConfigurationSummary {
-  /// Displacement u [3 × num_points], m; empty where only the summary was read, and where the
-  /// transition failed.
+  /// Displacement u [3 × num_points], m; empty where only the summary was read, or the transition
+  /// failed.
   Eigen::VectorXd u;
   /// Sensitivity v = ∂u/∂t [3 × num_points, 3]; empty as u is.
   Eigen::MatrixXd v;
@@ -179,23 +179,25 @@ void for_each_field(Fields& fields, Visit&& visit) {
 
 /// Whether a check-point may have several levels. The numbers are stored: keep them.
 enum class History : std::int32_t {
-  /// One configuration a check-point, however it was reached.
+  /// A check-point has one configuration, however it was reached.
   flat = 0,
-  /// Levels where there are signs of several branches.
+  /// Check-points have levels where there are signs of several branches.
   automatic = 1,
   /// All transitions between neighbours are made [P07].
   levels = 2,
 };
 
-/// Intermediate states on the way to a configuration at the most; [P08] has 5.
+/// The largest number of intermediate states on the way to a configuration; [P08] has 5.
 inline constexpr std::int32_t kMostIntermediateStates = 100;
 
-/// Check-points along an axis at the most: more would overflow the number of a node of the grid.
+/// The largest number of check-points along an axis: with more, the number of a node of the grid
+/// would overflow.
 inline constexpr std::int32_t kLargestResolution = 1001;
-/// Corners of the coarsest cells along an axis at the most. Each of them takes memory, whether
-/// there is a configuration or not.
+/// The largest number of corners of the coarsest cells along an axis. Each of them takes memory,
+/// whether there is a configuration or not.
 inline constexpr std::int32_t kLargestCoarsestResolution = 129;
-/// Corners of the coarsest cells of all sites of a space at the most, for the same reason.
+/// The largest number of corners of the coarsest cells of all sites of a space, for the same
+/// reason.
 inline constexpr std::int64_t kMostCoarsestCorners = std::int64_t{1} << 24;
 
 /// The active site and the grid around it.
@@ -217,12 +219,12 @@ struct Site {
   std::int32_t coarsest = 1;
   /// The error of the force that was asked for, N; 0: the grid is uniform.
   double tolerance = 0;
-  /// The tolerance is no number of N but a share of the largest force.
+  /// The tolerance is a share of the largest force, not a number of N.
   bool tolerance_is_relative = false;
   History history = History::flat;
-  /// Intermediate states on the way to each configuration.
+  /// The number of intermediate states on the way to each configuration.
   std::int32_t intermediate_states = 0;
-  /// Configurations have their third derivative.
+  /// Each configuration has its third derivative.
   bool third_derivatives = false;
 
   /// Distance of neighbouring check-points, m; 0 where rest is the only one.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fields of the configurations of a state-space file, read when they are first asked for: while
-// a body is touched the same few are needed again and again.
+// The fields of the configurations of a state-space file, which are read when they are first asked
+// for: while a body is touched the same few are needed again and again.
 #pragma once
 
 #include <cstddef>
@@ -22,20 +22,20 @@ class FieldCache {
  public:
   static constexpr std::size_t default_bytes = std::size_t{256} << 20;
 
-  /// @param scene_hash Of the scene whose configurations are asked for.
-  /// @param bytes Of fields that are kept; those used last are.
+  /// @param scene_hash The hash of the scene whose configurations are asked for.
+  /// @param bytes The memory of the fields that are kept: those that were used last.
   FieldCache(std::filesystem::path path, std::string scene_hash, std::size_t bytes = default_bytes)
       : path_(std::move(path)), scene_hash_(std::move(scene_hash)), most_bytes_(bytes) {}
 
   /// The scene in the file.
-  /// @throws InputError, BackendError as get().
+  /// @throws InputError, BackendError as get() does.
   [[nodiscard]] Scene read_scene() const;
 
-  /// The configurations with their fields, valid until the next call. The file is open only while
-  /// something is read from it.
+  /// The configurations with their fields, which are valid until the next call. The file is open
+  /// only while something is read from it.
   /// @throws InputError the file is missing or damaged, or was replaced: it is of another scene or
-  ///   grid, or lacks one of them.
-  /// @throws BackendError as StateSpaceFile.
+  ///   grid, or lacks one of the configurations.
+  /// @throws BackendError as StateSpaceFile does.
   std::vector<const Configuration*> get(const Site& site,
                                         const std::vector<ConfigurationSummary>& wanted);
 

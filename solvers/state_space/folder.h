@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names on the disk: a file that was made, renamed or removed is so after a loss of power only when
-// its folder was synced since.
+// Names on the disk. That a file was made, renamed or removed outlives a loss of power only when
+// the folder of the file was synced afterwards.
 #pragma once
 
 #include <filesystem>

@@ -18,7 +18,7 @@
 
 namespace palpate {
 
-/// The smallest bound that single precision keeps.
+/// The smallest bound that can be kept in single precision.
 inline constexpr double kLeastPodBound = 1e-5;
 
 /// How a site's fields are represented: S ≈ modes · coefficients.
@@ -36,13 +36,13 @@ struct PodFit {
 class PodBasis {
  public:
   /// @param num_dofs m, three for each point.
-  /// @param bound Largest error of u at any point, as a share of the largest |u| of the site; where
-  ///   all u are zero (rest alone), of w in the same way.
+  /// @param bound The largest error of u at any point, as a share of the largest |u| of the site;
+  ///   where all u are zero (rest alone), that of w in the same way.
   /// @throws InputError the bound is not in [kLeastPodBound, 1).
   PodBasis(Eigen::Index num_dofs, double bound);
 
   /// Represents the fields of a site, and appends the modes that this takes. The result depends on
-  /// nothing but what was given so far, in this order.
+  /// what was given so far and its order alone.
   /// @param snapshots [m × 4n]: u of n configurations, then w, three columns a configuration.
   [[nodiscard]] PodFit extend(const Eigen::MatrixXf& snapshots);
 

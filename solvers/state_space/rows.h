@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rows of a state-space file: the columns of each record, its checksum, and what a row may
-// hold.
+// The rows of a state-space file: the columns and the checksum of each kind of record, and what it
+// may hold.
 //
 // A file may be damaged, or made by anyone. A row is sound when its checksum is right and its
 // numbers are possible; what is not sound is left out. Each kind of record lists its numbers once,
@@ -121,7 +121,7 @@ struct Bind {
   }
 };
 
-/// Takes each number from the next column. Makes `sound` false where one does not fit.
+/// Takes each number from the next column, and makes `sound` false where one does not fit.
 struct Take {
   sqlite::Statement& statement;
   bool& sound;
@@ -160,7 +160,7 @@ enum class Checked { all, as_version_5 };
 [[nodiscard]] std::int64_t checksum(Index active_node, IntermediateState state,
                                     Checked checked = Checked::all);
 [[nodiscard]] std::int64_t checksum(const TestSet& set, const TestPoint& point);
-/// Of what of a scene is no part of its hash.
+/// The checksum of those parts of a scene that its hash does not take in.
 [[nodiscard]] std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance);
 
 /// Whether the numbers are ones that a program may rely on: indices that exist, and sizes for which
@@ -170,7 +170,7 @@ enum class Checked { all, as_version_5 };
 [[nodiscard]] bool is_possible(const Site& site, const LevelTransition& transition);
 [[nodiscard]] bool is_possible(const Site& site, const IntermediateState& state);
 [[nodiscard]] bool is_possible(const TestPoint& point);
-/// Whether they are those of a body.
+/// Whether the fields have the sizes that they have for such a body.
 [[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells);
 
 /// "(1, 0, −1)"

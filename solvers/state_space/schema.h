@@ -15,11 +15,10 @@ inline constexpr std::int64_t kOldestSchemaVersion = 5;
 /// Makes the tables of an empty file.
 void make_schema(const sqlite::Database& database);
 
-/// The version of the schema of a file. Nothing but its tables is in it when this returns: no
-/// trigger, no view, nothing that is computed when it is read.
-/// @throws InputError the file is another program's, of another version, or its tables are not
-/// those
-///   that Palpate makes.
+/// Checks the schema of a file, and gives its version. When this returns, the file holds the tables
+/// of that version and nothing else: no trigger, no view, nothing that is computed when it is read.
+/// @throws InputError the file is another program's, of another version, or has other tables than
+///   those that Palpate makes.
 [[nodiscard]] std::int64_t check_schema(const sqlite::Database& database);
 
 /// Adds the columns that an older version lacks, without values, and says that it is of this

@@ -14,10 +14,10 @@ namespace palpate::sqlite {
 
 enum class Access {
   read_only,
-  /// As read_only, of a file that nobody can be writing: takes no lock and looks for no journal.
+  /// As read_only, for a file that nobody can be writing: it is not locked and needs no journal.
   immutable,
   read_write,
-  /// As read_write; the file is made.
+  /// As read_write, and the file is made.
   create,
 };
 
@@ -29,14 +29,14 @@ class Database {
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
 
-  /// Runs statements that give no rows that matter.
+  /// Runs statements whose rows, if any, do not matter.
   void execute(const std::string& sql) const;
-  /// First column of the first row; 0 where there is none.
+  /// The first column of the first row; 0 or an empty text where there is no row.
   [[nodiscard]] std::int64_t integer(const std::string& sql) const;
   [[nodiscard]] std::string text(const std::string& sql) const;
-  /// No value and no row may be larger from now on: one that is counts as damaged.
+  /// From now on a value or a row that is larger counts as damaged.
   void limit_row(std::int64_t bytes) const;
-  /// Rows that the last INSERT, UPDATE or DELETE touched.
+  /// The number of rows that the last INSERT, UPDATE or DELETE has touched.
   [[nodiscard]] std::int64_t changes() const;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -60,10 +60,10 @@ class Statement {
   Statement& operator=(Statement&&) = delete;
 
   void bind(std::int64_t value);
-  /// NaN becomes NULL: SQLite has none.
+  /// NaN becomes NULL: SQLite has no NaN.
   void bind(double value);
   void bind(const std::string& value);
-  /// The data must outlive the step; nullptr becomes NULL.
+  /// The data must outlive the next step; nullptr becomes NULL.
   void bind(const void* data, std::size_t bytes);
 
   /// True when there is a row.
@@ -80,7 +80,7 @@ class Statement {
     const void* data;
     std::size_t bytes;
   };
-  /// Valid until the next step.
+  /// The data is valid until the next step.
   [[nodiscard]] Blob take_blob();
 
  private:
@@ -92,7 +92,7 @@ class Statement {
   int column_ = 0;
 };
 
-/// Undone when it goes out of scope without commit.
+/// What happens while it exists is undone at its end, unless commit() was called.
 class Transaction {
  public:
   explicit Transaction(const Database& database);

@@ -17,9 +17,9 @@ struct SiteSpace {
   Site site;
   /// The frontier was exhausted: a run has nothing to add.
   bool complete = false;
-  /// In the order of operator<.
+  /// These are in the order of operator<.
   std::vector<Configuration> configurations;
-  /// In their order; empty where the site has none.
+  /// These are in the order of operator<; empty where the site has none.
   std::vector<IntermediateState> intermediate_states;
 
   /// The configuration at a check-point, or nullptr.
@@ -29,18 +29,18 @@ struct SiteSpace {
 
 struct StateSpace {
   Scene scene;
-  /// hash(scene).
+  /// The result of hash(scene).
   std::string scene_hash;
   /// Tolerance of the equilibria, without unit: see ConfigurationSummary::residual.
   double solver_tolerance = 0;
-  /// By active node, ascending.
+  /// The sites in the order of their active nodes.
   std::vector<SiteSpace> sites;
 
   /// The space around an active node, or nullptr.
   [[nodiscard]] const SiteSpace* find(Index active_node) const;
 };
 
-/// Brings sites and configurations into their order, for a space that was filled by hand.
+/// Brings sites, configurations and intermediate states of a space into their order.
 void sort(StateSpace& space);
 
 }  // namespace palpate

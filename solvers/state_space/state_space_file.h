@@ -93,13 +93,11 @@ class StateSpaceFile {
 
   /// Adds a site. One that is there is extended: its box may become larger, with the same spacing,
   /// its force limit, its tolerance and its history may be others; then it is no longer complete.
-  /// @throws InputError it is there with a box that is larger, or with another tip radius, spacing
-  /// or
-  ///   coarsest cells, another number of intermediate states, or with third derivatives where there
-  ///   are none or the other way round.
+  /// @throws InputError it is there with a larger box, with another tip radius, spacing, coarsest
+  ///   cells or number of intermediate states, or only one of the two has third derivatives.
   void add_site(const Site& site);
   void set_complete(Index active_node, bool complete);
-  /// The sites without configurations, by active node.
+  /// The sites in the order of their active nodes, without configurations.
   [[nodiscard]] std::vector<SiteSpace> read_sites() const;
 
   /// Adds a configuration to a site, in place of one with the same check-point and level.
@@ -113,29 +111,29 @@ class StateSpaceFile {
   [[nodiscard]] std::vector<Configuration> read_summaries(Index active_node) const;
   /// What transitions have found and settle() was not told of, without fields.
   [[nodiscard]] std::vector<Configuration> read_candidates(Index active_node) const;
-  /// Gives a candidate its level.
-  /// @param level Below zero: it is one that is known, and is removed.
+  /// Gives a candidate its level, or removes it.
+  /// @param level Below zero: the candidate is removed, as it is a configuration that is known.
   void settle(Index active_node, const ConfigurationSummary& candidate, std::int32_t level);
 
   void add(Index active_node, const LevelTransition& transition);
   [[nodiscard]] std::vector<LevelTransition> read_transitions(Index active_node) const;
-  /// Those of which both ends are among the configurations: others may have been lost.
-  /// @param configurations Of the site, in the order of operator<.
+  /// The transitions of which both ends are among the configurations: others may have been lost.
+  /// @param configurations Those of the site, in the order of operator<.
   [[nodiscard]] std::vector<LevelTransition> read_linked_transitions(
       Index active_node, const std::vector<Configuration>& configurations) const;
 
-  /// All of a site, in their order.
+  /// All intermediate states of a site, in the order of operator<.
   [[nodiscard]] std::vector<IntermediateState> read_intermediate_states(Index active_node) const;
 
-  /// Fills in the fields: u, v, p and p_v.
-  /// @returns False where they are damaged: they are left out.
+  /// Fills in the fields u, v, p and p_v of a configuration.
+  /// @returns False where the fields are damaged; then they are left out.
   [[nodiscard]] bool read_fields(Index active_node, Configuration& configuration) const;
-  /// Everything; without fields unless `with_fields`.
+  /// Reads everything but test points; fields only if `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
-  /// Adds a test point, unless it is there. Needs no site.
+  /// Adds a test point, unless it is there. It needs no site.
   void add(const TestSet& set, const TestPoint& point);
-  /// Those of a set, in the order of operator<.
+  /// The test points of a set, in the order of operator<.
   [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
 
   /// Takes over sites, configurations and test points of another file of the same scene, such as
@@ -143,7 +141,7 @@ class StateSpaceFile {
   /// replaces one that did not converge here. The other file stays as it is; killed half-way, it
   /// can be done again. What was taken over is durable when this returns: the other file may be
   /// removed, if nothing was left out.
-  /// @returns What is damaged there, as left_out().
+  /// @returns What is damaged in the other file, as left_out().
   /// @throws InputError another scene or tolerance, or another tip or grid of the same site.
   [[nodiscard]] std::vector<std::string> merge(const std::filesystem::path& other);
 
@@ -152,22 +150,22 @@ class StateSpaceFile {
   explicit StateSpaceFile(std::unique_ptr<Impl> impl);
   void upgrade();
   [[nodiscard]] std::optional<SiteSpace> find_site(Index active_node) const;
-  /// @param condition In SQL, on the row.
+  /// @param condition A condition on the row, in SQL.
   [[nodiscard]] std::vector<Configuration> read_where(Index active_node,
                                                       const std::string& condition) const;
   [[nodiscard]] std::vector<TestSet> read_test_sets() const;
-  /// There is no such configuration here, or one that did not converge where the other did.
+  /// Whether there is no such configuration here, or one that did not converge while the other did.
   [[nodiscard]] bool is_of_use(Index active_node, const ConfigurationSummary& other) const;
   void extend(const Site& site);
   void add_alone(Index active_node, const Configuration& configuration);
-  /// @param where_there_is_one REPLACE or IGNORE.
+  /// @param where_there_is_one What SQLite does where there is one already: REPLACE or IGNORE.
   void add_alone(Index active_node, const LevelTransition& transition,
                  const std::string& where_there_is_one);
   void add_alone(const TestSet& set, const TestPoint& point);
   std::unique_ptr<Impl> impl_;
 };
 
-/// "3 parts of 'a.palpate' are damaged: …, … and 1 more." of a list that is not empty.
+/// The message "3 parts of 'a.palpate' are damaged: …, … and 1 more." for a list that is not empty.
 [[nodiscard]] std::string describe_left_out(const std::filesystem::path& path,
                                             const std::vector<std::string>& left_out);
 

@@ -14,7 +14,7 @@ struct Surface {
   std::vector<Vec3> points;
   /// The point of the mesh that each point is [num_points], ascending.
   std::vector<Index> mesh_points;
-  /// Outward, into `points`. A face of a quadratic body gives four.
+  /// Places in `points`, such that triangles look outward. A face of a quadratic body gives four.
   std::vector<std::array<Index, 3>> triangles;
 
   [[nodiscard]] Index num_points() const { return static_cast<Index>(points.size()); }
@@ -22,7 +22,7 @@ struct Surface {
   [[nodiscard]] Index find(Index mesh_point) const;
 };
 
-/// The boundary of a mesh, midside nodes included.
+/// Makes the surface that bounds a mesh, midside nodes included.
 [[nodiscard]] Surface make_surface(const TetMesh& mesh);
 
 }  // namespace palpate

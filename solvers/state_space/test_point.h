@@ -16,15 +16,15 @@ namespace palpate {
 
 /// How a place was chosen. The numbers are stored: keep them.
 enum class TestKind : std::int32_t {
-  /// Evenly in the box of check-points.
+  /// It is anywhere in the box of check-points, all places alike.
   uniform = 0,
-  /// A step of a walk from one place to the next, which began at rest [P08].
+  /// It is a step of a walk from one place to the next, which began at rest [P08].
   walk = 1,
-  /// Within a hundredth of the half-width from rest.
+  /// It is within a hundredth of the half-width from rest.
   near_rest = 2,
 };
 
-/// What test points belong to: the tip, the box and the seed of the random numbers.
+/// What tells sets of test points apart: active node, tip, box and seed of the random numbers.
 struct TestSet {
   Index active_node = 0;
   /// m
@@ -36,7 +36,7 @@ struct TestSet {
 
 struct TestPoint {
   TestKind kind = TestKind::uniform;
-  /// Among those of its kind, from 0.
+  /// Its number among the points of its kind, from 0.
   std::int32_t number = 0;
   /// Displacement of the active site from rest t [3], m.
   Vec3 t = Vec3::Zero();
@@ -49,7 +49,7 @@ struct TestPoint {
   Flags flags = 0;
   /// Time it took, s, without that of its anchor.
   double seconds = 0;
-  /// Displacement of sample_points() [3 × their number], m; empty where it did not converge.
+  /// Displacement at sample_points() [3 × their number], m; empty where it did not converge.
   Eigen::VectorXf displacement;
 
   /// It converged to a state that is not inverted nor found to be unstable, without a jump on the
@@ -60,8 +60,8 @@ struct TestPoint {
   }
 };
 
-/// Calls visit for each number of a test point, in the order of the columns of the file;
-/// not for the displacement.
+/// Calls visit for each number of a test point, in the order of the columns of the file; the
+/// displacement is not among them.
 template <class Point, class Visit>
 void for_each_number_of_test_point(Point& point, Visit&& visit) {
   visit(point.kind);
@@ -81,11 +81,12 @@ void for_each_number_of_test_point(Point& point, Visit&& visit) {
   return std::tie(a.kind, a.number) < std::tie(b.kind, b.number);
 }
 
-/// Points of the surface at which displacements are compared, as many.
+/// The number of points of the surface at which displacements are compared.
 inline constexpr Index kSamplePoints = 64;
 
-/// Places in the surface's list, ascending, spread at random but always the same; all where the
-/// surface has no more than kSamplePoints.
+/// The points at which displacements are compared, by their places in the surface's list,
+/// ascending. They are chosen at random but always the same; all where there are no more than
+/// kSamplePoints.
 [[nodiscard]] std::vector<Index> sample_points(const Surface& surface);
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a state space is carried for touching: the surface alone, its displacement by a few
-// modes, and of each configuration what interpolation needs. A few hundred bytes a configuration.
+// The part of a state space that touching needs: the surface alone, its displacement by a few
+// modes, and of each configuration what interpolation needs. That is a few hundred bytes a
+// configuration.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,33 +19,34 @@ struct TouchSite {
   Site site;
   /// Position of the active node at rest, m.
   Vec3 rest_position = Vec3::Zero();
-  /// Everything but the fields, in the order of operator<.
+  /// All configurations without their fields, in the order of operator<.
   std::vector<ConfigurationSummary> configurations;
-  /// By target, then number; empty where the site has none.
+  /// These are in the order of operator<; empty where the site has none.
   std::vector<IntermediateState> intermediate_states;
-  /// Surface displacement u ≈ modes · c [r × num_configurations], m; 0 where it is not usable.
+  /// c of the surface displacement u ≈ modes · c [r × num_configurations], m; 0 where a
+  /// configuration is not usable.
   Eigen::MatrixXf coefficients;
-  /// Its gradient [3r × num_configurations], without unit: ∂c/∂t_x, then ∂c/∂t_y, then ∂c/∂t_z.
+  /// Gradient of c [3r × num_configurations], without unit: ∂c/∂t_x, then ∂c/∂t_y, then ∂c/∂t_z.
   Eigen::MatrixXf coefficient_gradients;
 };
 
 struct TouchSpace {
   std::string scene_hash;
-  /// Where its fields are; empty: nowhere.
+  /// The file that has the fields; empty: there is none.
   std::string file;
   Surface surface;
   /// Orthonormal modes of the surface displacement [3 × surface.num_points() × r], see pod.h.
   Eigen::MatrixXf modes;
-  /// By active node, ascending.
+  /// The sites in the order of their active nodes.
   std::vector<TouchSite> sites;
-  /// What the file holds but is damaged, see StateSpaceFile::left_out().
+  /// What is damaged in the file, and so is missing here, see StateSpaceFile::left_out().
   std::vector<std::string> left_out;
 
   /// Largest displacement of a surface point in any usable configuration, m.
   double largest_displacement = 0;
   /// Largest error that the modes make in u at any surface point of any usable configuration, m.
   double displacement_error = 0;
-  /// The same of spacing · ∂u/∂t, m.
+  /// The same error of spacing · ∂u/∂t, m.
   double sensitivity_error = 0;
 
   [[nodiscard]] Index num_modes() const { return static_cast<Index>(modes.cols()); }
@@ -52,20 +54,21 @@ struct TouchSpace {
   [[nodiscard]] const TouchSite* find(Index active_node) const;
 };
 
-/// Largest error of a surface point's displacement, as a share of the largest displacement.
+/// The default bound of a surface point's error, as a share of the largest displacement.
 inline constexpr double kDefaultTouchBound = 1e-3;
 
-/// @param space With u and v of every usable configuration.
-/// @throws InputError those are missing or not finite, or the bound is out of range, see PodBasis.
+/// Makes the touch space of a state space.
+/// @param space It has u and v of every usable configuration.
+/// @throws InputError u or v is missing or not finite, or the bound is out of range, see PodBasis.
 [[nodiscard]] TouchSpace make_touch_space(const StateSpace& space,
                                           double bound = kDefaultTouchBound);
 
-/// The same from a file, with the fields of one configuration in memory at a time. Configurations
-/// whose fields are damaged or not finite are left out.
+/// Does the same from a file, with the fields of one configuration in memory at a time.
+/// Configurations whose fields are damaged or not finite are left out.
 [[nodiscard]] TouchSpace make_touch_space(const StateSpaceFile& file,
                                           double bound = kDefaultTouchBound);
 
-/// Without modes, for a program that feels and does not show: no field is read.
+/// Does the same without modes, for a program that feels and does not show: no field is read.
 [[nodiscard]] TouchSpace make_touch_space_without_modes(const StateSpaceFile& file);
 
 }  // namespace palpate

@@ -272,6 +272,34 @@ def test_resume():
     assert field(again, "Solved")[0] == 0
 
 
+def test_a_damaged_row_is_left_out():
+    boundary = scene("damaged", quadratic=False)
+    node = node_at(boundary, CORNER)
+    settings = {"Resolution": 3, "FileName": "damaged.palpate"}
+    precompute(boundary, [node], **settings).UpdatePipeline()
+    file = sqlite3.connect("damaged.palpate")
+    with file:
+        file.execute("UPDATE configuration SET energy = energy + 1 WHERE (i, j, k) = (1, 0, 0)")
+    file.close()
+    what = f"configuration (1, 0, 0) of active node {node}"
+    reader = StateSpaceReader(FileName="damaged.palpate")
+    with Messages() as messages:
+        space = fetch_space(reader)["Configurations"]
+    assert (messages.errors, messages.warnings) == (0, 1), messages.text
+    assert "damaged.palpate" in messages.text and what in messages.text, messages.text
+    assert space.GetNumberOfPoints() == 26
+    left_out = space.GetFieldData().GetAbstractArray("LeftOut")
+    assert [left_out.GetValue(i) for i in range(left_out.GetNumberOfValues())] == [what]
+    assert field(space, "Complete")[0] == 0
+    # A run that goes on from the file computes it again.
+    with Messages():
+        again = fetch_space(precompute(boundary, [node], **settings))["Configurations"]
+    assert (field(again, "Solved")[0], field(again, "Reused")[0]) == (1, 26)
+    whole = expect_silence(lambda: fetch_space(StateSpaceReader(FileName="damaged.palpate")))
+    fields = whole["Configurations"].GetFieldData()
+    assert fields.GetAbstractArray("LeftOut").GetNumberOfValues() == 0
+
+
 def test_partitions():
     """A space whose blocks are split into partitions is the same space."""
     boundary = scene("partitions", quadratic=False)

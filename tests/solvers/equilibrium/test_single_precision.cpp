@@ -7,6 +7,7 @@
 
 #include "equilibrium/equilibrium.h"
 #include "linear/linear_solver.h"
+#include "solvers/equilibrium/state.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 
@@ -80,17 +81,6 @@ TEST(SinglePrecision, IsLeftAsideWhereItIsNotSafe) {
   expect_same(solve(mixed.scene, mixed.corner, Vec3(0.01, -0.002, 0.003)));
 }
 
-void expect_same_bits(const Equilibrium& a, const Equilibrium& b) {
-  EXPECT_EQ(a.outcome, b.outcome);
-  EXPECT_EQ(a.flags, b.flags);
-  EXPECT_EQ(a.iterations, b.iterations);
-  EXPECT_EQ(a.u, b.u);
-  EXPECT_EQ(a.v, b.v);
-  EXPECT_EQ(a.reaction, b.reaction);
-  EXPECT_EQ(a.stiffness, b.stiffness);
-  EXPECT_EQ(a.third_derivative, b.third_derivative);
-}
-
 /// A linear solver of which is counted how many factors that might have been of single precision
 /// are.
 class Counted final : public LinearSolver {
@@ -158,11 +148,11 @@ TEST(SinglePrecision, ASolveDoesNotDependOnThoseBefore) {
     if (counts->single > 0) {
       EXPECT_GT(counts->full, 0);
     }
-    expect_same_bits(used.solve(t, rest, Tangent::factorised), first);
-    expect_same_bits(used.solve(further, first, tangent), second);
+    test::expect_same_bits(used.solve(t, rest, Tangent::factorised), first);
+    test::expect_same_bits(used.solve(further, first, tangent), second);
     // As on another rank: starts come from elsewhere, and nothing is kept of them.
-    expect_same_bits(make().solve(further, first, tangent), second);
-    expect_same_bits(make().solve(t, deep, tangent), used.solve(t, deep, tangent));
+    test::expect_same_bits(make().solve(further, first, tangent), second);
+    test::expect_same_bits(make().solve(t, deep, tangent), used.solve(t, deep, tangent));
   }
 }
 

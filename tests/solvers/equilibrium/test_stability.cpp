@@ -21,30 +21,32 @@ class Stability : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Each, Stability, testing::ValuesIn(linear_solver_names()),
                          [](const auto& each) { return letters(each.param); });
 
-/// A column along x of St. Venant–Kirchhoff with ν = 0, fixed at one end; the other end is one
-/// site. Under compression it has the uniform state for an equilibrium, exactly and on any mesh:
-/// there is no lateral stress. It is stable until the column buckles.
+/// A column along x of St. Venant–Kirchhoff with ν = 0, fixed at x = 0; the other end is one site.
+/// Under compression it has the uniform state for an equilibrium, exactly and on any mesh: there is
+/// no lateral stress. It is stable until the column buckles.
 struct Column {
   static constexpr double kYoungsModulus = 1000;
   Scene scene;
   Constraint end;
 };
 
-Column make_column(ElementOrder order) {
-  TetMesh mesh = make_box(order, {6, 1, 1}, {6, 1, 1});
+Column make_column(TetMesh mesh, double length) {
   std::vector<char> fixed;
   Column column;
   column.end.num_sites = 1;
   for (Index p = 0; p < mesh.num_points(); ++p) {
     fixed.push_back(mesh.points[p].x() == 0 ? 1 : 0);
-    if (mesh.points[p].x() == 6) {
-      column.end.points.push_back(p);
-      column.end.site_of_point.push_back(0);
-    }
+    if (mesh.points[p].x() != length) continue;
+    column.end.points.push_back(p);
+    column.end.site_of_point.push_back(0);
   }
   column.scene = make_scene(
       std::move(mesh), make_isotropic(Law::st_venant_kirchhoff, Column::kYoungsModulus, 0), fixed);
   return column;
+}
+
+Column make_column(ElementOrder order) {
+  return make_column(make_box(order, {6, 1, 1}, {6, 1, 1}), 6);
 }
 
 TEST_P(Stability, AColumnThatShouldBuckleIsUnstable) {
@@ -83,19 +85,10 @@ struct SlenderColumn {
 // shows there but the inertia, which changes by one at each of them.
 TEST_P(Stability, TheInertiaTellsWhereAPerfectColumnBranches) {
   const double length = SlenderColumn::kLength;
-  Column column;
-  TetMesh mesh = make_box(ElementOrder::quadratic, {16, 1, 1},
-                          {length, SlenderColumn::kWidths[1], SlenderColumn::kWidths[0]});
-  std::vector<char> fixed;
-  column.end.num_sites = 1;
-  for (Index p = 0; p < mesh.num_points(); ++p) {
-    fixed.push_back(mesh.points[p].x() == 0 ? 1 : 0);
-    if (mesh.points[p].x() != length) continue;
-    column.end.points.push_back(p);
-    column.end.site_of_point.push_back(0);
-  }
-  column.scene = make_scene(
-      std::move(mesh), make_isotropic(Law::st_venant_kirchhoff, Column::kYoungsModulus, 0), fixed);
+  const Column column =
+      make_column(make_box(ElementOrder::quadratic, {16, 1, 1},
+                           {length, SlenderColumn::kWidths[1], SlenderColumn::kWidths[0]}),
+                  length);
   EquilibriumSolver solver(column.scene, {}, make_linear_solver(GetParam()));
   solver.hold(column.end);
   const Equilibrium rest = solver.rest();
@@ -150,18 +143,7 @@ TEST_P(Stability, TheInertiaTellsWhereAPerfectColumnBranches) {
 // step from the equilibrium leads anywhere. What is said to have converged is the straight column
 // there, and where rounding leaves it less accurate than was asked for, a flag says so.
 TEST_P(Stability, NextToABranchingPointNothingHopsAndALossOfAccuracyIsTold) {
-  TetMesh mesh = make_box(ElementOrder::quadratic, {6, 1, 1}, {6, 1, 0.8});
-  std::vector<char> fixed;
-  Column column;
-  column.end.num_sites = 1;
-  for (Index p = 0; p < mesh.num_points(); ++p) {
-    fixed.push_back(mesh.points[p].x() == 0 ? 1 : 0);
-    if (mesh.points[p].x() != 6) continue;
-    column.end.points.push_back(p);
-    column.end.site_of_point.push_back(0);
-  }
-  column.scene = make_scene(
-      std::move(mesh), make_isotropic(Law::st_venant_kirchhoff, Column::kYoungsModulus, 0), fixed);
+  const Column column = make_column(make_box(ElementOrder::quadratic, {6, 1, 1}, {6, 1, 0.8}), 6);
   EquilibriumSolver solver(column.scene, {}, make_linear_solver(GetParam()));
   solver.hold(column.end);
   const Equilibrium rest = solver.rest();

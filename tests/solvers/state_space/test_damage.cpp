@@ -318,6 +318,19 @@ TEST_F(DamageTest, LeavesOutWhatCannotBe) {
   forge({1, 0, 0}, "i = 100000", [](auto& c) { c.check_point[0] = 100000; });
   EXPECT_EQ(left_out()[0], "configuration (100000, 0, 0) of active node 8");
 
+  const std::pair<std::string, LevelTransition> transitions[] = {
+      {"i = -1", {{-1, 0, 0}, 0, {1, 0, 0}, 0}},  // both are there, but they are no neighbours
+      {"to_i = 2147483647", {{0, 0, 0}, 0, {2147483647, 0, 0}, 0}},
+      {"level = -1", {{0, 0, 0}, -1, {1, 0, 0}, 0}},
+      {"reached = -7", {{0, 0, 0}, 0, {1, 0, 0}, -7}}};
+  for (const auto& [sql, forged] : transitions) {
+    fs::remove(path_);
+    make();
+    change("UPDATE transition SET " + sql +
+           ", checksum = " + std::to_string(rows::checksum(kNode, forged)));
+    EXPECT_EQ(left_out(), std::vector<std::string>{rows::describe(forged, kNode)}) << sql;
+  }
+
   const std::pair<std::string, std::function<void(Site&)>> of_site[] = {
       {"resolution = 1001", [](Site& s) { s.resolution = 1001; }},
       {"resolution = 2147483647", [](Site& s) { s.resolution = 2147483647; }},
