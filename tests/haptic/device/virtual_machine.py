@@ -6,6 +6,7 @@ time in which the guest sleeps: what the guest sees, its times included, is the 
 however busy the host is.
 """
 
+import lzma
 import re
 import shutil
 import subprocess
@@ -39,8 +40,10 @@ def fetch_kernel(folder):
         archive, = Path(scratch).glob("*.deb")
         call("dpkg-deb", "-x", archive, scratch)
         for module in MODULES:
-            found, = Path(scratch).glob(f"lib/modules/*/kernel/drivers/hid/{module}.ko")
-            found.rename(folder / found.name)
+            found, = Path(scratch).glob(f"**/kernel/drivers/hid/{module}.ko*")
+            packed = found.suffix == ".xz"  # from Debian 13 on
+            (folder / f"{module}.ko").write_bytes(
+                lzma.decompress(found.read_bytes()) if packed else found.read_bytes())
         kernel, = Path(scratch).glob("boot/vmlinuz-*")
         kernel.rename(folder / "vmlinuz")
 
