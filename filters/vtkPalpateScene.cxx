@@ -11,13 +11,14 @@
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
-#include "vtkCellTypes.h"
 #include "vtkDoubleArray.h"
+#include "vtkGenericCell.h"
 #include "vtkNew.h"
 #include "vtkPalpateMaterials.h"
 #include "vtkPalpatePointChoice.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
+#include "vtkSmartPointer.h"
 #include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -56,6 +57,13 @@ void ReadMaterials(vtkUnstructuredGrid* grid, palpate::Scene& scene)
   scene.material_of_cell = std::move(read.OfCell);
 }
 
+/// As people know it, vtkHexahedron.
+std::string CellTypeName(int type)
+{
+  const auto cell = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
+  return cell ? cell->GetClassName() : "cell of the unknown type " + std::to_string(type);
+}
+
 void AddMaterials(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
 {
   vtkPalpateMaterials materials{ scene.materials, scene.material_of_cell };
@@ -81,16 +89,14 @@ palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructuredGrid* grid)
     const int type = grid->GetCellType(cell);
     if (type != VTK_TETRA && type != VTK_QUADRATIC_TETRA)
     {
-      throw InputError("Cell " + std::to_string(cell) + " is a " +
-        vtkCellTypes::GetClassNameFromTypeId(type) +
+      throw InputError("Cell " + std::to_string(cell) + " is a " + CellTypeName(type) +
         "; a body has tetrahedra alone (vtkTetra or vtkQuadraticTetra). Remove other cells or mesh "
         "the surface with Tetrahedralize Surface.");
     }
     if (type != first)
     {
-      throw InputError("Cell " + std::to_string(cell) + " is a " +
-        vtkCellTypes::GetClassNameFromTypeId(type) + ", but cell 0 is a " +
-        vtkCellTypes::GetClassNameFromTypeId(first) +
+      throw InputError("Cell " + std::to_string(cell) + " is a " + CellTypeName(type) +
+        ", but cell 0 is a " + CellTypeName(first) +
         ": linear and quadratic tetrahedra cannot be mixed.");
     }
   }

@@ -53,7 +53,8 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
         }
         throw palpate::InputError("The body is in " + std::to_string(pieces.size()) +
           " pieces, and nothing tells which of their points are the same. Apply Generate Global "
-          "Ids to it first, or save it into one .vtu file with one rank, and read that.");
+          "Ids (from ParaView 5.13 on, Global Point And Cell Ids) to it first, or save it into one "
+          ".vtu file with one rank, and read that.");
       });
   }
   if (!pieces.empty())

@@ -67,7 +67,7 @@ class Stage:
         bar = GetScalarBar(colours, self.view)
         bar.Title, bar.ComponentTitle = title, ""
         bar.TitleColor = bar.LabelColor = INK
-        bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.3f", "%.4f"
+        bar.RangeLabelFormat = "%.4f"
         bar.WindowLocation, bar.ScalarBarLength = "Lower Right Corner", 0.3
         display.SetScalarBarVisibility(self.view, True)
 

@@ -32,7 +32,9 @@ constexpr const char* Looks = R"json({
     "PalpateErrorChartRepresentation": {
       "SeriesVisibility": ["Time", "0", "Bytes", "0", "PrecomputeSeconds", "0",
         "RBF linear, no polynomial", "0", "RBF linear, no intermediate states", "0",
-        "RBF cubic, no polynomial", "0", "RBF cubic, no intermediate states", "0"],
+        "RBF cubic, no polynomial", "0", "RBF cubic, no intermediate states", "0",
+        "Energy Hermite", "1", "Energy Hermite, no third derivatives", "1", "Linear", "1",
+        "RBF cubic", "1", "RBF linear", "1", "Tricubic", "1", "Trilinear", "1"],
       "SeriesMarkerStyle": ["Trilinear", "4", "Tricubic", "4", "RBF linear", "4",
         "RBF cubic", "4", "Energy Hermite", "4", "Energy Hermite, no third derivatives", "5",
         "Linear", "4"],

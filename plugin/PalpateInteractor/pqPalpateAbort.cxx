@@ -5,8 +5,10 @@
 #include <QEvent>
 
 #include "pqApplicationCore.h"
+#include "pqCoreUtilities.h"
 #include "pqPipelineSource.h"
 #include "pqProgressManager.h"
+#include "pqProgressWidget.h"
 #include "pqServerManagerModel.h"
 #include "vtkAlgorithm.h"
 #include "vtkCommand.h"
@@ -50,14 +52,18 @@ pqPalpateAbort::pqPalpateAbort(QObject* parent)
   {
     this->watch(source);
   }
-  QObject::connect(Progress(), &pqProgressManager::abort, this,
-    [this]
-    {
-      if (this->Working)
+  // ParaView 6 no longer tells others of it by its manager of progress.
+  if (auto* bar = pqCoreUtilities::mainWidget()->findChild<pqProgressWidget*>())
+  {
+    QObject::connect(bar, &pqProgressWidget::abortPressed, this,
+      [this]
       {
-        this->Working->SetAbortExecute(1);
-      }
-    });
+        if (this->Working)
+        {
+          this->Working->SetAbortExecute(1);
+        }
+      });
+  }
 }
 
 void pqPalpateAbort::watch(pqPipelineSource* source)
@@ -67,25 +73,33 @@ void pqPalpateAbort::watch(pqPipelineSource* source)
   if (filter &&
     (name == "PrecomputeStateSpace" || name == "AccuracyReport" || name == "SolveEquilibrium"))
   {
+    filter->AddObserver(vtkCommand::StartEvent, this, &pqPalpateAbort::beginWork);
     filter->AddObserver(vtkCommand::ProgressEvent, this, &pqPalpateAbort::handleEvents);
     filter->AddObserver(vtkCommand::EndEvent, this, &pqPalpateAbort::endWork);
   }
 }
 
-void pqPalpateAbort::handleEvents(vtkObject* filter, unsigned long, void*)
+void pqPalpateAbort::beginWork(vtkObject* filter, unsigned long, void*)
 {
-  if (this->IsHandling || Progress()->isLocked())
+  if (!Progress()->isLocked())
+  {
+    this->Working = vtkAlgorithm::SafeDownCast(filter);
+    Progress()->setEnableAbort(true);
+    // Not only while events are handled here: ParaView 6 handles some too.
+    QApplication::instance()->installEventFilter(this);
+  }
+}
+
+void pqPalpateAbort::handleEvents(vtkObject*, unsigned long, void*)
+{
+  if (this->IsHandling || !this->Working)
   {
     return;
   }
   this->IsHandling = true;
-  this->Working = vtkAlgorithm::SafeDownCast(filter);
-  Progress()->setEnableAbort(true);
   // ParaView's own filter would also keep from the window what is meant for the button.
   const bool unblocked = Progress()->unblockEvents(true);
-  QApplication::instance()->installEventFilter(this);
   QApplication::processEvents();
-  QApplication::instance()->removeEventFilter(this);
   Progress()->unblockEvents(unblocked);
   this->IsHandling = false;
 }
@@ -94,6 +108,7 @@ void pqPalpateAbort::endWork(vtkObject*, unsigned long, void*)
 {
   if (this->Working)
   {
+    QApplication::instance()->removeEventFilter(this);
     this->Working = nullptr;
     Progress()->setEnableAbort(false);
   }

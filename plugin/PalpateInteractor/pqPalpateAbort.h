@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Lets the button of ParaView's bar of progress abort the long work of our filters. ParaView shows
-/// how far they are, but handles no event meanwhile, and nobody listens to the button.
+/// how far they are, but before 6 it handles no event meanwhile, and nobody listens to the button.
 ///
 /// For filters of this process alone: a server elsewhere hears nothing while it works.
 #pragma once
@@ -24,7 +24,8 @@ protected:
 
 private:
   void watch(pqPipelineSource* source);
-  void handleEvents(vtkObject* filter, unsigned long, void*);
+  void beginWork(vtkObject* filter, unsigned long, void*);
+  void handleEvents(vtkObject*, unsigned long, void*);
   void endWork(vtkObject*, unsigned long, void*);
 
   vtkWeakPointer<vtkAlgorithm> Working;

@@ -139,7 +139,7 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   this->Text->VisibilityOff();
   if (this->Renderer)
   {
-    this->Renderer->AddActor2D(this->Text);
+    this->Renderer->AddViewProp(this->Text);
   }
 }
 
@@ -154,7 +154,7 @@ pqPalpateToolView::~pqPalpateToolView()
   }
   if (this->Renderer)
   {
-    this->Renderer->RemoveActor2D(this->Text);
+    this->Renderer->RemoveViewProp(this->Text);
   }
 }
 

@@ -6,6 +6,7 @@ With PALPATE_NEW_BASELINES=1 the baselines are made anew: look at them."""
 import os
 import shutil
 
+from paraview import servermanager
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkImagingCore import vtkImageDifference
 from vtkmodules.vtkIOImage import vtkPNGReader
@@ -17,7 +18,10 @@ THRESHOLD = 16
 LARGEST_DIFFERENCE = 20
 VISIBLE = 30  # of 255, between the colours of a pixel
 NEARLY_WHITE = 240
-BASELINES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "baselines")
+# ParaView 6 has colours, a background and a distance of the camera of its own.
+BASELINES = os.path.join(
+    os.path.dirname(os.path.abspath(__file__)), "baselines",
+    "paraview_6" if servermanager.vtkSMProxyManager.GetVersionMajor() >= 6 else "paraview_5")
 
 
 def image(path):

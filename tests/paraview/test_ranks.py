@@ -2,8 +2,8 @@
 """The filters on several ranks: wherever the cells are, the result is whole on rank 0."""
 
 import numpy
-from paraview import servermanager
-from paraview.simple import (AssignMaterial, GenerateGlobalIds, SetBoundary, SolveEquilibrium,
+from paraview import servermanager, simple
+from paraview.simple import (AssignMaterial, SetBoundary, SolveEquilibrium,
                              XMLPartitionedUnstructuredGridReader)
 from support import (box_body, expect_error, expect_silence, fetch, field, grid_of, places,
                      point_array, source)
@@ -91,7 +91,9 @@ def test_pieces(grid, alone):
 
     plain = halves("plain", grid, False)
     expect_error(lambda: fetch(road(plain)), "2 pieces", "Generate Global Ids")
-    numbered = GenerateGlobalIds(Input=plain)
+    # From ParaView 5.13 on it has the longer name.
+    give_ids = getattr(simple, "GlobalPointAndCellIds", None) or simple.GenerateGlobalIds
+    numbered = give_ids(Input=plain)
     whole = fetch(AssignMaterial(Input=numbered))
     assert whole.GetNumberOfPoints() == grid.GetNumberOfPoints()
     result = expect_silence(lambda: fetch(road(numbered, whole)))

@@ -6,6 +6,7 @@ time in which the guest sleeps: what the guest sees, its times included, is the 
 however busy the host is.
 """
 
+import lzma
 import re
 import shutil
 import subprocess
@@ -13,7 +14,8 @@ import tempfile
 from pathlib import Path
 
 QEMU = "qemu-system-x86_64"
-KERNEL = "linux-image-cloud-amd64"
+# The first is the smaller one; that of Debian unstable knows no HID.
+KERNELS = ["linux-image-cloud-amd64", "linux-image-amd64"]
 MODULES = ["hid", "hid-generic", "uhid"]  # as they need each other
 
 
@@ -29,20 +31,33 @@ def fetch_kernel(folder):
         if shutil.which(tool) is None:
             raise Unavailable(f"there is no {tool}")
     folder.mkdir(parents=True, exist_ok=True)
-    # The package of that name is empty: it depends on the one of the newest version.
-    depends = call("apt-cache", "depends", KERNEL)
-    package = re.search(r"Depends: (linux-image-\S+)", depends)
+    for kernel in KERNELS:
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            unpack(kernel, scratch)
+            found = [module for name in MODULES
+                     for module in Path(scratch).glob(f"**/kernel/drivers/hid/{name}.ko*")]
+            if len(found) == len(MODULES):
+                for name, module in zip(MODULES, found):
+                    packed = module.suffix == ".xz"  # as they are from Debian 13 on
+                    (folder / f"{name}.ko").write_bytes(
+                        lzma.decompress(module.read_bytes()) if packed else module.read_bytes())
+                image, = (path for path in Path(scratch).glob("**/vmlinuz*") if path.is_file())
+                image.rename(folder / "vmlinuz")
+                return
+    raise Unavailable(f"none of {', '.join(KERNELS)} has the modules {', '.join(MODULES)}")
+
+
+def unpack(kernel, folder):
+    # The package of that name is empty: it depends on the one of the newest version, which in
+    # Debian unstable is empty as well.
+    package = re.search(r"Depends: (linux-image-\S+)", call("apt-cache", "depends", kernel))
     if package is None:
-        raise Unavailable(f"apt knows no kernel {KERNEL}")
-    with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        call("apt-get", "-q", "download", package[1], cwd=scratch)
-        archive, = Path(scratch).glob("*.deb")
-        call("dpkg-deb", "-x", archive, scratch)
-        for module in MODULES:
-            found, = Path(scratch).glob(f"lib/modules/*/kernel/drivers/hid/{module}.ko")
-            found.rename(folder / found.name)
-        kernel, = Path(scratch).glob("boot/vmlinuz-*")
-        kernel.rename(folder / "vmlinuz")
+        raise Unavailable(f"apt knows no kernel {kernel}")
+    parts = re.findall(r"Depends: (linux-(?:binary|modules)-\S+)",
+                       call("apt-cache", "depends", package[1]))
+    call("apt-get", "-q", "download", package[1], *parts, cwd=folder)
+    for archive in Path(folder).glob("*.deb"):
+        call("dpkg-deb", "-x", archive, folder)
 
 
 def call(*command, **options):
