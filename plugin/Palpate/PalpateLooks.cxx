@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "PalpateLooks.h"
 
+#include "vtkSMProxyManager.h"
 #include "vtkSMSettings.h"
 
 namespace
@@ -30,11 +31,6 @@ constexpr const char* Looks = R"json({
       "LineWidth": 4
     },
     "PalpateErrorChartRepresentation": {
-      "SeriesVisibility": ["Time", "0", "Bytes", "0", "PrecomputeSeconds", "0",
-        "RBF linear, no polynomial", "0", "RBF linear, no intermediate states", "0",
-        "RBF cubic, no polynomial", "0", "RBF cubic, no intermediate states", "0",
-        "Energy Hermite", "1", "Energy Hermite, no third derivatives", "1", "Linear", "1",
-        "RBF cubic", "1", "RBF linear", "1", "Tricubic", "1", "Trilinear", "1"],
       "SeriesMarkerStyle": ["Trilinear", "4", "Tricubic", "4", "RBF linear", "4",
         "RBF cubic", "4", "Energy Hermite", "4", "Energy Hermite, no third derivatives", "5",
         "Linear", "4"],
@@ -76,9 +72,33 @@ constexpr const char* Looks = R"json({
     } }
   }
 })json";
+
+/// Before 6 ParaView shows of a chart all but what is named with 0.
+constexpr const char* HiddenSeries = R"json({
+  "representations": {
+    "PalpateErrorChartRepresentation": {
+      "SeriesVisibility": ["Time", "0", "Bytes", "0", "PrecomputeSeconds", "0",
+        "RBF linear, no polynomial", "0", "RBF linear, no intermediate states", "0",
+        "RBF cubic, no polynomial", "0", "RBF cubic, no intermediate states", "0"]
+    }
+  }
+})json";
+
+/// From 6 on it shows what is named with 1, and nothing else.
+constexpr const char* ShownSeries = R"json({
+  "representations": {
+    "PalpateErrorChartRepresentation": {
+      "SeriesVisibility": ["Energy Hermite", "1", "Energy Hermite, no third derivatives", "1",
+        "Linear", "1", "RBF cubic", "1", "RBF linear", "1", "Tricubic", "1", "Trilinear", "1"]
+    }
+  }
+})json";
 }
 
 void PalpateAddLooks()
 {
-  vtkSMSettings::GetInstance()->AddCollectionFromString(Looks, Priority);
+  vtkSMSettings* settings = vtkSMSettings::GetInstance();
+  settings->AddCollectionFromString(Looks, Priority);
+  settings->AddCollectionFromString(
+    vtkSMProxyManager::GetVersionMajor() < 6 ? HiddenSeries : ShownSeries, Priority);
 }
