@@ -328,18 +328,24 @@ bool TooLarge(REAL* a, REAL* b, REAL* c, REAL* d, REAL*, REAL)
   return CurrentSizing->TooLarge(a, b, c, d);
 }
 
+std::array<const double*, 4> Corners(const tetgenio& mesh, std::size_t tetrahedron)
+{
+  std::array<const double*, 4> corners;
+  for (std::size_t j = 0; j < 4; ++j)
+  {
+    const int point = mesh.tetrahedronlist[tetrahedron * mesh.numberofcorners + j];
+    corners[j] = mesh.pointlist + 3 * static_cast<std::size_t>(point);
+  }
+  return corners;
+}
+
 /// By how much the worst tetrahedron exceeds its bound, at least 1.
 double Excess(const tetgenio& mesh, const Sizing& wanted, double wanted_volume)
 {
   double excess = 1;
   for (int i = 0; i < mesh.numberoftetrahedra; ++i)
   {
-    const int* corner = mesh.tetrahedronlist + static_cast<std::size_t>(i) * mesh.numberofcorners;
-    const double* p[4];
-    for (int j = 0; j < 4; ++j)
-    {
-      p[j] = mesh.pointlist + 3 * static_cast<std::size_t>(corner[j]);
-    }
+    const auto p = Corners(mesh, static_cast<std::size_t>(i));
     const double volume = Volume(p[0], p[1], p[2], p[3]);
     if (wanted_volume > 0)
     {
@@ -357,7 +363,7 @@ std::string Switches(const Options& options, double volume)
 {
   // J keeps all points, so that those of the input stay first. A: a number for each part of space
   // that the surface encloses.
-  std::string switches = "pAJq" + Number(options.Ratio);
+  std::string switches = "AJq" + Number(options.Ratio);
   if (options.Preserve)
   {
     switches += "Y";
@@ -367,6 +373,47 @@ std::string Switches(const Options& options, double volume)
     switches += "a" + Number(volume);
   }
   return switches;
+}
+
+/// Refines what reaches into the region and is larger than its bound still. The callback only asks
+/// for a point, which TetGen 1.6 refuses where it would make a short edge, as beside a region that
+/// is smaller than the tetrahedra around it; a bound of a tetrahedron's own it heeds.
+std::unique_ptr<tetgenio> RefineRest(
+  std::unique_ptr<tetgenio> mesh, const Options& options, const Sizing& wanted)
+{
+  // What reaches into the region is halved about three times, so that what is beside it is not
+  // refined as well.
+  constexpr double step = 8;
+  constexpr int most_rounds = 30;
+  for (int round = 0; round < most_rounds; ++round)
+  {
+    const auto number = static_cast<std::size_t>(mesh->numberoftetrahedra);
+    delete[] mesh->tetrahedronvolumelist;
+    mesh->tetrahedronvolumelist = new REAL[number];
+    bool all_fit = true;
+    for (std::size_t i = 0; i < number; ++i)
+    {
+      const auto p = Corners(*mesh, i);
+      const bool fits = !wanted.TooLarge(p[0], p[1], p[2], p[3]);
+      mesh->tetrahedronvolumelist[i] =
+        fits ? -1 : std::max(Volume(p[0], p[1], p[2], p[3]) / step, wanted.PartVolume);
+      all_fit = all_fit && fits;
+    }
+    if (all_fit)
+    {
+      break;
+    }
+    auto finer = std::make_unique<tetgenio>();
+    std::string switches = "ra" + Switches(options, 0);
+    tetrahedralize(switches.data(), mesh.get(), finer.get());
+    const bool is_finer = finer->numberofpoints > mesh->numberofpoints;
+    mesh = std::move(finer);
+    if (!is_finer)
+    {
+      break;
+    }
+  }
+  return mesh;
 }
 
 /// TetGen's last step, which improves shapes, makes a few tetrahedra larger than their bound: then
@@ -393,12 +440,16 @@ std::unique_ptr<const tetgenio> Mesh(
       in.tetunsuitable = TooLarge;
     }
     auto out = std::make_unique<tetgenio>();
-    std::string switches = Switches(options, factor * volume);
+    std::string switches = "p" + Switches(options, factor * volume);
     tetrahedralize(switches.data(), &in, out.get());
     const double excess = Excess(*out, wanted, volume);
-    if (excess <= 1 + rounding || options.Preserve || trial == most_trials)
+    if (excess <= 1 + rounding || options.Preserve)
     {
       return out;
+    }
+    if (trial == most_trials)
+    {
+      return region ? RefineRest(std::move(out), options, wanted) : std::move(out);
     }
     factor = std::max(least_factor, factor * margin / excess);
   }

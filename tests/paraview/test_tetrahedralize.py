@@ -55,16 +55,16 @@ def check_defaults_and_names():
 def check_every_property():
     body = TetrahedralizeSurface(Input=Box())
     coarse = good(body, 1).GetNumberOfCells()
-    body.MaximumVolume = 0.01
+    body.MaximumVolume = 0.002
     bounded = good(body, 1)
-    assert volumes(bounded).max() <= 0.01 * (1 + 1e-9)
+    assert volumes(bounded).max() <= 0.002 * (1 + 1e-9)
     assert bounded.GetNumberOfCells() > coarse
     body.ElementOrder = "Quadratic"
     quadratic = good(body, 1)
     assert quadratic.GetCellType(0) == VTK_QUADRATIC_TETRA
     assert quadratic.GetNumberOfCells() == bounded.GetNumberOfCells()
     body.ElementOrder = "Linear"
-    body.MaximumRadiusEdgeRatio = 1.2
+    body.MaximumRadiusEdgeRatio = 1.1
     assert good(body, 1).GetNumberOfCells() > bounded.GetNumberOfCells()
 
     body = TetrahedralizeSurface(Input=Sphere(ThetaResolution=24, PhiResolution=24))
