@@ -80,8 +80,6 @@ void Board::plug() {
 
 void Board::unplug() {
   uhid_.unplug();
-  // From here on the kernel has told everybody.
-  log_.add("unplugged %lld", microseconds());
   open_ = false;
 }
 

@@ -111,7 +111,6 @@ End touch(Log& log, OpenedDevice device, const std::shared_ptr<const Touchable>&
       std::this_thread::sleep_for(1ms);
       const Tick tick = servo.latest();
       if (tick.state == ServoState::gone) {
-        log.add("gone %lld", us(now()));
         end = End::gone;
       } else if (tick.device.buttons & 1) {
         const Time before = now();
