@@ -31,6 +31,8 @@ inline constexpr Flags near_fold = 8;
 inline constexpr Flags inertia_not_computed = 16;
 /// An equilibrium to rounding, of which the displacement is less accurate than was asked for.
 inline constexpr Flags inaccurate = 32;
+/// Every flag there is.
+inline constexpr Flags all = 2 * inaccurate - 1;
 }  // namespace flags
 using flags::Flags;
 

@@ -94,7 +94,7 @@ void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& rep
   ++(reused ? report.num_reused : report.num_solved);
   ++report.num_by_outcome[found.outcome];
   if (!reused) report.iterations += found.iterations;
-  for (Flags bit = 1; bit <= flags::inaccurate; bit *= 2) {
+  for (Flags bit = 1; bit <= flags::all; bit *= 2) {
     if ((found.flags & bit) != 0) ++report.num_by_flag[bit];
   }
 }

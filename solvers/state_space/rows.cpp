@@ -39,14 +39,11 @@ std::int64_t checksum_of(const void* data, std::size_t bytes, std::int64_t seed)
 /// How far a configuration may lie from its check-point, in spacings, for rounding.
 constexpr double kOffCheckPoint = 1e-4;
 
-constexpr Flags kAllFlags = flags::inverted | flags::unstable | flags::beyond_force_limit |
-                            flags::near_fold | flags::inertia_not_computed;
-
 bool is_possible(Outcome outcome) {
   return outcome >= Outcome::converged && outcome <= Outcome::invalid_scene;
 }
 
-bool is_possible(Flags flags) { return (flags & ~kAllFlags) == 0; }
+bool is_possible(Flags of_solve) { return (of_solve & ~flags::all) == 0; }
 
 bool is_in_box(const Site& site, const CheckPoint& c) {
   return std::all_of(c.begin(), c.end(),

@@ -152,7 +152,7 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   odd.energy = -0.0;
   odd.stiffness = Mat3::Random();
   odd.force = Vec3(1.0 / 3, 1e-320, -7);
-  odd.flags = flags::inverted | flags::beyond_force_limit;
+  odd.flags = flags::all;
   odd.negative_pivots = 2;
   odd.third_derivative = example_third_derivative(odd.t);
   odd.third_derivative[3] = -0.0;
