@@ -333,6 +333,7 @@ void Engine::work(Mail& mail) {
     solver_.forget(*start);
   }
   current_.reset();
+  if (!summary.usable()) return;  // it has no state
   Batch next;
   next.active_node = node;
   next.start = summary;

@@ -121,6 +121,13 @@ inline ConfigurationSummary analytic_configuration(const Site& site, const Energ
   return c;
 }
 
+/// Makes room for the coefficients of no modes, for each configuration.
+inline void without_modes(TouchSite& site) {
+  const auto size = static_cast<Eigen::Index>(site.configurations.size());
+  site.coefficients.resize(0, size);
+  site.coefficient_gradients.resize(0, size);
+}
+
 /// The corners of the coarsest cells alone where the grid is not uniform.
 inline TouchSite analytic_site(const Energy& energy, std::int32_t resolution = 7,
                                std::int32_t coarsest = 1) {
@@ -137,6 +144,7 @@ inline TouchSite analytic_site(const Energy& energy, std::int32_t resolution = 7
       }
     }
   }
+  without_modes(site);
   return site;
 }
 
@@ -152,6 +160,7 @@ inline void split(TouchSite& site, const Energy& energy, const Cell& cell) {
     if (place != site.configurations.end() && place->check_point == c.check_point) continue;
     site.configurations.insert(place, c);
   }
+  without_modes(site);
 }
 
 /// Splits the leaves for which choose(cell) holds, until there are none.
