@@ -82,7 +82,7 @@ TEST(SinglePrecision, IsLeftAsideWhereItIsNotSafe) {
 }
 
 /// A linear solver of which is counted how many factors that might have been of single precision
-/// are. Those of tangents with entries much larger than at rest are not, whether that would be safe
+/// are. Those of tangents with larger entries than at rest are not, whether that would be safe
 /// or not: so it does not depend on the linear solver in which of them a pivot is too small.
 class Counted final : public LinearSolver {
  public:
@@ -106,7 +106,7 @@ class Counted final : public LinearSolver {
     double largest = 0;
     for (const double value : values) largest = std::max(largest, std::abs(value));
     if (counts_->largest_entry == 0) counts_->largest_entry = largest;
-    const bool is_safe = largest <= 1.5 * counts_->largest_entry;
+    const bool is_safe = largest <= 1.1 * counts_->largest_entry;
     const FactorStatus status = solver_->factorise(values, is_safe ? precision : Precision::full);
     if (precision != Precision::full) ++(solver_->is_single() ? counts_->single : counts_->full);
     return status;
