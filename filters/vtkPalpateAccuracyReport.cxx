@@ -41,19 +41,19 @@ std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOp
 {
   std::ostringstream text;
   text << std::hexfloat << space.scene_hash << ' ' << space.modes.sum();
-  for (const palpate::TouchSite& site : space.sites)
+  for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    const palpate::Site& s = site.site;
-    text << ' ' << s.active_node << ' ' << s.tip_radius << ' ' << s.half_width << ' '
-         << s.resolution << ' ' << s.coarsest << ' ' << s.force_limit << ' '
-         << site.coefficients.sum();
-    for (const palpate::ConfigurationSummary& c : site.configurations)
+    const palpate::ToolSpaceSetup& s = toolSpace.setup;
+    text << ' ' << s.interaction.active_node << ' ' << s.interaction.tip_radius << ' '
+         << s.grid.half_width << ' ' << s.grid.resolution << ' ' << s.grid.coarsest << ' '
+         << s.policy.force_limit << ' ' << toolSpace.coefficients.sum();
+    for (const palpate::ConfigurationSummary& c : toolSpace.configurations)
     {
       text << ' ' << c.energy << ' ' << c.force.transpose() << ' ' << c.stiffness.sum() << ' '
            << c.third_derivative.sum() << ' ' << c.flags << ' ' << static_cast<int>(c.outcome)
            << ' ' << c.seconds;
     }
-    for (const palpate::IntermediateState& state : site.intermediate_states)
+    for (const palpate::IntermediateState& state : toolSpace.intermediate_states)
     {
       text << ' ' << state.energy << ' ' << state.force.transpose();
     }
@@ -178,7 +178,8 @@ void FillPoints(const palpate::TouchSpace& space, const AccuracyResult& result, 
   vtkNew<vtkCellArray> vertices;
   for (const AccuracyPoint& point : all)
   {
-    const palpate::Vec3 place = space.find(point.active_node)->rest_position + point.exact.t;
+    const palpate::Vec3 place =
+      space.find(point.active_node)->setup.interaction.material_point + point.exact.t;
     vertices->InsertNextCell({ points->InsertNextPoint(place.data()) });
   }
   data->SetPoints(points);
@@ -320,7 +321,7 @@ int vtkPalpateAccuracyReport::RequestData(
     }
     FillTable(result.rows, false, rows);
     FillPoints(space, result, points);
-    FillTable(result.rows_of_sites, true, rowsOfNodes);
+    FillTable(result.rows_of_tool_spaces, true, rowsOfNodes);
     FillChart(result.rows, chart);
     AddRun(result, communicator->size(), rows->GetFieldData());
     if (!result.complete)

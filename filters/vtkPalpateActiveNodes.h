@@ -9,7 +9,7 @@
 #include "base/types.h"
 #include "vtkType.h"
 
-/// Ids of points as the solver's indices; palpate::Tip checks the rest.
+/// Ids of points as the solver's indices; palpate::BondedPatches checks the rest.
 /// @throws palpate::InputError an id that is no index.
 inline std::vector<palpate::Index> vtkPalpateActiveNodes(const std::vector<vtkIdType>& ids)
 {

@@ -32,15 +32,15 @@ using Key = std::tuple<palpate::Index, int, int, int>;
 std::vector<double> Estimate(const palpate::TouchSpace& space)
 {
   std::vector<double> rows;
-  for (const palpate::TouchSite& site : space.sites)
+  for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
     const std::vector<double> errors =
-      palpate::estimate_errors_around(site.site, site.configurations);
+      palpate::estimate_errors_around(toolSpace.setup.grid, toolSpace.configurations);
     for (std::size_t i = 0; i < errors.size(); ++i)
     {
-      const auto& [x, y, z] = site.configurations[i].check_point;
+      const auto& [x, y, z] = toolSpace.configurations[i].check_point;
       rows.insert(rows.end(),
-        { static_cast<double>(site.site.active_node), static_cast<double>(x),
+        { static_cast<double>(toolSpace.setup.interaction.active_node), static_cast<double>(x),
           static_cast<double>(y), static_cast<double>(z), errors[i] });
     }
   }

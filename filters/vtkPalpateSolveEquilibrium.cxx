@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "equilibrium/equilibrium.h"
-#include "equilibrium/tip.h"
+#include "interaction/bonded_patch.h"
 #include "linear/group.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
@@ -214,7 +214,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
     // On rank 0 alone.
     vtkSmartPointer<vtkUnstructuredGrid> body;
     std::optional<palpate::Scene> scene;
-    palpate::Constraint constraint;
+    palpate::InteractionList tools;
     palpate::agree(*communicator,
       [&]
       {
@@ -225,8 +225,8 @@ int vtkPalpateSolveEquilibrium::RequestData(
           return;
         }
         scene = vtkPalpateSceneFromGrid(body);
-        constraint =
-          palpate::Tip(*scene, this->TipRadius).hold(vtkPalpateActiveNodes(this->ActiveNodes));
+        tools = palpate::BondedPatches(*scene, this->TipRadius)
+                  .around_each(vtkPalpateActiveNodes(this->ActiveNodes));
       });
 
     const bool together =
@@ -236,7 +236,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
     {
       auto linearSolver = together ? palpate::make_group_solver(comm) : this->MakeLinearSolver();
       output->ShallowCopy(body);
-      this->Solve(*scene, constraint, std::move(linearSolver), output);
+      this->Solve(*scene, tools, std::move(linearSolver), output);
     }
     else if (together)
     {
@@ -263,7 +263,7 @@ std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSol
 }
 
 void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
-  const palpate::Constraint& constraint, std::unique_ptr<palpate::LinearSolver> linearSolver,
+  const palpate::Interaction& tool, std::unique_ptr<palpate::LinearSolver> linearSolver,
   vtkUnstructuredGrid* output)
 {
   palpate::EquilibriumOptions options;
@@ -278,7 +278,7 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
     return this->GetAbortExecute() != 0;
   };
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
-  solver.hold(constraint);
+  solver.set_interaction(tool);
   const auto t = Eigen::Map<const Eigen::VectorXd>(
     this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size()));
   const palpate::Equilibrium state = Follow(solver, t, this->Increments);

@@ -39,7 +39,7 @@ class vtkStringArray;
 
 namespace palpate
 {
-struct Constraint;
+class Interaction;
 class LinearSolver;
 struct Scene;
 }
@@ -128,7 +128,7 @@ private:
   /// Whether all of `numRanks` ranks solve for this body, or one of them.
   bool SolvesTogether(const palpate::Scene& scene, int numRanks) const;
   std::unique_ptr<palpate::LinearSolver> MakeLinearSolver() const;
-  void Solve(const palpate::Scene& scene, const palpate::Constraint& constraint,
+  void Solve(const palpate::Scene& scene, const palpate::Interaction& tool,
     std::unique_ptr<palpate::LinearSolver> linearSolver, vtkUnstructuredGrid* output);
 
   std::vector<vtkIdType> ActiveNodes = { 0 };

@@ -41,8 +41,8 @@ using palpate::ConfigurationSummary;
 using palpate::Index;
 using palpate::InputError;
 using palpate::IntermediateState;
-using palpate::TouchSite;
 using palpate::TouchSpace;
+using palpate::TouchToolSpace;
 
 constexpr const char* BlockNames[] = { "Body", "Surface", "Configurations", "IntermediateStates" };
 constexpr const char* ThirdDerivative = "ThirdDerivative";
@@ -197,18 +197,18 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   points->SetDataTypeToDouble();
   vtkNew<vtkCellArray> vertices;
   vtkNew<vtkCellArray> transitions;
-  for (const TouchSite& site : space.sites)
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
     std::map<std::pair<CheckPoint, int>, vtkIdType> idOf;
-    for (const ConfigurationSummary& c : site.configurations)
+    for (const ConfigurationSummary& c : toolSpace.configurations)
     {
-      const palpate::Vec3 place = site.rest_position + c.t;
+      const palpate::Vec3 place = toolSpace.setup.interaction.material_point + c.t;
       const vtkIdType id = points->InsertNextPoint(place.data());
       vertices->InsertNextCell({ id });
       idOf.emplace(std::pair(c.check_point, c.level), id);
       all.push_back(&c);
     }
-    for (const ConfigurationSummary& c : site.configurations)
+    for (const ConfigurationSummary& c : toolSpace.configurations)
     {
       const vtkIdType id = idOf.at({ c.check_point, c.level });
       const auto parent = idOf.find({ c.parent, c.parent_level });
@@ -261,15 +261,15 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
     gradients = AddArray<vtkFloatArray>(arrays, "CoefficientGradient", 3 * modes, count);
   }
   vtkIdType next = 0;
-  for (const TouchSite& site : space.sites)
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    for (Eigen::Index i = 0; i < site.coefficients.cols(); ++i, ++next)
+    for (Eigen::Index i = 0; i < toolSpace.coefficients.cols(); ++i, ++next)
     {
-      nodes->SetValue(next, site.site.active_node);
+      nodes->SetValue(next, toolSpace.setup.interaction.active_node);
       if (modes > 0)
       {
-        coefficients->SetTypedTuple(next, site.coefficients.col(i).data());
-        gradients->SetTypedTuple(next, site.coefficient_gradients.col(i).data());
+        coefficients->SetTypedTuple(next, toolSpace.coefficients.col(i).data());
+        gradients->SetTypedTuple(next, toolSpace.coefficient_gradients.col(i).data());
       }
     }
   }
@@ -286,13 +286,13 @@ vtkSmartPointer<vtkPolyData> IntermediateStateData(const TouchSpace& space)
   vtkNew<vtkCellArray> vertices;
   vtkNew<vtkIdTypeArray> nodes;
   nodes->SetName("ActiveNode");
-  for (const TouchSite& site : space.sites)
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    for (const IntermediateState& state : site.intermediate_states)
+    for (const IntermediateState& state : toolSpace.intermediate_states)
     {
-      const palpate::Vec3 place = site.rest_position + state.t;
+      const palpate::Vec3 place = toolSpace.setup.interaction.material_point + state.t;
       vertices->InsertNextCell({ points->InsertNextPoint(place.data()) });
-      nodes->InsertNextValue(site.site.active_node);
+      nodes->InsertNextValue(toolSpace.setup.interaction.active_node);
       all.push_back(&state);
     }
   }
@@ -307,21 +307,21 @@ vtkSmartPointer<vtkPolyData> IntermediateStateData(const TouchSpace& space)
   return data;
 }
 
-/// Calls visit(name, value) for each field array that has a value for each site, but for the active
-/// nodes themselves. @tparam Site palpate::Site, or const.
-template <class Site, class Visit>
-void VisitSite(Site&& site, Visit&& visit)
+/// Calls visit(name, value) for each field array that has a value for each tool space, but for the
+/// active nodes themselves. @tparam ToolSpaceSetup palpate::ToolSpaceSetup, or const.
+template <class ToolSpaceSetup, class Visit>
+void VisitSetup(ToolSpaceSetup&& setup, Visit&& visit)
 {
-  visit("TipRadius", site.tip_radius);
-  visit("HalfWidth", site.half_width);
-  visit("Resolution", site.resolution);
-  visit("ForceLimit", site.force_limit);
-  visit("CoarsestCell", site.coarsest);
-  visit("Tolerance", site.tolerance);
-  visit("ToleranceIsRelative", site.tolerance_is_relative);
-  visit("History", site.history);
-  visit("IntermediateStates", site.intermediate_states);
-  visit("ThirdDerivatives", site.third_derivatives);
+  visit("TipRadius", setup.interaction.tip_radius);
+  visit("HalfWidth", setup.grid.half_width);
+  visit("Resolution", setup.grid.resolution);
+  visit("ForceLimit", setup.policy.force_limit);
+  visit("CoarsestCell", setup.grid.coarsest);
+  visit("Tolerance", setup.policy.tolerance);
+  visit("ToleranceIsRelative", setup.policy.tolerance_is_relative);
+  visit("History", setup.policy.history);
+  visit("IntermediateStates", setup.policy.intermediate_states);
+  visit("ThirdDerivatives", setup.policy.third_derivatives);
 }
 
 void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
@@ -332,9 +332,9 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   fields->AddArray(hash);
   AddArray<vtkIntArray>(fields, "SchemaVersion", 1, 1)
     ->SetValue(0, static_cast<int>(palpate::kSchemaVersion));
-  const auto count = static_cast<vtkIdType>(space.sites.size());
+  const auto count = static_cast<vtkIdType>(space.tool_spaces.size());
   auto* nodes = AddArray<vtkIdTypeArray>(fields, "ActiveNodes", 1, count);
-  VisitSite(palpate::Site(),
+  VisitSetup(palpate::ToolSpaceSetup(),
     [&](const char* name, auto value)
     {
       using Array =
@@ -344,12 +344,12 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   auto* numbers = AddArray<vtkIdTypeArray>(fields, "NumberOfConfigurations", 1, count);
   for (vtkIdType i = 0; i < count; ++i)
   {
-    const TouchSite& site = space.sites[i];
-    nodes->SetValue(i, site.site.active_node);
-    VisitSite(site.site,
+    const TouchToolSpace& toolSpace = space.tool_spaces[i];
+    nodes->SetValue(i, toolSpace.setup.interaction.active_node);
+    VisitSetup(toolSpace.setup,
       [&](const char* name, auto value)
       { fields->GetArray(name)->SetComponent(i, 0, static_cast<double>(value)); });
-    numbers->SetValue(i, static_cast<vtkIdType>(site.configurations.size()));
+    numbers->SetValue(i, static_cast<vtkIdType>(toolSpace.configurations.size()));
   }
   AddNumber(fields, "LargestDisplacement", space.largest_displacement);
   AddNumber(fields, "DisplacementError", space.displacement_error);
@@ -502,18 +502,20 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
   space.largest_displacement = Required(fields, "LargestDisplacement", 1)->GetComponent(0, 0);
   space.displacement_error = Required(fields, "DisplacementError", 1)->GetComponent(0, 0);
   space.sensitivity_error = Required(fields, "SensitivityError", 1)->GetComponent(0, 0);
-  vtkDataArray* sites = Required(fields, "ActiveNodes", 1);
+  vtkDataArray* toolSpaces = Required(fields, "ActiveNodes", 1);
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
   const int modes = space.num_modes();
   vtkDataArray* coefficients = modes > 0 ? Required(arrays, "Coefficients", modes) : nullptr;
   vtkDataArray* gradients =
     modes > 0 ? Required(arrays, "CoefficientGradient", 3 * modes) : nullptr;
-  for (vtkIdType s = 0; s < sites->GetNumberOfTuples(); ++s)
+  for (vtkIdType s = 0; s < toolSpaces->GetNumberOfTuples(); ++s)
   {
-    TouchSite& site = space.sites.emplace_back();
-    site.site.active_node = static_cast<Index>(sites->GetComponent(s, 0));
-    VisitSite(site.site,
+    TouchToolSpace& toolSpace = space.tool_spaces.emplace_back();
+    const auto node = static_cast<Index>(toolSpaces->GetComponent(s, 0));
+    toolSpace.setup.id = node;
+    toolSpace.setup.interaction.active_node = node;
+    VisitSetup(toolSpace.setup,
       [&](const char* name, auto& value)
       {
         value =
@@ -522,37 +524,38 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
     std::vector<vtkIdType> ids;
     for (vtkIdType i = 0; i < count; ++i)
     {
-      if (static_cast<Index>(nodes->GetComponent(i, 0)) == site.site.active_node)
+      if (static_cast<Index>(nodes->GetComponent(i, 0)) == node)
       {
         ids.push_back(i);
       }
     }
     // A stock filter may have changed their order.
     std::sort(ids.begin(), ids.end(), [&](vtkIdType a, vtkIdType b) { return all[a] < all[b]; });
-    site.coefficients.resize(modes, static_cast<Eigen::Index>(ids.size()));
-    site.coefficient_gradients.resize(3 * modes, static_cast<Eigen::Index>(ids.size()));
+    toolSpace.coefficients.resize(modes, static_cast<Eigen::Index>(ids.size()));
+    toolSpace.coefficient_gradients.resize(3 * modes, static_cast<Eigen::Index>(ids.size()));
     for (std::size_t i = 0; i < ids.size(); ++i)
     {
-      site.configurations.push_back(all[ids[i]]);
+      toolSpace.configurations.push_back(all[ids[i]]);
       for (int m = 0; m < modes; ++m)
       {
-        site.coefficients(m, i) = static_cast<float>(coefficients->GetComponent(ids[i], m));
+        toolSpace.coefficients(m, i) = static_cast<float>(coefficients->GetComponent(ids[i], m));
       }
       for (int m = 0; m < 3 * modes; ++m)
       {
-        site.coefficient_gradients(m, i) = static_cast<float>(gradients->GetComponent(ids[i], m));
+        toolSpace.coefficient_gradients(m, i) =
+          static_cast<float>(gradients->GetComponent(ids[i], m));
       }
     }
-    if (const Index point = space.surface.find(site.site.active_node); point >= 0)
+    if (const Index point = space.surface.find(node); point >= 0)
     {
-      site.rest_position = space.surface.points[point];
+      toolSpace.setup.interaction.material_point = space.surface.points[point];
     }
   }
-  std::sort(space.sites.begin(), space.sites.end(),
-    [](const TouchSite& a, const TouchSite& b) { return a.site.active_node < b.site.active_node; });
+  std::sort(space.tool_spaces.begin(), space.tool_spaces.end(),
+    [](const TouchToolSpace& a, const TouchToolSpace& b) { return a.setup.id < b.setup.id; });
 }
 
-/// Of the sites that the space has.
+/// Of the tool spaces that the space has.
 void ReadIntermediateStates(vtkDataSet* data, TouchSpace& space)
 {
   vtkPointData* arrays = data->GetPointData();
@@ -561,12 +564,13 @@ void ReadIntermediateStates(vtkDataSet* data, TouchSpace& space)
   ForEachIntArrayOfStates(IntReader(arrays, all));
   ReadOutcomes(arrays, all);
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
-  for (TouchSite& site : space.sites)
+  for (TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    std::vector<IntermediateState>& states = site.intermediate_states;
+    std::vector<IntermediateState>& states = toolSpace.intermediate_states;
     for (std::size_t i = 0; i < all.size(); ++i)
     {
-      if (nodes->GetComponent(static_cast<vtkIdType>(i), 0) == site.site.active_node)
+      if (nodes->GetComponent(static_cast<vtkIdType>(i), 0) ==
+        toolSpace.setup.interaction.active_node)
       {
         states.push_back(all[i]);
       }
@@ -668,8 +672,8 @@ void vtkPalpateFillCollection(
 
 bool vtkPalpateHasIntermediateStates(const TouchSpace& space)
 {
-  return std::any_of(space.sites.begin(), space.sites.end(),
-    [](const TouchSite& site) { return !site.intermediate_states.empty(); });
+  return std::any_of(space.tool_spaces.begin(), space.tool_spaces.end(),
+    [](const TouchToolSpace& toolSpace) { return !toolSpace.intermediate_states.empty(); });
 }
 
 void vtkPalpateAddFile(const std::string& fileName, bool complete, vtkFieldData* fields)

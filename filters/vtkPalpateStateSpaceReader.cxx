@@ -51,9 +51,10 @@ int vtkPalpateStateSpaceReader::RequestData(
           const auto file = palpate::StateSpaceFile::open_read_only(this->FileName);
           scene = file.read_scene();
           space = palpate::make_touch_space(file, this->DisplacementBound);
-          const auto sites = file.read_sites();
+          const auto toolSpaces = file.read_tool_spaces();
           complete = space.left_out.empty() &&
-            std::all_of(sites.begin(), sites.end(), [](const auto& site) { return site.complete; });
+            std::all_of(toolSpaces.begin(), toolSpaces.end(),
+              [](const auto& toolSpace) { return toolSpace.complete; });
         });
       // The blocks are the same on every rank.
       vtkPalpateNameBlocks(

@@ -40,38 +40,39 @@
 namespace
 {
 using palpate::Index;
-using palpate::TouchSite;
 using palpate::TouchSpace;
+using palpate::TouchToolSpace;
 
 /// @throws palpate::InputError the node is not in the space; it says which are.
-const TouchSite& SiteOf(const TouchSpace& space, vtkIdType node)
+const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
 {
-  if (space.sites.empty())
+  if (space.tool_spaces.empty())
   {
     throw palpate::InputError("The state space has no active node. Compute it again.");
   }
   if (node == -1)
   {
-    return space.sites.front();
+    return space.tool_spaces.front();
   }
   const auto index = static_cast<palpate::Index>(node);
-  if (const TouchSite* site = space.find(index); site && index == node)
+  if (const TouchToolSpace* toolSpace = space.find(index); toolSpace && index == node)
   {
-    return *site;
+    return *toolSpace;
   }
   constexpr std::size_t mostNamed = 10;
   std::string nodes;
-  for (std::size_t i = 0; i < std::min(mostNamed, space.sites.size()); ++i)
+  for (std::size_t i = 0; i < std::min(mostNamed, space.tool_spaces.size()); ++i)
   {
-    nodes += (i == 0 ? "" : ", ") + std::to_string(space.sites[i].site.active_node);
+    nodes +=
+      (i == 0 ? "" : ", ") + std::to_string(space.tool_spaces[i].setup.interaction.active_node);
   }
-  if (space.sites.size() > mostNamed)
+  if (space.tool_spaces.size() > mostNamed)
   {
     nodes += ", …";
   }
   throw palpate::InputError("Active node " + std::to_string(node) +
-    " is not in the state space, which has " + std::to_string(space.sites.size()) + ": " + nodes +
-    ". Choose one of them, or compute the space for this one.");
+    " is not in the state space, which has " + std::to_string(space.tool_spaces.size()) + ": " +
+    nodes + ". Choose one of them, or compute the space for this one.");
 }
 
 void AddVector(vtkDataObject* output, const char* name, int components, const double* values)
@@ -112,7 +113,7 @@ struct vtkPalpateTouchStateSpace::Prepared
   vtkMTimeType InputTime = 0;
   TouchSpace Space;
   vtkNew<vtkCellArray> Triangles;
-  /// A branch of a site. The parts are made when they are first needed.
+  /// A branch of a tool space. The parts are made when they are first needed.
   struct Branch
   {
     std::map<int, std::unique_ptr<palpate::Interpolator>> Interpolators;
@@ -134,12 +135,12 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// @param startBranch The branch that it was on there; -1: that to which it comes from rest.
   /// @param branch The branch that it is on at t; -1: to be found.
   /// @throws InputError there is no such branch.
-  Branch& Find(const TouchSite& site, const palpate::Vec3& start, int startBranch,
+  Branch& Find(const TouchToolSpace& toolSpace, const palpate::Vec3& start, int startBranch,
     const palpate::Vec3& t, int branch)
   {
-    this->Node = site.site.active_node;
+    this->Node = toolSpace.setup.interaction.active_node;
     const palpate::SolutionBranches& branches =
-      this->BranchesOfNode.try_emplace(this->Node, site).first->second;
+      this->BranchesOfNode.try_emplace(this->Node, toolSpace).first->second;
     for (const int given : { startBranch, branch })
     {
       if (given < -1 || given >= branches.size())
@@ -158,11 +159,11 @@ struct vtkPalpateTouchStateSpace::Prepared
     return this->Branches[{ this->Node, this->OnBranch }];
   }
 
-  /// What of the site is on a branch; its parts hold all they need of it.
-  [[nodiscard]] TouchSite SiteOnBranch(const TouchSite& site, int branch) const
+  /// What of the tool space is on a branch; its parts hold all they need of it.
+  [[nodiscard]] TouchToolSpace SiteOnBranch(const TouchToolSpace& toolSpace, int branch) const
   {
-    return palpate::restricted(
-      site, this->BranchesOfNode.at(site.site.active_node).configurations(branch));
+    return palpate::restricted(toolSpace,
+      this->BranchesOfNode.at(toolSpace.setup.interaction.active_node).configurations(branch));
   }
 };
 
@@ -274,23 +275,23 @@ int vtkPalpateTouchStateSpace::RequestData(
       }
 
       const TouchSpace& space = this->Cache->Space;
-      const TouchSite& site = SiteOf(space, this->ActiveNode);
-      const vtkIdType node = site.site.active_node;
+      const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
+      const vtkIdType node = toolSpace.setup.interaction.active_node;
       const palpate::Vec3 t(this->Displacement);
       Prepared::Branch& branch = this->Cache->Find(
-        site, palpate::Vec3(this->StartDisplacement), this->StartBranch, t, this->Branch);
+        toolSpace, palpate::Vec3(this->StartDisplacement), this->StartBranch, t, this->Branch);
       auto& interpolator = branch.Interpolators[this->Interpolation];
       if (!interpolator)
       {
         const auto method = static_cast<palpate::Method>(this->Interpolation);
         // The stiffness at rest is that of the branch that rest is on.
         const int of = method == palpate::Method::linear ? 0 : this->Cache->OnBranch;
-        interpolator = palpate::make_interpolator(method, this->Cache->SiteOnBranch(site, of));
+        interpolator = palpate::make_interpolator(method, this->Cache->SiteOnBranch(toolSpace, of));
       }
       if (!branch.Field)
       {
         branch.Field = std::make_unique<palpate::DisplayField>(
-          this->Cache->SiteOnBranch(site, this->Cache->OnBranch));
+          this->Cache->SiteOnBranch(toolSpace, this->Cache->OnBranch));
       }
       const palpate::DisplayField& field = *branch.Field;
 
@@ -327,7 +328,7 @@ int vtkPalpateTouchStateSpace::RequestData(
       AddVector(output, "Force", 3, touch.force.data());
       AddVector(output, "Stiffness", 9, touch.stiffness.data());
       AddVector(output, "Energy", 1, &touch.energy);
-      const palpate::Vec3 position = site.rest_position + t;
+      const palpate::Vec3 position = toolSpace.setup.interaction.material_point + t;
       AddVector(output, "ActivePosition", 3, position.data());
       for (const auto& [name, value] : { std::pair("Found", static_cast<int>(touch.support)),
              std::pair("Branch", this->Cache->OnBranch) })

@@ -198,7 +198,7 @@ std::shared_ptr<const Touchable> read_body(CommandLine& line) {
   auto body = std::make_shared<const Touchable>(space, line.touchable);
   const Touchable::Node& node = chosen_node(*body, line);
   line.node = node.mesh_point;
-  if (line.depth == 0) line.depth = space.find(node.mesh_point)->site.half_width / 2;
+  if (line.depth == 0) line.depth = space.find(node.mesh_point)->setup.grid.half_width / 2;
   return body;
 }
 

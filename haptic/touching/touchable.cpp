@@ -12,32 +12,34 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
     : scene_hash_(space.scene_hash),
       surface_(space.surface),
       node_of_(space.surface.points.size(), -1) {
-  if (space.sites.empty()) {
+  if (space.tool_spaces.empty()) {
     throw InputError(
         "The state space has no active node: there is nothing to touch. Precompute it "
         "for at least one.");
   }
-  nodes_.reserve(space.sites.size());
-  for (const TouchSite& site : space.sites) {
-    const Index mesh_point = site.site.active_node;
+  nodes_.reserve(space.tool_spaces.size());
+  for (const TouchToolSpace& tool_space : space.tool_spaces) {
+    const Index mesh_point = tool_space.setup.interaction.active_node;
     const Index surface_point = space.surface.find(mesh_point);
     if (surface_point < 0) {
       throw InputError("Active node " + std::to_string(mesh_point) +
                        " is not on the surface of the body: a tool cannot reach it.");
     }
-    SolutionBranches branches(site);
+    SolutionBranches branches(tool_space);
     std::vector<std::unique_ptr<Interpolator>> on_branch;
     for (int branch = 0; branch < branches.size(); ++branch) {
       on_branch.push_back(make_interpolator(
           options.method,
-          branches.size() == 1 ? site : restricted(site, branches.configurations(branch)),
+          branches.size() == 1 ? tool_space
+                               : restricted(tool_space, branches.configurations(branch)),
           options.interpolation));
     }
     node_of_[surface_point] = static_cast<std::int32_t>(nodes_.size());
-    nodes_.push_back({mesh_point, surface_point, site.rest_position, site.site.tip_radius,
-                      std::move(branches), std::move(on_branch)});
-    largest_tip_radius_ = std::max(largest_tip_radius_, site.site.tip_radius);
-    for (const ConfigurationSummary& configuration : site.configurations) {
+    nodes_.push_back({mesh_point, surface_point, tool_space.setup.interaction.material_point,
+                      tool_space.setup.interaction.tip_radius, std::move(branches),
+                      std::move(on_branch)});
+    largest_tip_radius_ = std::max(largest_tip_radius_, tool_space.setup.interaction.tip_radius);
+    for (const ConfigurationSummary& configuration : tool_space.configurations) {
       if (!configuration.usable() || !configuration.stiffness.allFinite()) continue;
       const Eigen::SelfAdjointEigenSolver<Mat3> eigen(configuration.stiffness,
                                                       Eigen::EigenvaluesOnly);

@@ -22,7 +22,8 @@ struct TouchableOptions {
 /// one.
 class Touchable {
  public:
-  /// @throws InputError the space has no site, or a site cannot be interpolated with the method.
+  /// @throws InputError the space has no tool space, or a tool space cannot be interpolated with
+  /// the method.
   explicit Touchable(const TouchSpace& space, const TouchableOptions& options = {});
 
   struct Node {

@@ -6,7 +6,7 @@
 
 namespace
 {
-/// Below that of the site's settings and of the user's.
+/// Below that of the tool space's settings and of the user's.
 constexpr double Priority = -1;
 
 // Arrays whose values have names are called as no array of other data is likely to be: a colour map

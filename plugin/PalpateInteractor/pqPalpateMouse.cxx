@@ -60,9 +60,9 @@ pqPalpateMouse::pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::TouchS
   surface->SetPolys(triangles);
   this->Surface->SetDataSet(surface);
   this->Surface->BuildLocator();
-  for (const palpate::TouchSite& site : space.sites)
+  for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    this->HalfWidths.push_back(site.site.half_width);
+    this->HalfWidths.push_back(toolSpace.setup.grid.half_width);
   }
   const auto& bounds = this->Body->surface().bounds();
   this->Size = bounds.diagonal().norm();

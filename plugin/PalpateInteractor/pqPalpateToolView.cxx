@@ -79,11 +79,11 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   vtkNew<vtkPoints> points;
   double largestForce = 0;
   double radius = ToolRadius * size;
-  for (const palpate::TouchSite& site : space.sites)
+  for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    points->InsertNextPoint(site.rest_position.data());
-    radius = std::max(radius, site.site.tip_radius);
-    for (const palpate::ConfigurationSummary& configuration : site.configurations)
+    points->InsertNextPoint(toolSpace.setup.interaction.material_point.data());
+    radius = std::max(radius, toolSpace.setup.interaction.tip_radius);
+    for (const palpate::ConfigurationSummary& configuration : toolSpace.configurations)
     {
       if (configuration.usable())
       {

@@ -144,14 +144,14 @@ struct pqPalpateTouch::Session
   void SetSpace(const palpate::TouchSpace& space)
   {
     this->Body = std::make_shared<const palpate::Touchable>(space);
-    Vec3 low = space.sites.front().rest_position;
+    Vec3 low = space.tool_spaces.front().setup.interaction.material_point;
     Vec3 high = low;
     double halfWidth = 0;
-    for (const palpate::TouchSite& site : space.sites)
+    for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
     {
-      low = low.cwiseMin(site.rest_position);
-      high = high.cwiseMax(site.rest_position);
-      halfWidth = std::max(halfWidth, site.site.half_width);
+      low = low.cwiseMin(toolSpace.setup.interaction.material_point);
+      high = high.cwiseMax(toolSpace.setup.interaction.material_point);
+      halfWidth = std::max(halfWidth, toolSpace.setup.grid.half_width);
     }
     this->Centre = (low + high) / 2;
     this->Radius = Room * ((high - low).norm() / 2 + halfWidth);
@@ -186,10 +186,12 @@ struct pqPalpateTouch::Session
     }
     if (this->Device == pqPalpateHandDevice)
     {
-      const palpate::TouchSite& site = space.sites.front();
-      const double halfWidth = site.site.half_width;
-      const Vec3 normal = this->Body->surface().nearest(site.rest_position).normal;
-      this->HandCentre = site.rest_position + HandHeight * halfWidth * normal;
+      const palpate::TouchToolSpace& toolSpace = space.tool_spaces.front();
+      const double halfWidth = toolSpace.setup.grid.half_width;
+      const Vec3 normal =
+        this->Body->surface().nearest(toolSpace.setup.interaction.material_point).normal;
+      this->HandCentre =
+        toolSpace.setup.interaction.material_point + HandHeight * halfWidth * normal;
       const Vec3 across = normal.unitOrthogonal();
       this->HandRotation << across, normal.cross(across), normal;
       return pqPalpateSimulatedDevice(
@@ -295,8 +297,8 @@ QString pqPalpateTouch::start(
     session->SetSpace(copy);
     const auto clock = std::make_shared<palpate::MonotonicClock>();
     pqPalpateDevice opened = session->OpenDevice(clock, copy);
-    session->BodyView =
-      std::make_unique<pqPalpateBodyView>(space, view, copy.sites.front().site.half_width);
+    session->BodyView = std::make_unique<pqPalpateBodyView>(
+      space, view, copy.tool_spaces.front().setup.grid.half_width);
     session->ShowSpace(copy);
     session->Servo = std::make_unique<palpate::Servo>(
       std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);

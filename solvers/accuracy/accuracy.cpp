@@ -16,13 +16,13 @@
 namespace palpate {
 namespace {
 
-/// The sites of rank 0, on every rank.
-std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
-                              Communicator& communicator) {
-  std::vector<Site> sites;
+/// The tool spaces of rank 0, on every rank.
+std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& space,
+                                         Communicator& communicator) {
+  std::vector<ToolSpaceSetup> setups;
   agree(communicator, [&] {
     if (communicator.rank() != 0) return;
-    if (space.sites.empty()) {
+    if (space.tool_spaces.empty()) {
       throw InputError("The state space has no active node. Compute it again.");
     }
     if (space.scene_hash != hash(scene)) {
@@ -32,15 +32,15 @@ std::vector<Site> share_sites(const Scene& scene, const TouchSpace& space,
           space.scene_hash + ", that of the body is " + hash(scene) +
           ". Compute the state space again.");
     }
-    for (const TouchSite& site : space.sites) {
-      (void)CheckPointGrid(site);  // says what is wrong with it before anything is solved for
-      sites.push_back(site.site);
+    for (const TouchToolSpace& tool_space : space.tool_spaces) {
+      (void)CheckPointGrid(tool_space);  // says what is wrong with it before anything is solved for
+      setups.push_back(tool_space.setup);
     }
   });
   Packer mine;
-  mine.put_list(sites);
+  mine.put_list(setups);
   const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  return Unpacker(all.front()).take_list<std::vector<Site>>();
+  return Unpacker(all.front()).take_list<std::vector<ToolSpaceSetup>>();
 }
 
 double share_above(const std::vector<double>& values, double limit) {
@@ -55,11 +55,11 @@ AccuracyRow row_of(const std::string& method, Index active_node, const Measureme
   row.method = method;
   row.active_node = active_node;
   row.resolution = m.resolution;
-  const auto sites = static_cast<double>(m.sites);
-  row.samples = m.samples / sites;
-  row.precompute_seconds = m.precompute_seconds / sites;
-  row.bytes = m.bytes / sites;
-  row.setup_seconds = m.setup_seconds / sites;
+  const auto tool_spaces = static_cast<double>(m.tool_spaces);
+  row.samples = m.samples / tool_spaces;
+  row.precompute_seconds = m.precompute_seconds / tool_spaces;
+  row.bytes = m.bytes / tool_spaces;
+  row.setup_seconds = m.setup_seconds / tool_spaces;
   const auto count = [&](PointClass c) { return m.points[static_cast<std::size_t>(c)]; };
   row.counted = count(PointClass::inside);
   row.marked = count(PointClass::marked);
@@ -118,34 +118,35 @@ void run_on_first_rank(Communicator& communicator, const std::function<void()>& 
   });
 }
 
-/// Of all sites, on rank 0.
-/// @param done Told the sites that are done, with their share; false ends it.
+/// Of all tool spaces, on rank 0.
+/// @param done Told the tool spaces that are done, with their share; false ends it.
 /// @returns false when it was ended.
-bool measure_sites(const TouchSpace& space, const std::vector<Method>& methods,
-                   std::vector<std::vector<TestPoint>>&& points,
-                   const std::function<bool(double)>& done, AccuracyResult& result) {
+bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& methods,
+                         std::vector<std::vector<TestPoint>>&& points,
+                         const std::function<bool(double)>& done, AccuracyResult& result) {
   // In the order in which they first come.
   std::vector<std::pair<std::string, std::int32_t>> order;
   std::map<std::pair<std::string, std::int32_t>, Measurement> together;
   std::map<std::string, std::size_t> columns;
   const double nothing = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t s = 0; s < space.sites.size(); ++s) {
-    const TouchSite& site = space.sites[s];
+  for (std::size_t s = 0; s < space.tool_spaces.size(); ++s) {
+    const TouchToolSpace& tool_space = space.tool_spaces[s];
     const std::size_t first_point = result.points.size();
     for (TestPoint& point : points[s]) {
       AccuracyPoint& added = result.points.emplace_back();
-      added.active_node = site.site.active_node;
+      added.active_node = tool_space.setup.interaction.active_node;
       added.exact = point;
     }
-    const std::vector<Variant> all = variants(site, methods);
+    const std::vector<Variant> all = variants(tool_space, methods);
     for (std::size_t v = 0; v < all.size(); ++v) {
       const Variant& variant = all[v];
       std::vector<PointError> errors;
       const double share = static_cast<double>(v) / static_cast<double>(all.size());
       if (!done(static_cast<double>(s) + share)) return false;
-      const Measurement measured = measure(space, site, variant, points[s], errors);
+      const Measurement measured = measure(space, tool_space, variant, points[s], errors);
       const std::string name = to_string(variant);
-      result.rows_of_sites.push_back(row_of(name, site.site.active_node, measured));
+      result.rows_of_tool_spaces.push_back(
+          row_of(name, tool_space.setup.interaction.active_node, measured));
       const auto [place, is_new] = together.try_emplace({name, measured.resolution});
       if (is_new) order.emplace_back(name, measured.resolution);
       place->second += measured;
@@ -184,10 +185,10 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                        std::to_string(known.size() - 1) + '.');
     }
   });
-  const std::vector<Site> sites = share_sites(scene, space, communicator);
+  const std::vector<ToolSpaceSetup> setups = share_setups(scene, space, communicator);
   AccuracyResult result;
   const Clock::time_point start = Clock::now();
-  ExactResult exact = solve_test_points(scene, sites, options.exact, communicator, progress);
+  ExactResult exact = solve_test_points(scene, setups, options.exact, communicator, progress);
   result.num_solved = exact.num_solved;
   result.num_reused = exact.num_reused;
   result.exact_seconds = seconds_since(start);
@@ -199,22 +200,23 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
   run_on_first_rank(communicator, [&] {
     double seconds = 0;
     std::int64_t num_points = 0;
-    for (const auto& of_site : exact.points) {
-      for (const TestPoint& point : of_site) seconds += point.seconds;
-      num_points += static_cast<std::int64_t>(of_site.size());
+    for (const auto& of_tool_space : exact.points) {
+      for (const TestPoint& point : of_tool_space) seconds += point.seconds;
+      num_points += static_cast<std::int64_t>(of_tool_space.size());
     }
     result.mean_solve_seconds = num_points > 0 ? seconds / static_cast<double>(num_points) : 0;
-    const auto done = [&](double num_sites) {
+    const auto done = [&](double num_tool_spaces) {
       if (!progress) return true;
       ProgressState state;
       state.num_done = num_points;
       state.num_expected = num_points;
       state.seconds = seconds_since(start);
-      const double seconds_each = num_sites > 0 ? seconds_since(measure_start) / num_sites : 0;
-      state.seconds_left = seconds_each * (static_cast<double>(sites.size()) - num_sites);
+      const double seconds_each =
+          num_tool_spaces > 0 ? seconds_since(measure_start) / num_tool_spaces : 0;
+      state.seconds_left = seconds_each * (static_cast<double>(setups.size()) - num_tool_spaces);
       return progress(state);
     };
-    complete = measure_sites(space, methods, std::move(exact.points), done, result);
+    complete = measure_tool_spaces(space, methods, std::move(exact.points), done, result);
   });
   result.complete = !any(communicator, !complete);
   result.measure_seconds = seconds_since(measure_start);

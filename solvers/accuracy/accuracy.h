@@ -25,8 +25,8 @@ struct AccuracyRow {
   Index active_node = -1;
   /// Check-points along an axis; where cells have several sizes, of the smallest ones.
   std::int32_t resolution = 0;
-  /// Of one site in the mean: configurations and intermediate states; the time to compute them, s
-  /// on one core; the memory of the method, bytes; the time to set it up, s.
+  /// Of one tool space in the mean: configurations and intermediate states; the time to compute
+  /// them, s on one core; the memory of the method, bytes; the time to set it up, s.
   double samples = 0;
   double precompute_seconds = 0;
   double bytes = 0;
@@ -74,15 +74,15 @@ struct AccuracyPoint {
   Support support = Support::none;
   PointClass point_class = PointClass::failed;
   /// Relative errors of the force, in the order of AccuracyResult::methods; NaN where the point
-  /// failed or the method does not serve the site.
+  /// failed or the method does not serve the tool space.
   std::vector<double> errors;
 };
 
 struct AccuracyResult {
-  /// A row for each method and grid, of all sites together.
+  /// A row for each method and grid, of all tool spaces together.
   std::vector<AccuracyRow> rows;
-  /// The same for each site.
-  std::vector<AccuracyRow> rows_of_sites;
+  /// The same for each tool space.
+  std::vector<AccuracyRow> rows_of_tool_spaces;
   /// The methods that use all that the space has, on the whole grid: variants that are only there
   /// to be compared with are left out.
   std::vector<std::string> methods;
@@ -103,7 +103,8 @@ struct AccuracyResult {
 /// @param space Whole on rank 0; on other ranks it is not looked at.
 /// @returns The result, whole on rank 0, empty elsewhere.
 /// @note Collective
-/// @throws InputError the space is not of this scene, or has no site; or as solve_test_points().
+/// @throws InputError the space is not of this scene, or has no tool space; or as
+/// solve_test_points().
 [[nodiscard]] AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                               const AccuracyOptions& options,
                                               Communicator& communicator, const Progress& progress);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "schedule/home.h"
+#include "schedule/owner.h"
 
 namespace palpate {
 namespace {
@@ -15,7 +15,7 @@ class Random {
  public:
   Random(const TestSet& set, TestKind kind, int number)
       : engine_(mix(mix(mix(mix(static_cast<std::uint64_t>(set.seed)) +
-                            static_cast<std::uint64_t>(set.active_node)) +
+                            static_cast<std::uint64_t>(set.tool_space)) +
                         static_cast<std::uint64_t>(kind)) +
                     static_cast<std::uint64_t>(number))) {}
 

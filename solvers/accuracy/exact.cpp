@@ -14,10 +14,10 @@
 
 #include "accuracy/draw.h"
 #include "base/error.h"
-#include "equilibrium/tip.h"
 #include "exploration/monitor.h"
 #include "exploration/rank_files.h"
 #include "exploration/transfer.h"
+#include "interaction/interaction_spec.h"
 
 namespace palpate {
 namespace {
@@ -25,19 +25,19 @@ namespace {
 /// Points of one anchor that make a task, at the most.
 constexpr std::size_t kTaskSize = 16;
 
-TestSet set_of(const Site& site, std::int64_t seed) {
-  return {site.active_node, site.tip_radius, site.half_width, seed};
+TestSet set_of(const ToolSpaceSetup& setup, std::int64_t seed) {
+  return {setup.id, setup.interaction.tip_radius, setup.grid.half_width, seed};
 }
 
 /// Points that one rank solves one after the other: a walk, or some that have an anchor in common.
 struct Task {
-  std::int32_t site = 0;
-  /// Places in the list of the site's points.
+  std::int32_t tool_space = 0;
+  /// Places in the list of the tool space's points.
   std::vector<std::int32_t> points;
 };
 
 void put(const Task& task, Packer& message) {
-  message.put(task.site);
+  message.put(task.tool_space);
   message.put_list(task.points);
 }
 
@@ -45,9 +45,9 @@ Task take_task(Unpacker& content) {
   return {content.take<std::int32_t>(), content.take_list<std::vector<std::int32_t>>()};
 }
 
-/// The tasks of a site: of points that are not known; a walk is made whole.
+/// The tasks of a tool space: of points that are not known; a walk is made whole.
 /// @param known In their order.
-std::vector<Task> make_tasks(std::int32_t site, const std::vector<TestPoint>& points,
+std::vector<Task> make_tasks(std::int32_t tool_space, const std::vector<TestPoint>& points,
                              const std::vector<TestPoint>& known, double half_width) {
   using Key = std::array<double, 3>;
   std::map<Key, std::vector<std::int32_t>> of_anchor;
@@ -66,12 +66,12 @@ std::vector<Task> make_tasks(std::int32_t site, const std::vector<TestPoint>& po
     }
   }
   std::vector<Task> tasks;
-  for (const std::int32_t walk : incomplete) tasks.push_back({site, of_walk.at(walk)});
+  for (const std::int32_t walk : incomplete) tasks.push_back({tool_space, of_walk.at(walk)});
   for (const auto& [anchor, places] : of_anchor) {
     for (std::size_t first = 0; first < places.size(); first += kTaskSize) {
       const auto begin = places.begin() + static_cast<std::ptrdiff_t>(first);
       const auto left = static_cast<std::ptrdiff_t>(std::min(kTaskSize, places.size() - first));
-      tasks.push_back({site, {begin, begin + left}});
+      tasks.push_back({tool_space, {begin, begin + left}});
     }
   }
   return tasks;
@@ -80,22 +80,23 @@ std::vector<Task> make_tasks(std::int32_t site, const std::vector<TestPoint>& po
 /// Solves the tasks of one rank.
 class Solver final : public Worker {
  public:
-  using Keep = std::function<void(std::int32_t site, const TestPoint& point)>;
+  using Keep = std::function<void(std::int32_t tool_space, const TestPoint& point)>;
 
-  /// @param points Of all sites. @param num_known Of all points.
-  Solver(const Scene& scene, const std::vector<Site>& sites,
+  /// @param points Of all tool spaces. @param num_known Of all points.
+  Solver(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
          const std::vector<std::vector<TestPoint>>& points, std::int64_t num_known,
          EquilibriumSolver& solver, Monitor& monitor, Keep keep)
-      : scene_(scene),
-        sites_(sites),
+      : setups_(setups),
         points_(points),
         num_known_(num_known),
+        tools_(scene),
         solver_(solver),
         monitor_(monitor),
         keep_(std::move(keep)) {
     const Surface surface = make_surface(scene.mesh);
     for (const Index p : sample_points(surface)) samples_.push_back(surface.mesh_points[p]);
-    for (const auto& of_site : points) num_all_ += static_cast<std::int64_t>(of_site.size());
+    for (const auto& of_tool_space : points)
+      num_all_ += static_cast<std::int64_t>(of_tool_space.size());
   }
 
   /// Of this rank.
@@ -115,24 +116,20 @@ class Solver final : public Worker {
     tell(mail);
     const Task task = tasks.front();
     tasks.pop_front();
-    const Site& site = sites_[static_cast<std::size_t>(task.site)];
-    if (held_ != task.site) {
-      if (!tip_ || tip_radius_ != site.tip_radius) {
-        tip_.emplace(scene_, site.tip_radius);
-        tip_radius_ = site.tip_radius;
-      }
-      solver_.hold(tip_->hold({site.active_node}));
+    const ToolSpaceSetup& setup = setups_[static_cast<std::size_t>(task.tool_space)];
+    if (held_ != task.tool_space) {
+      solver_.set_interaction(*tools_.make(setup.interaction));
       rest_ = solver_.rest();
       if (rest_.outcome != Outcome::converged) throw InputError(rest_.message);
-      held_ = task.site;
+      held_ = task.tool_space;
     }
     const auto point_at = [&](std::int32_t i) {
-      return points_[static_cast<std::size_t>(task.site)][static_cast<std::size_t>(i)];
+      return points_[static_cast<std::size_t>(task.tool_space)][static_cast<std::size_t>(i)];
     };
     const bool walks = point_at(task.points.front()).kind == TestKind::walk;
     Equilibrium start = rest_;
     if (!walks) {
-      const Vec3 anchor = anchor_of(point_at(task.points.front()).t, site.half_width);
+      const Vec3 anchor = anchor_of(point_at(task.points.front()).t, setup.grid.half_width);
       if (!anchor.isZero()) start = solver_.solve(anchor, rest_);
       if (start.outcome == Outcome::aborted) return mail.stop();
       if (!is_regular(start)) start = rest_;
@@ -154,7 +151,7 @@ class Solver final : public Worker {
         point.flags |= on_the_way;
         start = std::move(found);
       }
-      keep_(task.site, point);
+      keep_(task.tool_space, point);
       ++num_solved;
       tell(mail);
     }
@@ -204,13 +201,11 @@ class Solver final : public Worker {
         {num_solved + (first ? num_known_ : 0), first ? num_known_ : 0, first ? num_all_ : 0});
   }
 
-  const Scene& scene_;
-  const std::vector<Site>& sites_;
+  const std::vector<ToolSpaceSetup>& setups_;
   const std::vector<std::vector<TestPoint>>& points_;
   const std::int64_t num_known_;
   std::int64_t num_all_ = 0;
-  std::optional<Tip> tip_;
-  double tip_radius_ = 0;
+  InteractionFactory tools_;
   EquilibriumSolver& solver_;
   Monitor& monitor_;
   Keep keep_;
@@ -223,35 +218,35 @@ class Solver final : public Worker {
 /// In the file of this rank, or in memory.
 class TestRecord {
  public:
-  TestRecord(const Scene& scene, const std::vector<Site>& sites, const ExactOptions& options,
-             Communicator& communicator)
-      : sites_(sites), seed_(options.seed), communicator_(communicator) {
+  TestRecord(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
+             const ExactOptions& options, Communicator& communicator)
+      : setups_(setups), seed_(options.seed), communicator_(communicator) {
     if (options.file.empty()) return;
     files_.emplace(options.file, scene, options.equilibrium.tolerance, communicator);
     files_->open([](StateSpaceFile&) {});
   }
 
-  /// Of earlier runs, by site; on rank 0, empty elsewhere.
+  /// Of earlier runs, by tool space; on rank 0, empty elsewhere.
   [[nodiscard]] std::vector<std::vector<TestPoint>> known() {
-    std::vector<std::vector<TestPoint>> all(sites_.size());
+    std::vector<std::vector<TestPoint>> all(setups_.size());
     agree(communicator_, [&] {
       if (communicator_.rank() != 0 || !files_) return;
-      for (std::size_t s = 0; s < sites_.size(); ++s) {
-        all[s] = files_->own().read_test_points(set_of(sites_[s], seed_));
+      for (std::size_t s = 0; s < setups_.size(); ++s) {
+        all[s] = files_->own().read_test_points(set_of(setups_[s], seed_));
       }
     });
     return all;
   }
 
-  void keep(std::int32_t site, const TestPoint& point) {
+  void keep(std::int32_t tool_space, const TestPoint& point) {
     if (files_) {
-      files_->own().add(set_of(sites_[static_cast<std::size_t>(site)], seed_), point);
+      files_->own().add(set_of(setups_[static_cast<std::size_t>(tool_space)], seed_), point);
     } else {
-      found_.emplace_back(site, point);
+      found_.emplace_back(tool_space, point);
     }
   }
 
-  /// All of them, by site, in order; on rank 0, empty elsewhere.
+  /// All of them, by tool space, in order; on rank 0, empty elsewhere.
   /// @note Collective
   [[nodiscard]] std::vector<std::vector<TestPoint>> finish() {
     if (files_) {
@@ -263,20 +258,20 @@ class TestRecord {
       return all;
     }
     gather(found_, communicator_);
-    std::vector<std::vector<TestPoint>> all(sites_.size());
-    for (auto& [site, point] : found_) {
-      all[static_cast<std::size_t>(site)].push_back(std::move(point));
+    std::vector<std::vector<TestPoint>> all(setups_.size());
+    for (auto& [tool_space, point] : found_) {
+      all[static_cast<std::size_t>(tool_space)].push_back(std::move(point));
     }
     for (auto& points : all) std::sort(points.begin(), points.end());
     return all;
   }
 
  private:
-  const std::vector<Site>& sites_;
+  const std::vector<ToolSpaceSetup>& setups_;
   std::int64_t seed_;
   Communicator& communicator_;
   std::optional<RankFiles> files_;
-  /// With the place of the site; empty where there are files.
+  /// With the place of the tool space; empty where there are files.
   std::vector<std::pair<std::int32_t, TestPoint>> found_;
 };
 
@@ -290,7 +285,7 @@ void validate(const ExactOptions& options) {
   validate(options.equilibrium);
 }
 
-ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites,
+ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
                               const ExactOptions& options, Communicator& communicator,
                               const Progress& progress) {
   Monitor monitor(progress, communicator.network());
@@ -303,14 +298,15 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites
     of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
     solver = std::make_unique<EquilibriumSolver>(scene, of_solver);
-    for (const Site& site : sites) (void)Tip(scene, site.tip_radius).hold({site.active_node});
+    InteractionFactory tools(scene);
+    for (const ToolSpaceSetup& setup : setups) (void)tools.make(setup.interaction);
   });
-  TestRecord record(scene, sites, options, communicator);
+  TestRecord record(scene, setups, options, communicator);
 
   ExactResult result;
   std::vector<std::vector<TestPoint>> points;
-  for (const Site& site : sites) {
-    points.push_back(draw_test_points(set_of(site, options.seed), options.test_points));
+  for (const ToolSpaceSetup& setup : setups) {
+    points.push_back(draw_test_points(set_of(setup, options.seed), options.test_points));
   }
   Packer to_solve;
   const std::vector<std::vector<TestPoint>> found_before = record.known();
@@ -318,14 +314,15 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites
     if (communicator.rank() != 0) continue;
     result.num_reused += static_cast<std::int64_t>(points[s].size());
     for (const Task& task : make_tasks(static_cast<std::int32_t>(s), points[s], found_before[s],
-                                       sites[s].half_width)) {
+                                       setups[s].grid.half_width)) {
       put(task, to_solve);
       result.num_reused -= static_cast<std::int64_t>(task.points.size());
     }
   }
   const std::vector<Bytes> tasks = communicator.all_gather(to_solve.take());
-  Solver worker(scene, sites, points, result.num_reused, *solver, monitor,
-                [&](std::int32_t site, const TestPoint& point) { record.keep(site, point); });
+  Solver worker(
+      scene, setups, points, result.num_reused, *solver, monitor,
+      [&](std::int32_t tool_space, const TestPoint& point) { record.keep(tool_space, point); });
   int next = 0;
   for (Unpacker content(tasks.front()); !content.at_end(); ++next) {
     Task task = take_task(content);
@@ -342,13 +339,13 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites
   result.points = record.finish();
   // A file may hold more than was asked for.
   for (std::size_t s = 0; s < result.points.size(); ++s) {
-    auto& of_site = result.points[s];
-    of_site.erase(std::remove_if(of_site.begin(), of_site.end(),
-                                 [&](const TestPoint& point) {
-                                   return !std::binary_search(points[s].begin(), points[s].end(),
-                                                              point);
-                                 }),
-                  of_site.end());
+    auto& of_tool_space = result.points[s];
+    of_tool_space.erase(std::remove_if(of_tool_space.begin(), of_tool_space.end(),
+                                       [&](const TestPoint& point) {
+                                         return !std::binary_search(points[s].begin(),
+                                                                    points[s].end(), point);
+                                       }),
+                        of_tool_space.end());
   }
   return result;
 }

@@ -27,7 +27,8 @@ struct ExactOptions {
 void validate(const ExactOptions& options);
 
 struct ExactResult {
-  /// The points of each site, in the order of draw_test_points(); whole on rank 0, empty elsewhere.
+  /// The points of each tool space, in the order of draw_test_points(); whole on rank 0, empty
+  /// elsewhere.
   std::vector<std::vector<TestPoint>> points;
   /// Points that were solved in this run, on all ranks, and that were taken from the file; 0 on
   /// other ranks than 0.
@@ -37,14 +38,15 @@ struct ExactResult {
   bool complete = false;
 };
 
-/// Solves at the test points of each site.
+/// Solves at the test points of each tool space.
 /// @param scene The same on every rank.
-/// @param sites The same on every rank.
+/// @param tool spaces The same on every rank.
 /// @param progress It is called now and then; false ends the run, and what was found until then is
 ///   in the file.
 /// @note Collective
 /// @throws InputError the file is of another scene or tolerance.
-[[nodiscard]] ExactResult solve_test_points(const Scene& scene, const std::vector<Site>& sites,
+[[nodiscard]] ExactResult solve_test_points(const Scene& scene,
+                                            const std::vector<ToolSpaceSetup>& tool_spaces,
                                             const ExactOptions& options, Communicator& communicator,
                                             const Progress& progress);
 

@@ -24,11 +24,11 @@ constexpr int kFacePoints = 1000;
 /// At least: so many that a thousandth of them is a few.
 constexpr std::size_t kTimedCalls = 8192;
 
-/// A site with its branches, and one interpolator for each that is needed.
+/// A tool space with its branches, and one interpolator for each that is needed.
 class Subject {
  public:
-  Subject(const TouchSite& site, const Variant& variant)
-      : site_(site), variant_(variant), branches_(site) {
+  Subject(const TouchToolSpace& tool_space, const Variant& variant)
+      : tool_space_(tool_space), variant_(variant), branches_(tool_space) {
     (void)on(0);
   }
 
@@ -40,7 +40,7 @@ class Subject {
   [[nodiscard]] const Interpolator& on(int branch) { return *part_on(branch).interpolator; }
   [[nodiscard]] const DisplayField& field_on(int branch) {
     Part& here = part_on(branch);
-    if (!here.field) here.field = std::make_unique<DisplayField>(site_on(branch));
+    if (!here.field) here.field = std::make_unique<DisplayField>(space_on(branch));
     return *here.field;
   }
 
@@ -51,8 +51,8 @@ class Subject {
     std::unique_ptr<DisplayField> field;
   };
 
-  [[nodiscard]] TouchSite site_on(int branch) const {
-    return restricted(site_, branches_.configurations(branch));
+  [[nodiscard]] TouchToolSpace space_on(int branch) const {
+    return restricted(tool_space_, branches_.configurations(branch));
   }
 
   Part& part_on(int branch) {
@@ -61,28 +61,28 @@ class Subject {
     if (!here.interpolator) {
       // The stiffness at rest is that of the branch that rest is on.
       const int of = variant_.method == Method::linear ? 0 : branch;
-      here.interpolator = make_interpolator(variant_.method, site_on(of), variant_.options);
+      here.interpolator = make_interpolator(variant_.method, space_on(of), variant_.options);
     }
     return here;
   }
 
-  const TouchSite& site_;
+  const TouchToolSpace& tool_space_;
   const Variant& variant_;
   SolutionBranches branches_;
   std::vector<Part> parts_;
 };
 
-double largest_force(const TouchSite& site) {
+double largest_force(const TouchToolSpace& tool_space) {
   double largest = 0;
-  for (const ConfigurationSummary& c : site.configurations) {
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     if (c.leads_on()) largest = std::max(largest, c.force.norm());
   }
   return largest;
 }
 
-double largest_stiffness(const TouchSite& site) {
+double largest_stiffness(const TouchToolSpace& tool_space) {
   double largest = 0;
-  for (const ConfigurationSummary& c : site.configurations) {
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     if (c.leads_on()) largest = std::max(largest, c.stiffness.norm());
   }
   return largest;
@@ -112,10 +112,10 @@ double displacement_error(const TouchSpace& space, const std::vector<Index>& sam
   return space.largest_displacement > 0 ? largest / space.largest_displacement : largest;
 }
 
-void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& subject,
+void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, Subject& subject,
                     const std::vector<TestPoint>& points, std::vector<PointError>& errors,
                     Measurement& result) {
-  const double floor = kErrorFloor * largest_force(site);
+  const double floor = kErrorFloor * largest_force(tool_space);
   const std::vector<Index> samples = sample_points(space.surface);
   int branch = 0;
   Vec3 at = Vec3::Zero();
@@ -126,7 +126,7 @@ void measure_errors(const TouchSpace& space, const TouchSite& site, Subject& sub
       at.setZero();
     }
     if (point.kind == TestKind::uniform) {
-      const Vec3 anchor = anchor_of(point.t, site.site.half_width);
+      const Vec3 anchor = anchor_of(point.t, tool_space.setup.grid.half_width);
       branch = subject.move(branch, at, anchor);
       at = anchor;
     }
@@ -180,15 +180,15 @@ struct Gauss {
 /// ∫ h·dt along a straight way, cell by cell.
 /// @param peak The largest energy on it, J, is kept. @returns NaN where a part of it is
 /// extrapolated.
-double work_along(const Interpolator& interpolator, const Site& site, const Vec3& from,
+double work_along(const Interpolator& interpolator, const Grid& grid, const Vec3& from,
                   const Vec3& to, double& peak) {
   static const Gauss gauss;
   const Vec3 way = to - from;
   std::vector<double> cuts{0, 1};
   for (int k = 0; k < 3; ++k) {
     if (way[k] == 0) continue;
-    for (std::int32_t i = -site.reach(); i <= site.reach(); ++i) {
-      const double s = (i * site.spacing() - from[k]) / way[k];
+    for (std::int32_t i = -grid.reach(); i <= grid.reach(); ++i) {
+      const double s = (i * grid.spacing() - from[k]) / way[k];
       if (s > 0 && s < 1) cuts.push_back(s);
     }
   }
@@ -226,33 +226,35 @@ class Places {
   std::uniform_real_distribution<double> uniform_;
 };
 
-void measure_loops(const Interpolator& interpolator, const Site& site, Measurement& result) {
-  Places place(site.half_width);
+void measure_loops(const Interpolator& interpolator, const Grid& grid, Measurement& result) {
+  Places place(grid.half_width);
   for (int loop = 0; loop < kLoops; ++loop) {
     const std::array<Vec3, 4> corners{place(), place(), place(), place()};
     double peak = 0;
     double work = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      work += work_along(interpolator, site, corners[i], corners[(i + 1) % corners.size()], peak);
+      work += work_along(interpolator, grid, corners[i], corners[(i + 1) % corners.size()], peak);
     }
     if (std::isfinite(work) && peak > 0) result.loop_work.push_back(std::abs(work) / peak);
   }
 }
 
-void measure_jumps(const Interpolator& interpolator, const TouchSite& site, Measurement& result) {
-  const std::int32_t reach = site.site.reach();
+void measure_jumps(const Interpolator& interpolator, const TouchToolSpace& tool_space,
+                   Measurement& result) {
+  const std::int32_t reach = tool_space.setup.grid.reach();
   if (reach < 1) return;
-  const double force = largest_force(site);
-  const double stiffness = largest_stiffness(site);
+  const double force = largest_force(tool_space);
+  const double stiffness = largest_stiffness(tool_space);
   if (!(force > 0 && stiffness > 0)) return;
-  Places place(site.site.half_width);
+  Places place(tool_space.setup.grid.half_width);
   std::uniform_int_distribution<std::int32_t> any_plane(1 - reach, reach - 1);
   std::uniform_int_distribution<int> any_axis(0, 2);
-  const double apart = 4 * std::numeric_limits<double>::epsilon() * site.site.half_width;
+  const double apart =
+      4 * std::numeric_limits<double>::epsilon() * tool_space.setup.grid.half_width;
   for (int i = 0; i < kFacePoints; ++i) {
     const int axis = any_axis(place.random());
     Vec3 t = place();
-    t[axis] = site.site.spacing() * any_plane(place.random());
+    t[axis] = tool_space.setup.grid.spacing() * any_plane(place.random());
     const Vec3 step = apart * Vec3::Unit(axis);
     const TouchResult a = interpolator.evaluate(t - step);
     const TouchResult b = interpolator.evaluate(t + step);
@@ -263,8 +265,8 @@ void measure_jumps(const Interpolator& interpolator, const TouchSite& site, Meas
 
 /// Calls that jump about in the box, each timed by itself; what reading the clock takes is taken
 /// off.
-void measure_time(const Interpolator& interpolator, const Site& site, Measurement& result) {
-  Places place(site.half_width);
+void measure_time(const Interpolator& interpolator, const Grid& grid, Measurement& result) {
+  Places place(grid.half_width);
   std::vector<Vec3> places(kTimedCalls);
   for (Vec3& t : places) t = place();
   const auto nanoseconds = [](Clock::time_point a, Clock::time_point b) {
@@ -303,7 +305,7 @@ Measurement& Measurement::operator+=(const Measurement& other) {
   setup_seconds += other.setup_seconds;
   bytes += other.bytes;
   resolution = std::max(resolution, other.resolution);
-  sites += other.sites;
+  tool_spaces += other.tool_spaces;
   for (std::size_t i = 0; i < points.size(); ++i) points[i] += other.points[i];
   append(relative, other.relative);
   append(absolute, other.absolute);
@@ -328,8 +330,9 @@ std::string to_string(const Variant& variant) {
   return name;
 }
 
-std::vector<Variant> variants(const TouchSite& site, const std::vector<Method>& methods) {
-  const auto& all = site.configurations;
+std::vector<Variant> variants(const TouchToolSpace& tool_space,
+                              const std::vector<Method>& methods) {
+  const auto& all = tool_space.configurations;
   const bool has_third = std::any_of(all.begin(), all.end(), [](const ConfigurationSummary& c) {
     return c.has_third_derivative();
   });
@@ -338,15 +341,15 @@ std::vector<Variant> variants(const TouchSite& site, const std::vector<Method>& 
   });
   std::vector<Variant> result;
   for (const Method method : methods.empty() ? all_methods() : methods) {
-    for (const std::int32_t factor : coarsening_factors(site.site)) {
-      if (method == Method::tricubic && site.site.coarsest > factor) continue;
+    for (const std::int32_t factor : coarsening_factors(tool_space.setup.grid)) {
+      if (method == Method::tricubic && tool_space.setup.grid.coarsest > factor) continue;
       // The stiffness at rest is the same on every grid.
       if (method == Method::linear && (factor != 1 || !has_rest)) continue;
       const bool is_rbf = method == Method::rbf_linear || method == Method::rbf_cubic;
       Variant variant{method, {}, factor};
       // A coarser grid has none.
       if (is_rbf && factor != 1) {
-        variant.options.intermediate_states = site.intermediate_states.empty();
+        variant.options.intermediate_states = tool_space.intermediate_states.empty();
       }
       result.push_back(variant);
       if (is_rbf && factor == 1) {
@@ -354,7 +357,7 @@ std::vector<Variant> variants(const TouchSite& site, const std::vector<Method>& 
         result.push_back(variant);
         variant.options.linear_polynomial = true;
         variant.options.intermediate_states = false;
-        if (!site.intermediate_states.empty()) result.push_back(variant);
+        if (!tool_space.intermediate_states.empty()) result.push_back(variant);
       }
       if (method == Method::energy_hermite && has_third) {
         variant.options.third_derivatives = false;
@@ -365,33 +368,33 @@ std::vector<Variant> variants(const TouchSite& site, const std::vector<Method>& 
   return result;
 }
 
-Measurement measure(const TouchSpace& space, const TouchSite& whole, const Variant& variant,
+Measurement measure(const TouchSpace& space, const TouchToolSpace& whole, const Variant& variant,
                     const std::vector<TestPoint>& points, std::vector<PointError>& errors) {
-  const TouchSite site = coarsened(whole, variant.factor);
+  const TouchToolSpace tool_space = coarsened(whole, variant.factor);
   Measurement result;
-  result.sites = 1;
-  result.resolution = site.site.resolution;
+  result.tool_spaces = 1;
+  result.resolution = tool_space.setup.grid.resolution;
   const auto start = Clock::now();
-  Subject subject(site, variant);
+  Subject subject(tool_space, variant);
   result.setup_seconds = seconds_since(start);
   const Interpolator& interpolator = subject.on(0);
   result.samples = static_cast<double>(interpolator.num_samples());
   result.bytes = static_cast<double>(interpolator.bytes());
-  for (const ConfigurationSummary& c : site.configurations) {
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     const bool counts =
         variant.method != Method::linear || (c.check_point == CheckPoint{} && c.level == 0);
     if (counts) result.precompute_seconds += c.seconds;
   }
   const bool is_rbf = variant.method == Method::rbf_linear || variant.method == Method::rbf_cubic;
   if (is_rbf && variant.options.intermediate_states) {
-    for (const IntermediateState& s : site.intermediate_states) {
+    for (const IntermediateState& s : tool_space.intermediate_states) {
       result.precompute_seconds += s.seconds;
     }
   }
-  measure_errors(space, site, subject, points, errors, result);
-  measure_loops(interpolator, site.site, result);
-  measure_jumps(interpolator, site, result);
-  measure_time(interpolator, site.site, result);
+  measure_errors(space, tool_space, subject, points, errors, result);
+  measure_loops(interpolator, tool_space.setup.grid, result);
+  measure_jumps(interpolator, tool_space, result);
+  measure_time(interpolator, tool_space.setup.grid, result);
   return result;
 }
 

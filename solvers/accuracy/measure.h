@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How wrong one way to interpolate a site is, and what it costs.
+// How wrong one way to interpolate a tool space is, and what it costs.
 //
 // The relative error of the force [P08, eq. 2] is |h − h*| / max(|h*|, f) with the exact force h*.
-// The floor f is a thousandth of the largest force of the site within its limit: without it, tiny
-// errors near rest would count as large ones.
+// The floor f is a thousandth of the largest force of the tool space within its limit: without it,
+// tiny errors near rest would count as large ones.
 //
 // [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
 // Approximation, EuroHaptics 2008.
@@ -27,16 +27,16 @@ inline constexpr double kNoticeable = 0.1;
 struct Variant {
   Method method = Method::energy_hermite;
   InterpolationOptions options;
-  /// The site is coarsened by this factor, see coarsen.h.
+  /// The tool space is coarsened by this factor, see coarsen.h.
   std::int32_t factor = 1;
 };
 
 /// The name of a variant, such as 'RBF cubic, no intermediate states'.
 [[nodiscard]] std::string to_string(const Variant& variant);
 
-/// All variants that serve a site.
+/// All variants that serve a tool space.
 /// @param methods The methods they are of; empty: all.
-[[nodiscard]] std::vector<Variant> variants(const TouchSite& site,
+[[nodiscard]] std::vector<Variant> variants(const TouchToolSpace& tool_space,
                                             const std::vector<Method>& methods);
 
 /// What is known of one test point.
@@ -53,9 +53,9 @@ enum class PointClass {
   failed,
 };
 
-/// Raw figures of a site, or of several together.
+/// Raw figures of a tool space, or of several together.
 struct Measurement {
-  /// The number of configurations and intermediate states, of all sites.
+  /// The number of configurations and intermediate states, of all tool spaces.
   double samples = 0;
   /// The time that it took to find these, s on one core, as it is recorded with each of them.
   double precompute_seconds = 0;
@@ -63,7 +63,7 @@ struct Measurement {
   double setup_seconds = 0;
   double bytes = 0;
   std::int32_t resolution = 0;
-  int sites = 0;
+  int tool_spaces = 0;
 
   /// The number of test points of each class, by the number of the class.
   std::vector<int> points = std::vector<int>(5, 0);
@@ -99,12 +99,12 @@ struct PointError {
   double error = 0;
 };
 
-/// Measures one variant on one site. Of a site with levels, memory and time are those of the branch
-/// of rest; errors are those of the branch that the body is on.
-/// @param whole The site before it is coarsened.
-/// @param points Test points of the site, solved.
+/// Measures one variant on one tool space. Of a tool space with levels, memory and time are those
+/// of the branch of rest; errors are those of the branch that the body is on.
+/// @param whole The tool space before it is coarsened.
+/// @param points Test points of the tool space, solved.
 /// @param errors Is set to the error at each of them [points.size()].
-[[nodiscard]] Measurement measure(const TouchSpace& space, const TouchSite& whole,
+[[nodiscard]] Measurement measure(const TouchSpace& space, const TouchToolSpace& whole,
                                   const Variant& variant, const std::vector<TestPoint>& points,
                                   std::vector<PointError>& errors);
 

@@ -24,15 +24,15 @@ struct Iterate {
   NodalVector state;
   Eigen::VectorXd r;
   double energy = 0;
-  /// HeldBody::norm of r.
+  /// CondensedSystem::norm of r.
   double norm = 0;
 };
 
-bool evaluate(HeldBody& body, Iterate& iterate) {
-  iterate.energy = body.evaluate(iterate.state);
+bool evaluate(CondensedSystem& system, const Eigen::VectorXd& q, Iterate& iterate) {
+  iterate.energy = system.evaluate(q, iterate.state);
   if (!std::isfinite(iterate.energy)) return false;
-  body.residual(iterate.r);
-  iterate.norm = body.norm(iterate.r);
+  system.residual(iterate.r);
+  iterate.norm = system.norm(iterate.r);
   return std::isfinite(iterate.norm);
 }
 
@@ -50,10 +50,10 @@ bool accept_by_energy(const Iterate& old, const Iterate& trial, double slope, do
   return false;
 }
 
-bool accept_by_residual(const HeldBody& body, const Iterate& old, const Iterate& trial,
+bool accept_by_residual(const CondensedSystem& system, const Iterate& old, const Iterate& trial,
                         double& length) {
-  if (body.euclidean_norm(trial.r) <=
-      (1 - kSufficientDecrease * length) * body.euclidean_norm(old.r)) {
+  if (system.euclidean_norm(trial.r) <=
+      (1 - kSufficientDecrease * length) * system.euclidean_norm(old.r)) {
     return true;
   }
   length *= 0.5;
@@ -62,19 +62,20 @@ bool accept_by_residual(const HeldBody& body, const Iterate& old, const Iterate&
 
 /// Moves along `step` until it is good enough.
 /// @returns the length of the step; 0 where none is.
-double search(HeldBody& body, const Eigen::VectorXd& step, double slope, Iterate& iterate) {
-  const NodalVector direction = body.as_state(step);
+double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::VectorXd& step,
+              double slope, Iterate& iterate) {
+  const NodalVector direction = system.as_state(step);
   Iterate trial;
   double length = 1;
   for (int i = 0; i < kMaxBacktracks; ++i) {
     trial.state = iterate.state + length * direction;
-    if (!evaluate(body, trial)) {
+    if (!evaluate(system, q, trial)) {
       length *= 0.25;
       continue;
     }
     const double tried = length;
-    const bool accepted = body.is_saddle() ? accept_by_residual(body, iterate, trial, length)
-                                           : accept_by_energy(iterate, trial, slope, length);
+    const bool accepted = system.is_saddle() ? accept_by_residual(system, iterate, trial, length)
+                                             : accept_by_energy(iterate, trial, slope, length);
     if (!accepted) continue;
     std::swap(iterate, trial);
     return tried;
@@ -84,19 +85,20 @@ double search(HeldBody& body, const Eigen::VectorXd& step, double slope, Iterate
 
 }  // namespace
 
-Correction correct(HeldBody& body, const EquilibriumOptions& options,
-                   const Interruption& interruption, const NodalVector& start,
-                   const Eigen::VectorXd& t, NodalVector& state) {
+Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
+                   const Interruption& interruption, const LinearisedState& start,
+                   const Eigen::VectorXd& t, NodalVector& x) {
   Correction result;
   const auto end = [&result](Outcome outcome) {
     result.outcome = outcome;
     return std::move(result);
   };
-  const double scale = body.displacement_scale(t);
+  const double scale = system.displacement_scale(t);
   Iterate iterate;
-  iterate.state = state;
-  if (!evaluate(body, iterate)) return end(Outcome::not_converged);  // the predictor inverts a cell
-  result.quasi_newton = body.is_saddle() ? make_broyden() : make_bfgs();
+  iterate.state = x;
+  if (!evaluate(system, t, iterate))
+    return end(Outcome::not_converged);  // the predictor inverts a cell
+  result.quasi_newton = system.is_saddle() ? make_broyden() : make_bfgs();
   QuasiNewton& quasi_newton = *result.quasi_newton;
   TangentFactor*& factor = result.factor;
   bool fresh = false;  // the factor is of the tangent at the iterate
@@ -110,7 +112,7 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
   for (;;) {
     result.residual = iterate.norm / scale;
     if (result.residual <= options.tolerance) {
-      state = iterate.state;
+      x = iterate.state;
       return end(Outcome::converged);
     }
     if (result.iterations == options.max_iterations) return end(Outcome::not_converged);
@@ -118,17 +120,18 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
     if (interrupted != Outcome::converged) return end(interrupted);
 
     if (result.iterations == 0) {
-      use(body.find_factor(start));
-      if (factor == nullptr) use(body.factorise(start));
+      const NodalVector start_x = system.vector_of(start);
+      use(system.find_factor(start.t, start_x));
+      if (factor == nullptr) use(system.factorise(start.t, start_x));
     }
     if (factor == nullptr) {
-      use(body.factorise(iterate.state));
+      use(system.factorise(t, iterate.state));
       if (factor == nullptr) return end(Outcome::tangent_not_factorised);
       fresh = true;
     }
     ++result.iterations;
     Eigen::VectorXd step =
-        quasi_newton.direction(iterate.r, [&](auto columns) { body.solve(*factor, columns); });
+        quasi_newton.direction(iterate.r, [&](auto columns) { system.solve(*factor, columns); });
     const double step_norm = step.lpNorm<Eigen::Infinity>();
     if (num_steps == 0) first_step = step_norm;
     if (num_steps >= kStepsBeforeJudging &&
@@ -138,13 +141,13 @@ Correction correct(HeldBody& body, const EquilibriumOptions& options,
     }
     ++num_steps;
     double slope = step.dot(iterate.r);
-    if (slope > 0 && !body.is_saddle()) {
+    if (slope > 0 && !system.is_saddle()) {
       // The tangent is indefinite: along the opposite direction the energy falls.
       step = -step;
       slope = -slope;
     }
     const Eigen::VectorXd old_r = iterate.r;
-    const double length = step.allFinite() ? search(body, step, slope, iterate) : 0;
+    const double length = step.allFinite() ? search(system, t, step, slope, iterate) : 0;
     if (length == 0) {
       if (fresh) return end(Outcome::not_converged);
       factor = nullptr;

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The corrector goes from a predicted state to the equilibrium near it, while the sites are held.
+// The corrector goes from a predicted state to the equilibrium near it, while the tool is held.
 #pragma once
 
 #include <functional>
 #include <memory>
 
 #include "base/outcome.h"
-#include "equilibrium/held_body.h"
+#include "equilibrium/condensed_system.h"
 #include "equilibrium/options.h"
 #include "equilibrium/quasi_newton.h"
+#include "equilibrium/state.h"
 
 namespace palpate {
 
@@ -26,12 +27,12 @@ struct Correction {
   std::unique_ptr<QuasiNewton> quasi_newton;
 };
 
-/// Goes by a quasi-Newton method from `state`, whose sites are at t, with the factor at `start` as
-/// long as that contracts. A line search lessens the energy, which has a minimum at a stable
+/// Goes by a quasi-Newton method from `x`, with the tool at t, with the factor at `start` as long
+/// as that contracts. A line search lessens the energy, which has a minimum at a stable
 /// equilibrium, or with pressures, where it has a saddle, the norm of the residual. A trial state
 /// that inverts a cell of a law with a barrier has infinite energy and is drawn back.
-[[nodiscard]] Correction correct(HeldBody& body, const EquilibriumOptions& options,
-                                 const Interruption& interruption, const NodalVector& start,
-                                 const Eigen::VectorXd& t, NodalVector& state);
+[[nodiscard]] Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
+                                 const Interruption& interruption, const LinearisedState& start,
+                                 const Eigen::VectorXd& t, NodalVector& x);
 
 }  // namespace palpate

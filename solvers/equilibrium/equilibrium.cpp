@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
 #include "equilibrium/explanation.h"
-#include "equilibrium/held_body.h"
 #include "equilibrium/linearisation.h"
 #include "equilibrium/third_derivative.h"
 
@@ -39,6 +39,10 @@ constexpr int kMaxPathPoints = 150;
 Scene checked(Scene scene) {
   check(scene);
   return scene;
+}
+
+void take(LinearisedState state, Equilibrium& equilibrium) {
+  static_cast<LinearisedState&>(equilibrium) = std::move(state);
 }
 
 /// Whether two equilibria can be on one smooth path, by their energies, reactions and stiffnesses.
@@ -73,17 +77,17 @@ class EquilibriumSolver::Impl {
  public:
   Impl(const Scene& scene, EquilibriumOptions options, std::unique_ptr<LinearSolver> solver)
       : options_(validated(std::move(options))),
-        body_(checked(scene), std::move(solver), options_.kept_factors,
-              options_.single_precision ? Precision::single_if_safe : Precision::full) {}
+        system_(checked(scene), std::move(solver), options_.kept_factors,
+                options_.single_precision ? Precision::single_if_safe : Precision::full) {}
 
-  void hold(const Constraint& constraint) { body_.hold(constraint); }
+  void set_interaction(const Interaction& interaction) { system_.set_interaction(interaction); }
   Equilibrium rest();
   Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start, Tangent tangent);
-  void forget(const Equilibrium& state) { body_.forget(state_of(body_, state)); }
+  void forget(const Equilibrium& state) { system_.forget(state.t, system_.vector_of(state)); }
   Path trace(const Eigen::VectorXd& t, const Equilibrium& start, const PathOptions& options);
   double condition(const Equilibrium& state);
 
-  const HeldBody& body() const { return body_; }
+  const CondensedSystem& system() const { return system_; }
 
  private:
   /// How far a solve has come.
@@ -105,13 +109,13 @@ class EquilibriumSolver::Impl {
   }
 
   void begin();
-  void require_sites(const Eigen::VectorXd& t) const;
+  void require_coordinates(const Eigen::VectorXd& t) const;
   [[nodiscard]] Outcome interruption() const;
   /// The equilibrium at next_t that a step from progress leads to.
   Equilibrium step(double stride, const Eigen::VectorXd& next_t, Tangent tangent,
                    Progress& progress);
-  /// Completes the equilibrium at a state, after Newton steps where the displacement needs them.
-  Outcome polish(NodalVector& state, Equilibrium& next, Progress& progress);
+  /// Completes the equilibrium at x, after Newton steps where the displacement needs them.
+  Outcome polish(NodalVector& x, Equilibrium& next, Progress& progress);
   /// Sets the flag of a displacement that is less accurate than was asked for.
   void tell_accuracy(Equilibrium& state) const;
   /// Of one that has converged, if it is asked for.
@@ -127,19 +131,19 @@ class EquilibriumSolver::Impl {
   static Fold jump(const Equilibrium& from, const Equilibrium& to, double way);
 
   EquilibriumOptions options_;
-  HeldBody body_;
+  CondensedSystem system_;
   Clock::time_point start_{};
 };
 
 void EquilibriumSolver::Impl::begin() {
   start_ = Clock::now();
-  body_.begin_solve();
+  system_.begin_solve();
 }
 
-void EquilibriumSolver::Impl::require_sites(const Eigen::VectorXd& t) const {
-  if (body_.num_parameters() == 0) throw InputError("No active node was chosen.");
-  if (t.size() != body_.num_parameters()) {
-    throw InputError("A displacement of " + std::to_string(body_.num_parameters()) +
+void EquilibriumSolver::Impl::require_coordinates(const Eigen::VectorXd& t) const {
+  if (system_.num_coordinates() == 0) throw InputError("No active node was chosen.");
+  if (t.size() != system_.num_coordinates()) {
+    throw InputError("A displacement of " + std::to_string(system_.num_coordinates()) +
                      " components is needed, three for each active node; " +
                      std::to_string(t.size()) + " were given.");
   }
@@ -156,21 +160,28 @@ Outcome EquilibriumSolver::Impl::interruption() const {
 
 Equilibrium EquilibriumSolver::Impl::rest() {
   begin();
-  const Index parameters = body_.num_parameters();
-  require_sites(Eigen::VectorXd::Zero(parameters));
-  const Assembly& assembly = body_.assembly();
+  const Index coordinates = system_.num_coordinates();
+  require_coordinates(Eigen::VectorXd::Zero(coordinates));
+  const Assembly& assembly = system_.assembly();
   Equilibrium state;
-  state.t.setZero(parameters);
+  state.t.setZero(coordinates);
   state.u.setZero(3 * assembly.num_points());
-  state.v.setZero(state.u.size(), parameters);
+  state.v.setZero(state.u.size(), coordinates);
   state.p.setZero(assembly.num_pressures());
-  state.p_v.setZero(assembly.num_pressures(), parameters);
-  state.reaction.setZero(parameters);
-  state.stiffness.setZero(parameters, parameters);
-  state.outcome = linearise(body_, NodalVector::Zero(assembly.state_size()), state);
+  state.p_v.setZero(assembly.num_pressures(), coordinates);
+  state.reaction.setZero(coordinates);
+  state.stiffness.setZero(coordinates, coordinates);
+  std::optional<Linearisation> at_rest =
+      linearise(system_, state.t, NodalVector::Zero(assembly.state_size()));
+  if (at_rest) {
+    take(std::move(at_rest->state), state);
+    state.outcome = Outcome::converged;
+  } else {
+    state.outcome = Outcome::tangent_not_factorised;
+  }
   tell_accuracy(state);
-  state.message = state.outcome == Outcome::converged ? explain(body_, state, state.t, 1)
-                                                      : explain_singular(body_);
+  state.message = state.outcome == Outcome::converged ? explain(system_, state, state.t, 1)
+                                                      : explain_singular(system_);
   add_third_derivative(state);
   state.seconds = seconds_since(start_);
   return state;
@@ -178,22 +189,22 @@ Equilibrium EquilibriumSolver::Impl::rest() {
 
 void EquilibriumSolver::Impl::add_third_derivative(Equilibrium& state) {
   if (!options_.third_derivatives || state.outcome != Outcome::converged) return;
-  if (body_.constraint().num_sites == 1) state.third_derivative = third_derivative(body_, state);
+  if (system_.num_coordinates() == 3) state.third_derivative = third_derivative(system_, state);
 }
 
 std::optional<NodalVector> EquilibriumSolver::Impl::predict(double stride,
                                                             const Eigen::VectorXd& next_t,
                                                             const Progress& progress) {
-  const NodalVector here = state_of(body_, progress.state);
+  const NodalVector here = system_.vector_of(progress.state);
   NodalVector predicted =
-      here + sensitivity_of(body_, progress.state) * (next_t - progress.state.t);
+      here + system_.sensitivity_of(progress.state) * (next_t - progress.state.t);
   if (progress.last_stride > 0) {
     const NodalVector curved =
         predicted + (0.5 * stride * stride / progress.last_stride) * progress.bend;
-    predicted = std::isfinite(body_.evaluate(curved)) ? curved : predicted;
+    predicted = std::isfinite(system_.evaluate(next_t, curved)) ? curved : predicted;
   }
-  body_.place_sites(next_t, predicted);
-  if (std::isfinite(body_.evaluate(predicted))) return predicted;
+  system_.prescribe(next_t, predicted);
+  if (std::isfinite(system_.evaluate(next_t, predicted))) return predicted;
   return std::nullopt;
 }
 
@@ -204,59 +215,64 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   next.t = next_t;
   std::optional<NodalVector> state = predict(stride, next_t, progress);
   if (!state) return next;
-  const NodalVector from = state_of(body_, progress.state);
   const Correction correction = correct(
-      body_, options_, [this] { return interruption(); }, from, next_t, *state);
+      system_, options_, [this] { return interruption(); }, progress.state, next_t, *state);
   progress.iterations += correction.iterations;
   next.residual = correction.residual;
   next.outcome = correction.outcome;
   if (correction.outcome != Outcome::converged) return next;
-  const bool is_linear = body_.assembly().is_linear();
+  const bool is_linear = system_.is_linear();
   if (is_linear && correction.iterations == 0 &&
       progress.state.displacement_error <= options_.displacement_error()) {
-    superpose(body_, progress.state, *state, next);
+    take(superpose(system_, progress.state, next_t, *state), next);
     return next;
   }
   const double error = tangent == Tangent::rough ? kRoughSensitivityError : kSensitivityError;
-  if (tangent != Tangent::factorised && !is_linear &&
-      linearise_by_iteration(body_, options_, correction, progress.state, *state, error, next)) {
-    return next;
+  if (tangent != Tangent::factorised && !is_linear) {
+    std::optional<LinearisedState> iterated = linearise_by_iteration(
+        system_, options_, correction, progress.state, next_t, *state, error);
+    if (iterated) {
+      take(std::move(*iterated), next);
+      return next;
+    }
   }
   next.outcome = polish(*state, next, progress);
   return next;
 }
 
-Outcome EquilibriumSolver::Impl::polish(NodalVector& state, Equilibrium& next, Progress& progress) {
-  NodalVector newton_step;
-  Outcome outcome = linearise(body_, state, next, &newton_step);
-  while (outcome == Outcome::converged && next.displacement_error > options_.displacement_error()) {
-    const double before = next.displacement_error;
+Outcome EquilibriumSolver::Impl::polish(NodalVector& x, Equilibrium& next, Progress& progress) {
+  std::optional<Linearisation> first = linearise(system_, next.t, x);
+  if (!first) return Outcome::tangent_not_factorised;
+  Linearisation here = std::move(*first);
+  while (here.state.displacement_error > options_.displacement_error()) {
+    const double before = here.state.displacement_error;
     if (before > kMostPolish) return Outcome::not_converged;
-    const NodalVector improved = state + newton_step;
-    if (!std::isfinite(body_.evaluate(improved))) return Outcome::not_converged;
+    const NodalVector improved = x + here.newton_step;
+    if (!std::isfinite(system_.evaluate(next.t, improved))) return Outcome::not_converged;
     Eigen::VectorXd r;
-    body_.residual(r);
-    const double residual = body_.norm(r) / body_.displacement_scale(next.t);
+    system_.residual(r);
+    const double residual = system_.norm(r) / system_.displacement_scale(next.t);
     if (!(residual <= options_.tolerance)) break;
-    Equilibrium moved = next;
-    moved.residual = residual;
     ++progress.iterations;
-    outcome = linearise(body_, improved, moved, &newton_step);
-    if (outcome != Outcome::converged) break;
+    std::optional<Linearisation> there = linearise(system_, next.t, improved);
+    if (!there) return Outcome::tangent_not_factorised;
     // Another inertia is that of another branch. And where the error grows, rounding is what is
     // left.
-    if (moved.negative_pivots != next.negative_pivots || !(moved.displacement_error < before))
+    if (there->state.negative_pivots != here.state.negative_pivots ||
+        !(there->state.displacement_error < before)) {
       break;
-    state = improved;
-    next = std::move(moved);
-    if (next.displacement_error > 0.5 * before) break;
+    }
+    x = improved;
+    here = std::move(*there);
+    next.residual = residual;
+    if (here.state.displacement_error > 0.5 * before) break;
   }
-  if (outcome == Outcome::converged &&
-      next.displacement_error > std::max(kMostDisplacementError, options_.displacement_error())) {
+  take(std::move(here.state), next);
+  if (next.displacement_error > std::max(kMostDisplacementError, options_.displacement_error())) {
     return Outcome::not_converged;
   }
   tell_accuracy(next);
-  return outcome;
+  return Outcome::converged;
 }
 
 void EquilibriumSolver::Impl::tell_accuracy(Equilibrium& state) const {
@@ -265,7 +281,7 @@ void EquilibriumSolver::Impl::tell_accuracy(Equilibrium& state) const {
 
 void EquilibriumSolver::Impl::advance(double stride, const Eigen::VectorXd& way, Equilibrium next,
                                       Progress& progress) {
-  progress.bend = (sensitivity_of(body_, next) - sensitivity_of(body_, progress.state)) * way;
+  progress.bend = (system_.sensitivity_of(next) - system_.sensitivity_of(progress.state)) * way;
   progress.last_stride = stride;
   progress.state = std::move(next);
   progress.way += stride;
@@ -275,11 +291,11 @@ Outcome EquilibriumSolver::Impl::follow(const Eigen::VectorXd& t, Progress& prog
   PathOptions options;
   options.max_points = std::clamp(options_.max_steps - progress.steps + 1, 2, kMaxPathPoints);
   Path path = follow_path(
-      body_, options_, options, [this] { return interruption(); }, progress.state, t);
+      system_, options_, options, [this] { return interruption(); }, progress.state, t);
   progress.steps += static_cast<int>(path.points.size()) - 1;
   progress.iterations += path.end.iterations;
   if (path.end.outcome != Outcome::converged) return path.end.outcome;
-  NodalVector end = state_of(body_, path.end);
+  NodalVector end = system_.vector_of(path.end);
   const Outcome outcome = polish(end, path.end, progress);
   if (outcome != Outcome::converged) return outcome;
   for (Fold& fold : path.end.folds) {
@@ -298,7 +314,7 @@ Fold EquilibriumSolver::Impl::jump(const Equilibrium& from, const Equilibrium& t
 Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                            Tangent tangent) {
   begin();
-  require_sites(t);
+  require_coordinates(t);
   if (start.outcome != Outcome::converged) return start;
   const Eigen::VectorXd way = t - start.t;
   Progress progress;
@@ -357,7 +373,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   state.third_derivative.resize(0);  // of the start
   if (tangent != Tangent::rough) add_third_derivative(state);
   state.seconds = seconds_since(start_);
-  state.message = explain(body_, state, t, progress.way);
+  state.message = explain(system_, state, t, progress.way);
   return std::move(progress.state);
 }
 
@@ -365,21 +381,21 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
                                     const PathOptions& options) {
   begin();
   validate(options);
-  require_sites(t);
+  require_coordinates(t);
   if (start.outcome != Outcome::converged) return {{}, {}, start};
   if (t == start.t) throw InputError("A path needs a target that differs from its start.");
   Path path = follow_path(
-      body_, options_, options, [this] { return interruption(); }, start, t);
+      system_, options_, options, [this] { return interruption(); }, start, t);
   path.end.third_derivative.resize(0);  // of the start
   tell_accuracy(path.end);
   path.end.seconds = seconds_since(start_);
-  path.end.message = explain(body_, path.end, t, path.points.back().way);
+  path.end.message = explain(system_, path.end, t, path.points.back().way);
   return path;
 }
 
 double EquilibriumSolver::Impl::condition(const Equilibrium& state) {
-  TangentFactor* factor = body_.factorise_accurately(state_of(body_, state));
-  return factor == nullptr ? std::numeric_limits<double>::infinity() : body_.condition(*factor);
+  TangentFactor* factor = system_.factorise_accurately(state.t, system_.vector_of(state));
+  return factor == nullptr ? std::numeric_limits<double>::infinity() : system_.condition(*factor);
 }
 
 EquilibriumSolver::EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
@@ -389,9 +405,11 @@ EquilibriumSolver::~EquilibriumSolver() = default;
 EquilibriumSolver::EquilibriumSolver(EquilibriumSolver&&) noexcept = default;
 EquilibriumSolver& EquilibriumSolver::operator=(EquilibriumSolver&&) noexcept = default;
 
-const Assembly& EquilibriumSolver::assembly() const { return impl_->body().assembly(); }
-const Work& EquilibriumSolver::work() const { return impl_->body().work(); }
-void EquilibriumSolver::hold(const Constraint& constraint) { impl_->hold(constraint); }
+const Assembly& EquilibriumSolver::assembly() const { return impl_->system().assembly(); }
+const Work& EquilibriumSolver::work() const { return impl_->system().work(); }
+void EquilibriumSolver::set_interaction(const Interaction& interaction) {
+  impl_->set_interaction(interaction);
+}
 Equilibrium EquilibriumSolver::rest() { return impl_->rest(); }
 Equilibrium EquilibriumSolver::solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                      Tangent tangent) {

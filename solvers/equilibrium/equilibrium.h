@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Equilibrium of a body whose active sites are held at prescribed displacements
-// (displacement-driven interaction [P07, 3.1]).
+// Equilibrium of a body on which a tool acts (displacement-driven interaction [P07, 3.1]).
 //
-//   Π(u) stationary subject to C u = t
+//   Π(x; q) stationary in the unknowns x_i that the tool leaves free
 //
-// C picks the components of the points of each site, so the constraint is eliminated: with i the
-// other unknowns (pressures of mixed cells among them) and a those of the sites
+//   K_ii δx_i = −r_i,   h = dΠ/dq                   reaction, N: holds the tool at q
+//   v_i = −K_ii⁻¹ ∂²Π/∂x_i∂q                        sensitivity v = dx/dq
+//   k = dh/dq = ∂²Π/∂q² + (∂²Π/∂q∂x_i) v_i          haptic stiffness, symmetric, N/m
 //
-//   K_ii δu_i = −r_i,   h = r_a(u)                  reaction, N: holds the sites at t
-//   v_i = −K_ii⁻¹ K_ia                              sensitivity v = ∂u/∂t
-//   k = ∂h/∂t = K_aa + K_ai v_i                     haptic stiffness, symmetric, N/m
-//
-// and h = ∂Π/∂t, k = ∂²Π/∂t². Where it is asked for, T = ∂³Π/∂t³ (third_derivative.h).
+// as interaction/interaction.h says; in what follows t is q. Where it is asked for, T = d³Π/dt³
+// (third_derivative.h).
 //
 // A step goes from one equilibrium to the next: predictor u + v Δt, of second order from the second
 // step on; corrector quasi-Newton (updates of the factor at the start of the step) with a line
 // search. Where that contracts too slowly the tangent is factorised anew, where it fails the step
 // is halved. One more factor, at the solution, gives v, k and the inertia. Steps from one start
-// share its factor, and those from rest that of all sites (rest_factor.h). In a linear body u = v
+// share its factor, and those from rest that of all tools (rest_factor.h). In a linear body u = v
 // t, and v and k are the same throughout.
 //
 // A step must agree with the path that it claims to follow: with d = t₁ − t₀,
@@ -32,11 +29,11 @@
 
 #include <memory>
 
-#include "equilibrium/constraint.h"
 #include "equilibrium/options.h"
 #include "equilibrium/path.h"
 #include "equilibrium/state.h"
 #include "equilibrium/work.h"
+#include "interaction/interaction.h"
 #include "linear/linear_solver.h"
 
 namespace palpate {
@@ -67,17 +64,19 @@ class EquilibriumSolver {
   [[nodiscard]] const Assembly& assembly() const;
   [[nodiscard]] const Work& work() const;
 
-  /// Chooses the sites for the solves that follow. The symbolic analysis serves all choices, and so
+  /// Chooses the tool for the solves that follow. The symbolic analysis serves all tools, and so
   /// does the factor at rest where not too many unknowns are held: always in a linear body, else
   /// from three kept factors on.
-  /// @throws InputError a point that does not exist, is in no cell, is fixed, or is named twice.
-  void hold(const Constraint& constraint);
+  /// @throws InputError no tool; a point that does not exist, is in no cell, is fixed, or is named
+  ///   twice.
+  void set_interaction(const Interaction& interaction);
 
-  /// The body at rest (u = 0) with its sensitivity and stiffness. Call hold() before.
+  /// The body at rest (u = 0) with its sensitivity and stiffness. Call set_interaction()
+  /// before.
   [[nodiscard]] Equilibrium rest();
 
-  /// Moves the sites from those of `start` to t [3 × num_sites], m. `start` is an equilibrium of
-  /// the same constraint with its sensitivity, such as rest(). The result depends on `start`, t
+  /// Moves the tool from where it is in `start` to t [d], m. `start` is an equilibrium of
+  /// the same tool with its sensitivity, such as rest(). The result depends on `start`, t
   /// and the options alone, not on what was solved before.
   [[nodiscard]] Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                   Tangent tangent = Tangent::factorised);

@@ -58,11 +58,11 @@ int dimension(const std::vector<Vec3>& points) {
 
 }  // namespace
 
-std::string explain_singular(const HeldBody& body) {
-  const TetMesh& mesh = body.mesh();
+std::string explain_singular(const CondensedSystem& system) {
+  const TetMesh& mesh = system.mesh();
   const std::vector<Index> piece_of = find_pieces(mesh);
-  std::vector<char> held = body.fixed();
-  for (Index p : body.constraint().points) held[p] = 1;
+  std::vector<char> held = system.fixed();
+  for (const PrescribedPoint& p : system.prescribed_points()) held[p.point] = 1;
   const std::vector<char> used = points_in_use(mesh);
   for (Index piece = 0; piece < mesh.num_points(); ++piece) {
     if (piece_of[piece] != piece || used[piece] == 0) continue;
@@ -86,17 +86,17 @@ std::string explain_singular(const HeldBody& body) {
          "modulus.";
 }
 
-std::string explain(const HeldBody& body, const Equilibrium& state, const Eigen::VectorXd& target,
-                    double way) {
+std::string explain(const CondensedSystem& system, const Equilibrium& state,
+                    const Eigen::VectorXd& target, double way) {
   const auto worst_cell = [&](std::ostream& text) {
     text << "cell " << state.minimum_det_f_cell << " at "
-         << describe(centre(body.mesh(), state.minimum_det_f_cell));
+         << describe(centre(system.mesh(), state.minimum_det_f_cell));
   };
   std::ostringstream text;
   if (state.outcome != Outcome::converged) {
-    text << "Stopped at " << std::lround(100 * way) << " % of the way to a displacement of "
-         << target.norm() << " m (" << to_string(state.outcome) << ", " << state.iterations
-         << " iterations in " << state.steps << " steps). ";
+    text << "Stopped at " << std::lround(100 * way) << " % of the way to "
+         << system.interaction().describe(target) << " (" << to_string(state.outcome) << ", "
+         << state.iterations << " iterations in " << state.steps << " steps). ";
   }
   for (const Fold& fold : state.folds) {
     text << "The path folds at " << 100 * fold.way << " % of the way: from a force of "

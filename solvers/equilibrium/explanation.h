@@ -4,16 +4,16 @@
 
 #include <string>
 
-#include "equilibrium/held_body.h"
+#include "equilibrium/condensed_system.h"
 #include "equilibrium/state.h"
 
 namespace palpate {
 
 /// Explains a solve that came a share `way` of the way to `target`; empty: there is nothing to say.
-[[nodiscard]] std::string explain(const HeldBody& body, const Equilibrium& state,
+[[nodiscard]] std::string explain(const CondensedSystem& system, const Equilibrium& state,
                                   const Eigen::VectorXd& target, double way);
 
 /// Explains why the tangent of a body at rest is singular: which piece of it is not held.
-[[nodiscard]] std::string explain_singular(const HeldBody& body);
+[[nodiscard]] std::string explain_singular(const CondensedSystem& system);
 
 }  // namespace palpate

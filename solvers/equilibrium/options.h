@@ -8,9 +8,9 @@ namespace palpate {
 
 struct EquilibriumOptions {
   /// A solve has converged when no component of the residual exceeds this share of what the node
-  /// would take to be displaced by t: the norm of its row of the tangent at rest times the larger
-  /// of |t| and a thousandth of the mean edge. 1e-10 leaves the reaction with a relative error far
-  /// below 1e-8.
+  /// would take to be displaced by the tool: the norm of its row of the tangent at rest times the
+  /// larger of |t| and a thousandth of the mean edge. 1e-10 leaves the reaction with a relative
+  /// error far below 1e-8.
   double tolerance = 1e-10;
   /// Besides, Newton's method must not move the body by more than this share of the larger of |t|
   /// and a thousandth of the mean edge. Where rounding allows no better than 1e-6, as with
@@ -34,14 +34,14 @@ struct EquilibriumOptions {
   bool follow_folds = true;
   /// The number of factors of tangents that are kept, at least 2: those of the states that were
   /// used last. Solves that start from such a state save its factorisation. From 3 on, one of them
-  /// can be that at rest, which all sites share.
+  /// can be that at rest, which all tools share.
   int kept_factors = 2;
   /// Factors are in single precision where the tangent is far from singular. They take two thirds
   /// of the time, with as many iterations; v has a relative error of 1e-8 then. Energies and
   /// residuals are always in double precision.
   bool single_precision = false;
-  /// Whether an equilibrium of one site has its third derivative, for about a tenth of the time of
-  /// a solve.
+  /// Whether an equilibrium of a tool with three coordinates has its third derivative, for about a
+  /// tenth of the time of a solve.
   bool third_derivatives = false;
   /// It is called before each iteration; true ends the solve with Outcome::aborted.
   std::function<bool()> abort_requested;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -22,7 +23,8 @@ constexpr double kLeastCosine = 0.9;
 /// The shortest step, as a share of the first.
 constexpr double kShortestStep = 1e-4;
 
-/// A point (x, λ) of the path or a direction there; x in the whole state, sites included.
+/// A point (x, λ) of the path or a direction there; x in the whole state, with the points that the
+/// tool prescribes.
 struct Vector {
   NodalVector x;
   double way = 0;
@@ -30,17 +32,18 @@ struct Vector {
 
 class Follower {
  public:
-  Follower(HeldBody& body, const EquilibriumOptions& options, const PathOptions& path_options,
-           const Interruption& interruption, const Equilibrium& start, Eigen::VectorXd target)
-      : body_(body),
+  Follower(CondensedSystem& system, const EquilibriumOptions& options,
+           const PathOptions& path_options, const Interruption& interruption,
+           const Equilibrium& start, Eigen::VectorXd target)
+      : system_(system),
         options_(options),
         path_options_(path_options),
         interruption_(interruption),
         t_0_(start.t),
         target_(std::move(target)),
         at_(start),
-        here_{state_of(body, start), 0} {
-    const NodalVector along = sensitivity_of(body, start) * (target_ - t_0_);
+        here_{system.vector_of(start), 0} {
+    const NodalVector along = system.sensitivity_of(start) * (target_ - t_0_);
     weight_ = along.squaredNorm();
     tangent_ = tangent_at(start);
     add_point(start, 0);
@@ -79,7 +82,7 @@ class Follower {
 
   /// Of unit length, λ rising.
   [[nodiscard]] Vector tangent_at(const Equilibrium& equilibrium) const {
-    Vector tangent{sensitivity_of(body_, equilibrium) * (target_ - t_0_), 1};
+    Vector tangent{system_.sensitivity_of(equilibrium) * (target_ - t_0_), 1};
     const double length = std::sqrt(product(tangent, tangent));
     tangent.x /= length;
     tangent.way /= length;
@@ -105,8 +108,9 @@ class Follower {
       if (!correct_across(true, next, iterations, residual)) return false;
     }
     Equilibrium equilibrium;
-    equilibrium.t = t_at(next.way);
-    if (linearise(body_, next.x, equilibrium) != Outcome::converged) return false;
+    std::optional<Linearisation> at_next = linearise(system_, t_at(next.way), next.x);
+    if (!at_next) return false;
+    static_cast<LinearisedState&>(equilibrium) = std::move(at_next->state);
     Vector tangent = tangent_at(equilibrium);
     const double cosine = product(tangent, tangent_);
     if (std::abs(cosine) < kLeastCosine) return false;
@@ -129,31 +133,31 @@ class Follower {
   /// Newton, with a factor as long as it contracts, from a predicted point to the path: in the
   /// plane across the tangent, or at its λ.
   bool correct_across(bool at_its_way, Vector& point, int& iterations, double& residual) {
-    TangentFactor* factor = body_.find_factor(here_.x);
-    if (factor == nullptr) factor = body_.factorise(here_.x);
-    NodalVector along = sensitivity_of(body_, at_) * (target_ - t_0_);
+    TangentFactor* factor = system_.find_factor(at_.t, here_.x);
+    if (factor == nullptr) factor = system_.factorise(at_.t, here_.x);
+    NodalVector along = system_.sensitivity_of(at_) * (target_ - t_0_);
     double last_norm = 0;
     Eigen::VectorXd r;
     for (int i = 0;; ++i, ++iterations, ++iterations_) {
       const Eigen::VectorXd t = t_at(point.way);
-      body_.place_sites(t, point.x);
-      if (!std::isfinite(body_.evaluate(point.x))) return false;
-      body_.residual(r);
-      const double norm = body_.norm(r);
-      residual = norm / body_.displacement_scale(t);
+      system_.prescribe(t, point.x);
+      if (!std::isfinite(system_.evaluate(t, point.x))) return false;
+      system_.residual(r);
+      const double norm = system_.norm(r);
+      residual = norm / system_.displacement_scale(t);
       if (residual <= options_.tolerance) return true;
       if (!std::isfinite(norm) || i == kMaxIterations) return false;
       if (factor == nullptr || (i > 0 && norm > kContraction * last_norm)) {
-        factor = body_.factorise(point.x);
+        factor = system_.factorise(t, point.x);
         if (factor == nullptr) return false;
-        Eigen::VectorXd w = -body_.k_ia() * (target_ - t_0_);
-        body_.solve(*factor, w);
-        along = body_.as_state(w);
-        body_.place_sites(target_ - t_0_, along);
+        Eigen::VectorXd w = -system_.mixed() * (target_ - t_0_);
+        system_.solve(*factor, w);
+        along = system_.as_state(w);
+        system_.prescribe(target_ - t_0_, along);
       }
       last_norm = norm;
-      body_.solve(*factor, r);
-      const NodalVector y = -body_.as_state(r);
+      system_.solve(*factor, r);
+      const NodalVector y = -system_.as_state(r);
       double change = 0;
       if (!at_its_way) {
         change = -tangent_.x.dot(y) / (tangent_.x.dot(along) + weight_ * tangent_.way);
@@ -202,7 +206,7 @@ class Follower {
     }
   }
 
-  HeldBody& body_;
+  CondensedSystem& system_;
   const EquilibriumOptions& options_;
   const PathOptions& path_options_;
   const Interruption& interruption_;
@@ -233,10 +237,10 @@ void validate(const PathOptions& options) {
   if (options.max_points < 2) throw InputError("max_points must be at least 2.");
 }
 
-Path follow_path(HeldBody& body, const EquilibriumOptions& options, const PathOptions& path_options,
-                 const Interruption& interruption, const Equilibrium& start,
-                 const Eigen::VectorXd& target) {
-  return Follower(body, options, path_options, interruption, start, target).run();
+Path follow_path(CondensedSystem& system, const EquilibriumOptions& options,
+                 const PathOptions& path_options, const Interruption& interruption,
+                 const Equilibrium& start, const Eigen::VectorXd& target) {
+  return Follower(system, options, path_options, interruption, start, target).run();
 }
 
 }  // namespace palpate

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equilibrium path of a body whose sites are moved along a straight way t(λ) = t₀ + λ (t₁ −
-// t₀), also where it turns back: at a fold λ falls on, and the equilibria between two folds are not
-// stable while the sites are held.
+// The equilibrium path of a body whose tool is moved along a straight way t(λ) = t₀ + λ (t₁ − t₀),
+// also where it turns back: at a fold λ falls on, and the equilibria between two folds are not
+// stable while the tool is held.
 //
 // The unknowns are (x_i, λ); a step of the length of the arc leads along the tangent of the path
 // and is corrected in the plane across it (Riks 1979; Crisfield 1981), by two solves with a factor
 // of K_ii instead of one of the bordered matrix:
 //
-//   K_ii w = −K_ia (t₁ − t₀),   K_ii y = −r,   δx = y + δλ w,   δλ from the plane
+//   K_ii w = −∂²Π/∂x_i∂q (t₁ − t₀),   K_ii y = −r,   δx = y + δλ w,   δλ from the plane
 #pragma once
 
 #include <vector>
@@ -35,10 +35,10 @@ struct PathPoint {
   double way = 0;
   /// Π, J.
   double energy = 0;
-  /// h [3 × num_sites], N.
+  /// h [d], N.
   Eigen::VectorXd reaction;
   double minimum_det_f = 1;
-  /// Negative pivots of K_ii: 0 where the equilibrium is stable while the sites are held.
+  /// Negative pivots of K_ii: 0 where the equilibrium is stable while the tool is held.
   int negative_pivots = 0;
 };
 
@@ -51,8 +51,8 @@ struct Path {
   Equilibrium end;
 };
 
-/// Follows the path from `start` until it reaches `target` [3 × num_sites], m.
-[[nodiscard]] Path follow_path(HeldBody& body, const EquilibriumOptions& options,
+/// Follows the path from `start` until it reaches `target` [d], m.
+[[nodiscard]] Path follow_path(CondensedSystem& system, const EquilibriumOptions& options,
                                const PathOptions& path_options, const Interruption& interruption,
                                const Equilibrium& start, const Eigen::VectorXd& target);
 

@@ -21,6 +21,8 @@ Index RestFactor::most_held(const LinearSolver& solver, Index num_unknowns) {
 
 void RestFactor::hold(std::vector<Index> unknowns) {
   held_ = std::move(unknowns);
+  num_negative_ = 0;
+  if (held_.empty()) return;
   const auto num_held = static_cast<Eigen::Index>(held_.size());
   Eigen::MatrixXd z = Eigen::MatrixXd::Zero(num_unknowns_, num_held);
   for (Eigen::Index c = 0; c < num_held; ++c) z(held_[c], c) = 1;
@@ -34,9 +36,10 @@ void RestFactor::hold(std::vector<Index> unknowns) {
 
 void RestFactor::solve(Eigen::Ref<Eigen::MatrixXd> columns) {
   solver_->solve(columns);
+  if (held_.empty()) return;
   const auto all = Eigen::seqN(0, columns.cols());
-  const Eigen::MatrixXd at_sites = columns(held_, all);
-  columns.noalias() -= elastic_ * at_sites;
+  const Eigen::MatrixXd at_held = columns(held_, all);
+  columns.noalias() -= elastic_ * at_held;
   columns(held_, all).setZero();
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One factor for all choices of sites: that of the tangent K at rest with no site held. With a the
-// unknowns of the sites, i the others, E_a the columns of the identity that belong to a
+// One factor for all tools: that of the tangent K at rest with nothing held. With a the unknowns
+// that a tool holds, i the others, E_a the columns of the identity that belong to a
 //
 //   Z = K⁻¹ E_a,   S⁻¹ = E_aᵀ Z,   S = K_aa − K_ai K_ii⁻¹ K_ia
 //   K_ii⁻¹ r_i = [K⁻¹ r − Z S (K⁻¹ r)_a]_i
 //
-// A choice of sites so costs a solve for each of a instead of a factorisation, and each solve as
+// A tool so costs a solve for each of a instead of a factorisation, and each solve as
 // much as before. The number of negative eigenvalues of K_ii is that of K less that of S
-// (Haynsworth, Linear Algebra Appl. 1, 1968). Where the sites hold what is soft in K, digits are
+// (Haynsworth, Linear Algebra Appl. 1, 1968). Where a tool holds what is soft in K, digits are
 // lost on the way: the solutions need refinement.
 #pragma once
 
@@ -33,12 +33,12 @@ class RestFactor final : public TangentFactor {
 
   [[nodiscard]] LinearSolver& solver() { return *solver_; }
 
-  /// Chooses which unknowns are held. This costs a solve for each.
+  /// Chooses which unknowns are held, maybe none. This costs a solve for each.
   void hold(std::vector<Index> unknowns);
 
   void solve(Eigen::Ref<Eigen::MatrixXd> columns) override;
   [[nodiscard]] int negative_pivots() const override;
-  [[nodiscard]] bool is_rough() const override { return true; }
+  [[nodiscard]] bool is_rough() const override { return !held_.empty(); }
 
  private:
   std::unique_ptr<LinearSolver> solver_;

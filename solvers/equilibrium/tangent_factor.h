@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// A factor of K_ii, see held_body.h.
+/// A factor of K_ii, see condensed_system.h.
 class TangentFactor {
  public:
   virtual ~TangentFactor() = default;

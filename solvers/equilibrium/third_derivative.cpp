@@ -48,24 +48,23 @@ double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
 }
 
 /// @returns nothing where a residual is not defined.
-std::optional<SecondDifferences> differences(HeldBody& body, const NodalVector& state,
-                                             const Eigen::MatrixXd& v, double step) {
+std::optional<SecondDifferences> differences(CondensedSystem& system, const Eigen::VectorXd& t,
+                                             const NodalVector& x, const Eigen::MatrixXd& v,
+                                             double step) {
   bool defined = true;
-  const auto residual_along_v = [&](const NodalVector& at) -> Vec3 {
-    defined = defined && std::isfinite(body.evaluate(at));
-    return v.transpose() * body.force();
+  const auto force_at = [&](const Vec3& way) -> Vec3 {
+    defined = defined && std::isfinite(system.evaluate(t + way, x + v * way));
+    return system.force_along(v);
   };
-  const Vec3 middle = residual_along_v(state);
-  const auto along = [&](const NodalVector& direction) -> Vec3 {
-    const Vec3 ends =
-        residual_along_v(state + step * direction) + residual_along_v(state - step * direction);
-    return (ends - 2 * middle) / (step * step);
+  const Vec3 middle = force_at(Vec3::Zero());
+  const auto along = [&](const Vec3& way) -> Vec3 {
+    return (force_at(step * way) + force_at(-step * way) - 2 * middle) / (step * step);
   };
   SecondDifferences second;
-  for (int a = 0; a < 3; ++a) second.of[a][a] = along(v.col(a));
+  for (int a = 0; a < 3; ++a) second.of[a][a] = along(Vec3::Unit(a));
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b < a; ++b) {
-      const Vec3 both = along(v.col(a) + v.col(b));
+      const Vec3 both = along(Vec3::Unit(a) + Vec3::Unit(b));
       second.of[a][b] = 0.5 * (both - second.of[a][a] - second.of[b][b]);
       second.of[b][a] = second.of[a][b];
     }
@@ -76,17 +75,17 @@ std::optional<SecondDifferences> differences(HeldBody& body, const NodalVector& 
 
 }  // namespace
 
-Eigen::VectorXd third_derivative(HeldBody& body, const Equilibrium& equilibrium) {
-  assert(body.constraint().num_sites == 1);
+Eigen::VectorXd third_derivative(CondensedSystem& system, const Equilibrium& equilibrium) {
+  assert(system.num_coordinates() == 3);
   Eigen::VectorXd t = Eigen::VectorXd::Zero(10);
-  if (body.assembly().is_linear()) return t;
-  const NodalVector state = state_of(body, equilibrium);
-  const Eigen::MatrixXd v = sensitivity_of(body, equilibrium);
-  double step = kStrain / largest_strain(body.mesh(), equilibrium.v);
-  std::optional<SecondDifferences> second = differences(body, state, v, step);
+  if (system.is_linear()) return t;
+  const NodalVector x = system.vector_of(equilibrium);
+  const Eigen::MatrixXd v = system.sensitivity_of(equilibrium);
+  double step = kStrain / largest_strain(system.mesh(), equilibrium.v);
+  std::optional<SecondDifferences> second = differences(system, equilibrium.t, x, v, step);
   for (int i = 0; !second && i < kMaxHalvings; ++i) {
     step *= 0.5;
-    second = differences(body, state, v, step);
+    second = differences(system, equilibrium.t, x, v, step);
   }
   if (!second) return Eigen::VectorXd::Constant(10, std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < 10; ++i) {

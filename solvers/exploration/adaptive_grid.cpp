@@ -24,7 +24,7 @@ std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
 
 }  // namespace
 
-AdaptiveGrid::AdaptiveGrid(const Site& site) : site_(site), coarse_(site) {}
+AdaptiveGrid::AdaptiveGrid(const ToolSpaceSetup& setup) : setup_(setup), coarse_(setup.grid) {}
 
 void AdaptiveGrid::recall(const ConfigurationSummary& found) {
   if (coarse_.holds(found.check_point)) {
@@ -73,12 +73,12 @@ std::vector<CheckPoint> AdaptiveGrid::given_up() {
 }
 
 double AdaptiveGrid::tolerance(const std::vector<ConfigurationSummary>& found) const {
-  if (!site_.tolerance_is_relative) return site_.tolerance;
+  if (!setup_.policy.tolerance_is_relative) return setup_.policy.tolerance;
   double largest = 0;
   for (const ConfigurationSummary& c : found) {
     if (c.leads_on()) largest = std::max(largest, c.force.norm());
   }
-  return site_.tolerance * largest;
+  return setup_.policy.tolerance * largest;
 }
 
 void AdaptiveGrid::plan_round() {
@@ -89,7 +89,7 @@ void AdaptiveGrid::plan_round() {
     std::vector<ConfigurationSummary> found;
     for (const auto& [check_point, c] : found_) found.push_back(c);
     std::map<CheckPoint, std::set<CheckPoint>> corners_of_target;
-    for (const Cell& cell : cells_to_split(site_, found, tolerance(found))) {
+    for (const Cell& cell : cells_to_split(setup_.grid, found, tolerance(found))) {
       for (const CheckPoint& target : points_of_split(cell)) {
         if (found_.count(target) > 0) continue;
         for (int c = 0; c < 8; ++c) corners_of_target[target].insert(corner_of(cell, c));

@@ -18,10 +18,10 @@
 
 namespace palpate {
 
-class AdaptiveGrid final : public Frontier {
+class AdaptiveGrid final : public ExplorationStrategy {
  public:
-  /// @param site It has a tolerance.
-  explicit AdaptiveGrid(const Site& site);
+  /// @param tool space It has a tolerance.
+  explicit AdaptiveGrid(const ToolSpaceSetup& setup);
 
   void recall(const ConfigurationSummary& found) override;
   void accept(const ConfigurationSummary& found) override;
@@ -40,7 +40,7 @@ class AdaptiveGrid final : public Frontier {
   /// The error of the force that is asked for, given what was found so far, N.
   [[nodiscard]] double tolerance(const std::vector<ConfigurationSummary>& found) const;
 
-  Site site_;
+  ToolSpaceSetup setup_;
   LayeredGrid coarse_;
   /// What the rounds so far have found, usable or not, and the points that nothing leads to.
   Summaries found_;

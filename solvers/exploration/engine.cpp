@@ -6,47 +6,53 @@
 #include <cstdint>
 
 #include "base/error.h"
-#include "exploration/adaptive_grid.h"
-#include "exploration/layered_grid.h"
-#include "exploration/levelled_grid.h"
-#include "schedule/home.h"
+#include "schedule/owner.h"
 
 namespace palpate {
 namespace {
 
 enum class Kind : std::uint8_t {
-  /// To a home: some of what an earlier run has left, which rank 0 has.
+  /// To an owner: some of what an earlier run has left, which rank 0 has.
   recalled,
-  /// To a home: a configuration that the sender has kept, or a failure.
+  /// To an owner: a configuration that the sender has kept, or a failure.
   found,
   /// To the rank that has kept a candidate: the level that it has, if any.
   settle,
   /// To a holder of starts: batches.
   make,
-  /// To rank 0: how far the sender's homes are.
+  /// To rank 0: how far the tool spaces are that the sender owns.
   progress,
 };
 
-/// Transitions and configurations of an earlier run that a home is told at once.
+/// Transitions and configurations of an earlier run that an owner is told at once.
 constexpr std::size_t kRecalledAtOnce = 256;
 
-std::uint64_t key_of(Index active_node) { return static_cast<std::uint64_t>(active_node); }
+/// A tool space has one owned.
+std::uint64_t owner_key(ToolSpaceId tool_space) { return static_cast<std::uint64_t>(tool_space); }
+
+/// Calls visit(of equilibrium, of configuration) for each part that both have.
+template <class OfEquilibrium, class OfConfiguration, class Visit>
+void for_each_shared_part(OfEquilibrium& e, OfConfiguration& c, Visit&& visit) {
+  visit(e.t, c.t);
+  visit(e.u, c.u);
+  visit(e.v, c.v);
+  visit(e.p, c.p);
+  visit(e.p_v, c.p_v);
+  visit(e.energy, c.energy);
+  visit(e.reaction, c.force);
+  visit(e.stiffness, c.stiffness);
+  visit(e.outcome, c.outcome);
+  visit(e.flags, c.flags);
+  visit(e.residual, c.residual);
+  visit(e.minimum_det_f, c.minimum_det_f);
+  visit(e.negative_pivots, c.negative_pivots);
+  visit(e.iterations, c.iterations);
+  visit(e.seconds, c.seconds);
+}
 
 Equilibrium to_equilibrium(Configuration&& c) {
   Equilibrium e;
-  e.t = c.t;
-  e.u = std::move(c.u);
-  e.v = std::move(c.v);
-  e.p = std::move(c.p);
-  e.p_v = std::move(c.p_v);
-  e.energy = c.energy;
-  e.reaction = c.force;
-  e.stiffness = c.stiffness;
-  e.outcome = c.outcome;
-  e.flags = c.flags;
-  e.residual = c.residual;
-  e.minimum_det_f = c.minimum_det_f;
-  e.negative_pivots = c.negative_pivots;
+  for_each_shared_part(e, c, [](auto& to, auto& from) { to = std::move(from); });
   return e;
 }
 
@@ -64,30 +70,14 @@ Vec3 signature_of(const NodalVector& u) {
 
 Configuration to_configuration(Equilibrium&& e) {
   Configuration c;
-  c.t = e.t;
-  c.energy = e.energy;
-  c.force = e.reaction;
-  c.stiffness = e.stiffness;
+  for_each_shared_part(e, c, [](auto& from, auto& to) { to = std::move(from); });
   if (e.third_derivative.size() > 0) c.third_derivative = e.third_derivative;
-  c.outcome = e.outcome;
-  c.flags = e.flags;
-  c.residual = e.residual;
-  c.minimum_det_f = e.minimum_det_f;
-  c.negative_pivots = e.negative_pivots;
-  c.iterations = e.iterations;
-  c.seconds = e.seconds;
   if (c.usable()) {
-    c.signature = signature_of(e.u);
-    c.u = std::move(e.u);
-    c.v = std::move(e.v);
-    c.p = std::move(e.p);
-    c.p_v = std::move(e.p_v);
+    c.signature = signature_of(c.u);
+  } else {
+    for_each_field(c, [](auto& field) { field = {}; });
   }
   return c;
-}
-
-bool is_beyond_limit(const Site& site, const Vec3& force) {
-  return site.force_limit > 0 && force.norm() > site.force_limit;
 }
 
 void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& report) {
@@ -101,40 +91,34 @@ void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& rep
 
 }  // namespace
 
-Engine::Engine(const std::vector<Site>& sites, SiteSolver& solver, Record& record,
+Engine::Engine(const std::vector<ToolSpaceSetup>& setups, StateSolver& solver, Record& record,
                const Network& network, Monitor& monitor, PrecomputeReport& report)
-    : sites_(sites), solver_(solver), record_(record), monitor_(monitor), report_(report) {
-  for (const Site& site : sites) {
-    if (home_of(key_of(site.active_node), network.size()) != network.rank()) continue;
-    auto& frontier = homes_[site.active_node].frontier;
-    if (site.tolerance > 0) {
-      frontier = std::make_unique<AdaptiveGrid>(site);
-    } else if (site.history != History::flat) {
-      frontier = std::make_unique<LevelledGrid>(site);
-    } else {
-      frontier = std::make_unique<LayeredGrid>(site);
-    }
+    : setups_(setups), solver_(solver), record_(record), monitor_(monitor), report_(report) {
+  for (const ToolSpaceSetup& setup : setups) {
+    if (owner_of(owner_key(setup.id), network.size()) != network.rank()) continue;
+    owned_[setup.id].strategy = make_strategy(setup);
   }
 }
 
-const Site& Engine::site_of(Index active_node) const {
-  return *std::lower_bound(sites_.begin(), sites_.end(), active_node,
-                           [](const Site& site, Index node) { return site.active_node < node; });
+const ToolSpaceSetup& Engine::setup_of(ToolSpaceId tool_space) const {
+  return *std::lower_bound(
+      setups_.begin(), setups_.end(), tool_space,
+      [](const ToolSpaceSetup& setup, ToolSpaceId id) { return setup.id < id; });
 }
 
 void Engine::start(Mail& mail) {
   monitor_.set_mail(&mail);
   if (mail.rank() != 0) return;
-  for (const Site& site : sites_) to_recall_.push_back(site.active_node);
+  for (const ToolSpaceSetup& setup : setups_) to_recall_.push_back(setup.id);
 }
 
-/// Tells a home some of what is known of an active node, and with the last of it that it can begin.
+/// Tells an owner some of what is known of an active id, and with the last of it that it can begin.
 void Engine::recall_some(Mail& mail) {
-  const Index node = to_recall_.front();
-  if (known_ == nullptr) known_ = std::make_unique<Known>(record_.known(node));
+  const ToolSpaceId id = to_recall_.front();
+  if (known_ == nullptr) known_ = std::make_unique<Known>(record_.known(id));
   Packer message;
   message.put(Kind::recalled);
-  message.put(node);
+  message.put(id);
   std::size_t left = kRecalledAtOnce;
   const auto put_some = [&](auto& known) {
     const std::size_t number = std::min(left, known.size());
@@ -149,28 +133,28 @@ void Engine::recall_some(Mail& mail) {
   put_some(known_->configurations);
   const bool is_all = known_->transitions.empty() && known_->configurations.empty();
   message.put(is_all);
-  mail.send_home(key_of(node), message.take());
+  mail.send_to_owner(owner_key(id), message.take());
   if (!is_all) return;
   known_.reset();
   to_recall_.pop_front();
 }
 
-/// At a home: what rank 0 knows.
+/// At an owner: what rank 0 knows.
 void Engine::recall(Unpacker& content, Mail& mail) {
-  const auto node = content.take<Index>();
-  Home& home = homes_.at(node);
+  const auto id = content.take<ToolSpaceId>();
+  Owned& owned = owned_.at(id);
   for (auto left = content.take<std::size_t>(); left > 0; --left) {
     const auto transition = content.take<LevelTransition>();
-    home.frontier->recall(transition);
+    owned.strategy->recall(transition);
     if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   }
   for (auto left = content.take<std::size_t>(); left > 0; --left) {
     const ConfigurationSummary summary = content.take<ConfigurationSummary>();
-    home.frontier->recall(summary);
-    if (summary.usable()) home.held[{summary.check_point, summary.level}] = {summary, 0};
+    owned.strategy->recall(summary);
+    if (summary.usable()) owned.held[key_of(id, summary)] = {summary, 0};
     if (summary.level >= 0) count(summary, true, report_);
   }
-  if (content.take<bool>()) hand_out(node, mail);
+  if (content.take<bool>()) hand_out(id, mail);
 }
 
 void Engine::receive(int from, const Bytes& message, Mail& mail) {
@@ -178,14 +162,14 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
   switch (content.take<Kind>()) {
     case Kind::recalled: recall(content, mail); break;
     case Kind::found: {
-      const auto node = content.take<Index>();
-      take_in(node, content.take<ConfigurationSummary>(), from, mail);
+      const auto id = content.take<ToolSpaceId>();
+      take_in(id, content.take<ConfigurationSummary>(), from, mail);
       break;
     }
     case Kind::settle: {
-      const auto node = content.take<Index>();
+      const auto id = content.take<ToolSpaceId>();
       const ConfigurationSummary candidate = content.take<ConfigurationSummary>();
-      record_.settle(node, candidate, content.take<std::int32_t>());
+      record_.settle(id, candidate, content.take<std::int32_t>());
       break;
     }
     case Kind::make:
@@ -195,78 +179,80 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
   }
 }
 
-void Engine::take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail) {
-  Home& home = homes_.at(active_node);
+void Engine::take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, int rank,
+                     Mail& mail) {
+  Owned& owned = owned_.at(tool_space);
   if (found.level < 0) {
     ++report_.num_transitions;
-    if (found.usable()) home.held[{found.check_point, found.level}] = {found, rank};
+    if (found.usable()) owned.held[key_of(tool_space, found)] = {found, rank};
   } else if (found.usable()) {
-    home.failed.erase(found.check_point);
-    home.held[{found.check_point, 0}] = {found, rank};
+    owned.failed.erase(found.check_point);
+    owned.held[key_of(tool_space, found)] = {found, rank};
     count(found, false, report_);
   } else {
-    home.failed[found.check_point] = found;
+    owned.failed[found.check_point] = found;
   }
-  home.frontier->accept(found);
-  hand_out(active_node, mail);
+  owned.strategy->accept(found);
+  hand_out(tool_space, mail);
 }
 
 /// Records what a transition between levels has reached, and then has the candidate settled by the
 /// rank that has kept it: one of a run that is killed in between is settled by the next.
-void Engine::settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail) {
+void Engine::settle(ToolSpaceId tool_space, Owned& owned, const Settlement& settlement,
+                    Mail& mail) {
   const LevelTransition& transition = settlement.transition;
-  record_.keep(active_node, transition);
+  record_.keep(tool_space, transition);
   if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   if (!settlement.has_candidate) return;
   const std::int32_t level =
       candidate_level(transition.start, transition.start_level, transition.target);
-  const Held candidate = home.held.extract({transition.target, level}).mapped();
+  const Held candidate = owned.held.extract({tool_space, transition.target, level}).mapped();
   if (settlement.is_new) {
-    Held& held = home.held[{transition.target, transition.reached}];
+    Held& held = owned.held[{tool_space, transition.target, transition.reached}];
     held = candidate;
     held.summary.level = transition.reached;
     ++report_.num_levels;
     count(held.summary, false, report_);
   }
   const std::int32_t given = settlement.is_new ? transition.reached : failed_to_reach;
-  if (candidate.rank == mail.rank()) return record_.settle(active_node, candidate.summary, given);
+  if (candidate.rank == mail.rank()) return record_.settle(tool_space, candidate.summary, given);
   Packer message;
   message.put(Kind::settle);
-  message.put(active_node);
+  message.put(tool_space);
   message.put(candidate.summary);
   message.put(given);
   mail.send(candidate.rank, message.take());
 }
 
-/// Sends what the frontier of a home asks for to those that have the starts, and records what it
-/// has given up.
-void Engine::hand_out(Index active_node, Mail& mail) {
-  Home& home = homes_.at(active_node);
-  const std::vector<Transition> due = home.frontier->next();
-  report_.num_expected += home.frontier->num_expected() - home.num_expected;
-  home.num_expected = home.frontier->num_expected();
-  for (const Settlement& settlement : home.frontier->settled()) {
-    settle(active_node, home, settlement, mail);
+/// Sends what the strategy of a tool space asks for to those that have the starts, and records what
+/// it has given up.
+void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
+  Owned& owned = owned_.at(tool_space);
+  const std::vector<Transition> due = owned.strategy->next();
+  report_.num_expected += owned.strategy->num_expected() - owned.num_expected;
+  owned.num_expected = owned.strategy->num_expected();
+  for (const Settlement& settlement : owned.strategy->settled()) {
+    settle(tool_space, owned, settlement, mail);
   }
-  for (const CheckPoint& target : home.frontier->given_up()) {
-    const auto failed = home.failed.find(target);
-    if (failed == home.failed.end()) {
+  for (const CheckPoint& target : owned.strategy->given_up()) {
+    const auto failed = owned.failed.find(target);
+    if (failed == owned.failed.end()) {
       ++num_not_reached_;
       continue;
     }
-    record_.keep(active_node, {failed->second, {}, {}, {}, {}}, {});
+    record_.keep(tool_space, {failed->second, {}, {}, {}, {}}, {});
     count(failed->second, false, report_);
-    home.failed.erase(failed);
+    owned.failed.erase(failed);
   }
   std::map<int, Packer> to_holders;
   for (std::size_t i = 0; i < due.size();) {
     const CheckPoint start = due[i].start;
     const std::int32_t start_level = due[i].start_level;
     Batch batch;
-    batch.active_node = active_node;
+    batch.tool_space = tool_space;
     int holder = mail.rank();
     if (!due[i].needs_no_start()) {
-      const Held& held = home.held.at({start, start_level});
+      const Held& held = owned.held.at({tool_space, start, start_level});
       batch.start = held.summary;
       holder = held.rank;
     }
@@ -279,8 +265,8 @@ void Engine::hand_out(Index active_node, Mail& mail) {
         target.level = candidate_level(start, start_level, target.check_point);
         continue;
       }
-      const auto failed = home.failed.find(target.check_point);
-      if (failed == home.failed.end()) continue;
+      const auto failed = owned.failed.find(target.check_point);
+      if (failed == owned.failed.end()) continue;
       target.iterations = failed->second.iterations;
       target.seconds = failed->second.seconds;
     }
@@ -302,7 +288,7 @@ void Engine::work(Mail& mail) {
   if (!to_recall_.empty()) return recall_some(mail);
   current_ = std::move(batches_.back());
   batches_.pop_back();
-  const Index node = current_->active_node;
+  const ToolSpaceId id = current_->tool_space;
   const Target target = current_->targets.front();
   current_->targets.pop_front();
   load_state(*current_);
@@ -318,14 +304,14 @@ void Engine::work(Mail& mail) {
       current_.reset();
       return mail.stop();
     }
-    record_.keep(node, found, way);
+    record_.keep(id, found, way);
   }
   const ConfigurationSummary summary = found;
   Packer message;
   message.put(Kind::found);
-  message.put(node);
+  message.put(id);
   message.put(summary);
-  mail.send_home(key_of(node), message.take());
+  mail.send_to_owner(owner_key(id), message.take());
 
   if (!current_->targets.empty()) {
     batches_.push_back(std::move(*current_));
@@ -335,16 +321,16 @@ void Engine::work(Mail& mail) {
   current_.reset();
   if (!summary.usable()) return;  // it has no state
   Batch next;
-  next.active_node = node;
+  next.tool_space = id;
   next.start = summary;
-  for (const CheckPoint& p : following(site_of(node), summary)) next.targets.push_back({p});
+  for (const CheckPoint& p : following(setup_of(id), summary)) next.targets.push_back({p});
   const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
   if (next.targets.empty()) return solver_.forget(*state);
   next.state = state;
   batches_.push_back(std::move(next));
 }
 
-/// How far the homes here are.
+/// Tells how far the tool spaces are that this rank owns.
 void Engine::tell() {
   Packer message;
   message.put(Kind::progress);
@@ -356,26 +342,25 @@ void Engine::tell() {
 void Engine::load_state(Batch& batch) const {
   if (!batch.has_start() || batch.state != nullptr) return;
   batch.state = std::make_shared<const Equilibrium>(
-      to_equilibrium(record_.load(batch.active_node, batch.start)));
+      to_equilibrium(record_.load(batch.tool_space, batch.start)));
 }
 
 /// @throws InputError the body is not held.
 Configuration Engine::make(const Batch& batch, const Target& target) {
-  const Site& site = site_of(batch.active_node);
+  const ToolSpaceSetup& setup = setup_of(batch.tool_space);
   Configuration found;
   if (!batch.has_start()) {
-    Equilibrium rest = solver_.rest(site.active_node);
+    Equilibrium rest = solver_.rest(setup);
     if (rest.outcome != Outcome::converged) throw InputError(rest.message);
     found = to_configuration(std::move(rest));
   } else {
-    const auto& [i, j, k] = target.check_point;
-    const Eigen::VectorXd t = site.spacing() * Vec3(i, j, k);
+    const Eigen::VectorXd t = setup.grid.place(target.check_point);
     ConfigurationSummary sought;
     sought.check_point = target.check_point;
     sought.outcome = Outcome::converged;
-    const bool leads_on = target.level < 0 || !following(site, sought).empty();
-    found = to_configuration(solver_.solve(site.active_node, t, *batch.state,
-                                           leads_on ? Tangent::factorised : Tangent::iterated));
+    const bool leads_on = target.level < 0 || !following(setup, sought).empty();
+    found = to_configuration(
+        solver_.solve(setup, t, *batch.state, leads_on ? Tangent::factorised : Tangent::iterated));
   }
   found.check_point = target.check_point;
   found.level = target.level;
@@ -383,7 +368,7 @@ Configuration Engine::make(const Batch& batch, const Target& target) {
   found.parent_level = batch.start.level;
   found.iterations += target.iterations;
   found.seconds += target.seconds;
-  if (is_beyond_limit(site, found.force)) found.flags |= flags::beyond_force_limit;
+  if (setup.policy.is_beyond_limit(found.force)) found.flags |= flags::beyond_force_limit;
   return found;
 }
 
@@ -391,12 +376,12 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
                                                 const ConfigurationSummary& found) {
   std::vector<IntermediateState> way;
   if (!batch.has_start() || found.level != 0) return way;
-  const Site& site = site_of(batch.active_node);
+  const ToolSpaceSetup& setup = setup_of(batch.tool_space);
   const Equilibrium& start = *batch.state;
-  for (std::int32_t number = 1; number <= site.intermediate_states; ++number) {
-    const double share = static_cast<double>(number) / (site.intermediate_states + 1);
+  for (std::int32_t number = 1; number <= setup.policy.intermediate_states; ++number) {
+    const double share = static_cast<double>(number) / (setup.policy.intermediate_states + 1);
     const Eigen::VectorXd t = start.t + share * (found.t - start.t);
-    const Equilibrium between = solver_.solve(site.active_node, t, start, Tangent::rough);
+    const Equilibrium between = solver_.solve(setup, t, start, Tangent::rough);
     if (between.outcome == Outcome::converged) solver_.forget(between);
     IntermediateState& state = way.emplace_back();
     state.target = found.check_point;
@@ -406,7 +391,7 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
     state.force = between.reaction;
     state.outcome = between.outcome;
     state.flags = between.flags;
-    if (is_beyond_limit(site, state.force)) state.flags |= flags::beyond_force_limit;
+    if (setup.policy.is_beyond_limit(state.force)) state.flags |= flags::beyond_force_limit;
     state.seconds = between.seconds;
     if (state.outcome == Outcome::aborted) break;
     ++report_.num_intermediate_states;
@@ -439,7 +424,7 @@ Bytes Engine::give() {
 }
 
 Engine::Batch Engine::split(Batch& batch) {
-  Batch other{batch.active_node, batch.start, batch.state, {}};
+  Batch other{batch.tool_space, batch.start, batch.state, {}};
   std::deque<Target> kept;
   bool keep = false;
   for (Target& target : batch.targets) {
@@ -460,7 +445,7 @@ void Engine::discard() {
 }
 
 void Engine::pack(Batch& batch, bool with_state, Packer& message) {
-  message.put(batch.active_node);
+  message.put(batch.tool_space);
   message.put(batch.start);
   const bool has_state = with_state && batch.has_start();
   message.put(has_state);
@@ -474,7 +459,7 @@ void Engine::pack(Batch& batch, bool with_state, Packer& message) {
 
 Engine::Batch Engine::unpack(Unpacker& message) {
   Batch batch;
-  batch.active_node = message.take<Index>();
+  batch.tool_space = message.take<ToolSpaceId>();
   batch.start = message.take<ConfigurationSummary>();
   if (message.take<bool>()) {
     batch.state =

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes the transitions that the frontiers ask for, on all ranks.
+// Makes the transitions that the strategies ask for, on all ranks.
 //
-// The frontier of an active node is at the node's home, a rank that follows from a hash. A rank
-// that finds a configuration keeps it in its record, tells the home, and goes on depth first with
-// what follows: so a start still has its factor, and a rank has no more states in memory than it is
-// layers deep. What the frontier decides in addition, such as another start for a step that failed,
-// the home sends to the rank whose record has the start. A rank without tasks takes over some of
+// The strategy of a tool space is at its owner, a rank that follows from a hash. A rank that finds
+// a configuration keeps it in its record, tells the owner, and goes on depth first with what
+// follows: so a start still has its factor, and a rank has no more states in memory than it is
+// layers deep. What the strategy decides in addition, such as another start for a step that failed,
+// the owner sends to the rank whose record has the start. A rank without tasks takes over some of
 // another's, those nearest to rest: whole batches.
 //
-// What an earlier run has left is on rank 0, which tells the homes. That is a task for each few
+// What an earlier run has left is on rank 0, which tells the owners. That is a task for each few
 // configurations, so that the scheduler holds it back while mail lies unread.
 #pragma once
 
@@ -19,10 +19,10 @@
 #include <utility>
 #include <vector>
 
-#include "exploration/frontier.h"
+#include "exploration/exploration_strategy.h"
 #include "exploration/monitor.h"
 #include "exploration/record.h"
-#include "exploration/site_solver.h"
+#include "exploration/state_solver.h"
 #include "exploration/transfer.h"
 #include "schedule/scheduler.h"
 
@@ -31,11 +31,12 @@ namespace palpate {
 class Engine final : public Worker {
  public:
   /// All arguments must outlive the engine.
-  /// @param sites They are in the order of their active nodes.
+  /// @param setups They are in the order of their numbers.
   /// @param network The network of the scheduler that runs the engine.
-  /// @param report The engine adds what the tasks of this rank and the homes here have done.
-  Engine(const std::vector<Site>& sites, SiteSolver& solver, Record& record, const Network& network,
-         Monitor& monitor, PrecomputeReport& report);
+  /// @param report The engine adds what the tasks of this rank and the tool spaces that it owns
+  /// have done.
+  Engine(const std::vector<ToolSpaceSetup>& setups, StateSolver& solver, Record& record,
+         const Network& network, Monitor& monitor, PrecomputeReport& report);
 
   void start(Mail& mail) override;
   void receive(int from, const Bytes& message, Mail& mail) override;
@@ -56,7 +57,7 @@ class Engine final : public Worker {
   };
   /// Transitions from one start.
   struct Batch {
-    Index active_node = 0;
+    ToolSpaceId tool_space = 0;
     /// The start; not usable for the rest position, which has none.
     ConfigurationSummary start;
     /// The state of the start; null until it is needed, and where there is no start.
@@ -69,24 +70,24 @@ class Engine final : public Worker {
     ConfigurationSummary summary;
     int rank = 0;
   };
-  /// An active node whose home is here.
-  struct Home {
-    std::unique_ptr<Frontier> frontier;
-    /// All usable configurations, by check-point and level.
-    std::map<std::pair<CheckPoint, std::int32_t>, Held> held;
+  /// A tool space that this rank owns.
+  struct Owned {
+    std::unique_ptr<ExplorationStrategy> strategy;
+    /// All usable configurations.
+    std::map<StateKey, Held> held;
     /// Failed transitions that may be tried from another start; their figures are those of all
     /// attempts together.
     std::map<CheckPoint, ConfigurationSummary> failed;
-    /// What Frontier::num_expected() gave when it was last called.
+    /// What ExplorationStrategy::num_expected() gave when it was last called.
     std::int64_t num_expected = 0;
   };
 
   void recall_some(Mail& mail);
   void recall(Unpacker& content, Mail& mail);
   void tell();
-  void hand_out(Index active_node, Mail& mail);
-  void settle(Index active_node, Home& home, const Settlement& settlement, Mail& mail);
-  void take_in(Index active_node, const ConfigurationSummary& found, int rank, Mail& mail);
+  void hand_out(ToolSpaceId tool_space, Mail& mail);
+  void settle(ToolSpaceId tool_space, Owned& owned, const Settlement& settlement, Mail& mail);
+  void take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, int rank, Mail& mail);
   /// Takes every other target out of a batch, for another rank.
   [[nodiscard]] static Batch split(Batch& batch);
   /// @param with_state Whether the state of the start is put in too: for a rank whose record does
@@ -95,24 +96,24 @@ class Engine final : public Worker {
   [[nodiscard]] static Batch unpack(Unpacker& message);
   /// Reads the state of a batch's start, unless it is there.
   void load_state(Batch& batch) const;
-  [[nodiscard]] const Site& site_of(Index active_node) const;
+  [[nodiscard]] const ToolSpaceSetup& setup_of(ToolSpaceId tool_space) const;
   [[nodiscard]] Configuration make(const Batch& batch, const Target& target);
   /// Solves for the intermediate states on the straight way to a configuration that was found.
   /// Where that is aborted, the last one has that outcome.
   [[nodiscard]] std::vector<IntermediateState> make_way(const Batch& batch,
                                                         const ConfigurationSummary& found);
 
-  const std::vector<Site>& sites_;
-  SiteSolver& solver_;
+  const std::vector<ToolSpaceSetup>& setups_;
+  StateSolver& solver_;
   Record& record_;
   Monitor& monitor_;
   PrecomputeReport& report_;
-  std::map<Index, Home> homes_;
-  /// On rank 0: the active nodes whose homes wait for what is known of them, and what is left to
+  std::map<ToolSpaceId, Owned> owned_;
+  /// On rank 0: the tool spaces whose owners wait for what is known of them, and what is left to
   /// tell of the first of these, null until it is read.
-  std::deque<Index> to_recall_;
+  std::deque<ToolSpaceId> to_recall_;
   std::unique_ptr<Known> known_;
-  /// The targets that homes here have given up without any transition.
+  /// The targets that were given up here without any transition.
   std::int64_t num_not_reached_ = 0;
   /// The last one is worked on next; those in front are given away.
   std::deque<Batch> batches_;

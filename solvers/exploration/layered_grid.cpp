@@ -77,18 +77,18 @@ std::vector<CheckPoint> following_on_grid(const CheckPoint& start, std::int32_t 
 
 }  // namespace
 
-std::vector<CheckPoint> following(const Site& site, const ConfigurationSummary& found) {
+std::vector<CheckPoint> following(const ToolSpaceSetup& setup, const ConfigurationSummary& found) {
   std::vector<CheckPoint> targets;
-  const std::int32_t step = site.coarsest;
+  const std::int32_t step = setup.grid.coarsest;
   if (!found.leads_on() || found.level != 0 || !is_on_grid(found.check_point, step)) return targets;
-  targets = following_on_grid(on_grid(found.check_point, step), site.reach() / step);
+  targets = following_on_grid(on_grid(found.check_point, step), setup.grid.reach() / step);
   for (CheckPoint& target : targets) target = scaled(target, step);
   return targets;
 }
 
-LayeredGrid::LayeredGrid(const Site& site)
-    : step_(site.coarsest),
-      reach_(site.reach() / step_),
+LayeredGrid::LayeredGrid(const Grid& grid)
+    : step_(grid.coarsest),
+      reach_(grid.reach() / step_),
       status_(static_cast<std::size_t>(2 * reach_ + 1) * (2 * reach_ + 1) * (2 * reach_ + 1),
               Status::open) {}
 

@@ -8,20 +8,20 @@
 // A check-point beyond the force limit, or whose solve failed, is no start: where that leaves none,
 // the check-point is given up.
 //
-// The grid is that of the corners of the coarsest cells, Site::coarsest.
+// The grid is that of the corners of the coarsest cells, Grid::coarsest.
 //
 // [P07b] Peterlík, Distributed Precomputation of State-space…, MEMICS 2007.
 #pragma once
 
 #include <map>
 
-#include "exploration/frontier.h"
+#include "exploration/exploration_strategy.h"
 
 namespace palpate {
 
-class LayeredGrid final : public Frontier {
+class LayeredGrid final : public ExplorationStrategy {
  public:
-  explicit LayeredGrid(const Site& site);
+  explicit LayeredGrid(const Grid& grid);
 
   void recall(const ConfigurationSummary& found) override;
   void accept(const ConfigurationSummary& found) override;
@@ -61,7 +61,7 @@ class LayeredGrid final : public Frontier {
   std::int64_t num_under_way_ = 0;
   bool has_begun_ = false;
   /// By target the start of the last step to it, which failed; in steps of this grid. What is due
-  /// and given up is in steps of the site's.
+  /// and given up is in steps of the tool space's.
   std::map<CheckPoint, CheckPoint> failed_from_;
   std::vector<Transition> due_;
   std::vector<CheckPoint> given_up_;

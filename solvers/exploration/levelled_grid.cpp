@@ -11,8 +11,8 @@ namespace palpate {
 namespace {
 
 /// Two states at a check-point are the same if their forces differ by no larger a share of the
-/// larger one, and their displacements by no larger a share of that of the site. A solve leaves
-/// errors below a thousandth of this.
+/// larger one, and their displacements by no larger a share of that of the tool space. A solve
+/// leaves errors below a thousandth of this.
 constexpr double kSame = 1e-3;
 
 /// What is left of the energy along an edge falls to 1/32 when the edge is halved, where it is
@@ -30,7 +30,7 @@ bool is_inverted(const ConfigurationSummary& c) { return (c.flags & flags::inver
 
 }  // namespace
 
-LevelledGrid::LevelledGrid(const Site& site) : site_(site), flat_(site) {}
+LevelledGrid::LevelledGrid(const ToolSpaceSetup& setup) : setup_(setup), flat_(setup.grid) {}
 
 void LevelledGrid::recall(const ConfigurationSummary& found) {
   if (found.level < 0) {
@@ -84,7 +84,7 @@ std::vector<Transition> LevelledGrid::next() {
 
 bool LevelledGrid::is_in_box(const CheckPoint& p) const {
   return std::all_of(p.begin(), p.end(),
-                     [&](std::int32_t x) { return std::abs(x) <= site_.reach(); });
+                     [&](std::int32_t x) { return std::abs(x) <= setup_.grid.reach(); });
 }
 
 const ConfigurationSummary* LevelledGrid::flat_at(const CheckPoint& p) const {
@@ -95,7 +95,7 @@ const ConfigurationSummary* LevelledGrid::flat_at(const CheckPoint& p) const {
 }
 
 bool LevelledGrid::is_across(const ConfigurationSummary& found, int axis) const {
-  const Vec3 edge = site_.spacing() * Vec3::Unit(axis);
+  const Vec3 edge = setup_.grid.spacing() * Vec3::Unit(axis);
   const auto moved = [&](int steps) {
     CheckPoint p = found.check_point;
     p[axis] += steps;
@@ -123,7 +123,7 @@ bool LevelledGrid::is_suspect(const ConfigurationSummary& found) const {
 }
 
 void LevelledGrid::find_suspects() {
-  const bool all = site_.history == History::levels;
+  const bool all = setup_.policy.history == History::levels;
   for (const auto& [p, levels] : found_) {
     const ConfigurationSummary& found = levels.begin()->second;
     constexpr Flags kNoQuestion = flags::inverted | flags::beyond_force_limit;
@@ -206,11 +206,11 @@ void LevelledGrid::settle(const Key& key) {
 }
 
 std::int32_t LevelledGrid::level_of(const ConfigurationSummary& found) const {
-  const double length = std::max(found.t.norm(), site_.spacing());
+  const double length = std::max(found.t.norm(), setup_.grid.spacing());
   const auto is_same = [&](const ConfigurationSummary& other) {
     const double force = std::max(found.force.norm(), other.force.norm());
     return (found.force - other.force).norm() <=
-               kSame * std::max(force, other.stiffness.norm() * site_.spacing()) &&
+               kSame * std::max(force, other.stiffness.norm() * setup_.grid.spacing()) &&
            (found.signature - other.signature).norm() <= kSame * length;
   };
   const ConfigurationSummary* flat = flat_at(found.check_point);

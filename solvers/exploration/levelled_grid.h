@@ -33,10 +33,10 @@
 
 namespace palpate {
 
-class LevelledGrid final : public Frontier {
+class LevelledGrid final : public ExplorationStrategy {
  public:
-  /// @param site Its grid is uniform.
-  explicit LevelledGrid(const Site& site);
+  /// @param tool space Its grid is uniform.
+  explicit LevelledGrid(const ToolSpaceSetup& setup);
 
   void recall(const ConfigurationSummary& found) override;
   void recall(const LevelTransition& transition) override;
@@ -65,7 +65,7 @@ class LevelledGrid final : public Frontier {
   /// The level of a state at its check-point, a new one, or beyond_most_levels.
   [[nodiscard]] std::int32_t level_of(const ConfigurationSummary& found) const;
 
-  Site site_;
+  ToolSpaceSetup setup_;
   LayeredGrid flat_;
   bool has_suspects_ = false;
   std::set<CheckPoint> suspects_;

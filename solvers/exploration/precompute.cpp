@@ -4,15 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "base/error.h"
-#include "equilibrium/tip.h"
 #include "exploration/engine.h"
 #include "exploration/monitor.h"
 #include "exploration/record.h"
+#include "exploration/transfer.h"
+#include "interaction/interaction_spec.h"
 #include "linear/group.h"
 #include "state_space/pod.h"
 
@@ -22,21 +25,21 @@ namespace {
 /// Cells are halved this often at the most.
 constexpr int kMaxDepth = 6;
 
-/// Makes the grid of a site that of the smallest cells that a tolerance may ask for.
-void refine(const PrecomputeOptions& options, Site& site) {
-  site.tolerance = options.tolerance;
-  site.tolerance_is_relative = options.tolerance_is_relative;
-  site.history = History::flat;
+/// Makes the grid of a tool space that of the smallest cells that a tolerance may ask for.
+void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
+  setup.policy.tolerance = options.tolerance;
+  setup.policy.tolerance_is_relative = options.tolerance_is_relative;
+  setup.policy.history = History::flat;
   for (int depth = 0; depth < kMaxDepth; ++depth) {
-    const std::int32_t finer = 2 * site.resolution - 1;
+    const std::int32_t finer = 2 * setup.grid.resolution - 1;
     if (finer > kLargestResolution) break;
-    site.resolution = finer;
-    site.coarsest *= 2;
+    setup.grid.resolution = finer;
+    setup.grid.coarsest *= 2;
   }
 }
 
-/// @throws InputError a node that the tip cannot be put on.
-std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& options, const Tip& tip) {
+/// @throws InputError a node where the tool cannot be.
+std::vector<ToolSpaceSetup> make_setups(const Scene& scene, const PrecomputeOptions& options) {
   std::vector<Index> nodes = options.active_nodes;
   if (nodes.empty()) {
     for (Index p = 0; p < scene.mesh.num_points(); ++p) {
@@ -50,18 +53,22 @@ std::vector<Site> make_sites(const Scene& scene, const PrecomputeOptions& option
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  std::vector<Site> sites;
+  const BondedPatches patches(scene, options.tip_radius);
+  std::vector<ToolSpaceSetup> setups;
   for (const Index node : nodes) {
-    (void)tip.hold({node});
-    Site site{node, options.half_width, options.resolution, options.force_limit,
-              options.tip_radius};
-    site.history = options.history;
-    site.intermediate_states = options.intermediate_states;
-    site.third_derivatives = options.equilibrium.third_derivatives;
-    if (options.tolerance > 0) refine(options, site);
-    sites.push_back(site);
+    (void)patches.around(node);
+    ToolSpaceSetup& setup = setups.emplace_back();
+    setup.id = node;
+    setup.interaction = bonded_patch_spec(scene, node, options.tip_radius);
+    setup.grid.half_width = options.half_width;
+    setup.grid.resolution = options.resolution;
+    setup.policy.force_limit = options.force_limit;
+    setup.policy.history = options.history;
+    setup.policy.intermediate_states = options.intermediate_states;
+    setup.policy.third_derivatives = options.equilibrium.third_derivatives;
+    if (options.tolerance > 0) refine(options, setup);
   }
-  return sites;
+  return setups;
 }
 
 EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& monitor) {
@@ -105,63 +112,56 @@ void validate_ranks_per_solve(const PrecomputeOptions& options, int num_ranks) {
   }
 }
 
+/// Adds what another rank has to what one has.
+template <class T>
+void add(T& all, const T& one) {
+  all += one;
+}
+template <class Key>
+void add(std::map<Key, std::int64_t>& all, const std::map<Key, std::int64_t>& one) {
+  for (const auto& [key, number] : one) all[key] += number;
+}
+
+/// Calls visit(figure, combine) for each figure of a report that the ranks combine, where
+/// combine(all, one) takes in that of one more.
+template <class Visit>
+void for_each_figure(PrecomputeReport& report, Visit&& visit) {
+  constexpr auto sum = [](auto& all, const auto& one) { add(all, one); };
+  constexpr auto largest = [](auto& all, const auto& one) { all = std::max(all, one); };
+  visit(report.num_solved, sum);
+  visit(report.num_reused, sum);
+  visit(report.num_by_outcome, sum);
+  visit(report.num_by_flag, sum);
+  visit(report.num_expected, sum);
+  visit(report.num_transitions, sum);
+  visit(report.num_levels, sum);
+  visit(report.num_beyond_most_levels, sum);
+  visit(report.iterations, sum);
+  visit(report.num_states_given, sum);
+  visit(report.num_intermediate_states, sum);
+  visit(report.num_intermediate_states_failed, sum);
+  visit(report.intermediate_seconds, sum);
+  visit(report.work, sum);
+  visit(report.complete, largest);
+  visit(report.num_unknowns, largest);
+  visit(report.exploration_seconds, largest);
+  visit(report.finishing_seconds, largest);
+}
+
 /// Combines what each rank has; the ranks that serve others have nothing.
 void combine(PrecomputeReport& report, Communicator& communicator) {
   Packer mine;
-  mine.put(report.num_solved);
-  mine.put(report.num_reused);
-  mine.put(report.num_expected);
-  mine.put(report.num_transitions);
-  mine.put(report.num_levels);
-  mine.put(report.num_beyond_most_levels);
-  mine.put(report.iterations);
-  mine.put(report.num_states_given);
-  mine.put(report.num_intermediate_states);
-  mine.put(report.num_intermediate_states_failed);
-  mine.put(report.intermediate_seconds);
-  mine.put(report.work);
-  mine.put(report.complete);
-  mine.put(report.num_unknowns);
-  mine.put(report.exploration_seconds);
-  mine.put(report.finishing_seconds);
-  mine.put_list(report.num_by_outcome);
-  mine.put_list(report.num_by_flag);
-  report.num_solved = report.num_reused = report.num_expected = report.iterations = 0;
-  report.num_transitions = report.num_levels = report.num_beyond_most_levels = 0;
-  report.num_states_given = 0;
-  report.num_intermediate_states = report.num_intermediate_states_failed = 0;
-  report.intermediate_seconds = 0;
-  report.work = {};
-  report.schedule = sum(communicator, report.schedule);
-  report.num_by_outcome.clear();
-  report.num_by_flag.clear();
+  for_each_figure(report, [&](auto& figure, auto /*combine*/) {
+    mine.put(figure);
+    figure = {};
+  });
   for (const Bytes& bytes : communicator.all_gather(mine.take())) {
     Unpacker of_rank(bytes);
-    report.num_solved += of_rank.take<std::int64_t>();
-    report.num_reused += of_rank.take<std::int64_t>();
-    report.num_expected += of_rank.take<std::int64_t>();
-    report.num_transitions += of_rank.take<std::int64_t>();
-    report.num_levels += of_rank.take<std::int64_t>();
-    report.num_beyond_most_levels += of_rank.take<std::int64_t>();
-    report.iterations += of_rank.take<std::int64_t>();
-    report.num_states_given += of_rank.take<std::int64_t>();
-    report.num_intermediate_states += of_rank.take<std::int64_t>();
-    report.num_intermediate_states_failed += of_rank.take<std::int64_t>();
-    report.intermediate_seconds += of_rank.take<double>();
-    report.work += of_rank.take<Work>();
-    report.complete = of_rank.take<bool>() || report.complete;
-    report.num_unknowns = std::max(report.num_unknowns, of_rank.take<Index>());
-    report.exploration_seconds = std::max(report.exploration_seconds, of_rank.take<double>());
-    report.finishing_seconds = std::max(report.finishing_seconds, of_rank.take<double>());
-    using ByOutcome = std::vector<std::pair<Outcome, std::int64_t>>;
-    using ByFlag = std::vector<std::pair<Flags, std::int64_t>>;
-    for (const auto& [outcome, number] : of_rank.take_list<ByOutcome>()) {
-      report.num_by_outcome[outcome] += number;
-    }
-    for (const auto& [flag, number] : of_rank.take_list<ByFlag>()) {
-      report.num_by_flag[flag] += number;
-    }
+    for_each_figure(report, [&](auto& figure, auto combine) {
+      combine(figure, of_rank.take<std::decay_t<decltype(figure)>>());
+    });
   }
+  report.schedule = sum(communicator, report.schedule);
   report.num_not_reached = report.num_expected - report.num_solved - report.num_reused;
 }
 
@@ -174,25 +174,24 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   PrecomputeReport& report = result.report;
   const Clock::time_point start = Clock::now();
   Monitor monitor(progress, communicator.network());
-  std::vector<Site> sites;
-  std::unique_ptr<Tip> tip;
+  std::vector<ToolSpaceSetup> setups;
   std::unique_ptr<EquilibriumSolver> solver;
+  InteractionFactory tools(scene);
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
     std::unique_ptr<LinearSolver> linear_solver = make_solver();
     solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
                                                  std::move(linear_solver));
-    tip = std::make_unique<Tip>(scene, options.tip_radius);
-    sites = make_sites(scene, options, *tip);
+    setups = make_setups(scene, options);
   });
   const double tolerance = options.equilibrium.tolerance;
   const std::unique_ptr<Record> record =
-      options.file.empty() ? make_memory_record(scene, sites, tolerance, communicator)
-                           : make_file_record(options.file, scene, sites, tolerance, communicator);
+      options.file.empty() ? make_memory_record(scene, setups, tolerance, communicator)
+                           : make_file_record(options.file, scene, setups, tolerance, communicator);
   result.damaged = record->damaged();
 
-  TipSolver site_solver(*solver, *tip);
-  Engine engine(sites, site_solver, *record, communicator.network(), monitor, report);
+  InteractionSolver state_solver(*solver, tools);
+  Engine engine(setups, state_solver, *record, communicator.network(), monitor, report);
   report.complete = run(engine, communicator, &report.schedule);
   monitor.set_mail(nullptr);
   report.exploration_seconds = seconds_since(start);
@@ -200,9 +199,8 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   const Clock::time_point finish_start = Clock::now();
   result.space = record->finish(report.complete, options.touch_bound);
   report.finishing_seconds = seconds_since(finish_start);
-  report.num_unknowns =
-      solver->assembly().pattern().size -
-      3 * static_cast<Index>(tip->hold({sites.front().active_node}).points.size());
+  const auto held = tools.make(setups.front().interaction)->prescribed_points();
+  report.num_unknowns = solver->assembly().pattern().size - 3 * static_cast<Index>(held.size());
   report.work = solver->work();
   return result;
 }

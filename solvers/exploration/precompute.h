@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a scene to a state space: the transitions that a frontier asks for are made on all ranks,
+// From a scene to a state space: the transitions that a strategy asks for are made on all ranks,
 // and what they find is recorded.
 //
 // [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
@@ -20,8 +20,8 @@ namespace palpate {
 struct PrecomputeOptions {
   /// The points of the mesh that are touched; empty: all that the scene says are touchable.
   std::vector<Index> active_nodes;
-  /// The surface patch within this distance of a node moves with it, see tip.h, m; 0: the node
-  /// alone.
+  /// The surface patch within this distance of a node moves with it, see
+  /// interaction/bonded_patch.h, m; 0: the node alone.
   double tip_radius = 0;
   /// Half the side of the box of check-points, m.
   double half_width = 0.01;
@@ -74,7 +74,7 @@ struct PrecomputeReport {
   /// All these configurations by outcome, and by flag.
   std::map<Outcome, std::int64_t> num_by_outcome;
   std::map<Flags, std::int64_t> num_by_flag;
-  /// Configurations that all frontiers can lead to.
+  /// Configurations that all strategies can lead to.
   std::int64_t num_expected = 0;
   /// Check-points that no usable configuration within the force limit leads to.
   std::int64_t num_not_reached = 0;
@@ -137,7 +137,8 @@ using Progress = std::function<bool(const ProgressState&)>;
 /// Computes the space around each active node.
 /// @param scene The same on every rank.
 /// @note Collective
-/// @throws InputError an active node that the tip cannot be put on, see Tip::hold; an option out of
+/// @throws InputError an active node that the tip cannot be put on, see BondedPatches::around; an
+/// option out of
 ///   its range; more ranks a solve than there are; a file of another scene, or of a space that
 ///   holds other things, see StateSpaceFile::add_site.
 [[nodiscard]] PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,

@@ -14,57 +14,49 @@ namespace {
 namespace fs = std::filesystem;
 
 class MemoryRecord final : public Record {
-  using Key = std::pair<CheckPoint, std::int32_t>;
-  [[nodiscard]] static Key key_of(const ConfigurationSummary& c) {
-    return {c.check_point, c.level};
-  }
-
  public:
-  MemoryRecord(const Scene& scene, const std::vector<Site>& sites, double solver_tolerance,
-               Communicator& communicator)
+  MemoryRecord(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
+               double solver_tolerance, Communicator& communicator)
       : communicator_(communicator) {
     space_.scene = scene;
     space_.scene_hash = hash(scene);
     space_.solver_tolerance = solver_tolerance;
-    for (const Site& site : sites) space_.sites.push_back({site, false, {}, {}});
+    for (const ToolSpaceSetup& setup : setups) space_.tool_spaces.push_back({setup, false, {}, {}});
     sort(space_);
   }
 
-  [[nodiscard]] Known known(Index /*active_node*/) const override { return {}; }
+  [[nodiscard]] Known known(ToolSpaceId /*tool_space*/) const override { return {}; }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
 
-  void keep(Index active_node, const Configuration& found,
+  void keep(ToolSpaceId tool_space, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
-    found_[active_node].emplace(key_of(found), found);
+    found_.emplace(key_of(tool_space, found), found);
     for (const IntermediateState& state : way) {
-      intermediate_states_.emplace_back(active_node, state);
+      intermediate_states_.emplace_back(tool_space, state);
     }
   }
 
-  void keep(Index active_node, const LevelTransition& transition) override {
-    transitions_.emplace_back(active_node, transition);
+  void keep(ToolSpaceId tool_space, const LevelTransition& transition) override {
+    transitions_.emplace_back(tool_space, transition);
   }
 
-  void settle(Index active_node, const ConfigurationSummary& candidate,
+  void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
               std::int32_t level) override {
-    auto& found = found_.at(active_node);
-    auto settled = found.extract(key_of(candidate));
+    auto settled = found_.extract(key_of(tool_space, candidate));
     if (level < 0) return;
     settled.mapped().level = level;
-    settled.key() = key_of(settled.mapped());
-    found.insert(std::move(settled));
+    settled.key().level = level;
+    found_.insert(std::move(settled));
   }
 
-  [[nodiscard]] Configuration load(Index active_node,
+  [[nodiscard]] Configuration load(ToolSpaceId tool_space,
                                    const ConfigurationSummary& summary) const override {
-    return found_.at(active_node).at(key_of(summary));
+    return found_.at(key_of(tool_space, summary));
   }
 
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
-    std::vector<std::pair<Index, Configuration>> configurations;
-    for (auto& [node, found] : found_) {
-      for (auto& [key, c] : found) configurations.emplace_back(node, std::move(c));
-    }
+    std::vector<std::pair<ToolSpaceId, Configuration>> configurations;
+    for (auto& [key, c] : found_) configurations.emplace_back(key.tool_space, std::move(c));
     found_.clear();
     gather(configurations, communicator_);
     gather(transitions_, communicator_);
@@ -72,22 +64,22 @@ class MemoryRecord final : public Record {
     TouchSpace result;
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
-      for (auto& [node, c] : configurations) found_[node].emplace(key_of(c), std::move(c));
-      for (const auto& [node, transition] : transitions_) {
-        found_.at(node)
-            .at({transition.start, transition.start_level})
+      for (auto& [id, c] : configurations) found_.emplace(key_of(id, c), std::move(c));
+      for (const auto& [id, transition] : transitions_) {
+        found_.at({id, transition.start, transition.start_level})
             .reached[neighbour_number(transition.start, transition.target)] = transition.reached;
       }
-      std::map<Index, std::vector<IntermediateState>> intermediate_states;
-      for (const auto& [node, state] : intermediate_states_) {
-        intermediate_states[node].push_back(state);
+      std::map<ToolSpaceId, ToolSpace*> tool_spaces;
+      for (ToolSpace& tool_space : space_.tool_spaces) {
+        tool_space.complete = complete;
+        tool_spaces[tool_space.setup.id] = &tool_space;
       }
-      for (SiteSpace& site : space_.sites) {
-        site.complete = complete;
-        for (auto& [key, c] : found_[site.site.active_node]) {
-          if (c.level >= 0) site.configurations.push_back(std::move(c));
-        }
-        site.intermediate_states = std::move(intermediate_states[site.site.active_node]);
+      for (auto& [key, c] : found_) {
+        if (c.level < 0) continue;
+        tool_spaces.at(key.tool_space)->configurations.push_back(std::move(c));
+      }
+      for (const auto& [id, state] : intermediate_states_) {
+        tool_spaces.at(id)->intermediate_states.push_back(state);
       }
       sort(space_);
       found_.clear();
@@ -99,57 +91,56 @@ class MemoryRecord final : public Record {
  private:
   Communicator& communicator_;
   StateSpace space_;
-  /// By active node, check-point and level.
-  std::map<Index, std::map<Key, Configuration>> found_;
-  std::vector<std::pair<Index, LevelTransition>> transitions_;
-  std::vector<std::pair<Index, IntermediateState>> intermediate_states_;
+  std::map<StateKey, Configuration> found_;
+  std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions_;
+  std::vector<std::pair<ToolSpaceId, IntermediateState>> intermediate_states_;
 };
 
 class FileRecord final : public Record {
  public:
-  FileRecord(const fs::path& path, const Scene& scene, const std::vector<Site>& sites,
+  FileRecord(const fs::path& path, const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
              double solver_tolerance, Communicator& communicator)
       : path_(path),
-        sites_(sites),
+        setups_(setups),
         communicator_(communicator),
         files_(path, scene, solver_tolerance, communicator) {
     files_.open([&](StateSpaceFile& file) {
-      for (const Site& site : sites) file.add_site(site);
+      for (const ToolSpaceSetup& setup : setups) file.add_tool_space(setup);
     });
   }
 
-  [[nodiscard]] Known known(Index active_node) const override {
+  [[nodiscard]] Known known(ToolSpaceId tool_space) const override {
     Known all;
     if (communicator_.rank() != 0) return all;
     const StateSpaceFile& file = files_.own();
-    const std::vector<Configuration> settled = file.read_summaries(active_node);
-    for (const auto& found : {settled, file.read_candidates(active_node)}) {
+    const std::vector<Configuration> settled = file.read_summaries(tool_space);
+    for (const auto& found : {settled, file.read_candidates(tool_space)}) {
       all.configurations.insert(all.configurations.end(), found.begin(), found.end());
     }
-    all.transitions = file.read_linked_transitions(active_node, settled);
+    all.transitions = file.read_linked_transitions(tool_space, settled);
     return all;
   }
 
   [[nodiscard]] std::vector<std::string> damaged() const override { return files_.damaged(); }
 
-  void keep(Index active_node, const Configuration& found,
+  void keep(ToolSpaceId tool_space, const Configuration& found,
             const std::vector<IntermediateState>& way) override {
-    files_.own().add(active_node, found, way);
+    files_.own().add(tool_space, found, way);
   }
 
-  void keep(Index active_node, const LevelTransition& transition) override {
-    files_.own().add(active_node, transition);
+  void keep(ToolSpaceId tool_space, const LevelTransition& transition) override {
+    files_.own().add(tool_space, transition);
   }
 
-  void settle(Index active_node, const ConfigurationSummary& candidate,
+  void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
               std::int32_t level) override {
-    files_.own().settle(active_node, candidate, level);
+    files_.own().settle(tool_space, candidate, level);
   }
 
-  [[nodiscard]] Configuration load(Index active_node,
+  [[nodiscard]] Configuration load(ToolSpaceId tool_space,
                                    const ConfigurationSummary& summary) const override {
     Configuration configuration{summary, {}, {}, {}, {}};
-    if (!files_.own().read_fields(active_node, configuration)) {
+    if (!files_.own().read_fields(tool_space, configuration)) {
       throw InputError("A part of " + path_.string() + " was damaged while it was in use: " +
                        files_.own().left_out().front() + ". Check the disk and run again.");
     }
@@ -163,7 +154,7 @@ class FileRecord final : public Record {
       if (communicator_.rank() != 0) return;
       StateSpaceFile& file = files_.own();
       if (complete) {
-        for (const Site& site : sites_) file.set_complete(site.active_node, true);
+        for (const ToolSpaceSetup& setup : setups_) file.set_complete(setup.id, true);
       }
       file.close();
       result = make_touch_space(StateSpaceFile::open_read_only(path_), bound);
@@ -173,22 +164,23 @@ class FileRecord final : public Record {
 
  private:
   fs::path path_;
-  std::vector<Site> sites_;
+  std::vector<ToolSpaceSetup> setups_;
   Communicator& communicator_;
   RankFiles files_;
 };
 
 }  // namespace
 
-std::unique_ptr<Record> make_memory_record(const Scene& scene, const std::vector<Site>& sites,
+std::unique_ptr<Record> make_memory_record(const Scene& scene,
+                                           const std::vector<ToolSpaceSetup>& setups,
                                            double solver_tolerance, Communicator& communicator) {
-  return std::make_unique<MemoryRecord>(scene, sites, solver_tolerance, communicator);
+  return std::make_unique<MemoryRecord>(scene, setups, solver_tolerance, communicator);
 }
 
 std::unique_ptr<Record> make_file_record(const fs::path& path, const Scene& scene,
-                                         const std::vector<Site>& sites, double solver_tolerance,
-                                         Communicator& communicator) {
-  return std::make_unique<FileRecord>(path, scene, sites, solver_tolerance, communicator);
+                                         const std::vector<ToolSpaceSetup>& setups,
+                                         double solver_tolerance, Communicator& communicator) {
+  return std::make_unique<FileRecord>(path, scene, setups, solver_tolerance, communicator);
 }
 
 }  // namespace palpate

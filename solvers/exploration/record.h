@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// What earlier runs have left of an active node.
+/// What earlier runs have left of a tool space.
 struct Known {
   /// All configurations without fields, and candidates too, see candidate_level().
   std::vector<ConfigurationSummary> configurations;
@@ -27,23 +27,23 @@ class Record {
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
 
-  /// What earlier runs have left of an active node; empty on other ranks than 0.
-  [[nodiscard]] virtual Known known(Index active_node) const = 0;
+  /// What earlier runs have left of a tool space; empty on other ranks than 0.
+  [[nodiscard]] virtual Known known(ToolSpaceId tool_space) const = 0;
   /// What earlier runs have left but is damaged, see StateSpaceFile::left_out(); empty on other
   /// ranks than 0.
   [[nodiscard]] virtual std::vector<std::string> damaged() const = 0;
   /// Keeps a configuration. The rank that has found it calls this before any other hears of it.
   /// @param way The intermediate states on the way to it. Either all is kept or nothing.
-  virtual void keep(Index active_node, const Configuration& found,
+  virtual void keep(ToolSpaceId tool_space, const Configuration& found,
                     const std::vector<IntermediateState>& way) = 0;
   /// Keeps a transition. Call this on any rank, before the candidate that it has found is settled.
-  virtual void keep(Index active_node, const LevelTransition& transition) = 0;
+  virtual void keep(ToolSpaceId tool_space, const LevelTransition& transition) = 0;
   /// Gives its level to a candidate that was kept on this rank or is known here, or removes it.
   /// @param level Below zero: the candidate is removed, as it is a configuration that is known.
-  virtual void settle(Index active_node, const ConfigurationSummary& candidate,
+  virtual void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
                       std::int32_t level) = 0;
   /// A configuration that was kept on this rank or is known here, with its fields.
-  [[nodiscard]] virtual Configuration load(Index active_node,
+  [[nodiscard]] virtual Configuration load(ToolSpaceId tool_space,
                                            const ConfigurationSummary& summary) const = 0;
   /// Brings together all that was found or was known. The result is whole on rank 0, empty
   /// elsewhere.
@@ -57,7 +57,7 @@ class Record {
 
 /// A record in memory.
 [[nodiscard]] std::unique_ptr<Record> make_memory_record(const Scene& scene,
-                                                         const std::vector<Site>& sites,
+                                                         const std::vector<ToolSpaceSetup>& setups,
                                                          double solver_tolerance,
                                                          Communicator& communicator);
 
@@ -67,7 +67,7 @@ class Record {
 /// @note Collective
 [[nodiscard]] std::unique_ptr<Record> make_file_record(const std::filesystem::path& path,
                                                        const Scene& scene,
-                                                       const std::vector<Site>& sites,
+                                                       const std::vector<ToolSpaceSetup>& setups,
                                                        double solver_tolerance,
                                                        Communicator& communicator);
 

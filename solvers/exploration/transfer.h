@@ -3,7 +3,11 @@
 // they were put in.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <map>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -11,27 +15,61 @@
 #include "schedule/communicator.h"
 #include "state_space/configuration.h"
 #include "state_space/test_point.h"
+#include "state_space/tool_space.h"
 
 namespace palpate {
+
+/// Whether values of a type are sent as the bytes that they are in memory. Eigen's vectors of a
+/// fixed size are, though C++ does not see it.
+template <class T>
+struct IsPlain : std::is_trivially_copyable<T> {};
+/// A pair is plain for C++ where its first is constant, and not otherwise.
+template <class A, class B>
+struct IsPlain<std::pair<A, B>> : std::false_type {};
+template <>
+struct IsPlain<ConfigurationSummary> : std::true_type {};
+template <>
+struct IsPlain<IntermediateState> : std::true_type {};
+template <>
+struct IsPlain<ToolSpaceSetup> : std::true_type {};
+
+/// Calls visit for each part of a value that is not plain.
+template <class A, class B, class Visit>
+void for_each_part(std::pair<A, B>& both, Visit&& visit) {
+  visit(both.first);
+  visit(both.second);
+}
+template <class Visit>
+void for_each_part(Configuration& configuration, Visit&& visit) {
+  visit(static_cast<ConfigurationSummary&>(configuration));
+  for_each_field(configuration, visit);
+}
+template <class Visit>
+void for_each_part(TestPoint& point, Visit&& visit) {
+  for_each_number_of_test_point(point, visit);
+  visit(point.displacement);
+}
 
 class Packer {
  public:
   template <class T>
   void put(const T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    put(&value, sizeof value);
+    if constexpr (IsPlain<T>::value) {
+      put(&value, sizeof value);
+    } else {
+      // Parts are visited alike to read and to write them.
+      for_each_part(const_cast<T&>(value), [this](const auto& part) { put(part); });
+    }
   }
-  template <class A, class B>
-  void put(const std::pair<A, B>& both) {
-    put(both.first);
-    put(both.second);
+  template <class Scalar, int rows, int columns>
+  void put(const Eigen::Matrix<Scalar, rows, columns>& matrix) {
+    put(std::array<std::int64_t, 2>{matrix.rows(), matrix.cols()});
+    put(matrix.data(), static_cast<std::size_t>(matrix.size()) * sizeof(Scalar));
   }
-  /// Puts in a configuration without its fields.
-  void put(const ConfigurationSummary& summary);
-  /// Puts in a configuration with its fields, which may be empty.
-  void put(const Configuration& configuration);
-  void put(const IntermediateState& state);
-  void put(const TestPoint& point);
+  template <class Key, class T>
+  void put(const std::map<Key, T>& map) {
+    put_list(map);
+  }
   /// Puts in the number of values, then one after the other.
   /// @param list Any container of values that can be put in.
   template <class List>
@@ -43,9 +81,10 @@ class Packer {
   [[nodiscard]] Bytes take() { return std::move(bytes_); }
 
  private:
-  void put(const void* data, std::size_t size);
-  template <class Matrix>
-  void put_matrix(const Matrix& matrix);
+  void put(const void* data, std::size_t size) {
+    const auto* first = static_cast<const std::byte*>(data);
+    bytes_.insert(bytes_.end(), first, first + size);
+  }
 
   Bytes bytes_;
 };
@@ -63,34 +102,52 @@ class Unpacker {
     take(value);
     return value;
   }
+  template <class T>
+  void take(T& value) {
+    if constexpr (IsPlain<T>::value) {
+      take(static_cast<void*>(&value), sizeof value);
+    } else {
+      for_each_part(value, [this](auto& part) { take(part); });
+    }
+  }
+  template <class Scalar, int rows, int columns>
+  void take(Eigen::Matrix<Scalar, rows, columns>& matrix) {
+    const auto shape = take<std::array<std::int64_t, 2>>();
+    matrix.resize(shape[0], shape[1]);
+    take(static_cast<void*>(matrix.data()),
+         static_cast<std::size_t>(matrix.size()) * sizeof(Scalar));
+  }
+  template <class Key, class T>
+  void take(std::map<Key, T>& map) {
+    map = take_list<std::map<Key, T>>();
+  }
   /// Takes what Packer::put_list() has put in, into a container that the caller chooses.
   template <class List>
   [[nodiscard]] List take_list() {
     List list;
     for (auto left = take<std::size_t>(); left > 0; --left) {
-      list.push_back(take<typename List::value_type>());
+      list.insert(list.end(), take<Value<List>>());
     }
     return list;
   }
 
  private:
-  template <class T>
-  void take(T& value) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    take(&value, sizeof value);
+  /// What is in a container, keys of a map not constant.
+  template <class List>
+  struct ValueOf {
+    using Type = typename List::value_type;
+  };
+  template <class Key, class T>
+  struct ValueOf<std::map<Key, T>> {
+    using Type = std::pair<Key, T>;
+  };
+  template <class List>
+  using Value = typename ValueOf<List>::Type;
+
+  void take(void* data, std::size_t size) {
+    if (size > 0) std::memcpy(data, bytes_.data() + at_, size);
+    at_ += size;
   }
-  template <class A, class B>
-  void take(std::pair<A, B>& both) {
-    take(both.first);
-    take(both.second);
-  }
-  void take(ConfigurationSummary& summary);
-  void take(Configuration& configuration);
-  void take(IntermediateState& state);
-  void take(TestPoint& point);
-  void take(void* data, std::size_t size);
-  template <class Matrix>
-  void take_matrix(Matrix& matrix);
 
   const Bytes& bytes_;
   std::size_t at_ = 0;

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-BodyField::BodyField(const TouchSite& site)
-    : site_(site.site), configurations_(site.configurations), grid_(site) {
+BodyField::BodyField(const TouchToolSpace& tool_space)
+    : setup_(tool_space.setup), configurations_(tool_space.configurations), grid_(tool_space) {
   const auto& nodes = grid_.hanging_nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i) hanging_.emplace(nodes[i].node, i);
 }
@@ -43,7 +43,7 @@ Support BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
   for (const auto& [configuration, weight] : weights) {
     wanted.push_back(configurations_[static_cast<std::size_t>(configuration)]);
   }
-  const std::vector<const Configuration*> read = fields.get(site_, wanted);
+  const std::vector<const Configuration*> read = fields.get(setup_, wanted);
   u.setZero(read.front()->u.size());
   p.setZero(read.front()->p.size());
   auto c = read.begin();

@@ -11,11 +11,11 @@
 
 namespace palpate {
 
-/// Immutable, and holds all it needs but the fields: the site may go.
+/// Immutable, and holds all it needs but the fields: the tool space may go.
 class BodyField {
  public:
-  /// @throws InputError the site has no grid, see CheckPointGrid.
-  explicit BodyField(const TouchSite& site);
+  /// @throws InputError the tool space has no grid, see CheckPointGrid.
+  explicit BodyField(const TouchToolSpace& tool_space);
 
   /// @param fields Of the file of the space; what is needed at t is read, if it is not there.
   /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
@@ -33,7 +33,7 @@ class BodyField {
   /// Adds a u + v d of a node.
   void add_node(std::int32_t node, double a, const Vec3& d, Weights& weights) const;
 
-  Site site_;
+  ToolSpaceSetup setup_;
   std::vector<ConfigurationSummary> configurations_;
   CheckPointGrid grid_;
   /// Place among the hanging nodes, by node.

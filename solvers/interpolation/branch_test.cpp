@@ -51,11 +51,11 @@ double BranchTest::largest(const Cell& cell, bool halves) const {
 }
 
 bool BranchTest::is_across(const Cell& cell) const {
-  if (4 * cell.side > site_.coarsest) return false;
-  const Cell parent = parent_of(cell, site_.reach());
+  if (4 * cell.side > grid_.tree().coarsest()) return false;
+  const Cell parent = parent_of(cell, grid_.reach());
   const double of_parent = largest(parent, true);
   return largest(cell, false) > kShrinks * of_parent &&
-         of_parent > kShrinks * largest(parent_of(parent, site_.reach()), true);
+         of_parent > kShrinks * largest(parent_of(parent, grid_.reach()), true);
 }
 
 std::vector<char> BranchTest::leaves_across() const {

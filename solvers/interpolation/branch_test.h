@@ -18,9 +18,8 @@ namespace palpate {
 /// It refers to its arguments, which have to outlive it.
 class BranchTest {
  public:
-  BranchTest(const CheckPointGrid& grid, const Site& site,
-             const std::vector<ConfigurationSummary>& configurations)
-      : grid_(grid), site_(site), configurations_(configurations) {}
+  BranchTest(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations)
+      : grid_(grid), configurations_(configurations) {}
 
   /// The largest along the edges of a cell, J; those of which an end is not usable do not count.
   [[nodiscard]] double largest_residual(const Cell& cell) const { return largest(cell, false); }
@@ -36,7 +35,6 @@ class BranchTest {
   [[nodiscard]] bool is_across(const Cell& cell) const;
 
   const CheckPointGrid& grid_;
-  const Site& site_;
   const std::vector<ConfigurationSummary>& configurations_;
 };
 

@@ -10,21 +10,20 @@
 namespace palpate {
 namespace {
 
-void check(const Site& site) {
-  const std::string which = "The site at active node " + std::to_string(site.active_node);
-  if (site.resolution < 1 || site.resolution % 2 == 0 || site.resolution > kLargestResolution) {
-    throw InputError(which + " has " + std::to_string(site.resolution) +
+void check(const Grid& grid) {
+  if (grid.resolution < 1 || grid.resolution % 2 == 0 || grid.resolution > kLargestResolution) {
+    throw InputError("The grid has " + std::to_string(grid.resolution) +
                      " check-points an axis; it takes an odd number up to " +
                      std::to_string(kLargestResolution) + '.');
   }
-  const bool power_of_two = site.coarsest >= 1 && (site.coarsest & (site.coarsest - 1)) == 0;
-  if (!power_of_two || site.reach() % site.coarsest != 0) {
-    throw InputError(which + " has cells of side " + std::to_string(site.coarsest) +
-                     "; it takes a power of two that divides " + std::to_string(site.reach()) +
+  const bool power_of_two = grid.coarsest >= 1 && (grid.coarsest & (grid.coarsest - 1)) == 0;
+  if (!power_of_two || grid.reach() % grid.coarsest != 0) {
+    throw InputError("The grid has cells of side " + std::to_string(grid.coarsest) +
+                     "; it takes a power of two that divides " + std::to_string(grid.reach()) +
                      ", the number of check-points from rest to the border.");
   }
-  if (site.coarsest_resolution() > kLargestCoarsestResolution) {
-    throw InputError(which + " has " + std::to_string(site.coarsest_resolution() - 1) +
+  if (grid.coarsest_resolution() > kLargestCoarsestResolution) {
+    throw InputError("The grid has " + std::to_string(grid.coarsest_resolution() - 1) +
                      " of the coarsest cells an axis; it takes " +
                      std::to_string(kLargestCoarsestResolution - 1) + " at most.");
   }
@@ -38,10 +37,10 @@ void make_set(std::vector<T>& values) {
 
 }  // namespace
 
-CellTree::CellTree(const Site& site, const std::vector<ConfigurationSummary>& configurations) {
-  check(site);
-  reach_ = site.reach();
-  coarsest_ = site.coarsest;
+CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations) {
+  check(grid);
+  reach_ = grid.reach();
+  coarsest_ = grid.coarsest;
   num_roots_ = 2 * reach_ / coarsest_;
   per_coarsest_ = 1.0 / coarsest_;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The cells between the check-points of a site: an octree that follows from where there are
+// The cells between the check-points of a grid: an octree that follows from where there are
 // configurations, and from nothing else.
 //
-// Root cells of side Site::coarsest tile the box. A cell of side > 1 is split into eight where
+// Root cells of side Grid::coarsest tile the box. A cell of side > 1 is split into eight where
 // there is a configuration, usable or not, at each of the 27 points of its halves. The leaves are
 // what is interpolated on; neighbours may differ in size, by any power of two.
 //
@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "base/memory_ranges.h"
-#include "state_space/configuration.h"
+#include "state_space/tool_space.h"
 
 namespace palpate {
 
@@ -77,9 +77,11 @@ class CellTree {
   /// @param configurations Those off the grid are left out.
   /// @throws InputError a resolution that is not odd and positive, or coarsest cells that do not
   ///   tile the box.
-  CellTree(const Site& site, const std::vector<ConfigurationSummary>& configurations);
+  CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations);
 
   [[nodiscard]] std::int32_t num_nodes() const { return static_cast<std::int32_t>(keys_.size()); }
+  /// Side of the root cells, in steps of the grid.
+  [[nodiscard]] std::int32_t coarsest() const { return coarsest_; }
   /// Nodes are numbered in the order of their check-points.
   [[nodiscard]] CheckPoint point(std::int32_t node) const;
   /// The node at a check-point; −1: there is none.

@@ -20,15 +20,20 @@ bool has_finite_data(const ConfigurationSummary& c) {
 
 }  // namespace
 
-CheckPointGrid::CheckPointGrid(const Site& site,
+CheckPointGrid::CheckPointGrid(const TouchToolSpace& tool_space) try
+    : CheckPointGrid(tool_space.setup.grid, tool_space.configurations) {
+} catch (const InputError& error) {
+  throw InputError("At " + tool_space.setup.name() + ": " + error.what());
+}
+
+CheckPointGrid::CheckPointGrid(const Grid& grid,
                                const std::vector<ConfigurationSummary>& configurations)
-    : tree_(site, configurations), reach_(site.reach()) {
-  const std::string which = "The site at active node " + std::to_string(site.active_node);
-  if (site.resolution > 1 && !(site.half_width > 0 && std::isfinite(site.half_width))) {
-    throw InputError(which + " has a half-width of " + std::to_string(site.half_width) +
+    : tree_(grid, configurations), reach_(grid.reach()) {
+  if (grid.resolution > 1 && !(grid.half_width > 0 && std::isfinite(grid.half_width))) {
+    throw InputError("The grid has a half-width of " + std::to_string(grid.half_width) +
                      " m; it takes a positive one.");
   }
-  if (site.resolution > 1) spacing_ = site.spacing();
+  if (grid.resolution > 1) spacing_ = grid.spacing();
   per_spacing_ = 1 / spacing_;
 
   configuration_.assign(static_cast<std::size_t>(num_nodes()), -1);
@@ -38,7 +43,7 @@ CheckPointGrid::CheckPointGrid(const Site& site,
     if (node < 0 || !has_finite_data(c)) continue;
     const Vec3 place = spacing_ * Vec3(c.check_point[0], c.check_point[1], c.check_point[2]);
     if (!((c.t - place).norm() <= kOffCheckPoint * spacing_)) {
-      throw InputError(which + " has a configuration that does not lie at its check-point (" +
+      throw InputError("A configuration does not lie at its check-point (" +
                        std::to_string(c.check_point[0]) + ", " + std::to_string(c.check_point[1]) +
                        ", " + std::to_string(c.check_point[2]) + "): the grid was changed after " +
                        "it was computed. Compute the state space again.");
@@ -46,14 +51,13 @@ CheckPointGrid::CheckPointGrid(const Site& site,
     if (configuration_[node] < 0) configuration_[node] = static_cast<std::int32_t>(i);
     any_usable_ = true;
   }
-  classify_leaves(site, configurations);
+  classify_leaves(configurations);
   hanging_nodes_ = find_hanging_nodes(false);
   hanging_on_complete_ = find_hanging_nodes(true);
   find_nearest();
 }
 
-void CheckPointGrid::classify_leaves(const Site& site,
-                                     const std::vector<ConfigurationSummary>& configurations) {
+void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations) {
   for (const CellTree::Leaf& leaf : tree_.leaves()) {
     State state = State::complete;
     for (std::int32_t node : leaf.corners) {
@@ -66,7 +70,7 @@ void CheckPointGrid::classify_leaves(const Site& site,
     }
     states_.push_back(state);
   }
-  const std::vector<char> across = BranchTest(*this, site, configurations).leaves_across();
+  const std::vector<char> across = BranchTest(*this, configurations).leaves_across();
   for (std::size_t l = 0; l < across.size(); ++l) {
     if (across[l] != 0 && states_[l] == State::complete) states_[l] = State::across;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The usable check-points around a site and the cells between them, and where in these a
+// The usable check-points of a tool space and the cells between them, and where in these a
 // displacement lies.
 //
 // A node without a usable configuration is extrapolated (extrapolated_node.h). A leaf with such a
@@ -36,8 +36,8 @@ class CheckPointGrid {
   /// finite energy, force and stiffness are.
   /// @throws InputError as CellTree, a half-width that is not positive, or a configuration that
   ///   does not lie at its check-point.
-  CheckPointGrid(const Site& site, const std::vector<ConfigurationSummary>& configurations);
-  explicit CheckPointGrid(const TouchSite& site) : CheckPointGrid(site.site, site.configurations) {}
+  CheckPointGrid(const Grid& grid, const std::vector<ConfigurationSummary>& configurations);
+  explicit CheckPointGrid(const TouchToolSpace& tool_space);
 
   enum class Place {
     /// No configuration is usable, or t is not finite.
@@ -72,7 +72,7 @@ class CheckPointGrid {
   [[nodiscard]] std::int32_t reach() const { return reach_; }
   /// Distance of neighbouring check-points, m; 1 where rest is the only one.
   [[nodiscard]] double spacing() const { return spacing_; }
-  /// Place of a node's configuration in the site's list; −1: none is usable.
+  /// Place of a node's configuration in the tool space's list; −1: none is usable.
   [[nodiscard]] std::int32_t configuration(std::int32_t node) const { return configuration_[node]; }
   [[nodiscard]] bool usable(std::int32_t node) const { return configuration_[node] >= 0; }
   /// All corners of a leaf are usable.
@@ -121,7 +121,7 @@ class CheckPointGrid {
   /// of t = i·H must not make a check-point on the border an outside one.
   static constexpr double kOnBorder = 1e-9;
 
-  void classify_leaves(const Site& site, const std::vector<ConfigurationSummary>& configurations);
+  void classify_leaves(const std::vector<ConfigurationSummary>& configurations);
   [[nodiscard]] std::vector<HangingNode> find_hanging_nodes(bool on_complete) const;
   void find_nearest();
 

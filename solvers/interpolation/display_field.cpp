@@ -30,8 +30,8 @@ void apply(const Eigen::MatrixXf& modes, const float* coefficients, Real* out) {
 
 }  // namespace
 
-DisplayField::DisplayField(const TouchSite& site)
-    : grid_(site), num_modes_(static_cast<int>(site.coefficients.rows())) {
+DisplayField::DisplayField(const TouchToolSpace& tool_space)
+    : grid_(tool_space), num_modes_(static_cast<int>(tool_space.coefficients.rows())) {
   const auto r = static_cast<std::size_t>(num_modes_);
   data_.assign(static_cast<std::size_t>(grid_.num_nodes()) * 4 * r, 0.F);
   if (r == 0 || !grid_.any_usable()) return;
@@ -41,8 +41,8 @@ DisplayField::DisplayField(const TouchSite& site)
   for (std::int32_t n = 0; n < grid_.num_nodes(); ++n) {
     visit_configuration(
         grid_, n, 1, Vec3::Zero(), [&](std::int32_t configuration, double, const Vec3& offset) {
-          const float* c = site.coefficients.col(configuration).data();
-          const float* slopes = site.coefficient_gradients.col(configuration).data();
+          const float* c = tool_space.coefficients.col(configuration).data();
+          const float* slopes = tool_space.coefficient_gradients.col(configuration).data();
           float* node = node_data(n);
           std::copy_n(c, r, node);
           std::copy_n(slopes, 3 * r, node + r);

@@ -9,11 +9,11 @@
 
 namespace palpate {
 
-/// Immutable, and holds all it needs: the site may go.
+/// Immutable, and holds all it needs: the tool space may go.
 class DisplayField {
  public:
-  /// @throws InputError the site has no grid, see CheckPointGrid.
-  explicit DisplayField(const TouchSite& site);
+  /// @throws InputError the tool space has no grid, see CheckPointGrid.
+  explicit DisplayField(const TouchToolSpace& tool_space);
 
   [[nodiscard]] int num_modes() const { return num_modes_; }
 

@@ -5,11 +5,11 @@
 
 namespace palpate {
 
-EnergyHermite::EnergyHermite(const TouchSite& site, const InterpolationOptions& options)
-    : Interpolator(site), per_spacing_(1 / grid().spacing()), kernel_(best_hermite_kernel()) {
+EnergyHermite::EnergyHermite(const TouchToolSpace& tool_space, const InterpolationOptions& options)
+    : Interpolator(tool_space), per_spacing_(1 / grid().spacing()), kernel_(best_hermite_kernel()) {
   HermiteDataOptions of_data;
   of_data.third_derivatives = options.third_derivatives;
-  nodes_ = hermite_data(grid(), site.configurations, of_data);
+  nodes_ = hermite_data(grid(), tool_space.configurations, of_data);
 }
 
 void EnergyHermite::do_evaluate(const Location& at, TouchResult& result) const noexcept {

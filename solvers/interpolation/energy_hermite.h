@@ -21,7 +21,7 @@ namespace palpate {
 
 class EnergyHermite final : public Interpolator {
  public:
-  EnergyHermite(const TouchSite& site, const InterpolationOptions& options);
+  EnergyHermite(const TouchToolSpace& tool_space, const InterpolationOptions& options);
 
  private:
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;

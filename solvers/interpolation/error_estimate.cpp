@@ -37,11 +37,10 @@ HermiteDataOptions options_with(int most) {
 
 class Estimator {
  public:
-  Estimator(const Site& site, const std::vector<ConfigurationSummary>& configurations)
-      : site_(site),
-        configurations_(configurations),
-        grid_(site, configurations),
-        branch_test_(grid_, site, configurations),
+  Estimator(const Grid& grid, const std::vector<ConfigurationSummary>& configurations)
+      : configurations_(configurations),
+        grid_(grid, configurations),
+        branch_test_(grid_, configurations),
         data_(hermite_data(grid_, configurations, options_with(kNodes))),
         difference_(hermite_data(grid_, configurations, options_with(kFewerNodes))),
         hanging_(grid_.tree().leaves().size(), 0.0) {
@@ -64,8 +63,8 @@ class Estimator {
     estimate.cell = grid_.leaf(leaf).cell;
     estimate.error = std::numeric_limits<double>::infinity();
     estimate.marked = !grid_.is_complete(leaf) || grid_.is_marked(leaf);
-    const bool is_root = estimate.cell.side == site_.coarsest;
-    const bool few_in_a_row = 2 * site_.reach() < (kNodes - 1) * estimate.cell.side;
+    const bool is_root = estimate.cell.side == grid_.tree().coarsest();
+    const bool few_in_a_row = 2 * grid_.reach() < (kNodes - 1) * estimate.cell.side;
     if (!grid_.is_complete(leaf) || (is_root && few_in_a_row)) return estimate;
     estimate.error = std::max({kOfMixed * of_mixed(leaf), kOfParent * of_parent(leaf),
                                kOfEdges * of_edges(leaf), kOfHanging * hanging_[leaf]});
@@ -77,7 +76,8 @@ class Estimator {
     const std::int32_t side = estimate.cell.side;
     if (side < 2 * smallest || side < 2) return false;
     const bool across = grid_.is_complete(leaf) && grid_.is_across(leaf);
-    if (estimate.marked && side <= site_.coarsest / (across ? kMarkedEdge : kMarkedCorner)) {
+    if (estimate.marked &&
+        side <= grid_.tree().coarsest() / (across ? kMarkedEdge : kMarkedCorner)) {
       return false;
     }
     bool within_limit = false;
@@ -128,9 +128,9 @@ class Estimator {
 
   [[nodiscard]] double of_parent(std::int32_t leaf) const {
     const CellTree::Leaf& child = grid_.leaf(leaf);
-    if (child.cell.side == site_.coarsest) return 0;
+    if (child.cell.side == grid_.tree().coarsest()) return 0;
     CellTree::Leaf parent;
-    parent.cell = parent_of(child.cell, site_.reach());
+    parent.cell = parent_of(child.cell, grid_.reach());
     for (int corner = 0; corner < 8; ++corner) {
       parent.corners[corner] = grid_.tree().find(corner_of(parent.cell, corner));
       if (!grid_.usable(parent.corners[corner])) return 0;
@@ -152,7 +152,6 @@ class Estimator {
     return branch_test_.largest_residual(cell) / (cell.side * grid_.spacing());
   }
 
-  const Site& site_;
   const std::vector<ConfigurationSummary>& configurations_;
   CheckPointGrid grid_;
   BranchTest branch_test_;
@@ -166,9 +165,9 @@ class Estimator {
 
 }  // namespace
 
-std::vector<CellEstimate> estimate_errors(const Site& site,
+std::vector<CellEstimate> estimate_errors(const Grid& grid,
                                           const std::vector<ConfigurationSummary>& configurations) {
-  const Estimator estimator(site, configurations);
+  const Estimator estimator(grid, configurations);
   std::vector<CellEstimate> estimates;
   const auto count = static_cast<std::int32_t>(estimator.grid().tree().leaves().size());
   for (std::int32_t leaf = 0; leaf < count; ++leaf) estimates.push_back(estimator.estimate(leaf));
@@ -178,8 +177,8 @@ std::vector<CellEstimate> estimate_errors(const Site& site,
 }
 
 std::vector<double> estimate_errors_around(
-    const Site& site, const std::vector<ConfigurationSummary>& configurations) {
-  const Estimator estimator(site, configurations);
+    const Grid& grid, const std::vector<ConfigurationSummary>& configurations) {
+  const Estimator estimator(grid, configurations);
   const CellTree& tree = estimator.grid().tree();
   std::vector<double> of_leaf;
   for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf) {
@@ -196,14 +195,14 @@ std::vector<double> estimate_errors_around(
   return errors;
 }
 
-std::vector<Cell> cells_to_split(const Site& site,
+std::vector<Cell> cells_to_split(const Grid& grid,
                                  const std::vector<ConfigurationSummary>& configurations,
                                  double tolerance, std::int32_t smallest) {
   if (!(tolerance > 0)) {
     throw InputError("The tolerance of the force is " + std::to_string(tolerance) +
                      " N; it takes a positive one.");
   }
-  const Estimator estimator(site, configurations);
+  const Estimator estimator(grid, configurations);
   const CellTree& tree = estimator.grid().tree();
   const auto num_leaves = static_cast<std::int32_t>(tree.leaves().size());
   std::vector<char> is_split(tree.leaves().size(), 0);

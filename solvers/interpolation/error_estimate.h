@@ -41,13 +41,13 @@ struct CellEstimate {
 /// proportion to their number.
 /// @throws InputError as CheckPointGrid.
 [[nodiscard]] std::vector<CellEstimate> estimate_errors(
-    const Site& site, const std::vector<ConfigurationSummary>& configurations);
+    const Grid& grid, const std::vector<ConfigurationSummary>& configurations);
 
 /// For each configuration the largest error of the leaves that have its check-point at a corner, an
 /// edge or a side, N; NaN where that is infinite, or the check-point is off the grid.
 /// @throws InputError as CheckPointGrid.
 [[nodiscard]] std::vector<double> estimate_errors_around(
-    const Site& site, const std::vector<ConfigurationSummary>& configurations);
+    const Grid& grid, const std::vector<ConfigurationSummary>& configurations);
 
 /// A leaf that is marked by some of its corners is split down to a quarter of the coarsest side,
 /// which tells the marked region from the rest; one that is marked by all of them is not. Where an
@@ -68,7 +68,7 @@ inline constexpr std::int32_t kMarkedEdge = 8;
 /// @param tolerance Of the force, N. @param smallest The least side that may come of it.
 /// @throws InputError as CheckPointGrid, or the tolerance is not positive.
 [[nodiscard]] std::vector<Cell> cells_to_split(
-    const Site& site, const std::vector<ConfigurationSummary>& configurations, double tolerance,
+    const Grid& grid, const std::vector<ConfigurationSummary>& configurations, double tolerance,
     std::int32_t smallest = 1);
 
 /// The 19 points that a cell's halves have and the cell has not, in their order.

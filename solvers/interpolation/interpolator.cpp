@@ -50,15 +50,15 @@ std::string to_string(Method method) {
   return "unknown";
 }
 
-Interpolator::Interpolator(const TouchSite& site)
-    : grid_(site),
-      force_limit_(site.site.force_limit),
+Interpolator::Interpolator(const TouchToolSpace& tool_space)
+    : grid_(tool_space),
+      force_limit_(tool_space.setup.policy.force_limit),
       largest_force_(std::numeric_limits<double>::infinity()) {
   double largest = 0;
   for (std::int32_t n = 0; n < grid_.num_nodes(); ++n) {
     if (!grid_.usable(n)) continue;
     ++num_samples_;
-    const ConfigurationSummary& c = site.configurations[grid_.configuration(n)];
+    const ConfigurationSummary& c = tool_space.configurations[grid_.configuration(n)];
     largest = std::max(largest, c.force.norm());
     if (grid_.reach() == 0) rest_ = {c.force, c.stiffness, c.energy, Support::extrapolated};
   }
@@ -106,15 +106,15 @@ TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
   return result;
 }
 
-std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchSite& site,
+std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchToolSpace& tool_space,
                                                 const InterpolationOptions& options) {
   switch (method) {
-    case Method::trilinear: return std::make_unique<Trilinear>(site, options);
-    case Method::tricubic: return std::make_unique<Tricubic>(site, options);
+    case Method::trilinear: return std::make_unique<Trilinear>(tool_space, options);
+    case Method::tricubic: return std::make_unique<Tricubic>(tool_space, options);
     case Method::rbf_linear:
-    case Method::rbf_cubic: return make_radial_basis(method, site, options);
-    case Method::energy_hermite: return std::make_unique<EnergyHermite>(site, options);
-    case Method::linear: return std::make_unique<Linear>(site);
+    case Method::rbf_cubic: return make_radial_basis(method, tool_space, options);
+    case Method::energy_hermite: return std::make_unique<EnergyHermite>(tool_space, options);
+    case Method::linear: return std::make_unique<Linear>(tool_space);
   }
   std::string names;
   for (Method known : all_methods()) {

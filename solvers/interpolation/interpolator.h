@@ -17,7 +17,7 @@
 //
 //   Π(t) = Π₀ + h₀·Δ + ½ Δ·k₀Δ,   h(t) = h₀ + k₀Δ,   Δ = t − t₀
 //
-// with a k₀ that is continuous along the border, and where the site has a force limit, up to
+// with a k₀ that is continuous along the border, and where the tool space has a force limit, up to
 // |h| ≤ max(force limit, |h₀|). It is there no longer the exact gradient of Π: k₀ varies along the
 // box. So far out that Π or h overflows there is nothing to go by: nothing is found.
 //
@@ -70,7 +70,7 @@ struct TouchResult {
   Support support = Support::none;
 };
 
-/// Immutable, and holds all it needs: the site may go.
+/// Immutable, and holds all it needs: the tool space may go.
 class Interpolator {
  public:
   virtual ~Interpolator() = default;
@@ -97,7 +97,7 @@ class Interpolator {
  protected:
   using Location = CheckPointGrid::Location;
 
-  explicit Interpolator(const TouchSite& site);
+  explicit Interpolator(const TouchToolSpace& tool_space);
   [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
   void set_num_samples(std::size_t num) { num_samples_ = num; }
   /// Where nothing comes from extrapolated nodes: the force is h + kΔ from rest whatever is
@@ -121,10 +121,11 @@ class Interpolator {
   std::size_t num_samples_ = 0;
 };
 
-/// @throws InputError the site has no grid, see CheckPointGrid; its grid is not uniform and the
+/// @throws InputError the tool space has no grid, see CheckPointGrid; its grid is not uniform and
+/// the
 ///   method needs one (tricubic); it has no usable configuration at rest (linear); there is no such
 ///   method.
 [[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(
-    Method method, const TouchSite& site, const InterpolationOptions& options = {});
+    Method method, const TouchToolSpace& tool_space, const InterpolationOptions& options = {});
 
 }  // namespace palpate

@@ -5,14 +5,14 @@
 
 namespace palpate {
 
-Linear::Linear(const TouchSite& site) : Interpolator(site) {
+Linear::Linear(const TouchToolSpace& tool_space) : Interpolator(tool_space) {
   const std::int32_t rest = grid().tree().find({0, 0, 0});
   if (rest < 0 || !grid().usable(rest)) {
-    throw InputError("The site at active node " + std::to_string(site.site.active_node) +
+    throw InputError("The tool space at " + tool_space.setup.name() +
                      " has no usable configuration at rest, whose stiffness 'Linear' takes. " +
                      "Choose another interpolation.");
   }
-  stiffness_ = site.configurations[grid().configuration(rest)].stiffness;
+  stiffness_ = tool_space.configurations[grid().configuration(rest)].stiffness;
   set_linear_from_rest({Vec3::Zero(), stiffness_, 0, Support::extrapolated});
   set_num_samples(1);
 }

@@ -13,7 +13,7 @@ namespace palpate {
 class Linear final : public Interpolator {
  public:
   /// @throws InputError there is no usable configuration at rest; and as Interpolator.
-  explicit Linear(const TouchSite& site);
+  explicit Linear(const TouchToolSpace& tool_space);
 
  private:
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;

@@ -140,7 +140,7 @@ struct Centres {
   std::vector<Eigen::Vector4d> values;
 };
 
-Centres find_centres(const TouchSite& site, const CheckPointGrid& grid,
+Centres find_centres(const TouchToolSpace& tool_space, const CheckPointGrid& grid,
                      const InterpolationOptions& options) {
   Centres centres;
   const auto add = [&](const Vec3& t, const Vec3& force, double energy) {
@@ -149,11 +149,11 @@ Centres find_centres(const TouchSite& site, const CheckPointGrid& grid,
   };
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
     if (!grid.usable(n)) continue;
-    const ConfigurationSummary& c = site.configurations[grid.configuration(n)];
+    const ConfigurationSummary& c = tool_space.configurations[grid.configuration(n)];
     add(c.t, c.force, c.energy);
   }
   if (!options.intermediate_states || !grid.any_usable()) return centres;
-  for (const IntermediateState& state : site.intermediate_states) {
+  for (const IntermediateState& state : tool_space.intermediate_states) {
     if (!state.usable() || !state.t.allFinite() || !state.force.allFinite() ||
         !std::isfinite(state.energy)) {
       continue;
@@ -170,11 +170,11 @@ Centres find_centres(const TouchSite& site, const CheckPointGrid& grid,
 template <bool cubic>
 class RadialBasis final : public Interpolator {
  public:
-  RadialBasis(const TouchSite& site, const InterpolationOptions& options)
-      : Interpolator(site),
-        stiffness_(grid(), site.configurations, options.third_derivatives),
+  RadialBasis(const TouchToolSpace& tool_space, const InterpolationOptions& options)
+      : Interpolator(tool_space),
+        stiffness_(grid(), tool_space.configurations, options.third_derivatives),
         kernel_(best_kernel<cubic>()) {
-    const Centres centres = find_centres(site, grid(), options);
+    const Centres centres = find_centres(tool_space, grid(), options);
     if (centres.places.empty()) return;
     set_num_samples(centres.places.size());
     fill(centres, weights_of(centres, options.linear_polynomial));
@@ -265,10 +265,10 @@ class RadialBasis final : public Interpolator {
 
 }  // namespace
 
-std::unique_ptr<Interpolator> make_radial_basis(Method method, const TouchSite& site,
+std::unique_ptr<Interpolator> make_radial_basis(Method method, const TouchToolSpace& tool_space,
                                                 const InterpolationOptions& options) {
-  if (method == Method::rbf_cubic) return std::make_unique<RadialBasis<true>>(site, options);
-  return std::make_unique<RadialBasis<false>>(site, options);
+  if (method == Method::rbf_cubic) return std::make_unique<RadialBasis<true>>(tool_space, options);
+  return std::make_unique<RadialBasis<false>>(tool_space, options);
 }
 
 }  // namespace palpate

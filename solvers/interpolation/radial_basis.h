@@ -25,7 +25,8 @@ namespace palpate {
 
 /// @param method Method::rbf_linear or Method::rbf_cubic.
 /// @throws InputError as Interpolator.
-[[nodiscard]] std::unique_ptr<Interpolator> make_radial_basis(Method method, const TouchSite& site,
+[[nodiscard]] std::unique_ptr<Interpolator> make_radial_basis(Method method,
+                                                              const TouchToolSpace& tool_space,
                                                               const InterpolationOptions& options);
 
 }  // namespace palpate

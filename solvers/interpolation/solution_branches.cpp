@@ -26,10 +26,11 @@ std::int32_t reached(const ConfigurationSummary& a, const ConfigurationSummary& 
   return a.reached[neighbour_number(a.check_point, b.check_point)];
 }
 
-/// The configurations of a site, with the transitions of the flat space among those that were made.
-std::vector<ConfigurationSummary> with_flat_transitions(const TouchSite& site) {
-  std::vector<ConfigurationSummary> all = site.configurations;
-  for (const ConfigurationSummary& c : site.configurations) {
+/// The configurations of a tool space, with the transitions of the flat space among those that were
+/// made.
+std::vector<ConfigurationSummary> with_flat_transitions(const TouchToolSpace& tool_space) {
+  std::vector<ConfigurationSummary> all = tool_space.configurations;
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     const int number = neighbour_number(c.parent, c.check_point);
     if (c.level != 0 || !c.usable() || number < 0 || c.parent == c.check_point) continue;
     ConfigurationSummary parent;
@@ -65,11 +66,11 @@ Way way_between(const ConfigurationSummary& a, const ConfigurationSummary& b) {
   return a.level == 0 && b.level == 0 && same_flags ? Way::smooth : Way::unknown;
 }
 
-/// Finds the branches of a site with levels.
+/// Finds the branches of a tool space with levels.
 class Builder {
  public:
-  explicit Builder(const TouchSite& site)
-      : all_(with_flat_transitions(site)), reach_(site.site.reach()) {
+  explicit Builder(const TouchToolSpace& tool_space)
+      : all_(with_flat_transitions(tool_space)), reach_(tool_space.setup.grid.reach()) {
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (!all_[i].usable() || (all_[i].flags & flags::unstable) != 0) continue;
       at_[all_[i].check_point].push_back(static_cast<std::int32_t>(i));
@@ -234,12 +235,12 @@ class Builder {
 
 }  // namespace
 
-SolutionBranches::SolutionBranches(const TouchSite& site)
-    : spacing_(site.site.spacing()), reach_(site.site.reach()) {
-  const auto& all = site.configurations;
+SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
+    : spacing_(tool_space.setup.grid.spacing()), reach_(tool_space.setup.grid.reach()) {
+  const auto& all = tool_space.configurations;
   if (std::any_of(all.begin(), all.end(),
                   [](const ConfigurationSummary& c) { return c.has_history(); })) {
-    Builder builder(site);
+    Builder builder(tool_space);
     configurations_ = builder.find();
     if (configurations_.size() > 1) next_ = builder.next();
   }
@@ -283,21 +284,21 @@ int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
   return next(cell);
 }
 
-TouchSite restricted(const TouchSite& site, const std::vector<std::int32_t>& configurations) {
-  TouchSite part;
-  part.site = site.site;
-  part.rest_position = site.rest_position;
+TouchToolSpace restricted(const TouchToolSpace& tool_space,
+                          const std::vector<std::int32_t>& configurations) {
+  TouchToolSpace part;
+  part.setup = tool_space.setup;
   const auto size = static_cast<Eigen::Index>(configurations.size());
-  part.coefficients.resize(site.coefficients.rows(), size);
-  part.coefficient_gradients.resize(site.coefficient_gradients.rows(), size);
+  part.coefficients.resize(tool_space.coefficients.rows(), size);
+  part.coefficient_gradients.resize(tool_space.coefficient_gradients.rows(), size);
   for (Eigen::Index i = 0; i < size; ++i) {
-    const std::int32_t of_site = configurations[static_cast<std::size_t>(i)];
-    ConfigurationSummary& c =
-        part.configurations.emplace_back(site.configurations[static_cast<std::size_t>(of_site)]);
+    const std::int32_t of_space = configurations[static_cast<std::size_t>(i)];
+    ConfigurationSummary& c = part.configurations.emplace_back(
+        tool_space.configurations[static_cast<std::size_t>(of_space)]);
     // The jump that led here is not on the branch.
-    if (configurations.size() < site.configurations.size()) c.flags &= ~flags::near_fold;
-    part.coefficients.col(i) = site.coefficients.col(of_site);
-    part.coefficient_gradients.col(i) = site.coefficient_gradients.col(of_site);
+    if (configurations.size() < tool_space.configurations.size()) c.flags &= ~flags::near_fold;
+    part.coefficients.col(i) = tool_space.coefficients.col(of_space);
+    part.coefficient_gradients.col(i) = tool_space.coefficient_gradients.col(of_space);
   }
   // Those on the way to a first level: the others have none.
   const auto leads_here = [&](const IntermediateState& state) {
@@ -305,7 +306,7 @@ TouchSite restricted(const TouchSite& site, const std::vector<std::int32_t>& con
     target.check_point = state.target;
     return std::binary_search(part.configurations.begin(), part.configurations.end(), target);
   };
-  std::copy_if(site.intermediate_states.begin(), site.intermediate_states.end(),
+  std::copy_if(tool_space.intermediate_states.begin(), tool_space.intermediate_states.end(),
                std::back_inserter(part.intermediate_states), leads_here);
   return part;
 }

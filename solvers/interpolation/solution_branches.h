@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The branches of a site with levels, and which of them the body is on.
+// The branches of a tool space with levels, and which of them the body is on.
 //
 // A branch holds at most one configuration a check-point, and any two neighbours in it are one
 // smooth way apart: what is moved from one is found at the other, and back again as far as that was
@@ -18,14 +18,14 @@
 
 namespace palpate {
 
-/// An object is immutable and holds all that it needs: the site may go.
+/// An object is immutable and holds all that it needs: the tool space may go.
 class SolutionBranches {
  public:
-  explicit SolutionBranches(const TouchSite& site);
+  explicit SolutionBranches(const TouchToolSpace& tool_space);
 
   /// There is at least one branch; the first is that of rest.
   [[nodiscard]] int size() const { return static_cast<int>(configurations_.size()); }
-  /// Places in the site's list, ascending.
+  /// Places in the tool space's list, ascending.
   [[nodiscard]] const std::vector<std::int32_t>& configurations(int branch) const {
     return configurations_[static_cast<std::size_t>(branch)];
   }
@@ -49,9 +49,10 @@ class SolutionBranches {
   std::vector<std::int16_t> next_;
 };
 
-/// Makes a site of these configurations alone, with the intermediate states on the way to them.
-/// @param configurations Places in the site's list, ascending.
-[[nodiscard]] TouchSite restricted(const TouchSite& site,
-                                   const std::vector<std::int32_t>& configurations);
+/// Makes a tool space of these configurations alone, with the intermediate states on the way to
+/// them.
+/// @param configurations Places in the tool space's list, ascending.
+[[nodiscard]] TouchToolSpace restricted(const TouchToolSpace& tool_space,
+                                        const std::vector<std::int32_t>& configurations);
 
 }  // namespace palpate

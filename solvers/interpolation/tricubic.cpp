@@ -98,27 +98,28 @@ Tricubic::Kernel best_kernel() {
   return sum_up_baseline;
 }
 
-const TouchSite& with_uniform_grid(const TouchSite& site) {
-  if (site.site.coarsest > 1) {
-    throw InputError("The site at active node " + std::to_string(site.site.active_node) +
+const TouchToolSpace& with_uniform_grid(const TouchToolSpace& tool_space) {
+  if (tool_space.setup.grid.coarsest > 1) {
+    throw InputError("The tool space at " + tool_space.setup.name() +
                      " has cells of different size, which 'Tricubic' does not take. Choose " +
                      "'Energy Hermite', 'Trilinear', 'RBF linear', 'RBF cubic' or 'Linear'.");
   }
-  return site;
+  return tool_space;
 }
 
 }  // namespace
 
-Tricubic::Tricubic(const TouchSite& site, const InterpolationOptions& options)
-    : Interpolator(with_uniform_grid(site)),
-      resolution_(site.site.resolution),
+Tricubic::Tricubic(const TouchToolSpace& tool_space, const InterpolationOptions& options)
+    : Interpolator(with_uniform_grid(tool_space)),
+      resolution_(tool_space.setup.grid.resolution),
       count_(std::min(resolution_, kMost)),
-      stiffness_(grid(), site.configurations, options.third_derivatives),
+      stiffness_(grid(), tool_space.configurations, options.third_derivatives),
       kernel_(best_kernel()) {
   if (!grid().any_usable()) return;
   // On a uniform grid they are numbered through, z fastest.
   for (std::int32_t n = 0; n < grid().num_nodes(); ++n) {
-    const NodeData data = node_data(grid(), site.configurations, n, options.third_derivatives);
+    const NodeData data =
+        node_data(grid(), tool_space.configurations, n, options.third_derivatives);
     nodes_.emplace_back() << data.force, data.energy;
   }
 }

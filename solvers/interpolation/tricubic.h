@@ -22,7 +22,7 @@ namespace palpate {
 class Tricubic final : public Interpolator {
  public:
   /// @throws InputError the grid is not uniform; and as Interpolator.
-  Tricubic(const TouchSite& site, const InterpolationOptions& options);
+  Tricubic(const TouchToolSpace& tool_space, const InterpolationOptions& options);
 
   /// Values and slopes of the polynomials along the axes, the latter per spacing.
   struct Weights {

@@ -5,11 +5,13 @@
 
 namespace palpate {
 
-Trilinear::Trilinear(const TouchSite& site, const InterpolationOptions& options)
-    : Interpolator(site), stiffness_(grid(), site.configurations, options.third_derivatives) {
+Trilinear::Trilinear(const TouchToolSpace& tool_space, const InterpolationOptions& options)
+    : Interpolator(tool_space),
+      stiffness_(grid(), tool_space.configurations, options.third_derivatives) {
   if (!grid().any_usable()) return;
   for (std::int32_t n = 0; n < grid().num_nodes(); ++n) {
-    const NodeData data = node_data(grid(), site.configurations, n, options.third_derivatives);
+    const NodeData data =
+        node_data(grid(), tool_space.configurations, n, options.third_derivatives);
     nodes_.emplace_back() << data.force, data.energy;
   }
   for (const CheckPointGrid::HangingNode& hanging : grid().hanging_nodes()) {

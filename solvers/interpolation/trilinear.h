@@ -17,7 +17,7 @@ namespace palpate {
 
 class Trilinear final : public Interpolator {
  public:
-  Trilinear(const TouchSite& site, const InterpolationOptions& options);
+  Trilinear(const TouchToolSpace& tool_space, const InterpolationOptions& options);
 
  private:
   /// Force, then energy: taken together.

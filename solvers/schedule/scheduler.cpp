@@ -304,7 +304,7 @@ void Scheduler::hear_refusal() {
 
 /// Any but this one.
 int Scheduler::random_rank() {
-  const int other = home_of(++random_, size_ - 1);
+  const int other = owner_of(++random_, size_ - 1);
   return other < rank_ ? other : other + 1;
 }
 

@@ -2,7 +2,7 @@
 // Transposition-driven scheduling [TDS] of opaque tasks on all ranks: no master, no barrier, and no
 // rank waits for an answer.
 //
-// Mail. What concerns a state is posted to its home rank, the hash of its key (home.h),
+// Mail. What concerns a state is posted to its owner rank, the hash of its key (owner.h),
 // which so knows of duplicates. It is delivered between tasks, before the next one.
 //
 // Stealing. Hashing alone leaves ranks idle, so a rank without work asks others for a share of

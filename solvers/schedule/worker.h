@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "schedule/home.h"
 #include "schedule/network.h"
+#include "schedule/owner.h"
 
 namespace palpate {
 
@@ -18,9 +18,9 @@ class Mail {
   /// Posts a message: Worker::receive gets it there, later; also on this rank, and never from
   /// within this call. Messages to one rank arrive in the order in which they were posted.
   virtual void send(int rank, Bytes message) = 0;
-  /// The same, to the home of a key.
-  void send_home(std::uint64_t key, Bytes message) {
-    send(home_of(key, size()), std::move(message));
+  /// The same, to the owner of a key.
+  void send_to_owner(std::uint64_t key, Bytes message) {
+    send(owner_of(key, size()), std::move(message));
   }
 
   /// Call this now and then within Worker::work where a task is long: it gives tasks to ranks that

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One configuration of a state space: an equilibrium of the body with the active site held at a
+// One configuration of a state space: an equilibrium of the body with the tool held at a
 // check-point [P07, 3.2.3].
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
@@ -11,14 +11,13 @@
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
-#include <tuple>
 
 #include "base/outcome.h"
 #include "base/types.h"
 
 namespace palpate {
 
-/// A place on the grid around the rest position of a site, in steps of the grid: (0,0,0) is rest.
+/// A place on the grid of a tool's coordinates, in steps of the grid: (0,0,0) is rest.
 using CheckPoint = std::array<std::int32_t, 3>;
 
 /// The check-points around one, itself among them, by number: i slowest, k fastest.
@@ -61,11 +60,11 @@ struct ConfigurationSummary {
   /// parent.
   CheckPoint parent{};
   std::int32_t parent_level = 0;
-  /// Displacement of the active site from rest t [3], m.
+  /// Coordinates of the tool t [3], m: of one that is bonded its displacement from rest.
   Vec3 t = Vec3::Zero();
   /// Potential energy at equilibrium Π, J.
   double energy = 0;
-  /// Force that holds the site, h = ∂Π/∂t [3], N.
+  /// Force that holds the tool, h = ∂Π/∂t [3], N.
   Vec3 force = Vec3::Zero();
   /// Haptic stiffness k = ∂h/∂t [3×3], symmetric, N/m.
   Mat3 stiffness = Mat3::Zero();
@@ -116,11 +115,11 @@ struct IntermediateState {
   CheckPoint target{};
   /// Its number along the way, from 1.
   std::int32_t number = 1;
-  /// Displacement of the active site from rest t [3], m.
+  /// Coordinates of the tool t [3], m: of one that is bonded its displacement from rest.
   Vec3 t = Vec3::Zero();
   /// Potential energy, J.
   double energy = 0;
-  /// Force that holds the site, N.
+  /// Force that holds the tool, N.
   Vec3 force = Vec3::Zero();
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
@@ -176,73 +175,5 @@ void for_each_field(Fields& fields, Visit&& visit) {
 [[nodiscard]] inline bool operator<(const ConfigurationSummary& a, const ConfigurationSummary& b) {
   return a.check_point != b.check_point ? a.check_point < b.check_point : a.level < b.level;
 }
-
-/// Whether a check-point may have several levels. The numbers are stored: keep them.
-enum class History : std::int32_t {
-  /// A check-point has one configuration, however it was reached.
-  flat = 0,
-  /// Check-points have levels where there are signs of several branches.
-  automatic = 1,
-  /// All transitions between neighbours are made [P07].
-  levels = 2,
-};
-
-/// The largest number of intermediate states on the way to a configuration; [P08] has 5.
-inline constexpr std::int32_t kMostIntermediateStates = 100;
-
-/// The largest number of check-points along an axis: with more, the number of a node of the grid
-/// would overflow.
-inline constexpr std::int32_t kLargestResolution = 1001;
-/// The largest number of corners of the coarsest cells along an axis. Each of them takes memory,
-/// whether there is a configuration or not.
-inline constexpr std::int32_t kLargestCoarsestResolution = 129;
-/// The largest number of corners of the coarsest cells of all sites of a space, for the same
-/// reason.
-inline constexpr std::int64_t kMostCoarsestCorners = std::int64_t{1} << 24;
-
-/// The active site and the grid around it.
-struct Site {
-  /// Point of the mesh.
-  Index active_node = 0;
-  /// Half the side of the box of check-points, m.
-  double half_width = 0;
-  /// Check-points along an axis; odd, so that rest is one of them.
-  std::int32_t resolution = 0;
-  /// Force limit of the device, N; 0 is none.
-  double force_limit = 0;
-  /// The points of the surface patch within this distance of the active node move with it, m; 0:
-  /// the node alone.
-  double tip_radius = 0;
-  /// Side of the coarsest cells, in steps of the grid: a power of two that divides reach(); 1: the
-  /// grid is uniform. The cells in between are halved where there are configurations, see
-  /// interpolation/cell_tree.h.
-  std::int32_t coarsest = 1;
-  /// The error of the force that was asked for, N; 0: the grid is uniform.
-  double tolerance = 0;
-  /// The tolerance is a share of the largest force, not a number of N.
-  bool tolerance_is_relative = false;
-  History history = History::flat;
-  /// The number of intermediate states on the way to each configuration.
-  std::int32_t intermediate_states = 0;
-  /// Each configuration has its third derivative.
-  bool third_derivatives = false;
-
-  /// Distance of neighbouring check-points, m; 0 where rest is the only one.
-  [[nodiscard]] double spacing() const {
-    return resolution > 1 ? 2 * half_width / (resolution - 1) : 0;
-  }
-  [[nodiscard]] std::int32_t reach() const { return (resolution - 1) / 2; }
-  /// Corners of the coarsest cells along an axis.
-  [[nodiscard]] std::int32_t coarsest_resolution() const { return 2 * reach() / coarsest + 1; }
-
-  [[nodiscard]] friend bool operator==(const Site& a, const Site& b) {
-    const auto all = [](const Site& s) {
-      return std::tie(s.active_node, s.half_width, s.resolution, s.force_limit, s.tip_radius,
-                      s.coarsest, s.tolerance, s.tolerance_is_relative, s.history,
-                      s.intermediate_states, s.third_derivatives);
-    };
-    return all(a) == all(b);
-  }
-};
 
 }  // namespace palpate

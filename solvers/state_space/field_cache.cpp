@@ -14,9 +14,9 @@ namespace {
 /// Spacings that differ by less than this share are equal but for rounding.
 constexpr double kSpacingRounding = 1e-9;
 
-bool is_same_grid(const Site& a, const Site& b) {
-  return a.active_node == b.active_node && a.tip_radius == b.tip_radius &&
-         std::abs(a.spacing() - b.spacing()) <= kSpacingRounding * a.spacing();
+bool is_same_grid(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
+  return a.interaction == b.interaction &&
+         std::abs(a.grid.spacing() - b.grid.spacing()) <= kSpacingRounding * a.grid.spacing();
 }
 
 std::size_t bytes_of(const Configuration& c) {
@@ -29,15 +29,12 @@ std::size_t bytes_of(const Configuration& c) {
 
 }  // namespace
 
-std::vector<const Configuration*> FieldCache::get(const Site& site,
+std::vector<const Configuration*> FieldCache::get(const ToolSpaceSetup& setup,
                                                   const std::vector<ConfigurationSummary>& wanted) {
-  const auto key_of = [&](const ConfigurationSummary& c) {
-    return Key{site.active_node, c.check_point, c.level};
-  };
   ++uses_;
   std::vector<ConfigurationSummary> missing;
   for (const ConfigurationSummary& c : wanted) {
-    const auto found = entries_.find(key_of(c));
+    const auto found = entries_.find(key_of(setup.id, c));
     if (found == entries_.end()) {
       missing.push_back(c);
     } else {
@@ -45,12 +42,12 @@ std::vector<const Configuration*> FieldCache::get(const Site& site,
     }
   }
   if (!missing.empty()) {
-    read(site, missing);
+    read(setup, missing);
     forget_old_ones();
   }
   std::vector<const Configuration*> fields;
   for (const ConfigurationSummary& c : wanted) {
-    fields.push_back(&entries_.at(key_of(c)).configuration);
+    fields.push_back(&entries_.at(key_of(setup.id, c)).configuration);
   }
   return fields;
 }
@@ -70,22 +67,23 @@ StateSpaceFile FieldCache::open() const {
   return file;
 }
 
-void FieldCache::read(const Site& site, const std::vector<ConfigurationSummary>& missing) {
+void FieldCache::read(const ToolSpaceSetup& setup,
+                      const std::vector<ConfigurationSummary>& missing) {
   const StateSpaceFile file = open();
-  const std::vector<SiteSpace> sites = file.read_sites();
-  if (std::none_of(sites.begin(), sites.end(),
-                   [&](const SiteSpace& s) { return is_same_grid(s.site, site); })) {
-    fail("active node " + std::to_string(site.active_node) + " has another tip or grid there");
+  const std::vector<ToolSpace> there = file.read_tool_spaces();
+  if (std::none_of(there.begin(), there.end(),
+                   [&](const ToolSpace& s) { return is_same_grid(s.setup, setup); })) {
+    fail(setup.name() + " has another tip or grid there");
   }
   for (const ConfigurationSummary& summary : missing) {
     Configuration c;
     static_cast<ConfigurationSummary&>(c) = summary;
-    if (!file.read_fields(site.active_node, c)) fail("a configuration is damaged there");
+    if (!file.read_fields(setup.id, c)) fail("a configuration is damaged there");
     if (c.u.size() == 0 || c.v.rows() != c.u.size()) {
       fail("a configuration has no displacement, or no derivative of it, there");
     }
     bytes_ += bytes_of(c);
-    entries_[{site.active_node, c.check_point, c.level}] = {std::move(c), uses_};
+    entries_[key_of(setup.id, c)] = {std::move(c), uses_};
   }
 }
 

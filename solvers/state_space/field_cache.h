@@ -8,11 +8,10 @@
 #include <filesystem>
 #include <map>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "assembly/scene.h"
-#include "state_space/configuration.h"
+#include "state_space/tool_space.h"
 
 namespace palpate {
 
@@ -36,11 +35,10 @@ class FieldCache {
   /// @throws InputError the file is missing or damaged, or was replaced: it is of another scene or
   ///   grid, or lacks one of the configurations.
   /// @throws BackendError as StateSpaceFile does.
-  std::vector<const Configuration*> get(const Site& site,
+  std::vector<const Configuration*> get(const ToolSpaceSetup& setup,
                                         const std::vector<ConfigurationSummary>& wanted);
 
  private:
-  using Key = std::tuple<Index, CheckPoint, std::int32_t>;
   struct Entry {
     Configuration configuration;
     std::uint64_t last_use = 0;
@@ -48,7 +46,7 @@ class FieldCache {
 
   [[nodiscard]] StateSpaceFile open() const;
   [[noreturn]] void fail(const std::string& what) const;
-  void read(const Site& site, const std::vector<ConfigurationSummary>& missing);
+  void read(const ToolSpaceSetup& setup, const std::vector<ConfigurationSummary>& missing);
   void forget_old_ones();
 
   std::filesystem::path path_;
@@ -56,7 +54,7 @@ class FieldCache {
   std::size_t most_bytes_;
   std::size_t bytes_ = 0;
   std::uint64_t uses_ = 0;
-  std::map<Key, Entry> entries_;
+  std::map<StateKey, Entry> entries_;
 };
 
 }  // namespace palpate

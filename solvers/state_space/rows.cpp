@@ -21,6 +21,9 @@ struct Gather {
   void operator()(Integer x) const {
     bits.push_back(static_cast<std::int64_t>(x));
   }
+  void operator()(const Vec3& x) const {
+    for (const double component : x) (*this)(component);
+  }
   void operator()(const ThirdDerivative& x) const {
     if (!x.allFinite()) return;
     for (const double component : x) (*this)(component);
@@ -45,9 +48,9 @@ bool is_possible(Outcome outcome) {
 
 bool is_possible(Flags of_solve) { return (of_solve & ~flags::all) == 0; }
 
-bool is_in_box(const Site& site, const CheckPoint& c) {
+bool is_in_box(const Grid& grid, const CheckPoint& c) {
   return std::all_of(c.begin(), c.end(),
-                     [&](std::int32_t x) { return x >= -site.reach() && x <= site.reach(); });
+                     [&](std::int32_t x) { return x >= -grid.reach() && x <= grid.reach(); });
 }
 
 bool is_length(double x) { return std::isfinite(x) && x >= 0; }
@@ -70,36 +73,36 @@ std::int64_t checksum(const Fields& fields) {
   return sum;
 }
 
-std::int64_t checksum(const SiteSpace& space) {
+std::int64_t checksum(const ToolSpace& space, Checked checked) {
   std::vector<std::int64_t> bits;
-  for_each_number_of_site(space, Gather{bits});
+  for_each_number_of_tool_space(space, Gather{bits}, checked == Checked::as_version_6);
   return checksum_of(bits);
 }
 
-std::int64_t checksum(Index active_node, ConfigurationSummary summary, std::int64_t of_fields,
+std::int64_t checksum(ToolSpaceId tool_space, ConfigurationSummary summary, std::int64_t of_fields,
                       Checked checked) {
   if (checked == Checked::as_version_5) summary.flags &= ~flags::beyond_force_limit;
-  std::vector<std::int64_t> bits{active_node};
+  std::vector<std::int64_t> bits{tool_space};
   for_each_number_of_summary(summary, Gather{bits});
-  if (checked == Checked::all) bits.push_back(of_fields);
+  if (checked != Checked::as_version_5) bits.push_back(of_fields);
   return checksum_of(bits);
 }
 
-std::int64_t checksum(Index active_node, const LevelTransition& transition) {
-  std::vector<std::int64_t> bits{active_node};
+std::int64_t checksum(ToolSpaceId tool_space, const LevelTransition& transition) {
+  std::vector<std::int64_t> bits{tool_space};
   for_each_number_of_transition(transition, Gather{bits});
   return checksum_of(bits);
 }
 
-std::int64_t checksum(Index active_node, IntermediateState state, Checked checked) {
+std::int64_t checksum(ToolSpaceId tool_space, IntermediateState state, Checked checked) {
   if (checked == Checked::as_version_5) state.flags &= ~flags::beyond_force_limit;
-  std::vector<std::int64_t> bits{active_node};
+  std::vector<std::int64_t> bits{tool_space};
   for_each_number_of_intermediate(state, Gather{bits});
   return checksum_of(bits);
 }
 
 std::int64_t checksum(const TestSet& set, const TestPoint& point) {
-  std::vector<std::int64_t> bits{set.active_node, set.seed};
+  std::vector<std::int64_t> bits{set.tool_space, set.seed};
   Gather{bits}(set.tip_radius);
   Gather{bits}(set.half_width);
   for_each_number_of_test_point(point, Gather{bits});
@@ -114,36 +117,38 @@ std::int64_t checksum(const std::vector<char>& touchable, double solver_toleranc
   return checksum_of(touchable.data(), touchable.size(), checksum_of(bits));
 }
 
-bool is_possible(const Site& site, std::int64_t num_points) {
-  return site.active_node >= 0 && site.active_node < num_points && is_length(site.tip_radius) &&
-         is_length(site.half_width) && is_length(site.force_limit) && is_length(site.tolerance) &&
-         site.resolution >= 1 && site.resolution % 2 == 1 &&
-         site.resolution <= kLargestResolution && (site.half_width > 0 || site.resolution == 1) &&
-         site.coarsest >= 1 && (site.coarsest & (site.coarsest - 1)) == 0 &&
-         site.reach() % site.coarsest == 0 &&
-         site.coarsest_resolution() <= kLargestCoarsestResolution &&
-         site.history >= History::flat && site.history <= History::levels &&
-         site.intermediate_states >= 0 && site.intermediate_states <= kMostIntermediateStates;
+bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
+  const auto& [id, interaction, grid, policy] = setup;
+  return interaction.kind == InteractionKind::bonded_patch &&
+         interaction.material_point.allFinite() && interaction.active_node >= 0 &&
+         interaction.active_node < num_points && is_length(interaction.tip_radius) &&
+         is_length(grid.half_width) && is_length(policy.force_limit) &&
+         is_length(policy.tolerance) && grid.resolution >= 1 && grid.resolution % 2 == 1 &&
+         grid.resolution <= kLargestResolution && (grid.half_width > 0 || grid.resolution == 1) &&
+         grid.coarsest >= 1 && (grid.coarsest & (grid.coarsest - 1)) == 0 &&
+         grid.reach() % grid.coarsest == 0 &&
+         grid.coarsest_resolution() <= kLargestCoarsestResolution &&
+         policy.history >= History::flat && policy.history <= History::levels &&
+         policy.intermediate_states >= 0 && policy.intermediate_states <= kMostIntermediateStates;
 }
 
-bool is_possible(const Site& site, const ConfigurationSummary& c) {
-  if (!is_in_box(site, c.check_point) || !is_in_box(site, c.parent) || c.parent_level < 0 ||
+bool is_possible(const Grid& grid, const ConfigurationSummary& c) {
+  if (!is_in_box(grid, c.check_point) || !is_in_box(grid, c.parent) || c.parent_level < 0 ||
       !is_possible(c.outcome) || !is_possible(c.flags)) {
     return false;
   }
-  const Vec3 place = site.spacing() * Vec3(c.check_point[0], c.check_point[1], c.check_point[2]);
-  return !c.usable() || (c.t - place).norm() <= kOffCheckPoint * site.spacing();
+  return !c.usable() || (c.t - grid.place(c.check_point)).norm() <= kOffCheckPoint * grid.spacing();
 }
 
-bool is_possible(const Site& site, const LevelTransition& transition) {
-  return is_in_box(site, transition.start) && is_in_box(site, transition.target) &&
+bool is_possible(const Grid& grid, const LevelTransition& transition) {
+  return is_in_box(grid, transition.start) && is_in_box(grid, transition.target) &&
          neighbour_number(transition.start, transition.target) >= 0 &&
          transition.start_level >= 0 &&
          (transition.reached >= failed_to_reach || transition.reached == beyond_most_levels);
 }
 
-bool is_possible(const Site& site, const IntermediateState& state) {
-  return is_in_box(site, state.target) && state.number >= 1 &&
+bool is_possible(const Grid& grid, const IntermediateState& state) {
+  return is_in_box(grid, state.target) && state.number >= 1 &&
          state.number <= kMostIntermediateStates && is_possible(state.outcome) &&
          is_possible(state.flags);
 }
@@ -167,26 +172,25 @@ std::string describe(const CheckPoint& c) {
          ')';
 }
 
-std::string describe(const ConfigurationSummary& summary, Index active_node) {
+std::string describe(const ConfigurationSummary& summary, const std::string& tool_space) {
   return "configuration " + describe(summary.check_point) +
-         (summary.level != 0 ? " of level " + std::to_string(summary.level) : "") +
-         " of active node " + std::to_string(active_node);
+         (summary.level != 0 ? " of level " + std::to_string(summary.level) : "") + " of " +
+         tool_space;
 }
 
-std::string describe(const LevelTransition& transition, Index active_node) {
+std::string describe(const LevelTransition& transition, const std::string& tool_space) {
   return "transition from " + describe(transition.start) + " of level " +
-         std::to_string(transition.start_level) + " to " + describe(transition.target) +
-         " of active node " + std::to_string(active_node);
+         std::to_string(transition.start_level) + " to " + describe(transition.target) + " of " +
+         tool_space;
 }
 
-std::string describe(const IntermediateState& state, Index active_node) {
+std::string describe(const IntermediateState& state, const std::string& tool_space) {
   return "intermediate state " + std::to_string(state.number) + " on the way to " +
-         describe(state.target) + " of active node " + std::to_string(active_node);
+         describe(state.target) + " of " + tool_space;
 }
 
-std::string describe(const TestPoint& point, Index active_node) {
-  return "test point " + std::to_string(point.number) + " of active node " +
-         std::to_string(active_node);
+std::string describe(const TestPoint& point, const std::string& tool_space) {
+  return "test point " + std::to_string(point.number) + " of " + tool_space;
 }
 
 }  // namespace palpate::rows

@@ -22,26 +22,33 @@
 
 namespace palpate::rows {
 
-/// Calls visit for each number of a site.
+/// Calls visit for each number of a tool space; for a checksum of version 6, for those that files
+/// had then.
 template <class Space, class Visit>
-void for_each_number_of_site(Space& space, Visit&& visit) {
-  auto& site = space.site;
-  visit(site.active_node);
-  visit(site.tip_radius);
-  visit(site.half_width);
-  visit(site.resolution);
-  visit(site.force_limit);
-  visit(site.coarsest);
-  visit(site.tolerance);
-  visit(site.tolerance_is_relative);
-  visit(site.history);
-  visit(site.intermediate_states);
-  visit(site.third_derivatives);
+void for_each_number_of_tool_space(Space& space, Visit&& visit, bool as_version_6 = false) {
+  auto& [id, interaction, grid, policy] = space.setup;
+  if (!as_version_6) {
+    visit(id);
+    visit(interaction.kind);
+    visit(interaction.material_point);
+  }
+  visit(interaction.active_node);
+  visit(interaction.tip_radius);
+  visit(grid.half_width);
+  visit(grid.resolution);
+  visit(policy.force_limit);
+  visit(grid.coarsest);
+  visit(policy.tolerance);
+  visit(policy.tolerance_is_relative);
+  visit(policy.history);
+  visit(policy.intermediate_states);
+  visit(policy.third_derivatives);
   visit(space.complete);
 }
-inline constexpr char site_columns[] =
-    "active_node, tip_radius, half_width, resolution, force_limit, coarsest, tolerance, "
-    "tolerance_is_relative, history, intermediate_states, third_derivatives, complete";
+inline constexpr char tool_space_columns[] =
+    "tool_space_id, interaction, material_point, active_node, tip_radius, half_width, resolution, "
+    "force_limit, coarsest, tolerance, tolerance_is_relative, history, intermediate_states, "
+    "third_derivatives, complete";
 
 /// The same for a summary.
 template <class Summary, class Visit>
@@ -112,6 +119,7 @@ struct Bind {
   sqlite::Statement& statement;
   void operator()(double x) const { statement.bind(x); }
   void operator()(std::int32_t x) const { statement.bind(std::int64_t{x}); }
+  void operator()(std::int64_t x) const { statement.bind(x); }
   template <class Enumeration>
   void operator()(Enumeration x) const {
     statement.bind(static_cast<std::int64_t>(x));
@@ -119,6 +127,7 @@ struct Bind {
   void operator()(const ThirdDerivative& x) const {
     statement.bind(x.allFinite() ? x.data() : nullptr, sizeof x);
   }
+  void operator()(const Vec3& x) const { statement.bind(x.data(), sizeof x); }
 };
 
 /// Takes each number from the next column, and makes `sound` false where one does not fit.
@@ -131,6 +140,14 @@ struct Take {
     const std::int64_t stored = statement.take_integer();
     x = static_cast<Integer>(stored);
     if (static_cast<std::int64_t>(x) != stored) sound = false;
+  }
+  void operator()(Vec3& x) const {
+    const auto [data, bytes] = statement.take_blob();
+    if (bytes == sizeof x) {
+      std::memcpy(static_cast<void*>(x.data()), data, bytes);
+    } else {
+      sound = false;
+    }
   }
   void operator()(ThirdDerivative& x) const {
     const auto [data, bytes] = statement.take_blob();
@@ -148,16 +165,16 @@ struct Take {
 using Fields = std::array<sqlite::Statement::Blob, 4>;
 [[nodiscard]] Fields fields_of(const Configuration& configuration);
 
-/// Which numbers a checksum takes in. Files of version 5 left some out, see schema.sql.h.
-enum class Checked { all, as_version_5 };
+/// Which numbers a checksum takes in. Files of earlier versions left some out, see schema.sql.h.
+enum class Checked { all, as_version_6, as_version_5 };
 
 [[nodiscard]] std::int64_t checksum(const Fields& fields);
-[[nodiscard]] std::int64_t checksum(const SiteSpace& space);
+[[nodiscard]] std::int64_t checksum(const ToolSpace& space, Checked checked = Checked::all);
 /// @param of_fields The checksum of its fields.
-[[nodiscard]] std::int64_t checksum(Index active_node, ConfigurationSummary summary,
+[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, ConfigurationSummary summary,
                                     std::int64_t of_fields, Checked checked = Checked::all);
-[[nodiscard]] std::int64_t checksum(Index active_node, const LevelTransition& transition);
-[[nodiscard]] std::int64_t checksum(Index active_node, IntermediateState state,
+[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const LevelTransition& transition);
+[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, IntermediateState state,
                                     Checked checked = Checked::all);
 [[nodiscard]] std::int64_t checksum(const TestSet& set, const TestPoint& point);
 /// The checksum of those parts of a scene that its hash does not take in.
@@ -165,20 +182,22 @@ enum class Checked { all, as_version_5 };
 
 /// Whether the numbers are ones that a program may rely on: indices that exist, and sizes for which
 /// there is memory.
-[[nodiscard]] bool is_possible(const Site& site, std::int64_t num_points);
-[[nodiscard]] bool is_possible(const Site& site, const ConfigurationSummary& summary);
-[[nodiscard]] bool is_possible(const Site& site, const LevelTransition& transition);
-[[nodiscard]] bool is_possible(const Site& site, const IntermediateState& state);
+[[nodiscard]] bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points);
+[[nodiscard]] bool is_possible(const Grid& grid, const ConfigurationSummary& summary);
+[[nodiscard]] bool is_possible(const Grid& grid, const LevelTransition& transition);
+[[nodiscard]] bool is_possible(const Grid& grid, const IntermediateState& state);
 [[nodiscard]] bool is_possible(const TestPoint& point);
 /// Whether the fields have the sizes that they have for such a body.
 [[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells);
 
 /// "(1, 0, −1)"
 [[nodiscard]] std::string describe(const CheckPoint& check_point);
-/// "configuration (1, 0, −1) of active node 8"
-[[nodiscard]] std::string describe(const ConfigurationSummary& summary, Index active_node);
-[[nodiscard]] std::string describe(const LevelTransition& transition, Index active_node);
-[[nodiscard]] std::string describe(const IntermediateState& state, Index active_node);
-[[nodiscard]] std::string describe(const TestPoint& point, Index active_node);
+/// "configuration (1, 0, −1) of active node 8", which is the tool space's name.
+[[nodiscard]] std::string describe(const ConfigurationSummary& summary,
+                                   const std::string& tool_space);
+[[nodiscard]] std::string describe(const LevelTransition& transition,
+                                   const std::string& tool_space);
+[[nodiscard]] std::string describe(const IntermediateState& state, const std::string& tool_space);
+[[nodiscard]] std::string describe(const TestPoint& point, const std::string& tool_space);
 
 }  // namespace palpate::rows

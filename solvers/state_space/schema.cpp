@@ -17,8 +17,20 @@ using sqlite::Statement;
 
 constexpr std::int64_t kApplicationId = 0x50616c70;
 
+/// In place of the table `tool_space` before version 7.
+constexpr char kSite[] =
+    "CREATE TABLE site(scene_id INTEGER NOT NULL REFERENCES scene,active_node INTEGER NOT NULL,"
+    "tip_radius,half_width,resolution INTEGER NOT NULL,force_limit,coarsest INTEGER NOT NULL,"
+    "tolerance,tolerance_is_relative INTEGER NOT NULL,history INTEGER NOT NULL,intermediate_states "
+    "INTEGER NOT NULL,third_derivatives INTEGER NOT NULL,complete INTEGER NOT NULL,"
+    "checksum INTEGER,PRIMARY KEY(scene_id,active_node))";
 /// What version 5 does not have, in the tables `scene` and `site`.
 constexpr char kChecksumColumn[] = "checksum INTEGER";
+/// The tables whose key has the number of a tool space, which was an active node before version 7.
+constexpr const char* kTablesOfToolSpaces[] = {"configuration", "transition", "intermediate",
+                                               "test_point"};
+constexpr char kToolSpaceId[] = "tool_space_id";
+constexpr char kActiveNode[] = "active_node";
 
 std::string quoted(const Database& database) { return '\'' + database.path().string() + '\''; }
 
@@ -41,6 +53,13 @@ std::string bare(const std::string& sql) {
   return result;
 }
 
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; at += by.size()) {
+    text.replace(at, what.size(), by);
+  }
+  return text;
+}
+
 /// The statements that make the tables of a version, by table.
 std::map<std::string, std::string> expected_tables(std::int64_t version) {
   constexpr char kCreate[] = "CREATE TABLE ";
@@ -50,8 +69,14 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
     const std::size_t end = all.find(';', begin);
     std::string statement = all.substr(begin, end - begin);
     const std::size_t at = sizeof kCreate - 1;
-    const std::string name = statement.substr(at, statement.find('(') - at);
-    if (version < kSchemaVersion && (name == "scene" || name == "site")) {
+    std::string name = statement.substr(at, statement.find('(') - at);
+    if (version < 7 && name == "tool_space") {
+      name = "site";
+      statement = kSite;
+    } else if (version < 7) {
+      statement = replaced(std::move(statement), kToolSpaceId, kActiveNode);
+    }
+    if (version < 6 && (name == "scene" || name == "site")) {
       const std::string added = std::string(",") + kChecksumColumn;
       statement.erase(statement.find(added), added.size());
     }
@@ -109,10 +134,41 @@ std::int64_t check_schema(const Database& database) {
   return version;
 }
 
-void extend_schema(const Database& database) {
-  for (const char* table : {"scene", "site"}) {
-    database.execute(std::string("ALTER TABLE ") + table + " ADD COLUMN " + kChecksumColumn);
+void show_as_this_version(const Database& database, std::int64_t version) {
+  if (version == kSchemaVersion) return;
+  const std::string checksum = version < 6 ? "NULL AS checksum" : "checksum";
+  // The material point is where the active node is at rest.
+  database.execute(
+      "CREATE TEMP VIEW tool_space AS SELECT rowid AS rowid, scene_id, active_node AS "
+      "tool_space_id, "
+      "0 AS interaction, substr((SELECT points FROM main.scene AS s WHERE s.scene_id = "
+      "site.scene_id), 24 * active_node + 1, 24) AS material_point, active_node, tip_radius, "
+      "half_width, resolution, force_limit, coarsest, tolerance, tolerance_is_relative, history, "
+      "intermediate_states, third_derivatives, complete, " +
+      checksum + " FROM main.site");
+  for (const std::string table : kTablesOfToolSpaces) {
+    database.execute("CREATE TEMP VIEW " + table + " AS SELECT rowid AS rowid, *, " + kActiveNode +
+                     " AS " + kToolSpaceId + " FROM main." + table);
   }
+}
+
+void show_as_it_is(const Database& database) {
+  database.execute("DROP VIEW IF EXISTS temp.tool_space");
+  for (const std::string table : kTablesOfToolSpaces) {
+    database.execute("DROP VIEW IF EXISTS temp." + table);
+  }
+}
+
+void convert_schema(const Database& database, std::int64_t version) {
+  if (version < 6) {
+    database.execute(std::string("ALTER TABLE scene ADD COLUMN ") + kChecksumColumn);
+  }
+  for (const std::string table : kTablesOfToolSpaces) {
+    database.execute("ALTER TABLE " + table + " RENAME COLUMN " + kActiveNode + " TO " +
+                     kToolSpaceId);
+  }
+  database.execute("DROP TABLE site");
+  database.execute(expected_tables(kSchemaVersion).at("tool_space"));
   database.execute("PRAGMA user_version = " + std::to_string(kSchemaVersion));
 }
 

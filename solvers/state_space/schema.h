@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-inline constexpr std::int64_t kSchemaVersion = 6;
+inline constexpr std::int64_t kSchemaVersion = 7;
 /// The oldest version that is read. The next writer of such a file makes it one of this version.
 inline constexpr std::int64_t kOldestSchemaVersion = 5;
 
@@ -21,8 +21,14 @@ void make_schema(const sqlite::Database& database);
 ///   those that Palpate makes.
 [[nodiscard]] std::int64_t check_schema(const sqlite::Database& database);
 
-/// Adds the columns that an older version lacks, without values, and says that it is of this
-/// version.
-void extend_schema(const sqlite::Database& database);
+/// Shows the tables of an older version under the names and with the columns of this one, to this
+/// connection alone: as temporary views. What an older version lacks is NULL.
+void show_as_this_version(const sqlite::Database& database, std::int64_t version);
+/// Makes an end of that.
+void show_as_it_is(const sqlite::Database& database);
+
+/// Makes the tables of an older version those of this one. The table `tool_space` is empty then,
+/// and columns that the older one lacks have no values.
+void convert_schema(const sqlite::Database& database, std::int64_t version);
 
 }  // namespace palpate

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tables of a state-space file, see state_space/state_space_file.h.
 //
-// A file of version 5 is read too. It has no checksum of a scene or a site; its summary_checksum
-// does not take in the column checksum; this and that of an intermediate state take flags without
-// bit 4.
+// Files of versions 5 and 6 are read too. There a table "site" is in place of "tool_space" and its
+// key in the other tables is the active node: that was the number of a tool space. Its checksum
+// takes in the columns from active_node on. A file of version 5 has no checksum of a scene or a
+// tool space; its summary_checksum does not take in the column checksum; this and that of an
+// intermediate state take flags without bit 4.
 #pragma once
 
 namespace palpate {
@@ -46,9 +48,12 @@ CREATE TABLE material (
   parameter_5, parameter_6, parameter_7, parameter_8, parameter_9,
   PRIMARY KEY (scene_id, material)
 );
-CREATE TABLE site (
+CREATE TABLE tool_space (             -- a tool, the grid of its coordinates, how that is explored
   scene_id    INTEGER NOT NULL REFERENCES scene,
-  active_node INTEGER NOT NULL,       -- point of the mesh, from 0
+  tool_space_id INTEGER NOT NULL,
+  interaction INTEGER NOT NULL,       -- 0: the tool is bonded to a patch
+  material_point BLOB NOT NULL,       -- float64 [3], the point of the surface, at rest, m
+  active_node INTEGER NOT NULL,       -- the point of the mesh that is there, from 0
   tip_radius,                         -- the surface within it moves with the node, m; 0: it alone
   half_width,                         -- of the box of check-points, m
   resolution  INTEGER NOT NULL,       -- check-points along an axis
@@ -60,21 +65,21 @@ CREATE TABLE site (
   intermediate_states INTEGER NOT NULL,  -- on the way to each configuration
   third_derivatives INTEGER NOT NULL, -- 1: configurations have their third derivative
   complete    INTEGER NOT NULL,       -- 1: nothing is left to find
-  checksum    INTEGER,                -- XXH3 (64 bit) of the columns from active_node to complete,
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from tool_space_id to complete,
                                       -- 8 bytes each
-  PRIMARY KEY (scene_id, active_node)
+  PRIMARY KEY (scene_id, tool_space_id)
 );
 CREATE TABLE configuration (
   scene_id    INTEGER NOT NULL REFERENCES scene,
-  active_node INTEGER NOT NULL,
+  tool_space_id INTEGER NOT NULL,
   i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point; 0 0 0 is rest
   level       INTEGER NOT NULL,       -- which of the equilibria at this check-point; below 0: a
                                       -- run was killed before it was told apart from the others
   parent_i INTEGER, parent_j INTEGER, parent_k INTEGER, parent_level INTEGER,  -- where the
                                                                                -- transition began
-  t_x, t_y, t_z,                      -- displacement of the active node, m
+  t_x, t_y, t_z,                      -- coordinates of the tool, m: its displacement
   energy,                             -- J
-  force_x, force_y, force_z,          -- that holds the node, N
+  force_x, force_y, force_z,          -- that holds the tool, N
   stiffness_xx, stiffness_xy, stiffness_xz,                    -- d force / d t, N/m
   stiffness_yx, stiffness_yy, stiffness_yz,
   stiffness_zx, stiffness_zy, stiffness_zz,
@@ -91,7 +96,7 @@ CREATE TABLE configuration (
                                       -- at random, m: tells levels apart
   third_derivative BLOB,              -- float64 [10], d stiffness / d t: xxx xxy xxz xyy xyz xzz
                                       -- yyy yyz yzz zzz, N/m2; NULL: not computed
-  summary_checksum INTEGER NOT NULL,  -- XXH3 (64 bit) of active_node and of the columns from i to
+  summary_checksum INTEGER NOT NULL,  -- XXH3 (64 bit) of tool_space_id and of the columns from i to
                                       -- signature_z, 8 bytes each, NaN as -1; then of
                                       -- third_derivative, where there is one, and of checksum
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
@@ -102,44 +107,44 @@ CREATE TABLE configuration (
   p           BLOB,                   -- float64 [num_pressures], of mixed cells, Pa; NULL also where
                                       -- no material is mixed
   p_v         BLOB,                   -- float64 [3 x num_pressures], dp/dt_x, dp/dt_y, dp/dt_z
-  PRIMARY KEY (scene_id, active_node, i, j, k, level)
+  PRIMARY KEY (scene_id, tool_space_id, i, j, k, level)
 );
 CREATE TABLE transition (             -- between neighbours, where history matters
   scene_id    INTEGER NOT NULL REFERENCES scene,
-  active_node INTEGER NOT NULL,
+  tool_space_id INTEGER NOT NULL,
   i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL, level INTEGER NOT NULL,  -- from
   to_i INTEGER NOT NULL, to_j INTEGER NOT NULL, to_k INTEGER NOT NULL,
   reached     INTEGER NOT NULL,       -- level; -1: it failed, -3: one too many
-  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from active_node to reached, 8
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from tool_space_id to reached, 8
                                       -- bytes each
-  PRIMARY KEY (scene_id, active_node, i, j, k, level, to_i, to_j, to_k)
+  PRIMARY KEY (scene_id, tool_space_id, i, j, k, level, to_i, to_j, to_k)
 );
 CREATE TABLE intermediate (           -- equilibria on the way to a configuration of level 0
   scene_id    INTEGER NOT NULL REFERENCES scene,
-  active_node INTEGER NOT NULL,
+  tool_space_id INTEGER NOT NULL,
   i INTEGER NOT NULL, j INTEGER NOT NULL, k INTEGER NOT NULL,  -- check-point of the configuration
   number      INTEGER NOT NULL,       -- along the straight way from its parent, from 1
-  t_x, t_y, t_z,                      -- displacement of the active node, m
+  t_x, t_y, t_z,                      -- coordinates of the tool, m: its displacement
   energy,                             -- J
-  force_x, force_y, force_z,          -- that holds the node, N
+  force_x, force_y, force_z,          -- that holds the tool, N
   outcome     INTEGER NOT NULL,       -- as those of a configuration
   flags       INTEGER NOT NULL,
   seconds,
-  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of active_node and of the columns from i to
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of tool_space_id and of the columns from i to
                                       -- seconds, 8 bytes each, NaN as -1
-  PRIMARY KEY (scene_id, active_node, i, j, k, number)
+  PRIMARY KEY (scene_id, tool_space_id, i, j, k, number)
 );
 CREATE TABLE test_point (             -- equilibria by which interpolation is measured
   scene_id    INTEGER NOT NULL REFERENCES scene,
-  active_node INTEGER NOT NULL,
+  tool_space_id INTEGER NOT NULL,
   tip_radius  NOT NULL,               -- m
   half_width  NOT NULL,               -- of the box they were drawn in, m
   seed        INTEGER NOT NULL,       -- of the random numbers
   kind        INTEGER NOT NULL,       -- 0 anywhere in the box, 1 on a walk, 2 near rest
   number      INTEGER NOT NULL,       -- among those of its kind, from 0
-  t_x, t_y, t_z,                      -- displacement of the active node, m
+  t_x, t_y, t_z,                      -- coordinates of the tool, m: its displacement
   energy,                             -- J
-  force_x, force_y, force_z,          -- that holds the node, N
+  force_x, force_y, force_z,          -- that holds the tool, N
   stiffness_xx, stiffness_xy, stiffness_xz,                    -- d force / d t, N/m
   stiffness_yx, stiffness_yy, stiffness_yz,
   stiffness_zx, stiffness_zy, stiffness_zz,
@@ -147,11 +152,11 @@ CREATE TABLE test_point (             -- equilibria by which interpolation is me
   flags       INTEGER NOT NULL,
   seconds,
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of displacement, seeded with that
-                                      -- of active_node, seed, tip_radius, half_width and of the
+                                      -- of tool_space_id, seed, tip_radius, half_width and of the
                                       -- columns from kind to seconds, 8 bytes each, NaN as -1
   displacement BLOB,                  -- float32 [up to 64 points of the surface x 3], m; NULL where
                                       -- it did not converge
-  PRIMARY KEY (scene_id, active_node, tip_radius, half_width, seed, kind, number)
+  PRIMARY KEY (scene_id, tool_space_id, tip_radius, half_width, seed, kind, number)
 );
 )sql";
 

@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-const Configuration* SiteSpace::find(const CheckPoint& check_point, std::int32_t level) const {
+const Configuration* ToolSpace::find(const CheckPoint& check_point, std::int32_t level) const {
   ConfigurationSummary key;
   key.check_point = check_point;
   key.level = level;
@@ -13,20 +13,19 @@ const Configuration* SiteSpace::find(const CheckPoint& check_point, std::int32_t
   return found != configurations.end() && !(key < *found) ? &*found : nullptr;
 }
 
-const SiteSpace* StateSpace::find(Index active_node) const {
-  const auto found = std::lower_bound(
-      sites.begin(), sites.end(), active_node,
-      [](const SiteSpace& space, Index node) { return space.site.active_node < node; });
-  return found != sites.end() && found->site.active_node == active_node ? &*found : nullptr;
+const ToolSpace* StateSpace::find(ToolSpaceId id) const {
+  const auto found =
+      std::lower_bound(tool_spaces.begin(), tool_spaces.end(), id,
+                       [](const ToolSpace& space, ToolSpaceId of) { return space.setup.id < of; });
+  return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
 }
 
 void sort(StateSpace& space) {
-  std::sort(space.sites.begin(), space.sites.end(), [](const SiteSpace& a, const SiteSpace& b) {
-    return a.site.active_node < b.site.active_node;
-  });
-  for (SiteSpace& site : space.sites) {
-    std::sort(site.configurations.begin(), site.configurations.end());
-    std::sort(site.intermediate_states.begin(), site.intermediate_states.end());
+  std::sort(space.tool_spaces.begin(), space.tool_spaces.end(),
+            [](const ToolSpace& a, const ToolSpace& b) { return a.setup.id < b.setup.id; });
+  for (ToolSpace& tool_space : space.tool_spaces) {
+    std::sort(tool_space.configurations.begin(), tool_space.configurations.end());
+    std::sort(tool_space.intermediate_states.begin(), tool_space.intermediate_states.end());
   }
 }
 

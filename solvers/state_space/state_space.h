@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A state space: the configurations of a scene, site by site [P07, 3.2].
+// A state space: the configurations of a scene, tool space by tool space [P07, 3.2].
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
 #pragma once
@@ -8,18 +8,18 @@
 #include <vector>
 
 #include "assembly/scene.h"
-#include "state_space/configuration.h"
+#include "state_space/tool_space.h"
 
 namespace palpate {
 
-/// What was found around one active site.
-struct SiteSpace {
-  Site site;
-  /// The frontier was exhausted: a run has nothing to add.
+/// A tool space with what was found in it.
+struct ToolSpace {
+  ToolSpaceSetup setup;
+  /// Nothing is left to explore: a run has nothing to add.
   bool complete = false;
   /// These are in the order of operator<.
   std::vector<Configuration> configurations;
-  /// These are in the order of operator<; empty where the site has none.
+  /// These are in the order of operator<; empty where the tool space has none.
   std::vector<IntermediateState> intermediate_states;
 
   /// The configuration at a check-point, or nullptr.
@@ -33,14 +33,14 @@ struct StateSpace {
   std::string scene_hash;
   /// Tolerance of the equilibria, without unit: see ConfigurationSummary::residual.
   double solver_tolerance = 0;
-  /// The sites in the order of their active nodes.
-  std::vector<SiteSpace> sites;
+  /// The tool spaces in the order of their numbers.
+  std::vector<ToolSpace> tool_spaces;
 
-  /// The space around an active node, or nullptr.
-  [[nodiscard]] const SiteSpace* find(Index active_node) const;
+  /// The tool space of a number, or nullptr.
+  [[nodiscard]] const ToolSpace* find(ToolSpaceId id) const;
 };
 
-/// Brings sites, configurations and intermediate states of a space into their order.
+/// Brings tool spaces, configurations and intermediate states of a space into their order.
 void sort(StateSpace& space);
 
 }  // namespace palpate

@@ -179,38 +179,45 @@ std::vector<T> take_array(Statement& statement, std::int64_t size, const Databas
 }
 
 constexpr char kAtKey[] =
-    " WHERE scene_id = 1 AND active_node = ? AND i = ? AND j = ? AND k = ? AND level = ?";
+    " WHERE scene_id = 1 AND tool_space_id = ? AND i = ? AND j = ? AND k = ? AND level = ?";
 
 /// Corners of its coarsest cells.
-std::int64_t coarsest_corners(const Site& site) {
-  const std::int64_t n = site.coarsest_resolution();
+std::int64_t coarsest_corners(const ToolSpaceSetup& setup) {
+  const std::int64_t n = setup.grid.coarsest_resolution();
   return n * n * n;
 }
 
-std::string describe(const Site& s) {
-  return "tip radius " + number(s.tip_radius) + " m, half-width " + number(s.half_width) +
-         " m, resolution " + std::to_string(s.resolution) + ", coarsest cells of side " +
-         std::to_string(s.coarsest) + ", force limit " + number(s.force_limit) + " N, tolerance " +
-         number(s.tolerance) + (s.tolerance_is_relative ? " of the largest force" : " N") + ", " +
-         std::to_string(s.intermediate_states) + " intermediate states, " +
-         (s.third_derivatives ? "third derivatives" : "no third derivatives");
+std::string describe(const ToolSpaceSetup& setup) {
+  const auto& [id, interaction, grid, policy] = setup;
+  return "tip radius " + number(interaction.tip_radius) + " m, half-width " +
+         number(grid.half_width) + " m, resolution " + std::to_string(grid.resolution) +
+         ", coarsest cells of side " + std::to_string(grid.coarsest) + ", force limit " +
+         number(policy.force_limit) + " N, tolerance " + number(policy.tolerance) +
+         (policy.tolerance_is_relative ? " of the largest force" : " N") + ", " +
+         std::to_string(policy.intermediate_states) + " intermediate states, " +
+         (policy.third_derivatives ? "third derivatives" : "no third derivatives");
 }
+
+/// What a tool space is called of which no more than its number is known.
+std::string number_of(ToolSpaceId tool_space) { return "tool space " + std::to_string(tool_space); }
 
 /// Spacings that differ by less than this share are equal but for rounding.
 constexpr double kSpacingRounding = 1e-12;
 
-/// @throws InputError what is there around an active node is of no use for what is asked for.
-void require_extension(const fs::path& path, const Site& there, const Site& asked) {
-  const bool same_grid =
-      there.tip_radius == asked.tip_radius && there.coarsest == asked.coarsest &&
-      std::abs(there.spacing() - asked.spacing()) <= kSpacingRounding * there.spacing() &&
-      (there.tolerance > 0) == (asked.tolerance > 0) &&
-      there.intermediate_states == asked.intermediate_states &&
-      there.third_derivatives == asked.third_derivatives;
-  if (same_grid && asked.resolution >= there.resolution) return;
+/// @throws InputError the tool space that is there is of no use for what is asked for.
+void require_extension(const fs::path& path, const ToolSpaceSetup& there,
+                       const ToolSpaceSetup& asked) {
+  const double spacing = there.grid.spacing();
+  const bool is_same = there.interaction == asked.interaction &&
+                       there.grid.coarsest == asked.grid.coarsest &&
+                       std::abs(spacing - asked.grid.spacing()) <= kSpacingRounding * spacing &&
+                       (there.policy.tolerance > 0) == (asked.policy.tolerance > 0) &&
+                       there.policy.intermediate_states == asked.policy.intermediate_states &&
+                       there.policy.third_derivatives == asked.policy.third_derivatives;
+  if (is_same && asked.grid.resolution >= there.grid.resolution) return;
   throw InputError(
-      quoted(path) + " holds active node " + std::to_string(asked.active_node) + " with " +
-      describe(there) + "; asked for was " + describe(asked) +
+      quoted(path) + " holds " + asked.name() + " with " + describe(there) + "; asked for was " +
+      describe(asked) +
       ". Give another file name, or those values: only the box may grow, by the same spacing, and "
       "force limit, tolerance and history may change.");
 }
@@ -288,10 +295,13 @@ struct StateSpaceFile::Impl {
 
   [[nodiscard]] const fs::path& path() const { return database.path(); }
   [[nodiscard]] rows::Checked checked() const {
-    return version < kSchemaVersion ? rows::Checked::as_version_5 : rows::Checked::all;
+    if (version < 6) return rows::Checked::as_version_5;
+    return version < 7 ? rows::Checked::as_version_6 : rows::Checked::all;
   }
+  /// Whether a scene and a tool space have a checksum.
+  [[nodiscard]] bool has_checksums() const { return version >= 6; }
 
-  /// Calls take(select, rowid) for each row of a table at an active node, in the order of the key;
+  /// Calls take(select, rowid) for each row of a table of a tool space, in the order of the key;
   /// what it cannot take it leaves out itself. Where a part of the table cannot be read, the other
   /// rows are read one by one.
   /// @param key The columns of the key, the first three of them i, j and k.
@@ -299,22 +309,23 @@ struct StateSpaceFile::Impl {
   /// @param forget Is called when rows come again, from the first.
   template <class Take, class Forget>
   void for_each_row(const std::string& table, const std::string& columns,
-                    const std::vector<std::string>& key, Index active_node,
+                    const std::vector<std::string>& key, ToolSpaceId tool_space,
                     const std::string& condition, Take&& take, Forget&& forget) const;
   /// The numbers and check-points of the rows, as far as they can be listed, in the order of the
   /// key.
   [[nodiscard]] std::vector<std::pair<std::int64_t, CheckPoint>> list_rows(
-      const std::string& table, const std::vector<std::string>& key, Index active_node,
+      const std::string& table, const std::vector<std::string>& key, ToolSpaceId tool_space,
       const std::string& condition) const;
 
   /// Is called before each change: decides whether its commit waits for the disk.
   void before_change();
-  /// Writes a site in place of what is there.
-  void write(const SiteSpace& space) const;
+  /// Writes a tool space in place of what is there.
+  void write(const ToolSpace& space) const;
   /// Gives a row of the table of configurations other numbers; its fields stay.
   /// @param level That it is found by.
-  void rewrite(Index active_node, std::int32_t level, const ConfigurationSummary& summary) const;
-  void write(Index active_node, const IntermediateState& state) const;
+  void rewrite(ToolSpaceId tool_space, std::int32_t level,
+               const ConfigurationSummary& summary) const;
+  void write(ToolSpaceId tool_space, const IntermediateState& state) const;
   void set_touchable(const std::vector<char>& touchable) const;
 
   Database database;
@@ -344,16 +355,16 @@ struct StateSpaceFile::Impl {
 
 template <class Take, class Forget>
 void StateSpaceFile::Impl::for_each_row(const std::string& table, const std::string& columns,
-                                        const std::vector<std::string>& key, Index active_node,
+                                        const std::vector<std::string>& key, ToolSpaceId tool_space,
                                         const std::string& condition, Take&& take,
                                         Forget&& forget) const {
   try {
     std::string order;
     for (const std::string& column : key) order += (order.empty() ? "" : ", ") + column;
     Statement select(database, "SELECT rowid, " + columns + " FROM " + table +
-                                   " WHERE scene_id = 1 AND active_node = ? AND " + condition +
+                                   " WHERE scene_id = 1 AND tool_space_id = ? AND " + condition +
                                    " ORDER BY " + order);
-    select.bind(std::int64_t{active_node});
+    select.bind(tool_space);
     while (select.step()) {
       const std::int64_t row = select.take_integer();
       take(select, row);
@@ -362,7 +373,7 @@ void StateSpaceFile::Impl::for_each_row(const std::string& table, const std::str
   } catch (const InputError&) {
     forget();
   }
-  for (const auto& [row, check_point] : list_rows(table, key, active_node, condition)) {
+  for (const auto& [row, check_point] : list_rows(table, key, tool_space, condition)) {
     try {
       Statement select(database,
                        "SELECT rowid, " + columns + " FROM " + table + " WHERE rowid = ?");
@@ -373,14 +384,14 @@ void StateSpaceFile::Impl::for_each_row(const std::string& table, const std::str
       }
     } catch (const InputError&) {
     }
-    leave_out("a row of the table " + table + " at " + rows::describe(check_point) +
-                  " of active node " + std::to_string(active_node),
+    leave_out("a row of the table " + table + " at " + rows::describe(check_point) + " of " +
+                  number_of(tool_space),
               table, row);
   }
 }
 
 std::vector<std::pair<std::int64_t, CheckPoint>> StateSpaceFile::Impl::list_rows(
-    const std::string& table, const std::vector<std::string>& key, Index active_node,
+    const std::string& table, const std::vector<std::string>& key, ToolSpaceId tool_space,
     const std::string& condition) const {
   // From both ends to where they cannot be read on. The index of the key holds all that is asked
   // for.
@@ -392,9 +403,9 @@ std::vector<std::pair<std::int64_t, CheckPoint>> StateSpaceFile::Impl::list_rows
     const auto first = static_cast<std::ptrdiff_t>(listed.size());
     try {
       Statement select(database, "SELECT rowid, i, j, k FROM " + table +
-                                     " WHERE scene_id = 1 AND active_node = ? AND " + condition +
+                                     " WHERE scene_id = 1 AND tool_space_id = ? AND " + condition +
                                      " ORDER BY " + order);
-      select.bind(std::int64_t{active_node});
+      select.bind(tool_space);
       while (select.step()) {
         const std::int64_t row = select.take_integer();
         CheckPoint check_point;
@@ -403,7 +414,7 @@ std::vector<std::pair<std::int64_t, CheckPoint>> StateSpaceFile::Impl::list_rows
       }
       break;
     } catch (const InputError&) {
-      leave_out("rows of the table " + table + " at active node " + std::to_string(active_node) +
+      leave_out("rows of the table " + table + " of " + number_of(tool_space) +
                     " that cannot be told apart",
                 table, 0);
     }
@@ -421,20 +432,20 @@ void StateSpaceFile::Impl::before_change() {
   commits_wait = waits;
 }
 
-void StateSpaceFile::Impl::write(const SiteSpace& space) const {
-  Statement insert_site(
-      database,
-      "INSERT OR REPLACE INTO site VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-      "?)");
-  rows::for_each_number_of_site(space, rows::Bind{insert_site});
-  insert_site.bind(rows::checksum(space));
-  insert_site.run();
+void StateSpaceFile::Impl::write(const ToolSpace& space) const {
+  Statement insert_space(database, std::string("INSERT OR REPLACE INTO tool_space (scene_id, ") +
+                                       rows::tool_space_columns +
+                                       ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+                                       "?, ?, ?, ?, ?)");
+  rows::for_each_number_of_tool_space(space, rows::Bind{insert_space});
+  insert_space.bind(rows::checksum(space));
+  insert_space.run();
 }
 
-void StateSpaceFile::Impl::rewrite(Index active_node, std::int32_t level,
+void StateSpaceFile::Impl::rewrite(ToolSpaceId tool_space, std::int32_t level,
                                    const ConfigurationSummary& summary) const {
   const auto bind_key = [&](Statement& statement) {
-    statement.bind(std::int64_t{active_node});
+    statement.bind(tool_space);
     for (std::int32_t x : summary.check_point) statement.bind(std::int64_t{x});
     statement.bind(std::int64_t{level});
   };
@@ -450,20 +461,20 @@ void StateSpaceFile::Impl::rewrite(Index active_node, std::int32_t level,
                                  kAtKey);
   update.bind(std::int64_t{summary.level});
   update.bind(std::int64_t{summary.flags});
-  update.bind(rows::checksum(active_node, summary, of_fields));
+  update.bind(rows::checksum(tool_space, summary, of_fields));
   bind_key(update);
   update.run();
 }
 
-void StateSpaceFile::Impl::write(Index active_node, const IntermediateState& state) const {
+void StateSpaceFile::Impl::write(ToolSpaceId tool_space, const IntermediateState& state) const {
   Statement insert_state(
-      database, std::string("INSERT OR REPLACE INTO intermediate (scene_id, active_node, ") +
+      database, std::string("INSERT OR REPLACE INTO intermediate (scene_id, tool_space_id, ") +
                     rows::intermediate_columns +
                     ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
                     "?)");
-  insert_state.bind(std::int64_t{active_node});
+  insert_state.bind(tool_space);
   rows::for_each_number_of_intermediate(state, rows::Bind{insert_state});
-  insert_state.bind(rows::checksum(active_node, state));
+  insert_state.bind(rows::checksum(tool_space, state));
   insert_state.run();
 }
 
@@ -570,21 +581,34 @@ StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene&
 }
 
 StateSpaceFile StateSpaceFile::open_read_only(const fs::path& path) {
-  return StateSpaceFile(std::make_unique<Impl>(open_to_read(path)));
+  auto impl = std::make_unique<Impl>(open_to_read(path));
+  show_as_this_version(impl->database, impl->version);
+  return StateSpaceFile(std::move(impl));
 }
 
 /// What is damaged stays so: its checksum is not made anew.
 void StateSpaceFile::upgrade() {
-  const std::vector<SiteSpace> sites = read_sites();
+  show_as_this_version(impl_->database, impl_->version);
+  const std::vector<ToolSpace> tool_spaces = read_tool_spaces();
+  // Before version 6 the checksums of these were others.
+  std::map<ToolSpaceId, std::vector<Configuration>> configurations;
+  std::map<ToolSpaceId, std::vector<IntermediateState>> states;
+  if (impl_->checked() == rows::Checked::as_version_5) {
+    for (const ToolSpace& space : tool_spaces) {
+      const ToolSpaceId id = space.setup.id;
+      configurations[id] = read_where(id, "true");
+      states[id] = read_intermediate_states(id);
+    }
+  }
+  show_as_it_is(impl_->database);
   Transaction transaction(impl_->database);
-  extend_schema(impl_->database);
-  for (const SiteSpace& space : sites) {
-    const Index node = space.site.active_node;
-    const std::vector<Configuration> configurations = read_where(node, "true");
-    const std::vector<IntermediateState> states = read_intermediate_states(node);
-    impl_->write(space);
-    for (const Configuration& c : configurations) impl_->rewrite(node, c.level, c);
-    for (const IntermediateState& state : states) impl_->write(node, state);
+  convert_schema(impl_->database, impl_->version);
+  for (const ToolSpace& space : tool_spaces) impl_->write(space);
+  for (const auto& [id, of_space] : configurations) {
+    for (const Configuration& c : of_space) impl_->rewrite(id, c.level, c);
+  }
+  for (const auto& [id, of_space] : states) {
+    for (const IntermediateState& state : of_space) impl_->write(id, state);
   }
   transaction.commit();
   impl_->version = kSchemaVersion;
@@ -606,11 +630,12 @@ std::vector<std::string> StateSpaceFile::left_out() const {
   std::vector<std::string> names;
   for (const auto& [name, place] : impl_->left_out) names.push_back(name);
   // A row whose key was damaged may belong to nothing that is read.
-  constexpr char kOfNoSite[] =
-      " OR active_node NOT IN (SELECT active_node FROM site WHERE scene_id = 1)";
+  constexpr char kOfNoToolSpace[] =
+      " OR tool_space_id NOT IN (SELECT tool_space_id FROM tool_space WHERE scene_id = 1)";
   for (const auto& [table, condition] :
-       {std::pair{"site", ""}, std::pair{"test_point", ""}, std::pair{"configuration", kOfNoSite},
-        std::pair{"transition", kOfNoSite}, std::pair{"intermediate", kOfNoSite}}) {
+       {std::pair{"tool_space", ""}, std::pair{"test_point", ""},
+        std::pair{"configuration", kOfNoToolSpace}, std::pair{"transition", kOfNoToolSpace},
+        std::pair{"intermediate", kOfNoToolSpace}}) {
     const std::string of_table = std::string("rows of the table ") + table;
     const auto count = [&](const std::string& which) {
       return impl_->database.integer(std::string("SELECT count(*) FROM ") + table + which);
@@ -619,7 +644,7 @@ std::vector<std::string> StateSpaceFile::left_out() const {
       const std::int64_t of_nothing = count(std::string(" WHERE scene_id <> 1") + condition);
       if (of_nothing > 0) {
         names.push_back(std::to_string(of_nothing) + ' ' + of_table +
-                        " that belong to no active node");
+                        " that belong to no tool space");
       }
       // By their keys, and one after the other.
       if (count("") != count(" NOT INDEXED"))
@@ -632,11 +657,11 @@ std::vector<std::string> StateSpaceFile::left_out() const {
 }
 
 std::vector<std::string> StateSpaceFile::remove_damaged() {
-  for (const SiteSpace& space : read_sites()) {
-    const Index node = space.site.active_node;
-    for (Configuration& c : read_where(node, "true")) (void)read_fields(node, c);
-    (void)read_transitions(node);
-    (void)read_intermediate_states(node);
+  for (const ToolSpace& space : read_tool_spaces()) {
+    const ToolSpaceId id = space.setup.id;
+    for (Configuration& c : read_where(id, "true")) (void)read_fields(id, c);
+    (void)read_transitions(id);
+    (void)read_intermediate_states(id);
   }
   for (const TestSet& set : read_test_sets()) (void)read_test_points(set);
   if (impl_->left_out.empty()) return {};
@@ -658,9 +683,9 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
         "DELETE FROM configuration AS c WHERE scene_id = 1 AND level = 0 AND outcome = 0 AND (i <> "
         "0 "
         "OR j <> 0 OR k <> 0) AND (SELECT count(*) FROM intermediate AS w WHERE w.scene_id = 1 AND "
-        "w.active_node = c.active_node AND w.i = c.i AND w.j = c.j AND w.k = c.k) <> (SELECT "
-        "intermediate_states FROM site AS s WHERE s.scene_id = 1 AND s.active_node = "
-        "c.active_node)");
+        "w.tool_space_id = c.tool_space_id AND w.i = c.i AND w.j = c.j AND w.k = c.k) <> (SELECT "
+        "intermediate_states FROM tool_space AS s WHERE s.scene_id = 1 AND s.tool_space_id = "
+        "c.tool_space_id)");
   }
   transaction.commit();
   impl_->left_out.clear();
@@ -669,7 +694,7 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
 
 Scene StateSpaceFile::read_scene() const {
   const Database& database = impl_->database;
-  const bool has_checksum = impl_->version >= kSchemaVersion;
+  const bool has_checksum = impl_->has_checksums();
   Statement select(database, std::string("SELECT element_order, points, cells, material_of_cell IS "
                                          "NULL, material_of_cell, fixed, touchable, ") +
                                  (has_checksum ? "checksum" : "NULL") +
@@ -732,165 +757,169 @@ Scene StateSpaceFile::read_scene() const {
   return scene;
 }
 
-void StateSpaceFile::add_site(const Site& site) {
-  if (!rows::is_possible(site, impl_->num_points)) {
-    throw InputError("Active node " + std::to_string(site.active_node) + " with " + describe(site) +
-                     " cannot be stored: a number is out of its range.");
+void StateSpaceFile::add_tool_space(const ToolSpaceSetup& setup) {
+  if (!rows::is_possible(setup, impl_->num_points)) {
+    throw InputError("Of " + setup.name() + " with " + describe(setup) +
+                     " a number is out of its range, so that it cannot be stored.");
   }
-  if (const std::optional<SiteSpace> there = find_site(site.active_node)) {
-    require_extension(path(), there->site, site);
-    if (!(there->site == site)) extend(site);
+  if (const std::optional<ToolSpace> there = find_tool_space(setup.id)) {
+    require_extension(path(), there->setup, setup);
+    if (!(there->setup == setup)) extend(setup);
     return;
   }
-  std::int64_t num_corners = coarsest_corners(site);
-  for (const SiteSpace& space : read_sites()) num_corners += coarsest_corners(space.site);
+  std::int64_t num_corners = coarsest_corners(setup);
+  for (const ToolSpace& space : read_tool_spaces()) num_corners += coarsest_corners(space.setup);
   if (num_corners > kMostCoarsestCorners) {
     throw InputError("The grids around all active nodes have " + std::to_string(num_corners) +
                      " check-points; a state space has " + std::to_string(kMostCoarsestCorners) +
                      " at most. Take fewer active nodes or a lower resolution.");
   }
   impl_->before_change();
-  impl_->write(SiteSpace{site, false, {}, {}});
+  impl_->write(ToolSpace{setup, false, {}, {}});
 }
 
-void StateSpaceFile::extend(const Site& site) {
+void StateSpaceFile::extend(const ToolSpaceSetup& setup) {
   impl_->before_change();
   Transaction transaction(impl_->database);
-  const Index node = site.active_node;
-  impl_->write(SiteSpace{site, false, {}, {}});
+  const ToolSpaceId id = setup.id;
+  impl_->write(ToolSpace{setup, false, {}, {}});
   const auto marked = [&](Flags flags, const Vec3& force) {
-    const bool beyond = site.force_limit > 0 && force.norm() > site.force_limit;
-    return beyond ? flags | flags::beyond_force_limit : flags & ~flags::beyond_force_limit;
+    return setup.policy.is_beyond_limit(force) ? flags | flags::beyond_force_limit
+                                               : flags & ~flags::beyond_force_limit;
   };
-  for (Configuration& c : read_where(node, "true")) {
+  for (Configuration& c : read_where(id, "true")) {
     const Flags flags = marked(c.flags, c.force);
     if (flags == c.flags) continue;
     c.flags = flags;
-    impl_->rewrite(node, c.level, c);
+    impl_->rewrite(id, c.level, c);
   }
-  for (IntermediateState& state : read_intermediate_states(node)) {
+  for (IntermediateState& state : read_intermediate_states(id)) {
     const Flags flags = marked(state.flags, state.force);
     if (flags == state.flags) continue;
     state.flags = flags;
-    impl_->write(node, state);
+    impl_->write(id, state);
   }
   transaction.commit();
 }
 
-void StateSpaceFile::set_complete(Index active_node, bool complete) {
-  std::optional<SiteSpace> space = find_site(active_node);
+void StateSpaceFile::set_complete(ToolSpaceId tool_space, bool complete) {
+  std::optional<ToolSpace> space = find_tool_space(tool_space);
   if (!space) return;
   space->complete = complete;
   impl_->before_change();
   impl_->write(*space);
 }
 
-std::vector<SiteSpace> StateSpaceFile::read_sites() const {
-  const bool has_checksum = impl_->version >= kSchemaVersion;
-  Statement select(impl_->database, std::string("SELECT rowid, ") + rows::site_columns +
-                                        (has_checksum ? ", checksum" : ", NULL") +
-                                        " FROM site WHERE scene_id = 1 ORDER BY active_node");
-  std::vector<SiteSpace> sites;
+std::vector<ToolSpace> StateSpaceFile::read_tool_spaces() const {
+  Statement select(impl_->database, std::string("SELECT rowid, ") + rows::tool_space_columns +
+                                        ", checksum FROM tool_space WHERE scene_id = 1 ORDER BY "
+                                        "tool_space_id");
+  std::vector<ToolSpace> tool_spaces;
   std::int64_t num_corners = 0;
   while (select.step()) {
     const std::int64_t row = select.take_integer();
-    SiteSpace space;
+    ToolSpace space;
     bool sound = true;
-    rows::for_each_number_of_site(space, rows::Take{select, sound});
-    if (has_checksum) sound = select.take_integer() == rows::checksum(space) && sound;
-    if (!sound || !rows::is_possible(space.site, impl_->num_points)) {
-      impl_->leave_out("active node " + std::to_string(space.site.active_node), "site", row);
+    rows::for_each_number_of_tool_space(space, rows::Take{select, sound});
+    const std::int64_t stored = select.take_integer();
+    if (impl_->has_checksums()) sound = stored == rows::checksum(space, impl_->checked()) && sound;
+    if (!sound || !rows::is_possible(space.setup, impl_->num_points)) {
+      impl_->leave_out(space.setup.name(), "tool_space", row);
       continue;
     }
-    num_corners += coarsest_corners(space.site);
+    num_corners += coarsest_corners(space.setup);
     if (num_corners > kMostCoarsestCorners) {
       throw_damaged(path(), "its grids have more than " + std::to_string(kMostCoarsestCorners) +
                                 " check-points");
     }
-    sites.push_back(space);
+    tool_spaces.push_back(space);
   }
-  return sites;
+  return tool_spaces;
 }
 
-std::optional<SiteSpace> StateSpaceFile::find_site(Index active_node) const {
-  for (const SiteSpace& space : read_sites()) {
-    if (space.site.active_node == active_node) return space;
+std::string StateSpaceFile::name_of(ToolSpaceId tool_space) const {
+  const std::optional<ToolSpace> there = find_tool_space(tool_space);
+  return there ? there->setup.name() : number_of(tool_space);
+}
+
+std::optional<ToolSpace> StateSpaceFile::find_tool_space(ToolSpaceId tool_space) const {
+  for (const ToolSpace& space : read_tool_spaces()) {
+    if (space.setup.id == tool_space) return space;
   }
   return std::nullopt;
 }
 
-void StateSpaceFile::add(Index active_node, const Configuration& configuration,
+void StateSpaceFile::add(ToolSpaceId tool_space, const Configuration& configuration,
                          const std::vector<IntermediateState>& way) {
   impl_->before_change();
-  if (way.empty()) return add_alone(active_node, configuration);
+  if (way.empty()) return add_alone(tool_space, configuration);
   Transaction transaction(impl_->database);
-  for (const IntermediateState& state : way) impl_->write(active_node, state);
-  add_alone(active_node, configuration);
+  for (const IntermediateState& state : way) impl_->write(tool_space, state);
+  add_alone(tool_space, configuration);
   transaction.commit();
 }
 
-void StateSpaceFile::add_alone(Index active_node, const Configuration& configuration) {
+void StateSpaceFile::add_alone(ToolSpaceId tool_space, const Configuration& configuration) {
   const rows::Fields fields = rows::fields_of(configuration);
   if (!rows::fit(fields, impl_->num_points, impl_->num_cells)) {
-    throw InputError("Configuration " + rows::describe(configuration.check_point) +
-                     " of active node " + std::to_string(active_node) +
-                     " has fields of another size than the " + std::to_string(impl_->num_points) +
-                     " points of the body.");
+    throw InputError("Configuration " + rows::describe(configuration.check_point) + " of " +
+                     name_of(tool_space) + " has fields of another size than the " +
+                     std::to_string(impl_->num_points) + " points of the body.");
   }
   if (!impl_->insert) {
     std::string parameters = "?1";
     for (int c = 1; c < rows::num_summary_columns + 7; ++c) {
       parameters += ", ?" + std::to_string(c + 1);
     }
-    // Through the table of sites, so that nothing is stored for a site that is not there.
+    // Through the table of tool spaces, so that nothing is stored for a tool space that is not
+    // there.
     impl_->insert.emplace(
-        impl_->database, "INSERT OR REPLACE INTO configuration (scene_id, active_node, " +
+        impl_->database, "INSERT OR REPLACE INTO configuration (scene_id, tool_space_id, " +
                              std::string(rows::summary_columns) + ", summary_checksum, checksum, " +
                              rows::field_columns + ") SELECT 1, " + parameters +
-                             " FROM site WHERE scene_id = 1 AND active_node = ?1");
+                             " FROM tool_space WHERE scene_id = 1 AND tool_space_id = ?1");
   }
   Statement& insert = *impl_->insert;
-  insert.bind(std::int64_t{active_node});
+  insert.bind(tool_space);
   rows::for_each_number_of_summary(configuration, rows::Bind{insert});
   const std::int64_t of_fields = rows::checksum(fields);
-  insert.bind(rows::checksum(active_node, configuration, of_fields));
+  insert.bind(rows::checksum(tool_space, configuration, of_fields));
   insert.bind(of_fields);
   for (const auto& [data, bytes] : fields) insert.bind(data, bytes);
   insert.run();
   if (impl_->database.changes() == 0) {
-    throw InputError(quoted(path()) + " has no site at active node " + std::to_string(active_node) +
-                     ". Add the site first.");
+    throw InputError(quoted(path()) + " has no " + name_of(tool_space) + ". Add it first.");
   }
 }
 
-std::vector<Configuration> StateSpaceFile::read_where(Index active_node,
+std::vector<Configuration> StateSpaceFile::read_where(ToolSpaceId tool_space,
                                                       const std::string& condition) const {
-  const std::optional<SiteSpace> space = find_site(active_node);
+  const std::optional<ToolSpace> space = find_tool_space(tool_space);
   std::vector<Configuration> configurations;
   if (!space) return configurations;
   impl_->for_each_row(
       "configuration", std::string(rows::summary_columns) + ", checksum, summary_checksum",
-      {"i", "j", "k", "level"}, active_node, condition,
+      {"i", "j", "k", "level"}, tool_space, condition,
       [&](Statement& select, std::int64_t row) {
         Configuration& c = configurations.emplace_back();
         bool sound = true;
         rows::for_each_number_of_summary(c, rows::Take{select, sound});
         const std::int64_t of_fields = select.take_integer();
         const std::int64_t stored = select.take_integer();
-        if (sound && stored == rows::checksum(active_node, c, of_fields, impl_->checked()) &&
-            rows::is_possible(space->site, c)) {
+        if (sound && stored == rows::checksum(tool_space, c, of_fields, impl_->checked()) &&
+            rows::is_possible(space->setup.grid, c)) {
           return;
         }
-        impl_->leave_out(rows::describe(c, active_node), "configuration", row);
+        impl_->leave_out(rows::describe(c, space->setup.name()), "configuration", row);
         configurations.pop_back();
       },
       [&] { configurations.clear(); });
   return configurations;
 }
 
-std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) const {
-  std::vector<Configuration> configurations = read_where(active_node, "level >= 0");
-  for (const LevelTransition& transition : read_linked_transitions(active_node, configurations)) {
+std::vector<Configuration> StateSpaceFile::read_summaries(ToolSpaceId tool_space) const {
+  std::vector<Configuration> configurations = read_where(tool_space, "level >= 0");
+  for (const LevelTransition& transition : read_linked_transitions(tool_space, configurations)) {
     Configuration key;
     key.check_point = transition.start;
     key.level = transition.start_level;
@@ -900,58 +929,58 @@ std::vector<Configuration> StateSpaceFile::read_summaries(Index active_node) con
   return configurations;
 }
 
-std::vector<Configuration> StateSpaceFile::read_candidates(Index active_node) const {
-  return read_where(active_node, "level < 0");
+std::vector<Configuration> StateSpaceFile::read_candidates(ToolSpaceId tool_space) const {
+  return read_where(tool_space, "level < 0");
 }
 
-void StateSpaceFile::settle(Index active_node, const ConfigurationSummary& candidate,
+void StateSpaceFile::settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
                             std::int32_t level) {
   impl_->before_change();
   if (level < 0) {
     Statement remove(impl_->database, std::string("DELETE FROM configuration") + kAtKey);
-    remove.bind(std::int64_t{active_node});
+    remove.bind(tool_space);
     for (std::int32_t x : candidate.check_point) remove.bind(std::int64_t{x});
     remove.bind(std::int64_t{candidate.level});
     return remove.run();
   }
   ConfigurationSummary settled = candidate;
   settled.level = level;
-  impl_->rewrite(active_node, candidate.level, settled);
+  impl_->rewrite(tool_space, candidate.level, settled);
 }
 
-void StateSpaceFile::add(Index active_node, const LevelTransition& transition) {
+void StateSpaceFile::add(ToolSpaceId tool_space, const LevelTransition& transition) {
   impl_->before_change();
-  add_alone(active_node, transition, "REPLACE");
+  add_alone(tool_space, transition, "REPLACE");
 }
 
-void StateSpaceFile::add_alone(Index active_node, const LevelTransition& transition,
+void StateSpaceFile::add_alone(ToolSpaceId tool_space, const LevelTransition& transition,
                                const std::string& where_there_is_one) {
   Statement insert(impl_->database, "INSERT OR " + where_there_is_one +
-                                        " INTO transition (scene_id, active_node, " +
+                                        " INTO transition (scene_id, tool_space_id, " +
                                         rows::transition_columns +
                                         ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  insert.bind(std::int64_t{active_node});
+  insert.bind(tool_space);
   rows::for_each_number_of_transition(transition, rows::Bind{insert});
-  insert.bind(rows::checksum(active_node, transition));
+  insert.bind(rows::checksum(tool_space, transition));
   insert.run();
 }
 
-std::vector<LevelTransition> StateSpaceFile::read_transitions(Index active_node) const {
-  const std::optional<SiteSpace> space = find_site(active_node);
+std::vector<LevelTransition> StateSpaceFile::read_transitions(ToolSpaceId tool_space) const {
+  const std::optional<ToolSpace> space = find_tool_space(tool_space);
   std::vector<LevelTransition> transitions;
   if (!space) return transitions;
   impl_->for_each_row(
       "transition", std::string(rows::transition_columns) + ", checksum",
-      {"i", "j", "k", "level", "to_i", "to_j", "to_k"}, active_node, "true",
+      {"i", "j", "k", "level", "to_i", "to_j", "to_k"}, tool_space, "true",
       [&](Statement& select, std::int64_t row) {
         LevelTransition& transition = transitions.emplace_back();
         bool sound = true;
         rows::for_each_number_of_transition(transition, rows::Take{select, sound});
-        if (sound && select.take_integer() == rows::checksum(active_node, transition) &&
-            rows::is_possible(space->site, transition)) {
+        if (sound && select.take_integer() == rows::checksum(tool_space, transition) &&
+            rows::is_possible(space->setup.grid, transition)) {
           return;
         }
-        impl_->leave_out(rows::describe(transition, active_node), "transition", row);
+        impl_->leave_out(rows::describe(transition, space->setup.name()), "transition", row);
         transitions.pop_back();
       },
       [&] { transitions.clear(); });
@@ -959,14 +988,14 @@ std::vector<LevelTransition> StateSpaceFile::read_transitions(Index active_node)
 }
 
 std::vector<LevelTransition> StateSpaceFile::read_linked_transitions(
-    Index active_node, const std::vector<Configuration>& configurations) const {
+    ToolSpaceId tool_space, const std::vector<Configuration>& configurations) const {
   const auto is_there = [&](const CheckPoint& check_point, std::int32_t level) {
     Configuration key;
     key.check_point = check_point;
     key.level = level;
     return std::binary_search(configurations.begin(), configurations.end(), key);
   };
-  std::vector<LevelTransition> transitions = read_transitions(active_node);
+  std::vector<LevelTransition> transitions = read_transitions(tool_space);
   const auto loose = [&](const LevelTransition& t) {
     return !is_there(t.start, t.start_level) || (t.reached >= 0 && !is_there(t.target, t.reached));
   };
@@ -975,31 +1004,31 @@ std::vector<LevelTransition> StateSpaceFile::read_linked_transitions(
   return transitions;
 }
 
-std::vector<IntermediateState> StateSpaceFile::read_intermediate_states(Index active_node) const {
-  const std::optional<SiteSpace> space = find_site(active_node);
+std::vector<IntermediateState> StateSpaceFile::read_intermediate_states(
+    ToolSpaceId tool_space) const {
+  const std::optional<ToolSpace> space = find_tool_space(tool_space);
   std::vector<IntermediateState> states;
   if (!space) return states;
   impl_->for_each_row(
       "intermediate", std::string(rows::intermediate_columns) + ", checksum",
-      {"i", "j", "k", "number"}, active_node, "true",
+      {"i", "j", "k", "number"}, tool_space, "true",
       [&](Statement& select, std::int64_t row) {
         IntermediateState& state = states.emplace_back();
         bool sound = true;
         rows::for_each_number_of_intermediate(state, rows::Take{select, sound});
-        if (sound &&
-            select.take_integer() == rows::checksum(active_node, state, impl_->checked()) &&
-            rows::is_possible(space->site, state)) {
+        if (sound && select.take_integer() == rows::checksum(tool_space, state, impl_->checked()) &&
+            rows::is_possible(space->setup.grid, state)) {
           return;
         }
-        impl_->leave_out(rows::describe(state, active_node), "intermediate", row);
+        impl_->leave_out(rows::describe(state, space->setup.name()), "intermediate", row);
         states.pop_back();
       },
       [&] { states.clear(); });
   return states;
 }
 
-bool StateSpaceFile::read_fields(Index active_node, Configuration& configuration) const {
-  const std::string which = rows::describe(configuration, active_node);
+bool StateSpaceFile::read_fields(ToolSpaceId tool_space, Configuration& configuration) const {
+  const auto which = [&] { return rows::describe(configuration, name_of(tool_space)); };
   bool is_there = true;
   std::int64_t row = 0;
   try {
@@ -1011,11 +1040,11 @@ bool StateSpaceFile::read_fields(Index active_node, Configuration& configuration
     }
     Statement& select = *impl_->select_fields;
     const Reset reset{select};
-    select.bind(std::int64_t{active_node});
+    select.bind(tool_space);
     for (std::int32_t x : configuration.check_point) select.bind(std::int64_t{x});
     select.bind(std::int64_t{configuration.level});
     is_there = select.step();
-    if (!is_there) throw InputError(quoted(path()) + " holds no " + which + '.');
+    if (!is_there) throw InputError(quoted(path()) + " holds no " + which() + '.');
     row = select.take_integer();
     bool sound = true;
     ConfigurationSummary summary;
@@ -1026,7 +1055,7 @@ bool StateSpaceFile::read_fields(Index active_node, Configuration& configuration
     for (Statement::Blob& field : fields) field = select.take_blob();
     if (sound && rows::fit(fields, impl_->num_points, impl_->num_cells) &&
         rows::checksum(fields) == of_fields &&
-        rows::checksum(active_node, summary, of_fields, impl_->checked()) == of_summary) {
+        rows::checksum(tool_space, summary, of_fields, impl_->checked()) == of_summary) {
       auto field = fields.begin();
       for_each_field(configuration, [&](auto& values) {
         const auto [data, bytes] = *field++;
@@ -1043,7 +1072,7 @@ bool StateSpaceFile::read_fields(Index active_node, Configuration& configuration
     // Else it cannot be read, or is larger than the fields of this body.
     if (!is_there) throw;
   }
-  impl_->leave_out(which, "configuration", row);
+  impl_->leave_out(which(), "configuration", row);
   return false;
 }
 
@@ -1052,14 +1081,14 @@ StateSpace StateSpaceFile::read(bool with_fields) const {
   space.scene = read_scene();
   space.scene_hash = impl_->scene_hash;
   space.solver_tolerance = impl_->solver_tolerance;
-  space.sites = read_sites();
-  for (SiteSpace& site : space.sites) {
-    const Index node = site.site.active_node;
-    for (Configuration& configuration : read_summaries(node)) {
-      if (with_fields && !read_fields(node, configuration)) continue;
-      site.configurations.push_back(std::move(configuration));
+  space.tool_spaces = read_tool_spaces();
+  for (ToolSpace& tool_space : space.tool_spaces) {
+    const ToolSpaceId id = tool_space.setup.id;
+    for (Configuration& configuration : read_summaries(id)) {
+      if (with_fields && !read_fields(id, configuration)) continue;
+      tool_space.configurations.push_back(std::move(configuration));
     }
-    site.intermediate_states = read_intermediate_states(node);
+    tool_space.intermediate_states = read_intermediate_states(id);
   }
   return space;
 }
@@ -1073,11 +1102,11 @@ void StateSpaceFile::add_alone(const TestSet& set, const TestPoint& point) {
   std::string parameters = "1, ?, ?, ?, ?";
   for (int c = 0; c < rows::num_test_point_columns + 2; ++c) parameters += ", ?";
   Statement insert(impl_->database,
-                   std::string("INSERT OR IGNORE INTO test_point (scene_id, active_node, "
+                   std::string("INSERT OR IGNORE INTO test_point (scene_id, tool_space_id, "
                                "tip_radius, half_width, seed, ") +
                        rows::test_point_columns + ", checksum, displacement) VALUES (" +
                        parameters + ')');
-  insert.bind(std::int64_t{set.active_node});
+  insert.bind(set.tool_space);
   insert.bind(set.tip_radius);
   insert.bind(set.half_width);
   insert.bind(set.seed);
@@ -1092,9 +1121,9 @@ std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) cons
   Statement select(
       impl_->database,
       std::string("SELECT rowid, ") + rows::test_point_columns +
-          ", checksum, displacement FROM test_point WHERE scene_id = 1 AND active_node "
+          ", checksum, displacement FROM test_point WHERE scene_id = 1 AND tool_space_id "
           "= ? AND tip_radius = ? AND half_width = ? AND seed = ? ORDER BY kind, number");
-  select.bind(std::int64_t{set.active_node});
+  select.bind(set.tool_space);
   select.bind(set.tip_radius);
   select.bind(set.half_width);
   select.bind(set.seed);
@@ -1112,7 +1141,7 @@ std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) cons
       if (blob.bytes > 0) std::memcpy(point.displacement.data(), blob.data, blob.bytes);
       if (rows::checksum(set, point) == stored_checksum && rows::is_possible(point)) continue;
     }
-    impl_->leave_out(rows::describe(point, set.active_node), "test_point", row);
+    impl_->leave_out(rows::describe(point, name_of(set.tool_space)), "test_point", row);
     points.pop_back();
   }
   return points;
@@ -1121,12 +1150,12 @@ std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) cons
 std::vector<TestSet> StateSpaceFile::read_test_sets() const {
   Statement select(
       impl_->database,
-      "SELECT DISTINCT active_node, tip_radius, half_width, seed FROM test_point WHERE "
+      "SELECT DISTINCT tool_space_id, tip_radius, half_width, seed FROM test_point WHERE "
       "scene_id = 1");
   std::vector<TestSet> sets;
   while (select.step()) {
     TestSet& set = sets.emplace_back();
-    set.active_node = static_cast<Index>(select.take_integer());
+    set.tool_space = select.take_integer();
     set.tip_radius = select.take_double();
     set.half_width = select.take_double();
     set.seed = select.take_integer();
@@ -1134,14 +1163,14 @@ std::vector<TestSet> StateSpaceFile::read_test_sets() const {
   return sets;
 }
 
-bool StateSpaceFile::is_of_use(Index active_node, const ConfigurationSummary& other) const {
+bool StateSpaceFile::is_of_use(ToolSpaceId tool_space, const ConfigurationSummary& other) const {
   if (!impl_->select_outcome) {
     impl_->select_outcome.emplace(impl_->database,
                                   std::string("SELECT outcome FROM configuration") + kAtKey);
   }
   Statement& select = *impl_->select_outcome;
   const Reset reset{select};
-  select.bind(std::int64_t{active_node});
+  select.bind(tool_space);
   for (std::int32_t x : other.check_point) select.bind(std::int64_t{x});
   select.bind(std::int64_t{other.level});
   if (!select.step()) return true;
@@ -1156,29 +1185,29 @@ std::vector<std::string> StateSpaceFile::merge(const fs::path& other_path) {
                      number(other.solver_tolerance()) + ", here they are " + scene_hash() +
                      " and " + number(solver_tolerance()) + ". Leave it out.");
   }
-  const std::vector<SiteSpace> sites = other.read_sites();
-  for (const SiteSpace& space : sites) {
-    if (const std::optional<SiteSpace> here = find_site(space.site.active_node)) {
-      require_extension(other_path, space.site, here->site);
+  const std::vector<ToolSpace> tool_spaces = other.read_tool_spaces();
+  for (const ToolSpace& space : tool_spaces) {
+    if (const std::optional<ToolSpace> here = find_tool_space(space.setup.id)) {
+      require_extension(other_path, space.setup, here->setup);
     } else {
-      add_site(space.site);
+      add_tool_space(space.setup);
     }
   }
-  for (const SiteSpace& space : sites) {
-    const Index node = space.site.active_node;
+  for (const ToolSpace& space : tool_spaces) {
+    const ToolSpaceId id = space.setup.id;
     Transaction transaction(impl_->database);
     std::set<CheckPoint> taken;
-    for (Configuration& c : other.read_where(node, "true")) {
+    for (Configuration& c : other.read_where(id, "true")) {
       // What is of no use here need not be sound there.
-      if (!is_of_use(node, c) || !other.read_fields(node, c)) continue;
-      add_alone(node, c);
+      if (!is_of_use(id, c) || !other.read_fields(id, c)) continue;
+      add_alone(id, c);
       if (c.level == 0) taken.insert(c.check_point);
     }
-    for (const LevelTransition& transition : other.read_transitions(node)) {
-      add_alone(node, transition, "IGNORE");
+    for (const LevelTransition& transition : other.read_transitions(id)) {
+      add_alone(id, transition, "IGNORE");
     }
-    for (const IntermediateState& state : other.read_intermediate_states(node)) {
-      if (taken.count(state.target) > 0) impl_->write(node, state);
+    for (const IntermediateState& state : other.read_intermediate_states(id)) {
+      if (taken.count(state.target) > 0) impl_->write(id, state);
     }
     transaction.commit();
   }

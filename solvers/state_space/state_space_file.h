@@ -5,7 +5,8 @@
 //
 //   scene          one row: the body, where it is held, where it may be touched, its hash
 //   material       the different materials of the scene
-//   site           an active node and the grid around it; complete = 1 when nothing is left to find
+//   tool_space     a tool, its grid and how it is explored; complete = 1 when nothing is left to
+//                  find
 //   configuration  one row each: all of state_space/configuration.h; outcome and flags are those of
 //                  base/outcome.h
 //   transition     which level is reached from where, in a space with levels
@@ -91,75 +92,80 @@ class StateSpaceFile {
   /// @throws InputError also where the scene does not have the hash it is stored with.
   [[nodiscard]] Scene read_scene() const;
 
-  /// Adds a site. One that is there is extended: its box may become larger, with the same spacing,
-  /// its force limit, its tolerance and its history may be others; then it is no longer complete.
+  /// Adds a tool space. One that is there is extended: its box may become larger, with the same
+  /// spacing, its force limit, its tolerance and its history may be others; then it is no longer
+  /// complete.
   /// @throws InputError it is there with a larger box, with another tip radius, spacing, coarsest
   ///   cells or number of intermediate states, or only one of the two has third derivatives.
-  void add_site(const Site& site);
-  void set_complete(Index active_node, bool complete);
-  /// The sites in the order of their active nodes, without configurations.
-  [[nodiscard]] std::vector<SiteSpace> read_sites() const;
+  void add_tool_space(const ToolSpaceSetup& setup);
+  void set_complete(ToolSpaceId tool_space, bool complete);
+  /// The tool spaces in the order of their numbers, without configurations.
+  [[nodiscard]] std::vector<ToolSpace> read_tool_spaces() const;
 
-  /// Adds a configuration to a site, in place of one with the same check-point and level.
+  /// Adds a configuration to a tool space, in place of one with the same check-point and level.
   /// @param way The intermediate states on the way to it: they are there as soon as it is.
-  /// @throws InputError there is no such site, or a field has a size that is not the body's; all
+  /// @throws InputError there is no such tool space, or a field has a size that is not the body's;
+  /// all
   ///   may be empty.
-  void add(Index active_node, const Configuration& configuration,
+  void add(ToolSpaceId tool_space, const Configuration& configuration,
            const std::vector<IntermediateState>& way = {});
 
-  /// All configurations of a site without fields, in the order of operator<.
-  [[nodiscard]] std::vector<Configuration> read_summaries(Index active_node) const;
+  /// All configurations of a tool space without fields, in the order of operator<.
+  [[nodiscard]] std::vector<Configuration> read_summaries(ToolSpaceId tool_space) const;
   /// What transitions have found and settle() was not told of, without fields.
-  [[nodiscard]] std::vector<Configuration> read_candidates(Index active_node) const;
+  [[nodiscard]] std::vector<Configuration> read_candidates(ToolSpaceId tool_space) const;
   /// Gives a candidate its level, or removes it.
   /// @param level Below zero: the candidate is removed, as it is a configuration that is known.
-  void settle(Index active_node, const ConfigurationSummary& candidate, std::int32_t level);
+  void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate, std::int32_t level);
 
-  void add(Index active_node, const LevelTransition& transition);
-  [[nodiscard]] std::vector<LevelTransition> read_transitions(Index active_node) const;
+  void add(ToolSpaceId tool_space, const LevelTransition& transition);
+  [[nodiscard]] std::vector<LevelTransition> read_transitions(ToolSpaceId tool_space) const;
   /// The transitions of which both ends are among the configurations: others may have been lost.
-  /// @param configurations Those of the site, in the order of operator<.
+  /// @param configurations Those of the tool space, in the order of operator<.
   [[nodiscard]] std::vector<LevelTransition> read_linked_transitions(
-      Index active_node, const std::vector<Configuration>& configurations) const;
+      ToolSpaceId tool_space, const std::vector<Configuration>& configurations) const;
 
-  /// All intermediate states of a site, in the order of operator<.
-  [[nodiscard]] std::vector<IntermediateState> read_intermediate_states(Index active_node) const;
+  /// All intermediate states of a tool space, in the order of operator<.
+  [[nodiscard]] std::vector<IntermediateState> read_intermediate_states(
+      ToolSpaceId tool_space) const;
 
   /// Fills in the fields u, v, p and p_v of a configuration.
   /// @returns False where the fields are damaged; then they are left out.
-  [[nodiscard]] bool read_fields(Index active_node, Configuration& configuration) const;
+  [[nodiscard]] bool read_fields(ToolSpaceId tool_space, Configuration& configuration) const;
   /// Reads everything but test points; fields only if `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
-  /// Adds a test point, unless it is there. It needs no site.
+  /// Adds a test point, unless it is there. It needs no tool space.
   void add(const TestSet& set, const TestPoint& point);
   /// The test points of a set, in the order of operator<.
   [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
 
-  /// Takes over sites, configurations and test points of another file of the same scene, such as
-  /// that of a rank of a run. What is here stays, except that a configuration that converged there
-  /// replaces one that did not converge here. The other file stays as it is; killed half-way, it
-  /// can be done again. What was taken over is durable when this returns: the other file may be
+  /// Takes over tool spaces, configurations and test points of another file of the same scene, such
+  /// as that of a rank of a run. What is here stays, except that a configuration that converged
+  /// there replaces one that did not converge here. The other file stays as it is; killed half-way,
+  /// it can be done again. What was taken over is durable when this returns: the other file may be
   /// removed, if nothing was left out.
   /// @returns What is damaged in the other file, as left_out().
-  /// @throws InputError another scene or tolerance, or another tip or grid of the same site.
+  /// @throws InputError another scene or tolerance, or another tip or grid of the same tool space.
   [[nodiscard]] std::vector<std::string> merge(const std::filesystem::path& other);
 
  private:
   struct Impl;
   explicit StateSpaceFile(std::unique_ptr<Impl> impl);
   void upgrade();
-  [[nodiscard]] std::optional<SiteSpace> find_site(Index active_node) const;
+  /// What it is called in a message.
+  [[nodiscard]] std::string name_of(ToolSpaceId tool_space) const;
+  [[nodiscard]] std::optional<ToolSpace> find_tool_space(ToolSpaceId tool_space) const;
   /// @param condition A condition on the row, in SQL.
-  [[nodiscard]] std::vector<Configuration> read_where(Index active_node,
+  [[nodiscard]] std::vector<Configuration> read_where(ToolSpaceId tool_space,
                                                       const std::string& condition) const;
   [[nodiscard]] std::vector<TestSet> read_test_sets() const;
   /// Whether there is no such configuration here, or one that did not converge while the other did.
-  [[nodiscard]] bool is_of_use(Index active_node, const ConfigurationSummary& other) const;
-  void extend(const Site& site);
-  void add_alone(Index active_node, const Configuration& configuration);
+  [[nodiscard]] bool is_of_use(ToolSpaceId tool_space, const ConfigurationSummary& other) const;
+  void extend(const ToolSpaceSetup& setup);
+  void add_alone(ToolSpaceId tool_space, const Configuration& configuration);
   /// @param where_there_is_one What SQLite does where there is one already: REPLACE or IGNORE.
-  void add_alone(Index active_node, const LevelTransition& transition,
+  void add_alone(ToolSpaceId tool_space, const LevelTransition& transition,
                  const std::string& where_there_is_one);
   void add_alone(const TestSet& set, const TestPoint& point);
   std::unique_ptr<Impl> impl_;

@@ -11,6 +11,7 @@
 #include "base/outcome.h"
 #include "base/types.h"
 #include "state_space/surface.h"
+#include "state_space/tool_space.h"
 
 namespace palpate {
 
@@ -24,9 +25,10 @@ enum class TestKind : std::int32_t {
   near_rest = 2,
 };
 
-/// What tells sets of test points apart: active node, tip, box and seed of the random numbers.
+/// What tells sets of test points apart: the tool space, its tip and box, and the seed of the
+/// random numbers.
 struct TestSet {
-  Index active_node = 0;
+  ToolSpaceId tool_space = 0;
   /// m
   double tip_radius = 0;
   /// m
@@ -38,9 +40,9 @@ struct TestPoint {
   TestKind kind = TestKind::uniform;
   /// Its number among the points of its kind, from 0.
   std::int32_t number = 0;
-  /// Displacement of the active site from rest t [3], m.
+  /// Coordinates of the tool t [3], m.
   Vec3 t = Vec3::Zero();
-  /// Potential energy, J, force that holds the site, N, and its stiffness, N/m; 0 where it did not
+  /// Potential energy, J, force that holds the tool, N, and its stiffness, N/m; 0 where it did not
   /// converge.
   double energy = 0;
   Vec3 force = Vec3::Zero();

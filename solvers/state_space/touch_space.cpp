@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// Gives w = step · v the unit of u; where there is no grid any length does.
-double step_of(const Site& site) { return site.spacing() > 0 ? site.spacing() : 1; }
+double step_of(const Grid& grid) { return grid.spacing() > 0 ? grid.spacing() : 1; }
 
 /// The rows of a field that belong to the surface, rounded to single precision.
 template <class Field, class Column>
@@ -23,10 +23,10 @@ void gather(const Surface& surface, const Field& field, double factor, Column&& 
   }
 }
 
-std::string describe(const ConfigurationSummary& configuration, Index active_node) {
+std::string describe(const ConfigurationSummary& configuration, const ToolSpaceSetup& setup) {
   const CheckPoint& c = configuration.check_point;
   return "configuration (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
-         std::to_string(c[2]) + ") of active node " + std::to_string(active_node);
+         std::to_string(c[2]) + ") of " + setup.name();
 }
 
 bool has_fields(const Configuration& configuration, Index num_points) {
@@ -39,25 +39,27 @@ bool has_finite_fields(const Configuration& configuration) {
   return configuration.u.allFinite() && configuration.v.allFinite();
 }
 
-void check_fields(const Configuration& configuration, Index num_points, Index active_node) {
+void check_fields(const Configuration& configuration, Index num_points,
+                  const ToolSpaceSetup& setup) {
   if (!has_fields(configuration, num_points)) {
-    throw InputError("The displacement and sensitivity of " + describe(configuration, active_node) +
+    throw InputError("The displacement and sensitivity of " + describe(configuration, setup) +
                      " are missing. Read the state space with its fields.");
   }
   if (!has_finite_fields(configuration)) {
-    throw InputError("The displacement or sensitivity of " + describe(configuration, active_node) +
+    throw InputError("The displacement or sensitivity of " + describe(configuration, setup) +
                      " is not finite, although it converged. Compute it again.");
   }
 }
 
-void check_active_node(const Site& site, const TetMesh& mesh) {
-  if (site.active_node < 0 || site.active_node >= mesh.num_points()) {
-    throw InputError("Active node " + std::to_string(site.active_node) + " is not one of the " +
+void check_active_node(const ToolSpaceSetup& setup, const TetMesh& mesh) {
+  const Index node = setup.interaction.active_node;
+  if (node < 0 || node >= mesh.num_points()) {
+    throw InputError("Active node " + std::to_string(node) + " is not one of the " +
                      std::to_string(mesh.num_points()) + " points of the body.");
   }
 }
 
-/// Adds sites one by one to a touch space without any.
+/// Adds tool spaces one by one to a touch space without any.
 class Builder {
  public:
   Builder(const Scene& scene, std::string scene_hash, double bound)
@@ -69,9 +71,9 @@ class Builder {
 
   /// @param fields_of Gives the configuration with its fields for an index; null: it is left out.
   template <class FieldsOf>
-  void add(const Site& site, const std::vector<ConfigurationSummary>& summaries,
+  void add(const ToolSpaceSetup& setup, const std::vector<ConfigurationSummary>& summaries,
            std::vector<IntermediateState> intermediate_states, FieldsOf&& fields_of) {
-    check_active_node(site, mesh_);
+    check_active_node(setup, mesh_);
     std::vector<ConfigurationSummary> configurations;
     std::vector<std::size_t> usable;
     const std::ptrdiff_t most =
@@ -83,11 +85,12 @@ class Builder {
       if (summaries[s].usable()) {
         const Configuration* configuration = fields_of(s);
         if (configuration == nullptr) continue;
-        check_fields(*configuration, mesh_.num_points(), site.active_node);
+        check_fields(*configuration, mesh_.num_points(), setup);
         const auto c = static_cast<Eigen::Index>(usable.size());
         gather(surface_, configuration->u, 1, displacements.col(c));
         for (int a = 0; a < 3; ++a) {
-          gather(surface_, configuration->v.col(a), step_of(site), sensitivities.col(3 * c + a));
+          gather(surface_, configuration->v.col(a), step_of(setup.grid),
+                 sensitivities.col(3 * c + a));
         }
         usable.push_back(configurations.size());
       }
@@ -103,16 +106,15 @@ class Builder {
     space_.displacement_error = std::max(space_.displacement_error, fit.displacement_error);
     space_.sensitivity_error = std::max(space_.sensitivity_error, fit.sensitivity_error);
 
-    TouchSite& added = space_.sites.emplace_back();
-    added.site = site;
-    added.rest_position = mesh_.points[site.active_node];
+    TouchToolSpace& added = space_.tool_spaces.emplace_back();
+    added.setup = setup;
     added.configurations = std::move(configurations);
     added.intermediate_states = std::move(intermediate_states);
     const Eigen::Index rank = fit.coefficients.rows();
     const auto total = static_cast<Eigen::Index>(added.configurations.size());
     added.coefficients.setZero(rank, total);
     added.coefficient_gradients.setZero(3 * rank, total);
-    const auto per_metre = static_cast<float>(1 / step_of(site));
+    const auto per_metre = static_cast<float>(1 / step_of(setup.grid));
     for (Eigen::Index c = 0; c < n; ++c) {
       const auto column = static_cast<Eigen::Index>(usable[c]);
       added.coefficients.col(column) = fit.coefficients.col(c);
@@ -123,20 +125,21 @@ class Builder {
     }
   }
 
-  /// Modes that came with later sites have the coefficient 0 at earlier ones.
+  /// Modes that came with later tool spaces have the coefficient 0 at earlier ones.
   TouchSpace finish() {
     const Eigen::Index rank = basis_.modes().cols();
-    for (TouchSite& site : space_.sites) {
-      const Eigen::Index own = site.coefficients.rows();
-      const Eigen::Index total = site.coefficients.cols();
+    for (TouchToolSpace& tool_space : space_.tool_spaces) {
+      const Eigen::Index own = tool_space.coefficients.rows();
+      const Eigen::Index total = tool_space.coefficients.cols();
       Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(rank, total);
       Eigen::MatrixXf gradients = Eigen::MatrixXf::Zero(3 * rank, total);
-      coefficients.topRows(own) = site.coefficients;
+      coefficients.topRows(own) = tool_space.coefficients;
       for (int a = 0; a < 3; ++a) {
-        gradients.middleRows(a * rank, own) = site.coefficient_gradients.middleRows(a * own, own);
+        gradients.middleRows(a * rank, own) =
+            tool_space.coefficient_gradients.middleRows(a * own, own);
       }
-      site.coefficients = std::move(coefficients);
-      site.coefficient_gradients = std::move(gradients);
+      tool_space.coefficients = std::move(coefficients);
+      tool_space.coefficient_gradients = std::move(gradients);
     }
     space_.modes = basis_.modes();
     space_.surface = std::move(surface_);
@@ -156,18 +159,19 @@ std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>&
 
 }  // namespace
 
-const TouchSite* TouchSpace::find(Index active_node) const {
+const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {
   const auto found = std::lower_bound(
-      sites.begin(), sites.end(), active_node,
-      [](const TouchSite& site, Index node) { return site.site.active_node < node; });
-  return found != sites.end() && found->site.active_node == active_node ? &*found : nullptr;
+      tool_spaces.begin(), tool_spaces.end(), id,
+      [](const TouchToolSpace& space, ToolSpaceId of) { return space.setup.id < of; });
+  return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
 }
 
 TouchSpace make_touch_space(const StateSpace& space, double bound) {
   Builder builder(space.scene, space.scene_hash, bound);
-  for (const SiteSpace& site : space.sites) {
-    builder.add(site.site, summaries_of(site.configurations), site.intermediate_states,
-                [&](std::size_t c) { return &site.configurations[c]; });
+  for (const ToolSpace& tool_space : space.tool_spaces) {
+    builder.add(tool_space.setup, summaries_of(tool_space.configurations),
+                tool_space.intermediate_states,
+                [&](std::size_t c) { return &tool_space.configurations[c]; });
   }
   return builder.finish();
 }
@@ -177,20 +181,20 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   Builder builder(scene, file.scene_hash(), bound);
   Configuration current;
   std::vector<std::string> without_fields;
-  for (const SiteSpace& site : file.read_sites()) {
-    const Index node = site.site.active_node;
-    const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(node));
-    builder.add(
-        site.site, summaries, file.read_intermediate_states(node),
-        [&](std::size_t c) -> const Configuration* {
-          static_cast<ConfigurationSummary&>(current) = summaries[c];
-          if (!file.read_fields(node, current)) return nullptr;
-          if (has_fields(current, scene.mesh.num_points()) && has_finite_fields(current)) {
-            return &current;
-          }
-          without_fields.push_back(describe(current, node) + ", whose fields are no numbers");
-          return nullptr;
-        });
+  for (const ToolSpace& tool_space : file.read_tool_spaces()) {
+    const ToolSpaceId id = tool_space.setup.id;
+    const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(id));
+    builder.add(tool_space.setup, summaries, file.read_intermediate_states(id),
+                [&](std::size_t c) -> const Configuration* {
+                  static_cast<ConfigurationSummary&>(current) = summaries[c];
+                  if (!file.read_fields(id, current)) return nullptr;
+                  if (has_fields(current, scene.mesh.num_points()) && has_finite_fields(current)) {
+                    return &current;
+                  }
+                  without_fields.push_back(describe(current, tool_space.setup) +
+                                           ", whose fields are no numbers");
+                  return nullptr;
+                });
   }
   TouchSpace space = builder.finish();
   space.left_out = file.left_out();
@@ -206,17 +210,16 @@ TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
   space.file = file.path().string();
   space.surface = make_surface(scene.mesh);
   space.modes.resize(3 * Eigen::Index{space.surface.num_points()}, 0);
-  for (const SiteSpace& from : file.read_sites()) {
-    const Index node = from.site.active_node;
-    check_active_node(from.site, scene.mesh);
-    TouchSite& site = space.sites.emplace_back();
-    site.site = from.site;
-    site.rest_position = scene.mesh.points[node];
-    site.configurations = summaries_of(file.read_summaries(node));
-    site.intermediate_states = file.read_intermediate_states(node);
-    const auto num_configurations = static_cast<Eigen::Index>(site.configurations.size());
-    site.coefficients.resize(0, num_configurations);
-    site.coefficient_gradients.resize(0, num_configurations);
+  for (const ToolSpace& from : file.read_tool_spaces()) {
+    const ToolSpaceId id = from.setup.id;
+    check_active_node(from.setup, scene.mesh);
+    TouchToolSpace& tool_space = space.tool_spaces.emplace_back();
+    tool_space.setup = from.setup;
+    tool_space.configurations = summaries_of(file.read_summaries(id));
+    tool_space.intermediate_states = file.read_intermediate_states(id);
+    const auto num_configurations = static_cast<Eigen::Index>(tool_space.configurations.size());
+    tool_space.coefficients.resize(0, num_configurations);
+    tool_space.coefficient_gradients.resize(0, num_configurations);
   }
   space.left_out = file.left_out();
   return space;

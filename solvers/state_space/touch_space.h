@@ -15,13 +15,11 @@ namespace palpate {
 
 class StateSpaceFile;
 
-struct TouchSite {
-  Site site;
-  /// Position of the active node at rest, m.
-  Vec3 rest_position = Vec3::Zero();
+struct TouchToolSpace {
+  ToolSpaceSetup setup;
   /// All configurations without their fields, in the order of operator<.
   std::vector<ConfigurationSummary> configurations;
-  /// These are in the order of operator<; empty where the site has none.
+  /// These are in the order of operator<; empty where the tool space has none.
   std::vector<IntermediateState> intermediate_states;
   /// c of the surface displacement u ≈ modes · c [r × num_configurations], m; 0 where a
   /// configuration is not usable.
@@ -37,8 +35,8 @@ struct TouchSpace {
   Surface surface;
   /// Orthonormal modes of the surface displacement [3 × surface.num_points() × r], see pod.h.
   Eigen::MatrixXf modes;
-  /// The sites in the order of their active nodes.
-  std::vector<TouchSite> sites;
+  /// The tool spaces in the order of their numbers.
+  std::vector<TouchToolSpace> tool_spaces;
   /// What is damaged in the file, and so is missing here, see StateSpaceFile::left_out().
   std::vector<std::string> left_out;
 
@@ -50,8 +48,8 @@ struct TouchSpace {
   double sensitivity_error = 0;
 
   [[nodiscard]] Index num_modes() const { return static_cast<Index>(modes.cols()); }
-  /// The site at an active node, or nullptr.
-  [[nodiscard]] const TouchSite* find(Index active_node) const;
+  /// The tool space at an active node, or nullptr.
+  [[nodiscard]] const TouchToolSpace* find(ToolSpaceId id) const;
 };
 
 /// The default bound of a surface point's error, as a share of the largest displacement.

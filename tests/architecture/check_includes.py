@@ -64,8 +64,8 @@ def solver_units():
         "state_space": {"SQLite", "xxHash", "POSIX"},
         "schedule": {"MPI"},
     }
-    parts = ["base", "mesh", "materials", "elements", "assembly", "linear", "equilibrium",
-             "state_space", "interpolation", "schedule", "exploration", "accuracy"]
+    parts = ["base", "mesh", "materials", "elements", "assembly", "interaction", "linear",
+             "equilibrium", "state_space", "interpolation", "schedule", "exploration", "accuracy"]
     return {
         f"solvers/{part}": Unit({"std", "Eigen"} | wrapped.get(part, set()),
                                 {f"solvers/{earlier}" for earlier in parts[:index]})

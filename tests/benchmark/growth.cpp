@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "exploration/precompute.h"
+#include "interaction/bonded_patch.h"
 #include "linear/group.h"
 #include "schedule/mpi_communicator.h"
 #include "solvers/support/box_mesh.h"
@@ -51,18 +52,16 @@ Scene make_cube(int bricks) {
 }
 
 /// The points of the top within the patch move as one.
-Constraint hold_patch(const TetMesh& mesh) {
-  Constraint constraint;
+BondedPatch bond_patch(const TetMesh& mesh) {
+  std::vector<Index> points;
   const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
   for (Index p = 0; p < mesh.num_points(); ++p) {
     const Vec3& x = mesh.points[p];
     if (std::abs(x.z() - kEdge) < 1e-9 && (x - middle).norm() <= kPatch) {
-      constraint.points.push_back(p);
-      constraint.site_of_point.push_back(0);
+      points.push_back(p);
     }
   }
-  constraint.num_sites = 1;
-  return constraint;
+  return BondedPatch(std::move(points));
 }
 
 double seconds(const std::function<void()>& work) {
@@ -155,7 +154,7 @@ std::vector<Figure> measure(int bricks) {
   long factorisations = 0;
   figures.push_back({"equilibrium, s", 1, seconds([&] {
                        EquilibriumSolver body(scene, options, make_solver());
-                       body.hold(hold_patch(scene.mesh));
+                       body.set_interaction(bond_patch(scene.mesh));
                        pulled = body.solve(Vec3(0, 0, kEdge / 10), body.rest());
                        factorisations = body.work().factorisations;
                      })});

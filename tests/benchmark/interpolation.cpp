@@ -15,7 +15,7 @@
 #include "base/simd.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate {
 namespace {
@@ -45,19 +45,19 @@ std::vector<Vec3> walk() {
 }
 
 /// 7³ check-points.
-TouchSite uniform() { return test::analytic_site(test::exponential); }
+TouchToolSpace uniform() { return test::analytic_space(test::exponential); }
 
-TouchSite with_third_derivatives() {
-  TouchSite site = uniform();
-  test::add_third_derivatives(site, test::exponential_third);
-  return site;
+TouchToolSpace with_third_derivatives() {
+  TouchToolSpace tool_space = uniform();
+  test::add_third_derivatives(tool_space, test::exponential_third);
+  return tool_space;
 }
 
 /// Five on the way to each check-point from its neighbour towards rest: 2053 centres.
-TouchSite with_intermediate_states() {
-  TouchSite site = uniform();
-  const double spacing = site.site.spacing();
-  for (const ConfigurationSummary& c : site.configurations) {
+TouchToolSpace with_intermediate_states() {
+  TouchToolSpace tool_space = uniform();
+  const double spacing = tool_space.setup.grid.spacing();
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     Vec3 step;
     for (int k = 0; k < 3; ++k) {
       step[k] = spacing * ((c.check_point[k] > 0) - (c.check_point[k] < 0));
@@ -72,15 +72,15 @@ TouchSite with_intermediate_states() {
       state.energy = sample.energy;
       state.force = sample.force;
       state.outcome = Outcome::converged;
-      site.intermediate_states.push_back(state);
+      tool_space.intermediate_states.push_back(state);
     }
   }
-  return site;
+  return tool_space;
 }
 
-void evaluate(benchmark::State& state, Method method, const TouchSite& site,
+void evaluate(benchmark::State& state, Method method, const TouchToolSpace& tool_space,
               const std::vector<Vec3>& points = random_points()) {
-  const auto interpolator = make_interpolator(method, site);
+  const auto interpolator = make_interpolator(method, tool_space);
   std::size_t i = 0;
   for (auto _ : state) {
     TouchResult result = interpolator->evaluate(points[i]);
@@ -105,14 +105,14 @@ BENCHMARK_CAPTURE(evaluate, rbf_linear_intermediate, Method::rbf_linear,
 BENCHMARK_CAPTURE(evaluate, rbf_cubic, Method::rbf_cubic, uniform());
 BENCHMARK_CAPTURE(evaluate, rbf_cubic_intermediate, Method::rbf_cubic, with_intermediate_states());
 BENCHMARK_CAPTURE(evaluate, trilinear_adaptive, Method::trilinear,
-                  test::graded_site(test::exponential));
+                  test::graded_space(test::exponential));
 BENCHMARK_CAPTURE(evaluate, energy_hermite_adaptive, Method::energy_hermite,
-                  test::graded_site(test::exponential));
+                  test::graded_space(test::exponential));
 
 /// The system of the radial functions; the rest of the set-up is small.
 void set_up(benchmark::State& state, Method method) {
-  const TouchSite site = with_intermediate_states();
-  for (auto _ : state) benchmark::DoNotOptimize(make_interpolator(method, site));
+  const TouchToolSpace tool_space = with_intermediate_states();
+  for (auto _ : state) benchmark::DoNotOptimize(make_interpolator(method, tool_space));
 }
 BENCHMARK_CAPTURE(set_up, rbf_cubic_intermediate, Method::rbf_cubic)
     ->Unit(benchmark::kSecond)
@@ -169,11 +169,11 @@ BENCHMARK(floor_energy_hermite);
 #endif
 
 void display(benchmark::State& state) {
-  TouchSite site = test::analytic_site(test::exponential);
-  const auto num_configurations = static_cast<Eigen::Index>(site.configurations.size());
-  site.coefficients.setRandom(kModes, num_configurations);
-  site.coefficient_gradients.setRandom(3 * kModes, num_configurations);
-  const DisplayField field(site);
+  TouchToolSpace tool_space = test::analytic_space(test::exponential);
+  const auto num_configurations = static_cast<Eigen::Index>(tool_space.configurations.size());
+  tool_space.coefficients.setRandom(kModes, num_configurations);
+  tool_space.coefficient_gradients.setRandom(3 * kModes, num_configurations);
+  const DisplayField field(tool_space);
   const Eigen::MatrixXf modes = Eigen::MatrixXf::Random(kSurfaceDofs, kModes);
   const std::vector<Vec3> points = random_points();
   std::vector<float> coefficients(kModes);

@@ -42,14 +42,14 @@ std::vector<Recording> read_recordings(const std::vector<std::string>& paths) {
   std::map<Index, Recording> recordings;
   for (const std::string& path : paths) {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path);
-    for (const SiteSpace& space : file.read_sites()) {
-      const Index node = space.site.active_node;
+    for (const ToolSpace& space : file.read_tool_spaces()) {
+      const Index node = space.setup.interaction.active_node;
       const std::vector<Configuration> all = file.read_summaries(node);
       const auto [here, is_new] =
-          recordings.emplace(node, Recording{space.site, {all.begin(), all.end()}});
+          recordings.emplace(node, Recording{space.setup, {all.begin(), all.end()}});
       if (is_new) continue;
       std::vector<ConfigurationSummary>& known = here->second.configurations;
-      if (!(here->second.site == space.site) || known.size() != all.size()) {
+      if (!(here->second.setup == space.setup) || known.size() != all.size()) {
         throw InputError(path + " has another space around active node " + std::to_string(node) +
                          " than the file before it.");
       }

@@ -65,7 +65,7 @@ database = sqlite3.connect(f"file:{arguments.file}?mode=ro", uri=True)
 largest = error = sensitivity_error = 0.0
 for c in np.flatnonzero(outcomes == 0):
     u, v = database.execute(
-        "SELECT u, v FROM configuration WHERE active_node = ? AND i = ? AND j = ? AND k = ? "
+        "SELECT u, v FROM configuration WHERE tool_space_id = ? AND i = ? AND j = ? AND k = ? "
         "AND level = ?", [int(x) for x in (nodes[c], *check_points[c], levels[c])]).fetchone()
     u = np.frombuffer(u).reshape(-1, 3)[mesh_points]
     v = np.frombuffer(v).reshape(3, -1, 3)[:, mesh_points]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Configurations a second of ranks that explore together, beside those of as many runs of one rank
 // side by side: the same work on the same cores, without messages and without an end at which some
-// wait. Explores the sites of a .palpate file anew, see seed_problem.py:
+// wait. Explores the tool spaces of a .palpate file anew, see seed_problem.py:
 //
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_throughput seed.palpate 4 [folder]
 //
@@ -34,23 +34,23 @@ namespace fs = std::filesystem;
 
 struct Problem {
   Scene scene;
-  std::vector<Site> sites;
+  std::vector<ToolSpaceSetup> setups;
   double solver_tolerance = 0;
 };
 
 Problem read(const fs::path& path, int num_ranks) {
   const StateSpaceFile file = StateSpaceFile::open_read_only(path);
   Problem problem{file.read_scene(), {}, file.solver_tolerance()};
-  for (const SiteSpace& space : file.read_sites()) {
-    problem.sites.push_back(space.site);
-    const Site& first = problem.sites.front();
-    if (space.site.coarsest > 1 || space.site.resolution != first.resolution ||
-        space.site.half_width != first.half_width) {
+  for (const ToolSpace& space : file.read_tool_spaces()) {
+    problem.tool_spaces.push_back(space.setup);
+    const ToolSpaceSetup& first = problem.tool_spaces.front();
+    if (space.setup.grid.coarsest > 1 || space.setup.grid.resolution != first.grid.resolution ||
+        space.setup.grid.half_width != first.grid.half_width) {
       throw InputError("Give a file of uniform grids that are all alike.");
     }
   }
-  if (problem.sites.empty() || problem.sites.size() % num_ranks != 0) {
-    throw InputError("The file has " + std::to_string(problem.sites.size()) +
+  if (problem.tool_spaces.empty() || problem.tool_spaces.size() % num_ranks != 0) {
+    throw InputError("The file has " + std::to_string(problem.tool_spaces.size()) +
                      " active nodes, which is no multiple of the ranks.");
   }
   return problem;
@@ -58,13 +58,13 @@ Problem read(const fs::path& path, int num_ranks) {
 
 PrecomputeReport explore(const Problem& problem, const std::vector<Index>& nodes,
                          const fs::path& file, Communicator& communicator) {
-  const Site& site = problem.sites.front();
+  const ToolSpaceSetup& setup = problem.tool_spaces.front();
   PrecomputeOptions options;
   options.active_nodes = nodes;
-  options.tip_radius = site.tip_radius;
-  options.half_width = site.half_width;
-  options.resolution = site.resolution;
-  options.force_limit = site.force_limit;
+  options.tip_radius = setup.interaction.tip_radius;
+  options.half_width = setup.grid.half_width;
+  options.resolution = setup.grid.resolution;
+  options.force_limit = setup.policy.force_limit;
   options.equilibrium.tolerance = problem.solver_tolerance;
   options.file = file;
   PrecomputeReport report = precompute(problem.scene, options, communicator, nullptr).report;
@@ -108,9 +108,9 @@ Figures sum(const Figures& mine, Communicator& world) {
 
 Figures side_by_side(const Problem& problem, const std::string& folder, Communicator& world) {
   std::vector<Index> nodes;
-  for (std::size_t i = 0; i < problem.sites.size(); ++i) {
+  for (std::size_t i = 0; i < problem.tool_spaces.size(); ++i) {
     if (static_cast<int>(i) % world.size() == world.rank()) {
-      nodes.push_back(problem.sites[i].active_node);
+      nodes.push_back(problem.tool_spaces[i].active_node);
     }
   }
   const std::string name = "alone_" + std::to_string(world.rank()) + ".palpate";
@@ -130,7 +130,8 @@ Figures side_by_side(const Problem& problem, const std::string& folder, Communic
 Figures together(const Problem& problem, const std::string& folder, Communicator& world,
                  PrecomputeReport& report) {
   std::vector<Index> nodes;
-  for (const Site& site : problem.sites) nodes.push_back(site.active_node);
+  for (const ToolSpaceSetup& setup : problem.tool_spaces)
+    nodes.push_back(setup.interaction.active_node);
   const double start = processor_seconds();
   report = explore(problem, nodes,
                    folder.empty() ? fs::path() : fs::path(folder) / "together.palpate", world);

@@ -35,8 +35,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "equilibrium/tip.h"
 #include "exploration/precompute.h"
+#include "interaction/bonded_patch.h"
 #include "interpolation/interpolator.h"
 #include "state_space/state_space_file.h"
 
@@ -58,8 +58,8 @@ struct Exact {
 
 /// Solutions at random points of the box, always the same: those of the file, then new ones, which
 /// are added to it.
-std::vector<Exact> solve_exactly(const Scene& scene, const Site& site, double half_width, int num,
-                                 const std::string& path) {
+std::vector<Exact> solve_exactly(const Scene& scene, const ToolSpaceSetup& tool_space,
+                                 double half_width, int num, const std::string& path) {
   std::mt19937_64 random(2008);
   std::uniform_real_distribution<double> uniform(-half_width, half_width);
   std::vector<Exact> all(static_cast<std::size_t>(num));
@@ -89,7 +89,8 @@ std::vector<Exact> solve_exactly(const Scene& scene, const Site& site, double ha
   };
   for (std::size_t i = 0; i < known; ++i) write(all[i]);
   EquilibriumSolver solver(scene, {});
-  solver.hold(Tip(scene, site.tip_radius).hold({site.active_node}));
+  solver.set_interaction(BondedPatches(scene, tool_space.interaction.tip_radius)
+                             .around(tool_space.interaction.active_node));
   const Equilibrium rest = solver.rest();
   for (; known < all.size(); ++known) {
     Exact& exact = all[known];
@@ -104,13 +105,13 @@ std::vector<Exact> solve_exactly(const Scene& scene, const Site& site, double ha
 
 /// The largest jump of the force, N, at random points of the faces between leaves of different
 /// size: from one side of the face to the other, as far apart as rounding allows.
-double largest_jump(const TouchSite& site, const Interpolator& interpolator) {
+double largest_jump(const TouchToolSpace& tool_space, const Interpolator& interpolator) {
   struct Face {
     Vec3 first;
     double side;
     int axis;
   };
-  const CheckPointGrid grid(site);
+  const CheckPointGrid grid(tool_space);
   const auto reach = static_cast<double>(grid.reach());
   std::vector<Face> faces;
   for (std::size_t l = 0; l < grid.tree().leaves().size(); ++l) {
@@ -134,7 +135,8 @@ double largest_jump(const TouchSite& site, const Interpolator& interpolator) {
   std::mt19937_64 random(2008);
   std::uniform_int_distribution<std::size_t> any_face(0, faces.size() - 1);
   std::uniform_real_distribution<double> uniform(0, 1);
-  const double apart = 4 * std::numeric_limits<double>::epsilon() * site.site.half_width;
+  const double apart =
+      4 * std::numeric_limits<double>::epsilon() * tool_space.setup.grid.half_width;
   double largest = 0;
   for (int i = 0; i < kFacePoints; ++i) {
     const Face& face = faces[any_face(random)];
@@ -152,10 +154,11 @@ double largest_jump(const TouchSite& site, const Interpolator& interpolator) {
 /// Of what a touch space holds.
 double megabytes(const TouchSpace& space) {
   double bytes = static_cast<double>(sizeof(float)) * static_cast<double>(space.modes.size());
-  for (const TouchSite& site : space.sites) {
+  for (const TouchToolSpace& tool_space : space.tool_spaces) {
     bytes += static_cast<double>(sizeof(float)) *
-                 static_cast<double>(site.coefficients.size() + site.coefficient_gradients.size()) +
-             static_cast<double>(sizeof(ConfigurationSummary) * site.configurations.size());
+                 static_cast<double>(tool_space.coefficients.size() +
+                                     tool_space.coefficient_gradients.size()) +
+             static_cast<double>(sizeof(ConfigurationSummary) * tool_space.configurations.size());
   }
   return 1e-6 * bytes;
 }
@@ -166,10 +169,10 @@ void print_row(const std::string& name, const Scene& scene, const PrecomputeOpti
   const std::clock_t start = std::clock();
   const PrecomputeResult result = precompute(scene, options, *communicator, nullptr);
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  const TouchSite& site = result.space.sites.front();
-  const auto interpolator = make_interpolator(Method::energy_hermite, site);
+  const TouchToolSpace& tool_space = result.space.tool_spaces.front();
+  const auto interpolator = make_interpolator(Method::energy_hermite, tool_space);
   double largest_force = 0;
-  for (const ConfigurationSummary& c : site.configurations) {
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     if (c.leads_on()) largest_force = std::max(largest_force, c.force.norm());
   }
   std::vector<double> errors;
@@ -194,7 +197,7 @@ void print_row(const std::string& name, const Scene& scene, const PrecomputeOpti
   }
   std::sort(errors.begin(), errors.end());
   const auto num = static_cast<double>(all.size());
-  std::printf("| %s | %zu | %.1f ", name.c_str(), site.configurations.size(), seconds);
+  std::printf("| %s | %zu | %.1f ", name.c_str(), tool_space.configurations.size(), seconds);
   if (errors.empty()) {
     std::printf("| | | ");
   } else {
@@ -203,7 +206,7 @@ void print_row(const std::string& name, const Scene& scene, const PrecomputeOpti
   }
   std::printf("| %.1f | %.2g | %.1f | %.2g | %.1e | %.2f |\n", 100 * num_marked / num, worst_marked,
               100 * num_irregular / num, worst_irregular,
-              largest_jump(site, *interpolator) / largest_force, megabytes(result.space));
+              largest_jump(tool_space, *interpolator) / largest_force, megabytes(result.space));
   std::fflush(stdout);
 }
 
@@ -215,18 +218,18 @@ int main_of(const std::vector<std::string>& arguments) {
   }
   const StateSpaceFile file = StateSpaceFile::open_read_only(arguments[0]);
   const Scene scene = file.read_scene();
-  const Site site = file.read_sites().front().site;
+  const ToolSpaceSetup tool_space = file.read_tool_spaces().front().setup;
   PrecomputeOptions options;
-  options.active_nodes = {site.active_node};
-  options.tip_radius = site.tip_radius;
+  options.active_nodes = {tool_space.interaction.active_node};
+  options.tip_radius = tool_space.interaction.tip_radius;
   options.half_width = std::stod(arguments[1]);
   options.equilibrium.tolerance = 1e-9;
   options.equilibrium.single_precision = true;
   std::ostringstream path;
-  path << arguments[0] << '_' << file.scene_hash().substr(0, 8) << '_' << site.tip_radius << '_'
-       << options.half_width << ".csv";
+  path << arguments[0] << '_' << file.scene_hash().substr(0, 8) << '_'
+       << tool_space.interaction.tip_radius << '_' << options.half_width << ".csv";
   const std::vector<Exact> exact =
-      solve_exactly(scene, site, options.half_width, std::stoi(arguments[2]), path.str());
+      solve_exactly(scene, tool_space, options.half_width, std::stoi(arguments[2]), path.str());
   const auto num_regular =
       std::count_if(exact.begin(), exact.end(), [](const Exact& e) { return e.regular(); });
   std::printf("%zu points, from rest regular to %td\n\n", exact.size(), num_regular);

@@ -15,17 +15,20 @@ namespace {
 
 TEST(StateSpaceData, RoundTrip) {
   const palpate::Scene scene = palpate::test::cube_scene();
-  std::vector<palpate::Site> sites = {palpate::test::example_site(8, 3),
-                                      palpate::test::example_site(26, 5)};
-  sites[1].coarsest = 2;
-  sites[1].tolerance = 0.003;
-  sites[1].tolerance_is_relative = true;
-  sites[1].intermediate_states = 2;
-  sites[1].third_derivatives = true;
-  palpate::StateSpace whole = palpate::test::example_space(scene, sites);
-  for (palpate::Configuration& c : whole.sites[1].configurations) {
+  std::vector<palpate::ToolSpaceSetup> setups = {palpate::test::example_setup(8, 3),
+                                                 palpate::test::example_setup(26, 5)};
+  setups[1].grid.coarsest = 2;
+  setups[1].policy.tolerance = 0.003;
+  setups[1].policy.tolerance_is_relative = true;
+  setups[1].policy.intermediate_states = 2;
+  setups[1].policy.third_derivatives = true;
+  for (palpate::ToolSpaceSetup& setup : setups) {
+    setup.interaction.material_point = scene.mesh.points[setup.interaction.active_node];
+  }
+  palpate::StateSpace whole = palpate::test::example_space(scene, setups);
+  for (palpate::Configuration& c : whole.tool_spaces[1].configurations) {
     const auto way = palpate::test::example_way(c, 2);
-    auto& states = whole.sites[1].intermediate_states;
+    auto& states = whole.tool_spaces[1].intermediate_states;
     states.insert(states.end(), way.begin(), way.end());
     if (c.check_point != palpate::CheckPoint{1, 1, 1}) {
       c.third_derivative = palpate::test::example_third_derivative(c.t);
@@ -39,23 +42,23 @@ TEST(StateSpaceData, RoundTrip) {
   const palpate::TouchSpace read = vtkPalpateSpaceFromCollection(collection, nullptr);
   EXPECT_EQ(read.scene_hash, space.scene_hash);
   EXPECT_EQ(read.modes, space.modes);
-  ASSERT_EQ(read.sites.size(), 2U);
+  ASSERT_EQ(read.tool_spaces.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
-    const palpate::Site& site = read.sites[i].site;
-    EXPECT_EQ(site.active_node, sites[i].active_node);
-    EXPECT_EQ(site.half_width, sites[i].half_width);
-    EXPECT_EQ(site.resolution, sites[i].resolution);
-    EXPECT_EQ(site.force_limit, sites[i].force_limit);
-    EXPECT_EQ(site.tip_radius, sites[i].tip_radius);
-    EXPECT_EQ(site.coarsest, sites[i].coarsest);
-    EXPECT_EQ(site.tolerance, sites[i].tolerance);
-    EXPECT_EQ(site.tolerance_is_relative, sites[i].tolerance_is_relative);
-    EXPECT_EQ(site, sites[i]);
-    const auto& states = space.sites[i].intermediate_states;
-    ASSERT_EQ(read.sites[i].intermediate_states.size(), states.size());
-    EXPECT_EQ(states.size(), i == 0 ? 0U : 2 * space.sites[1].configurations.size());
+    const palpate::ToolSpaceSetup& setup = read.tool_spaces[i].setup;
+    EXPECT_EQ(setup.interaction.active_node, setups[i].interaction.active_node);
+    EXPECT_EQ(setup.grid.half_width, setups[i].grid.half_width);
+    EXPECT_EQ(setup.grid.resolution, setups[i].grid.resolution);
+    EXPECT_EQ(setup.policy.force_limit, setups[i].policy.force_limit);
+    EXPECT_EQ(setup.interaction.tip_radius, setups[i].interaction.tip_radius);
+    EXPECT_EQ(setup.grid.coarsest, setups[i].grid.coarsest);
+    EXPECT_EQ(setup.policy.tolerance, setups[i].policy.tolerance);
+    EXPECT_EQ(setup.policy.tolerance_is_relative, setups[i].policy.tolerance_is_relative);
+    EXPECT_EQ(setup, setups[i]);
+    const auto& states = space.tool_spaces[i].intermediate_states;
+    ASSERT_EQ(read.tool_spaces[i].intermediate_states.size(), states.size());
+    EXPECT_EQ(states.size(), i == 0 ? 0U : 2 * space.tool_spaces[1].configurations.size());
     for (std::size_t s = 0; s < states.size(); ++s) {
-      const palpate::IntermediateState& state = read.sites[i].intermediate_states[s];
+      const palpate::IntermediateState& state = read.tool_spaces[i].intermediate_states[s];
       EXPECT_EQ(state.target, states[s].target);
       EXPECT_EQ(state.number, states[s].number);
       EXPECT_EQ(state.t, states[s].t);
@@ -65,17 +68,19 @@ TEST(StateSpaceData, RoundTrip) {
       EXPECT_EQ(state.flags, states[s].flags);
       EXPECT_EQ(state.seconds, states[s].seconds);
     }
-    EXPECT_EQ(read.sites[i].coefficients, space.sites[i].coefficients);
-    ASSERT_EQ(read.sites[i].configurations.size(), space.sites[i].configurations.size());
-    for (std::size_t c = 0; c < read.sites[i].configurations.size(); ++c) {
-      EXPECT_EQ(read.sites[i].configurations[c].check_point,
-                space.sites[i].configurations[c].check_point);
-      EXPECT_EQ(read.sites[i].configurations[c].force, space.sites[i].configurations[c].force);
-      const palpate::ConfigurationSummary& written = space.sites[i].configurations[c];
-      EXPECT_EQ(read.sites[i].configurations[c].has_third_derivative(),
+    EXPECT_EQ(read.tool_spaces[i].coefficients, space.tool_spaces[i].coefficients);
+    ASSERT_EQ(read.tool_spaces[i].configurations.size(),
+              space.tool_spaces[i].configurations.size());
+    for (std::size_t c = 0; c < read.tool_spaces[i].configurations.size(); ++c) {
+      EXPECT_EQ(read.tool_spaces[i].configurations[c].check_point,
+                space.tool_spaces[i].configurations[c].check_point);
+      EXPECT_EQ(read.tool_spaces[i].configurations[c].force,
+                space.tool_spaces[i].configurations[c].force);
+      const palpate::ConfigurationSummary& written = space.tool_spaces[i].configurations[c];
+      EXPECT_EQ(read.tool_spaces[i].configurations[c].has_third_derivative(),
                 written.has_third_derivative());
       if (written.has_third_derivative()) {
-        EXPECT_EQ(read.sites[i].configurations[c].third_derivative, written.third_derivative);
+        EXPECT_EQ(read.tool_spaces[i].configurations[c].third_derivative, written.third_derivative);
       }
     }
   }

@@ -204,8 +204,8 @@ def test_two_tips():
         force = field(grid, "ReactionForce").ravel()
         assert force.shape == (6,)
         if law == "Linear":
-            parts = [solve(boundary, nodes, numpy.where(numpy.arange(6) // 3 == site, t, 0),
-                           TipRadius=0.03) for site in (0, 1)]
+            parts = [solve(boundary, nodes, numpy.where(numpy.arange(6) // 3 == tool, t, 0),
+                           TipRadius=0.03) for tool in (0, 1)]
             for name in ("ReactionForce", "Displacement"):
                 get = field if name == "ReactionForce" else point_array
                 whole = get(grid, name)

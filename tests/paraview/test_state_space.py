@@ -189,7 +189,7 @@ def test_tip():
         assert field(fetch_space(other)["Configurations"], "TipRadius")[0] == 0.03
         touch = TouchStateSpace(Input=other, Displacement=list(arrays["Displacement"][9]))
         assert numpy.allclose(field(fetch(touch), "Force")[0], arrays["Force"][9], rtol=1e-9)
-    # Another radius is another site.
+    # Another radius is another tool.
     space.TipRadius = 0
     expect_error(space.UpdatePipeline, "tip.palpate", "tip radius 0.03", "tip radius 0 ")
     space.FileName = ""

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate::test {
 namespace {
@@ -55,12 +55,14 @@ TouchSpace make_body(Log& log) {
   space.surface = block();
   for (int node = 0; node < 4; ++node) {
     const Mat3 k = stiffness_of(node);
-    TouchSite site = analytic_site(energy_of(k));
-    site.site.active_node = node;
-    site.rest_position = space.surface.points[node];
-    log.add("node %g %g %g %g %g %g %g %g %g", site.rest_position[0], site.rest_position[1],
-            site.rest_position[2], k(0, 0), k(0, 1), k(0, 2), k(1, 1), k(1, 2), k(2, 2));
-    space.sites.push_back(std::move(site));
+    TouchToolSpace tool_space = analytic_space(energy_of(k));
+    tool_space.setup.interaction.active_node = node;
+    tool_space.setup.interaction.material_point = space.surface.points[node];
+    log.add("node %g %g %g %g %g %g %g %g %g", tool_space.setup.interaction.material_point[0],
+            tool_space.setup.interaction.material_point[1],
+            tool_space.setup.interaction.material_point[2], k(0, 0), k(0, 1), k(0, 2), k(1, 1),
+            k(1, 2), k(2, 2));
+    space.tool_spaces.push_back(std::move(tool_space));
   }
   log.add("stiffening %g", kStiffening);
   for (int i = 0; i < 2; ++i) {

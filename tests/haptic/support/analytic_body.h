@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptic/touching/touchable.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate::test {
 
@@ -85,10 +85,10 @@ inline TouchSpace box_space(const std::function<Energy(int)>& energy_of,
     }
   }
   for (std::size_t n = 0; n < only_active.size(); ++n) {
-    TouchSite site = analytic_site(energy_of(static_cast<int>(n)));
-    site.site.active_node = only_active[n];
-    site.rest_position = space.surface.points[only_active[n]];
-    space.sites.push_back(std::move(site));
+    TouchToolSpace tool_space = analytic_space(energy_of(static_cast<int>(n)));
+    tool_space.setup.interaction.active_node = only_active[n];
+    tool_space.setup.interaction.material_point = space.surface.points[only_active[n]];
+    space.tool_spaces.push_back(std::move(tool_space));
   }
   return space;
 }

@@ -226,9 +226,9 @@ TEST(Tool, AnotherBodyOfTheSameSceneIsTakenOver) {
 // node.
 TEST(Tool, ChangesTheNodeInAHollow) {
   TouchSpace space = test::box_space([](int) { return test::stiffening_spring(kStiffness); });
-  const Index middle = space.sites[4].site.active_node;
+  const Index middle = space.tool_spaces[4].setup.interaction.active_node;
   space.surface.points[middle][2] -= 0.015;
-  space.sites[4].rest_position = space.surface.points[middle];
+  space.tool_spaces[4].setup.interaction.material_point = space.surface.points[middle];
   const Touchable body(space);
   Tool tool;
   const Vec3 bottom = space.surface.points[middle];

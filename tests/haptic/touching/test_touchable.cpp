@@ -28,8 +28,8 @@ TEST(Touchable, FindsItsNodes) {
 
 TEST(Touchable, LargestStiffnessIsThatOfTheConfigurations) {
   double largest = 0;
-  const TouchSite site = test::analytic_site(test::stiffening_spring(200));
-  for (const ConfigurationSummary& c : site.configurations) {
+  const TouchToolSpace tool_space = test::analytic_space(test::stiffening_spring(200));
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     largest = std::max(largest, c.stiffness.operatorNorm());
   }
   EXPECT_NEAR(test::box_body(200)->largest_stiffness(), largest, 1e-9 * largest);
@@ -46,9 +46,9 @@ TEST(Touchable, BadSpaces) {
     }
   };
   TouchSpace without = space;
-  without.sites.clear();
+  without.tool_spaces.clear();
   refuses(without, "no active node");
-  space.sites[0].site.active_node = 100000;
+  space.tool_spaces[0].setup.interaction.active_node = 100000;
   refuses(space, "not on the surface");
 }
 

@@ -80,9 +80,9 @@ TEST_F(Accuracy, RowsOfSitesAddUp) {
   const AccuracyResult result = run();
   if (world_->rank() != 0) return;
   ASSERT_EQ(result.rows.size(), 2U);
-  ASSERT_EQ(result.rows_of_sites.size(), 4U);
-  const AccuracyRow& a = row(result.rows_of_sites, "Energy Hermite", 5, block_.middle);
-  const AccuracyRow& b = row(result.rows_of_sites, "Energy Hermite", 5, block_.corner);
+  ASSERT_EQ(result.rows_of_tool_spaces.size(), 4U);
+  const AccuracyRow& a = row(result.rows_of_tool_spaces, "Energy Hermite", 5, block_.middle);
+  const AccuracyRow& b = row(result.rows_of_tool_spaces, "Energy Hermite", 5, block_.corner);
   const AccuracyRow& both = row(result.rows, "Energy Hermite", 5);
   EXPECT_EQ(a.test_points + b.test_points, both.test_points);
   EXPECT_NEAR(both.mean_error, 0.5 * (a.mean_error + b.mean_error), 1e-15);

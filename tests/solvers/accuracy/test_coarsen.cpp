@@ -3,7 +3,7 @@
 
 #include "accuracy/coarsen.h"
 #include "interpolation/interpolator.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate {
 namespace {
@@ -11,17 +11,20 @@ namespace {
 using Factors = std::vector<std::int32_t>;
 
 TEST(Coarsen, FactorsLeaveRestAndTheBorder) {
-  EXPECT_EQ(coarsening_factors(test::analytic_site(test::exponential, 7).site), (Factors{1, 3}));
-  EXPECT_EQ(coarsening_factors(test::analytic_site(test::exponential, 9).site), (Factors{1, 2, 4}));
-  EXPECT_EQ(coarsening_factors(test::analytic_site(test::exponential, 3).site), (Factors{1}));
-  EXPECT_EQ(coarsening_factors(test::analytic_site(test::exponential, 17, 4).site),
+  EXPECT_EQ(coarsening_factors(test::analytic_space(test::exponential, 7).setup.grid),
+            (Factors{1, 3}));
+  EXPECT_EQ(coarsening_factors(test::analytic_space(test::exponential, 9).setup.grid),
+            (Factors{1, 2, 4}));
+  EXPECT_EQ(coarsening_factors(test::analytic_space(test::exponential, 3).setup.grid),
+            (Factors{1}));
+  EXPECT_EQ(coarsening_factors(test::analytic_space(test::exponential, 17, 4).setup.grid),
             (Factors{1, 2, 4}));
 }
 
-void expect_same(const TouchSite& a, const TouchSite& b) {
-  EXPECT_EQ(a.site.resolution, b.site.resolution);
-  EXPECT_EQ(a.site.coarsest, b.site.coarsest);
-  EXPECT_EQ(a.site.half_width, b.site.half_width);
+void expect_same(const TouchToolSpace& a, const TouchToolSpace& b) {
+  EXPECT_EQ(a.setup.grid.resolution, b.setup.grid.resolution);
+  EXPECT_EQ(a.setup.grid.coarsest, b.setup.grid.coarsest);
+  EXPECT_EQ(a.setup.grid.half_width, b.setup.grid.half_width);
   ASSERT_EQ(a.configurations.size(), b.configurations.size());
   for (std::size_t i = 0; i < a.configurations.size(); ++i) {
     EXPECT_EQ(a.configurations[i].check_point, b.configurations[i].check_point);
@@ -31,18 +34,18 @@ void expect_same(const TouchSite& a, const TouchSite& b) {
 }
 
 TEST(Coarsen, AUniformGridIsThatOfFewerPoints) {
-  expect_same(coarsened(test::analytic_site(test::exponential, 9), 2),
-              test::analytic_site(test::exponential, 5));
-  expect_same(coarsened(test::analytic_site(test::exponential, 7), 3),
-              test::analytic_site(test::exponential, 3));
+  expect_same(coarsened(test::analytic_space(test::exponential, 9), 2),
+              test::analytic_space(test::exponential, 5));
+  expect_same(coarsened(test::analytic_space(test::exponential, 7), 3),
+              test::analytic_space(test::exponential, 3));
 }
 
 TEST(Coarsen, CellsOfSeveralSizesLoseTheSmallest) {
-  const TouchSite graded = test::graded_site(test::exponential, 5, 3);
-  EXPECT_EQ(graded.site.coarsest, 8);
-  expect_same(coarsened(graded, 8), test::analytic_site(test::exponential, 5));
-  const TouchSite half = coarsened(graded, 2);
-  EXPECT_EQ(half.site.coarsest, 4);
+  const TouchToolSpace graded = test::graded_space(test::exponential, 5, 3);
+  EXPECT_EQ(graded.setup.grid.coarsest, 8);
+  expect_same(coarsened(graded, 8), test::analytic_space(test::exponential, 5));
+  const TouchToolSpace half = coarsened(graded, 2);
+  EXPECT_EQ(half.setup.grid.coarsest, 4);
   EXPECT_LT(half.configurations.size(), graded.configurations.size());
   EXPECT_GT(half.configurations.size(), 125U);
   EXPECT_EQ(
@@ -51,9 +54,9 @@ TEST(Coarsen, CellsOfSeveralSizesLoseTheSmallest) {
 }
 
 TEST(Coarsen, FlagsOfAStateStay) {
-  TouchSite site = test::analytic_site(test::exponential, 5);
-  test::at(site, {2, 0, 0}).flags = flags::inverted;
-  TouchSite coarse = coarsened(site, 2);
+  TouchToolSpace tool_space = test::analytic_space(test::exponential, 5);
+  test::at(tool_space, {2, 0, 0}).flags = flags::inverted;
+  TouchToolSpace coarse = coarsened(tool_space, 2);
   EXPECT_EQ(test::at(coarse, {1, 0, 0}).flags, flags::inverted);
   EXPECT_EQ(test::at(coarse, {0, 0, 0}).flags, 0);
 }

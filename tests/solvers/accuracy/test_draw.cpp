@@ -48,7 +48,7 @@ TEST(Draw, OtherSeedsAndNodesHaveOtherPoints) {
   other.seed = 4;
   EXPECT_NE(draw_test_points(other, 10).front().t, t);
   other = kSet;
-  other.active_node = 8;
+  other.tool_space = 8;
   EXPECT_NE(draw_test_points(other, 10).front().t, t);
 }
 

@@ -6,9 +6,10 @@
 #include "accuracy/draw.h"
 #include "accuracy/exact.h"
 #include "base/error.h"
-#include "equilibrium/tip.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/setup.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -28,11 +29,7 @@ class Exact : public testing::Test {
     }
     agree(*world_, [] {});
     for (const Index node : {block_.middle, block_.corner}) {
-      Site site;
-      site.active_node = node;
-      site.half_width = 0.02;
-      site.resolution = 7;
-      sites_.push_back(site);
+      setups_.push_back(test::bonded_setup(node, {0.02, 7}));
     }
     options_.test_points = 60;
     options_.equilibrium.tolerance = 1e-9;
@@ -44,13 +41,13 @@ class Exact : public testing::Test {
   }
 
   ExactResult run(Communicator& communicator) const {
-    return solve_test_points(block_.scene, sites_, options_, communicator, progress_);
+    return solve_test_points(block_.scene, setups_, options_, communicator, progress_);
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
   std::unique_ptr<Communicator> serial_ = make_serial_communicator();
   test::Block block_ = test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
-  std::vector<Site> sites_;
+  std::vector<ToolSpaceSetup> setups_;
   ExactOptions options_;
   Progress progress_;
   fs::path folder_;
@@ -88,8 +85,9 @@ TEST_F(Exact, PointsAreEquilibria) {
   const ExactResult result = run(*world_);
   if (world_->rank() != 0) return;
   EquilibriumSolver solver(block_.scene, options_.equilibrium);
-  for (std::size_t s = 0; s < sites_.size(); ++s) {
-    solver.hold(Tip(block_.scene, 0).hold({sites_[s].active_node}));
+  for (std::size_t s = 0; s < setups_.size(); ++s) {
+    solver.set_interaction(
+        BondedPatches(block_.scene, 0).around(setups_[s].interaction.active_node));
     const Equilibrium rest = solver.rest();
     for (const TestPoint& point : result.points[s]) {
       ASSERT_EQ(point.outcome, Outcome::converged);
@@ -146,10 +144,10 @@ TEST_F(Exact, TheFileOfASpaceHasRoomForThem) {
   options_.test_points = 10;
   {
     StateSpaceFile file = StateSpaceFile::create(options_.file, block_.scene, 1e-9);
-    file.add_site(sites_[0]);
+    file.add_tool_space(setups_[0]);
   }
   EXPECT_EQ(run(*serial_).num_solved, 20);
-  EXPECT_EQ(StateSpaceFile::open_read_only(options_.file).read_sites().size(), 1U);
+  EXPECT_EQ(StateSpaceFile::open_read_only(options_.file).read_tool_spaces().size(), 1U);
   EXPECT_EQ(run(*serial_).num_reused, 20);
 }
 
@@ -165,7 +163,7 @@ TEST_F(Exact, WhatIsWrongIsSaid) {
   options_.test_points = 0;
   EXPECT_NE(message().find("test points is 0"), std::string::npos);
   options_.test_points = 10;
-  sites_[0].active_node = 1 << 20;
+  setups_[0].interaction.active_node = 1 << 20;
   EXPECT_NE(message().find("1048576"), std::string::npos);
 }
 

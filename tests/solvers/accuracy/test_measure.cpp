@@ -7,18 +7,18 @@
 #include "accuracy/draw.h"
 #include "accuracy/measure.h"
 #include "accuracy/statistics.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kWidth = test::kHalfWidth;
 
-/// A space of one site whose exact states are those of an energy.
+/// A space of one tool space whose exact states are those of an energy.
 struct Known {
   explicit Known(const test::Energy& of_points, const test::Energy& of_space,
                  std::int32_t resolution = 7) {
-    space.sites.push_back(test::analytic_site(of_space, resolution));
+    space.tool_spaces.push_back(test::analytic_space(of_space, resolution));
     points = draw_test_points({4, 0, kWidth, 1}, 400);
     for (TestPoint& point : points) {
       const test::Sample sample = of_points(point.t);
@@ -31,7 +31,7 @@ struct Known {
 
   Measurement measure(Method method, std::int32_t factor = 1) {
     errors.clear();
-    return palpate::measure(space, space.sites.front(), {method, {}, factor}, points, errors);
+    return palpate::measure(space, space.tool_spaces.front(), {method, {}, factor}, points, errors);
   }
 
   TouchSpace space;
@@ -103,7 +103,7 @@ TEST(Measure, WhatIsNotRegularIsToldApart) {
   Known known(test::exponential, test::exponential);
   known.points[0].outcome = Outcome::not_converged;
   known.points[1].flags = flags::inverted;
-  for (ConfigurationSummary& c : known.space.sites.front().configurations) {
+  for (ConfigurationSummary& c : known.space.tool_spaces.front().configurations) {
     if (c.check_point[0] == 3) c.flags = flags::inverted;
     if (c.check_point[0] == -3) c.outcome = Outcome::not_converged;
   }
@@ -124,10 +124,10 @@ TEST(Measure, WhatIsNotRegularIsToldApart) {
 }
 
 TEST(Measure, VariantsAreThoseThatTheSpaceServes) {
-  TouchSite site = test::analytic_site(test::exponential);
+  TouchToolSpace tool_space = test::analytic_space(test::exponential);
   const auto names = [&](const std::vector<Method>& methods = {}) {
     std::vector<std::string> all;
-    for (const Variant& v : variants(site, methods)) {
+    for (const Variant& v : variants(tool_space, methods)) {
       if (v.factor == 1) all.push_back(to_string(v));
     }
     return all;
@@ -136,17 +136,17 @@ TEST(Measure, VariantsAreThoseThatTheSpaceServes) {
   EXPECT_EQ(names({Method::rbf_cubic}),
             (std::vector<std::string>{"RBF cubic", "RBF cubic, no polynomial"}));
   EXPECT_EQ(names().size(), 8U);
-  site.intermediate_states.emplace_back();
-  for (ConfigurationSummary& c : site.configurations) c.third_derivative.setZero();
+  tool_space.intermediate_states.emplace_back();
+  for (ConfigurationSummary& c : tool_space.configurations) c.third_derivative.setZero();
   EXPECT_EQ(names({Method::energy_hermite, Method::rbf_linear}),
             (std::vector<std::string>{"Energy Hermite", "Energy Hermite, no third derivatives",
                                       "RBF linear", "RBF linear, no polynomial",
                                       "RBF linear, no intermediate states"}));
   // Without rest there is no stiffness at rest.
-  test::at(site, {0, 0, 0}).outcome = Outcome::not_converged;
+  test::at(tool_space, {0, 0, 0}).outcome = Outcome::not_converged;
   EXPECT_TRUE(names({Method::linear}).empty());
-  site = test::graded_site(test::exponential, 5, 1);
-  const auto tricubic = variants(site, {Method::tricubic});
+  tool_space = test::graded_space(test::exponential, 5, 1);
+  const auto tricubic = variants(tool_space, {Method::tricubic});
   ASSERT_EQ(tricubic.size(), 1U);
   EXPECT_EQ(tricubic[0].factor, 2);
 }

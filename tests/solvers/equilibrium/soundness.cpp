@@ -12,8 +12,8 @@
 namespace palpate::test {
 namespace {
 
-/// EquilibriumOptions::tolerance is a share of this displacement, or of that of the sites where it
-/// is larger; in shares of the mean edge.
+/// EquilibriumOptions::tolerance is a share of this displacement, or of that of the tool spaces
+/// where it is larger; in shares of the mean edge.
 constexpr double kLeastDisplacement = 1e-3;
 /// Of a residual that is summed up here in another order; times Σ|K_ij| |u|.
 constexpr double kRounding = 1e-14;
@@ -45,8 +45,7 @@ Eigen::VectorXd row_norms(const SymmetricPattern& pattern, std::vector<double> v
 }  // namespace
 
 std::vector<std::string> faults(const Equilibrium& state, const Assembly& assembly,
-                                const Constraint& constraint, double tolerance,
-                                const TetMesh* mesh) {
+                                const Interaction& tool, double tolerance, const TetMesh* mesh) {
   std::vector<std::string> result;
   const auto require = [&](bool holds, const auto&... what) {
     if (holds) return;
@@ -91,14 +90,12 @@ std::vector<std::string> faults(const Equilibrium& state, const Assembly& assemb
   std::vector<char> held(assembly.num_points(), 0);
   Eigen::VectorXd reaction = Eigen::VectorXd::Zero(state.t.size());
   Eigen::VectorXd in_sum = reaction;
-  for (std::size_t i = 0; i < constraint.points.size(); ++i) {
-    const Index point = constraint.points[i];
-    const Index site = constraint.site_of_point[i];
+  for (const auto& [point, coordinate] : tool.prescribed_points()) {
     held[point] = 1;
-    require(Vec3(state.u.segment<3>(3 * point)) == Vec3(state.t.segment<3>(3 * site)), "point ",
-            point, " is not where its site is");
-    reaction.segment<3>(3 * site) += force.segment<3>(3 * point);
-    in_sum.segment<3>(3 * site) += force.segment<3>(3 * point).cwiseAbs();
+    require(Vec3(state.u.segment<3>(3 * point)) == Vec3(state.t.segment<3>(coordinate)), "point ",
+            point, " is not where its tool is");
+    reaction.segment<3>(coordinate) += force.segment<3>(3 * point);
+    in_sum.segment<3>(coordinate) += force.segment<3>(3 * point).cwiseAbs();
   }
   require((state.reaction - reaction).norm() <= 1e-12 * in_sum.norm(), "the reaction is ",
           reaction.transpose(), " in place of ", state.reaction.transpose());

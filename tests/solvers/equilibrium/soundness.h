@@ -20,13 +20,13 @@ namespace palpate::test {
 /// @param tolerance That of the solver's options.
 /// @param mesh As in the scene; det F is computed anew. Null: it is not.
 [[nodiscard]] std::vector<std::string> faults(const Equilibrium& state, const Assembly& assembly,
-                                              const Constraint& constraint, double tolerance,
+                                              const Interaction& tool, double tolerance,
                                               const TetMesh* mesh = nullptr);
 
 inline void expect_sound(const Equilibrium& state, const EquilibriumSolver& solver,
-                         const Constraint& constraint,
+                         const Interaction& tool,
                          double tolerance = EquilibriumOptions{}.tolerance) {
-  for (const std::string& fault : faults(state, solver.assembly(), constraint, tolerance)) {
+  for (const std::string& fault : faults(state, solver.assembly(), tool, tolerance)) {
     ADD_FAILURE() << fault;
   }
 }

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/soundness.h"
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
@@ -19,10 +20,10 @@ class Budget : public testing::Test {
  protected:
   Equilibrium push(const EquilibriumOptions& options, const Vec3& t = kHardPush) {
     EquilibriumSolver solver(block_.scene, options);
-    solver.hold(constraint_);
+    solver.set_interaction(tool_);
     const Equilibrium rest = solver.rest();
     const Equilibrium state = solver.solve(t, rest);
-    expect_sound(state, solver, constraint_);
+    expect_sound(state, solver, tool_);
     if (state.outcome != Outcome::converged) {
       // On the straight way from rest to t.
       EXPECT_LT(state.t.norm(), t.norm());
@@ -32,7 +33,7 @@ class Budget : public testing::Test {
   }
 
   Block block_ = make_block(Law::neo_hookean);
-  Constraint constraint_ = hold_nodes({block_.corner});
+  InteractionList tool_ = bond_nodes({block_.corner});
 };
 
 TEST_F(Budget, StepsAreHalvedWhereOneIsTooLong) {
@@ -107,13 +108,13 @@ TEST_F(Budget, WhatIsLeftIsAStartForTheNext) {
   EquilibriumOptions options;
   options.max_steps = 2;
   EquilibriumSolver hasty(block_.scene, options);
-  hasty.hold(constraint_);
+  hasty.set_interaction(tool_);
   Equilibrium part = hasty.solve(kHardPush, hasty.rest());
   ASSERT_EQ(part.outcome, Outcome::budget_used_up);
   ASSERT_GT(part.t.norm(), 0);
   part.outcome = Outcome::converged;  // as far as it went
   EquilibriumSolver patient(block_.scene, {});
-  patient.hold(constraint_);
+  patient.set_interaction(tool_);
   const Equilibrium state = patient.solve(kHardPush, part);
   EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
   EXPECT_EQ(state.t, kHardPush);
@@ -124,7 +125,7 @@ TEST_F(Budget, AStartThatDidNotConvergeIsGivenBackWithItsReason) {
   options.max_iterations = 1;
   options.follow_folds = false;
   EquilibriumSolver solver(block_.scene, options);
-  solver.hold(constraint_);
+  solver.set_interaction(tool_);
   const Equilibrium failed = solver.solve(kHardPush, solver.rest());
   ASSERT_EQ(failed.outcome, Outcome::not_converged);
   const Equilibrium next = solver.solve(0.01 * kHardPush, failed);

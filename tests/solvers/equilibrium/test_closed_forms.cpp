@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
@@ -156,7 +157,7 @@ void ClosedForms::compare(Mode mode, double amount) {
   const Scene scene = make_scene(mesh, material, fixed);
   if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
   EquilibriumSolver solver(scene, with_tolerance(1e-13));
-  solver.hold(hold_nodes(held));
+  solver.set_interaction(bond_nodes(held));
   const Equilibrium state = solver.solve(t, solver.rest());
   ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
   EXPECT_EQ(state.flags & flags::inverted, 0);
@@ -166,7 +167,8 @@ void ClosedForms::compare(Mode mode, double amount) {
   }
   const double size = kSize.prod();
   EXPECT_NEAR(state.energy, size * expected.point.energy, kAccuracy * state.energy);
-  // Of the sites the forces on the faces; the fixed corner is at the origin and has no part in it.
+  // Of the tool spaces the forces on the faces; the fixed corner is at the origin and has no part
+  // in it.
   Mat3 sum = Mat3::Zero();
   Vec3 on_face = Vec3::Zero();
   for (std::size_t i = 0; i < held.size(); ++i) {
@@ -215,7 +217,7 @@ TEST(Incompressible, TheVolumeStays) {
       const Block block = make_block(law, {order});
       if (!is_solvable(block.scene)) continue;
       EquilibriumSolver solver(block.scene, {});
-      solver.hold(hold_nodes({block.corner}));
+      solver.set_interaction(bond_nodes({block.corner}));
       for (const Vec3& t : {Vec3(-0.01, 0.006, -0.005), Vec3(0.03, -0.01, 0.02)}) {
         const Equilibrium state = solver.solve(t, solver.rest());
         ASSERT_EQ(state.outcome, Outcome::converged) << state.message;

@@ -20,6 +20,7 @@
 #include "assembly/assembly.h"
 #include "elements/tetrahedron.h"
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "linear/linear_solver.h"
 #include "solvers/materials/point.h"
 #include "solvers/support/block.h"
@@ -212,7 +213,7 @@ TEST(ExactSolution, OfTheNeoHookeanLaw) {
   EXPECT_GT(gradient(exact_neo_hookean, Vec3(1, 0, 0)).norm(), 0.9) << "strains should be large";
 }
 
-// The solver that holds sites finds what is found with a fixed surface.
+// The solver that holds tool spaces finds what is found with a fixed surface.
 TEST_P(ConvergenceOrder, TheSurfaceMayBeHeldInstead) {
   Scene scene = make_cube(GetParam(), degree() == 1 ? 4 : 2, Law::neo_hookean);
   NodalVector expected = interpolate(scene, exact_neo_hookean);
@@ -224,7 +225,7 @@ TEST_P(ConvergenceOrder, TheSurfaceMayBeHeldInstead) {
     if (std::exchange(scene.fixed[p], 0) != 0) surface.push_back(p);
   }
   EquilibriumSolver solver(scene, {});
-  solver.hold(hold_nodes(surface));
+  solver.set_interaction(bond_nodes(surface));
   Eigen::VectorXd t(3 * surface.size());
   for (std::size_t i = 0; i < surface.size(); ++i) {
     t.segment<3>(3 * i) = exact_neo_hookean(scene.mesh.points[surface[i]]) - shift;

@@ -6,8 +6,11 @@
 #include <utility>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
+#include "solvers/interaction/spring.h"
 #include "solvers/support/block.h"
+#include "solvers/support/bodies.h"
 #include "solvers/support/finite_difference.h"
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
@@ -25,9 +28,9 @@ class Derivatives : public testing::TestWithParam<std::tuple<ElementOrder, Law>>
  protected:
   Derivatives() : block_(make_block(std::get<1>(GetParam()), {std::get<0>(GetParam())})) {}
 
-  void check(const Constraint& constraint, const Eigen::VectorXd& t) {
+  void check(const Interaction& tool, const Eigen::VectorXd& t) {
     EquilibriumSolver solver(block_.scene, with_tolerance(kTolerance));
-    solver.hold(constraint);
+    solver.set_interaction(tool);
     const Equilibrium state = solver.solve(t, solver.rest());
     ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
     const auto moved = [&](Eigen::Index i, double step) {
@@ -56,32 +59,38 @@ INSTANTIATE_TEST_SUITE_P(Each, Derivatives,
                                   letters(to_string(std::get<1>(each.param)));
                          });
 
-TEST_P(Derivatives, OfOneNode) { check(hold_nodes({block_.corner}), Vec3(-0.008, 0.006, 0.007)); }
+TEST_P(Derivatives, OfOneNode) { check(bond_nodes({block_.corner}), Vec3(-0.008, 0.006, 0.007)); }
 
 TEST_P(Derivatives, OfTwoNodes) {
   Eigen::VectorXd t(6);
   t << 0.006, -0.005, 0.004, 0.009, 0.004, -0.003;
-  check(hold_nodes({block_.corner, block_.middle}), t);
+  check(bond_nodes({block_.corner, block_.middle}), t);
 }
 
 // Several points that move as one, and one beside them.
-TEST_P(Derivatives, OfASiteOfSeveralPoints) {
+TEST_P(Derivatives, OfAToolAtSeveralPoints) {
   const TetMesh& mesh = block_.scene.mesh;
-  Constraint constraint;
-  constraint.num_sites = 2;
   const Vec3 centre = mesh.points[block_.middle];
-  for (Index p = 0; p < mesh.num_points(); ++p) {
-    if ((mesh.points[p] - centre).norm() < 0.02) {
-      constraint.points.push_back(p);
-      constraint.site_of_point.push_back(1);
-    }
-  }
-  ASSERT_GE(constraint.points.size(), 2U - (std::get<0>(GetParam()) == ElementOrder::linear));
-  constraint.points.push_back(block_.corner);
-  constraint.site_of_point.push_back(0);
+  const std::vector<Index> points =
+      points_where(mesh, [&](const Vec3& p) { return (p - centre).norm() < 0.02; });
+  ASSERT_GE(points.size(), 2U - (std::get<0>(GetParam()) == ElementOrder::linear));
+  InteractionList tools;
+  tools.add(BondedPatch({block_.corner}));
+  tools.add(BondedPatch(points));
   Eigen::VectorXd t(6);
   t << 0.006, -0.005, 0.004, 0.009, 0.004, -0.003;
-  check(constraint, t);
+  check(tools, t);
+}
+
+// A tool on springs beside one that is bonded: of what it adds to the energy there is a share in
+// h, k and v.
+TEST_P(Derivatives, OfAToolWithAPotential) {
+  InteractionList tools;
+  tools.add(Spring({block_.corner}, 200));
+  tools.add(BondedPatch({block_.middle}));
+  Eigen::VectorXd t(6);
+  t << 0.016, -0.015, 0.014, 0.009, 0.004, -0.003;
+  check(tools, t);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/equilibrium/soundness.h"
 #include "solvers/equilibrium/state.h"
@@ -40,7 +41,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Laws, testing::ValuesIn(kLaws), name_of_law);
 TEST_P(Laws, AtRestThereIsStiffnessAndNoForce) {
   const Block block = make_block(GetParam());
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();
   EXPECT_EQ(rest.outcome, Outcome::converged);
   EXPECT_EQ(rest.flags, 0);
@@ -52,13 +53,13 @@ TEST_P(Laws, AtRestThereIsStiffnessAndNoForce) {
   EXPECT_EQ(rest.negative_pivots, 0);
   EXPECT_EQ(rest.stiffness, rest.stiffness.transpose());
   EXPECT_EQ(rest.stiffness.llt().info(), Eigen::Success) << "not positive definite";
-  expect_sound(rest, solver, hold_nodes({block.corner}));
+  expect_sound(rest, solver, bond_nodes({block.corner}));
 }
 
 TEST_P(Laws, StayingAtRestCostsNothing) {
   const Block block = make_block(GetParam());
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium state = solver.solve(Vec3::Zero(), solver.rest());
   EXPECT_EQ(state.outcome, Outcome::converged);
   EXPECT_EQ(state.iterations, 0);
@@ -69,9 +70,9 @@ TEST_P(Laws, StayingAtRestCostsNothing) {
 TEST_P(Laws, APushEndsInEquilibrium) {
   for (ElementOrder order : kOrders) {
     const Block block = make_block(GetParam(), {order});
-    const Constraint constraint = hold_nodes({block.corner});
+    const InteractionList tool = bond_nodes({block.corner});
     EquilibriumSolver solver(block.scene, {});
-    solver.hold(constraint);
+    solver.set_interaction(tool);
     for (const Vec3& t : {kPush, kPull}) {
       const Equilibrium state = solver.solve(t, solver.rest());
       EXPECT_EQ(state.outcome, Outcome::converged);
@@ -82,7 +83,7 @@ TEST_P(Laws, APushEndsInEquilibrium) {
       EXPECT_GT(state.energy, 0);
       EXPECT_GT(state.reaction.dot(t), 0) << "the force that holds pulls where it is pulled";
       EXPECT_EQ(state.stiffness, state.stiffness.transpose());
-      expect_sound(state, solver, constraint);
+      expect_sound(state, solver, tool);
     }
   }
 }
@@ -90,7 +91,7 @@ TEST_P(Laws, APushEndsInEquilibrium) {
 TEST_P(Laws, TheWayThereDoesNotMatter) {
   const Block block = make_block(GetParam());
   EquilibriumSolver solver(block.scene, with_tolerance(1e-13));
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();
   const Equilibrium straight = solver.solve(kPush, rest);
   Equilibrium around = solver.solve(kPull, rest);
@@ -117,7 +118,7 @@ TEST_P(LawsAndSolvers, WhatWasSolvedBeforeDoesNotMatter) {
   const Block block = make_block(std::get<0>(GetParam()));
   const auto make = [&] {
     EquilibriumSolver solver(block.scene, {}, make_linear_solver(std::get<1>(GetParam())));
-    solver.hold(hold_nodes({block.corner}));
+    solver.set_interaction(bond_nodes({block.corner}));
     return solver;
   };
   EquilibriumSolver solver = make();
@@ -132,9 +133,9 @@ TEST_P(LawsAndSolvers, WhatWasSolvedBeforeDoesNotMatter) {
   (void)solver.solve(-8 * kPull, rest);  // so far that it may fail
   expect_same_bits(solver.solve(kPush, rest), pushed);
 
-  solver.hold(hold_nodes({block.middle}));
+  solver.set_interaction(bond_nodes({block.middle}));
   (void)solver.solve(kPull, solver.rest());
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   expect_same_bits(solver.rest(), rest);
   expect_same_bits(solver.solve(kPush, rest), pushed);
 
@@ -152,7 +153,7 @@ TEST_P(Laws, TheLinearSolverDoesNotMatter) {
     std::vector<Equilibrium> states;
     for (const std::string& name : names) {
       EquilibriumSolver solver(block.scene, with_tolerance(1e-12), make_linear_solver(name));
-      solver.hold(hold_nodes({block.corner}));
+      solver.set_interaction(bond_nodes({block.corner}));
       states.push_back(solver.solve(kPush, solver.rest()));
     }
     ASSERT_EQ(states[0].outcome, Outcome::converged);
@@ -172,7 +173,7 @@ TEST_P(Laws, TheLinearSolverDoesNotMatter) {
 TEST_P(Laws, UnitsDoNotMatter) {
   const Block block = make_block(GetParam());
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium expected = solver.solve(kPush, solver.rest());
   for (int size : {-10, 0, 10, 20}) {
     for (int modulus : {-20, 0, 40}) {
@@ -184,7 +185,7 @@ TEST_P(Laws, UnitsDoNotMatter) {
         if (!is_number) scene.materials[0].parameters[i] *= std::ldexp(1.0, modulus);
       }
       EquilibriumSolver other(scene, {});
-      other.hold(hold_nodes({block.corner}));
+      other.set_interaction(bond_nodes({block.corner}));
       const Equilibrium state = other.solve(std::ldexp(1.0, size) * kPush, other.rest());
       ASSERT_EQ(state.outcome, Outcome::converged) << "2^" << size << " m, 2^" << modulus << " Pa";
       EXPECT_EQ(state.iterations, expected.iterations);
@@ -194,7 +195,7 @@ TEST_P(Laws, UnitsDoNotMatter) {
   }
 }
 
-TEST(Hold, BadConstraintsAreRefused) {
+TEST(SetInteraction, RefusesBadTools) {
   Block block = make_block(Law::neo_hookean);
   block.scene.mesh.points.push_back(Vec3(1, 1, 1));  // in no cell
   block.scene.fixed.push_back(0);
@@ -203,9 +204,9 @@ TEST(Hold, BadConstraintsAreRefused) {
   const Index fixed = static_cast<Index>(
       std::find(block.scene.fixed.begin(), block.scene.fixed.end(), 1) - block.scene.fixed.begin());
   EquilibriumSolver solver(block.scene, {});
-  EXPECT_NE(error_of([&] { return solver.rest(); }), "") << "nothing is held yet";
+  EXPECT_NE(error_of([&] { return solver.rest(); }), "") << "there is no tool yet";
   const auto error = [&](const std::vector<Index>& nodes) {
-    return error_of([&] { return solver.hold(hold_nodes(nodes)), 0; });
+    return error_of([&] { return solver.set_interaction(bond_nodes(nodes)), 0; });
   };
   EXPECT_NE(error({}).find("No active node"), std::string::npos);
   EXPECT_NE(error({-1}).find("Active node -1 does not exist"), std::string::npos);
@@ -217,20 +218,20 @@ TEST(Hold, BadConstraintsAreRefused) {
   EXPECT_EQ(error({block.corner, block.middle}), "");
 }
 
-TEST(Hold, ARefusedConstraintLeavesTheLastOne) {
+TEST(SetInteraction, OfABadToolLeavesTheLastOne) {
   const Block block = make_block(Law::neo_hookean);
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium before = solver.solve(kPush, solver.rest());
-  EXPECT_THROW(solver.hold(hold_nodes({-1})), InputError);
-  EXPECT_THROW(solver.hold(hold_nodes({block.middle, block.middle})), InputError);
+  EXPECT_THROW(solver.set_interaction(bond_nodes({-1})), InputError);
+  EXPECT_THROW(solver.set_interaction(bond_nodes({block.middle, block.middle})), InputError);
   expect_same_bits(solver.solve(kPush, solver.rest()), before);
 }
 
 TEST(Solve, BadDisplacementsAreRefused) {
   const Block block = make_block(Law::neo_hookean);
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();
   EXPECT_THROW((void)solver.solve(Eigen::VectorXd::Zero(6), rest), InputError);
   EXPECT_THROW((void)solver.solve(Eigen::VectorXd::Zero(0), rest), InputError);

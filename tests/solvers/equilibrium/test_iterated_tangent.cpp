@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
 
@@ -21,8 +22,8 @@ INSTANTIATE_TEST_SUITE_P(Each, IteratedTangent, testing::ValuesIn(kNonlinearLaws
 TEST_P(IteratedTangent, AgreesWithTheFactorisedOneAndCostsNoFactorisation) {
   const Block block = make_block(GetParam());
   EquilibriumSolver solver(block.scene, {});
-  const Constraint constraint = hold_nodes({block.corner});
-  solver.hold(constraint);
+  const InteractionList tool = bond_nodes({block.corner});
+  solver.set_interaction(tool);
   const Equilibrium rest = solver.rest();
   const long before = solver.work().factorisations;
   const Equilibrium iterated = solver.solve(kPull, rest, Tangent::iterated);
@@ -43,7 +44,7 @@ TEST(MixedTangent, IsLeftToAFactorWherePressuresMakeItASaddle) {
   const Block block =
       make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}, 0.1, 3000, 0.49});
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   ASSERT_GT(solver.assembly().num_pressures(), 0);
   const Equilibrium state = solver.solve(kPull, solver.rest(), Tangent::iterated);
   EXPECT_EQ(state.outcome, Outcome::converged);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/soundness.h"
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
@@ -20,9 +21,9 @@ INSTANTIATE_TEST_SUITE_P(Each, LinearScene, testing::ValuesIn(kOrders), name_of_
 
 TEST_P(LinearScene, ForceIsStiffnessTimesDisplacement) {
   const Block block = make_block(Law::linear, {GetParam()});
-  const Constraint constraint = hold_nodes({block.corner});
+  const InteractionList tool = bond_nodes({block.corner});
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(constraint);
+  solver.set_interaction(tool);
   const Equilibrium rest = solver.rest();
   Random random(61);
   Equilibrium last = rest;
@@ -49,7 +50,7 @@ TEST_P(LinearScene, ForceIsStiffnessTimesDisplacement) {
 TEST_P(LinearScene, OneFactorisationServesAll) {
   const Block block = make_block(Law::linear, {GetParam()});
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   Equilibrium state = solver.rest();
   const Work after_rest = solver.work();
   EXPECT_EQ(after_rest.factorisations, 1);
@@ -59,10 +60,10 @@ TEST_P(LinearScene, OneFactorisationServesAll) {
   EXPECT_EQ(solver.work().factorisations, 1);
   EXPECT_EQ(solver.work().analyses, 1);
   EXPECT_EQ(solver.work().assemblies, 1);
-  solver.hold(hold_nodes({block.middle}));
+  solver.set_interaction(bond_nodes({block.middle}));
   state = solver.rest();
   for (int i = 0; i < 5; ++i) state = solver.solve(random.vector(3, 0.05), state);
-  EXPECT_EQ(solver.work().factorisations, 1) << "it serves other sites as well";
+  EXPECT_EQ(solver.work().factorisations, 1) << "it serves other tools as well";
   EXPECT_EQ(solver.work().analyses, 1);
   EXPECT_EQ(solver.work().assemblies, 1);
 }
@@ -70,7 +71,7 @@ TEST_P(LinearScene, OneFactorisationServesAll) {
 TEST_P(LinearScene, AnEquilibriumCostsNoSolve) {
   const Block block = make_block(Law::linear, {GetParam()});
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   Equilibrium state = solver.rest();
   EXPECT_LT(state.displacement_error, kRounding);
   const long solves = solver.work().right_hand_sides;
@@ -79,7 +80,7 @@ TEST_P(LinearScene, AnEquilibriumCostsNoSolve) {
     const Vec3 t = random.vector(3, 0.05);
     state = solver.solve(t, state, i % 2 == 0 ? Tangent::factorised : Tangent::iterated);
     ASSERT_EQ(state.outcome, Outcome::converged);
-    expect_sound(state, solver, hold_nodes({block.corner}));
+    expect_sound(state, solver, bond_nodes({block.corner}));
     EXPECT_EQ(state.flags & ~flags::inverted, 0);
   }
   EXPECT_EQ(solver.work().right_hand_sides, solves);
@@ -91,13 +92,13 @@ TEST_P(LinearScene, ANonlinearCellMakesItNonlinear) {
   block.scene.material_of_cell.assign(block.scene.mesh.num_cells(), 0);
   block.scene.material_of_cell.back() = 1;
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();
   const Equilibrium state = solver.solve(Vec3(0.01, 0, 0.01), rest);
   EXPECT_EQ(state.outcome, Outcome::converged);
   EXPECT_GT(solver.work().factorisations, 1);
   EXPECT_GT((state.stiffness - rest.stiffness).norm(), 1e-6 * rest.stiffness.norm());
-  expect_sound(state, solver, hold_nodes({block.corner}));
+  expect_sound(state, solver, bond_nodes({block.corner}));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/materials/point.h"
 #include "solvers/support/block.h"
@@ -48,7 +49,7 @@ TEST_P(Patch, AnAffineSurfaceGivesAnAffineBody) {
   const Material material = make_material(law, 1000, 0.3);
   const Scene scene = make_scene(mesh, material, fixed);
   EquilibriumSolver solver(scene, with_tolerance(kTolerance));
-  solver.hold(hold_nodes(surface));
+  solver.set_interaction(bond_nodes(surface));
 
   Random random(71);
   const Mat3 h = random.matrix(0.15);

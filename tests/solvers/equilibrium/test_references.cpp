@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/support/laws.h"
 #include "solvers/support/solvable.h"
@@ -112,7 +113,7 @@ TEST_P(References, ReactionEnergyAndDisplacementsAreTheirs) {
     const Scene scene = make_reference_scene(reference);
     if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
     EquilibriumSolver solver(scene, with_tolerance(1e-13));
-    solver.hold(hold_nodes({reference.at("active_node").get<Index>()}));
+    solver.set_interaction(bond_nodes({reference.at("active_node").get<Index>()}));
     const Equilibrium state = solver.solve(vector(reference.at("displacement")), solver.rest());
     ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
     const Vec3 reaction = vector(reference.at("reaction"));

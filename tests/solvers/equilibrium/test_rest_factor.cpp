@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One factor of the tangent at rest serves all sites, where it can and is worth it.
+// One factor of the tangent at rest serves all tool spaces, where it can and is worth it.
 #include "equilibrium/rest_factor.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <string>
 
 #include "equilibrium/equilibrium.h"
-#include "equilibrium/tip.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/soundness.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
@@ -36,19 +36,19 @@ EquilibriumOptions keeping(int factors) {
 
 /// What follows from the dense tangent at rest.
 struct Reference {
-  /// By unknown [unknowns × parameters].
+  /// By unknown [unknowns × coordinates].
   Eigen::MatrixXd v;
   Eigen::MatrixXd stiffness;
 };
 
-Reference reference(const Assembly& assembly, const Constraint& constraint) {
+Reference reference(const Assembly& assembly, const Interaction& tool) {
   const Eigen::MatrixXd k = tangent_at(assembly, NodalVector::Zero(assembly.state_size()));
-  Eigen::MatrixXd sites = Eigen::MatrixXd::Zero(k.rows(), 3 * constraint.num_sites);
+  Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(k.rows(), tool.num_coordinates());
   std::vector<char> held(k.rows(), 0);
-  for (std::size_t i = 0; i < constraint.points.size(); ++i) {
-    const Index unknown = assembly.unknown_of_point()[constraint.points[i]];
+  for (const auto& [point, coordinate] : tool.prescribed_points()) {
+    const Index unknown = assembly.unknown_of_point()[point];
     for (int c = 0; c < 3; ++c) {
-      sites(unknown + c, 3 * constraint.site_of_point[i] + c) = 1;
+      moved(unknown + c, coordinate + c) = 1;
       held[unknown + c] = 1;
     }
   }
@@ -57,10 +57,10 @@ Reference reference(const Assembly& assembly, const Constraint& constraint) {
     if (held[i] == 0) free.push_back(i);
   }
   Reference result;
-  result.v = sites;
+  result.v = moved;
   const Eigen::MatrixXd k_ii = k(free, free);
-  const auto all = Eigen::seqN(0, sites.cols());
-  const Eigen::MatrixXd k_ia = (k * sites)(free, all);
+  const auto all = Eigen::seqN(0, moved.cols());
+  const Eigen::MatrixXd k_ia = (k * moved)(free, all);
   result.v(free, all) = -k_ii.partialPivLu().solve(k_ia);
   result.stiffness = result.v.transpose() * k * result.v;
   return result;
@@ -121,11 +121,11 @@ class SharedFactor : public testing::TestWithParam<Case> {
     nodes_ = {block_.corner, block_.middle, side};
   }
 
-  /// Sites held one after another, and two at once.
-  [[nodiscard]] std::vector<Constraint> choices(double radius) const {
-    const Tip tip(block_.scene, radius);
-    return {tip.hold({nodes_[0]}), tip.hold({nodes_[1]}), tip.hold({nodes_[2]}),
-            tip.hold({nodes_[0], nodes_[2]})};
+  /// Tools at one node after another, and two at once.
+  [[nodiscard]] std::vector<InteractionList> choices(double radius) const {
+    const BondedPatches patches(block_.scene, radius);
+    return {patches.around_each({nodes_[0]}), patches.around_each({nodes_[1]}),
+            patches.around_each({nodes_[2]}), patches.around_each({nodes_[0], nodes_[2]})};
   }
 
   Block block_;
@@ -139,10 +139,10 @@ TEST_P(SharedFactor, GivesWhatFollowsFromTheTangent) {
     EquilibriumSolver solver(block_.scene, keeping(kShares));
     const Index most = most_held(solver.assembly().pattern());
     long num_alone = 0;
-    for (const Constraint& constraint : choices(radius)) {
-      solver.hold(constraint);
-      expect_as(reference(solver.assembly(), constraint), solver.rest(), solver.assembly());
-      if (3 * constraint.points.size() > static_cast<std::size_t>(most)) ++num_alone;
+    for (const InteractionList& tools : choices(radius)) {
+      solver.set_interaction(tools);
+      expect_as(reference(solver.assembly(), tools), solver.rest(), solver.assembly());
+      if (3 * tools.prescribed_points().size() > static_cast<std::size_t>(most)) ++num_alone;
       EXPECT_EQ(solver.work().factorisations, 1 + num_alone);
     }
     EXPECT_LE(num_alone, radius == 0 ? 0 : 1) << "the two tips together may be too large";
@@ -152,15 +152,15 @@ TEST_P(SharedFactor, GivesWhatFollowsFromTheTangent) {
 
 TEST_P(SharedFactor, LeadsToTheSameEquilibriumAsAFactorOfItsOwn) {
   const Vec3 t(0.006, -0.004, 0.005);
-  for (const Constraint& constraint : choices(0)) {
-    if (constraint.num_sites > 1) continue;
+  for (const InteractionList& tools : choices(0)) {
+    if (tools.num_coordinates() > 3) continue;
     std::vector<Equilibrium> ends;
     for (const int kept : {kDoesNot, kShares}) {
       EquilibriumSolver solver(block_.scene, keeping(kept));
-      solver.hold(constraint);
+      solver.set_interaction(tools);
       ends.push_back(solver.solve(t, solver.rest()));
       EXPECT_EQ(ends.back().outcome, Outcome::converged) << ends.back().message;
-      expect_sound(ends.back(), solver, constraint);
+      expect_sound(ends.back(), solver, tools);
     }
     // Both ends have the residual that was asked for.
     EXPECT_LT((ends[0].u - ends[1].u).norm(), 1e-8 * ends[0].u.norm());
@@ -175,7 +175,7 @@ TEST_P(SharedFactor, IsThatOfStepsFromRest) {
   EquilibriumSolver solver(block_.scene, keeping(kShares));
   std::vector<Equilibrium> ends;
   for (EquilibriumSolver* each : {&elsewhere, &solver}) {
-    each->hold(hold_nodes({block_.corner}));
+    each->set_interaction(bond_nodes({block_.corner}));
     if (each == &elsewhere) ends.push_back(each->rest());
     ends.push_back(each->solve(Vec3(0.001, 0, 0), ends.front()));
   }
@@ -190,7 +190,7 @@ TEST_P(SharedFactor, IsNoneWhereFewAreKept) {
   if (GetParam().law == Law::linear) return;  // it has one for all states
   EquilibriumSolver solver(block_.scene, keeping(kDoesNot));
   for (const Index node : nodes_) {
-    solver.hold(hold_nodes({node}));
+    solver.set_interaction(bond_nodes({node}));
     EXPECT_EQ(solver.rest().outcome, Outcome::converged);
   }
   EXPECT_EQ(solver.work().factorisations, 3);
@@ -199,12 +199,12 @@ TEST_P(SharedFactor, IsNoneWhereFewAreKept) {
 // So many unknowns are held that the solves for them would take longer than a factorisation.
 TEST_P(SharedFactor, IsNoneForLargeTips) {
   EquilibriumSolver solver(block_.scene, keeping(kShares));
-  const Tip tip(block_.scene, 0.05);
+  const BondedPatches patches(block_.scene, 0.05);
   long expected = 0;
   for (const Index node : {block_.corner, block_.middle}) {
-    const Constraint constraint = tip.hold({node});
-    solver.hold(constraint);
-    expect_as(reference(solver.assembly(), constraint), solver.rest(), solver.assembly());
+    const BondedPatch patch = patches.around(node);
+    solver.set_interaction(patch);
+    expect_as(reference(solver.assembly(), patch), solver.rest(), solver.assembly());
     EXPECT_EQ(solver.work().factorisations, ++expected);
   }
 }
@@ -220,33 +220,33 @@ Scene hanging_block(Law law) {
   return scene;
 }
 
-// What the sites alone hold has no factor without them.
+// What the tool spaces alone hold has no factor without them.
 TEST(RestFactor, OfAFloatingBodyThereIsNone) {
   for (const Law law : {Law::linear, Law::neo_hookean}) {
     const Scene scene = hanging_block(law);
     EquilibriumSolver solver(scene, keeping(kShares));
-    const Tip tip(scene, 0.02);
+    const BondedPatches patches(scene, 0.02);
     const Block block = make_block(law);
     long expected = 1;  // the attempt
     for (const Index node : {block.corner, block.middle}) {
-      const Constraint constraint = tip.hold({node});
-      ASSERT_GE(constraint.points.size(), 3U);
-      solver.hold(constraint);
+      const BondedPatch patch = patches.around(node);
+      ASSERT_GE(patch.points().size(), 3U);
+      solver.set_interaction(patch);
       const Equilibrium rest = solver.rest();
-      expect_as(reference(solver.assembly(), constraint), rest, solver.assembly());
+      expect_as(reference(solver.assembly(), patch), rest, solver.assembly());
       EXPECT_EQ(solver.work().factorisations, ++expected);
       const Equilibrium moved = solver.solve(Vec3(0.001, 0.001, 0), rest);
       EXPECT_EQ(moved.outcome, Outcome::converged) << moved.message;
-      expect_sound(moved, solver, constraint);
+      expect_sound(moved, solver, patch);
       if (law != Law::linear) expected = solver.work().factorisations;
     }
-    solver.hold(hold_nodes({block.corner}));
+    solver.set_interaction(bond_nodes({block.corner}));
     EXPECT_EQ(solver.rest().outcome, Outcome::tangent_not_factorised);
   }
 }
 
 // The softer what carries the body, the more digits does its factor lose beside one of the body
-// with its sites held. What is found does not.
+// with its tool spaces held. What is found does not.
 TEST(RestFactor, OfABodyOnSoftFeetServesAsFarAsItIsAccurate) {
   for (const double softness : {1e-3, 1e-6, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-15}) {
     SCOPED_TRACE(softness);
@@ -257,7 +257,7 @@ TEST(RestFactor, OfABodyOnSoftFeetServesAsFarAsItIsAccurate) {
     std::vector<long> factorisations;
     for (const int kept : {kDoesNot, kShares}) {
       EquilibriumSolver solver(block.scene, keeping(kept));
-      solver.hold(Tip(block.scene, 0.013).hold({block.middle}));
+      solver.set_interaction(BondedPatches(block.scene, 0.013).around(block.middle));
       rests.push_back(solver.rest());
       ASSERT_EQ(rests.back().outcome, Outcome::converged) << rests.back().message;
       factorisations.push_back(solver.work().factorisations);

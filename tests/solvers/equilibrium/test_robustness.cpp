@@ -7,6 +7,7 @@
 #include <string>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/equilibrium/soundness.h"
 #include "solvers/support/block.h"
@@ -22,11 +23,11 @@ class Robustness : public testing::TestWithParam<Law> {
   /// Solves to t and returns a state that is sound.
   static Equilibrium solve(const Scene& scene, Index node, const Vec3& t,
                            const EquilibriumOptions& options = {}) {
-    const Constraint constraint = hold_nodes({node});
+    const InteractionList tool = bond_nodes({node});
     EquilibriumSolver solver(scene, options);
-    solver.hold(constraint);
+    solver.set_interaction(tool);
     const Equilibrium state = solver.solve(t, solver.rest());
-    expect_sound(state, solver, constraint);
+    expect_sound(state, solver, tool);
     return state;
   }
 };
@@ -77,7 +78,7 @@ TEST_P(Robustness, ATinyDisplacementIsLinear) {
 TEST_P(Robustness, ATinyStepFromAnEquilibriumFollowsItsStiffness) {
   const Block block = make_block(GetParam());
   EquilibriumSolver solver(block.scene, with_tolerance(1e-13));
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium state = solver.solve(Vec3(-0.008, 0.005, 0.004), solver.rest());
   const Vec3 step(1e-9, -2e-9, 1e-9);
   const Equilibrium next = solver.solve(state.t + step, state);
@@ -107,7 +108,7 @@ TEST(StVenantKirchhoff, AHardPushInvertsItAndIsFlagged) {
   for (ElementOrder order : kOrders) {
     const Block block = make_block(Law::st_venant_kirchhoff, {order});
     EquilibriumSolver solver(block.scene, {});
-    solver.hold(hold_nodes({block.middle}));
+    solver.set_interaction(bond_nodes({block.middle}));
     const Equilibrium state = solver.solve(Vec3(-0.05, 0, 0), solver.rest());
     EXPECT_EQ(state.outcome, Outcome::converged);
     EXPECT_NE(state.flags & flags::inverted, 0);
@@ -117,21 +118,21 @@ TEST(StVenantKirchhoff, AHardPushInvertsItAndIsFlagged) {
     EXPECT_NE(state.message.find("cell " + std::to_string(state.minimum_det_f_cell)),
               std::string::npos)
         << state.message;
-    expect_sound(state, solver, hold_nodes({block.middle}));
+    expect_sound(state, solver, bond_nodes({block.middle}));
   }
 }
 
 TEST_P(Robustness, AWalkOfRandomStepsStaysSound) {
   const Block block = make_block(GetParam());
-  const Constraint constraint = hold_nodes({block.corner});
+  const InteractionList tool = bond_nodes({block.corner});
   EquilibriumSolver solver(block.scene, {});
-  solver.hold(constraint);
+  solver.set_interaction(tool);
   Random random(82);
   Equilibrium state = solver.rest();
   int failures = 0;
   for (int i = 0; i < 40; ++i) {
     const Equilibrium next = solver.solve(random.vector(3, 0.02), state);
-    expect_sound(next, solver, constraint);
+    expect_sound(next, solver, tool);
     if (next.outcome == Outcome::converged) {
       state = next;
     } else {

@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/soundness.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
@@ -67,7 +68,7 @@ class HingedRoof : public testing::Test {
         make_scene(std::move(roof.mesh), make_isotropic(Law::st_venant_kirchhoff, 3102.75e6, 0.3),
                    roof.fixed),
         solving);
-    solver_->hold(centre_);
+    solver_->set_interaction(centre_);
   }
 
   Path trace() {
@@ -121,7 +122,7 @@ class HingedRoof : public testing::Test {
     }
   }
 
-  Constraint centre_;
+  InteractionList centre_;
   std::unique_ptr<EquilibriumSolver> solver_;
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
@@ -53,7 +54,7 @@ TEST_P(Rotation, OfTheSceneTurnsTheAnswer) {
     if (!is_solvable(block.scene)) continue;
     const auto solve = [&](const Scene& scene, const Vec3& t) {
       EquilibriumSolver solver(scene, options);
-      solver.hold(hold_nodes({block.corner}));
+      solver.set_interaction(bond_nodes({block.corner}));
       return solver.solve(t, solver.rest());
     };
     const Vec3 t(-0.010, 0.006, -0.005);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "linear/linear_solver.h"
 #include "solvers/equilibrium/state.h"
 #include "solvers/support/block.h"
@@ -26,7 +27,7 @@ Both solve(const Scene& scene, Index node, const Vec3& t) {
     EquilibriumOptions options;
     options.single_precision = single;
     EquilibriumSolver solver(scene, options);
-    solver.hold(hold_nodes({node}));
+    solver.set_interaction(bond_nodes({node}));
     const Equilibrium middle = solver.solve(0.5 * t, solver.rest());
     EXPECT_EQ(middle.outcome, Outcome::converged) << middle.message;
     (single ? both.single : both.full) = solver.solve(t, middle, Tangent::iterated);
@@ -60,7 +61,7 @@ TEST(SinglePrecision, SensitivityOfAStartIsRefined) {
   for (const bool single : {false, true}) {
     options.single_precision = single;
     EquilibriumSolver solver(block.scene, options);
-    solver.hold(hold_nodes({block.corner}));
+    solver.set_interaction(bond_nodes({block.corner}));
     states.push_back(solver.solve(Vec3(0.01, 0.004, 0), solver.rest()));
   }
   EXPECT_LE((states[0].v - states[1].v).norm(), 1e-7 * states[0].v.norm());
@@ -134,7 +135,7 @@ TEST(SinglePrecision, ASolveDoesNotDependOnThoseBefore) {
   const auto make = [&] {
     EquilibriumSolver solver(block.scene, options,
                              std::make_unique<Counted>(make_linear_solver(), counts));
-    solver.hold(hold_nodes({block.middle}));
+    solver.set_interaction(bond_nodes({block.middle}));
     return solver;
   };
   const Vec3 t(0.01, 0.004, -0.006);
@@ -169,7 +170,7 @@ TEST(SinglePrecision, ScalesByPowersOfTwo) {
     EquilibriumOptions options;
     options.single_precision = true;
     EquilibriumSolver solver(block.scene, options);
-    solver.hold(hold_nodes({block.corner}));
+    solver.set_interaction(bond_nodes({block.corner}));
     states.push_back(solver.solve(Vec3(0.01, 0.004, 0), solver.rest()));
   }
   EXPECT_EQ(states[0].u, states[1].u);

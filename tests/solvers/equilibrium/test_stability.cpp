@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/soundness.h"
 #include "solvers/support/block.h"
+#include "solvers/support/bodies.h"
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
@@ -21,25 +23,25 @@ class Stability : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Each, Stability, testing::ValuesIn(linear_solver_names()),
                          [](const auto& each) { return letters(each.param); });
 
-/// A column along x of St. Venant–Kirchhoff with ν = 0, fixed at x = 0; the other end is one site.
+/// A column along x of St. Venant–Kirchhoff with ν = 0, fixed at x = 0; the other end moves as one.
 /// Under compression it has the uniform state for an equilibrium, exactly and on any mesh: there is
 /// no lateral stress. It is stable until the column buckles.
 struct Column {
   static constexpr double kYoungsModulus = 1000;
   Scene scene;
-  Constraint end;
+  InteractionList end;
 };
 
 Column make_column(TetMesh mesh, double length) {
   std::vector<char> fixed;
   Column column;
-  column.end.num_sites = 1;
+  std::vector<Index> end;
   for (Index p = 0; p < mesh.num_points(); ++p) {
     fixed.push_back(mesh.points[p].x() == 0 ? 1 : 0);
     if (mesh.points[p].x() != length) continue;
-    column.end.points.push_back(p);
-    column.end.site_of_point.push_back(0);
+    end.push_back(p);
   }
+  column.end = bond_as_one(end);
   column.scene = make_scene(
       std::move(mesh), make_isotropic(Law::st_venant_kirchhoff, Column::kYoungsModulus, 0), fixed);
   return column;
@@ -53,7 +55,7 @@ TEST_P(Stability, AColumnThatShouldBuckleIsUnstable) {
   for (ElementOrder order : kOrders) {
     const Column column = make_column(order);
     EquilibriumSolver solver(column.scene, {}, make_linear_solver(GetParam()));
-    solver.hold(column.end);
+    solver.set_interaction(column.end);
     const Equilibrium rest = solver.rest();
     for (double strain : {0.02, 0.4}) {
       const Equilibrium state = solver.solve(Vec3(-6 * strain, 0, 0), rest);
@@ -90,7 +92,7 @@ TEST_P(Stability, TheInertiaTellsWhereAPerfectColumnBranches) {
                            {length, SlenderColumn::kWidths[1], SlenderColumn::kWidths[0]}),
                   length);
   EquilibriumSolver solver(column.scene, {}, make_linear_solver(GetParam()));
-  solver.hold(column.end);
+  solver.set_interaction(column.end);
   const Equilibrium rest = solver.rest();
   const auto at_strain = [&](double strain) {
     const Equilibrium state = solver.solve(Vec3(-strain * length, 0, 0), rest);
@@ -145,7 +147,7 @@ TEST_P(Stability, TheInertiaTellsWhereAPerfectColumnBranches) {
 TEST_P(Stability, NextToABranchingPointNothingHopsAndALossOfAccuracyIsTold) {
   const Column column = make_column(make_box(ElementOrder::quadratic, {6, 1, 1}, {6, 1, 0.8}), 6);
   EquilibriumSolver solver(column.scene, {}, make_linear_solver(GetParam()));
-  solver.hold(column.end);
+  solver.set_interaction(column.end);
   const Equilibrium rest = solver.rest();
   const auto at_strain = [&](double strain) { return solver.solve(Vec3(-6 * strain, 0, 0), rest); };
   double low = 0.02;
@@ -175,7 +177,7 @@ TEST_P(Stability, NextToABranchingPointNothingHopsAndALossOfAccuracyIsTold) {
 TEST_P(Stability, AnIteratedTangentSeesThatItShouldBuckle) {
   const Column column = make_column(ElementOrder::quadratic);
   EquilibriumSolver solver(column.scene, {}, make_linear_solver(GetParam()));
-  solver.hold(column.end);
+  solver.set_interaction(column.end);
   const Equilibrium rest = solver.rest();
   EXPECT_EQ(solver.solve(Vec3(-0.12, 0, 0), rest, Tangent::iterated).flags,
             flags::inertia_not_computed);
@@ -188,7 +190,7 @@ TEST(Inertia, IsTheSameForEverySolver) {
   std::vector<int> negative_pivots;
   for (const std::string& name : linear_solver_names()) {
     EquilibriumSolver solver(column.scene, {}, make_linear_solver(name));
-    solver.hold(column.end);
+    solver.set_interaction(column.end);
     negative_pivots.push_back(solver.solve(Vec3(-2.4, 0, 0), solver.rest()).negative_pivots);
   }
   EXPECT_GT(negative_pivots[0], 0);
@@ -199,12 +201,12 @@ TEST(Inertia, IsTheSameForEverySolver) {
 /// the same.
 void expect_floats(const Scene& scene, Index active, const std::string& solver_name) {
   EquilibriumSolver solver(scene, {}, make_linear_solver(solver_name));
-  const Constraint constraint = hold_nodes({active});
-  solver.hold(constraint);
+  const InteractionList tool = bond_nodes({active});
+  solver.set_interaction(tool);
   const Equilibrium rest = solver.rest();
   EXPECT_EQ(rest.outcome, Outcome::tangent_not_factorised);
   EXPECT_NE(rest.message.find("not held"), std::string::npos) << rest.message;
-  expect_sound(rest, solver, constraint);
+  expect_sound(rest, solver, tool);
   const Equilibrium state = solver.solve(Vec3(0.01, 0, 0), rest);
   EXPECT_EQ(state.outcome, Outcome::tangent_not_factorised);
   EXPECT_FALSE(state.message.empty()) << "why there is no solution is lost";
@@ -251,7 +253,7 @@ TEST_P(Stability, TwoFixedPointsAndTheActiveNodeHoldABody) {
     std::fill(block.scene.fixed.begin(), block.scene.fixed.end(), 0);
     block.scene.fixed[0] = block.scene.fixed[4] = 1;
     EquilibriumSolver solver(block.scene, {}, make_linear_solver(GetParam()));
-    solver.hold(hold_nodes({block.corner}));
+    solver.set_interaction(bond_nodes({block.corner}));
     EXPECT_EQ(solver.rest().outcome, Outcome::converged);
   }
 }

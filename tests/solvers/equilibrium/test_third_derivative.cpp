@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
 #include "solvers/support/finite_difference.h"
 #include "solvers/support/laws.h"
@@ -54,9 +55,9 @@ Eigen::VectorXd by_differences(EquilibriumSolver& solver, const Equilibrium& sta
   return t;
 }
 
-void check(const Block& block, const Constraint& constraint) {
+void check(const Block& block, const Interaction& tool) {
   EquilibriumSolver solver(block.scene, with_third_derivatives());
-  solver.hold(constraint);
+  solver.set_interaction(tool);
   const Equilibrium rest = solver.rest();
   for (const Equilibrium& state : {rest, solver.solve(kPull, rest)}) {
     ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
@@ -75,16 +76,12 @@ INSTANTIATE_TEST_SUITE_P(Each, ThirdDerivative, testing::ValuesIn(kNonlinearLaws
 
 TEST_P(ThirdDerivative, IsThatOfTheStiffness) {
   const Block block = make_block(GetParam());
-  check(block, hold_nodes({block.corner}));
+  check(block, bond_nodes({block.corner}));
 }
 
 TEST(ThirdDerivativeOfAPatch, IsThatOfTheStiffness) {
   const Block block = make_block(Law::neo_hookean, {ElementOrder::linear});
-  Constraint constraint;
-  constraint.num_sites = 1;
-  constraint.points = {block.corner, block.middle};
-  constraint.site_of_point = {0, 0};
-  check(block, constraint);
+  check(block, BondedPatch({block.corner, block.middle}));
 }
 
 // The state is (u, p̂).
@@ -92,14 +89,15 @@ TEST(ThirdDerivativeOfMixedCells, IsThatOfTheStiffness) {
   const Block block =
       make_block(Law::mooney_rivlin, {ElementOrder::quadratic, {3, 2, 2}, 0.1, 3000, 0.499});
   ASSERT_GT(EquilibriumSolver(block.scene, {}).assembly().num_pressures(), 0);
-  check(block, hold_nodes({block.corner}));
+  check(block, bond_nodes({block.corner}));
 }
 
 TEST(ThirdDerivativeOfALinearBody, IsZeroAndCostsNothing) {
   const Block block = make_block(Law::linear);
   EquilibriumSolver solver(block.scene, with_third_derivatives());
   EquilibriumSolver without(block.scene, {});
-  for (EquilibriumSolver* each : {&solver, &without}) each->hold(hold_nodes({block.corner}));
+  for (EquilibriumSolver* each : {&solver, &without})
+    each->set_interaction(bond_nodes({block.corner}));
   const Equilibrium state = solver.solve(kPull, solver.rest());
   const Equilibrium other = without.solve(kPull, without.rest());
   EXPECT_EQ(state.third_derivative, Eigen::VectorXd::Zero(10));
@@ -110,7 +108,7 @@ TEST(ThirdDerivativeOfALinearBody, IsZeroAndCostsNothing) {
 TEST(ThirdDerivativeOfAnIteratedTangent, IsAsGoodAsItsSensitivity) {
   const Block block = make_block(Law::st_venant_kirchhoff);
   EquilibriumSolver solver(block.scene, with_third_derivatives());
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();
   const Equilibrium factorised = solver.solve(kPull, rest);
   const Equilibrium iterated = solver.solve(kPull, rest, Tangent::iterated);
@@ -130,7 +128,7 @@ TEST(ThirdDerivativeOfASqueezedBody, IsFiniteWhereTheLawIsAndAbsentWhereTheSolve
   EquilibriumOptions options = with_third_derivatives();
   options.tolerance = 1e-9;
   EquilibriumSolver solver(block.scene, options);
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium rest = solver.rest();
   const Equilibrium squeezed = solver.solve(Vec3(-0.02, 0, 0), rest);
   ASSERT_EQ(squeezed.outcome, Outcome::converged);
@@ -139,16 +137,16 @@ TEST(ThirdDerivativeOfASqueezedBody, IsFiniteWhereTheLawIsAndAbsentWhereTheSolve
   options.max_halvings = 0;
   options.follow_folds = false;
   EquilibriumSolver hasty(block.scene, options);
-  hasty.hold(hold_nodes({block.corner}));
+  hasty.set_interaction(bond_nodes({block.corner}));
   const Equilibrium failed = hasty.solve(kPull, rest);
   ASSERT_NE(failed.outcome, Outcome::converged);
   EXPECT_EQ(failed.third_derivative.size(), 0);
 }
 
-TEST(ThirdDerivativeOfSeveralSites, IsNotComputed) {
+TEST(ThirdDerivativeOfSeveralTools, IsNotComputed) {
   const Block block = make_block(Law::neo_hookean, {ElementOrder::linear});
   EquilibriumSolver solver(block.scene, with_third_derivatives());
-  solver.hold(hold_nodes({block.corner, block.middle}));
+  solver.set_interaction(bond_nodes({block.corner, block.middle}));
   EXPECT_EQ(solver.rest().third_derivative.size(), 0);
 }
 

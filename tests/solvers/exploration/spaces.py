@@ -35,17 +35,17 @@ def configurations(file):
                     continue
                 ways = {}
                 states_of = dict(database.execute(
-                    "SELECT active_node, intermediate_states FROM site"))
+                    "SELECT tool_space_id, intermediate_states FROM tool_space"))
                 for row in database.execute(
-                        "SELECT active_node, i, j, k, outcome, energy, force_x, force_y, force_z, u"
-                        " FROM configuration"):
+                        "SELECT tool_space_id, i, j, k, outcome, energy, force_x, force_y, force_z,"
+                        " u FROM configuration"):
                     if row[4] == 0:
                         found[row[:4]] = (row[5], row[6:9], row[9])
                         ways[row[:4]] = 0 if row[1:4] == (0, 0, 0) else states_of[row[0]]
                 num_states = dict.fromkeys(ways, 0)
                 for *key, count in database.execute(
-                        "SELECT active_node, i, j, k, count(*) FROM intermediate"
-                        " GROUP BY active_node, i, j, k"):
+                        "SELECT tool_space_id, i, j, k, count(*) FROM intermediate"
+                        " GROUP BY tool_space_id, i, j, k"):
                     num_states[tuple(key)] = count
                 assert num_states == ways, name
     return found

@@ -10,7 +10,8 @@
 
 #include "exploration/adaptive_grid.h"
 #include "interpolation/interpolator.h"
-#include "solvers/exploration/frontier_run.h"
+#include "solvers/exploration/strategy_run.h"
+#include "solvers/support/setup.h"
 
 namespace palpate {
 namespace {
@@ -20,12 +21,11 @@ using test::Order;
 
 constexpr double kHalfWidth = 0.01;
 
-Site site_of(double tolerance) {
-  Site site{5, kHalfWidth, 65, 0};
-  site.coarsest = 16;
-  site.tolerance = tolerance;
-  site.tolerance_is_relative = true;
-  return site;
+ToolSpaceSetup setup_of(double tolerance) {
+  ToolSpaceSetup setup = test::bonded_setup(5, {kHalfWidth, 65, 16});
+  setup.policy.tolerance = tolerance;
+  setup.policy.tolerance_is_relative = true;
+  return setup;
 }
 
 /// A body that stiffens towards one corner of the box: Π = c (e^(g·t) − 1 − g·t) + ½ K |t|².
@@ -35,10 +35,11 @@ struct Stiffening {
   double k = 100;
 
   [[nodiscard]] Vec3 force(const Vec3& t) const { return c * std::expm1(g.dot(t)) * g + k * t; }
-  [[nodiscard]] ConfigurationSummary at(const Site& site, const Transition& transition) const {
+  [[nodiscard]] ConfigurationSummary at(const ToolSpaceSetup& setup,
+                                        const Transition& transition) const {
     ConfigurationSummary found;
     const auto& [i, j, l] = transition.target;
-    found.t = site.spacing() * Vec3(i, j, l);
+    found.t = setup.grid.spacing() * Vec3(i, j, l);
     const double x = g.dot(found.t);
     found.energy = c * (std::expm1(x) - x) + 0.5 * k * found.t.squaredNorm();
     found.force = force(found.t);
@@ -48,8 +49,8 @@ struct Stiffening {
   }
 };
 
-test::Solve stiffening(const Site& site) {
-  return [site](const Transition& t) { return Stiffening().at(site, t); };
+test::Solve stiffening(const ToolSpaceSetup& setup) {
+  return [setup](const Transition& t) { return Stiffening().at(setup, t); };
 }
 
 std::set<CheckPoint> points(const std::vector<ConfigurationSummary>& found) {
@@ -58,9 +59,9 @@ std::set<CheckPoint> points(const std::vector<ConfigurationSummary>& found) {
   return all;
 }
 
-double largest_error(const Site& site, const std::vector<ConfigurationSummary>& found) {
-  TouchSite touch;
-  touch.site = site;
+double largest_error(const ToolSpaceSetup& setup, const std::vector<ConfigurationSummary>& found) {
+  TouchToolSpace touch;
+  touch.setup = setup;
   touch.configurations = found;
   std::sort(touch.configurations.begin(), touch.configurations.end());
   const auto interpolator = make_interpolator(Method::energy_hermite, touch);
@@ -77,12 +78,12 @@ double largest_error(const Site& site, const std::vector<ConfigurationSummary>& 
 TEST(AdaptiveGrid, ReachesItsToleranceWithFarFewerThanTheUniformGrid) {
   std::size_t last = 0;
   for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
-    const Site site = site_of(tolerance);
-    AdaptiveGrid grid(site);
-    const auto found = explore(grid, site, Order::deep, stiffening(site));
+    const ToolSpaceSetup setup = setup_of(tolerance);
+    AdaptiveGrid grid(setup);
+    const auto found = explore(grid, setup, Order::deep, stiffening(setup));
     EXPECT_EQ(points(found).size(), found.size()) << "found twice";
     EXPECT_EQ(static_cast<std::int64_t>(found.size()), grid.num_expected());
-    EXPECT_LE(largest_error(site, found), tolerance);
+    EXPECT_LE(largest_error(setup, found), tolerance);
     EXPECT_GE(found.size(), last);
     last = found.size();
   }
@@ -92,14 +93,14 @@ TEST(AdaptiveGrid, ReachesItsToleranceWithFarFewerThanTheUniformGrid) {
 
 // Two branches that meet at a plane, where no refinement helps.
 TEST(AdaptiveGrid, AJumpIsMarkedAndNotRefinedForEver) {
-  const Site site = site_of(1e-3);
+  const ToolSpaceSetup setup = setup_of(1e-3);
   const double wall = 0.37 * kHalfWidth;
-  AdaptiveGrid grid(site);
+  AdaptiveGrid grid(setup);
   std::vector<ConfigurationSummary> found =
-      explore(grid, site, Order::deep, [&](const Transition& t) {
+      explore(grid, setup, Order::deep, [&](const Transition& t) {
         Stiffening body;
         body.g = Vec3(50, 30, 20);
-        ConfigurationSummary c = body.at(site, t);
+        ConfigurationSummary c = body.at(setup, t);
         if (c.t.x() > wall) {
           c.energy += 1e-4;
           c.force.x() *= 0.8;
@@ -110,8 +111,8 @@ TEST(AdaptiveGrid, AJumpIsMarkedAndNotRefinedForEver) {
     // Down to an eighth of the coarsest cells.
     for (const std::int32_t x : c.check_point) EXPECT_EQ(x % 2, 0);
   }
-  TouchSite touch;
-  touch.site = site;
+  TouchToolSpace touch;
+  touch.setup = setup;
   touch.configurations = std::move(found);
   std::sort(touch.configurations.begin(), touch.configurations.end());
   const auto interpolator = make_interpolator(Method::energy_hermite, touch);
@@ -125,12 +126,12 @@ TEST(AdaptiveGrid, AJumpIsMarkedAndNotRefinedForEver) {
 }
 
 TEST(AdaptiveGrid, TheOrderOfFindingsDoesNotMatter) {
-  const Site site = site_of(1e-3);
+  const ToolSpaceSetup setup = setup_of(1e-3);
   std::vector<std::map<CheckPoint, CheckPoint>> parents;
   for (const Order order : {Order::deep, Order::wide, Order::random}) {
-    AdaptiveGrid grid(site);
+    AdaptiveGrid grid(setup);
     auto& all = parents.emplace_back();
-    for (const auto& c : explore(grid, site, order, stiffening(site))) {
+    for (const auto& c : explore(grid, setup, order, stiffening(setup))) {
       all[c.check_point] = c.parent;
     }
     EXPECT_GT(all.size(), 125U);
@@ -140,24 +141,24 @@ TEST(AdaptiveGrid, TheOrderOfFindingsDoesNotMatter) {
 }
 
 TEST(AdaptiveGrid, AnInterruptedRunGoesOnToTheSameSpace) {
-  const Site site = site_of(1e-3);
-  AdaptiveGrid whole(site);
-  const auto undisturbed = points(explore(whole, site, Order::deep, stiffening(site)));
+  const ToolSpaceSetup setup = setup_of(1e-3);
+  AdaptiveGrid whole(setup);
+  const auto undisturbed = points(explore(whole, setup, Order::deep, stiffening(setup)));
   for (std::size_t until = 0; until < undisturbed.size(); until += 1 + undisturbed.size() / 7) {
-    AdaptiveGrid first(site);
-    AdaptiveGrid second(site);
+    AdaptiveGrid first(setup);
+    AdaptiveGrid second(setup);
     std::set<CheckPoint> all;
     explore(
-        first, site, Order::random,
+        first, setup, Order::random,
         [&](const Transition& t) {
-          ConfigurationSummary c = Stiffening().at(site, t);
+          ConfigurationSummary c = Stiffening().at(setup, t);
           c.check_point = t.target;
           second.recall(c);
           all.insert(c.check_point);
           return c;
         },
         until);
-    for (const auto& c : explore(second, site, Order::random, stiffening(site))) {
+    for (const auto& c : explore(second, setup, Order::random, stiffening(setup))) {
       EXPECT_TRUE(all.insert(c.check_point).second) << "found again";
     }
     EXPECT_EQ(all, undisturbed) << until;
@@ -165,10 +166,10 @@ TEST(AdaptiveGrid, AnInterruptedRunGoesOnToTheSameSpace) {
 }
 
 TEST(AdaptiveGrid, ATighterToleranceKeepsWhatIsThere) {
-  const Site loose = site_of(1e-2);
+  const ToolSpaceSetup loose = setup_of(1e-2);
   AdaptiveGrid first(loose);
   const auto found = explore(first, loose, Order::deep, stiffening(loose));
-  const Site tight = site_of(1e-3);
+  const ToolSpaceSetup tight = setup_of(1e-3);
   AdaptiveGrid second(tight);
   AdaptiveGrid fresh(tight);
   for (const auto& c : found) second.recall(c);
@@ -179,11 +180,11 @@ TEST(AdaptiveGrid, ATighterToleranceKeepsWhatIsThere) {
 }
 
 TEST(AdaptiveGrid, WhatFailsIsTriedFromThreeCornersAndThenGivenUp) {
-  const Site site = site_of(1e-3);
+  const ToolSpaceSetup setup = setup_of(1e-3);
   std::map<CheckPoint, std::vector<CheckPoint>> starts;
-  AdaptiveGrid grid(site);
-  const auto found = explore(grid, site, Order::random, [&](const Transition& t) {
-    ConfigurationSummary c = Stiffening().at(site, t);
+  AdaptiveGrid grid(setup);
+  const auto found = explore(grid, setup, Order::random, [&](const Transition& t) {
+    ConfigurationSummary c = Stiffening().at(setup, t);
     const bool refined = (t.target[0] | t.target[1] | t.target[2]) % 16 != 0;
     starts[t.target].push_back(t.start);
     if (refined && t.target[0] > 16) c.outcome = Outcome::not_converged;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "exploration/layered_grid.h"
-#include "schedule/home.h"
-#include "solvers/exploration/frontier_run.h"
+#include "schedule/owner.h"
+#include "solvers/exploration/strategy_run.h"
 #include "solvers/support/replay.h"
 #include "solvers/support/simulation.h"
 
@@ -31,16 +31,15 @@ constexpr double kDetection = 2e-3;
 /// A grid of which all is found at the first attempt; each takes 5 to 100 ms.
 Recording make_recording(std::int32_t resolution, std::uint64_t seed) {
   Recording recording;
-  recording.site.half_width = 0.01;
-  recording.site.resolution = resolution;
-  const Site& site = recording.site;
-  LayeredGrid grid(site);
+  recording.setup.grid.half_width = 0.01;
+  recording.setup.grid.resolution = resolution;
+  const ToolSpaceSetup& setup = recording.setup;
+  LayeredGrid grid(setup.grid);
   std::uint64_t random = mix(seed);
   recording.configurations =
-      test::explore(grid, site, test::Order::deep, [&](const Transition& transition) {
+      test::explore(grid, setup, test::Order::deep, [&](const Transition& transition) {
         ConfigurationSummary found = test::good(transition);
-        const auto& [i, j, k] = transition.target;
-        found.t = site.spacing() * Vec3(i, j, k);
+        found.t = setup.grid.place(transition.target);
         found.seconds = 0.005 + 0.001 * static_cast<double>(mix(++random) % 96);
         return found;
       });
@@ -60,10 +59,10 @@ std::vector<Recording> make_recordings(std::int32_t resolution = 7) {
   return recordings;
 }
 
-std::vector<int> make_sites(int num_sites) {
-  std::vector<int> recording_of_site;
-  for (int i = 0; i < num_sites; ++i) recording_of_site.push_back(i % 5);
-  return recording_of_site;
+std::vector<int> make_tool_spaces(int number) {
+  std::vector<int> recording_of_tool_space;
+  for (int i = 0; i < number; ++i) recording_of_tool_space.push_back(i % 5);
+  return recording_of_tool_space;
 }
 
 double work_of(const Recording& recording) {
@@ -72,17 +71,17 @@ double work_of(const Recording& recording) {
   return seconds;
 }
 
-double work_of(const std::vector<Recording>& recordings, const std::vector<int>& sites) {
+double work_of(const std::vector<Recording>& recordings, const std::vector<int>& setups) {
   double seconds = 0;
-  for (const int recording : sites) seconds += work_of(recordings[recording]);
+  for (const int recording : setups) seconds += work_of(recordings[recording]);
   return seconds;
 }
 
 TEST(SimulatedEngine, AloneTakesTheTimeOfTheConfigurations) {
   const auto recordings = make_recordings();
-  const auto sites = make_sites(5);
-  const Replay alone = test::replay(recordings, sites, 1);
-  const double work = work_of(recordings, sites);
+  const auto setups = make_tool_spaces(5);
+  const Replay alone = test::replay(recordings, setups, 1);
+  const double work = work_of(recordings, setups);
   EXPECT_EQ(alone.report.num_solved, 5 * 343);
   EXPECT_EQ(alone.num_factorised_again, 0);
   EXPECT_GE(alone.makespan, work * (1 - kRounding));
@@ -91,52 +90,52 @@ TEST(SimulatedEngine, AloneTakesTheTimeOfTheConfigurations) {
 
 TEST(SimulatedEngine, FindsEachConfigurationOnceOnAnyNumberOfRanks) {
   const auto recordings = make_recordings();
-  const auto sites = make_sites(20);
-  const double work = work_of(recordings, sites);
+  const auto setups = make_tool_spaces(20);
+  const double work = work_of(recordings, setups);
   for (const int ranks : {2, 3, 64, 256}) {
-    const Replay found = test::replay(recordings, sites, ranks);
+    const Replay found = test::replay(recordings, setups, ranks);
     EXPECT_TRUE(found.report.complete);
     EXPECT_EQ(found.report.num_solved, 20 * 343);
     EXPECT_GE(found.makespan, work / ranks * (1 - kRounding));
-    EXPECT_EQ(test::replay(recordings, sites, ranks).makespan, found.makespan);
+    EXPECT_EQ(test::replay(recordings, setups, ranks).makespan, found.makespan);
   }
 }
 
 TEST(SimulatedEngine, SharesWhatAFixedShareCannot) {
   const auto recordings = make_recordings();
-  const auto efficiency = [&](const std::vector<int>& sites, int ranks) {
-    return work_of(recordings, sites) / (ranks * test::replay(recordings, sites, ranks).makespan);
+  const auto efficiency = [&](const std::vector<int>& setups, int ranks) {
+    return work_of(recordings, setups) / (ranks * test::replay(recordings, setups, ranks).makespan);
   };
-  EXPECT_GT(efficiency(make_sites(1), 16), 0.5);
-  EXPECT_GT(efficiency(make_sites(20), 8), 0.95);
+  EXPECT_GT(efficiency(make_tool_spaces(1), 16), 0.5);
+  EXPECT_GT(efficiency(make_tool_spaces(20), 8), 0.95);
 }
 
 TEST(SimulatedEngine, AShareCostsTheStateAndTheFactorOfItsStart) {
   const auto recordings = make_recordings();
-  const auto sites = make_sites(1);
+  const auto setups = make_tool_spaces(1);
   ReplayOptions options;
   options.factorisation_seconds = 0;
   options.state_bytes = 0;
-  const Replay free_of_charge = test::replay(recordings, sites, 8, options);
+  const Replay free_of_charge = test::replay(recordings, setups, 8, options);
   EXPECT_GT(free_of_charge.report.num_states_given, 0);
   EXPECT_GE(free_of_charge.num_factorised_again, free_of_charge.report.num_states_given / 2);
   options.factorisation_seconds = 1;
-  EXPECT_GT(test::replay(recordings, sites, 8, options).makespan, free_of_charge.makespan + 1);
+  EXPECT_GT(test::replay(recordings, setups, 8, options).makespan, free_of_charge.makespan + 1);
   options.factorisation_seconds = 0;
   options.state_bytes = 5'000'000'000;  // a second on its way
-  EXPECT_GT(test::replay(recordings, sites, 8, options).makespan, free_of_charge.makespan + 1);
+  EXPECT_GT(test::replay(recordings, setups, 8, options).makespan, free_of_charge.makespan + 1);
 }
 
-// What an earlier run has left is told to the homes bit by bit: of a thousand active nodes it would
-// be a third of a million messages at once.
+// What an earlier run has left is told to the owners bit by bit: of a thousand active nodes it
+// would be a third of a million messages at once.
 TEST(SimulatedEngine, WhatIsKnownIsToldInBoundedMail) {
   const auto recordings = make_recordings();
-  const auto sites = make_sites(200);
+  const auto setups = make_tool_spaces(200);
   ReplayOptions options;
   options.num_known = SIZE_MAX;
   options.machine.jitter = 20e-3;
   options.schedule.most_unread_bytes = 1 << 20;
-  const Replay resumed = test::replay(recordings, sites, 16, options);
+  const Replay resumed = test::replay(recordings, setups, 16, options);
   EXPECT_EQ(resumed.report.num_solved, 0);
   EXPECT_EQ(resumed.report.num_reused, 200 * 343);
   // The bound, and the message that exceeds it.
@@ -146,21 +145,23 @@ TEST(SimulatedEngine, WhatIsKnownIsToldInBoundedMail) {
 
 TEST(SimulatedEngine, GoesOnWithWhatIsLeftOfAnEarlierRun) {
   const auto recordings = make_recordings();
-  const auto sites = make_sites(20);
+  const auto setups = make_tool_spaces(20);
   ReplayOptions options;
   options.num_known = 200;
   for (const int ranks : {1, 3, 16}) {
-    const Replay resumed = test::replay(recordings, sites, ranks, options);
+    const Replay resumed = test::replay(recordings, setups, ranks, options);
     EXPECT_EQ(resumed.report.num_reused, 20 * 200);
     EXPECT_EQ(resumed.report.num_solved, 20 * 143);
   }
 }
 
 /// A body that is in another equilibrium after each transition.
-class EndlessSolver final : public SiteSolver {
+class EndlessSolver final : public StateSolver {
  public:
-  [[nodiscard]] Equilibrium rest(Index /*active_node*/) override { return found(Vec3::Zero()); }
-  [[nodiscard]] Equilibrium solve(Index /*active_node*/, const Eigen::VectorXd& t,
+  [[nodiscard]] Equilibrium rest(const ToolSpaceSetup& /*setup*/) override {
+    return found(Vec3::Zero());
+  }
+  [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& /*setup*/, const Eigen::VectorXd& t,
                                   const Equilibrium& /*start*/, Tangent /*tangent*/) override {
     return found(t);
   }
@@ -181,12 +182,13 @@ class EndlessSolver final : public SiteSolver {
 /// What transitions an earlier run has left; keeps those of this one.
 class TransitionRecord final : public Record {
  public:
-  [[nodiscard]] Known known(Index /*active_node*/) const override { return left; }
+  [[nodiscard]] Known known(ToolSpaceId /*tool_space*/) const override { return left; }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
-  void keep(Index, const Configuration&, const std::vector<IntermediateState>&) override {}
-  void keep(Index, const LevelTransition& transition) override { kept.push_back(transition); }
-  void settle(Index, const ConfigurationSummary&, std::int32_t) override {}
-  [[nodiscard]] Configuration load(Index, const ConfigurationSummary& summary) const override {
+  void keep(ToolSpaceId, const Configuration&, const std::vector<IntermediateState>&) override {}
+  void keep(ToolSpaceId, const LevelTransition& transition) override { kept.push_back(transition); }
+  void settle(ToolSpaceId, const ConfigurationSummary&, std::int32_t) override {}
+  [[nodiscard]] Configuration load(ToolSpaceId,
+                                   const ConfigurationSummary& summary) const override {
     return {summary, {}, {}, {}, {}};
   }
   [[nodiscard]] TouchSpace finish(bool, double) override { return {}; }
@@ -196,10 +198,10 @@ class TransitionRecord final : public Record {
 };
 
 TEST(Engine, SaysHowOftenACheckPointHadTooManyLevels) {
-  Site site;
-  site.half_width = 0.01;
-  site.resolution = 3;
-  site.history = History::levels;
+  ToolSpaceSetup setup;
+  setup.grid.half_width = 0.01;
+  setup.grid.resolution = 3;
+  setup.policy.history = History::levels;
   TransitionRecord record;
   // Of an earlier run: it counts, but no transition between these levels is asked for.
   record.left.transitions = {{{0, 0, 0}, kMostLevels, {1, 0, 0}, beyond_most_levels}};
@@ -207,8 +209,8 @@ TEST(Engine, SaysHowOftenACheckPointHadTooManyLevels) {
   test::Simulation simulation(1, {});
   Monitor monitor(nullptr, simulation.network(0));
   PrecomputeReport report;
-  const std::vector<Site> sites{site};
-  Engine engine(sites, solver, record, simulation.network(0), monitor, report);
+  const std::vector<ToolSpaceSetup> setups{setup};
+  Engine engine(setups, solver, record, simulation.network(0), monitor, report);
   ASSERT_TRUE(simulation.run({&engine}));
   EXPECT_EQ(report.num_levels, 27 * (kMostLevels - 1));
   const auto num_beyond = std::count_if(

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "exploration/layered_grid.h"
-#include "solvers/exploration/frontier_run.h"
+#include "solvers/exploration/strategy_run.h"
+#include "solvers/support/setup.h"
 
 namespace palpate {
 namespace {
@@ -22,7 +23,9 @@ std::int32_t layer_of(const CheckPoint& p) {
   return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
 }
 
-Site site_of(std::int32_t resolution) { return {5, 0.01, resolution, 1}; }
+ToolSpaceSetup setup_of(std::int32_t resolution) {
+  return test::bonded_setup(5, {0.01, resolution}, {1});
+}
 
 class LayeredGridTest : public testing::TestWithParam<Order> {};
 INSTANTIATE_TEST_SUITE_P(LayeredGrid, LayeredGridTest,
@@ -30,9 +33,9 @@ INSTANTIATE_TEST_SUITE_P(LayeredGrid, LayeredGridTest,
                          [](const auto& order) { return to_string(order.param); });
 
 TEST_P(LayeredGridTest, ReachesEveryCheckPointOnceFromTheLayerBefore) {
-  LayeredGrid grid(site_of(7));
+  LayeredGrid grid(setup_of(7).grid);
   std::set<CheckPoint> seen;
-  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
+  explore(grid, setup_of(7), GetParam(), [&](const Transition& t) {
     EXPECT_TRUE(seen.insert(t.target).second);
     const std::int32_t layer = layer_of(t.target);
     EXPECT_EQ(t.needs_no_start(), layer == 0);
@@ -50,18 +53,18 @@ TEST_P(LayeredGridTest, ReachesEveryCheckPointOnceFromTheLayerBefore) {
 }
 
 TEST(LayeredGrid, WhereNothingFailsAllFollowsFromRest) {
-  LayeredGrid grid(site_of(7));
+  LayeredGrid grid(setup_of(7).grid);
   std::vector<Transition> due = grid.next();
   ASSERT_EQ(due.size(), 1U);
   EXPECT_TRUE(due.front().needs_no_start());
-  explore(grid, site_of(7), Order::deep, good);
+  explore(grid, setup_of(7), Order::deep, good);
   std::size_t num_followed = 1;
   for (std::int32_t i = -3; i <= 3; ++i) {
     for (std::int32_t j = -3; j <= 3; ++j) {
       for (std::int32_t k = -3; k <= 3; ++k) {
         ConfigurationSummary found = good({});
         found.check_point = {i, j, k};
-        num_followed += following(site_of(7), found).size();
+        num_followed += following(setup_of(7), found).size();
       }
     }
   }
@@ -69,9 +72,9 @@ TEST(LayeredGrid, WhereNothingFailsAllFollowsFromRest) {
 }
 
 TEST_P(LayeredGridTest, PrefersTheStartOnTheStraightWayFromRest) {
-  LayeredGrid grid(site_of(7));
+  LayeredGrid grid(setup_of(7).grid);
   std::map<CheckPoint, CheckPoint> starts;
-  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
+  explore(grid, setup_of(7), GetParam(), [&](const Transition& t) {
     starts[t.target] = t.start;
     return good(t);
   });
@@ -82,9 +85,9 @@ TEST_P(LayeredGridTest, PrefersTheStartOnTheStraightWayFromRest) {
 
 TEST_P(LayeredGridTest, DoesNotExpandWhatFailedOrIsBeyondTheForceLimit) {
   // Everything with x > 0 fails, everything with y > 0 is beyond the limit.
-  LayeredGrid grid(site_of(7));
+  LayeredGrid grid(setup_of(7).grid);
   std::set<CheckPoint> seen;
-  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
+  explore(grid, setup_of(7), GetParam(), [&](const Transition& t) {
     seen.insert(t.target);
     EXPECT_LE(t.start[0], 0);
     EXPECT_LE(t.start[1], 0);
@@ -113,9 +116,9 @@ TEST_P(LayeredGridTest, TriesTheThreeBestStartsInTurn) {
   const CheckPoint hard{2, 1, 0};
   const CheckPoint useless{1, 0, 0};
   const CheckPoint from_second{-2, 1, 0};
-  LayeredGrid grid(site_of(7));
+  LayeredGrid grid(setup_of(7).grid);
   std::map<CheckPoint, std::vector<CheckPoint>> starts;
-  explore(grid, site_of(7), GetParam(), [&](const Transition& t) {
+  explore(grid, setup_of(7), GetParam(), [&](const Transition& t) {
     starts[t.target].push_back(t.start);
     ConfigurationSummary found = good(t);
     const bool first = starts[t.target].size() == 1;
@@ -148,9 +151,9 @@ using Made = std::set<std::pair<CheckPoint, CheckPoint>>;
 TEST(LayeredGrid, FindsTheSameInAnyOrder) {
   std::vector<Made> made;
   for (const Order order : {Order::deep, Order::wide, Order::random}) {
-    LayeredGrid grid(site_of(9));
+    LayeredGrid grid(setup_of(9).grid);
     Made& all = made.emplace_back();
-    explore(grid, site_of(9), order, [&](const Transition& t) {
+    explore(grid, setup_of(9), order, [&](const Transition& t) {
       EXPECT_TRUE(all.insert({t.start, t.target}).second) << "made twice";
       return moody(t);
     });
@@ -162,18 +165,18 @@ TEST(LayeredGrid, FindsTheSameInAnyOrder) {
 }
 
 TEST(LayeredGrid, GoesOnFromWhatAnEarlierRunFound) {
-  LayeredGrid whole(site_of(9));
+  LayeredGrid whole(setup_of(9).grid);
   std::set<CheckPoint> usable;
-  for (const auto& found : explore(whole, site_of(9), Order::deep, moody)) {
+  for (const auto& found : explore(whole, setup_of(9), Order::deep, moody)) {
     if (found.usable()) usable.insert(found.check_point);
   }
   for (const std::size_t until : {0U, 1U, 50U, 200U, 1000U}) {
-    LayeredGrid first(site_of(9));
-    LayeredGrid second(site_of(9));
+    LayeredGrid first(setup_of(9).grid);
+    LayeredGrid second(setup_of(9).grid);
     std::set<CheckPoint> all;
-    // What was found is kept before the frontier hears of it.
+    // What was found is kept before the strategy hears of it.
     explore(
-        first, site_of(9), Order::random,
+        first, setup_of(9), Order::random,
         [&](const Transition& t) {
           ConfigurationSummary found = moody(t);
           found.check_point = t.target;
@@ -184,7 +187,7 @@ TEST(LayeredGrid, GoesOnFromWhatAnEarlierRunFound) {
           return found;
         },
         until);
-    const auto rest = explore(second, site_of(9), Order::random, moody);
+    const auto rest = explore(second, setup_of(9), Order::random, moody);
     for (const auto& found : rest) {
       EXPECT_TRUE(!found.usable() || all.insert(found.check_point).second) << "found again";
     }
@@ -193,20 +196,21 @@ TEST(LayeredGrid, GoesOnFromWhatAnEarlierRunFound) {
 }
 
 TEST(LayeredGrid, StopsWhereRestItselfFails) {
-  LayeredGrid grid(site_of(3));
-  const auto found = explore(grid, site_of(3), Order::deep,
+  LayeredGrid grid(setup_of(3).grid);
+  const auto found = explore(grid, setup_of(3), Order::deep,
                              [](const Transition&) { return ConfigurationSummary{}; });
   EXPECT_EQ(found.size(), 1U);
   EXPECT_EQ(grid.given_up().size(), 27U);
 }
 
 TEST(LayeredGrid, TheCornersOfCoarseCellsAreAGridOfTheirOwn) {
-  Site site = site_of(65);
-  site.coarsest = 16;
-  LayeredGrid grid(site);
+  ToolSpaceSetup setup = setup_of(65);
+  setup.grid.coarsest = 16;
+  LayeredGrid grid(setup.grid);
   EXPECT_EQ(grid.num_expected(), 125);
   std::set<CheckPoint> seen;
-  for (const auto& found : explore(grid, site, Order::random, good)) seen.insert(found.check_point);
+  for (const auto& found : explore(grid, setup, Order::random, good))
+    seen.insert(found.check_point);
   EXPECT_EQ(seen.size(), 125U);
   for (const CheckPoint& p : seen) {
     for (const std::int32_t c : p) EXPECT_EQ(c % 16, 0);

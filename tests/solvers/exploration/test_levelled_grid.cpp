@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/exploration/frontier_run.h"
+#include "solvers/exploration/strategy_run.h"
 #include "solvers/support/bistable.h"
 
 namespace palpate {
@@ -24,7 +24,7 @@ using State = std::pair<CheckPoint, std::int32_t>;
 /// Answers the transitions of a bistable body, and remembers what a record would.
 class Body {
  public:
-  Body(const Bistable& body, const Site& site) : body_(body), site_(site) {}
+  Body(const Bistable& body, const ToolSpaceSetup& setup) : body_(body), setup_(setup) {}
 
   ConfigurationSummary solve(const Transition& transition) {
     ++num_solved_;
@@ -49,7 +49,7 @@ class Body {
 
   /// Those without a way that jumps.
   void fail_at_jumps() { fails_ = true; }
-  /// After each next() of a frontier, as the engine does.
+  /// After each next() of a strategy, as the engine does.
   void settle(LevelledGrid& grid) {
     for (const Settlement& s : grid.settled()) {
       settlements_.push_back(s);
@@ -63,7 +63,7 @@ class Body {
   }
 
   [[nodiscard]] Vec3 place(const CheckPoint& p) const {
-    return site_.spacing() * Vec3(p[0], p[1], p[2]);
+    return setup_.grid.spacing() * Vec3(p[0], p[1], p[2]);
   }
   [[nodiscard]] const std::map<State, double>& states() const { return states_; }
   [[nodiscard]] const std::vector<Settlement>& settlements() const { return settlements_; }
@@ -71,26 +71,26 @@ class Body {
 
  private:
   Bistable body_;
-  Site site_;
+  ToolSpaceSetup setup_;
   bool fails_ = false;
   std::map<State, double> states_;
   std::vector<Settlement> settlements_;
   int num_solved_ = 0;
 };
 
-Site make_site(std::int32_t resolution = 9, double half_width = 1.5) {
-  Site site;
-  site.resolution = resolution;
-  site.half_width = half_width;
-  site.history = History::automatic;
-  return site;
+ToolSpaceSetup make_setup(std::int32_t resolution = 9, double half_width = 1.5) {
+  ToolSpaceSetup setup;
+  setup.grid.resolution = resolution;
+  setup.grid.half_width = half_width;
+  setup.policy.history = History::automatic;
+  return setup;
 }
 
-/// Of the site above and the body as it comes: in two layers of the grid.
+/// Of the tool space above and the body as it comes: in two layers of the grid.
 constexpr int kNumDouble = 2 * 9 * 9;
 
-/// A frontier that has its settlements told to the body before anything starts from them.
-class Told final : public Frontier {
+/// A strategy that has its settlements told to the body before anything starts from them.
+class Told final : public ExplorationStrategy {
  public:
   Told(LevelledGrid& grid, Body& body) : grid_(grid), body_(body) {}
   void recall(const ConfigurationSummary& found) override { grid_.recall(found); }
@@ -108,11 +108,12 @@ class Told final : public Frontier {
   Body& body_;
 };
 
-std::vector<ConfigurationSummary> explore(LevelledGrid& grid, Body& body, const Site& site,
-                                          Order order, std::size_t until = SIZE_MAX) {
+std::vector<ConfigurationSummary> explore(LevelledGrid& grid, Body& body,
+                                          const ToolSpaceSetup& setup, Order order,
+                                          std::size_t until = SIZE_MAX) {
   Told told(grid, body);
   return test::explore(
-      told, site, order, [&](const Transition& t) { return body.solve(t); }, until);
+      told, setup, order, [&](const Transition& t) { return body.solve(t); }, until);
 }
 
 auto all_of(const Settlement& s) {
@@ -123,11 +124,11 @@ auto all_of(const Settlement& s) {
 class LevelledGridInOrder : public testing::TestWithParam<Order> {};
 
 TEST_P(LevelledGridInOrder, FindsBothWellsWhereverThereAreTwo) {
-  const Site site = make_site();
+  const ToolSpaceSetup setup = make_setup();
   const Bistable bistable;
-  Body body(bistable, site);
-  LevelledGrid grid(site);
-  explore(grid, body, site, GetParam());
+  Body body(bistable, setup);
+  LevelledGrid grid(setup);
+  explore(grid, body, setup, GetParam());
   std::map<CheckPoint, std::vector<double>> found;
   for (const auto& [state, w] : body.states()) found[state.first].push_back(w);
   int num_double = 0;
@@ -143,13 +144,13 @@ TEST_P(LevelledGridInOrder, FindsBothWellsWhereverThereAreTwo) {
 }
 
 TEST_P(LevelledGridInOrder, TellsTheSameLevelsApartInEveryOrder) {
-  const Site site = make_site(5, 1);
-  Body deep({}, site);
-  LevelledGrid first(site);
-  explore(first, deep, site, Order::deep);
-  Body body({}, site);
-  LevelledGrid grid(site);
-  explore(grid, body, site, GetParam());
+  const ToolSpaceSetup setup = make_setup(5, 1);
+  Body deep({}, setup);
+  LevelledGrid first(setup);
+  explore(first, deep, setup, Order::deep);
+  Body body({}, setup);
+  LevelledGrid grid(setup);
+  explore(grid, body, setup, GetParam());
   EXPECT_EQ(body.states(), deep.states());
   ASSERT_EQ(body.settlements().size(), deep.settlements().size());
   for (std::size_t i = 0; i < body.settlements().size(); ++i) {
@@ -162,24 +163,24 @@ INSTANTIATE_TEST_SUITE_P(Orders, LevelledGridInOrder,
                          [](const auto& order) { return to_string(order.param); });
 
 TEST(LevelledGrid, ASmoothBodyTakesNoTransitionMore) {
-  const Site site = make_site();
+  const ToolSpaceSetup setup = make_setup();
   Bistable smooth;
   smooth.a0 = -1;
-  Body body(smooth, site);
-  LevelledGrid grid(site);
-  explore(grid, body, site, Order::deep);
+  Body body(smooth, setup);
+  LevelledGrid grid(setup);
+  explore(grid, body, setup, Order::deep);
   EXPECT_EQ(body.num_solved(), 9 * 9 * 9);
   EXPECT_TRUE(body.settlements().empty());
 }
 
 TEST(LevelledGrid, WithLevelsAsksForEveryTransitionOnce) {
-  Site site = make_site(5);
-  site.history = History::levels;
+  ToolSpaceSetup setup = make_setup(5);
+  setup.policy.history = History::levels;
   Bistable smooth;
   smooth.a0 = -1;
-  Body body(smooth, site);
-  LevelledGrid grid(site);
-  explore(grid, body, site, Order::deep);
+  Body body(smooth, setup);
+  LevelledGrid grid(setup);
+  explore(grid, body, setup, Order::deep);
   // Pairs of neighbours in both directions, without the ways of the flat space.
   const int pairs = 13 * 13 * 13 - 5 * 5 * 5;
   EXPECT_EQ(body.settlements().size(), static_cast<std::size_t>(pairs - (5 * 5 * 5 - 1)));
@@ -190,11 +191,11 @@ TEST(LevelledGrid, WithLevelsAsksForEveryTransitionOnce) {
 // The far side of the fold is not found, and that is a sign as well; so is an edge whose energy
 // does not fit.
 TEST(LevelledGrid, AJumpThatFailsIsTriedFromAllSides) {
-  const Site site = make_site();
-  Body body({}, site);
+  const ToolSpaceSetup setup = make_setup();
+  Body body({}, setup);
   body.fail_at_jumps();
-  LevelledGrid grid(site);
-  explore(grid, body, site, Order::deep);
+  LevelledGrid grid(setup);
+  explore(grid, body, setup, Order::deep);
   EXPECT_FALSE(body.settlements().empty());
   for (const Settlement& s : body.settlements()) {
     EXPECT_TRUE(s.transition.reached == failed_to_reach || s.transition.reached == 0);
@@ -202,13 +203,13 @@ TEST(LevelledGrid, AJumpThatFailsIsTriedFromAllSides) {
 }
 
 TEST(LevelledGrid, AnEdgeWhoseEnergyDoesNotFitIsASign) {
-  const Site site = make_site();
+  const ToolSpaceSetup setup = make_setup();
   const Bistable bistable;
-  LevelledGrid grid(site);
-  Body body(bistable, site);
+  LevelledGrid grid(setup);
+  Body body(bistable, setup);
   Told told(grid, body);
   // No flag tells of the jump.
-  test::explore(told, site, Order::deep, [&](const Transition& t) {
+  test::explore(told, setup, Order::deep, [&](const Transition& t) {
     ConfigurationSummary found = body.solve(t);
     found.flags = 0;
     return found;
@@ -222,11 +223,11 @@ TEST(LevelledGrid, AnEdgeWhoseEnergyDoesNotFitIsASign) {
 // Nor does any lead to an inverted one.
 TEST(LevelledGrid, NothingStartsFromInvertedUnstableOrForbiddenStates) {
   for (Flags flag : {flags::inverted, flags::unstable, flags::beyond_force_limit}) {
-    const Site site = make_site(7);
-    LevelledGrid grid(site);
-    Body body({}, site);
+    const ToolSpaceSetup setup = make_setup(7);
+    LevelledGrid grid(setup);
+    Body body({}, setup);
     Told told(grid, body);
-    test::explore(told, site, Order::deep, [&](const Transition& t) {
+    test::explore(told, setup, Order::deep, [&](const Transition& t) {
       ConfigurationSummary found = body.solve(t);
       if (t.target[2] < 0) found.flags |= flag;
       return found;
@@ -238,8 +239,8 @@ TEST(LevelledGrid, NothingStartsFromInvertedUnstableOrForbiddenStates) {
   }
 }
 
-/// A frontier whose settlements are kept.
-class Settled final : public Frontier {
+/// A strategy whose settlements are kept.
+class Settled final : public ExplorationStrategy {
  public:
   explicit Settled(LevelledGrid& grid) : grid_(grid) {}
   void recall(const ConfigurationSummary& found) override { grid_.recall(found); }
@@ -260,19 +261,19 @@ class Settled final : public Frontier {
 
 // Of a body that is in another equilibrium after each transition the exploration ends too.
 TEST(LevelledGrid, ACheckPointHasSoManyLevelsAndNoMore) {
-  Site site = make_site(3, 1);
-  site.history = History::levels;
-  LevelledGrid grid(site);
+  ToolSpaceSetup setup = make_setup(3, 1);
+  setup.policy.history = History::levels;
+  LevelledGrid grid(setup);
   Settled settled(grid);
   const int pairs = 7 * 7 * 7 - 3 * 3 * 3;
   const std::size_t all = pairs * kMostLevels + 1;
   double force = 0;
   const auto heard = test::explore(
-      settled, site, Order::deep,
+      settled, setup, Order::deep,
       [&](const Transition& transition) {
         ConfigurationSummary found = test::good(transition);
         const auto& [i, j, k] = transition.target;
-        found.t = site.spacing() * Vec3(i, j, k);
+        found.t = setup.grid.spacing() * Vec3(i, j, k);
         found.force.x() = ++force;
         return found;
       },
@@ -295,19 +296,19 @@ TEST(LevelledGrid, ACheckPointHasSoManyLevelsAndNoMore) {
 // Killed after any number of configurations, and taken up again: nothing is made twice, and the
 // levels are those of the run that was not.
 TEST(LevelledGrid, GoesOnFromWhatWasFound) {
-  const Site site = make_site(5, 1);
-  Body undisturbed({}, site);
-  LevelledGrid whole(site);
-  const std::size_t num_all = explore(whole, undisturbed, site, Order::deep).size();
+  const ToolSpaceSetup setup = make_setup(5, 1);
+  Body undisturbed({}, setup);
+  LevelledGrid whole(setup);
+  const std::size_t num_all = explore(whole, undisturbed, setup, Order::deep).size();
   for (const std::size_t until : {num_all / 3, num_all / 2, 2 * num_all / 3, num_all - 1}) {
     SCOPED_TRACE(until);
-    Body body({}, site);
-    LevelledGrid killed(site);
-    const auto heard = explore(killed, body, site, Order::random, until);
+    Body body({}, setup);
+    LevelledGrid killed(setup);
+    const auto heard = explore(killed, body, setup, Order::random, until);
     const std::vector<Settlement> settled = body.settlements();
     const int num_solved = body.num_solved();
 
-    LevelledGrid resumed(site);
+    LevelledGrid resumed(setup);
     // As a record has them: candidates have their level, or are gone, once they are settled.
     std::map<State, ConfigurationSummary> kept;
     for (const ConfigurationSummary& c : heard) kept[{c.check_point, c.level}] = c;
@@ -323,7 +324,7 @@ TEST(LevelledGrid, GoesOnFromWhatWasFound) {
     for (const auto& [state, c] : kept) {
       resumed.recall(c);
     }
-    const auto more = explore(resumed, body, site, Order::random);
+    const auto more = explore(resumed, body, setup, Order::random);
     EXPECT_EQ(body.states(), undisturbed.states());
     // The killed run had solved some of which nobody had heard.
     EXPECT_EQ(heard.size() + more.size(), num_all);

@@ -10,8 +10,8 @@
 #include <string>
 
 #include "base/error.h"
-#include "equilibrium/tip.h"
 #include "exploration/precompute.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
@@ -29,11 +29,11 @@ bool same_bits(const double* a, const double* b, std::size_t count) {
 /// What is touched is equal to the bit; the times are not compared.
 void expect_equal(const TouchSpace& a, const TouchSpace& b) {
   EXPECT_EQ(a.scene_hash, b.scene_hash);
-  ASSERT_EQ(a.sites.size(), b.sites.size());
+  ASSERT_EQ(a.tool_spaces.size(), b.tool_spaces.size());
   EXPECT_EQ(a.modes, b.modes);
-  for (std::size_t s = 0; s < a.sites.size(); ++s) {
-    const TouchSite& x = a.sites[s];
-    const TouchSite& y = b.sites[s];
+  for (std::size_t s = 0; s < a.tool_spaces.size(); ++s) {
+    const TouchToolSpace& x = a.tool_spaces[s];
+    const TouchToolSpace& y = b.tool_spaces[s];
     EXPECT_EQ(x.coefficients, y.coefficients);
     EXPECT_EQ(x.coefficient_gradients, y.coefficient_gradients);
     ASSERT_EQ(x.configurations.size(), y.configurations.size());
@@ -118,7 +118,7 @@ TEST_F(Precompute, SeveralRanksGiveTheSpaceOfOneToTheBit) {
     EXPECT_GT(serial.space.num_modes(), 0);
     expect_equal(parallel.space, serial.space);
   } else {
-    EXPECT_TRUE(parallel.space.sites.empty());
+    EXPECT_TRUE(parallel.space.tool_spaces.empty());
   }
 }
 
@@ -171,10 +171,10 @@ TEST_F(Precompute, ALargerBoxAndAHigherForceLimitKeepWhatIsThere) {
   if (world_->rank() != 0) return;
   options_.file.clear();
   const PrecomputeResult at_once = run(*serial_);
-  ASSERT_EQ(unlimited.space.sites.size(), at_once.space.sites.size());
-  for (std::size_t s = 0; s < at_once.space.sites.size(); ++s) {
-    const auto& grown = unlimited.space.sites[s].configurations;
-    const auto& whole = at_once.space.sites[s].configurations;
+  ASSERT_EQ(unlimited.space.tool_spaces.size(), at_once.space.tool_spaces.size());
+  for (std::size_t s = 0; s < at_once.space.tool_spaces.size(); ++s) {
+    const auto& grown = unlimited.space.tool_spaces[s].configurations;
+    const auto& whole = at_once.space.tool_spaces[s].configurations;
     ASSERT_EQ(grown.size(), whole.size());
     for (std::size_t c = 0; c < whole.size(); ++c) {
       EXPECT_EQ(grown[c].check_point, whole[c].check_point);
@@ -188,8 +188,8 @@ TEST_F(Precompute, ALargerBoxAndAHigherForceLimitKeepWhatIsThere) {
 
 TEST_F(Precompute, RestIsACheckPointWithoutForce) {
   const PrecomputeResult result = run(*world_);
-  for (const TouchSite& site : result.space.sites) {
-    const auto& c = site.configurations[site.configurations.size() / 2];
+  for (const TouchToolSpace& tool_space : result.space.tool_spaces) {
+    const auto& c = tool_space.configurations[tool_space.configurations.size() / 2];
     EXPECT_EQ(c.check_point, (CheckPoint{0, 0, 0}));
     EXPECT_EQ(c.force.norm(), 0);
     EXPECT_EQ(c.energy, 0);
@@ -200,10 +200,10 @@ TEST_F(Precompute, ConfigurationsAreThoseThatTheSolverFinds) {
   const PrecomputeResult result = run(*world_);
   if (world_->rank() != 0) return;
   EquilibriumSolver solver(block_.scene, {});
-  for (const TouchSite& site : result.space.sites) {
-    solver.hold(hold_nodes({site.site.active_node}));
-    for (std::size_t i = 0; i < site.configurations.size(); i += 31) {
-      const ConfigurationSummary& c = site.configurations[i];
+  for (const TouchToolSpace& tool_space : result.space.tool_spaces) {
+    solver.set_interaction(bond_nodes({tool_space.setup.interaction.active_node}));
+    for (std::size_t i = 0; i < tool_space.configurations.size(); i += 31) {
+      const ConfigurationSummary& c = tool_space.configurations[i];
       const Equilibrium straight = solver.solve(c.t, solver.rest());
       ASSERT_EQ(straight.outcome, Outcome::converged);
       // Two ways to the same equilibrium: equal to the solver's tolerance.
@@ -221,7 +221,7 @@ TEST_F(Precompute, AnAbortKeepsWhatWasFoundAndTheNextRunGoesOnOnAnotherNumberOfR
   EXPECT_LT(part.report.num_solved, 250);
   progress_ = nullptr;
   if (world_->rank() != 0) return;
-  EXPECT_FALSE(part.space.sites.empty());
+  EXPECT_FALSE(part.space.tool_spaces.empty());
   const PrecomputeResult rest = run(*serial_);
   EXPECT_GE(rest.report.num_reused, part.report.num_solved);
   EXPECT_EQ(rest.report.num_solved + rest.report.num_reused, 250);
@@ -271,23 +271,23 @@ TEST_F(Precompute, AConfigurationBeyondTheForceLimitIsKeptAndNotExpanded) {
   EXPECT_LT(limited.report.num_solved, all.report.num_solved);
   EXPECT_EQ(limited.report.num_solved + limited.report.num_not_reached, 250);
   EXPECT_GT(limited.report.num_by_flag.at(flags::beyond_force_limit), 0);
-  for (const TouchSite& site : limited.space.sites) {
-    for (const ConfigurationSummary& c : site.configurations) {
+  for (const TouchToolSpace& tool_space : limited.space.tool_spaces) {
+    for (const ConfigurationSummary& c : tool_space.configurations) {
       EXPECT_EQ((c.flags & flags::beyond_force_limit) != 0, c.force.norm() > 0.1);
     }
   }
 }
 
 // On the way down and back each start still has its factor, and a configuration from which no other
-// is reached needs none of its own; at rest all sites have the same. Where a rank takes over what
-// follows from a start, the factor is made there again.
+// is reached needs none of its own; at rest all tool spaces have the same. Where a rank takes over
+// what follows from a start, the factor is made there again.
 TEST_F(Precompute, ASmoothSpaceCostsOneFactorisationAStart) {
   options_.half_width = 0.005;
   options_.resolution = 7;
   const PrecomputeResult result = run(*world_);
   EXPECT_EQ(result.report.num_solved, 2 * 343);
   const long factorisations = result.report.work.factorisations;
-  constexpr long kStarts = 2 * 125 - 1;  // the 5 x 5 x 5 inner check-points of both sites
+  constexpr long kStarts = 2 * 125 - 1;  // the 5 x 5 x 5 inner check-points of both tool_spaces
   if (world_->size() == 1) {
     EXPECT_EQ(factorisations, kStarts);
   } else {
@@ -326,7 +326,7 @@ TEST_F(Precompute, FailedStepsEndTheSameOnAnyNumberOfRanks) {
   expect_equal(again.space, serial.space);
   // Some were reached from another start than the nearest to the straight way from rest.
   int from_elsewhere = 0;
-  for (const ConfigurationSummary& c : serial.space.sites.front().configurations) {
+  for (const ConfigurationSummary& c : serial.space.tool_spaces.front().configurations) {
     const CheckPoint& p = c.check_point;
     const std::int32_t layer = std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
     bool nearest = true;
@@ -346,22 +346,22 @@ TEST_F(Precompute, ASmoothSceneTakesNoTransitionBetweenLevels) {
   EXPECT_EQ(result.report.num_solved, 250);
 }
 
-TEST_F(Precompute, ATipOfFiniteSizeIsAnotherSite) {
+TEST_F(Precompute, ATipOfFiniteSizeIsAnotherTool) {
   options_.active_nodes = {block_.corner};
   options_.resolution = 3;
   options_.half_width = 0.005;
   options_.tip_radius = 0.02;
   options_.file = folder_ / "a.palpate";
   const PrecomputeResult result = run(*world_);
-  const Constraint held = Tip(block_.scene, 0.02).hold({block_.corner});
+  const BondedPatch held = BondedPatches(block_.scene, 0.02).around(block_.corner);
   EquilibriumSolver solver(block_.scene, {});
   EXPECT_EQ(result.report.num_unknowns,
-            solver.assembly().pattern().size - 3 * static_cast<Index>(held.points.size()));
+            solver.assembly().pattern().size - 3 * static_cast<Index>(held.points().size()));
   if (world_->rank() == 0) {
-    solver.hold(held);
-    const TouchSite& site = result.space.sites.front();
-    EXPECT_EQ(site.site.tip_radius, 0.02);
-    for (const ConfigurationSummary& c : site.configurations) {
+    solver.set_interaction(held);
+    const TouchToolSpace& tool_space = result.space.tool_spaces.front();
+    EXPECT_EQ(tool_space.setup.interaction.tip_radius, 0.02);
+    for (const ConfigurationSummary& c : tool_space.configurations) {
       const Equilibrium straight = solver.solve(c.t, solver.rest());
       EXPECT_LT((c.force - straight.reaction).norm(), 1e-7 * c.stiffness.norm() * 0.005);
     }
@@ -392,7 +392,7 @@ TEST_F(Precompute, PressuresOfMixedCellsAreKept) {
   const StateSpace space = StateSpaceFile::open_read_only(options_.file).read(true);
   const Index num_pressures = Assembly(block_.scene).num_pressures();
   EXPECT_GT(num_pressures, 0);
-  for (const Configuration& c : space.sites.front().configurations) {
+  for (const Configuration& c : space.tool_spaces.front().configurations) {
     EXPECT_EQ(c.p.size(), num_pressures);
     EXPECT_EQ(c.p_v.rows(), num_pressures);
     EXPECT_EQ(c.p_v.cols(), 3);
@@ -419,9 +419,9 @@ TEST_F(Precompute, ALinearSceneIsFactorisedOnceForEachRank) {
     EXPECT_LE(work.factorisations, world_->size());
     EXPECT_EQ(work.assemblies, world_->size());
     EXPECT_LT(work.right_hand_sides, result.report.num_solved) << "configurations cost no solve";
-    for (const TouchSite& site : result.space.sites) {
-      const ConfigurationSummary& rest = site.configurations[62];
-      for (const ConfigurationSummary& c : site.configurations) {
+    for (const TouchToolSpace& tool_space : result.space.tool_spaces) {
+      const ConfigurationSummary& rest = tool_space.configurations[62];
+      for (const ConfigurationSummary& c : tool_space.configurations) {
         EXPECT_LE((c.force - rest.stiffness * c.t).norm(), 1e-9 * rest.stiffness.norm() * 0.02);
       }
     }
@@ -474,9 +474,9 @@ TEST_F(Precompute, WhatAKilledRunLeftOfARemovedFileIsNotTakenForIts) {
 
 /// Without what they have in addition.
 void remove_additions(TouchSpace& space) {
-  for (TouchSite& site : space.sites) {
-    site.intermediate_states.clear();
-    for (ConfigurationSummary& c : site.configurations) {
+  for (TouchToolSpace& tool_space : space.tool_spaces) {
+    tool_space.intermediate_states.clear();
+    for (ConfigurationSummary& c : tool_space.configurations) {
       c.third_derivative.setConstant(std::numeric_limits<double>::quiet_NaN());
     }
   }
@@ -497,19 +497,20 @@ TEST_F(Precompute, IntermediateStatesLieBetweenAStartAndItsTarget) {
   EXPECT_GT(result.report.intermediate_seconds, 0);
   EXPECT_EQ(plain.report.num_intermediate_states, 0);
   if (world_->rank() != 0) return;
-  const TouchSite& site = result.space.sites.front();
-  EXPECT_EQ(site.site.intermediate_states, 5);
-  EXPECT_TRUE(site.site.third_derivatives);
-  ASSERT_EQ(site.intermediate_states.size(), 26U * 5);
-  EXPECT_TRUE(std::is_sorted(site.intermediate_states.begin(), site.intermediate_states.end()));
+  const TouchToolSpace& tool_space = result.space.tool_spaces.front();
+  EXPECT_EQ(tool_space.setup.policy.intermediate_states, 5);
+  EXPECT_TRUE(tool_space.setup.policy.third_derivatives);
+  ASSERT_EQ(tool_space.intermediate_states.size(), 26U * 5);
+  EXPECT_TRUE(
+      std::is_sorted(tool_space.intermediate_states.begin(), tool_space.intermediate_states.end()));
   EquilibriumSolver solver(block_.scene, {});
-  solver.hold(hold_nodes({block_.corner}));
+  solver.set_interaction(bond_nodes({block_.corner}));
   std::size_t next = 0;
-  for (const ConfigurationSummary& c : site.configurations) {
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     EXPECT_TRUE(c.has_third_derivative());
     if (c.check_point == CheckPoint{}) continue;
     for (int number = 1; number <= 5; ++number) {
-      const IntermediateState& state = site.intermediate_states[next++];
+      const IntermediateState& state = tool_space.intermediate_states[next++];
       ASSERT_EQ(state.target, c.check_point);
       ASSERT_EQ(state.number, number);
       EXPECT_LT((state.t - number / 6.0 * c.t).norm(), 1e-15);
@@ -544,12 +545,12 @@ TEST_F(Precompute, WhatASpaceHoldsInAdditionIsTheSameOnAnyNumberOfRanksInAFileAn
   progress_ = nullptr;
   if (world_->rank() == 0) {
     // No target without the states on the way to it.
-    const TouchSite& site = part.space.sites.front();
+    const TouchToolSpace& tool_space = part.space.tool_spaces.front();
     std::int64_t num_targets = 0;
-    for (const ConfigurationSummary& c : site.configurations) {
+    for (const ConfigurationSummary& c : tool_space.configurations) {
       num_targets += c.usable() && c.check_point != CheckPoint{} ? 1 : 0;
     }
-    EXPECT_EQ(static_cast<std::int64_t>(site.intermediate_states.size()), num_targets);
+    EXPECT_EQ(static_cast<std::int64_t>(tool_space.intermediate_states.size()), num_targets);
     EXPECT_GT(num_targets, 0);
   }
   agree(*world_, [] {});
@@ -561,8 +562,9 @@ TEST_F(Precompute, WhatASpaceHoldsInAdditionIsTheSameOnAnyNumberOfRanksInAFileAn
   EXPECT_EQ(again.report.num_intermediate_states, 0);
   EXPECT_EQ(again.report.num_solved, 0);
   if (world_->rank() == 0) {
-    EXPECT_EQ(static_cast<std::int64_t>(in_memory.space.sites.front().intermediate_states.size()),
-              in_memory.report.num_intermediate_states);
+    EXPECT_EQ(
+        static_cast<std::int64_t>(in_memory.space.tool_spaces.front().intermediate_states.size()),
+        in_memory.report.num_intermediate_states);
     expect_equal(rest.space, in_memory.space);
     expect_equal(again.space, in_memory.space);
     options_.file.clear();
@@ -599,13 +601,13 @@ TEST_F(Precompute, ASpaceThatRefinesItselfHasIntermediateStatesToo) {
   EXPECT_EQ(result.report.num_intermediate_states,
             result.report.num_by_outcome.at(Outcome::converged) - 1);
   if (world_->rank() != 0) return;
-  const TouchSite& site = result.space.sites.front();
-  for (const IntermediateState& state : site.intermediate_states) {
+  const TouchToolSpace& tool_space = result.space.tool_spaces.front();
+  for (const IntermediateState& state : tool_space.intermediate_states) {
     const auto target =
-        std::find_if(site.configurations.begin(), site.configurations.end(),
+        std::find_if(tool_space.configurations.begin(), tool_space.configurations.end(),
                      [&](const ConfigurationSummary& c) { return c.check_point == state.target; });
     const auto start = std::find_if(
-        site.configurations.begin(), site.configurations.end(),
+        tool_space.configurations.begin(), tool_space.configurations.end(),
         [&](const ConfigurationSummary& c) { return c.check_point == target->parent; });
     EXPECT_LT((state.t - 0.5 * (start->t + target->t)).norm(), 1e-15);
   }

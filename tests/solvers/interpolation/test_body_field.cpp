@@ -8,14 +8,14 @@
 
 #include "base/error.h"
 #include "interpolation/display_field.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 #include "solvers/state_space/example_space.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
 namespace {
 
-using test::analytic_site;
+using test::analytic_space;
 using test::exponential;
 using test::kHalfWidth;
 
@@ -35,26 +35,27 @@ class BodyFieldTest : public testing::Test {
 
   /// Gives the usable configurations random fields, in the file and as the coefficients of a mode
   /// for each unknown; pressures that are the first of u.
-  void write(TouchSite& site) {
+  void write(TouchToolSpace& tool_space) {
     std::filesystem::remove(path());
     StateSpaceFile file = StateSpaceFile::create(path(), scene_, kTolerance);
-    file.add_site(site.site);
+    file.add_tool_space(tool_space.setup);
     const Eigen::Index rows = 3 * Eigen::Index{scene_.mesh.num_points()};
-    const auto count = static_cast<Eigen::Index>(site.configurations.size());
-    site.coefficients.setZero(rows, count);
-    site.coefficient_gradients.setZero(3 * rows, count);
+    const auto count = static_cast<Eigen::Index>(tool_space.configurations.size());
+    tool_space.coefficients.setZero(rows, count);
+    tool_space.coefficient_gradients.setZero(3 * rows, count);
     for (Eigen::Index i = 0; i < count; ++i) {
       Configuration c;
-      static_cast<ConfigurationSummary&>(c) = site.configurations[static_cast<std::size_t>(i)];
+      static_cast<ConfigurationSummary&>(c) =
+          tool_space.configurations[static_cast<std::size_t>(i)];
       if (c.usable()) {
         c.u = Eigen::VectorXd::Random(rows);
         c.v = 100 * Eigen::MatrixXd::Random(rows, 3);
         c.p = c.u.head(kPressures);
         c.p_v = c.v.topRows(kPressures);
-        site.coefficients.col(i) = c.u.cast<float>();
-        site.coefficient_gradients.col(i) = c.v.reshaped().cast<float>();
+        tool_space.coefficients.col(i) = c.u.cast<float>();
+        tool_space.coefficient_gradients.col(i) = c.v.reshaped().cast<float>();
       }
-      file.add(site.site.active_node, c);
+      file.add(tool_space.setup.interaction.active_node, c);
     }
     file.close();
   }
@@ -66,13 +67,14 @@ class BodyFieldTest : public testing::Test {
 
 // Beside holes, across cells of different size and outside the box, too.
 TEST_F(BodyFieldTest, IsTheDisplayFieldOfAllPoints) {
-  TouchSite holes = analytic_site(exponential);
+  TouchToolSpace holes = analytic_space(exponential);
   test::make_holes(holes, 0.2);
-  for (TouchSite site : {analytic_site(exponential, 1), holes, test::graded_site(exponential, 5, 2),
-                         test::unbalanced_site(exponential)}) {
-    write(site);
-    const BodyField field(site);
-    const DisplayField expected(site);
+  for (TouchToolSpace tool_space :
+       {analytic_space(exponential, 1), holes, test::graded_space(exponential, 5, 2),
+        test::unbalanced_space(exponential)}) {
+    write(tool_space);
+    const BodyField field(tool_space);
+    const DisplayField expected(tool_space);
     // Some of them are read again and again.
     FieldCache fields(path(), hash(scene_), 100000);
     Eigen::VectorXf c(expected.num_modes());
@@ -94,24 +96,24 @@ TEST_F(BodyFieldTest, IsTheDisplayFieldOfAllPoints) {
 }
 
 TEST_F(BodyFieldTest, ReadsWhatItNeedsOnce) {
-  TouchSite site = analytic_site(exponential);
-  write(site);
-  const BodyField field(site);
+  TouchToolSpace tool_space = analytic_space(exponential);
+  write(tool_space);
+  const BodyField field(tool_space);
   FieldCache fields(path(), hash(scene_));
   NodalVector u;
   NodalVector p;
-  const double h = site.site.spacing();
+  const double h = tool_space.setup.grid.spacing();
   field.evaluate(Vec3(0.2 * h, 0.3 * h, 0.4 * h), fields, u, p);
   std::filesystem::remove(path());
   EXPECT_EQ(field.evaluate(Vec3(0.7 * h, 0.6 * h, 0.1 * h), fields, u, p), Support::inside);
   EXPECT_THROW(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), InputError);
-  write(site);
+  write(tool_space);
   EXPECT_EQ(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), Support::inside);
 }
 
 TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {
-  TouchSite site = analytic_site(exponential, 3);
-  const BodyField field(site);
+  TouchToolSpace tool_space = analytic_space(exponential, 3);
+  const BodyField field(tool_space);
   NodalVector u;
   NodalVector p;
   const auto message = [&](const std::string& scene_hash) -> std::string {
@@ -123,17 +125,17 @@ TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {
     }
     return {};
   };
-  write(site);
+  write(tool_space);
   EXPECT_EQ(message(hash(scene_)), "");
   EXPECT_NE(message("other").find("its scene is"), std::string::npos) << message("other");
 
-  TouchSite wider = site;
-  wider.site.half_width *= 2;
+  TouchToolSpace wider = tool_space;
+  wider.setup.grid.half_width *= 2;
   for (ConfigurationSummary& c : wider.configurations) c.t *= 2;
   write(wider);
   EXPECT_NE(message(hash(scene_)).find("another tip or grid"), std::string::npos);
 
-  TouchSite failed = site;
+  TouchToolSpace failed = tool_space;
   for (ConfigurationSummary& c : failed.configurations) c.outcome = Outcome::not_converged;
   write(failed);
   EXPECT_NE(message(hash(scene_)).find("no displacement"), std::string::npos);

@@ -7,19 +7,21 @@
 
 #include "base/error.h"
 #include "interpolation/error_estimate.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate {
 namespace {
 
-using test::analytic_site;
+using test::analytic_space;
 using test::exponential;
-using test::graded_site;
+using test::graded_space;
 
-CellTree tree_of(const TouchSite& site) { return {site.site, site.configurations}; }
+CellTree tree_of(const TouchToolSpace& tool_space) {
+  return {tool_space.setup.grid, tool_space.configurations};
+}
 
 TEST(CellTree, OfAUniformGrid) {
-  const CellTree tree = tree_of(analytic_site(exponential, 7));
+  const CellTree tree = tree_of(analytic_space(exponential, 7));
   EXPECT_EQ(tree.num_nodes(), 343);
   EXPECT_EQ(tree.leaves().size(), 216U);
   EXPECT_EQ(tree.find({-3, -3, -3}), 0);
@@ -33,16 +35,16 @@ TEST(CellTree, OfAUniformGrid) {
 }
 
 TEST(CellTree, SplitsACellThatHasAllPointsOfItsHalves) {
-  const TouchSite coarse = analytic_site(exponential, 9, 4);
+  const TouchToolSpace coarse = analytic_space(exponential, 9, 4);
   EXPECT_EQ(tree_of(coarse).leaves().size(), 8U);
   EXPECT_EQ(tree_of(coarse).find({2, 2, 2}), -1);
   const Cell cell{{0, -4, 0}, 4};
-  TouchSite site = coarse;
-  test::split(site, exponential, cell);
-  EXPECT_EQ(tree_of(site).leaves().size(), 15U);
-  EXPECT_EQ(tree_of(site).num_nodes(), 27 + 19);
+  TouchToolSpace tool_space = coarse;
+  test::split(tool_space, exponential, cell);
+  EXPECT_EQ(tree_of(tool_space).leaves().size(), 15U);
+  EXPECT_EQ(tree_of(tool_space).num_nodes(), 27 + 19);
   for (const CheckPoint& p : points_of_split(cell)) {
-    TouchSite lacking = site;
+    TouchToolSpace lacking = tool_space;
     ConfigurationSummary& c = test::at(lacking, p);
     c.outcome = Outcome::not_converged;
     EXPECT_EQ(tree_of(lacking).leaves().size(), 15U) << "it is there, usable or not";
@@ -54,9 +56,9 @@ TEST(CellTree, SplitsACellThatHasAllPointsOfItsHalves) {
 }
 
 TEST(CellTree, LeavesTileTheBoxAndAreFound) {
-  const TouchSite site = graded_site(exponential);
-  const CellTree tree = tree_of(site);
-  EXPECT_EQ(static_cast<std::size_t>(tree.num_nodes()), site.configurations.size());
+  const TouchToolSpace tool_space = graded_space(exponential);
+  const CellTree tree = tree_of(tool_space);
+  EXPECT_EQ(static_cast<std::size_t>(tree.num_nodes()), tool_space.configurations.size());
   std::int64_t volume = 0;
   std::int32_t least = 1000;
   for (const CellTree::Leaf& leaf : tree.leaves()) {
@@ -92,7 +94,7 @@ TEST(CellTree, LeavesTileTheBoxAndAreFound) {
 }
 
 TEST(CellTree, LeavesAroundACheckPoint) {
-  const CellTree tree = tree_of(graded_site(exponential));
+  const CellTree tree = tree_of(graded_space(exponential));
   for (std::int32_t node = 0; node < tree.num_nodes(); ++node) {
     const CheckPoint p = tree.point(node);
     std::vector<std::int32_t> found;
@@ -113,18 +115,18 @@ TEST(CellTree, LeavesAroundACheckPoint) {
 }
 
 TEST(CellTree, RestAlone) {
-  const CellTree tree = tree_of(analytic_site(exponential, 1));
+  const CellTree tree = tree_of(analytic_space(exponential, 1));
   EXPECT_EQ(tree.num_nodes(), 1);
   EXPECT_TRUE(tree.leaves().empty());
   EXPECT_EQ(tree.find({0, 0, 0}), 0);
 }
 
 TEST(CellTree, RefusesCellsThatDoNotTileTheBox) {
-  const TouchSite good = analytic_site(exponential, 9, 4);
+  const TouchToolSpace good = analytic_space(exponential, 9, 4);
   for (std::int32_t coarsest : {0, -1, 3, 8, 6}) {
-    TouchSite site = good;
-    site.site.coarsest = coarsest;
-    EXPECT_THROW((void)tree_of(site), InputError) << coarsest;
+    TouchToolSpace tool_space = good;
+    tool_space.setup.grid.coarsest = coarsest;
+    EXPECT_THROW((void)tree_of(tool_space), InputError) << coarsest;
   }
 }
 

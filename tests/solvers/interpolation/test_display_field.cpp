@@ -5,12 +5,12 @@
 
 #include <random>
 
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate {
 namespace {
 
-using test::analytic_site;
+using test::analytic_space;
 using test::at;
 using test::exponential;
 using test::kHalfWidth;
@@ -39,20 +39,20 @@ struct Quadratic {
   }
 };
 
-TouchSite quadratic_site(const Quadratic& field) {
-  TouchSite site = analytic_site(exponential);
-  const auto n = static_cast<Eigen::Index>(site.configurations.size());
-  site.coefficients.resize(kModes, n);
-  site.coefficient_gradients.resize(3 * kModes, n);
+TouchToolSpace quadratic_space(const Quadratic& field) {
+  TouchToolSpace tool_space = analytic_space(exponential);
+  const auto n = static_cast<Eigen::Index>(tool_space.configurations.size());
+  tool_space.coefficients.resize(kModes, n);
+  tool_space.coefficient_gradients.resize(3 * kModes, n);
   for (Eigen::Index c = 0; c < n; ++c) {
-    const Vec3& t = site.configurations[c].t;
-    site.coefficients.col(c) = field.value(t).cast<float>();
+    const Vec3& t = tool_space.configurations[c].t;
+    tool_space.coefficients.col(c) = field.value(t).cast<float>();
     const Eigen::MatrixXf g = field.gradient(t).cast<float>();
     for (int a = 0; a < 3; ++a) {
-      site.coefficient_gradients.col(c).segment(a * kModes, kModes) = g.col(a);
+      tool_space.coefficient_gradients.col(c).segment(a * kModes, kModes) = g.col(a);
     }
   }
-  return site;
+  return tool_space;
 }
 
 /// Coefficients are kept in single precision.
@@ -60,7 +60,7 @@ constexpr double kSingle = 1e-8;
 
 TEST(DisplayField, IsExactForQuadraticFields) {
   const Quadratic quadratic;
-  const DisplayField field(quadratic_site(quadratic));
+  const DisplayField field(quadratic_space(quadratic));
   ASSERT_EQ(field.num_modes(), kModes);
   test::RandomPoints points;
   Eigen::VectorXf c(kModes);
@@ -73,11 +73,11 @@ TEST(DisplayField, IsExactForQuadraticFields) {
 
 TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
   const Quadratic quadratic;
-  TouchSite site = quadratic_site(quadratic);
-  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
-  at(site, {-1, -1, -1}).flags = flags::unstable;
-  const DisplayField field(site);
-  const auto interpolator = make_interpolator(Method::energy_hermite, site);
+  TouchToolSpace tool_space = quadratic_space(quadratic);
+  at(tool_space, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(tool_space, {-1, -1, -1}).flags = flags::unstable;
+  const DisplayField field(tool_space);
+  const auto interpolator = make_interpolator(Method::energy_hermite, tool_space);
   Eigen::VectorXf c(kModes);
 
   const Vec3 border(0.003, -kHalfWidth, 0.001);
@@ -88,8 +88,8 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
       kSingle);
 
   // At the hole itself stands the expansion at the nearest node.
-  const Vec3 hole = at(site, {1, 1, 1}).t;
-  const Vec3 nearest = at(site, {0, 1, 1}).t;
+  const Vec3 hole = at(tool_space, {1, 1, 1}).t;
+  const Vec3 nearest = at(tool_space, {0, 1, 1}).t;
   EXPECT_EQ(field.coefficients(hole, c.data()), Support::extrapolated);
   EXPECT_LT(
       (c.cast<double>() - quadratic.value(nearest) - quadratic.gradient(nearest) * (hole - nearest))
@@ -107,16 +107,16 @@ TEST(DisplayField, GoesOnOutsideAndBesideHolesAsTheForceDoes) {
 }
 
 TEST(DisplayField, IsContinuousBesideHoles) {
-  TouchSite site = analytic_site(exponential);
-  const auto n = static_cast<Eigen::Index>(site.configurations.size());
-  site.coefficients.setRandom(kModes, n);
-  site.coefficient_gradients.setRandom(3 * kModes, n);
+  TouchToolSpace tool_space = analytic_space(exponential);
+  const auto n = static_cast<Eigen::Index>(tool_space.configurations.size());
+  tool_space.coefficients.setRandom(kModes, n);
+  tool_space.coefficient_gradients.setRandom(3 * kModes, n);
   std::mt19937 random(3);
-  for (ConfigurationSummary& c : site.configurations) {
+  for (ConfigurationSummary& c : tool_space.configurations) {
     if (random() % 4 == 0) c.outcome = Outcome::not_converged;
   }
-  const DisplayField field(site);
-  const double h = site.site.spacing();
+  const DisplayField field(tool_space);
+  const double h = tool_space.setup.grid.spacing();
   test::RandomPoints points(1.2 * kHalfWidth);
   Eigen::VectorXf a(kModes);
   Eigen::VectorXf b(kModes);
@@ -132,7 +132,7 @@ TEST(DisplayField, IsContinuousBesideHoles) {
 }
 
 TEST(DisplayField, FarOutNothingIsFound) {
-  const DisplayField field(quadratic_site(Quadratic()));
+  const DisplayField field(quadratic_space(Quadratic()));
   Eigen::VectorXf c(kModes);
   for (double far : {1.0, 1e30, 1e39, 1e300, 1e308}) {
     const Support support = field.coefficients(Vec3(far, -far, far), c.data());
@@ -142,10 +142,10 @@ TEST(DisplayField, FarOutNothingIsFound) {
 }
 
 TEST(DisplayField, SiteWithoutModes) {
-  TouchSite site = analytic_site(exponential, 3);
-  site.coefficients.resize(0, 27);
-  site.coefficient_gradients.resize(0, 27);
-  const DisplayField field(site);
+  TouchToolSpace tool_space = analytic_space(exponential, 3);
+  tool_space.coefficients.resize(0, 27);
+  tool_space.coefficient_gradients.resize(0, 27);
+  const DisplayField field(tool_space);
   EXPECT_EQ(field.coefficients(Vec3::Zero(), nullptr), Support::inside);
 }
 

@@ -5,35 +5,35 @@
 
 #include "interpolation/hermite_data.h"
 #include "interpolation/interpolator.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/work.h"
 
 namespace palpate {
 namespace {
 
-using test::analytic_site;
+using test::analytic_space;
 using test::at;
 using test::exponential;
 using test::kHalfWidth;
 using test::kUnit;
 using test::monomial;
 
-std::unique_ptr<Interpolator> hermite(const TouchSite& site,
+std::unique_ptr<Interpolator> hermite(const TouchToolSpace& tool_space,
                                       const InterpolationOptions& options = {}) {
-  return make_interpolator(Method::energy_hermite, site, options);
+  return make_interpolator(Method::energy_hermite, tool_space, options);
 }
 
 /// A space with a hole and a missing corner, so that every kind of stencil is in use.
-TouchSite holed_site() {
-  TouchSite site = analytic_site(exponential);
-  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
-  at(site, {3, 3, 3}).outcome = Outcome::not_converged;
-  at(site, {-3, -1, 2}).outcome = Outcome::not_converged;
-  return site;
+TouchToolSpace holed_space() {
+  TouchToolSpace tool_space = analytic_space(exponential);
+  at(tool_space, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(tool_space, {3, 3, 3}).outcome = Outcome::not_converged;
+  at(tool_space, {-3, -1, 2}).outcome = Outcome::not_converged;
+  return tool_space;
 }
 
 TEST(EnergyHermite, ForceIsTheGradientOfTheEnergy) {
-  const auto interpolator = hermite(holed_site());
+  const auto interpolator = hermite(holed_space());
   const double step = 1e-6;
   test::RandomPoints points(0.999 * kHalfWidth);
   int beside_holes = 0;
@@ -55,7 +55,7 @@ TEST(EnergyHermite, ForceIsTheGradientOfTheEnergy) {
 }
 
 TEST(EnergyHermite, EnergyForceAndStiffnessAreContinuousAcrossCells) {
-  const auto interpolator = hermite(holed_site());
+  const auto interpolator = hermite(holed_space());
   const double h = 2 * kHalfWidth / 6;
   test::RandomPoints points;
   for (int i = 0; i < 1000; ++i) {
@@ -76,9 +76,9 @@ TEST(EnergyHermite, EnergyForceAndStiffnessAreContinuousAcrossCells) {
 // exact for the work along a line parallel to an axis.
 TEST(EnergyHermite, NoWorkAroundAClosedLoop) {
   // Beside holes too.
-  TouchSite site = analytic_site(exponential);
-  at(site, {1, 1, 0}).outcome = Outcome::not_converged;
-  const auto interpolator = hermite(site);
+  TouchToolSpace tool_space = analytic_space(exponential);
+  at(tool_space, {1, 1, 0}).outcome = Outcome::not_converged;
+  const auto interpolator = hermite(tool_space);
   const double h = 2 * kHalfWidth / 6;
   double size = 0;
   const auto work = [&](const Vec3& from, int axis, int cells) {
@@ -114,7 +114,7 @@ TEST(EnergyHermite, ReproducesTheMonomialsItShould) {
         const double scale = energy(Vec3::Constant(kHalfWidth)).force.norm() + 1;
         for (std::int32_t resolution : {5, 7}) {
           const double error =
-              largest_force_error(*hermite(analytic_site(energy, resolution)), energy) / scale;
+              largest_force_error(*hermite(analytic_space(energy, resolution)), energy) / scale;
           if (exact) {
             EXPECT_LT(error, 1e-11) << a << b << c << " with " << resolution;
           } else {
@@ -133,8 +133,8 @@ TEST(EnergyHermite, ReproducesCubicEnergiesFromThreePointsInARow) {
     for (int b = 0; a + b <= 3; ++b) {
       const test::Energy energy = monomial(a, b, 3 - a - b);
       const double scale = energy(Vec3::Constant(kHalfWidth)).force.norm() + 1;
-      EXPECT_LT(largest_force_error(*hermite(analytic_site(energy, 3)), energy) / scale, 1e-12);
-      TouchSite holed = analytic_site(energy);
+      EXPECT_LT(largest_force_error(*hermite(analytic_space(energy, 3)), energy) / scale, 1e-12);
+      TouchToolSpace holed = analytic_space(energy);
       at(holed, {0, 0, 0}).outcome = Outcome::not_converged;
       at(holed, {2, -1, 1}).outcome = Outcome::not_converged;
       const auto interpolator = hermite(holed);
@@ -156,17 +156,17 @@ TEST(EnergyHermite, ReproducesTheMonomialsItShouldWithThirdDerivatives) {
       for (int c = 0; c <= b; ++c) {
         const bool exact = a <= 4 || c == 0 || a + b + c <= 7;
         const test::Energy energy = monomial(a, b, c);
-        TouchSite site = analytic_site(energy, 5);
-        test::add_third_derivatives(site, test::monomial_third(a, b, c));
+        TouchToolSpace tool_space = analytic_space(energy, 5);
+        test::add_third_derivatives(tool_space, test::monomial_third(a, b, c));
         const double scale = energy(Vec3::Constant(kHalfWidth)).force.norm() + 1;
-        const double error = largest_force_error(*hermite(site), energy) / scale;
+        const double error = largest_force_error(*hermite(tool_space), energy) / scale;
         if (exact) {
           EXPECT_LT(error, 1e-11) << a << b << c;
         } else {
           EXPECT_GT(error, 1e-8) << a << b << c;
         }
         // With three in a row: degree 3 from the third derivatives themselves.
-        TouchSite three = analytic_site(energy, 3);
+        TouchToolSpace three = analytic_space(energy, 3);
         test::add_third_derivatives(three, test::monomial_third(a, b, c));
         if (a + b + c <= 5) {
           EXPECT_LT(largest_force_error(*hermite(three), energy) / scale, 1e-11) << a << b << c;
@@ -181,15 +181,15 @@ TEST(EnergyHermite, ReproducesTheMonomialsItShouldWithThirdDerivatives) {
 TEST(EnergyHermite, CellsBeforeMarkedOnesAreAsGoodAsElsewhere) {
   const test::Energy energy = monomial(2, 2, 1);
   for (const Flags flag : {flags::inverted, flags::unstable, flags::near_fold}) {
-    TouchSite site = analytic_site(energy, 7);
-    for (ConfigurationSummary& c : site.configurations) {
+    TouchToolSpace tool_space = analytic_space(energy, 7);
+    for (ConfigurationSummary& c : tool_space.configurations) {
       if (c.check_point[0] < 2) continue;
       c.flags = flag;
       c.energy *= 3;
       c.force *= -2;
       c.stiffness *= 5;
     }
-    const auto interpolator = hermite(site);
+    const auto interpolator = hermite(tool_space);
     test::RandomPoints points;
     int num_inside = 0;
     for (int i = 0; i < 500; ++i) {
@@ -224,10 +224,10 @@ TEST(EnergyHermite, ConvergesFasterThanTrilinear) {
   std::vector<double> error;
   std::vector<double> linear_error;
   for (std::int32_t resolution : {9, 17, 33}) {
-    const TouchSite site = analytic_site(exponential, resolution);
-    error.push_back(relative_error(*hermite(site), 0.5 * kHalfWidth));
+    const TouchToolSpace tool_space = analytic_space(exponential, resolution);
+    error.push_back(relative_error(*hermite(tool_space), 0.5 * kHalfWidth));
     linear_error.push_back(
-        relative_error(*make_interpolator(Method::trilinear, site), 0.5 * kHalfWidth));
+        relative_error(*make_interpolator(Method::trilinear, tool_space), 0.5 * kHalfWidth));
   }
   for (int i = 0; i < 2; ++i) {
     const double order = std::log2(error[i] / error[i + 1]);
@@ -235,7 +235,7 @@ TEST(EnergyHermite, ConvergesFasterThanTrilinear) {
     EXPECT_GT(order, 4.7);
     EXPECT_NEAR(std::log2(linear_error[i] / linear_error[i + 1]), 2, 0.1);
   }
-  const TouchSite seven = analytic_site(exponential, 7);
+  const TouchToolSpace seven = analytic_space(exponential, 7);
   const double ratio = relative_error(*make_interpolator(Method::trilinear, seven), kHalfWidth) /
                        relative_error(*hermite(seven), kHalfWidth);
   RecordProperty("trilinear_over_hermite", std::to_string(ratio));
@@ -243,25 +243,26 @@ TEST(EnergyHermite, ConvergesFasterThanTrilinear) {
 }
 
 TEST(EnergyHermite, ThirdDerivativesAreUsedWhereTheyAreKnown) {
-  TouchSite site = analytic_site(exponential);
-  const double without = relative_error(*hermite(site), kHalfWidth);
-  test::add_third_derivatives(site, test::exponential_third);
+  TouchToolSpace tool_space = analytic_space(exponential);
+  const double without = relative_error(*hermite(tool_space), kHalfWidth);
+  test::add_third_derivatives(tool_space, test::exponential_third);
   InterpolationOptions not_used;
   not_used.third_derivatives = false;
-  EXPECT_EQ(relative_error(*hermite(site, not_used), kHalfWidth), without);
-  EXPECT_LT(relative_error(*hermite(site), kHalfWidth), 0.7 * without);
-  const std::vector<HermiteNode> data = hermite_data(CheckPointGrid(site), site.configurations);
-  const ConfigurationSummary& c = site.configurations[100];
+  EXPECT_EQ(relative_error(*hermite(tool_space, not_used), kHalfWidth), without);
+  EXPECT_LT(relative_error(*hermite(tool_space), kHalfWidth), 0.7 * without);
+  const std::vector<HermiteNode> data =
+      hermite_data(CheckPointGrid(tool_space), tool_space.configurations);
+  const ConfigurationSummary& c = tool_space.configurations[100];
   const double* d = data[100].of;
-  const double h3 = std::pow(site.site.spacing(), 3);
+  const double h3 = std::pow(tool_space.setup.grid.spacing(), 3);
   EXPECT_DOUBLE_EQ(d[hermite_index(2, 1, 0)], h3 * c.third_derivative[1]);
   EXPECT_DOUBLE_EQ(d[hermite_index(1, 1, 1)], h3 * c.third_derivative[4]);
   EXPECT_DOUBLE_EQ(d[hermite_index(0, 1, 2)], h3 * c.third_derivative[8]);
   // Of some nodes alone: the others have differences.
-  for (std::size_t i = 0; i < site.configurations.size(); i += 2) {
-    site.configurations[i].third_derivative[3] = std::nan("");
+  for (std::size_t i = 0; i < tool_space.configurations.size(); i += 2) {
+    tool_space.configurations[i].third_derivative[3] = std::nan("");
   }
-  const double half = relative_error(*hermite(site), kHalfWidth);
+  const double half = relative_error(*hermite(tool_space), kHalfWidth);
   EXPECT_LT(half, without);
 }
 
@@ -275,7 +276,7 @@ test::Sample at_rest_without_force(const Vec3& t) {
 }
 
 TEST(EnergyHermite, IsRelativelyExactNearRest) {
-  const auto interpolator = hermite(analytic_site(at_rest_without_force));
+  const auto interpolator = hermite(analytic_space(at_rest_without_force));
   test::RandomPoints points(0.01 * kHalfWidth);
   for (int i = 0; i < 2000; ++i) {
     const Vec3 t = points();
@@ -285,7 +286,7 @@ TEST(EnergyHermite, IsRelativelyExactNearRest) {
 }
 
 TEST(EnergyHermite, MixedDerivativesVanishWithoutNeighbours) {
-  const TouchSite one = analytic_site(exponential, 1);
+  const TouchToolSpace one = analytic_space(exponential, 1);
   const std::vector<HermiteNode> data = hermite_data(CheckPointGrid(one), one.configurations);
   ASSERT_EQ(data.size(), 1U);
   const double* d = data[0].of;

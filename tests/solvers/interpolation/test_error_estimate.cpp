@@ -9,14 +9,14 @@
 
 #include "base/error.h"
 #include "interpolation/interpolator.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 namespace palpate {
 namespace {
 
-using test::analytic_site;
+using test::analytic_space;
 using test::exponential;
-using test::graded_site;
+using test::graded_space;
 using test::kHalfWidth;
 
 /// ½|x|² + 0.02 e^{7 (n·x − 0.4)}, x = t/half-width: a wall in one corner.
@@ -63,28 +63,30 @@ bool is_balanced(const CellTree& tree) {
 }
 
 /// Splits until there is nothing to split.
-TouchSite refined(const test::Energy& energy, double tolerance, std::int32_t smallest = 1,
-                  std::int32_t coarse = 3) {
-  TouchSite site = analytic_site(energy, 64 * (coarse - 1) + 1, 64);
+TouchToolSpace refined(const test::Energy& energy, double tolerance, std::int32_t smallest = 1,
+                       std::int32_t coarse = 3) {
+  TouchToolSpace tool_space = analytic_space(energy, 64 * (coarse - 1) + 1, 64);
   for (int round = 0; round < 30; ++round) {
     const std::vector<Cell> cells =
-        cells_to_split(site.site, site.configurations, tolerance, smallest);
-    if (cells.empty()) return site;
+        cells_to_split(tool_space.setup.grid, tool_space.configurations, tolerance, smallest);
+    if (cells.empty()) return tool_space;
     EXPECT_TRUE(std::is_sorted(cells.begin(), cells.end()));
-    for (const Cell& cell : cells) test::split(site, energy, cell);
-    EXPECT_TRUE(is_balanced(CellTree(site.site, site.configurations)));
+    for (const Cell& cell : cells) test::split(tool_space, energy, cell);
+    EXPECT_TRUE(is_balanced(CellTree(tool_space.setup.grid, tool_space.configurations)));
   }
   ADD_FAILURE() << "it does not end";
-  return site;
+  return tool_space;
 }
 
 TEST(ErrorEstimate, AroundAPointIsTheLargestOfItsCells) {
-  const TouchSite site = graded_site(wall);
-  const std::vector<CellEstimate> cells = estimate_errors(site.site, site.configurations);
-  const std::vector<double> errors = estimate_errors_around(site.site, site.configurations);
-  ASSERT_EQ(errors.size(), site.configurations.size());
+  const TouchToolSpace tool_space = graded_space(wall);
+  const std::vector<CellEstimate> cells =
+      estimate_errors(tool_space.setup.grid, tool_space.configurations);
+  const std::vector<double> errors =
+      estimate_errors_around(tool_space.setup.grid, tool_space.configurations);
+  ASSERT_EQ(errors.size(), tool_space.configurations.size());
   for (std::size_t i = 0; i < errors.size(); ++i) {
-    const CheckPoint& p = site.configurations[i].check_point;
+    const CheckPoint& p = tool_space.configurations[i].check_point;
     double largest = -1;
     for (const auto& [cell, error, marked] : cells) {
       bool holds = true;
@@ -96,8 +98,8 @@ TEST(ErrorEstimate, AroundAPointIsTheLargestOfItsCells) {
     EXPECT_EQ(errors[i], largest) << i;
     EXPECT_GE(errors[i], 0);
   }
-  TouchSite small = analytic_site(wall, 3, 1);
-  for (double error : estimate_errors_around(small.site, small.configurations)) {
+  TouchToolSpace small = analytic_space(wall, 3, 1);
+  for (double error : estimate_errors_around(small.setup.grid, small.configurations)) {
     EXPECT_TRUE(std::isnan(error));
   }
 }
@@ -112,10 +114,10 @@ TEST(ErrorEstimate, RefinementKeepsTheTolerance) {
        {Case{exponential, 0.01, 130}, Case{exponential, 0.001, 400}, Case{wall, 0.05, 160},
         Case{wall, 0.01, 250}, Case{wall, 0.001, 700}}) {
     const double tolerance = relative * largest_force(energy);
-    const TouchSite site = refined(energy, tolerance);
-    RecordProperty("configurations", std::to_string(site.configurations.size()));
-    EXPECT_LT(site.configurations.size(), most);
-    const auto interpolator = make_interpolator(Method::energy_hermite, site);
+    const TouchToolSpace tool_space = refined(energy, tolerance);
+    RecordProperty("configurations", std::to_string(tool_space.configurations.size()));
+    EXPECT_LT(tool_space.configurations.size(), most);
+    const auto interpolator = make_interpolator(Method::energy_hermite, tool_space);
     test::RandomPoints points;
     double error = 0;
     for (int i = 0; i < 20000; ++i) {
@@ -123,7 +125,8 @@ TEST(ErrorEstimate, RefinementKeepsTheTolerance) {
       error = std::max(error, (interpolator->evaluate(t).force - energy(t).force).norm());
     }
     EXPECT_LT(error, tolerance);
-    for (const CellEstimate& e : estimate_errors(site.site, site.configurations)) {
+    for (const CellEstimate& e :
+         estimate_errors(tool_space.setup.grid, tool_space.configurations)) {
       EXPECT_LE(e.error, tolerance);
       EXPECT_FALSE(e.marked);
     }
@@ -133,16 +136,16 @@ TEST(ErrorEstimate, RefinementKeepsTheTolerance) {
 TEST(ErrorEstimate, RefinementKeepsTheToleranceWithThirdDerivatives) {
   for (double relative : {0.01, 0.001}) {
     const double tolerance = relative * largest_force(exponential);
-    TouchSite site = analytic_site(exponential, 129, 64);
+    TouchToolSpace tool_space = analytic_space(exponential, 129, 64);
     const std::size_t without = refined(exponential, tolerance).configurations.size();
     for (std::vector<Cell> cells{{}}; !cells.empty();) {
-      test::add_third_derivatives(site, test::exponential_third);
-      cells = cells_to_split(site.site, site.configurations, tolerance);
-      for (const Cell& cell : cells) test::split(site, exponential, cell);
+      test::add_third_derivatives(tool_space, test::exponential_third);
+      cells = cells_to_split(tool_space.setup.grid, tool_space.configurations, tolerance);
+      for (const Cell& cell : cells) test::split(tool_space, exponential, cell);
     }
-    RecordProperty("configurations", std::to_string(site.configurations.size()));
-    EXPECT_LE(site.configurations.size(), without);
-    const auto interpolator = make_interpolator(Method::energy_hermite, site);
+    RecordProperty("configurations", std::to_string(tool_space.configurations.size()));
+    EXPECT_LE(tool_space.configurations.size(), without);
+    const auto interpolator = make_interpolator(Method::energy_hermite, tool_space);
     test::RandomPoints points;
     for (int i = 0; i < 20000; ++i) {
       const Vec3 t = points();
@@ -153,15 +156,15 @@ TEST(ErrorEstimate, RefinementKeepsTheToleranceWithThirdDerivatives) {
 
 // At the side of a larger leaf the error is that of the larger one.
 TEST(ErrorEstimate, FollowsTheErrorOfTheCells) {
-  const TouchSite site = graded_site(exponential);
-  const auto interpolator = make_interpolator(Method::energy_hermite, site);
-  const CellTree tree(site.site, site.configurations);
-  const auto estimates = estimate_errors(site.site, site.configurations);
+  const TouchToolSpace tool_space = graded_space(exponential);
+  const auto interpolator = make_interpolator(Method::energy_hermite, tool_space);
+  const CellTree tree(tool_space.setup.grid, tool_space.configurations);
+  const auto estimates = estimate_errors(tool_space.setup.grid, tool_space.configurations);
   ASSERT_EQ(estimates.size(), tree.leaves().size());
   std::map<Cell, double> estimate_of;
   for (const CellEstimate& e : estimates) estimate_of[e.cell] = e.error;
 
-  const double h = site.site.spacing();
+  const double h = tool_space.setup.grid.spacing();
   std::size_t sharp = 0;
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -193,12 +196,12 @@ TEST(ErrorEstimate, NothingIsSplitWhereAQuadraticEnergyIsReproduced) {
   const auto quadratic = [](const Vec3& t) {
     return test::Sample{50 * t.squaredNorm(), 100 * t, 100 * Mat3::Identity()};
   };
-  const TouchSite five = analytic_site(quadratic, 65, 16);
-  EXPECT_TRUE(cells_to_split(five.site, five.configurations, 1e-9).empty());
+  const TouchToolSpace five = analytic_space(quadratic, 65, 16);
+  EXPECT_TRUE(cells_to_split(five.setup.grid, five.configurations, 1e-9).empty());
   // Three check-points in a row are too few to tell.
-  const TouchSite three = analytic_site(quadratic, 33, 16);
-  EXPECT_EQ(cells_to_split(three.site, three.configurations, 1e-9).size(), 8U);
-  for (const CellEstimate& e : estimate_errors(three.site, three.configurations)) {
+  const TouchToolSpace three = analytic_space(quadratic, 33, 16);
+  EXPECT_EQ(cells_to_split(three.setup.grid, three.configurations, 1e-9).size(), 8U);
+  for (const CellEstimate& e : estimate_errors(three.setup.grid, three.configurations)) {
     EXPECT_TRUE(std::isinf(e.error));
   }
 }
@@ -206,12 +209,12 @@ TEST(ErrorEstimate, NothingIsSplitWhereAQuadraticEnergyIsReproduced) {
 TEST(ErrorEstimate, RefinementEndsWhereBranchesCross) {
   const double force = largest_force(two_branches);
   for (double relative : {0.01, 0.003}) {
-    const TouchSite site = refined(two_branches, relative * force);
-    EXPECT_LT(site.configurations.size(), 3000U);
-    const CellTree tree(site.site, site.configurations);
+    const TouchToolSpace tool_space = refined(two_branches, relative * force);
+    EXPECT_LT(tool_space.configurations.size(), 3000U);
+    const CellTree tree(tool_space.setup.grid, tool_space.configurations);
     int crossing = 0;
     int marked = 0;
-    const auto estimates = estimate_errors(site.site, site.configurations);
+    const auto estimates = estimate_errors(tool_space.setup.grid, tool_space.configurations);
     for (const CellEstimate& e : estimates) {
       EXPECT_GE(e.cell.side, 64 / kMarkedEdge);
       bool near = false;
@@ -220,7 +223,8 @@ TEST(ErrorEstimate, RefinementEndsWhereBranchesCross) {
         Vec3 x;
         for (int k = 0; k < 3; ++k) x[k] = e.cell.first[k] + ((corner >> k) & 1) * e.cell.side;
         const double smooth = 0.5 * (x / 64).squaredNorm();
-        (two_branches(site.site.spacing() * x).energy > smooth + 1e-9 ? far : near) = true;
+        (two_branches(tool_space.setup.grid.spacing() * x).energy > smooth + 1e-9 ? far : near) =
+            true;
       }
       if (!near || !far || e.cell.side > 64 / kMarkedEdge) continue;
       ++crossing;
@@ -234,23 +238,25 @@ TEST(ErrorEstimate, RefinementEndsWhereBranchesCross) {
 TEST(ErrorEstimate, MarkedAndFailedCornersAreRefinedToAQuarter) {
   const auto bad = [](const Vec3& t) { return t.x() > 0.6 * kHalfWidth; };
   for (bool failed : {false, true}) {
-    TouchSite site = analytic_site(wall, 129, 64);
+    TouchToolSpace tool_space = analytic_space(wall, 129, 64);
     std::vector<Cell> cells;
     for (int round = 0; round < 20; ++round) {
-      for (ConfigurationSummary& c : site.configurations) {
+      for (ConfigurationSummary& c : tool_space.configurations) {
         if (!bad(c.t)) continue;
         if (failed) c.outcome = Outcome::not_converged;
         if (!failed) c.flags = flags::inverted;
       }
-      cells = cells_to_split(site.site, site.configurations, 0.0003 * largest_force(wall));
-      for (const Cell& cell : cells) test::split(site, wall, cell);
+      cells = cells_to_split(tool_space.setup.grid, tool_space.configurations,
+                             0.0003 * largest_force(wall));
+      for (const Cell& cell : cells) test::split(tool_space, wall, cell);
       if (cells.empty()) break;
     }
     EXPECT_TRUE(cells.empty());
     std::int32_t least_marked = 64;
     std::int32_t least = 64;
-    for (const CellEstimate& e : estimate_errors(site.site, site.configurations)) {
-      const bool all_bad = site.site.spacing() * e.cell.first[0] > 0.6 * kHalfWidth;
+    for (const CellEstimate& e :
+         estimate_errors(tool_space.setup.grid, tool_space.configurations)) {
+      const bool all_bad = tool_space.setup.grid.spacing() * e.cell.first[0] > 0.6 * kHalfWidth;
       least = std::min(least, e.cell.side);
       if (all_bad) {
         EXPECT_TRUE(e.marked);
@@ -265,21 +271,22 @@ TEST(ErrorEstimate, MarkedAndFailedCornersAreRefinedToAQuarter) {
 
 TEST(ErrorEstimate, WhatIsMarkedThroughoutIsLeft) {
   for (bool failed : {false, true}) {
-    TouchSite site = analytic_site(wall, 257, 64);
+    TouchToolSpace tool_space = analytic_space(wall, 257, 64);
     std::vector<Cell> cells;
     for (int round = 0; round < 20; ++round) {
-      for (ConfigurationSummary& c : site.configurations) {
+      for (ConfigurationSummary& c : tool_space.configurations) {
         if (c.check_point[0] < 0) continue;
         if (failed) c.outcome = Outcome::not_converged;
         if (!failed) c.flags = flags::unstable;
       }
-      cells = cells_to_split(site.site, site.configurations, 1e-4 * largest_force(wall));
-      for (const Cell& cell : cells) test::split(site, wall, cell);
+      cells = cells_to_split(tool_space.setup.grid, tool_space.configurations,
+                             1e-4 * largest_force(wall));
+      for (const Cell& cell : cells) test::split(tool_space, wall, cell);
       if (cells.empty()) break;
     }
     EXPECT_TRUE(cells.empty());
     std::int32_t least_at_border = 64;
-    const CellTree tree(site.site, site.configurations);
+    const CellTree tree(tool_space.setup.grid, tool_space.configurations);
     for (const CellTree::Leaf& leaf : tree.leaves()) {
       const std::int32_t x = leaf.cell.first[0];
       if (x + leaf.cell.side == 0) least_at_border = std::min(least_at_border, leaf.cell.side);
@@ -294,41 +301,42 @@ TEST(ErrorEstimate, WhatIsMarkedThroughoutIsLeft) {
 }
 
 TEST(ErrorEstimate, LeavesBeyondTheForceLimitOrWithoutConfigurationsAreLeft) {
-  TouchSite site = analytic_site(wall, 33, 16);
-  for (ConfigurationSummary& c : site.configurations) {
+  TouchToolSpace tool_space = analytic_space(wall, 33, 16);
+  for (ConfigurationSummary& c : tool_space.configurations) {
     if (c.check_point[0] >= 0) c.flags = flags::beyond_force_limit;
   }
-  std::vector<Cell> cells = cells_to_split(site.site, site.configurations, 1e-3);
+  std::vector<Cell> cells = cells_to_split(tool_space.setup.grid, tool_space.configurations, 1e-3);
   EXPECT_EQ(cells.size(), 4U);
   for (const Cell& cell : cells) EXPECT_EQ(cell.first[0], -16);
-  const auto last = site.configurations.begin();
+  const auto last = tool_space.configurations.begin();
   ASSERT_EQ(last->check_point, (CheckPoint{-16, -16, -16}));
-  site.configurations.erase(last);
-  cells = cells_to_split(site.site, site.configurations, 1e-3);
+  tool_space.configurations.erase(last);
+  cells = cells_to_split(tool_space.setup.grid, tool_space.configurations, 1e-3);
   EXPECT_EQ(cells.size(), 3U);
-  for (ConfigurationSummary& c : site.configurations) c.outcome = Outcome::aborted;
-  EXPECT_TRUE(cells_to_split(site.site, site.configurations, 1e-3).empty());
-  site.configurations.clear();
-  EXPECT_TRUE(cells_to_split(site.site, site.configurations, 1e-3).empty());
+  for (ConfigurationSummary& c : tool_space.configurations) c.outcome = Outcome::aborted;
+  EXPECT_TRUE(cells_to_split(tool_space.setup.grid, tool_space.configurations, 1e-3).empty());
+  tool_space.configurations.clear();
+  EXPECT_TRUE(cells_to_split(tool_space.setup.grid, tool_space.configurations, 1e-3).empty());
 }
 
 TEST(ErrorEstimate, SmallestSide) {
-  const TouchSite site = refined(wall, 1e-4 * largest_force(wall), 16);
-  const CellTree tree(site.site, site.configurations);
+  const TouchToolSpace tool_space = refined(wall, 1e-4 * largest_force(wall), 16);
+  const CellTree tree(tool_space.setup.grid, tool_space.configurations);
   for (const CellTree::Leaf& leaf : tree.leaves()) {
     EXPECT_GE(leaf.cell.side, 16);
   }
-  const TouchSite uniform = analytic_site(wall, 7);
-  EXPECT_TRUE(cells_to_split(uniform.site, uniform.configurations, 1e-9).empty());
-  const TouchSite rest = analytic_site(wall, 1);
-  EXPECT_TRUE(cells_to_split(rest.site, rest.configurations, 1e-9).empty());
-  EXPECT_TRUE(estimate_errors(rest.site, rest.configurations).empty());
+  const TouchToolSpace uniform = analytic_space(wall, 7);
+  EXPECT_TRUE(cells_to_split(uniform.setup.grid, uniform.configurations, 1e-9).empty());
+  const TouchToolSpace rest = analytic_space(wall, 1);
+  EXPECT_TRUE(cells_to_split(rest.setup.grid, rest.configurations, 1e-9).empty());
+  EXPECT_TRUE(estimate_errors(rest.setup.grid, rest.configurations).empty());
 }
 
 TEST(ErrorEstimate, RefusesATolerance) {
-  const TouchSite site = analytic_site(wall, 5, 2);
+  const TouchToolSpace tool_space = analytic_space(wall, 5, 2);
   for (double tolerance : {0.0, -1.0, std::nan("")}) {
-    EXPECT_THROW((void)cells_to_split(site.site, site.configurations, tolerance), InputError);
+    EXPECT_THROW((void)cells_to_split(tool_space.setup.grid, tool_space.configurations, tolerance),
+                 InputError);
   }
 }
 

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "interpolation/interpolator.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/methods.h"
 
 namespace palpate {
 namespace {
 
-using test::analytic_site;
+using test::analytic_space;
 using test::at;
 using test::exponential;
 using test::kHalfWidth;
@@ -27,23 +27,25 @@ constexpr double kLimit = 150;
 class Holes : public testing::TestWithParam<Method> {
  protected:
   /// Uniform, and where the method takes it one of many sizes.
-  [[nodiscard]] static std::vector<TouchSite> sites() {
-    std::vector<TouchSite> sites{analytic_site(exponential, 5)};
-    if (GetParam() != Method::tricubic) sites.push_back(test::graded_site(exponential, 3, 4));
-    for (TouchSite& site : sites) {
-      test::make_holes(site, 0.2);
-      at(site, {0, 0, 0}) = test::analytic_configuration(site.site, exponential, {0, 0, 0});
-      site.site.force_limit = kLimit;
+  [[nodiscard]] static std::vector<TouchToolSpace> tool_spaces() {
+    std::vector<TouchToolSpace> tool_spaces{analytic_space(exponential, 5)};
+    if (GetParam() != Method::tricubic)
+      tool_spaces.push_back(test::graded_space(exponential, 3, 4));
+    for (TouchToolSpace& tool_space : tool_spaces) {
+      test::make_holes(tool_space, 0.2);
+      at(tool_space, {0, 0, 0}) =
+          test::analytic_configuration(tool_space.setup.grid, exponential, {0, 0, 0});
+      tool_space.setup.policy.force_limit = kLimit;
     }
-    return sites;
+    return tool_spaces;
   }
 };
 
 TEST_P(Holes, ForceIsContinuousAcrossSides) {
-  for (const TouchSite& site : sites()) {
-    const auto interpolator = make_interpolator(GetParam(), site);
+  for (const TouchToolSpace& tool_space : tool_spaces()) {
+    const auto interpolator = make_interpolator(GetParam(), tool_space);
     int beside_holes = 0;
-    for (const auto& [t, across] : points_on_sides(site, 100000)) {
+    for (const auto& [t, across] : points_on_sides(tool_space, 100000)) {
       const TouchResult a = interpolator->evaluate(t - across);
       const TouchResult b = interpolator->evaluate(t + across);
       beside_holes +=
@@ -56,8 +58,8 @@ TEST_P(Holes, ForceIsContinuousAcrossSides) {
 }
 
 TEST_P(Holes, ForceIsContinuousAtTheBorderAndBeyond) {
-  for (const TouchSite& site : sites()) {
-    const auto interpolator = make_interpolator(GetParam(), site);
+  for (const TouchToolSpace& tool_space : tool_spaces()) {
+    const auto interpolator = make_interpolator(GetParam(), tool_space);
     test::RandomPoints points(kHalfWidth);
     for (int i = 0; i < 2000; ++i) {
       Vec3 t = points();
@@ -74,7 +76,8 @@ TEST_P(Holes, ForceIsContinuousAtTheBorderAndBeyond) {
       // Along the border, farther out, over the side between two cells.
       Vec3 beyond = 1.3 * t;
       const int other = (axis + 1) % 3;
-      beyond[other] = site.site.spacing() * std::round(t[other] / site.site.spacing());
+      beyond[other] =
+          tool_space.setup.grid.spacing() * std::round(t[other] / tool_space.setup.grid.spacing());
       const Vec3 across = 1e-14 * Vec3::Unit(other);
       const TouchResult low = interpolator->evaluate(beyond - across);
       const TouchResult high = interpolator->evaluate(beyond + across);
@@ -84,10 +87,10 @@ TEST_P(Holes, ForceIsContinuousAtTheBorderAndBeyond) {
 }
 
 TEST_P(Holes, ForceIsLimited) {
-  for (const TouchSite& site : sites()) {
-    const auto interpolator = make_interpolator(GetParam(), site);
+  for (const TouchToolSpace& tool_space : tool_spaces()) {
+    const auto interpolator = make_interpolator(GetParam(), tool_space);
     double largest = 0;
-    for (const ConfigurationSummary& c : site.configurations) {
+    for (const ConfigurationSummary& c : tool_space.configurations) {
       if (c.usable()) largest = std::max(largest, c.force.norm());
     }
     int limited = 0;
@@ -123,8 +126,8 @@ TEST_P(Holes, AnyDisplacementHasAnAnswer) {
   const Method method = GetParam();
   const bool is_radial = method == Method::rbf_linear || method == Method::rbf_cubic;
   const int count = (is_radial ? 300000 : 2500000) / kShare;
-  std::vector<TouchSite> sites{analytic_site(exponential, 3)};
-  if (!is_radial) sites = this->sites();
+  std::vector<TouchToolSpace> tool_spaces{analytic_space(exponential, 3)};
+  if (!is_radial) tool_spaces = this->tool_spaces();
   const double odd[] = {std::nan(""),
                         std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity(),
@@ -135,10 +138,10 @@ TEST_P(Holes, AnyDisplacementHasAnAnswer) {
                         -0.0};
   std::minstd_rand random(9);
   int num = 0;
-  for (const TouchSite& site : sites) {
-    const auto interpolator = make_interpolator(method, site);
-    const double spacing = site.site.spacing();
-    for (std::size_t i = 0; i < count / sites.size(); ++i, ++num) {
+  for (const TouchToolSpace& tool_space : tool_spaces) {
+    const auto interpolator = make_interpolator(method, tool_space);
+    const double spacing = tool_space.setup.grid.spacing();
+    for (std::size_t i = 0; i < count / tool_spaces.size(); ++i, ++num) {
       // Three half-widths either way; now and then on a side of cells, and not of this world.
       Vec3 t;
       for (int k = 0; k < 3; ++k) {
@@ -181,22 +184,22 @@ TEST_P(ExtrapolatingMethods, NodesGoOnFromTheirNeighbour) {
     }
     return sum;
   };
-  TouchSite site = analytic_site(cubic);
-  test::add_third_derivatives(site, third);
+  TouchToolSpace tool_space = analytic_space(cubic);
+  test::add_third_derivatives(tool_space, third);
   for (const CheckPoint& p : {CheckPoint{1, 1, 1}, {3, 3, 3}, {3, 3, 2}, {-3, 0, 0}}) {
-    at(site, p).outcome = Outcome::not_converged;
+    at(tool_space, p).outcome = Outcome::not_converged;
   }
-  const auto interpolator = make_interpolator(GetParam(), site);
-  for (const ConfigurationSummary& c : site.configurations) {
+  const auto interpolator = make_interpolator(GetParam(), tool_space);
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     const TouchResult r = interpolator->evaluate(c.t);
     EXPECT_LT((r.force - cubic(c.t).force).norm(), 1e-12 * (1 + c.force.norm()));
     EXPECT_NEAR(r.energy, cubic(c.t).energy, 1e-13);
   }
   InterpolationOptions without;
   without.third_derivatives = false;
-  const ConfigurationSummary& missing = at(site, {-3, 0, 0});
-  const ConfigurationSummary& from = at(site, {-3, -1, 0});
-  const TouchResult r = make_interpolator(GetParam(), site, without)->evaluate(missing.t);
+  const ConfigurationSummary& missing = at(tool_space, {-3, 0, 0});
+  const ConfigurationSummary& from = at(tool_space, {-3, -1, 0});
+  const TouchResult r = make_interpolator(GetParam(), tool_space, without)->evaluate(missing.t);
   EXPECT_EQ(r.support, Support::extrapolated);
   EXPECT_LT((r.force - from.force - from.stiffness * (missing.t - from.t)).norm(), 1e-12);
   if (GetParam() != Method::energy_hermite) return;

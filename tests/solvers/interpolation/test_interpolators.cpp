@@ -11,21 +11,21 @@
 
 #include "base/error.h"
 #include "interpolation/interpolator.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/methods.h"
 
 namespace palpate {
 namespace {
 
-using test::analytic_site;
+using test::analytic_space;
 using test::at;
 using test::exponential;
 using test::kHalfWidth;
 
 class AnyMethod : public testing::TestWithParam<Method> {
  protected:
-  [[nodiscard]] static std::unique_ptr<Interpolator> make(const TouchSite& site) {
-    return make_interpolator(GetParam(), site);
+  [[nodiscard]] static std::unique_ptr<Interpolator> make(const TouchToolSpace& tool_space) {
+    return make_interpolator(GetParam(), tool_space);
   }
 };
 
@@ -41,9 +41,9 @@ bool is_finite(const TouchResult& r) {
 }
 
 TEST_P(AnyMethod, IsExactAtTheCheckPoints) {
-  const TouchSite site = analytic_site(exponential);
-  const auto interpolator = make(site);
-  for (const ConfigurationSummary& c : site.configurations) {
+  const TouchToolSpace tool_space = analytic_space(exponential);
+  const auto interpolator = make(tool_space);
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     const TouchResult r = interpolator->evaluate(c.t);
     EXPECT_EQ(r.support, Support::inside);
     EXPECT_NEAR(r.energy, c.energy, (1e-13 + rounding(GetParam())) * std::abs(c.energy));
@@ -52,18 +52,18 @@ TEST_P(AnyMethod, IsExactAtTheCheckPoints) {
 }
 
 TEST_P(AnyMethod, RestGivesTheStoredForce) {
-  TouchSite site = analytic_site([](const Vec3& t) {
+  TouchToolSpace tool_space = analytic_space([](const Vec3& t) {
     test::Sample s = exponential(t);
     s.force = 100 * t;
     s.energy = 50 * t.squaredNorm();
     return s;
   });
-  at(site, {0, 0, 0}).force.setZero();
-  EXPECT_LE(make(site)->evaluate(Vec3::Zero()).force.norm(), rounding(GetParam()));
+  at(tool_space, {0, 0, 0}).force.setZero();
+  EXPECT_LE(make(tool_space)->evaluate(Vec3::Zero()).force.norm(), rounding(GetParam()));
 }
 
 TEST_P(AnyMethod, StiffnessIsTheGradientOfTheForce) {
-  const auto interpolator = make(analytic_site(exponential));
+  const auto interpolator = make(analytic_space(exponential));
   const double step = 1e-7;
   test::RandomPoints points;
   for (int i = 0; i < 300; ++i) {
@@ -79,7 +79,7 @@ TEST_P(AnyMethod, StiffnessIsTheGradientOfTheForce) {
 }
 
 TEST_P(AnyMethod, ForceIsContinuousAcrossCellsAndAtTheBorder) {
-  const auto interpolator = make(analytic_site(exponential));
+  const auto interpolator = make(analytic_space(exponential));
   const double h = 2 * kHalfWidth / 6;
   test::RandomPoints points(1.6 * kHalfWidth);
   for (int i = 0; i < 500; ++i) {
@@ -97,7 +97,7 @@ TEST_P(AnyMethod, ForceIsContinuousAcrossCellsAndAtTheBorder) {
 }
 
 TEST_P(AnyMethod, OutsideTheForceFollowsTheStiffness) {
-  const auto interpolator = make(analytic_site(exponential));
+  const auto interpolator = make(analytic_space(exponential));
   const Vec3 border(kHalfWidth, 0.003, -0.001);
   const TouchResult at_border = interpolator->evaluate(border);
   EXPECT_EQ(at_border.support, Support::inside);
@@ -109,17 +109,17 @@ TEST_P(AnyMethod, OutsideTheForceFollowsTheStiffness) {
 
 // Configurations that were never computed: beyond the force limit nothing is expanded.
 TEST_P(AnyMethod, MissingCheckPointsAreLikeFailedOnes) {
-  TouchSite site = analytic_site(exponential);
-  TouchSite failed = site;
-  site.configurations.clear();
+  TouchToolSpace tool_space = analytic_space(exponential);
+  TouchToolSpace failed = tool_space;
+  tool_space.configurations.clear();
   for (ConfigurationSummary& c : failed.configurations) {
     if (c.t.norm() < 0.01) {
-      site.configurations.push_back(c);
+      tool_space.configurations.push_back(c);
     } else {
       c.outcome = Outcome::budget_used_up;
     }
   }
-  const auto a = make(site);
+  const auto a = make(tool_space);
   const auto b = make(failed);
   test::RandomPoints points(1.5 * kHalfWidth);
   int inside = 0;
@@ -135,10 +135,10 @@ TEST_P(AnyMethod, MissingCheckPointsAreLikeFailedOnes) {
 }
 
 TEST_P(AnyMethod, MarkedRegionIsInterpolatedAndSaidSo) {
-  TouchSite site = analytic_site(exponential);
-  const TouchResult plain = make(site)->evaluate(Vec3(0.005, 0.005, 0.005));
-  at(site, {1, 1, 1}).flags = flags::inverted;
-  const TouchResult marked = make(site)->evaluate(Vec3(0.005, 0.005, 0.005));
+  TouchToolSpace tool_space = analytic_space(exponential);
+  const TouchResult plain = make(tool_space)->evaluate(Vec3(0.005, 0.005, 0.005));
+  at(tool_space, {1, 1, 1}).flags = flags::inverted;
+  const TouchResult marked = make(tool_space)->evaluate(Vec3(0.005, 0.005, 0.005));
   EXPECT_EQ(plain.support, Support::inside);
   EXPECT_EQ(marked.support, Support::marked);
   // The differences of Energy Hermite at the other corners do without the one that is marked.
@@ -147,14 +147,14 @@ TEST_P(AnyMethod, MarkedRegionIsInterpolatedAndSaidSo) {
 }
 
 TEST_P(AnyMethod, SmallGrids) {
-  const TouchSite one = analytic_site(exponential, 1);
+  const TouchToolSpace one = analytic_space(exponential, 1);
   const TouchResult r = make(one)->evaluate(Vec3(0.001, 0, 0));
   EXPECT_EQ(r.support, Support::extrapolated);
   EXPECT_LT(
       (r.force - one.configurations[0].force - one.configurations[0].stiffness * Vec3(0.001, 0, 0))
           .norm(),
       1e-9);
-  const TouchSite three = analytic_site(exponential, 3);
+  const TouchToolSpace three = analytic_space(exponential, 3);
   const auto interpolator = make(three);
   for (const ConfigurationSummary& c : three.configurations) {
     EXPECT_LT((interpolator->evaluate(c.t).force - c.force).norm(), 1e-12 * c.force.norm());
@@ -162,7 +162,7 @@ TEST_P(AnyMethod, SmallGrids) {
 }
 
 TEST_P(AnyMethod, BadInputFindsNothing) {
-  const auto interpolator = make(analytic_site(exponential));
+  const auto interpolator = make(analytic_space(exponential));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
   for (const Vec3& t : {Vec3(nan, 0, 0), Vec3(0, infinity, 0), Vec3(0, 0, -infinity)}) {
@@ -177,18 +177,18 @@ TEST_P(AnyMethod, BadInputFindsNothing) {
 }
 
 TEST_P(AnyMethod, NothingUsableFindsNothing) {
-  TouchSite site = analytic_site(exponential, 3);
-  for (ConfigurationSummary& c : site.configurations) c.outcome = Outcome::not_converged;
-  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).support, Support::none);
-  site.configurations.clear();
-  EXPECT_EQ(make(site)->evaluate(Vec3::Zero()).support, Support::none);
+  TouchToolSpace tool_space = analytic_space(exponential, 3);
+  for (ConfigurationSummary& c : tool_space.configurations) c.outcome = Outcome::not_converged;
+  EXPECT_EQ(make(tool_space)->evaluate(Vec3::Zero()).support, Support::none);
+  tool_space.configurations.clear();
+  EXPECT_EQ(make(tool_space)->evaluate(Vec3::Zero()).support, Support::none);
 }
 
-TEST_P(AnyMethod, OutlivesItsSite) {
-  auto site = std::make_unique<TouchSite>(analytic_site(exponential));
-  const auto interpolator = make(*site);
+TEST_P(AnyMethod, OutlivesItsToolSpace) {
+  auto tool_space = std::make_unique<TouchToolSpace>(analytic_space(exponential));
+  const auto interpolator = make(*tool_space);
   const TouchResult before = interpolator->evaluate(Vec3(0.001, 0.002, 0.003));
-  site.reset();
+  tool_space.reset();
   EXPECT_EQ(interpolator->evaluate(Vec3(0.001, 0.002, 0.003)).force, before.force);
 }
 
@@ -196,14 +196,14 @@ INSTANTIATE_TEST_SUITE_P(, AnyMethod, testing::ValuesIn(test::interpolating_meth
                          test::name_of_method);
 
 TEST(Trilinear, ReproducesTrilinearForcesAndItsStiffnessIsNotSymmetrised) {
-  TouchSite site = analytic_site(exponential);
+  TouchToolSpace tool_space = analytic_space(exponential);
   Mat3 a;
   a << 1, 2, 3, 4, 5, 6, 7, 8, 10;
   const auto force = [&](const Vec3& t) {
     return Vec3(a * t + 1e4 * t.x() * t.y() * t.z() * Vec3(1, -1, 2));
   };
-  for (ConfigurationSummary& c : site.configurations) c.force = force(c.t);
-  const auto interpolator = make_interpolator(Method::trilinear, site);
+  for (ConfigurationSummary& c : tool_space.configurations) c.force = force(c.t);
+  const auto interpolator = make_interpolator(Method::trilinear, tool_space);
   test::RandomPoints points;
   for (int i = 0; i < 100; ++i) {
     const Vec3 t = points();
@@ -223,10 +223,10 @@ struct Known {
 
 // Results for a uniform grid with holes, which the sizes of cells must not change.
 TEST(UniformGrid, GivesTheKnownResults) {
-  TouchSite site = analytic_site(exponential);
-  at(site, {1, 1, 1}).outcome = Outcome::not_converged;
-  at(site, {3, 3, 3}).outcome = Outcome::not_converged;
-  at(site, {-3, -1, 2}).outcome = Outcome::not_converged;
+  TouchToolSpace tool_space = analytic_space(exponential);
+  at(tool_space, {1, 1, 1}).outcome = Outcome::not_converged;
+  at(tool_space, {3, 3, 3}).outcome = Outcome::not_converged;
+  at(tool_space, {-3, -1, 2}).outcome = Outcome::not_converged;
   const std::vector<Known> known = {
       {Method::trilinear, Vec3(0.001, -0.002, 0.003),
        Vec3(36.615625308585138, -31.976853638896777, 77.533254020550331), 1.2965597849934671,
@@ -254,7 +254,7 @@ TEST(UniformGrid, GivesTheKnownResults) {
        -4051.3889138833965, Support::extrapolated},
   };
   for (const Known& k : known) {
-    const TouchResult r = make_interpolator(k.method, site)->evaluate(k.t);
+    const TouchResult r = make_interpolator(k.method, tool_space)->evaluate(k.t);
     // The order of the sums is the compiler's.
     constexpr double kRounding = 1e-14;
     EXPECT_NEAR(r.energy, k.energy, kRounding * std::abs(k.energy));
@@ -266,14 +266,14 @@ TEST(UniformGrid, GivesTheKnownResults) {
 
 TEST(Tricubic, ReproducesCubicForces) {
   for (std::int32_t resolution : {5, 7, 9}) {
-    TouchSite site = analytic_site(exponential, resolution);
+    TouchToolSpace tool_space = analytic_space(exponential, resolution);
     const auto force = [](const Vec3& t) {
       const Vec3 x = t / kHalfWidth;
       const double p = x.x() * x.x() * x.x() - 2 * x.y() * x.y() * x.z() + x.z();
       return Vec3(p, std::pow(x.x() * x.y() * x.z(), 3) + 1, std::pow(x.z(), 3) * x.x() * x.x());
     };
-    for (ConfigurationSummary& c : site.configurations) c.force = force(c.t);
-    const auto interpolator = make_interpolator(Method::tricubic, site);
+    for (ConfigurationSummary& c : tool_space.configurations) c.force = force(c.t);
+    const auto interpolator = make_interpolator(Method::tricubic, tool_space);
     test::RandomPoints points;
     for (int i = 0; i < 300; ++i) {
       const Vec3 t = points();
@@ -281,7 +281,7 @@ TEST(Tricubic, ReproducesCubicForces) {
     }
   }
   // Of three check-points an axis, quadratic ones.
-  TouchSite three = analytic_site(exponential, 3);
+  TouchToolSpace three = analytic_space(exponential, 3);
   const auto force = [](const Vec3& t) { return Vec3(1e4 * t.cwiseProduct(t) + t); };
   for (ConfigurationSummary& c : three.configurations) c.force = force(c.t);
   const auto interpolator = make_interpolator(Method::tricubic, three);
@@ -303,15 +303,15 @@ double lagrange(const std::vector<double>& nodes, std::size_t j, double x) {
 
 // Random data, and the sum over 64 products as it is written in a book.
 TEST(Tricubic, AgreesWithTheTensorProductWrittenOut) {
-  TouchSite site = analytic_site(exponential, 7);
+  TouchToolSpace tool_space = analytic_space(exponential, 7);
   std::mt19937 random(8);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  for (ConfigurationSummary& c : site.configurations) {
+  for (ConfigurationSummary& c : tool_space.configurations) {
     c.energy = uniform(random);
     for (int k = 0; k < 3; ++k) c.force[k] = uniform(random);
   }
-  const auto interpolator = make_interpolator(Method::tricubic, site);
-  const double h = site.site.spacing();
+  const auto interpolator = make_interpolator(Method::tricubic, tool_space);
+  const double h = tool_space.setup.grid.spacing();
   test::RandomPoints points;
   for (int n = 0; n < 200; ++n) {
     const Vec3 t = points();
@@ -329,7 +329,8 @@ TEST(Tricubic, AgreesWithTheTensorProductWrittenOut) {
         for (int k = 0; k < 4; ++k) {
           const double weight = lagrange(nodes[0], i, t.x()) * lagrange(nodes[1], j, t.y()) *
                                 lagrange(nodes[2], k, t.z());
-          const ConfigurationSummary& c = at(site, {first[0] + i, first[1] + j, first[2] + k});
+          const ConfigurationSummary& c =
+              at(tool_space, {first[0] + i, first[1] + j, first[2] + k});
           force += weight * c.force;
           energy += weight * c.energy;
         }
@@ -343,7 +344,7 @@ TEST(Tricubic, AgreesWithTheTensorProductWrittenOut) {
 
 TEST(Tricubic, RefusesCellsOfDifferentSize) {
   try {
-    (void)make_interpolator(Method::tricubic, test::graded_site(exponential));
+    (void)make_interpolator(Method::tricubic, test::graded_space(exponential));
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("'Energy Hermite'"), std::string::npos);
@@ -351,11 +352,11 @@ TEST(Tricubic, RefusesCellsOfDifferentSize) {
 }
 
 TEST(Linear, IsTheStiffnessAtRest) {
-  TouchSite site = analytic_site(exponential);
-  const Mat3 k = at(site, {0, 0, 0}).stiffness;
+  TouchToolSpace tool_space = analytic_space(exponential);
+  const Mat3 k = at(tool_space, {0, 0, 0}).stiffness;
   for (std::int32_t resolution : {7, 1}) {
     const auto interpolator =
-        make_interpolator(Method::linear, analytic_site(exponential, resolution));
+        make_interpolator(Method::linear, analytic_space(exponential, resolution));
     EXPECT_EQ(interpolator->num_samples(), 1U);
     test::RandomPoints points(2 * kHalfWidth);
     for (int i = 0; i < 100; ++i) {
@@ -368,21 +369,21 @@ TEST(Linear, IsTheStiffnessAtRest) {
       EXPECT_EQ(r.support, inside ? Support::inside : Support::extrapolated);
     }
   }
-  at(site, {0, 0, 0}).outcome = Outcome::not_converged;
-  EXPECT_THROW((void)make_interpolator(Method::linear, site), InputError);
+  at(tool_space, {0, 0, 0}).outcome = Outcome::not_converged;
+  EXPECT_THROW((void)make_interpolator(Method::linear, tool_space), InputError);
 }
 
 TEST(MakeInterpolator, KnowsItsMethods) {
   std::string names;
   for (Method method : all_methods()) {
     names += to_string(method) + ' ';
-    const auto interpolator = make_interpolator(method, analytic_site(exponential, 3));
+    const auto interpolator = make_interpolator(method, analytic_space(exponential, 3));
     EXPECT_GT(interpolator->bytes(), 100U);
     EXPECT_EQ(interpolator->num_samples(), method == Method::linear ? 1U : 27U);
   }
   EXPECT_EQ(names, "Trilinear Tricubic RBF linear RBF cubic Energy Hermite Linear ");
   try {
-    (void)make_interpolator(static_cast<Method>(9), analytic_site(exponential, 3));
+    (void)make_interpolator(static_cast<Method>(9), analytic_space(exponential, 3));
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("'RBF cubic'"), std::string::npos);

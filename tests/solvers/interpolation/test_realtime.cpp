@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "interpolation/display_field.h"
-#include "solvers/interpolation/analytic_site.h"
+#include "solvers/interpolation/analytic_space.h"
 
 // Counts every allocation of the program, those of Eigen too, which are none of operator new.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -32,19 +32,19 @@ class Realtime : public testing::TestWithParam<bool> {};
 
 TEST_P(Realtime, EvaluationAllocatesNothing) {
   const bool adaptive = GetParam();
-  TouchSite site =
-      adaptive ? test::graded_site(test::exponential) : test::analytic_site(test::exponential);
-  const auto num_configurations = static_cast<Eigen::Index>(site.configurations.size());
-  test::at(site, adaptive ? CheckPoint{16, 0, 16} : CheckPoint{1, 0, 1}).outcome =
+  TouchToolSpace tool_space =
+      adaptive ? test::graded_space(test::exponential) : test::analytic_space(test::exponential);
+  const auto num_configurations = static_cast<Eigen::Index>(tool_space.configurations.size());
+  test::at(tool_space, adaptive ? CheckPoint{16, 0, 16} : CheckPoint{1, 0, 1}).outcome =
       Outcome::not_converged;
-  site.coefficients = Eigen::MatrixXf::Random(40, num_configurations);
-  site.coefficient_gradients = Eigen::MatrixXf::Random(120, num_configurations);
+  tool_space.coefficients = Eigen::MatrixXf::Random(40, num_configurations);
+  tool_space.coefficient_gradients = Eigen::MatrixXf::Random(120, num_configurations);
   std::vector<std::unique_ptr<Interpolator>> interpolators;
   for (Method method : all_methods()) {
     if (adaptive && method == Method::tricubic) continue;
-    interpolators.push_back(make_interpolator(method, site));
+    interpolators.push_back(make_interpolator(method, tool_space));
   }
-  const DisplayField field(site);
+  const DisplayField field(tool_space);
   const Eigen::MatrixXf modes = Eigen::MatrixXf::Random(600, 40);
   std::vector<float> coefficients(40);
   std::vector<float> single(600);

@@ -19,13 +19,13 @@ using test::Bistable;
 constexpr double kBox = 1.5;
 
 /// All wells of a body at all check-points, the upper one first, and what is reached between them.
-TouchSite make_site(const Bistable& body, std::int32_t resolution) {
-  TouchSite site;
-  site.site.resolution = resolution;
-  site.site.half_width = kBox;
-  const std::int32_t reach = site.site.reach();
+TouchToolSpace make_tool_space(const Bistable& body, std::int32_t resolution) {
+  TouchToolSpace tool_space;
+  tool_space.setup.grid.resolution = resolution;
+  tool_space.setup.grid.half_width = kBox;
+  const std::int32_t reach = tool_space.setup.grid.reach();
   const auto place = [&](const CheckPoint& p) {
-    return Vec3(site.site.spacing() * Vec3(p[0], p[1], p[2]));
+    return Vec3(tool_space.setup.grid.spacing() * Vec3(p[0], p[1], p[2]));
   };
   const auto level_of = [](const std::vector<double>& wells, double w) {
     return wells.size() == 2 && std::abs(w - wells.front()) < std::abs(w - wells.back()) ? 1 : 0;
@@ -36,7 +36,7 @@ TouchSite make_site(const Bistable& body, std::int32_t resolution) {
         const CheckPoint p{i, j, k};
         std::vector<double> wells = body.wells(place(p));
         for (auto w = wells.rbegin(); w != wells.rend(); ++w) {
-          ConfigurationSummary& c = site.configurations.emplace_back(body.at(place(p), *w));
+          ConfigurationSummary& c = tool_space.configurations.emplace_back(body.at(place(p), *w));
           c.check_point = c.parent = p;
           c.level = level_of(wells, *w);
           for (int n = 0; n < num_neighbours; ++n) {
@@ -52,19 +52,19 @@ TouchSite make_site(const Bistable& body, std::int32_t resolution) {
       }
     }
   }
-  const auto num = static_cast<Eigen::Index>(site.configurations.size());
-  site.coefficients.setZero(0, num);
-  site.coefficient_gradients.setZero(0, num);
-  return site;
+  const auto num = static_cast<Eigen::Index>(tool_space.configurations.size());
+  tool_space.coefficients.setZero(0, num);
+  tool_space.coefficient_gradients.setZero(0, num);
+  return tool_space;
 }
 
 /// A body that is touched on its branches.
 class Touch {
  public:
-  explicit Touch(const TouchSite& site) : branches_(site) {
+  explicit Touch(const TouchToolSpace& tool_space) : branches_(tool_space) {
     for (int s = 0; s < branches_.size(); ++s) {
-      interpolators_.push_back(
-          make_interpolator(Method::energy_hermite, restricted(site, branches_.configurations(s))));
+      interpolators_.push_back(make_interpolator(
+          Method::energy_hermite, restricted(tool_space, branches_.configurations(s))));
     }
   }
 
@@ -96,10 +96,10 @@ struct Folds {
 
 TEST(SolutionBranches, ALoopHasTheBodysHysteresis) {
   const Bistable body;
-  const TouchSite site = make_site(body, 17);
-  const double spacing = site.site.spacing();
+  const TouchToolSpace tool_space = make_tool_space(body, 17);
+  const double spacing = tool_space.setup.grid.spacing();
   const Folds folds(body);
-  Touch touch(site);
+  Touch touch(tool_space);
   EXPECT_EQ(touch.branches().size(), 2);
   Vec3 at(0.1, -0.2, 0);
   touch.move(at);
@@ -130,8 +130,8 @@ TEST(SolutionBranches, RoundACuspOneComesToTheOtherBranchWithoutAJump) {
   Bistable body;
   body.a0 = 0.2;
   body.a1 = 0.8;
-  const TouchSite site = make_site(body, 17);
-  Touch touch(site);
+  const TouchToolSpace tool_space = make_tool_space(body, 17);
+  Touch touch(tool_space);
   // Down behind the cusp, and then to where there are two wells.
   Vec3 at = Vec3::Zero();
   double w = body.wells(at).back();
@@ -153,7 +153,7 @@ TEST(SolutionBranches, RoundACuspOneComesToTheOtherBranchWithoutAJump) {
   EXPECT_LT(std::abs(last), 0.01);
   EXPECT_LT(largest_change, 0.1);  // a jump between the wells is one of 2
   // Straight there from rest it stays in the upper well.
-  Touch straight(site);
+  Touch straight(tool_space);
   const double upper = body.move(Vec3::Zero(), body.wells(Vec3::Zero()).back(), at);
   EXPECT_GT(upper, 0.5);
   EXPECT_NEAR(straight.move(at).force.z(), body.at(at, upper).force.z(), 0.02);
@@ -162,60 +162,60 @@ TEST(SolutionBranches, RoundACuspOneComesToTheOtherBranchWithoutAJump) {
 TEST(SolutionBranches, WithoutLevelsThereIsOneOfAll) {
   Bistable smooth;
   smooth.a0 = -1;
-  TouchSite site = make_site(smooth, 5);
-  for (ConfigurationSummary& c : site.configurations) {
+  TouchToolSpace tool_space = make_tool_space(smooth, 5);
+  for (ConfigurationSummary& c : tool_space.configurations) {
     c.reached = ConfigurationSummary().reached;
     c.flags = flags::near_fold;  // stays as it is
   }
-  const SolutionBranches branches(site);
+  const SolutionBranches branches(tool_space);
   EXPECT_EQ(branches.size(), 1);
-  EXPECT_EQ(branches.configurations(0).size(), site.configurations.size());
+  EXPECT_EQ(branches.configurations(0).size(), tool_space.configurations.size());
   EXPECT_EQ(branches.move(0, Vec3::Zero(), Vec3::Constant(5)), 0);
-  EXPECT_EQ(restricted(site, branches.configurations(0)).configurations.back().flags,
+  EXPECT_EQ(restricted(tool_space, branches.configurations(0)).configurations.back().flags,
             flags::near_fold);
 }
 
 TEST(SolutionBranches, IntermediateStatesGoWithTheConfigurationTheyLeadTo) {
-  TouchSite site = make_site(Bistable(), 9);
-  for (const ConfigurationSummary& c : site.configurations) {
+  TouchToolSpace tool_space = make_tool_space(Bistable(), 9);
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     if (c.level != 0) continue;
     IntermediateState state;
     state.target = c.check_point;
     for (int number : {1, 2}) {
       state.number = number;
-      site.intermediate_states.push_back(state);
+      tool_space.intermediate_states.push_back(state);
     }
   }
-  const SolutionBranches branches(site);
+  const SolutionBranches branches(tool_space);
   ASSERT_GT(branches.size(), 1);
   for (int s = 0; s < branches.size(); ++s) {
-    const TouchSite part = restricted(site, branches.configurations(s));
+    const TouchToolSpace part = restricted(tool_space, branches.configurations(s));
     std::size_t expected = 0;
     for (const ConfigurationSummary& c : part.configurations) expected += c.level == 0 ? 2 : 0;
     EXPECT_EQ(part.intermediate_states.size(), expected);
-    EXPECT_LT(expected, site.intermediate_states.size());
+    EXPECT_LT(expected, tool_space.intermediate_states.size());
   }
 }
 
 TEST(SolutionBranches, NothingUnstableIsOnABranch) {
-  TouchSite site = make_site(Bistable(), 9);
+  TouchToolSpace tool_space = make_tool_space(Bistable(), 9);
   std::size_t num_unstable = 0;
-  for (ConfigurationSummary& c : site.configurations) {
+  for (ConfigurationSummary& c : tool_space.configurations) {
     if (c.check_point[0] <= 2) continue;
     c.flags = flags::unstable;
     ++num_unstable;
   }
-  const SolutionBranches branches(site);
+  const SolutionBranches branches(tool_space);
   for (int s = 0; s < branches.size(); ++s) {
     for (std::int32_t i : branches.configurations(s)) {
-      EXPECT_EQ(site.configurations[static_cast<std::size_t>(i)].flags, 0);
+      EXPECT_EQ(tool_space.configurations[static_cast<std::size_t>(i)].flags, 0);
     }
   }
   EXPECT_GT(num_unstable, 0U);
 }
 
 TEST(SolutionBranches, AWayThatIsNotFiniteStaysWhereItIs) {
-  const SolutionBranches branches(make_site(Bistable(), 9));
+  const SolutionBranches branches(make_tool_space(Bistable(), 9));
   const Vec3 nowhere = Vec3::Constant(std::nan(""));
   EXPECT_EQ(branches.move(1, Vec3::Zero(), nowhere), 1);
   EXPECT_EQ(branches.move(1, nowhere, Vec3::Zero()), 1);

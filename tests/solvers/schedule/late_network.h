@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "schedule/communicator.h"
-#include "schedule/home.h"
+#include "schedule/owner.h"
 
 namespace palpate::test {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A random graph of tasks in layers: a task leads to some of the next layer, several to the same
-// one, which is to be executed once. The work of a rank is what is at home there and what it was
+// one, which is to be executed once. The work of a rank is what is at owner there and what it was
 // given.
 #pragma once
 
@@ -91,7 +91,7 @@ struct HashOfBytes {
   [[nodiscard]] std::size_t operator()(const Bytes& key) const { return hash_of(key); }
 };
 
-/// What is known of the states that are at home on this rank, by the whole of their keys: states
+/// What is known of the states that are at owner on this rank, by the whole of their keys: states
 /// whose hashes collide stay apart.
 template <class Value>
 using TranspositionTable = std::unordered_map<Bytes, Value, HashOfBytes>;
@@ -138,7 +138,7 @@ class GraphWorker : public Worker {
  private:
   void post(Key key, Mail& mail) {
     const Bytes message = to_bytes({key});
-    mail.send_home(hash_of(message), message);
+    mail.send_to_owner(hash_of(message), message);
   }
 
   const RandomGraph& graph_;

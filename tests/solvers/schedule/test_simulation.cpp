@@ -132,7 +132,7 @@ class Wanderers final : public Worker {
   void send_on(int length, Mail& mail) {
     const auto left = static_cast<std::uint64_t>(length - 1);
     const std::uint64_t part = mix(++random_) % 4 == 0 ? mix(++random_) % (left + 1) : 0;
-    for (const std::uint64_t next : {part, left - part}) mail.send_home(++random_, Bytes(next));
+    for (const std::uint64_t next : {part, left - part}) mail.send_to_owner(++random_, Bytes(next));
   }
 
   Simulation& simulation_;
@@ -240,12 +240,12 @@ TEST_P(OnSimulatedRanks, TheSameSeedGivesTheSameRun) {
 
 INSTANTIATE_TEST_SUITE_P(Ranks, OnSimulatedRanks, testing::Values(1, 2, 3, 4, 8, 17, 64));
 
-TEST(HomeOf, SpreadsNeighbouringKeysEvenly) {
+TEST(OwnerOf, SpreadsNeighbouringKeysEvenly) {
   for (const int ranks : {2, 3, 64, 1000}) {
     constexpr int per_rank = 200;
     std::vector<int> number(static_cast<std::size_t>(ranks), 0);
     for (std::uint64_t key = 0; key < static_cast<std::uint64_t>(ranks) * per_rank; ++key) {
-      ++number[home_of(key, ranks)];
+      ++number[owner_of(key, ranks)];
     }
     double chi_square = 0;
     for (const int n : number) chi_square += (n - per_rank) * (n - per_rank) / double{per_rank};

@@ -63,12 +63,12 @@ inline Scene cube_scene(int n = 2, ElementOrder order = ElementOrder::quadratic)
 
 /// Numbers that fill every member; the field bends and bulges with t, so that its rank is small but
 /// not that of a linear body.
-inline Configuration example_configuration(const Scene& scene, const Site& site,
+inline Configuration example_configuration(const Scene& scene, const ToolSpaceSetup& setup,
                                            const CheckPoint& check_point) {
   Configuration c;
   c.check_point = check_point;
   for (int a = 0; a < 3; ++a) {
-    c.t[a] = site.spacing() * check_point[a];
+    c.t[a] = setup.grid.spacing() * check_point[a];
     c.parent[a] = check_point[a] - (check_point[a] > 0) + (check_point[a] < 0);
   }
   c.energy = 50 * c.t.squaredNorm();
@@ -79,7 +79,7 @@ inline Configuration example_configuration(const Scene& scene, const Site& site,
   c.minimum_det_f = 1 - c.t.norm();
   c.iterations = 4;
   c.seconds = 0.0225;
-  const Vec3& centre = scene.mesh.points[site.active_node];
+  const Vec3& centre = scene.mesh.points[setup.interaction.active_node];
   const Index n = scene.mesh.num_points();
   c.u.resize(3 * n);
   c.v.resize(3 * n, 3);
@@ -118,19 +118,20 @@ inline std::vector<IntermediateState> example_way(const ConfigurationSummary& ta
   return way;
 }
 
-inline Site example_site(Index active_node = 8, std::int32_t resolution = 5) {
-  Site site;
-  site.active_node = active_node;
-  site.half_width = 0.012;
-  site.resolution = resolution;
-  site.force_limit = 3;
-  site.tip_radius = 0.125;
-  return site;
+inline ToolSpaceSetup example_setup(Index active_node = 8, std::int32_t resolution = 5) {
+  ToolSpaceSetup setup;
+  setup.id = active_node;
+  setup.interaction.active_node = active_node;
+  setup.grid.half_width = 0.012;
+  setup.grid.resolution = resolution;
+  setup.policy.force_limit = 3;
+  setup.interaction.tip_radius = 0.125;
+  return setup;
 }
 
 template <class F>
-void for_each_check_point(const Site& site, F&& f) {
-  const std::int32_t r = site.reach();
+void for_each_check_point(const ToolSpaceSetup& setup, F&& f) {
+  const std::int32_t r = setup.grid.reach();
   for (std::int32_t i = -r; i <= r; ++i) {
     for (std::int32_t j = -r; j <= r; ++j) {
       for (std::int32_t k = -r; k <= r; ++k) f(CheckPoint{i, j, k});
@@ -138,16 +139,16 @@ void for_each_check_point(const Site& site, F&& f) {
   }
 }
 
-inline StateSpace example_space(const Scene& scene, const std::vector<Site>& sites) {
+inline StateSpace example_space(const Scene& scene, const std::vector<ToolSpaceSetup>& setups) {
   StateSpace space;
   space.scene = scene;
   space.scene_hash = hash(scene);
   space.solver_tolerance = 1e-8;
-  for (const Site& site : sites) {
-    SiteSpace& added = space.sites.emplace_back();
-    added.site = site;
-    for_each_check_point(site, [&](const CheckPoint& c) {
-      added.configurations.push_back(example_configuration(scene, site, c));
+  for (const ToolSpaceSetup& setup : setups) {
+    ToolSpace& added = space.tool_spaces.emplace_back();
+    added.setup = setup;
+    for_each_check_point(setup, [&](const CheckPoint& c) {
+      added.configurations.push_back(example_configuration(scene, setup, c));
     });
   }
   sort(space);

@@ -48,13 +48,13 @@ class DamageTest : public testing::Test {
     std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
     folder_ = mkdtemp(pattern.data());
     path_ = folder_ / "a.palpate";
-    site_.intermediate_states = 1;
-    site_.third_derivatives = true;
+    tool_space_.policy.intermediate_states = 1;
+    tool_space_.policy.third_derivatives = true;
   }
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] Configuration configuration(const CheckPoint& check_point) const {
-    Configuration c = example_configuration(scene_, site_, check_point);
+    Configuration c = example_configuration(scene_, tool_space_, check_point);
     c.third_derivative = test::example_third_derivative(c.t);
     c.p = Eigen::VectorXd::LinSpaced(3, 1, 2);
     c.p_v = Eigen::MatrixXd::Constant(3, 3, 0.5);
@@ -63,7 +63,7 @@ class DamageTest : public testing::Test {
   /// With a row in every table.
   void make() const {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
-    file.add_site(site_);
+    file.add_tool_space(tool_space_);
     for (std::int32_t i = -1; i <= 1; ++i) {
       const Configuration c = configuration({i, 0, 0});
       file.add(kNode, c, i == 0 ? std::vector<IntermediateState>() : test::example_way(c, 1));
@@ -84,11 +84,13 @@ class DamageTest : public testing::Test {
            ", summary_checksum = " + std::to_string(rows::checksum(kNode, c, of_fields)) +
            " WHERE i = " + std::to_string(at[0]));
   }
-  /// The same of the site.
-  void forge_site(const std::string& sql, const std::function<void(Site&)>& same_change) const {
-    SiteSpace space{site_, true, {}, {}};
-    same_change(space.site);
-    change("UPDATE site SET " + sql + ", checksum = " + std::to_string(rows::checksum(space)));
+  /// The same of the tool space.
+  void forge_tool_space(const std::string& sql,
+                        const std::function<void(ToolSpaceSetup&)>& same_change) const {
+    ToolSpace space{tool_space_, true, {}, {}};
+    same_change(space.setup);
+    change("UPDATE tool_space SET " + sql +
+           ", checksum = " + std::to_string(rows::checksum(space)));
   }
 
   /// Everything in the file is as make() has written it, or is left out and told, or the file is
@@ -104,12 +106,12 @@ class DamageTest : public testing::Test {
         left_out = StateSpaceFile::open_to_append(path_, scene_, kTolerance).remove_damaged();
       }
       EXPECT_TRUE(!left_out.empty() || space.scene.touchable == scene_.touchable);
-      EXPECT_TRUE(!left_out.empty() || (space.sites.size() == 1 && points.size() == 1));
-      for (const SiteSpace& site : space.sites) {
-        EXPECT_TRUE(site.site == site_ && site.complete);
-        EXPECT_TRUE(!left_out.empty() ||
-                    (site.configurations.size() == 3 && site.intermediate_states.size() == 2));
-        for (const Configuration& c : site.configurations) {
+      EXPECT_TRUE(!left_out.empty() || (space.tool_spaces.size() == 1 && points.size() == 1));
+      for (const ToolSpace& tool_space : space.tool_spaces) {
+        EXPECT_TRUE(tool_space.setup == tool_space_ && tool_space.complete);
+        EXPECT_TRUE(!left_out.empty() || (tool_space.configurations.size() == 3 &&
+                                          tool_space.intermediate_states.size() == 2));
+        for (const Configuration& c : tool_space.configurations) {
           const Configuration right = configuration(c.check_point);
           EXPECT_EQ(rows::checksum(kNode, c, rows::checksum(rows::fields_of(c))),
                     rows::checksum(kNode, right, rows::checksum(rows::fields_of(right))));
@@ -117,7 +119,7 @@ class DamageTest : public testing::Test {
           EXPECT_TRUE(!starts || !left_out.empty() ||
                       c.reached[neighbour_number({0, 0, 0}, {1, 0, 0})] == 0);
         }
-        for (const IntermediateState& state : site.intermediate_states) {
+        for (const IntermediateState& state : tool_space.intermediate_states) {
           const auto right = test::example_way(configuration(state.target), 1);
           EXPECT_EQ(rows::checksum(kNode, state), rows::checksum(kNode, right[0]));
         }
@@ -148,7 +150,7 @@ class DamageTest : public testing::Test {
   fs::path folder_;
   fs::path path_;
   const Scene scene_ = test::cube_scene(1);
-  Site site_ = test::example_site(kNode, 3);
+  ToolSpaceSetup tool_space_ = test::example_setup(kNode, 3);
 };
 
 TEST_F(DamageTest, AWholeFileHasNone) {
@@ -165,8 +167,8 @@ TEST_F(DamageTest, AFlippedBitInAnyColumnIsNoticed) {
   // Nothing is read from these.
   const std::set<std::string> unused{"scene.parent_scene_id"};
   int num_values = 0;
-  for (const std::string table :
-       {"scene", "material", "site", "configuration", "transition", "intermediate", "test_point"}) {
+  for (const std::string table : {"scene", "material", "tool_space", "configuration", "transition",
+                                  "intermediate", "test_point"}) {
     std::vector<std::pair<std::string, std::int64_t>> values;
     {
       const Database database(whole, Access::read_only);
@@ -208,15 +210,15 @@ TEST_F(DamageTest, SwappedFieldsAreLeftOut) {
   EXPECT_TRUE(is_noticed());
   // What is touched has the rest, and says so.
   const TouchSpace space = make_touch_space(StateSpaceFile::open_read_only(path_));
-  EXPECT_EQ(space.sites[0].configurations.size(), 1U);
-  EXPECT_EQ(space.sites[0].coefficients.cols(), 1);
+  EXPECT_EQ(space.tool_spaces[0].configurations.size(), 1U);
+  EXPECT_EQ(space.tool_spaces[0].coefficients.cols(), 1);
   EXPECT_EQ(space.left_out.size(), 2U);
 }
 
 TEST_F(DamageTest, ConfigurationsWithoutNumbersAreNotTouched) {
   {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
-    file.add_site(site_);
+    file.add_tool_space(tool_space_);
     Configuration c = configuration({1, 0, 0});
     c.u[3] = std::numeric_limits<double>::quiet_NaN();
     file.add(kNode, c);
@@ -226,7 +228,7 @@ TEST_F(DamageTest, ConfigurationsWithoutNumbersAreNotTouched) {
     file.add(kNode, configuration({0, 0, 0}));
   }
   const TouchSpace space = make_touch_space(StateSpaceFile::open_read_only(path_));
-  EXPECT_EQ(space.sites[0].configurations.size(), 1U);
+  EXPECT_EQ(space.tool_spaces[0].configurations.size(), 1U);
   EXPECT_EQ(space.left_out.size(), 2U);
 }
 
@@ -263,10 +265,10 @@ TEST_F(DamageTest, MergesWhatIsSound) {
 TEST_F(DamageTest, RefusesWhatPalpateDoesNotMake) {
   for (const std::string sql :
        {"CREATE TRIGGER t AFTER INSERT ON configuration BEGIN DELETE FROM scene; END",
-        "CREATE VIEW v AS SELECT * FROM site", "CREATE TABLE other (x)",
+        "CREATE VIEW v AS SELECT * FROM tool_space", "CREATE TABLE other (x)",
         "CREATE INDEX fast ON configuration (abs(energy))",
         "ALTER TABLE configuration ADD COLUMN x AS (hex(zeroblob(energy)))",
-        "ALTER TABLE site RENAME TO kept; CREATE VIEW site AS SELECT * FROM kept",
+        "ALTER TABLE tool_space RENAME TO kept; CREATE VIEW tool_space AS SELECT * FROM kept",
         "DROP TABLE test_point"}) {
     fs::remove(path_);
     make();
@@ -328,85 +330,96 @@ TEST_F(DamageTest, LeavesOutWhatCannotBe) {
     make();
     change("UPDATE transition SET " + sql +
            ", checksum = " + std::to_string(rows::checksum(kNode, forged)));
-    EXPECT_EQ(left_out(), std::vector<std::string>{rows::describe(forged, kNode)}) << sql;
+    EXPECT_EQ(left_out(), std::vector<std::string>{rows::describe(forged, "active node 8")}) << sql;
   }
 
-  const std::pair<std::string, std::function<void(Site&)>> of_site[] = {
-      {"resolution = 1001", [](Site& s) { s.resolution = 1001; }},
-      {"resolution = 2147483647", [](Site& s) { s.resolution = 2147483647; }},
-      {"resolution = -3", [](Site& s) { s.resolution = -3; }},
-      {"resolution = 4", [](Site& s) { s.resolution = 4; }},
-      {"coarsest = 0", [](Site& s) { s.coarsest = 0; }},
-      {"coarsest = -1", [](Site& s) { s.coarsest = -1; }},
-      {"coarsest = 64", [](Site& s) { s.coarsest = 64; }},
+  const std::pair<std::string, std::function<void(ToolSpaceSetup&)>> of_tool_space[] = {
+      {"resolution = 1001", [](ToolSpaceSetup& s) { s.grid.resolution = 1001; }},
+      {"resolution = 2147483647", [](ToolSpaceSetup& s) { s.grid.resolution = 2147483647; }},
+      {"resolution = -3", [](ToolSpaceSetup& s) { s.grid.resolution = -3; }},
+      {"resolution = 4", [](ToolSpaceSetup& s) { s.grid.resolution = 4; }},
+      {"coarsest = 0", [](ToolSpaceSetup& s) { s.grid.coarsest = 0; }},
+      {"coarsest = -1", [](ToolSpaceSetup& s) { s.grid.coarsest = -1; }},
+      {"coarsest = 64", [](ToolSpaceSetup& s) { s.grid.coarsest = 64; }},
       {"half_width = NULL",
-       [](Site& s) { s.half_width = std::numeric_limits<double>::quiet_NaN(); }},
+       [](ToolSpaceSetup& s) { s.grid.half_width = std::numeric_limits<double>::quiet_NaN(); }},
       {"half_width = 9e999",
-       [](Site& s) { s.half_width = std::numeric_limits<double>::infinity(); }},
-      {"half_width = -1.0", [](Site& s) { s.half_width = -1; }},
-      {"tip_radius = -1.0", [](Site& s) { s.tip_radius = -1; }},
+       [](ToolSpaceSetup& s) { s.grid.half_width = std::numeric_limits<double>::infinity(); }},
+      {"half_width = -1.0", [](ToolSpaceSetup& s) { s.grid.half_width = -1; }},
+      {"tip_radius = -1.0", [](ToolSpaceSetup& s) { s.interaction.tip_radius = -1; }},
       {"force_limit = NULL",
-       [](Site& s) { s.force_limit = std::numeric_limits<double>::quiet_NaN(); }},
-      {"history = 7", [](Site& s) { s.history = static_cast<History>(7); }},
-      {"intermediate_states = -1", [](Site& s) { s.intermediate_states = -1; }},
-      {"intermediate_states = 1000000", [](Site& s) { s.intermediate_states = 1000000; }}};
-  for (const auto& [sql, same_change] : of_site) {
+       [](ToolSpaceSetup& s) { s.policy.force_limit = std::numeric_limits<double>::quiet_NaN(); }},
+      {"history = 7", [](ToolSpaceSetup& s) { s.policy.history = static_cast<History>(7); }},
+      {"intermediate_states = -1", [](ToolSpaceSetup& s) { s.policy.intermediate_states = -1; }},
+      {"intermediate_states = 1000000",
+       [](ToolSpaceSetup& s) { s.policy.intermediate_states = 1000000; }}};
+  for (const auto& [sql, same_change] : of_tool_space) {
     fs::remove(path_);
     make();
-    forge_site(sql, same_change);
+    forge_tool_space(sql, same_change);
     EXPECT_EQ(left_out().front(), "active node 8") << sql;
   }
   fs::remove(path_);
   make();
-  forge_site("active_node = 1000", [](Site& s) { s.active_node = 1000; });
+  forge_tool_space("active_node = 1000",
+                   [](ToolSpaceSetup& s) { s.interaction.active_node = 1000; });
   EXPECT_EQ(left_out().front(), "active node 1000");
 }
 
 TEST_F(DamageTest, RefusesGridsThatTakeTooMuchMemory) {
   StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
-  Site site = test::example_site(0, kLargestCoarsestResolution);
-  int num_sites = 0;
+  ToolSpaceSetup tool_space = test::example_setup(0, kLargestCoarsestResolution);
+  int number = 0;
   try {
-    for (; site.active_node < 20; ++site.active_node, ++num_sites) file.add_site(site);
+    for (; number < 20; ++number) {
+      tool_space.id = tool_space.interaction.active_node = number;
+      file.add_tool_space(tool_space);
+    }
     FAIL() << "no error";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("lower resolution"), std::string::npos);
   }
-  EXPECT_EQ(num_sites, 7);
-  site.resolution += 2;
-  EXPECT_THROW(file.add_site(site), InputError);
+  EXPECT_EQ(number, 7);
+  tool_space.grid.resolution += 2;
+  EXPECT_THROW(file.add_tool_space(tool_space), InputError);
 }
 
 // The file has 14 configurations, of the scene below, around active nodes 3 and 5.
-class OlderVersionTest : public DamageTest {
+class OlderVersionTest : public DamageTest, public testing::WithParamInterface<int> {
  protected:
   void SetUp() override {
     DamageTest::SetUp();
-    fs::copy(fs::path(PALPATE_TEST_DATA) / "state_space_5.palpate", path_);
+    fs::copy(
+        fs::path(PALPATE_TEST_DATA) / ("state_space_" + std::to_string(GetParam()) + ".palpate"),
+        path_);
   }
   void expect_whole(const StateSpaceFile& file) const {
     const StateSpace space = file.read(true);
     EXPECT_EQ(hash(space.scene), hash(small_scene_));
     EXPECT_EQ(space.scene.touchable, small_scene_.touchable);
-    ASSERT_EQ(space.sites.size(), 2U);
-    const SiteSpace& levels = space.sites[0];
-    EXPECT_EQ(levels.site.history, History::automatic);
+    ASSERT_EQ(space.tool_spaces.size(), 2U);
+    const ToolSpace& levels = space.tool_spaces[0];
+    EXPECT_EQ(levels.setup.policy.history, History::automatic);
     EXPECT_FALSE(levels.complete);
     ASSERT_EQ(levels.configurations.size(), 10U);
     EXPECT_EQ(levels.find({0, 0, 0})->reached[neighbour_number({0, 0, 0}, {1, 0, 0})], 1);
     EXPECT_EQ(levels.find({1, 0, 0}, 1)->signature, Vec3(1, 2, 3));
     EXPECT_EQ(file.read_candidates(3).size(), 1U);
-    const SiteSpace& plain = space.sites[1];
+    const ToolSpace& plain = space.tool_spaces[1];
     EXPECT_TRUE(plain.complete);
-    EXPECT_EQ(plain.site.intermediate_states, 2);
+    EXPECT_EQ(plain.setup.policy.intermediate_states, 2);
     EXPECT_EQ(plain.intermediate_states.size(), 4U);
     ASSERT_EQ(plain.configurations.size(), 3U);
     EXPECT_EQ(plain.configurations[1].outcome, Outcome::budget_used_up);
     EXPECT_EQ(plain.configurations[1].flags, flags::beyond_force_limit);
     EXPECT_EQ(plain.configurations[2].p, Eigen::VectorXd::LinSpaced(7, -1, 1));
-    for (const SiteSpace& site : space.sites) {
-      for (const Configuration& c : site.configurations) {
-        const Configuration right = example_configuration(small_scene_, site.site, c.check_point);
+    for (const ToolSpace& tool_space : space.tool_spaces) {
+      const InteractionSpec& interaction = tool_space.setup.interaction;
+      EXPECT_EQ(interaction.active_node, tool_space.setup.id);
+      EXPECT_EQ(interaction.material_point, small_scene_.mesh.points[interaction.active_node]);
+      for (const Configuration& c : tool_space.configurations) {
+        const Configuration right =
+            example_configuration(small_scene_, tool_space.setup, c.check_point);
         EXPECT_EQ(c.t, right.t);
         EXPECT_TRUE(c.u.isApprox(right.u, 1e-14) && c.v.isApprox(right.v, 1e-14));
       }
@@ -420,14 +433,16 @@ class OlderVersionTest : public DamageTest {
 
   const Scene small_scene_ = test::cube_scene(1, ElementOrder::linear);
 };
+INSTANTIATE_TEST_SUITE_P(Each, OlderVersionTest, testing::Values(5, 6),
+                         [](const auto& version) { return std::to_string(version.param); });
 
-TEST_F(OlderVersionTest, IsRead) {
+TEST_P(OlderVersionTest, IsRead) {
   expect_whole(StateSpaceFile::open_read_only(path_));
-  EXPECT_EQ(version(), 5) << "reading changes nothing";
-  EXPECT_EQ(make_touch_space(StateSpaceFile::open_read_only(path_)).sites.size(), 2U);
+  EXPECT_EQ(version(), GetParam()) << "reading changes nothing";
+  EXPECT_EQ(make_touch_space(StateSpaceFile::open_read_only(path_)).tool_spaces.size(), 2U);
 }
 
-TEST_F(OlderVersionTest, IsResumed) {
+TEST_P(OlderVersionTest, IsResumed) {
   {
     StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
     expect_whole(file);
@@ -435,34 +450,35 @@ TEST_F(OlderVersionTest, IsResumed) {
     expect_whole(file);
     file.close();
   }
-  EXPECT_EQ(version(), 6);
+  EXPECT_EQ(version(), 7);
   expect_whole(StateSpaceFile::open_read_only(path_));
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
-  Site site = file.read_sites()[0].site;
-  file.add(site.active_node, example_configuration(small_scene_, site, {0, 0, 1}));
-  site.force_limit = 0.1;
-  file.add_site(site);
-  EXPECT_EQ(file.read(true).sites[0].configurations.size(), 11U);
+  ToolSpaceSetup tool_space = file.read_tool_spaces()[0].setup;
+  file.add(tool_space.interaction.active_node,
+           example_configuration(small_scene_, tool_space, {0, 0, 1}));
+  tool_space.policy.force_limit = 0.1;
+  file.add_tool_space(tool_space);
+  EXPECT_EQ(file.read(true).tool_spaces[0].configurations.size(), 11U);
   EXPECT_TRUE(file.left_out().empty());
 }
 
-TEST_F(OlderVersionTest, IsMerged) {
+TEST_P(OlderVersionTest, IsMerged) {
   StateSpaceFile file = StateSpaceFile::create(folder_ / "b.palpate", small_scene_, kTolerance);
   EXPECT_TRUE(file.merge(path_).empty());
-  EXPECT_EQ(file.read(true).sites[0].configurations.size(), 10U);
+  EXPECT_EQ(file.read(true).tool_spaces[0].configurations.size(), 10U);
   EXPECT_EQ(file.read_candidates(3).size(), 1U);
   EXPECT_EQ(file.read_intermediate_states(5).size(), 4U);
   EXPECT_TRUE(file.left_out().empty());
 }
 
-TEST_F(OlderVersionTest, KeepsItsDamage) {
+TEST_P(OlderVersionTest, KeepsItsDamage) {
   change("UPDATE configuration SET energy = 7 WHERE active_node = 3 AND i = -1 AND j = 0");
   change("UPDATE configuration SET u = zeroblob(length(u)) WHERE active_node = 5 AND i = 1");
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
   EXPECT_EQ(file.remove_damaged(),
             (std::vector<std::string>{"configuration (-1, 0, 0) of active node 3",
                                       "configuration (1, 0, 0) of active node 5"}));
-  EXPECT_EQ(file.read(true).sites[0].configurations.size(), 9U);
+  EXPECT_EQ(file.read(true).tool_spaces[0].configurations.size(), 9U);
 }
 
 }  // namespace

@@ -127,8 +127,8 @@ TEST(Pod, RestAloneKeepsItsSensitivity) {
 
 TEST(Pod, RestAloneOfManySitesIsRepresented) {
   PodBasis basis(300, 1e-3);
-  for (unsigned site = 0; site < 20; ++site) {
-    MatrixXf snapshots = 1e-3F * random_matrix(300, 4, site);
+  for (unsigned tool_space = 0; tool_space < 20; ++tool_space) {
+    MatrixXf snapshots = 1e-3F * random_matrix(300, 4, tool_space);
     snapshots.col(0).setZero();
     const PodFit fit = basis.extend(snapshots);
     EXPECT_EQ(fit.largest_displacement, 0);

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::example_configuration;
-using test::example_site;
+using test::example_setup;
 using test::example_third_derivative;
 using test::example_way;
 using test::for_each_check_point;
@@ -117,14 +117,14 @@ class StateSpaceFileTest : public testing::Test {
 
   [[nodiscard]] StateSpaceFile create() const {
     StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
-    file.add_site(site_);
+    file.add_tool_space(tool_space_);
     return file;
   }
-  void create_full(const fs::path& path, const Site& site) const {
+  void create_full(const fs::path& path, const ToolSpaceSetup& tool_space) const {
     StateSpaceFile file = StateSpaceFile::create(path, scene_, kTolerance);
-    file.add_site(site);
-    for_each_check_point(site, [&](const CheckPoint& c) {
-      file.add(site.active_node, example_configuration(scene_, site, c));
+    file.add_tool_space(tool_space);
+    for_each_check_point(tool_space, [&](const CheckPoint& c) {
+      file.add(tool_space.interaction.active_node, example_configuration(scene_, tool_space, c));
     });
     file.close();
   }
@@ -144,11 +144,11 @@ class StateSpaceFileTest : public testing::Test {
   fs::path folder_;
   fs::path path_;
   const Scene scene_ = test::cube_scene();
-  const Site site_ = example_site(8, 3);
+  const ToolSpaceSetup tool_space_ = example_setup(8, 3);
 };
 
 TEST_F(StateSpaceFileTest, RoundTripIsExact) {
-  Configuration odd = example_configuration(scene_, site_, {-1, 0, 1});
+  Configuration odd = example_configuration(scene_, tool_space_, {-1, 0, 1});
   odd.energy = -0.0;
   odd.stiffness = Mat3::Random();
   odd.force = Vec3(1.0 / 3, 1e-320, -7);
@@ -160,21 +160,21 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   odd.u[5] = std::numeric_limits<double>::quiet_NaN();
   odd.p = Eigen::VectorXd::LinSpaced(7, -1, 1);
   odd.p_v = Eigen::MatrixXd::Random(7, 3);
-  Configuration failed = example_configuration(scene_, site_, {1, 1, 1});
+  Configuration failed = example_configuration(scene_, tool_space_, {1, 1, 1});
   failed.outcome = Outcome::not_converged;
   failed.residual = std::numeric_limits<double>::infinity();
   failed.energy = std::numeric_limits<double>::quiet_NaN();
   failed.u.resize(0);
   failed.v.resize(0, 0);
-  const Configuration rest = example_configuration(scene_, site_, {0, 0, 0});
+  const Configuration rest = example_configuration(scene_, tool_space_, {0, 0, 0});
   Configuration other_level = rest;
   other_level.level = 1;
   {
     StateSpaceFile file = create();
     for (const Configuration& c : {other_level, failed, rest, odd}) {
-      file.add(site_.active_node, c);
+      file.add(tool_space_.interaction.active_node, c);
     }
-    file.set_complete(site_.active_node, true);
+    file.set_complete(tool_space_.interaction.active_node, true);
     file.close();
   }
   EXPECT_EQ(files().size(), 1U) << "something is left beside the file";
@@ -188,15 +188,15 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   EXPECT_EQ(space.scene.materials, scene_.materials);
   EXPECT_EQ(space.scene.mesh.points, scene_.mesh.points);
   EXPECT_EQ(space.solver_tolerance, kTolerance);
-  ASSERT_EQ(space.sites.size(), 1U);
-  EXPECT_TRUE(space.sites[0].complete);
-  EXPECT_EQ(space.sites[0].site.half_width, site_.half_width);
-  EXPECT_EQ(space.sites[0].site.force_limit, site_.force_limit);
-  EXPECT_EQ(space.sites[0].site.tip_radius, site_.tip_radius);
-  EXPECT_EQ(space.sites[0].site.coarsest, 1);
-  EXPECT_EQ(space.sites[0].site.tolerance, 0);
-  EXPECT_FALSE(space.sites[0].site.tolerance_is_relative);
-  const auto& read = space.sites[0].configurations;
+  ASSERT_EQ(space.tool_spaces.size(), 1U);
+  EXPECT_TRUE(space.tool_spaces[0].complete);
+  EXPECT_EQ(space.tool_spaces[0].setup.grid.half_width, tool_space_.grid.half_width);
+  EXPECT_EQ(space.tool_spaces[0].setup.policy.force_limit, tool_space_.policy.force_limit);
+  EXPECT_EQ(space.tool_spaces[0].setup.interaction.tip_radius, tool_space_.interaction.tip_radius);
+  EXPECT_EQ(space.tool_spaces[0].setup.grid.coarsest, 1);
+  EXPECT_EQ(space.tool_spaces[0].setup.policy.tolerance, 0);
+  EXPECT_FALSE(space.tool_spaces[0].setup.policy.tolerance_is_relative);
+  const auto& read = space.tool_spaces[0].configurations;
   ASSERT_EQ(read.size(), 4U);
   EXPECT_TRUE(std::is_sorted(read.begin(), read.end()));
   expect_same(read[0], odd);
@@ -207,83 +207,85 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   EXPECT_EQ(read[3].u.size(), 0);
   EXPECT_EQ(read[3].v.size(), 0);
 
-  const std::vector<Configuration> summaries = file.read_summaries(site_.active_node);
+  const std::vector<Configuration> summaries =
+      file.read_summaries(tool_space_.interaction.active_node);
   ASSERT_EQ(summaries.size(), 4U);
   expect_same_summary(summaries[0], odd);
   EXPECT_EQ(summaries[0].u.size(), 0);
 }
 
-TEST_F(StateSpaceFileTest, KeepsTheCellsAndToleranceOfASite) {
-  Site adaptive = example_site(26, 129);
-  adaptive.coarsest = 64;
-  adaptive.tolerance = 0.003;
-  adaptive.tolerance_is_relative = true;
+TEST_F(StateSpaceFileTest, KeepsTheCellsAndToleranceOfAToolSpace) {
+  ToolSpaceSetup adaptive = example_setup(26, 129);
+  adaptive.grid.coarsest = 64;
+  adaptive.policy.tolerance = 0.003;
+  adaptive.policy.tolerance_is_relative = true;
   {
     StateSpaceFile file = create();
-    file.add_site(adaptive);
-    file.add_site(adaptive);
+    file.add_tool_space(adaptive);
+    file.add_tool_space(adaptive);
     file.close();
   }
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
-  const std::vector<SiteSpace> sites = file.read_sites();
-  ASSERT_EQ(sites.size(), 2U);
-  EXPECT_EQ(sites[0].site.coarsest, 1);
-  const Site& read = sites[1].site;
-  EXPECT_EQ(read.resolution, 129);
-  EXPECT_EQ(read.coarsest, 64);
-  EXPECT_EQ(read.tolerance, 0.003);
-  EXPECT_TRUE(read.tolerance_is_relative);
-  Site other = adaptive;
-  other.coarsest = 32;
-  expect_mentions(message_of<InputError>([&] { file.add_site(other); }), {"side 64", "side 32"});
+  const std::vector<ToolSpace> tool_spaces = file.read_tool_spaces();
+  ASSERT_EQ(tool_spaces.size(), 2U);
+  EXPECT_EQ(tool_spaces[0].setup.grid.coarsest, 1);
+  const ToolSpaceSetup& read = tool_spaces[1].setup;
+  EXPECT_EQ(read.grid.resolution, 129);
+  EXPECT_EQ(read.grid.coarsest, 64);
+  EXPECT_EQ(read.policy.tolerance, 0.003);
+  EXPECT_TRUE(read.policy.tolerance_is_relative);
+  ToolSpaceSetup other = adaptive;
+  other.grid.coarsest = 32;
+  expect_mentions(message_of<InputError>([&] { file.add_tool_space(other); }),
+                  {"side 64", "side 32"});
   other = adaptive;
-  other.tolerance = 0;
-  expect_mentions(message_of<InputError>([&] { file.add_site(other); }),
+  other.policy.tolerance = 0;
+  expect_mentions(message_of<InputError>([&] { file.add_tool_space(other); }),
                   {"tolerance 0.003 of the largest force", "tolerance 0 of the largest force"});
 }
 
 TEST_F(StateSpaceFileTest, ASiteMayGrow) {
-  Site site = example_site(26, 5);
-  site.half_width = 0.02;
+  ToolSpaceSetup tool_space = example_setup(26, 5);
+  tool_space.grid.half_width = 0.02;
   StateSpaceFile file = create();
-  file.add_site(site);
-  Configuration c = example_configuration(scene_, site, {1, 0, 0});
+  file.add_tool_space(tool_space);
+  Configuration c = example_configuration(scene_, tool_space, {1, 0, 0});
   c.flags = flags::inverted;
   c.force = Vec3(3, 4, 0);
   file.add(26, c);
   file.set_complete(26, true);
-  const auto read = [&] { return file.read_sites().back(); };
+  const auto read = [&] { return file.read_tool_spaces().back(); };
 
-  file.add_site(site);
+  file.add_tool_space(tool_space);
   EXPECT_TRUE(read().complete);
-  site.force_limit = 4.9;
-  file.add_site(site);
+  tool_space.policy.force_limit = 4.9;
+  file.add_tool_space(tool_space);
   EXPECT_FALSE(read().complete);
-  EXPECT_EQ(read().site, site);
+  EXPECT_EQ(read().setup, tool_space);
   EXPECT_EQ(file.read_summaries(26).front().flags, flags::inverted | flags::beyond_force_limit);
-  site.force_limit = 5.1;
-  site.resolution = 9;
-  site.half_width = 0.04;
-  file.add_site(site);
-  EXPECT_EQ(read().site, site);
+  tool_space.policy.force_limit = 5.1;
+  tool_space.grid.resolution = 9;
+  tool_space.grid.half_width = 0.04;
+  file.add_tool_space(tool_space);
+  EXPECT_EQ(read().setup, tool_space);
   EXPECT_EQ(file.read_summaries(26).front().flags, flags::inverted);
 
-  const Site smaller = example_site(26, 5);
-  EXPECT_NE(message_of<InputError>([&] { file.add_site(smaller); }), "");
-  Site finer = site;
-  finer.resolution = 17;
-  expect_mentions(message_of<InputError>([&] { file.add_site(finer); }),
+  const ToolSpaceSetup smaller = example_setup(26, 5);
+  EXPECT_NE(message_of<InputError>([&] { file.add_tool_space(smaller); }), "");
+  ToolSpaceSetup finer = tool_space;
+  finer.grid.resolution = 17;
+  expect_mentions(message_of<InputError>([&] { file.add_tool_space(finer); }),
                   {"resolution 9", "resolution 17", "spacing"});
-  EXPECT_EQ(read().site, site);
+  EXPECT_EQ(read().setup, tool_space);
 }
 
 TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
-  Site site = example_site(26, 3);
-  site.intermediate_states = 5;
-  site.third_derivatives = true;
-  Configuration first = example_configuration(scene_, site, {1, 0, 0});
+  ToolSpaceSetup tool_space = example_setup(26, 3);
+  tool_space.policy.intermediate_states = 5;
+  tool_space.policy.third_derivatives = true;
+  Configuration first = example_configuration(scene_, tool_space, {1, 0, 0});
   first.third_derivative = example_third_derivative(first.t);
-  const Configuration second = example_configuration(scene_, site, {-1, 0, 1});
+  const Configuration second = example_configuration(scene_, tool_space, {-1, 0, 1});
   std::vector<IntermediateState> way = example_way(first, 5);
   way[1].outcome = Outcome::not_converged;
   way[1].energy = -0.0;
@@ -294,11 +296,11 @@ TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
     StateSpaceFile file = create();
     EXPECT_THROW(file.add(26, first, way), InputError);
     EXPECT_TRUE(file.read_intermediate_states(26).empty()) << "without their configuration";
-    file.add_site(site);
+    file.add_tool_space(tool_space);
     file.add(26, first, way);
     file.close();
     StateSpaceFile of_rank = StateSpaceFile::create(rank, scene_, kTolerance);
-    of_rank.add_site(site);
+    of_rank.add_tool_space(tool_space);
     of_rank.add(26, second, other_way);
     of_rank.add(26, first, way);
     of_rank.close();
@@ -306,13 +308,13 @@ TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
   EXPECT_TRUE(file.merge(rank).empty());
   const StateSpace space = file.read(false);
-  EXPECT_EQ(space.sites[1].site, site);
-  EXPECT_TRUE(space.sites[0].intermediate_states.empty());
+  EXPECT_EQ(space.tool_spaces[1].setup, tool_space);
+  EXPECT_TRUE(space.tool_spaces[0].intermediate_states.empty());
   std::vector<IntermediateState> expected = other_way;
   expected.insert(expected.end(), way.begin(), way.end());
-  ASSERT_EQ(space.sites[1].intermediate_states.size(), 10U);
+  ASSERT_EQ(space.tool_spaces[1].intermediate_states.size(), 10U);
   for (std::size_t i = 0; i < 10; ++i) {
-    const IntermediateState& read = space.sites[1].intermediate_states[i];
+    const IntermediateState& read = space.tool_spaces[1].intermediate_states[i];
     if (i == 6) {
       EXPECT_FALSE(read.usable());
       EXPECT_TRUE(read.force.hasNaN());
@@ -320,24 +322,24 @@ TEST_F(StateSpaceFileTest, KeepsIntermediateStatesWithTheirConfiguration) {
     }
     expect_same(read, expected[i]);
   }
-  ASSERT_EQ(space.sites[1].configurations.size(), 2U);
-  EXPECT_FALSE(space.sites[1].configurations[0].has_third_derivative());
-  expect_same_summary(space.sites[1].configurations[1], first);
+  ASSERT_EQ(space.tool_spaces[1].configurations.size(), 2U);
+  EXPECT_FALSE(space.tool_spaces[1].configurations[0].has_third_derivative());
+  expect_same_summary(space.tool_spaces[1].configurations[1], first);
 
   // The force limit marks them as it does configurations.
-  site.force_limit = 0.5;
-  file.add_site(site);
+  tool_space.policy.force_limit = 0.5;
+  file.add_tool_space(tool_space);
   for (const IntermediateState& state : file.read_intermediate_states(26)) {
     EXPECT_EQ((state.flags & flags::beyond_force_limit) != 0, state.force.norm() > 0.5);
   }
 
-  Site other = site;
-  other.intermediate_states = 3;
-  expect_mentions(message_of<InputError>([&] { file.add_site(other); }),
+  ToolSpaceSetup other = tool_space;
+  other.policy.intermediate_states = 3;
+  expect_mentions(message_of<InputError>([&] { file.add_tool_space(other); }),
                   {"5 intermediate states", "3 intermediate states"});
-  other = site;
-  other.third_derivatives = false;
-  expect_mentions(message_of<InputError>([&] { file.add_site(other); }),
+  other = tool_space;
+  other.policy.third_derivatives = false;
+  expect_mentions(message_of<InputError>([&] { file.add_tool_space(other); }),
                   {", third derivatives", "no third derivatives"});
 }
 
@@ -410,16 +412,17 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
     StateSpaceFile file = create();
     for (std::int32_t i = -1; i <= 1; ++i) {
       for (std::int32_t j = -1; j <= 1; ++j) {
-        Configuration c = example_configuration(scene_, site_, {i, j, 0});
+        Configuration c = example_configuration(scene_, tool_space_, {i, j, 0});
         c.third_derivative = example_third_derivative(c.t);
         const std::vector<IntermediateState> way = example_way(c, kStates);
         states.insert(states.end(), way.begin(), way.end());
-        file.add(site_.active_node, c, way);
+        file.add(tool_space_.interaction.active_node, c, way);
         Configuration& kept = written.emplace(c.check_point, c).first->second;
         if (i == 1) continue;
         const CheckPoint next{i + 1, j, 0};
         const std::int32_t reached = j == 0 ? failed_to_reach : 0;
-        file.add(site_.active_node, LevelTransition{c.check_point, 0, next, reached});
+        file.add(tool_space_.interaction.active_node,
+                 LevelTransition{c.check_point, 0, next, reached});
         kept.reached[neighbour_number(c.check_point, next)] = reached;
       }
     }
@@ -445,7 +448,8 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
       const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
       const Scene scene = file.read_scene();
       std::size_t num_missing = states.size() + kTestPoints + written.size();
-      for (const IntermediateState& state : file.read_intermediate_states(site_.active_node)) {
+      for (const IntermediateState& state :
+           file.read_intermediate_states(tool_space_.interaction.active_node)) {
         const auto right = std::find_if(states.begin(), states.end(), [&](const auto& other) {
           return !(other < state) && !(state < other);
         });
@@ -458,8 +462,8 @@ TEST_F(StateSpaceFileTest, DamagedBytesNeverGiveAWrongState) {
         expect_same(point, example_test_point(point.number));
         --num_missing;
       }
-      for (Configuration& c : file.read_summaries(site_.active_node)) {
-        if (!file.read_fields(site_.active_node, c)) continue;
+      for (Configuration& c : file.read_summaries(tool_space_.interaction.active_node)) {
+        if (!file.read_fields(tool_space_.interaction.active_node, c)) continue;
         const auto right = written.find(c.check_point);
         ASSERT_NE(right, written.end()) << place;
         for (std::size_t n = 0; n < c.reached.size(); ++n) {
@@ -514,13 +518,14 @@ TEST_F(StateSpaceFileTest, AppendsAndReplaces) {
   Scene touched = scene_;
   touched.touchable[0] = 1 - touched.touchable[0];
   StateSpaceFile file = StateSpaceFile::open_or_create(path_, touched, kTolerance);
-  file.add_site(site_);
-  Configuration c = example_configuration(scene_, site_, {0, 0, 1});
+  file.add_tool_space(tool_space_);
+  Configuration c = example_configuration(scene_, tool_space_, {0, 0, 1});
   c.outcome = Outcome::budget_used_up;
-  file.add(site_.active_node, c);
+  file.add(tool_space_.interaction.active_node, c);
   c.outcome = Outcome::converged;
-  file.add(site_.active_node, c);
-  const std::vector<Configuration> summaries = file.read_summaries(site_.active_node);
+  file.add(tool_space_.interaction.active_node, c);
+  const std::vector<Configuration> summaries =
+      file.read_summaries(tool_space_.interaction.active_node);
   ASSERT_EQ(summaries.size(), 1U);
   EXPECT_TRUE(summaries[0].usable());
   EXPECT_EQ(file.read_scene().touchable, touched.touchable);
@@ -528,27 +533,27 @@ TEST_F(StateSpaceFileTest, AppendsAndReplaces) {
 
 TEST_F(StateSpaceFileTest, RefusesWhatDoesNotFit) {
   StateSpaceFile file = create();
-  const Configuration c = example_configuration(scene_, site_, {0, 0, 0});
-  expect_mentions(message_of<InputError>([&] { file.add(5, c); }), {"no site", "5"});
+  const Configuration c = example_configuration(scene_, tool_space_, {0, 0, 0});
+  expect_mentions(message_of<InputError>([&] { file.add(5, c); }), {"no tool space", "5"});
   Configuration wrong_size = c;
   wrong_size.u.resize(7);
-  EXPECT_THROW(file.add(site_.active_node, wrong_size), InputError);
+  EXPECT_THROW(file.add(tool_space_.interaction.active_node, wrong_size), InputError);
   wrong_size = c;
   wrong_size.p.setZero(5);
   wrong_size.p_v.setZero(4, 3);
-  EXPECT_THROW(file.add(site_.active_node, wrong_size), InputError);
-  Site other_grid = site_;
-  other_grid.resolution = 9;
-  expect_mentions(message_of<InputError>([&] { file.add_site(other_grid); }),
+  EXPECT_THROW(file.add(tool_space_.interaction.active_node, wrong_size), InputError);
+  ToolSpaceSetup other_grid = tool_space_;
+  other_grid.grid.resolution = 9;
+  expect_mentions(message_of<InputError>([&] { file.add_tool_space(other_grid); }),
                   {"resolution 3", "resolution 9"});
-  Site other_tip = site_;
-  other_tip.tip_radius = 0.25;
-  expect_mentions(message_of<InputError>([&] { file.add_site(other_tip); }),
+  ToolSpaceSetup other_tip = tool_space_;
+  other_tip.interaction.tip_radius = 0.25;
+  expect_mentions(message_of<InputError>([&] { file.add_tool_space(other_tip); }),
                   {path_.filename().string(), "tip radius 0.125 m", "tip radius 0.25 m"});
-  file.add(site_.active_node, c);
-  EXPECT_EQ(file.read_summaries(site_.active_node).size(), 1U);
-  Configuration missing = example_configuration(scene_, site_, {1, 1, 1});
-  EXPECT_THROW((void)file.read_fields(site_.active_node, missing), InputError);
+  file.add(tool_space_.interaction.active_node, c);
+  EXPECT_EQ(file.read_summaries(tool_space_.interaction.active_node).size(), 1U);
+  Configuration missing = example_configuration(scene_, tool_space_, {1, 1, 1});
+  EXPECT_THROW((void)file.read_fields(tool_space_.interaction.active_node, missing), InputError);
 }
 
 TEST_F(StateSpaceFileTest, RefusesAnotherSceneAndTolerance) {
@@ -608,8 +613,8 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0\7", 4));  // user_version
-  expect_mentions(message_of<InputError>(open), {"version 7", "newer"});
+  poke(60, std::string("\0\0\0\10", 4));  // user_version
+  expect_mentions(message_of<InputError>(open), {"version 8", "newer"});
   for (char older : {'\1', '\2', '\3', '\4'}) {
     poke(60, std::string("\0\0\0", 3) + older);
     expect_mentions(message_of<InputError>(open),
@@ -618,7 +623,7 @@ TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
 }
 
 TEST_F(StateSpaceFileTest, SaysThatATruncatedFileIsDamaged) {
-  create_full(path_, site_);
+  create_full(path_, tool_space_);
   const auto whole = fs::file_size(path_);
   for (const auto size : {whole - 1, whole - 20000, whole / 2, whole / 16, std::uintmax_t{20000},
                           std::uintmax_t{1000}, std::uintmax_t{100}}) {
@@ -631,7 +636,7 @@ TEST_F(StateSpaceFileTest, SaysThatATruncatedFileIsDamaged) {
 }
 
 TEST_F(StateSpaceFileTest, OffersWhatIsSoundBesideDamage) {
-  create_full(path_, site_);
+  create_full(path_, tool_space_);
   const StateSpace whole = StateSpaceFile::open_read_only(path_).read(true);
   const fs::path copy = folder_ / "copy.palpate";
   fs::copy(path_, copy);
@@ -647,15 +652,15 @@ TEST_F(StateSpaceFileTest, OffersWhatIsSoundBesideDamage) {
       const StateSpace space = file.read(true);
       const bool is_told = !file.left_out().empty();
       noticed += is_told ? 1 : 0;
-      if (space.sites.empty()) {
+      if (space.tool_spaces.empty()) {
         EXPECT_TRUE(is_told);
         continue;
       }
-      const auto& configurations = space.sites[0].configurations;
+      const auto& configurations = space.tool_spaces[0].configurations;
       num_offered += configurations.size();
-      EXPECT_TRUE(configurations.size() == whole.sites[0].configurations.size() || is_told);
+      EXPECT_TRUE(configurations.size() == whole.tool_spaces[0].configurations.size() || is_told);
       for (const Configuration& c : configurations) {
-        const Configuration* right = whole.sites[0].find(c.check_point);
+        const Configuration* right = whole.tool_spaces[0].find(c.check_point);
         ASSERT_NE(right, nullptr);
         expect_same(c, *right);
       }
@@ -665,14 +670,14 @@ TEST_F(StateSpaceFileTest, OffersWhatIsSoundBesideDamage) {
     }
   }
   EXPECT_GT(noticed, kTrials / 2);
-  EXPECT_GT(num_offered, 9 * kTrials / 10 * (whole.sites[0].configurations.size() - 4));
+  EXPECT_GT(num_offered, 9 * kTrials / 10 * (whole.tool_spaces[0].configurations.size() - 4));
 }
 
 // Everything whose add() returned is there after the writer was killed at a random instant.
 TEST_F(StateSpaceFileTest, SurvivesKill9) {
-  const Site site = example_site(8, 7);
+  const ToolSpaceSetup tool_space = example_setup(8, 7);
   std::vector<CheckPoint> check_points;
-  for_each_check_point(site, [&](const CheckPoint& c) { check_points.push_back(c); });
+  for_each_check_point(tool_space, [&](const CheckPoint& c) { check_points.push_back(c); });
   std::size_t present = 0;
   for (int round = 0; round < 6 && present < check_points.size(); ++round) {
     std::array<int, 2> channel{};
@@ -680,9 +685,10 @@ TEST_F(StateSpaceFileTest, SurvivesKill9) {
     const pid_t child = fork();
     if (child == 0) {
       StateSpaceFile file = StateSpaceFile::open_or_create(path_, scene_, kTolerance);
-      file.add_site(site);
+      file.add_tool_space(tool_space);
       for (std::size_t i = present; i < check_points.size(); ++i) {
-        file.add(site.active_node, example_configuration(scene_, site, check_points[i]));
+        file.add(tool_space.interaction.active_node,
+                 example_configuration(scene_, tool_space, check_points[i]));
         if (write(channel[1], &i, sizeof i) != sizeof i) _exit(1);
       }
       _exit(0);
@@ -699,11 +705,11 @@ TEST_F(StateSpaceFileTest, SurvivesKill9) {
     close(channel[0]);
 
     const StateSpace space = StateSpaceFile::open_read_only(path_).read(true);
-    ASSERT_EQ(space.sites.size(), 1U);
-    const auto& configurations = space.sites[0].configurations;
+    ASSERT_EQ(space.tool_spaces.size(), 1U);
+    const auto& configurations = space.tool_spaces[0].configurations;
     ASSERT_GE(configurations.size(), last + 1);
     for (std::size_t i = 0; i < configurations.size(); ++i) {
-      expect_same(configurations[i], example_configuration(scene_, site, check_points[i]));
+      expect_same(configurations[i], example_configuration(scene_, tool_space, check_points[i]));
     }
     present = configurations.size();
     EXPECT_EQ(files().size(), 1U) << "the log is not taken up";
@@ -721,10 +727,10 @@ TEST_F(StateSpaceFileTest, OneWriterAtATime) {
 }
 
 TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
-  const Index node = site_.active_node;
+  const Index node = tool_space_.interaction.active_node;
   const CheckPoint start{0, 0, 0};
   const CheckPoint target{1, 0, 0};
-  Configuration known = example_configuration(scene_, site_, target);
+  Configuration known = example_configuration(scene_, tool_space_, target);
   Configuration other = known;
   other.level = candidate_level(start, 0, target);
   other.parent = start;
@@ -742,7 +748,7 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
     file.settle(node, other, 1);
     file.settle(node, same, failed_to_reach);
     // A level of any number.
-    Configuration high = example_configuration(scene_, site_, start);
+    Configuration high = example_configuration(scene_, tool_space_, start);
     high.level = 200;
     file.add(node, high);
     file.add(node, LevelTransition{target, 0, start, 200});
@@ -773,20 +779,22 @@ TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
 TEST_F(StateSpaceFileTest, MergesFilesOfRanks) {
   std::vector<fs::path> ranks;
   std::vector<Configuration> all;
-  const Site second = example_site(26, 3);
+  const ToolSpaceSetup second = example_setup(26, 3);
   for (int rank = 0; rank < 3; ++rank) {
     ranks.push_back(folder_ / ("rank" + std::to_string(rank)));
     StateSpaceFile file = StateSpaceFile::create(ranks.back(), scene_, kTolerance);
-    file.add_site(rank == 2 ? second : site_);
+    file.add_tool_space(rank == 2 ? second : tool_space_);
     int i = 0;
-    for_each_check_point(site_, [&](const CheckPoint& c) {
-      Configuration configuration = example_configuration(scene_, rank == 2 ? second : site_, c);
+    for_each_check_point(tool_space_, [&](const CheckPoint& c) {
+      Configuration configuration =
+          example_configuration(scene_, rank == 2 ? second : tool_space_, c);
       configuration.seconds = rank;
       // One is in both; another converged in the second file alone.
       if (c == CheckPoint{1, 1, 0} && rank == 0) configuration.outcome = Outcome::budget_used_up;
       const bool shared = c == CheckPoint{0, 0, 0} || c == CheckPoint{1, 1, 0};
       if (rank == 2 || shared || i++ % 2 == rank) {
-        file.add(rank == 2 ? second.active_node : site_.active_node, configuration);
+        file.add(rank == 2 ? second.interaction.active_node : tool_space_.interaction.active_node,
+                 configuration);
       }
     });
     file.close();
@@ -795,11 +803,11 @@ TEST_F(StateSpaceFileTest, MergesFilesOfRanks) {
   for (int again = 0; again < 2; ++again) {
     for (const fs::path& rank : ranks) EXPECT_TRUE(file.merge(rank).empty());
     const StateSpace space = file.read(true);
-    ASSERT_EQ(space.sites.size(), 2U);
-    for (const SiteSpace& site : space.sites) {
-      ASSERT_EQ(site.configurations.size(), 27U);
-      for (const Configuration& c : site.configurations) {
-        Configuration expected = example_configuration(scene_, site.site, c.check_point);
+    ASSERT_EQ(space.tool_spaces.size(), 2U);
+    for (const ToolSpace& tool_space : space.tool_spaces) {
+      ASSERT_EQ(tool_space.configurations.size(), 27U);
+      for (const Configuration& c : tool_space.configurations) {
+        Configuration expected = example_configuration(scene_, tool_space.setup, c.check_point);
         expected.seconds = c.seconds;
         expect_same(c, expected);
       }
@@ -817,7 +825,7 @@ TEST_F(StateSpaceFileTest, MergesNoOtherScene) {
   StateSpaceFile::create(other, test::cube_scene(1), kTolerance).close();
   expect_mentions(message_of<InputError>([&] { (void)file.merge(other); }), {file.scene_hash()});
   fs::remove(other);
-  create_full(other, example_site(8, 5));
+  create_full(other, example_setup(8, 5));
   expect_mentions(message_of<InputError>([&] { (void)file.merge(other); }), {"resolution"});
   EXPECT_THROW((void)file.merge(folder_ / "none"), InputError);
   EXPECT_TRUE(file.read_summaries(8).empty());
@@ -842,12 +850,12 @@ int in_child(const std::function<int()>& body) {
 }
 
 TEST_F(StateSpaceFileTest, ReadsWhereNothingMayBeWritten) {
-  create_full(path_, site_);
+  create_full(path_, tool_space_);
   fs::permissions(path_, fs::perms(0444));
   fs::permissions(folder_, fs::perms(0555));
   EXPECT_EQ(in_child([&] {
               const StateSpace space = StateSpaceFile::open_read_only(path_).read(true);
-              return space.sites[0].configurations.size() == 27 ? 0 : 1;
+              return space.tool_spaces[0].configurations.size() == 27 ? 0 : 1;
             }),
             0);
   // As root or not, an error that names the file when it is to be written.
@@ -875,7 +883,8 @@ TEST_F(StateSpaceFileTest, SaysThatALogCannotBeTakenUp) {
   const pid_t child = fork();
   if (child == 0) {
     StateSpaceFile file = create();
-    file.add(site_.active_node, example_configuration(scene_, site_, {0, 0, 0}));
+    file.add(tool_space_.interaction.active_node,
+             example_configuration(scene_, tool_space_, {0, 0, 0}));
     raise(SIGKILL);
   }
   waitpid(child, nullptr, 0);
@@ -894,9 +903,9 @@ TEST_F(StateSpaceFileTest, SaysThatALogCannotBeTakenUp) {
 }
 
 TEST_F(StateSpaceFileTest, KeepsWhatItHasWhenTheDiskIsFull) {
-  create_full(path_, site_);
+  create_full(path_, tool_space_);
   const auto size = fs::file_size(path_);
-  const Site site = example_site(26, 5);
+  const ToolSpaceSetup tool_space = example_setup(26, 5);
   // A limit on the size of files stands for a full disk.
   const pid_t child = fork();
   if (child == 0) {
@@ -906,9 +915,9 @@ TEST_F(StateSpaceFileTest, KeepsWhatItHasWhenTheDiskIsFull) {
     int code = 2;
     try {
       StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
-      file.add_site(site);
-      for_each_check_point(site, [&](const CheckPoint& c) {
-        file.add(site.active_node, example_configuration(scene_, site, c));
+      file.add_tool_space(tool_space);
+      for_each_check_point(tool_space, [&](const CheckPoint& c) {
+        file.add(tool_space.interaction.active_node, example_configuration(scene_, tool_space, c));
       });
     } catch (const BackendError&) {
       code = 0;
@@ -919,13 +928,13 @@ TEST_F(StateSpaceFileTest, KeepsWhatItHasWhenTheDiskIsFull) {
   waitpid(child, &status, 0);
   EXPECT_EQ(WEXITSTATUS(status), 0);
   const StateSpace space = StateSpaceFile::open_read_only(path_).read(true);
-  ASSERT_EQ(space.sites.size(), 2U);
-  EXPECT_EQ(space.sites[0].configurations.size(), 27U);
+  ASSERT_EQ(space.tool_spaces.size(), 2U);
+  EXPECT_EQ(space.tool_spaces[0].configurations.size(), 27U);
 }
 
 TEST_F(StateSpaceFileTest, IsReadByPython) {
   if (std::system("python3 -c 'import sqlite3' 2>/dev/null") != 0) GTEST_SKIP() << "no python3";
-  create_full(path_, site_);
+  create_full(path_, tool_space_);
   const fs::path script = folder_ / "read.py";
   std::ofstream(script) << R"(
 import array, sqlite3, sys

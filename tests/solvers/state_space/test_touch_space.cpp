@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 using test::cube_scene;
-using test::example_site;
+using test::example_setup;
 using test::example_space;
 
 Eigen::VectorXd on_surface(const Surface& surface, const Eigen::VectorXd& field) {
@@ -37,36 +37,38 @@ double largest(const Eigen::VectorXd& field) {
 
 TEST(TouchSpace, KeepsItsBoundOfTheWholeSpace) {
   const Scene scene = cube_scene(3);
-  const StateSpace space = example_space(scene, {example_site(63), example_site(47, 3)});
+  const StateSpace space = example_space(scene, {example_setup(63), example_setup(47, 3)});
   const TouchSpace touch = make_touch_space(space, 1e-3);
   EXPECT_EQ(touch.scene_hash, space.scene_hash);
-  ASSERT_EQ(touch.sites.size(), 2U);
+  ASSERT_EQ(touch.tool_spaces.size(), 2U);
   EXPECT_LT(touch.num_modes(), 40);
 
   double displacement = 0;
   double displacement_error = 0;
   double sensitivity_error = 0;
-  for (const SiteSpace& from : space.sites) {
-    const TouchSite* site = touch.find(from.site.active_node);
-    ASSERT_NE(site, nullptr);
-    EXPECT_EQ(site->rest_position, scene.mesh.points[from.site.active_node]);
-    ASSERT_EQ(site->configurations.size(), from.configurations.size());
+  for (const ToolSpace& from : space.tool_spaces) {
+    const TouchToolSpace* tool_space = touch.find(from.setup.interaction.active_node);
+    ASSERT_NE(tool_space, nullptr);
+    EXPECT_EQ(tool_space->setup, from.setup);
+    ASSERT_EQ(tool_space->configurations.size(), from.configurations.size());
     for (std::size_t i = 0; i < from.configurations.size(); ++i) {
       const Configuration& c = from.configurations[i];
-      EXPECT_EQ(site->configurations[i].check_point, c.check_point);
-      EXPECT_EQ(site->configurations[i].force, c.force);
+      EXPECT_EQ(tool_space->configurations[i].check_point, c.check_point);
+      EXPECT_EQ(tool_space->configurations[i].force, c.force);
       const auto column = static_cast<Eigen::Index>(i);
       const Eigen::VectorXd u = on_surface(touch.surface, c.u);
-      const Eigen::VectorXd modal_u = (touch.modes * site->coefficients.col(column)).cast<double>();
+      const Eigen::VectorXd modal_u =
+          (touch.modes * tool_space->coefficients.col(column)).cast<double>();
       displacement = std::max(displacement, largest(u));
       displacement_error = std::max(displacement_error, largest(u - modal_u));
       for (int a = 0; a < 3; ++a) {
         const Eigen::VectorXd v = on_surface(touch.surface, c.v.col(a));
         const Eigen::VectorXd modal_v =
-            (touch.modes * site->coefficient_gradients.col(column).segment(a * touch.num_modes(),
-                                                                           touch.num_modes()))
+            (touch.modes * tool_space->coefficient_gradients.col(column).segment(
+                               a * touch.num_modes(), touch.num_modes()))
                 .cast<double>();
-        sensitivity_error = std::max(sensitivity_error, from.site.spacing() * largest(v - modal_v));
+        sensitivity_error =
+            std::max(sensitivity_error, from.setup.grid.spacing() * largest(v - modal_v));
       }
     }
   }
@@ -90,9 +92,10 @@ class TouchSpaceFile : public testing::Test {
   [[nodiscard]] StateSpaceFile file_of(const StateSpace& space) const {
     StateSpaceFile file =
         StateSpaceFile::create(folder_ / "space.palpate", space.scene, space.solver_tolerance);
-    for (const SiteSpace& site : space.sites) {
-      file.add_site(site.site);
-      for (const Configuration& c : site.configurations) file.add(site.site.active_node, c);
+    for (const ToolSpace& tool_space : space.tool_spaces) {
+      file.add_tool_space(tool_space.setup);
+      for (const Configuration& c : tool_space.configurations)
+        file.add(tool_space.setup.interaction.active_node, c);
     }
     return file;
   }
@@ -102,23 +105,23 @@ class TouchSpaceFile : public testing::Test {
 };
 
 TEST_F(TouchSpaceFile, EqualsTheSpaceInMemory) {
-  const StateSpace space = example_space(cube_scene(), {example_site(8, 3), example_site(26, 3)});
+  const StateSpace space = example_space(cube_scene(), {example_setup(8, 3), example_setup(26, 3)});
   const StateSpaceFile file = file_of(space);
   const TouchSpace a = make_touch_space(space);
   const TouchSpace b = make_touch_space(file);
   EXPECT_EQ(a.modes, b.modes);
   EXPECT_EQ(a.scene_hash, b.scene_hash);
-  ASSERT_EQ(b.sites.size(), 2U);
-  EXPECT_EQ(a.sites[1].coefficients, b.sites[1].coefficients);
-  EXPECT_EQ(a.sites[1].coefficient_gradients, b.sites[1].coefficient_gradients);
-  EXPECT_EQ(a.sites[1].configurations.size(), b.sites[1].configurations.size());
+  ASSERT_EQ(b.tool_spaces.size(), 2U);
+  EXPECT_EQ(a.tool_spaces[1].coefficients, b.tool_spaces[1].coefficients);
+  EXPECT_EQ(a.tool_spaces[1].coefficient_gradients, b.tool_spaces[1].coefficient_gradients);
+  EXPECT_EQ(a.tool_spaces[1].configurations.size(), b.tool_spaces[1].configurations.size());
 }
 
 TEST_F(TouchSpaceFile, WithoutModesAllButTheModesIsThere) {
-  StateSpace space = example_space(cube_scene(), {example_site(8, 3), example_site(26, 3)});
+  StateSpace space = example_space(cube_scene(), {example_setup(8, 3), example_setup(26, 3)});
   const TouchSpace whole = make_touch_space(space);
-  for (SiteSpace& site : space.sites) {
-    for (Configuration& c : site.configurations) {
+  for (ToolSpace& tool_space : space.tool_spaces) {
+    for (Configuration& c : tool_space.configurations) {
       for_each_field(c, [](auto& field) { field = {}; });
     }
   }
@@ -129,59 +132,59 @@ TEST_F(TouchSpaceFile, WithoutModesAllButTheModesIsThere) {
   EXPECT_EQ(bare.surface.mesh_points, whole.surface.mesh_points);
   EXPECT_EQ(bare.surface.triangles, whole.surface.triangles);
   EXPECT_EQ(bare.num_modes(), 0);
-  ASSERT_EQ(bare.sites.size(), 2U);
+  ASSERT_EQ(bare.tool_spaces.size(), 2U);
   for (std::size_t s = 0; s < 2; ++s) {
-    EXPECT_EQ(bare.sites[s].site, whole.sites[s].site);
-    EXPECT_EQ(bare.sites[s].rest_position, whole.sites[s].rest_position);
-    EXPECT_EQ(bare.sites[s].coefficients.cols(), 27);
-    EXPECT_EQ(bare.sites[s].coefficient_gradients.cols(), 27);
-    ASSERT_EQ(bare.sites[s].configurations.size(), 27U);
+    EXPECT_EQ(bare.tool_spaces[s].setup, whole.tool_spaces[s].setup);
+    EXPECT_EQ(bare.tool_spaces[s].coefficients.cols(), 27);
+    EXPECT_EQ(bare.tool_spaces[s].coefficient_gradients.cols(), 27);
+    ASSERT_EQ(bare.tool_spaces[s].configurations.size(), 27U);
     for (std::size_t c = 0; c < 27; ++c) {
-      EXPECT_EQ(bare.sites[s].configurations[c].t, whole.sites[s].configurations[c].t);
-      EXPECT_EQ(bare.sites[s].configurations[c].force, whole.sites[s].configurations[c].force);
+      EXPECT_EQ(bare.tool_spaces[s].configurations[c].t, whole.tool_spaces[s].configurations[c].t);
+      EXPECT_EQ(bare.tool_spaces[s].configurations[c].force,
+                whole.tool_spaces[s].configurations[c].force);
     }
   }
 }
 
 TEST(TouchSpace, ConfigurationsThatFailedNeedNoFields) {
   const Scene scene = cube_scene();
-  StateSpace space = example_space(scene, {example_site(8, 3)});
-  Configuration& failed = space.sites[0].configurations[2];
+  StateSpace space = example_space(scene, {example_setup(8, 3)});
+  Configuration& failed = space.tool_spaces[0].configurations[2];
   failed.outcome = Outcome::not_converged;
   failed.u.resize(0);
   failed.v.resize(0, 0);
   const TouchSpace touch = make_touch_space(space);
-  EXPECT_EQ(touch.sites[0].configurations.size(), 27U);
-  EXPECT_TRUE(touch.sites[0].coefficients.col(2).isZero(0));
-  EXPECT_FALSE(touch.sites[0].coefficients.col(3).isZero(0));
+  EXPECT_EQ(touch.tool_spaces[0].configurations.size(), 27U);
+  EXPECT_TRUE(touch.tool_spaces[0].coefficients.col(2).isZero(0));
+  EXPECT_FALSE(touch.tool_spaces[0].coefficients.col(3).isZero(0));
 }
 
 TEST(TouchSpace, RestAloneAndNothingUsable) {
   const Scene scene = cube_scene();
-  StateSpace space = example_space(scene, {example_site(8, 1)});
+  StateSpace space = example_space(scene, {example_setup(8, 1)});
   TouchSpace touch = make_touch_space(space);
   EXPECT_EQ(touch.num_modes(), 3);
-  EXPECT_TRUE(touch.sites[0].coefficients.isZero(1e-12F));
-  EXPECT_FALSE(touch.sites[0].coefficient_gradients.isZero(1e-3F));
-  space.sites[0].configurations[0].outcome = Outcome::aborted;
+  EXPECT_TRUE(touch.tool_spaces[0].coefficients.isZero(1e-12F));
+  EXPECT_FALSE(touch.tool_spaces[0].coefficient_gradients.isZero(1e-3F));
+  space.tool_spaces[0].configurations[0].outcome = Outcome::aborted;
   touch = make_touch_space(space);
   EXPECT_EQ(touch.num_modes(), 0);
-  EXPECT_EQ(touch.sites[0].coefficients.cols(), 1);
-  space.sites.clear();
-  EXPECT_TRUE(make_touch_space(space).sites.empty());
+  EXPECT_EQ(touch.tool_spaces[0].coefficients.cols(), 1);
+  space.tool_spaces.clear();
+  EXPECT_TRUE(make_touch_space(space).tool_spaces.empty());
 }
 
 TEST(TouchSpace, RefusesMissingAndBrokenFields) {
   const Scene scene = cube_scene();
-  const StateSpace whole = example_space(scene, {example_site(8, 3)});
+  const StateSpace whole = example_space(scene, {example_setup(8, 3)});
   StateSpace space = whole;
-  space.sites[0].configurations[5].v.resize(0, 0);
+  space.tool_spaces[0].configurations[5].v.resize(0, 0);
   EXPECT_THROW((void)make_touch_space(space), InputError);
   space = whole;
-  space.sites[0].configurations[5].u[7] = std::numeric_limits<double>::quiet_NaN();
+  space.tool_spaces[0].configurations[5].u[7] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)make_touch_space(space), InputError);
   space = whole;
-  space.sites[0].site.active_node = scene.mesh.num_points();
+  space.tool_spaces[0].setup.interaction.active_node = scene.mesh.num_points();
   EXPECT_THROW((void)make_touch_space(space), InputError);
   EXPECT_THROW((void)make_touch_space(whole, 0), InputError);
 }

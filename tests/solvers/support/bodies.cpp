@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solvers/support/bodies.h"
+#include "interaction/bonded_patch.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -58,12 +59,10 @@ std::vector<Index> points_where(const TetMesh& mesh,
   return points;
 }
 
-Constraint hold_as_one(const std::vector<Index>& points) {
-  Constraint constraint;
-  constraint.points = points;
-  constraint.site_of_point.assign(points.size(), 0);
-  constraint.num_sites = 1;
-  return constraint;
+InteractionList bond_as_one(const std::vector<Index>& points) {
+  InteractionList tools;
+  tools.add(BondedPatch(points));
+  return tools;
 }
 
 void put_inside(Scene& scene, const Material& other,
@@ -215,7 +214,7 @@ Roof make_roof(const RoofOptions& options) {
     roof.fixed.push_back(std::abs(p.x()) == 1 && p.z() == 0.5 ? 1 : 0);
   }
   roof.centre =
-      hold_as_one(points_where(parameters, [](const Vec3& p) { return p.x() == 0 && p.y() == 0; }));
+      bond_as_one(points_where(parameters, [](const Vec3& p) { return p.x() == 0 && p.y() == 0; }));
   return roof;
 }
 

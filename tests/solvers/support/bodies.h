@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "assembly/scene.h"
-#include "equilibrium/constraint.h"
+#include "interaction/bonded_patch.h"
 #include "solvers/support/box_mesh.h"
 
 namespace palpate::test {
@@ -20,7 +20,7 @@ namespace palpate::test {
                                               const std::function<bool(const Vec3&)>& holds);
 
 /// The points move as one.
-[[nodiscard]] Constraint hold_as_one(const std::vector<Index>& points);
+[[nodiscard]] InteractionList bond_as_one(const std::vector<Index>& points);
 
 /// The scene's material in the first place, another in the cells whose middle lies where `inside`
 /// holds.
@@ -55,8 +55,8 @@ struct Roof {
   TetMesh mesh;
   /// 1 where the hinge is [num_points].
   std::vector<char> fixed;
-  /// The line through the thickness at the crown's middle, as one site.
-  Constraint centre;
+  /// The line through the thickness at the crown's middle, which moves as one.
+  InteractionList centre;
 };
 
 struct RoofOptions {

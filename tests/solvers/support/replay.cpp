@@ -20,22 +20,22 @@ using Summaries = std::map<CheckPoint, const ConfigurationSummary*>;
 /// What all ranks have in common.
 struct Plan {
   const std::vector<Recording>& recordings;
-  const std::vector<int>& recording_of_site;
+  const std::vector<int>& recording_of_tool_space;
   const ReplayOptions& options;
   /// By recording.
   std::vector<Summaries> summaries;
-  /// The active nodes are counted from 0.
-  std::vector<Site> sites;
+  /// Their numbers count from 0.
+  std::vector<ToolSpaceSetup> setups;
 
-  [[nodiscard]] const Recording& of(Index active_node) const {
-    return recordings[recording_of_site[active_node]];
+  [[nodiscard]] const Recording& of(ToolSpaceId tool_space) const {
+    return recordings[recording_of_tool_space[static_cast<std::size_t>(tool_space)]];
   }
 };
 
 /// @throws InputError
-Plan make_plan(const std::vector<Recording>& recordings, const std::vector<int>& recording_of_site,
-               const ReplayOptions& options) {
-  Plan plan{recordings, recording_of_site, options, {}, {}};
+Plan make_plan(const std::vector<Recording>& recordings,
+               const std::vector<int>& recording_of_tool_space, const ReplayOptions& options) {
+  Plan plan{recordings, recording_of_tool_space, options, {}, {}};
   for (const Recording& recording : recordings) {
     Summaries& summaries = plan.summaries.emplace_back();
     for (const ConfigurationSummary& c : recording.configurations) {
@@ -47,31 +47,31 @@ Plan make_plan(const std::vector<Recording>& recordings, const std::vector<int>&
       summaries[c.check_point] = &c;
     }
   }
-  for (std::size_t i = 0; i < recording_of_site.size(); ++i) {
-    Site& site = plan.sites.emplace_back(recordings[recording_of_site[i]].site);
-    site.active_node = static_cast<Index>(i);
-    site.history = History::flat;
-    site.intermediate_states = 0;
+  for (std::size_t i = 0; i < recording_of_tool_space.size(); ++i) {
+    ToolSpaceSetup& setup = plan.setups.emplace_back(recordings[recording_of_tool_space[i]].setup);
+    setup.id = static_cast<ToolSpaceId>(i);
+    setup.policy.history = History::flat;
+    setup.policy.intermediate_states = 0;
   }
   return plan;
 }
 
 /// Takes the time that was recorded.
-class ReplaySolver final : public SiteSolver {
+class ReplaySolver final : public StateSolver {
  public:
   ReplaySolver(const Plan& plan, Simulation& simulation, int rank, Monitor& monitor)
       : plan_(plan), simulation_(simulation), rank_(rank), monitor_(monitor) {}
 
-  [[nodiscard]] Equilibrium rest(Index active_node) override {
-    hold(active_node);
+  [[nodiscard]] Equilibrium rest(const ToolSpaceSetup& setup) override {
+    take(setup.id);
     const ConfigurationSummary& c = recorded({});
     keep_factor({});
     return spend(c.seconds) ? found(c) : aborted();
   }
 
-  [[nodiscard]] Equilibrium solve(Index active_node, const Eigen::VectorXd& t,
+  [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   const Equilibrium& start, Tangent tangent) override {
-    hold(active_node);
+    take(setup.id);
     const CheckPoint from = check_point(start.t);
     const ConfigurationSummary& c = recorded(check_point(t));
     if (c.parent != from) {
@@ -97,27 +97,29 @@ class ReplaySolver final : public SiteSolver {
   std::int64_t num_factorised_again = 0;
 
  private:
-  [[nodiscard]] const Site& site() const { return plan_.sites[held_node_]; }
+  [[nodiscard]] const ToolSpaceSetup& setup() const {
+    return plan_.setups[static_cast<std::size_t>(taken_)];
+  }
 
-  /// As the solver, which keeps the factors of one site.
-  void hold(Index active_node) {
-    if (std::exchange(held_node_, active_node) != active_node) factors_.clear();
+  /// As the solver, which keeps the factors of one tool space.
+  void take(ToolSpaceId tool_space) {
+    if (std::exchange(taken_, tool_space) != tool_space) factors_.clear();
   }
 
   [[nodiscard]] CheckPoint check_point(const Eigen::VectorXd& t) const {
     CheckPoint p{};
     for (int i = 0; i < 3; ++i)
-      p[i] = static_cast<std::int32_t>(std::lround(t[i] / site().spacing()));
+      p[i] = static_cast<std::int32_t>(std::lround(t[i] / setup().grid.spacing()));
     return p;
   }
 
   /// @throws InputError
   [[nodiscard]] const ConfigurationSummary& recorded(const CheckPoint& p) const {
-    const Summaries& summaries = plan_.summaries[plan_.recording_of_site[held_node_]];
+    const Summaries& summaries = plan_.summaries[static_cast<std::size_t>(
+        plan_.recording_of_tool_space[static_cast<std::size_t>(taken_)])];
     const auto found = summaries.find(p);
     if (found == summaries.end()) {
-      throw InputError("The recording of active node " +
-                       std::to_string(plan_.of(held_node_).site.active_node) +
+      throw InputError("The recording of " + plan_.of(taken_).setup.name() +
                        " lacks a configuration. Record a whole space.");
     }
     return *found->second;
@@ -130,7 +132,7 @@ class ReplaySolver final : public SiteSolver {
     const bool is_kept = kept != factors_.end();
     if (is_kept) factors_.erase(kept);
     factors_.push_back(p);
-    const int most = num_kept_factors(site().reach() / site().coarsest);
+    const int most = num_kept_factors(setup().grid.reach() / setup().grid.coarsest);
     if (factors_.size() > static_cast<std::size_t>(most)) factors_.pop_front();
     return is_kept;
   }
@@ -169,7 +171,7 @@ class ReplaySolver final : public SiteSolver {
   Simulation& simulation_;
   int rank_;
   Monitor& monitor_;
-  Index held_node_ = -1;
+  ToolSpaceId taken_ = -1;
   /// The last was used last.
   std::deque<CheckPoint> factors_;
 };
@@ -179,18 +181,19 @@ class ReplayRecord final : public Record {
  public:
   ReplayRecord(const Plan& plan, int rank) : plan_(plan), rank_(rank) {}
 
-  [[nodiscard]] Known known(Index active_node) const override {
+  [[nodiscard]] Known known(ToolSpaceId tool_space) const override {
     Known known;
-    const auto& all = plan_.of(active_node).configurations;
+    const auto& all = plan_.of(tool_space).configurations;
     const std::size_t number = rank_ == 0 ? std::min(plan_.options.num_known, all.size()) : 0;
     known.configurations.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(number));
     return known;
   }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
-  void keep(Index, const Configuration&, const std::vector<IntermediateState>&) override {}
-  void keep(Index, const LevelTransition&) override {}
-  void settle(Index, const ConfigurationSummary&, std::int32_t) override {}
-  [[nodiscard]] Configuration load(Index, const ConfigurationSummary& summary) const override {
+  void keep(ToolSpaceId, const Configuration&, const std::vector<IntermediateState>&) override {}
+  void keep(ToolSpaceId, const LevelTransition&) override {}
+  void settle(ToolSpaceId, const ConfigurationSummary&, std::int32_t) override {}
+  [[nodiscard]] Configuration load(ToolSpaceId,
+                                   const ConfigurationSummary& summary) const override {
     return {summary, {}, {}, {}, {}};
   }
   [[nodiscard]] TouchSpace finish(bool, double) override { return {}; }
@@ -210,7 +213,7 @@ class SimulatedEngine final : public Worker {
         monitor_(nullptr, simulation.network(rank)),
         solver_(plan, simulation, rank, monitor_),
         record_(plan, rank),
-        engine_(plan.sites, solver_, record_, simulation.network(rank), monitor_, report_) {}
+        engine_(plan.setups, solver_, record_, simulation.network(rank), monitor_, report_) {}
 
   void start(Mail& mail) override { engine_.start(mail); }
   void receive(int from, const Bytes& message, Mail& mail) override {
@@ -245,9 +248,10 @@ class SimulatedEngine final : public Worker {
 
 }  // namespace
 
-Replay replay(const std::vector<Recording>& recordings, const std::vector<int>& recording_of_site,
-              int num_ranks, const ReplayOptions& options) {
-  const Plan plan = make_plan(recordings, recording_of_site, options);
+Replay replay(const std::vector<Recording>& recordings,
+              const std::vector<int>& recording_of_tool_space, int num_ranks,
+              const ReplayOptions& options) {
+  const Plan plan = make_plan(recordings, recording_of_tool_space, options);
   Simulation simulation(num_ranks, options.machine);
   std::deque<SimulatedEngine> engines;
   std::vector<Worker*> workers;

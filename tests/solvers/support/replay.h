@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An exploration on ranks that are not there: the engine, its frontiers and the scheduler are those
-// that run under MPI; what a recorded space says of its configurations, and how long each took,
-// stands in for the mechanics.
+// An exploration on ranks that are not there: the engine, its strategies and the scheduler are
+// those that run under MPI; what a recorded space says of its configurations, and how long each
+// took, stands in for the mechanics.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@
 
 namespace palpate::test {
 
-/// A flat space around one active node, whole.
+/// A flat tool space, whole.
 struct Recording {
-  Site site;
+  ToolSpaceSetup setup;
   /// With the time that each took.
   std::vector<ConfigurationSummary> configurations;
 };
@@ -29,7 +29,7 @@ struct ReplayOptions {
   std::size_t state_bytes = 200'000;
   /// Of the tangent at a start, on a rank that does not keep its factor, s.
   double factorisation_seconds = 25e-3;
-  /// Of each active node, configurations that an earlier run has left.
+  /// Of each tool space, configurations that an earlier run has left.
   std::size_t num_known = 0;
 };
 
@@ -43,10 +43,10 @@ struct Replay {
   UnderWay most_under_way;
 };
 
-/// @param recording_of_site Of each active node, index into recordings: what it behaves as.
+/// @param recording_of_tool_space Of each tool space, index into recordings: what it behaves as.
 /// @throws InputError a recording of a space that is not whole, or that has levels.
 [[nodiscard]] Replay replay(const std::vector<Recording>& recordings,
-                            const std::vector<int>& recording_of_site, int num_ranks,
+                            const std::vector<int>& recording_of_tool_space, int num_ranks,
                             const ReplayOptions& options = {});
 
 }  // namespace palpate::test

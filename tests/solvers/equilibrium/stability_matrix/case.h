@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A case of the stability matrix: a body, where its sites go, and how that must end.
+// A case of the stability matrix: a body, where its tool spaces go, and how that must end.
 #pragma once
 
 #include <functional>
@@ -8,6 +8,7 @@
 
 #include "base/outcome.h"
 #include "equilibrium/equilibrium.h"
+#include "interaction/interaction_list.h"
 
 namespace palpate::test {
 
@@ -43,8 +44,8 @@ struct Expected {
 
 struct Problem {
   Scene scene;
-  Constraint constraint;
-  /// Displacements of the sites, one solve after the other.
+  InteractionList tools;
+  /// Coordinates of the tools, one solve after the other.
   std::vector<Eigen::VectorXd> way;
 };
 

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <utility>
 
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/stability_matrix/case.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
@@ -53,7 +54,7 @@ std::vector<char> fixed_where(const TetMesh& mesh, const std::function<bool(cons
 bool at_left(const Vec3& p) { return p.x() < 1e-9; }
 
 Problem hold_point(Scene scene, Index point, const Vec3& t) {
-  return {std::move(scene), hold_nodes({point}), {t}};
+  return {std::move(scene), bond_nodes({point}), {t}};
 }
 
 /// Calls f for each kind of cell and each law.
@@ -170,8 +171,8 @@ Problem patch_problem(ElementOrder order, Law law, const Vec3& t, int steps) {
   // Points of the far end, by their places before the warp.
   const TetMesh straight = make_box(order, {4, 2, 2}, kSize * Vec3(1, 0.6, 0.5));
   Problem problem;
-  problem.constraint =
-      hold_as_one(points_where(straight, [](const Vec3& p) { return p.x() > kSize * (1 - 1e-9); }));
+  problem.tools =
+      bond_as_one(points_where(straight, [](const Vec3& p) { return p.x() > kSize * (1 - 1e-9); }));
   problem.scene = std::move(block.scene);
   for (int i = 1; i <= steps; ++i) problem.way.emplace_back(t * i / steps);
   return problem;
@@ -184,7 +185,7 @@ Problem twist_problem(ElementOrder order, Law law, int steps) {
   TetMesh mesh = make_box(order, {quadratic ? 8 : 14, quadratic ? 1 : 2, quadratic ? 1 : 2}, size);
   const auto end = points_where(mesh, [&](const Vec3& p) { return p.x() > size.x() * (1 - 1e-9); });
   Problem problem;
-  problem.constraint = hold_nodes(end);
+  problem.tools = bond_nodes(end);
   for (int i = 1; i <= steps; ++i) {
     const double angle = 2 * M_PI * i / steps;
     Eigen::VectorXd t(3 * end.size());
@@ -364,7 +365,7 @@ void add_stability(std::vector<Case>& cases) {
              TetMesh mesh = make_box(order, {8, 1, 1}, kSize * Vec3(8, 1, 1));
              const auto fixed = fixed_where(mesh, at_left);
              Problem problem;
-             problem.constraint = hold_as_one(
+             problem.tools = bond_as_one(
                  points_where(mesh, [](const Vec3& p) { return p.x() > kSize * 8 * (1 - 1e-9); }));
              problem.scene =
                  make_scene(std::move(mesh), tissue(Law::st_venant_kirchhoff, 0), fixed);
@@ -413,7 +414,7 @@ void add_impossible_loads(std::vector<Case>& cases) {
         t[3 * i] = (stretch - 1) * mesh.points[held[i]].x();
       }
       Problem problem;
-      problem.constraint = hold_nodes(held);
+      problem.tools = bond_nodes(held);
       problem.way = {t};
       problem.scene = make_scene(std::move(mesh), tissue(law), fixed);
       return problem;

@@ -39,7 +39,7 @@ Result run(const Case& one) {
   const auto start = Clock::now();
   try {
     result.solver = std::make_unique<EquilibriumSolver>(result.problem.scene, options);
-    result.solver->hold(result.problem.constraint);
+    result.solver->set_interaction(result.problem.tools);
     result.state = result.solver->rest();
     for (const Eigen::VectorXd& t : result.problem.way) {
       Equilibrium next = result.solver->solve(t, result.state);
@@ -55,7 +55,7 @@ Result run(const Case& one) {
   result.seconds = seconds_since(start);
   if (!result.refused) {
     result.message = result.state.message;
-    result.faults = faults(result.state, result.solver->assembly(), result.problem.constraint,
+    result.faults = faults(result.state, result.solver->assembly(), result.problem.tools,
                            options.tolerance, &result.problem.scene.mesh);
     if (result.state.outcome == Outcome::converged && result.state.t != result.problem.way.back()) {
       result.faults.emplace_back("converged, but not to the displacement that was asked for");

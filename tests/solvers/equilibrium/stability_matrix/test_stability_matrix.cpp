@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "interaction/bonded_patch.h"
 #include "solvers/equilibrium/options.h"
 #include "solvers/equilibrium/stability_matrix/run.h"
 #include "solvers/support/block.h"
@@ -130,7 +131,7 @@ TEST(PoissonsRatio, NothingLocks) {
     const auto force = [&](Law law, double ratio) {
       const Block block = make_block(law, {order, {3, 2, 2}, 0.1, 3000, ratio});
       EquilibriumSolver solver(block.scene, {});
-      solver.hold(hold_nodes({block.corner}));
+      solver.set_interaction(bond_nodes({block.corner}));
       const Equilibrium state = solver.solve(Vec3(0.01, 0, 0), solver.rest());
       EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
       return state.reaction.x();
@@ -167,7 +168,7 @@ TEST(Slivers, PassThePatchTest) {
       for (std::size_t i = 0; i < held.size(); ++i) t.segment<3>(3 * i) = h * mesh.points[held[i]];
       EquilibriumSolver solver(
           make_scene(mesh, make_isotropic(Law::neo_hookean, 3000, 0.35), fixed), {});
-      solver.hold(hold_nodes(held));
+      solver.set_interaction(bond_nodes(held));
       const Equilibrium state = solver.solve(t, solver.rest());
       ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
       for (Index p = 0; p < mesh.num_points(); ++p) {
@@ -178,8 +179,8 @@ TEST(Slivers, PassThePatchTest) {
   }
 }
 
-// At the end of a whole turn the sites are where they were: in one step nothing has happened, step
-// by step the bar is twisted, and another equilibrium.
+// At the end of a whole turn the tool spaces are where they were: in one step nothing has happened,
+// step by step the bar is twisted, and another equilibrium.
 TEST(Twist, TheWayMatters) {
   int compared = 0;
   for (const Case& one : stability_matrix()) {
@@ -214,7 +215,7 @@ Equilibrium pull_in_units(ElementOrder order, Law law, double length, double mod
   for (Vec3& p : block.scene.mesh.points) p *= length;
   block.scene.materials[0] = scaled(block.scene.materials[0], modulus);
   EquilibriumSolver solver(block.scene, options);
-  solver.hold(hold_nodes({block.corner}));
+  solver.set_interaction(bond_nodes({block.corner}));
   const Equilibrium state = solver.solve(length * Vec3(0.012, 0.006, -0.01), solver.rest());
   EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
   return state;

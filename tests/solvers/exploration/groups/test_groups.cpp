@@ -27,10 +27,10 @@ constexpr double kAgreementOfStiffness = 1e-6;
 
 void expect_close(const TouchSpace& a, const TouchSpace& b) {
   EXPECT_EQ(a.scene_hash, b.scene_hash);
-  ASSERT_EQ(a.sites.size(), b.sites.size());
-  for (std::size_t s = 0; s < a.sites.size(); ++s) {
-    const auto& x = a.sites[s].configurations;
-    const auto& y = b.sites[s].configurations;
+  ASSERT_EQ(a.tool_spaces.size(), b.tool_spaces.size());
+  for (std::size_t s = 0; s < a.tool_spaces.size(); ++s) {
+    const auto& x = a.tool_spaces[s].configurations;
+    const auto& y = b.tool_spaces[s].configurations;
     ASSERT_EQ(x.size(), y.size());
     double force = 0;
     double energy = 0;
@@ -90,7 +90,7 @@ TEST_F(Groups, FindTheSpaceOfOneRank) {
     options_.ranks_per_solve = 1;
     expect_close(together.space, run(*serial_).space);
   } else {
-    EXPECT_TRUE(together.space.sites.empty());
+    EXPECT_TRUE(together.space.tool_spaces.empty());
   }
 }
 

@@ -10,9 +10,9 @@
 #include <tuple>
 #include <vector>
 
-#include "equilibrium/tip.h"
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
+#include "interaction/bonded_patch.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
 #include "solvers/support/block.h"
@@ -32,10 +32,10 @@ struct Folds {
 };
 
 /// From the solver's own path: where its inner tangent loses and gains its last negative pivot.
-Folds trace_folds(const Scene& scene, const Tip& tip, Index node) {
+Folds trace_folds(const Scene& scene, const BondedPatches& patches, Index node) {
   constexpr double kWay = 0.035;
   EquilibriumSolver solver(scene, {});
-  solver.hold(tip.hold({node}));
+  solver.set_interaction(patches.around(node));
   PathOptions options;
   options.first_step = 0.01;
   const Path path = solver.trace(Vec3(0, 0, -kWay), solver.rest(), options);
@@ -109,15 +109,15 @@ class RoofLevels : public testing::Test {
   }
 
   static void expect_equal(const TouchSpace& a, const TouchSpace& b) {
-    const auto& of_a = a.sites.front().configurations;
-    const auto& of_b = b.sites.front().configurations;
+    const auto& of_a = a.tool_spaces.front().configurations;
+    const auto& of_b = b.tool_spaces.front().configurations;
     ASSERT_EQ(of_a.size(), of_b.size());
     for (std::size_t i = 0; i < of_a.size(); ++i) {
       EXPECT_EQ(all_of(of_a[i]), all_of(of_b[i]));
       EXPECT_EQ(of_a[i].energy, of_b[i].energy);
       EXPECT_EQ(of_a[i].force, of_b[i].force);
     }
-    EXPECT_EQ(a.sites.front().coefficients, b.sites.front().coefficients);
+    EXPECT_EQ(a.tool_spaces.front().coefficients, b.tool_spaces.front().coefficients);
   }
 
   static Index node_;
@@ -141,27 +141,27 @@ TEST_F(RoofLevels, BothBranchesAreFoundAndTouchJumpsWhereTheBodyDoes) {
   EXPECT_GT(num_levels_, 0);
   EXPECT_GT(num_transitions_, num_levels_);
   if (world_->rank() != 0) return;
-  const TouchSite& site = serial_->space.sites.front();
-  const Folds folds = trace_folds(*scene_, Tip(*scene_, 0.04), node_);
-  const double spacing = site.site.spacing();
+  const TouchToolSpace& tool_space = serial_->space.tool_spaces.front();
+  const Folds folds = trace_folds(*scene_, BondedPatches(*scene_, 0.04), node_);
+  const double spacing = tool_space.setup.grid.spacing();
 
   // Between the folds both branches are there, and beyond them one is.
-  for (std::int32_t k = 1; k <= site.site.reach(); ++k) {
-    const auto num =
-        std::count_if(site.configurations.begin(), site.configurations.end(), [&](const auto& c) {
-          return c.check_point == CheckPoint{0, 0, -k} && c.usable() &&
-                 (c.flags & flags::unstable) == 0;
-        });
+  for (std::int32_t k = 1; k <= tool_space.setup.grid.reach(); ++k) {
+    const auto num = std::count_if(tool_space.configurations.begin(),
+                                   tool_space.configurations.end(), [&](const auto& c) {
+                                     return c.check_point == CheckPoint{0, 0, -k} && c.usable() &&
+                                            (c.flags & flags::unstable) == 0;
+                                   });
     const double deflection = k * spacing;
     EXPECT_EQ(num, deflection > folds.up && deflection < folds.down ? 2 : 1) << deflection;
   }
 
-  const SolutionBranches branches(site);
+  const SolutionBranches branches(tool_space);
   ASSERT_EQ(branches.size(), 2);
   std::vector<std::unique_ptr<Interpolator>> on_branch;
   for (int s = 0; s < 2; ++s) {
-    on_branch.push_back(
-        make_interpolator(Method::energy_hermite, restricted(site, branches.configurations(s))));
+    on_branch.push_back(make_interpolator(Method::energy_hermite,
+                                          restricted(tool_space, branches.configurations(s))));
   }
   int branch = 0;
   double down = 0;
@@ -208,7 +208,7 @@ TEST_F(RoofLevels, AnAbortedRunGoesOnAndMakesNoTransitionTwice) {
   EXPECT_FALSE(aborted.report.complete);
   const PrecomputeResult resumed = run(*world_, file);
   EXPECT_TRUE(resumed.report.complete);
-  // Of the last ones before the abort the homes had not heard, but they were kept.
+  // Of the last ones before the abort the owners had not heard, but they were kept.
   EXPECT_LE(aborted.report.num_transitions + resumed.report.num_transitions, num_transitions_);
   EXPECT_GT(aborted.report.num_transitions, 0);
   const PrecomputeResult again = run(*world_, file);

@@ -31,11 +31,11 @@ class PowerLossTest : public testing::Test {
   void SetUp() override {
     std::string pattern = testing::TempDir() + "/palpate_XXXXXX";
     folder_ = mkdtemp(pattern.data());
-    test::for_each_check_point(site(), [&](const CheckPoint& c) { check_points_.push_back(c); });
+    test::for_each_check_point(setup(), [&](const CheckPoint& c) { check_points_.push_back(c); });
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  [[nodiscard]] static Site site() { return test::example_site(kNode, 5); }
+  [[nodiscard]] static ToolSpaceSetup setup() { return test::example_setup(kNode, 5); }
   [[nodiscard]] fs::path path() const { return folder_ / "disk" / "a.palpate"; }
   [[nodiscard]] fs::path rank(int r) const { return path().string() + ".rank" + std::to_string(r); }
   void make_disk(const Folder& files) const { test::write_folder(folder_ / "disk", files); }
@@ -46,14 +46,14 @@ class PowerLossTest : public testing::Test {
     for (const Configuration& c : file.read_summaries(kNode)) known.insert(c.check_point);
     for (std::size_t c = begin; c < end; ++c) {
       if (known.count(check_points_[c]) > 0) continue;
-      file.add(kNode, test::example_configuration(scene_, site(), check_points_[c]));
+      file.add(kNode, test::example_configuration(scene_, setup(), check_points_[c]));
     }
   }
   /// A resume on one rank; `work` is given the file.
   void resume(const std::function<void(StateSpaceFile&)>& work) const {
     const auto communicator = make_serial_communicator();
     RankFiles files(path(), scene_, kTolerance, *communicator);
-    files.open([](StateSpaceFile& file) { file.add_site(site()); });
+    files.open([](StateSpaceFile& file) { file.add_tool_space(setup()); });
     work(files.own());
     files.merge();
     files.own().close();
@@ -63,7 +63,7 @@ class PowerLossTest : public testing::Test {
     std::set<CheckPoint> found;
     for (Configuration& c : file.read_summaries(kNode)) {
       EXPECT_TRUE(file.read_fields(kNode, c));
-      const Configuration right = test::example_configuration(scene_, site(), c.check_point);
+      const Configuration right = test::example_configuration(scene_, setup(), c.check_point);
       EXPECT_EQ(c.force, right.force);
       EXPECT_EQ(c.u, right.u);
       EXPECT_EQ(c.v, right.v);
@@ -91,7 +91,7 @@ TEST_F(PowerLossTest, NothingDurableIsLost) {
   };
   {
     StateSpaceFile file = StateSpaceFile::create(path(), scene_, kTolerance);
-    file.add_site(site());
+    file.add_tool_space(setup());
     fill(file, 0, n / 5);
     file.close();
     promise(n / 5);
@@ -100,7 +100,7 @@ TEST_F(PowerLossTest, NothingDurableIsLost) {
   for (std::size_t run = 0; run < 2; ++run) {
     for (int r = 1; r <= 2; ++r) {
       StateSpaceFile file = StateSpaceFile::create(rank(r), scene_, kTolerance);
-      file.add_site(site());
+      file.add_tool_space(setup());
       const std::size_t part = 2 * run + static_cast<std::size_t>(r);
       fill(file, n / 5 * part, n / 5 * (part + 1));
       file.close();
@@ -155,7 +155,7 @@ TEST_F(PowerLossTest, AtMostASecondOfWorkIsLost) {
   make_disk({});
   const Recording recording(folder_ / "disk");
   StateSpaceFile file = StateSpaceFile::create(path(), scene_, kTolerance);
-  file.add_site(site());
+  file.add_tool_space(setup());
   fill(file, 0, 10);
   std::this_thread::sleep_for(std::chrono::milliseconds(1050));
   fill(file, 10, 11);

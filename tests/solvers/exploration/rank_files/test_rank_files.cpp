@@ -29,9 +29,10 @@ class RankFilesTest : public testing::Test {
 
   void make(const fs::path& path, std::int32_t begin, std::int32_t end) const {
     StateSpaceFile file = StateSpaceFile::create(path, scene_, kTolerance);
-    file.add_site(site_);
+    file.add_tool_space(tool_space_);
     for (std::int32_t i = begin; i < end; ++i) {
-      file.add(site_.active_node, test::example_configuration(scene_, site_, {i, 0, 0}));
+      file.add(tool_space_.interaction.active_node,
+               test::example_configuration(scene_, tool_space_, {i, 0, 0}));
     }
     file.close();
   }
@@ -43,7 +44,7 @@ class RankFilesTest : public testing::Test {
   fs::path path_;
   fs::path rank_;
   const Scene scene_ = test::cube_scene(1);
-  const Site site_ = test::example_site(8, 7);
+  const ToolSpaceSetup tool_space_ = test::example_setup(8, 7);
   const std::unique_ptr<Communicator> communicator_ = make_serial_communicator();
 };
 
@@ -64,11 +65,12 @@ TEST_F(RankFilesTest, KeepsAFileThatIsDamaged) {
     }
     EXPECT_TRUE(fs::exists(rank_));
   }
-  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read(true).sites[0].configurations.size(), 6U);
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read(true).tool_spaces[0].configurations.size(),
+            6U);
   fs::remove(rank_);
   RankFiles files(path_, scene_, kTolerance, *communicator_);
   files.open([](StateSpaceFile&) {});
-  EXPECT_EQ(files.own().read_summaries(site_.active_node).size(), 6U);
+  EXPECT_EQ(files.own().read_summaries(tool_space_.interaction.active_node).size(), 6U);
   EXPECT_TRUE(files.damaged().empty());
 }
 
@@ -77,11 +79,11 @@ TEST_F(RankFilesTest, ComputesAgainWhatIsDamaged) {
   change(path_, "UPDATE configuration SET v = zeroblob(length(v)) WHERE i = 2");
   change(path_, "UPDATE configuration SET energy = 7 WHERE i = -1");
   RankFiles files(path_, scene_, kTolerance, *communicator_);
-  files.open([&](StateSpaceFile& file) { file.add_site(site_); });
+  files.open([&](StateSpaceFile& file) { file.add_tool_space(tool_space_); });
   ASSERT_EQ(files.damaged().size(), 2U);
   EXPECT_EQ(files.damaged()[0], "configuration (-1, 0, 0) of active node 8");
   EXPECT_EQ(files.damaged()[1], "configuration (2, 0, 0) of active node 8");
-  EXPECT_EQ(files.own().read_summaries(site_.active_node).size(), 5U);
+  EXPECT_EQ(files.own().read_summaries(tool_space_.interaction.active_node).size(), 5U);
   EXPECT_TRUE(files.own().left_out().empty());
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sites whose configurations come from energies with known derivatives.
+// Tool spaces whose configurations come from energies with known derivatives.
 #pragma once
 
 #include <algorithm>
@@ -103,16 +103,16 @@ inline std::function<ThirdDerivative(const Vec3&)> monomial_third(int a, int b, 
   };
 }
 
-inline void add_third_derivatives(TouchSite& site,
+inline void add_third_derivatives(TouchToolSpace& tool_space,
                                   const std::function<ThirdDerivative(const Vec3&)>& third) {
-  for (ConfigurationSummary& c : site.configurations) c.third_derivative = third(c.t);
+  for (ConfigurationSummary& c : tool_space.configurations) c.third_derivative = third(c.t);
 }
 
-inline ConfigurationSummary analytic_configuration(const Site& site, const Energy& energy,
+inline ConfigurationSummary analytic_configuration(const Grid& grid, const Energy& energy,
                                                    const CheckPoint& p) {
   ConfigurationSummary c;
   c.check_point = p;
-  c.t = site.spacing() * Vec3(p[0], p[1], p[2]);
+  c.t = grid.place(p);
   const Sample s = energy(c.t);
   c.energy = s.energy;
   c.force = s.force;
@@ -122,67 +122,69 @@ inline ConfigurationSummary analytic_configuration(const Site& site, const Energ
 }
 
 /// Makes room for the coefficients of no modes, for each configuration.
-inline void without_modes(TouchSite& site) {
-  const auto size = static_cast<Eigen::Index>(site.configurations.size());
-  site.coefficients.resize(0, size);
-  site.coefficient_gradients.resize(0, size);
+inline void without_modes(TouchToolSpace& tool_space) {
+  const auto size = static_cast<Eigen::Index>(tool_space.configurations.size());
+  tool_space.coefficients.resize(0, size);
+  tool_space.coefficient_gradients.resize(0, size);
 }
 
 /// The corners of the coarsest cells alone where the grid is not uniform.
-inline TouchSite analytic_site(const Energy& energy, std::int32_t resolution = 7,
-                               std::int32_t coarsest = 1) {
-  TouchSite site;
-  site.site.active_node = 4;
-  site.site.half_width = kHalfWidth;
-  site.site.resolution = resolution;
-  site.site.coarsest = coarsest;
-  const std::int32_t r = site.site.reach();
+inline TouchToolSpace analytic_space(const Energy& energy, std::int32_t resolution = 7,
+                                     std::int32_t coarsest = 1) {
+  TouchToolSpace tool_space;
+  tool_space.setup.id = tool_space.setup.interaction.active_node = 4;
+  tool_space.setup.grid.half_width = kHalfWidth;
+  tool_space.setup.grid.resolution = resolution;
+  tool_space.setup.grid.coarsest = coarsest;
+  const std::int32_t r = tool_space.setup.grid.reach();
   for (std::int32_t i = -r; i <= r; i += coarsest) {
     for (std::int32_t j = -r; j <= r; j += coarsest) {
       for (std::int32_t k = -r; k <= r; k += coarsest) {
-        site.configurations.push_back(analytic_configuration(site.site, energy, {i, j, k}));
+        tool_space.configurations.push_back(
+            analytic_configuration(tool_space.setup.grid, energy, {i, j, k}));
       }
     }
   }
-  without_modes(site);
-  return site;
+  without_modes(tool_space);
+  return tool_space;
 }
 
 /// Adds what is missing of the points of a cell's halves.
-inline void split(TouchSite& site, const Energy& energy, const Cell& cell) {
+inline void split(TouchToolSpace& tool_space, const Energy& energy, const Cell& cell) {
   const std::int32_t half = cell.side / 2;
   for (int point = 0; point < 27; ++point) {
     const ConfigurationSummary c = analytic_configuration(
-        site.site, energy,
+        tool_space.setup.grid, energy,
         {cell.first[0] + half * (point / 9), cell.first[1] + half * (point / 3 % 3),
          cell.first[2] + half * (point % 3)});
-    const auto place = std::lower_bound(site.configurations.begin(), site.configurations.end(), c);
-    if (place != site.configurations.end() && place->check_point == c.check_point) continue;
-    site.configurations.insert(place, c);
+    const auto place =
+        std::lower_bound(tool_space.configurations.begin(), tool_space.configurations.end(), c);
+    if (place != tool_space.configurations.end() && place->check_point == c.check_point) continue;
+    tool_space.configurations.insert(place, c);
   }
-  without_modes(site);
+  without_modes(tool_space);
 }
 
 /// Splits the leaves for which choose(cell) holds, until there are none.
 template <class Choose>
-void refine(TouchSite& site, const Energy& energy, Choose&& choose) {
+void refine(TouchToolSpace& tool_space, const Energy& energy, Choose&& choose) {
   for (bool changed = true; changed;) {
     changed = false;
-    const CellTree tree(site.site, site.configurations);
+    const CellTree tree(tool_space.setup.grid, tool_space.configurations);
     for (const CellTree::Leaf& leaf : tree.leaves()) {
       if (leaf.cell.side == 1 || !choose(leaf.cell)) continue;
-      split(site, energy, leaf.cell);
+      split(tool_space, energy, leaf.cell);
       changed = true;
     }
   }
 }
 
 /// Cells of all sizes, smaller towards (0.3, −0.5, 0.6) half-widths; neighbours differ by one size.
-inline TouchSite graded_site(const Energy& energy, std::int32_t coarse = 5, int depth = 4) {
+inline TouchToolSpace graded_space(const Energy& energy, std::int32_t coarse = 5, int depth = 4) {
   const std::int32_t coarsest = 1 << depth;
-  TouchSite site = analytic_site(energy, (coarse - 1) * coarsest + 1, coarsest);
-  refine(site, energy, [&](const Cell& cell) {
-    const double reach = site.site.reach();
+  TouchToolSpace tool_space = analytic_space(energy, (coarse - 1) * coarsest + 1, coarsest);
+  refine(tool_space, energy, [&](const Cell& cell) {
+    const double reach = tool_space.setup.grid.reach();
     double distance = 0;
     int axis = 0;
     for (double centre : {0.3 * reach, -0.5 * reach, 0.6 * reach}) {
@@ -191,19 +193,19 @@ inline TouchSite graded_site(const Energy& energy, std::int32_t coarse = 5, int 
     }
     return distance < cell.side / 2.0;
   });
-  return site;
+  return tool_space;
 }
 
 /// Cells next to each other of which one is eight times the size: in the corner of a cell.
-inline TouchSite unbalanced_site(const Energy& energy) {
-  TouchSite site = analytic_site(energy, 33, 8);
-  for (std::int32_t side : {8, 4, 2}) split(site, energy, {{0, 0, 0}, side});
-  for (std::int32_t side : {8, 4, 2}) split(site, energy, {{-16, -16, 16 - side}, side});
-  return site;
+inline TouchToolSpace unbalanced_space(const Energy& energy) {
+  TouchToolSpace tool_space = analytic_space(energy, 33, 8);
+  for (std::int32_t side : {8, 4, 2}) split(tool_space, energy, {{0, 0, 0}, side});
+  for (std::int32_t side : {8, 4, 2}) split(tool_space, energy, {{-16, -16, 16 - side}, side});
+  return tool_space;
 }
 
-inline ConfigurationSummary& at(TouchSite& site, const CheckPoint& check_point) {
-  for (ConfigurationSummary& c : site.configurations) {
+inline ConfigurationSummary& at(TouchToolSpace& tool_space, const CheckPoint& check_point) {
+  for (ConfigurationSummary& c : tool_space.configurations) {
     if (c.check_point == check_point) return c;
   }
   throw std::logic_error("no such check-point");
@@ -216,10 +218,10 @@ struct OnSide {
 };
 
 /// Random ones, on sides within the box.
-inline std::vector<OnSide> points_on_sides(const TouchSite& site, int count) {
+inline std::vector<OnSide> points_on_sides(const TouchToolSpace& tool_space, int count) {
   // Enough to be on the other side after the rounding of t / spacing, and no more.
   constexpr double step = 3e-17;
-  const CellTree tree(site.site, site.configurations);
+  const CellTree tree(tool_space.setup.grid, tool_space.configurations);
   std::mt19937 random(11);
   std::uniform_int_distribution<std::size_t> any_leaf(0, tree.leaves().size() - 1);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -228,30 +230,30 @@ inline std::vector<OnSide> points_on_sides(const TouchSite& site, int count) {
     const Cell& cell = tree.leaves()[any_leaf(random)].cell;
     const int axis = static_cast<int>(random() % 3);
     const std::int32_t side = cell.first[axis] + (random() % 2 == 0 ? 0 : cell.side);
-    if (std::abs(side) == site.site.reach()) continue;
+    if (std::abs(side) == tool_space.setup.grid.reach()) continue;
     Vec3 x;
     for (int k = 0; k < 3; ++k) x[k] = cell.first[k] + cell.side * uniform(random);
     x[axis] = side;
-    points.push_back({site.site.spacing() * x, step * Vec3::Unit(axis)});
+    points.push_back({tool_space.setup.grid.spacing() * x, step * Vec3::Unit(axis)});
   }
   return points;
 }
 
 /// Takes away configurations, and lets others fail, at random.
-inline void make_holes(TouchSite& site, double share, unsigned seed = 3) {
+inline void make_holes(TouchToolSpace& tool_space, double share, unsigned seed = 3) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<ConfigurationSummary> left;
-  for (const ConfigurationSummary& c : site.configurations) {
+  for (const ConfigurationSummary& c : tool_space.configurations) {
     const double u = uniform(random);
     // Without those at the corners of the coarsest cells there is no telling the cells' size.
-    if (u < share / 2 && site.site.coarsest == 1) continue;
+    if (u < share / 2 && tool_space.setup.grid.coarsest == 1) continue;
     left.push_back(c);
     if (u >= share) continue;
     left.back().outcome = Outcome::not_converged;
     left.back().force.setConstant(std::nan(""));
   }
-  site.configurations = std::move(left);
+  tool_space.configurations = std::move(left);
 }
 
 /// Displacements within a box, the same in every run.

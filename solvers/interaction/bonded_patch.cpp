@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "equilibrium/tip.h"
+#include "interaction/bonded_patch.h"
 
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include "base/error.h"
 
@@ -23,19 +24,45 @@ std::string length(double metres) {
 
 }  // namespace
 
-Tip::Tip(const Scene& scene, double radius)
+std::unique_ptr<Interaction> BondedPatch::clone() const {
+  return std::make_unique<BondedPatch>(*this);
+}
+
+std::vector<PrescribedPoint> BondedPatch::prescribed_points() const {
+  std::vector<PrescribedPoint> prescribed;
+  prescribed.reserve(points_.size());
+  for (const Index point : points_) prescribed.push_back({point, 0});
+  return prescribed;
+}
+
+double BondedPatch::displacement_scale(const Eigen::VectorXd& q) const {
+  return q.lpNorm<Eigen::Infinity>();
+}
+
+std::string BondedPatch::describe(const Eigen::VectorXd& q) const {
+  return "a displacement of " + length(q.norm());
+}
+
+InteractionList bond_nodes(const std::vector<Index>& nodes) {
+  InteractionList tools;
+  for (const Index node : nodes) tools.add(BondedPatch({node}));
+  return tools;
+}
+
+BondedPatches::BondedPatches(const Scene& scene, double radius)
     : radius_(radius),
       points_(scene.mesh.points),
       fixed_(scene.fixed),
       used_(points_in_use(scene.mesh)),
       patches_(scene.mesh) {}
 
-Constraint Tip::hold(const std::vector<Index>& nodes) const {
+InteractionList BondedPatches::around_each(const std::vector<Index>& nodes) const {
   if (nodes.empty()) throw InputError("No active node is given. Name a point on the surface.");
-  Constraint constraint;
+  InteractionList tools;
   std::map<Index, Index> node_of_point;
   for (const Index node : nodes) {
-    for (const Index point : patch(node)) {
+    const BondedPatch patch = around(node);
+    for (const Index point : patch.points()) {
       const auto [other, is_new] = node_of_point.emplace(point, node);
       if (!is_new && other->second == node) {
         throw InputError("Active node " + std::to_string(node) + " is named twice.");
@@ -46,15 +73,13 @@ Constraint Tip::hold(const std::vector<Index>& nodes) const {
                          ", share point " + std::to_string(point) + place(points_[point]) +
                          ". Choose nodes that are farther apart, or a smaller tip radius.");
       }
-      constraint.points.push_back(point);
-      constraint.site_of_point.push_back(constraint.num_sites);
     }
-    ++constraint.num_sites;
+    tools.add(patch);
   }
-  return constraint;
+  return tools;
 }
 
-std::vector<Index> Tip::patch(Index node) const {
+BondedPatch BondedPatches::around(Index node) const {
   const std::string name = "Active node " + std::to_string(node);
   if (node < 0 || node >= static_cast<Index>(points_.size())) {
     throw InputError(name + " does not exist: the body has " + std::to_string(points_.size()) +
@@ -82,7 +107,7 @@ std::vector<Index> Tip::patch(Index node) const {
                      ", which is fixed. Choose a node that is farther from the fixed points, or a "
                      "smaller tip radius.");
   }
-  return points;
+  return BondedPatch(std::move(points));
 }
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "equilibrium/held_body.h"
+#include "equilibrium/condensed_system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +16,10 @@ namespace {
 
 /// The displacement scale does not fall below this share of the mean edge.
 constexpr double kLeastDisplacement = 1e-3;
-/// Kinds of unknowns that have no parameter.
+/// Kinds of unknowns that have no coordinate.
 constexpr Index kFree = -1;
 constexpr Index kIdle = -2;
-/// The factor at rest serves sites only where its solutions for them have an error below this, of
+/// The factor at rest serves a tool only where its solutions for it have an error below this, of
 /// which a step of refinement leaves nothing.
 constexpr double kRefinable = 1e-8;
 /// A body that keeps fewer factors has none for a state that it may not come back to.
@@ -44,8 +44,8 @@ std::string describe(const Vec3& p) {
 
 }  // namespace
 
-HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
-                   Precision precision)
+CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolver> solver,
+                                 int kept_factors, Precision precision)
     : mesh_(scene.mesh),
       fixed_(scene.fixed),
       assembly_(scene),
@@ -76,12 +76,12 @@ HeldBody::HeldBody(const Scene& scene, std::unique_ptr<LinearSolver> solver, int
   inverse_row_norm_ = row_norms(pattern, rest_values_).cwiseInverse();
 }
 
-std::vector<char> HeldBody::find_idle_multipliers() const {
+std::vector<char> CondensedSystem::find_idle_multipliers() const {
   const SymmetricPattern& pattern = assembly_.pattern();
   std::vector<char> idle(pattern.size, 0);
   for (Index unknown : assembly_.multipliers()) idle[unknown] = 1;
   for (Index c = 0; c < pattern.size - assembly_.num_unknown_pressures(); ++c) {
-    if (parameter_of_unknown_[c] != kFree) continue;
+    if (coordinate_of_unknown_[c] != kFree) continue;
     for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
       idle[pattern.row[i]] = 0;
     }
@@ -94,21 +94,15 @@ std::vector<char> HeldBody::find_idle_multipliers() const {
   return idle;
 }
 
-void HeldBody::hold(const Constraint& constraint) {
+void CondensedSystem::set_interaction(const Interaction& interaction) {
   const auto& unknown_of_point = assembly_.unknown_of_point();
   const SymmetricPattern& pattern = assembly_.pattern();
-  std::vector<Index> parameters(pattern.size, kFree);
-  if (constraint.points.empty()) {
+  std::vector<Index> coordinates(pattern.size, kFree);
+  if (interaction.num_coordinates() == 0) {
     throw InputError("No active node was given. Name a point that is not fixed.");
   }
-  const auto& sites = constraint.site_of_point;
-  if (sites.size() != constraint.points.size() ||
-      std::any_of(sites.begin(), sites.end(),
-                  [&](Index site) { return site < 0 || site >= constraint.num_sites; })) {
-    throw InputError("A constraint needs one site of 0 … num_sites − 1 for each of its points.");
-  }
-  for (std::size_t i = 0; i < constraint.points.size(); ++i) {
-    const Index point = constraint.points[i];
+  std::vector<PrescribedPoint> prescribed = interaction.prescribed_points();
+  for (const auto& [point, coordinate] : prescribed) {
     if (point < 0 || point >= assembly_.num_points()) {
       throw InputError("Active node " + std::to_string(point) + " does not exist: the body has " +
                        std::to_string(assembly_.num_points()) + " points, counted from 0.");
@@ -119,16 +113,17 @@ void HeldBody::hold(const Constraint& constraint) {
                        describe(mesh_.points[point]) +
                        " is fixed or belongs to no cell, so it cannot be moved. Choose another.");
     }
-    if (parameters[unknown] >= 0) {
+    if (coordinates[unknown] >= 0) {
       throw InputError("Active node " + std::to_string(point) + " is named twice.");
     }
-    for (int c = 0; c < 3; ++c) parameters[unknown + c] = 3 * constraint.site_of_point[i] + c;
+    for (int c = 0; c < 3; ++c) coordinates[unknown + c] = coordinate + c;
   }
-  constraint_ = constraint;
-  parameter_of_unknown_ = std::move(parameters);
+  interaction_ = interaction.clone();
+  prescribed_points_ = std::move(prescribed);
+  coordinate_of_unknown_ = std::move(coordinates);
   const std::vector<char> idle = find_idle_multipliers();
   for (Index unknown = 0; unknown < pattern.size; ++unknown) {
-    if (idle[unknown] != 0) parameter_of_unknown_[unknown] = kIdle;
+    if (idle[unknown] != 0) coordinate_of_unknown_[unknown] = kIdle;
   }
   couplings_.clear();
   held_.clear();
@@ -140,8 +135,8 @@ void HeldBody::hold(const Constraint& constraint) {
   for (Index c = 0; c < pattern.size; ++c) {
     for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {
       const Index row = pattern.row[i];
-      const Index of_row = parameter_of_unknown_[row];
-      const Index of_column = parameter_of_unknown_[c];
+      const Index of_row = coordinate_of_unknown_[row];
+      const Index of_column = coordinate_of_unknown_[c];
       if (of_row == kIdle || of_column == kIdle) {
         (row == c ? idle_diagonal_ : idle_).push_back(i);
       } else if (of_row >= 0 && of_column >= 0) {
@@ -155,92 +150,122 @@ void HeldBody::hold(const Constraint& constraint) {
   }
 }
 
-double HeldBody::displacement_scale(const Eigen::VectorXd& t) const {
-  return std::max(t.lpNorm<Eigen::Infinity>(), kLeastDisplacement * assembly_.mean_edge());
+double CondensedSystem::displacement_scale(const Eigen::VectorXd& q) const {
+  return std::max(interaction_->displacement_scale(q), kLeastDisplacement * assembly_.mean_edge());
 }
 
-double HeldBody::norm(const Eigen::VectorXd& r) const {
+double CondensedSystem::norm(const Eigen::VectorXd& r) const {
   return r.cwiseProduct(inverse_row_norm_).lpNorm<Eigen::Infinity>();
 }
 
-double HeldBody::euclidean_norm(const Eigen::VectorXd& r) const {
+double CondensedSystem::euclidean_norm(const Eigen::VectorXd& r) const {
   return r.cwiseProduct(inverse_row_norm_).norm();
 }
 
-double HeldBody::evaluate(const NodalVector& state) {
+double CondensedSystem::evaluate(const Eigen::VectorXd& q, const NodalVector& state) {
   const Timer timer(work_.residual_seconds);
   ++work_.residuals;
-  return assembly_.residual(state, force_).energy;
+  force_of_coordinates_.setZero(num_coordinates());
+  const double energy = assembly_.residual(state, force_).energy;
+  if (!has_potential()) return energy;
+  return energy + interaction_->potential(q, state, force_, force_of_coordinates_);
 }
 
-void HeldBody::residual(Eigen::VectorXd& r) const {
+void CondensedSystem::residual(Eigen::VectorXd& r) const {
   const auto& state_of_unknown = assembly_.state_of_unknown();
   r.resize(assembly_.pattern().size);
   for (Index i = 0; i < r.size(); ++i) {
-    r[i] = parameter_of_unknown_[i] >= 0 ? 0 : force_[state_of_unknown[i]];
+    r[i] = coordinate_of_unknown_[i] >= 0 ? 0 : force_[state_of_unknown[i]];
   }
 }
 
-Eigen::VectorXd HeldBody::reaction() const {
-  Eigen::VectorXd h = Eigen::VectorXd::Zero(num_parameters());
-  for (std::size_t i = 0; i < constraint_.points.size(); ++i) {
-    h.segment<3>(3 * constraint_.site_of_point[i]) += force_.segment<3>(3 * constraint_.points[i]);
+Eigen::VectorXd CondensedSystem::reaction() const {
+  Eigen::VectorXd h = force_of_coordinates_;
+  for (const auto& [point, coordinate] : prescribed_points_) {
+    h.segment<3>(coordinate) += force_.segment<3>(3 * Eigen::Index{point});
   }
   return h;
 }
 
-void HeldBody::place_sites(const Eigen::VectorXd& t, NodalVector& state) const {
-  for (std::size_t i = 0; i < constraint_.points.size(); ++i) {
-    state.segment<3>(3 * constraint_.points[i]) = t.segment<3>(3 * constraint_.site_of_point[i]);
+void CondensedSystem::prescribe(const Eigen::VectorXd& q, NodalVector& state) const {
+  for (const auto& [point, coordinate] : prescribed_points_) {
+    state.segment<3>(3 * Eigen::Index{point}) = q.segment<3>(coordinate);
   }
 }
 
-Eigen::VectorXd HeldBody::as_unknowns(const NodalVector& state) const {
+Eigen::Map<const Eigen::VectorXd> CondensedSystem::pressure_scale() const {
+  const auto& scale = assembly_.pressure_scale();
+  return {scale.data(), static_cast<Eigen::Index>(scale.size())};
+}
+
+NodalVector CondensedSystem::vector_of(const LinearisedState& state) const {
+  if (!is_saddle()) return state.u;
+  NodalVector x(assembly_.state_size());
+  x << state.u, state.p.cwiseQuotient(pressure_scale());
+  return x;
+}
+
+Eigen::MatrixXd CondensedSystem::sensitivity_of(const LinearisedState& state) const {
+  if (!is_saddle()) return state.v;
+  Eigen::MatrixXd sensitivity(assembly_.state_size(), state.v.cols());
+  sensitivity << state.v, pressure_scale().cwiseInverse().asDiagonal() * state.p_v;
+  return sensitivity;
+}
+
+Eigen::VectorXd CondensedSystem::as_unknowns(const NodalVector& state) const {
   const auto& state_of_unknown = assembly_.state_of_unknown();
   Eigen::VectorXd unknowns(assembly_.pattern().size);
   for (Index i = 0; i < unknowns.size(); ++i) {
-    unknowns[i] = parameter_of_unknown_[i] >= 0 ? 0 : state[state_of_unknown[i]];
+    unknowns[i] = coordinate_of_unknown_[i] >= 0 ? 0 : state[state_of_unknown[i]];
   }
   return unknowns;
 }
 
-NodalVector HeldBody::as_state(const Eigen::VectorXd& unknowns) const {
+NodalVector CondensedSystem::as_state(const Eigen::VectorXd& unknowns) const {
   const auto& state_of_unknown = assembly_.state_of_unknown();
   NodalVector state = NodalVector::Zero(assembly_.state_size());
   for (Index i = 0; i < unknowns.size(); ++i) state[state_of_unknown[i]] = unknowns[i];
   return state;
 }
 
-void HeldBody::assemble(const NodalVector& state, std::vector<double>& values) {
+void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& values) {
   const Timer timer(work_.assembly_seconds);
   ++work_.assemblies;
   assembly_.tangent(state, force_, values);
 }
 
-bool HeldBody::is_as_at_rest(const NodalVector& state) const {
-  return assembly_.is_linear() || state.isZero(0);
+bool CondensedSystem::is_as_at_rest(const Eigen::VectorXd& q, const NodalVector& state) const {
+  if (is_linear()) return true;
+  if (!state.isZero(0)) return false;
+  if (!has_potential()) return true;
+  PotentialHessian hessian;
+  hessian.of_coordinates.setZero(num_coordinates(), num_coordinates());
+  interaction_->add_hessian(q, state, hessian);
+  return hessian.of_points.empty();
 }
 
-TangentFactor* HeldBody::find_factor(const NodalVector& state) {
-  if (is_shared_ == true && is_as_at_rest(state)) return rest_factor_.get();
-  return find_kept_factor(state);
+TangentFactor* CondensedSystem::find_factor(const Eigen::VectorXd& q, const NodalVector& state) {
+  if (is_shared_ == true && is_as_at_rest(q, state)) return rest_factor_.get();
+  return find_kept_factor(q, state);
 }
 
-HeldBody::KeptFactor* HeldBody::find_kept_factor(const NodalVector& state) {
+CondensedSystem::KeptFactor* CondensedSystem::find_kept_factor(const Eigen::VectorXd& q,
+                                                               const NodalVector& state) {
   const auto found = std::find_if(factors_.begin(), factors_.end(), [&](const KeptFactor& f) {
-    return f.state.size() > 0 && (assembly_.is_linear() || f.state == state);
+    if (f.state.size() == 0) return false;
+    return is_linear() || (f.state == state && (!has_potential() || f.q == q));
   });
   if (found == factors_.end()) return nullptr;
   found->last_use = ++uses_;
   return &*found;
 }
 
-void HeldBody::forget(const NodalVector& state) {
-  if (assembly_.is_linear()) return;  // its factor is that of all states
-  if (KeptFactor* factor = find_kept_factor(state)) factor->state.resize(0);
+void CondensedSystem::forget(const Eigen::VectorXd& q, const NodalVector& state) {
+  if (is_linear()) return;  // its factor is that of all states
+  if (KeptFactor* factor = find_kept_factor(q, state)) factor->state.resize(0);
 }
 
-LinearSolver& HeldBody::spare_solver() {
+LinearSolver& CondensedSystem::spare_solver() {
   if (spare_solver_ == nullptr) {
     const Timer timer(work_.analysis_seconds);
     LinearSolver& other =
@@ -250,7 +275,7 @@ LinearSolver& HeldBody::spare_solver() {
   return *spare_solver_;
 }
 
-HeldBody::KeptFactor& HeldBody::factor_to_replace() {
+CondensedSystem::KeptFactor& CondensedSystem::factor_to_replace() {
   const auto empty = std::find_if(factors_.begin(), factors_.end(),
                                   [](const KeptFactor& f) { return f.state.size() == 0; });
   if (empty != factors_.end()) return *empty;
@@ -264,31 +289,68 @@ HeldBody::KeptFactor& HeldBody::factor_to_replace() {
       [](const KeptFactor& a, const KeptFactor& b) { return a.last_use < b.last_use; });
 }
 
-void HeldBody::assemble_tangent(const NodalVector& state) {
-  if (has_tangent_ && assembly_.is_linear()) return;
-  if (is_as_at_rest(state)) {
+Index CondensedSystem::position(Index row, Index column) const {
+  const SymmetricPattern& pattern = assembly_.pattern();
+  const auto first = pattern.row.begin() + pattern.column_start[column];
+  const auto last = pattern.row.begin() + pattern.column_start[column + 1];
+  return static_cast<Index>(std::lower_bound(first, last, row) - pattern.row.begin());
+}
+
+void CondensedSystem::add_potential(const Eigen::VectorXd& q, const NodalVector& state) {
+  PotentialHessian hessian;
+  hessian.of_coordinates.setZero(num_coordinates(), num_coordinates());
+  interaction_->add_hessian(q, state, hessian);
+  const auto& unknown_of_point = assembly_.unknown_of_point();
+  for (const auto& [point_a, point_b, value] : hessian.of_points) {
+    const Index a = unknown_of_point[point_a];
+    const Index b = unknown_of_point[point_b];
+    if (a < 0 || b < 0) continue;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < (a == b ? i + 1 : 3); ++j) {
+        values_[position(std::max(a + i, b + j), std::min(a + i, b + j))] += value(i, j);
+      }
+    }
+  }
+  for (const auto& [point, coordinate, value] : hessian.mixed) {
+    const Index unknown = unknown_of_point[point];
+    if (unknown < 0) continue;
+    const Index prescribed = coordinate_of_unknown_[unknown];
+    if (prescribed < 0) {
+      mixed_.block<3, 3>(unknown, coordinate) += value;
+    } else {
+      of_coordinates_.block<3, 3>(prescribed, coordinate) += value;
+      of_coordinates_.block<3, 3>(coordinate, prescribed) += value.transpose();
+    }
+  }
+  of_coordinates_ += hessian.of_coordinates;
+}
+
+void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVector& state) {
+  if (has_tangent_ && is_linear()) return;
+  if (assembly_.is_linear() || state.isZero(0)) {
     values_ = rest_values_;
   } else {
     assemble(state, values_);
   }
   has_tangent_ = true;
-  k_ia_.setZero(assembly_.pattern().size, num_parameters());
-  k_aa_.setZero(num_parameters(), num_parameters());
+  mixed_.setZero(assembly_.pattern().size, num_coordinates());
+  of_coordinates_.setZero(num_coordinates(), num_coordinates());
+  if (has_potential()) add_potential(q, state);
   for (const Coupling& c : couplings_) {
-    k_ia_(c.unknown, c.parameter) += std::exchange(values_[c.position], 0.0);
+    mixed_(c.unknown, c.coordinate) += std::exchange(values_[c.position], 0.0);
   }
   for (const Held& h : held_) {
     const double value = std::exchange(values_[h.position], h.diagonal ? mean_diagonal_ : 0.0);
-    k_aa_(h.parameter_a, h.parameter_b) += value;
-    if (!h.diagonal) k_aa_(h.parameter_b, h.parameter_a) += value;
+    of_coordinates_(h.coordinate_a, h.coordinate_b) += value;
+    if (!h.diagonal) of_coordinates_(h.coordinate_b, h.coordinate_a) += value;
   }
   for (Index position : idle_) values_[position] = 0;
   // Negative, as every pressure's: the count of negative pivots stays right.
   for (Index position : idle_diagonal_) values_[position] = -mean_diagonal_;
 }
 
-Eigen::MatrixXd HeldBody::times_tangent(const Eigen::MatrixXd& columns) const {
-  // All three columns of a site in one pass over the values.
+Eigen::MatrixXd CondensedSystem::times_tangent(const Eigen::MatrixXd& columns) const {
+  // Three columns in one pass over the values.
   constexpr int kTogether = 3;
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, kTogether, Eigen::RowMajor>;
   Eigen::MatrixXd product(columns.rows(), columns.cols());
@@ -312,12 +374,12 @@ Eigen::MatrixXd HeldBody::times_tangent(const Eigen::MatrixXd& columns) const {
   return product;
 }
 
-bool HeldBody::shares_rest_factor() {
+bool CondensedSystem::shares_rest_factor() {
   if (is_shared_) return *is_shared_;
   is_shared_ = false;
   std::vector<Index> held;
   for (Index i = 0; i < assembly_.pattern().size; ++i) {
-    if (parameter_of_unknown_[i] != kFree) held.push_back(i);
+    if (coordinate_of_unknown_[i] != kFree) held.push_back(i);
   }
   const auto num_held = static_cast<Index>(held.size());
   if (num_held > most_shared_ || !idle_diagonal_.empty()) return false;
@@ -326,7 +388,7 @@ bool HeldBody::shares_rest_factor() {
     const Timer timer(work_.factorisation_seconds);
     ++work_.factorisations;
     if (solver.factorise(rest_values_) != FactorStatus::ok) {
-      most_shared_ = 0;  // it floats, without sites
+      most_shared_ = 0;  // it floats, with nothing held
       return false;
     }
     rest_factor_ = std::make_unique<RestFactor>(std::move(spare_solver_), assembly_.pattern().size);
@@ -340,10 +402,10 @@ bool HeldBody::shares_rest_factor() {
   return *is_shared_;
 }
 
-double HeldBody::error_of_rest_factor() {
+double CondensedSystem::error_of_rest_factor() {
   Eigen::VectorXd x(assembly_.pattern().size);
   for (Index i = 0; i < x.size(); ++i) {
-    x[i] = parameter_of_unknown_[i] != kFree ? 0 : (i % 2 == 0 ? 1 : -1);
+    x[i] = coordinate_of_unknown_[i] != kFree ? 0 : (i % 2 == 0 ? 1 : -1);
   }
   Eigen::VectorXd found = product(assembly_.pattern(), values_, x);
   solve(*rest_factor_, found);
@@ -351,37 +413,38 @@ double HeldBody::error_of_rest_factor() {
   return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
-TangentFactor* HeldBody::factorise(const NodalVector& state) {
-  if (is_as_at_rest(state)) {
-    assemble_tangent(state);
+TangentFactor* CondensedSystem::factorise(const Eigen::VectorXd& q, const NodalVector& state) {
+  if (is_as_at_rest(q, state)) {
+    assemble_tangent(q, state);
     if (shares_rest_factor()) return rest_factor_.get();
   }
   const Precision usual = usual_precision();
-  KeptFactor* factor = factorise_alone(state, single_fails_ ? Precision::full : usual);
+  KeptFactor* factor = factorise_alone(q, state, single_fails_ ? Precision::full : usual);
   if (usual == Precision::full) return factor;
   if (factor != nullptr) factor->is_provisional = single_fails_;
   single_fails_ = factor == nullptr || !factor->solver->is_single();
   return factor;
 }
 
-void HeldBody::begin_solve() {
+void CondensedSystem::begin_solve() {
   single_fails_ = false;
   for (KeptFactor& factor : factors_) {
     if (factor.is_provisional) factor.state.resize(0);
   }
 }
 
-TangentFactor* HeldBody::factorise_accurately(const NodalVector& state) {
-  KeptFactor* factor = factorise_alone(state, Precision::full);
+TangentFactor* CondensedSystem::factorise_accurately(const Eigen::VectorXd& q,
+                                                     const NodalVector& state) {
+  KeptFactor* factor = factorise_alone(q, state, Precision::full);
   // The factor that is kept of a state is the usual one, whatever was asked for.
-  const bool is_usual = assembly_.is_linear() || usual_precision() == Precision::full;
+  const bool is_usual = is_linear() || usual_precision() == Precision::full;
   if (factor != nullptr && !is_usual) factor->state.resize(0);
   return factor;
 }
 
 /// Where the tangent at rest is not safe in single precision, as of parts that differ much in
 /// stiffness, those to come will not be either.
-Precision HeldBody::usual_precision() {
+Precision CondensedSystem::usual_precision() {
   if (precision_ == Precision::full) return precision_;
   if (!rest_is_safe_) {
     LinearSolver& solver = spare_solver();
@@ -393,34 +456,37 @@ Precision HeldBody::usual_precision() {
   return *rest_is_safe_ ? precision_ : Precision::full;
 }
 
-HeldBody::KeptFactor* HeldBody::factorise_alone(const NodalVector& state, Precision precision) {
-  if (assembly_.is_linear()) {
-    KeptFactor* factor = find_kept_factor(state);
+CondensedSystem::KeptFactor* CondensedSystem::factorise_alone(const Eigen::VectorXd& q,
+                                                              const NodalVector& state,
+                                                              Precision precision) {
+  if (is_linear()) {
+    KeptFactor* factor = find_kept_factor(q, state);
     if (factor != nullptr && (precision != Precision::full || !factor->is_rough())) return factor;
   }
   KeptFactor& factor = factor_to_replace();
   factor.state.resize(0);
   factor.is_provisional = false;
-  assemble_tangent(state);
+  assemble_tangent(q, state);
   const Timer timer(work_.factorisation_seconds);
   ++work_.factorisations;
   if (factor.solver->factorise(values_, precision) != FactorStatus::ok) return nullptr;
+  factor.q = q;
   factor.state = state;
   factor.last_use = ++uses_;
   return &factor;
 }
 
-void HeldBody::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns) {
+void CondensedSystem::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns) {
   const Timer timer(work_.solve_seconds);
   work_.right_hand_sides += columns.cols();
   factor.solve(columns);
 }
 
-int HeldBody::negative_pivots(const TangentFactor& factor) const {
+int CondensedSystem::negative_pivots(const TangentFactor& factor) const {
   return factor.negative_pivots() - assembly_.num_unknown_pressures();
 }
 
-double HeldBody::condition(TangentFactor& factor) const {
+double CondensedSystem::condition(TangentFactor& factor) const {
   return condition_estimate(assembly_.pattern(), values_,
                             [&](auto columns) { factor.solve(columns); });
 }

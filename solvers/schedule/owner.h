@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which rank owns a state: its home [TDS].
+// Which rank owns a state [TDS]: it decides what follows from it.
 //
 // [TDS] Romein, Plaat, Bal, Schaeffer, Transposition Table Driven Work Scheduling in Distributed
 // Search, AAAI 1999.
@@ -19,8 +19,8 @@ namespace palpate {
   return key ^ (key >> 31);
 }
 
-/// The home is the same on all ranks. Any keys are spread evenly, also neighbouring ones.
-[[nodiscard]] constexpr int home_of(std::uint64_t key, int num_ranks) {
+/// The owner is the same on all ranks. Any keys are spread evenly, also neighbouring ones.
+[[nodiscard]] constexpr int owner_of(std::uint64_t key, int num_ranks) {
   return static_cast<int>(mix(key) % static_cast<std::uint64_t>(num_ranks));
 }
 

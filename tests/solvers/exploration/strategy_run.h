@@ -7,26 +7,27 @@
 #include <string>
 #include <vector>
 
-#include "exploration/frontier.h"
+#include "exploration/exploration_strategy.h"
 
 namespace palpate::test {
 
 using Solve = std::function<ConfigurationSummary(const Transition&)>;
 
-/// In which order transitions are made, and how late the frontier hears of what they find.
+/// In which order transitions are made, and how late the strategy hears of what they find.
 enum class Order { deep, wide, random };
 
 inline std::string to_string(Order order) {
   return order == Order::deep ? "Deep" : order == Order::wide ? "Wide" : "Random";
 }
 
-/// Makes all transitions that a frontier asks for, and those that follow.
+/// Makes all transitions that a strategy asks for, and those that follow.
 /// @param until Ends before this many.
-/// @returns what they found, in the order in which the frontier heard of it.
-inline std::vector<ConfigurationSummary> explore(Frontier& frontier, const Site& site, Order order,
+/// @returns what they found, in the order in which the strategy heard of it.
+inline std::vector<ConfigurationSummary> explore(ExplorationStrategy& strategy,
+                                                 const ToolSpaceSetup& setup, Order order,
                                                  const Solve& solve, std::size_t until = SIZE_MAX) {
   std::mt19937 random(7);
-  std::vector<Transition> tasks = frontier.next();
+  std::vector<Transition> tasks = strategy.next();
   std::vector<ConfigurationSummary> unheard;
   std::vector<ConfigurationSummary> heard;
   const auto pick = [&](std::size_t size) {
@@ -41,8 +42,8 @@ inline std::vector<ConfigurationSummary> explore(Frontier& frontier, const Site&
       const auto i = static_cast<std::ptrdiff_t>(pick(unheard.size()));
       heard.push_back(unheard[static_cast<std::size_t>(i)]);
       unheard.erase(unheard.begin() + i);
-      frontier.accept(heard.back());
-      for (const Transition& t : frontier.next()) tasks.push_back(t);
+      strategy.accept(heard.back());
+      for (const Transition& t : strategy.next()) tasks.push_back(t);
       continue;
     }
     const auto i = static_cast<std::ptrdiff_t>(pick(tasks.size()));
@@ -55,7 +56,7 @@ inline std::vector<ConfigurationSummary> explore(Frontier& frontier, const Site&
       found.parent_level = t.start_level;
       found.level = candidate_level(t.start, t.start_level, t.target);
     }
-    for (const CheckPoint& target : following(site, found)) tasks.push_back({target, t.target});
+    for (const CheckPoint& target : following(setup, found)) tasks.push_back({target, t.target});
     unheard.push_back(found);
   }
   return heard;

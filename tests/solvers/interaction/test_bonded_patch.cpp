@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sites of finite size: patches of the surface that move with the tip of a tool.
-#include "equilibrium/tip.h"
+// Tools of finite size: patches of the surface that move with the tip of a tool.
+#include "interaction/bonded_patch.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ Index surface_point(const Scene& scene, const Vec3& place) {
 
 std::string error_of(const Scene& scene, double radius, const std::vector<Index>& nodes) {
   try {
-    (void)Tip(scene, radius).hold(nodes);
+    (void)BondedPatches(scene, radius).around_each(nodes);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -46,9 +46,9 @@ void expect_mentions(const std::string& message, const std::vector<std::string>&
   }
 }
 
-class TipTest : public testing::Test {
+class BondedPatchTest : public testing::Test {
  protected:
-  /// Two sites, one a corner of the far end and one on the side.
+  /// Two nodes, one a corner of the far end and one on the side.
   [[nodiscard]] std::vector<Index> two_nodes() const {
     return {block_.corner, surface_point(block_.scene, Vec3(0.06, 0, 0.025))};
   }
@@ -56,27 +56,30 @@ class TipTest : public testing::Test {
   Block block_ = make_block(Law::neo_hookean);
 };
 
-TEST_F(TipTest, WithoutRadiusTheNodesAloneAreHeld) {
-  const Constraint constraint = Tip(block_.scene, 0).hold(two_nodes());
-  EXPECT_EQ(constraint.points, two_nodes());
-  EXPECT_EQ(constraint.site_of_point, (std::vector<Index>{0, 1}));
-  EXPECT_EQ(constraint.num_sites, 2);
+TEST_F(BondedPatchTest, WithoutRadiusTheNodesAloneAreBonded) {
+  const InteractionList tools = BondedPatches(block_.scene, 0).around_each(two_nodes());
+  EXPECT_EQ(tools.num_coordinates(), 6);
+  const std::vector<PrescribedPoint> points = tools.prescribed_points();
+  ASSERT_EQ(points.size(), 2U);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(points[i].point, two_nodes()[i]);
+    EXPECT_EQ(points[i].coordinate, 3 * i);
+  }
 }
 
-TEST_F(TipTest, PointsOfAPatchMoveAsOneAndTheirForcesAddUp) {
-  const Constraint constraint = Tip(block_.scene, kRadius).hold({block_.corner});
-  ASSERT_GT(constraint.points.size(), 4U);
-  EXPECT_EQ(constraint.num_sites, 1);
+TEST_F(BondedPatchTest, PointsOfAPatchMoveAsOneAndTheirForcesAddUp) {
+  const BondedPatch patch = BondedPatches(block_.scene, kRadius).around(block_.corner);
+  ASSERT_GT(patch.points().size(), 4U);
   const Eigen::VectorXd t = Vec3(0.005, -0.004, 0.006);
   EquilibriumSolver solver(block_.scene, {});
-  solver.hold(constraint);
+  solver.set_interaction(patch);
   const Equilibrium tip = solver.solve(t, solver.rest());
   ASSERT_EQ(tip.outcome, Outcome::converged) << tip.message;
-  for (const Index p : constraint.points) EXPECT_EQ(tip.u.segment<3>(3 * p), t);
+  for (const Index p : patch.points()) EXPECT_EQ(tip.u.segment<3>(3 * p), t);
 
-  // The same with each point a site of its own.
-  solver.hold(hold_nodes(constraint.points));
-  const auto n = static_cast<Eigen::Index>(constraint.points.size());
+  // The same with a tool at each point.
+  solver.set_interaction(bond_nodes(patch.points()));
+  const auto n = static_cast<Eigen::Index>(patch.points().size());
   const Equilibrium apart = solver.solve(t.replicate(n, 1), solver.rest());
   ASSERT_EQ(apart.outcome, Outcome::converged) << apart.message;
   Vec3 sum = Vec3::Zero();
@@ -91,21 +94,21 @@ TEST_F(TipTest, PointsOfAPatchMoveAsOneAndTheirForcesAddUp) {
   EXPECT_NEAR(tip.energy, apart.energy, 1e-9 * tip.energy);
 }
 
-TEST_F(TipTest, ALargerTipIsStiffer) {
+TEST_F(BondedPatchTest, ALargerTipIsStiffer) {
   double last = 0;
   for (const double radius : {0.0, 0.015, kRadius, 0.03}) {
     EquilibriumSolver solver(block_.scene, {});
-    solver.hold(Tip(block_.scene, radius).hold({block_.middle}));
+    solver.set_interaction(BondedPatches(block_.scene, radius).around(block_.middle));
     const double stiffness = solver.rest().stiffness.trace();
     EXPECT_GT(stiffness, last) << radius;
     last = stiffness;
   }
 }
 
-TEST_F(TipTest, SeveralSitesSuperposeInALinearScene) {
+TEST_F(BondedPatchTest, SeveralToolsSuperposeInALinearScene) {
   const Block linear = make_block(Law::linear);
   EquilibriumSolver solver(linear.scene, {});
-  solver.hold(Tip(linear.scene, kRadius).hold(two_nodes()));
+  solver.set_interaction(BondedPatches(linear.scene, kRadius).around_each(two_nodes()));
   Eigen::VectorXd both(6);
   both << 0.004, 0.002, -0.003, -0.001, 0.0035, 0.002;
   Eigen::VectorXd first = both;
@@ -122,14 +125,14 @@ TEST_F(TipTest, SeveralSitesSuperposeInALinearScene) {
   EXPECT_NEAR(sum.energy, both.dot(rest.stiffness * both) / 2, kRounding * sum.energy);
 }
 
-TEST_F(TipTest, ForcesAndStiffnessOfSeveralSitesAreDerivativesOfTheEnergy) {
+TEST_F(BondedPatchTest, ForcesAndStiffnessOfSeveralToolsAreDerivativesOfTheEnergy) {
   for (const Law law : {Law::neo_hookean, Law::mooney_rivlin}) {
     const Block block = make_block(law);
     // As in test_derivatives.cpp.
     constexpr double kStep = 2e-4;
     constexpr double kDifference = 1e-7;
     EquilibriumSolver solver(block.scene, with_tolerance(1e-13));
-    solver.hold(Tip(block.scene, kRadius).hold(two_nodes()));
+    solver.set_interaction(BondedPatches(block.scene, kRadius).around_each(two_nodes()));
     Eigen::VectorXd t(6);
     t << 0.004, 0.002, -0.003, -0.001, 0.0035, 0.002;
     const Equilibrium state = solver.solve(t, solver.rest());
@@ -146,7 +149,7 @@ TEST_F(TipTest, ForcesAndStiffnessOfSeveralSitesAreDerivativesOfTheEnergy) {
   }
 }
 
-TEST_F(TipTest, RefusesPlacesWhereNoTipCanBe) {
+TEST_F(BondedPatchTest, RefusesPlacesWhereNoTipCanBe) {
   const Scene& scene = block_.scene;
   expect_mentions(error_of(scene, 0, {}), {"No active node"});
   for (const Index node : {-1, scene.mesh.num_points()}) {
@@ -170,7 +173,7 @@ TEST_F(TipTest, RefusesPlacesWhereNoTipCanBe) {
   }
 }
 
-TEST_F(TipTest, RefusesPatchesThatReachAFixedPointOrEachOther) {
+TEST_F(BondedPatchTest, RefusesPatchesThatReachAFixedPointOrEachOther) {
   const Scene& scene = block_.scene;
   const Index near_fixed = surface_point(scene, Vec3(0.03, 0, 0));
   ASSERT_EQ(error_of(scene, 0, {near_fixed}), "");

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A frontier decides which transitions the exploration of an active node makes next; the engine
-// makes them. It knows neither the mechanics nor the ranks.
+// An exploration strategy decides which transitions the exploration of a tool space makes next; the
+// engine makes them. It knows neither the mechanics nor the ranks.
 //
 // Which start a target is reached from depends on what was found, never on when, so that another
 // number of ranks finds the same space. What follows from a configuration whatever else is found is
-// said by a rule of the site alone, `following`: the rank that finds the configuration goes on with
-// it depth first, while the start still has its factor, and asks nobody. The rest is decided at the
-// one rank where the frontier of the active node is, once it has heard.
+// said by a rule of the tool space alone, `following`: the rank that finds the configuration goes
+// on with it depth first, while the start still has its factor, and asks nobody. The rest is
+// decided at the one rank that owns the tool space, once it has heard.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "state_space/configuration.h"
+#include "state_space/tool_space.h"
 
 namespace palpate {
 
@@ -40,15 +41,15 @@ struct Settlement {
 
 /// The targets to which transitions from a configuration are made whatever else is found. The same
 /// target follows from no other configuration.
-/// @param found A configuration that an exploration of the site has found.
-[[nodiscard]] std::vector<CheckPoint> following(const Site& site,
+/// @param found A configuration that an exploration of the tool space has found.
+[[nodiscard]] std::vector<CheckPoint> following(const ToolSpaceSetup& setup,
                                                 const ConfigurationSummary& found);
 
-class Frontier {
+class ExplorationStrategy {
  public:
-  virtual ~Frontier() = default;
-  Frontier(const Frontier&) = delete;
-  Frontier& operator=(const Frontier&) = delete;
+  virtual ~ExplorationStrategy() = default;
+  ExplorationStrategy(const ExplorationStrategy&) = delete;
+  ExplorationStrategy& operator=(const ExplorationStrategy&) = delete;
 
   /// Takes in a configuration of an earlier run, before the first next().
   virtual void recall(const ConfigurationSummary& found) = 0;
@@ -73,7 +74,10 @@ class Frontier {
   [[nodiscard]] virtual std::int64_t num_expected() const = 0;
 
  protected:
-  Frontier() = default;
+  ExplorationStrategy() = default;
 };
+
+/// The strategy that the policy of a tool space asks for.
+[[nodiscard]] std::unique_ptr<ExplorationStrategy> make_strategy(const ToolSpaceSetup& setup);
 
 }  // namespace palpate

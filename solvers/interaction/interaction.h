@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a tool acts on a body. The tool has coordinates q ∈ ℝᵈ, and the body with it the energy
+//
+//   Π(x; q) = Σ terms(x) + Φ(x; q)   with u = q at the points that the tool prescribes
+//
+// A tool may prescribe points, or have a potential Φ, or both. All that is asked of an equilibrium
+// follows: with i the unknowns that are left free,
+//
+//   h = dΠ/dq = ∂Π/∂q                        the force that holds the tool
+//   v = dx/dq,  K_ii v_i = −∂²Π/∂x_i∂q       the sensitivity
+//   k = d²Π/dq² = ∂²Π/∂q² + (∂²Π/∂q∂x_i) v_i  the stiffness that is felt
+//
+// where of a point that is prescribed ∂/∂q is what ∂/∂u is.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/types.h"
+
+namespace palpate {
+
+/// A point that moves as the tool does: its displacement is three of the coordinates.
+struct PrescribedPoint {
+  Index point = 0;
+  /// The first of the three.
+  Index coordinate = 0;
+};
+
+/// The second derivatives of a potential.
+struct PotentialHessian {
+  /// ∂²Φ/∂u_a∂u_b of two points a and b of one cell, N/m.
+  struct OfPoints {
+    Index a = 0;
+    Index b = 0;
+    Mat3 value = Mat3::Zero();
+  };
+  /// ∂²Φ/∂u_a∂q of a point a and three coordinates, N/m.
+  struct Mixed {
+    Index a = 0;
+    /// The first of the three.
+    Index coordinate = 0;
+    Mat3 value = Mat3::Zero();
+  };
+  /// Each pair of points is in one order only; what is there several times is added up.
+  std::vector<OfPoints> of_points;
+  std::vector<Mixed> mixed;
+  /// ∂²Φ/∂q² [d × d], N/m.
+  Eigen::MatrixXd of_coordinates;
+};
+
+class Interaction {
+ public:
+  virtual ~Interaction() = default;
+
+  [[nodiscard]] virtual std::unique_ptr<Interaction> clone() const = 0;
+
+  /// d, a multiple of 3.
+  [[nodiscard]] virtual Index num_coordinates() const = 0;
+  /// The points of the body that the tool prescribes, no point twice.
+  [[nodiscard]] virtual std::vector<PrescribedPoint> prescribed_points() const { return {}; }
+  /// A displacement of the body that matters when the tool is at q, m.
+  [[nodiscard]] virtual double displacement_scale(const Eigen::VectorXd& q) const = 0;
+  /// Where the tool is, for a message: "a displacement of 0.01 m".
+  [[nodiscard]] virtual std::string describe(const Eigen::VectorXd& q) const = 0;
+
+  /// Whether there is a Φ. Without one, the functions below add nothing.
+  [[nodiscard]] virtual bool has_potential() const { return false; }
+  /// Gives Φ, J, and adds ∂Φ/∂u, N, to the components of `force` and ∂Φ/∂q, N, to `of_q` [d].
+  /// @param state The displacement of every point, and maybe more.
+  [[nodiscard]] virtual double potential(const Eigen::VectorXd& /*q*/, const NodalVector& /*state*/,
+                                         NodalVector& /*force*/, Eigen::VectorXd& /*of_q*/) const {
+    return 0;
+  }
+  /// Adds the second derivatives.
+  virtual void add_hessian(const Eigen::VectorXd& /*q*/, const NodalVector& /*state*/,
+                           PotentialHessian& /*hessian*/) const {}
+
+ protected:
+  Interaction() = default;
+  Interaction(const Interaction&) = default;
+  Interaction& operator=(const Interaction&) = default;
+};
+
+}  // namespace palpate

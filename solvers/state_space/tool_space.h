@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A tool space: a body is touched by one tool, whose coordinates lie on a grid, and is explored by
+// a policy. These three are what it is; its configurations are what was found.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <tuple>
+
+#include "base/types.h"
+#include "interaction/interaction_spec.h"
+#include "state_space/configuration.h"
+
+namespace palpate {
+
+/// Whether a check-point may have several levels. The numbers are stored: keep them.
+enum class History : std::int32_t {
+  /// A check-point has one configuration, however it was reached.
+  flat = 0,
+  /// Check-points have levels where there are signs of several branches.
+  automatic = 1,
+  /// All transitions between neighbours are made [P07].
+  levels = 2,
+};
+
+/// The largest number of intermediate states on the way to a configuration; [P08] has 5.
+inline constexpr std::int32_t kMostIntermediateStates = 100;
+
+/// The largest number of check-points along an axis: with more, the number of a node of the grid
+/// would overflow.
+inline constexpr std::int32_t kLargestResolution = 1001;
+/// The largest number of corners of the coarsest cells along an axis. Each of them takes memory,
+/// whether there is a configuration or not.
+inline constexpr std::int32_t kLargestCoarsestResolution = 129;
+/// The largest number of corners of the coarsest cells of all tool spaces, for the same
+/// reason.
+inline constexpr std::int64_t kMostCoarsestCorners = std::int64_t{1} << 24;
+
+/// The check-points: a box around (0,0,0).
+struct Grid {
+  /// Half the side of the box, m.
+  double half_width = 0;
+  /// Check-points along an axis; odd, so that rest is one of them.
+  std::int32_t resolution = 0;
+  /// Side of the coarsest cells, in steps of the grid: a power of two that divides reach(); 1: the
+  /// grid is uniform. The cells in between are halved where there are configurations, see
+  /// interpolation/cell_tree.h.
+  std::int32_t coarsest = 1;
+
+  /// Distance of neighbouring check-points, m; 0 where rest is the only one.
+  [[nodiscard]] double spacing() const {
+    return resolution > 1 ? 2 * half_width / (resolution - 1) : 0;
+  }
+  [[nodiscard]] std::int32_t reach() const { return (resolution - 1) / 2; }
+  /// Corners of the coarsest cells along an axis.
+  [[nodiscard]] std::int32_t coarsest_resolution() const { return 2 * reach() / coarsest + 1; }
+  /// Coordinates of the tool at a check-point, m.
+  [[nodiscard]] Vec3 place(const CheckPoint& c) const { return spacing() * Vec3(c[0], c[1], c[2]); }
+};
+
+[[nodiscard]] inline bool operator==(const Grid& a, const Grid& b) {
+  return a.half_width == b.half_width && a.resolution == b.resolution && a.coarsest == b.coarsest;
+}
+
+/// How far the exploration goes, and what is kept.
+struct ExplorationPolicy {
+  /// Force limit of the device, N; 0 is none.
+  double force_limit = 0;
+  /// The error of the force that was asked for, N; 0: the grid is uniform.
+  double tolerance = 0;
+  /// The tolerance is a share of the largest force, not a number of N.
+  bool tolerance_is_relative = false;
+  History history = History::flat;
+  /// The number of intermediate states on the way to each configuration.
+  std::int32_t intermediate_states = 0;
+  /// Each configuration has its third derivative.
+  bool third_derivatives = false;
+
+  [[nodiscard]] bool is_beyond_limit(const Vec3& force) const {
+    return force_limit > 0 && force.norm() > force_limit;
+  }
+
+  [[nodiscard]] friend bool operator==(const ExplorationPolicy& a, const ExplorationPolicy& b) {
+    const auto all = [](const ExplorationPolicy& p) {
+      return std::tie(p.force_limit, p.tolerance, p.tolerance_is_relative, p.history,
+                      p.intermediate_states, p.third_derivatives);
+    };
+    return all(a) == all(b);
+  }
+};
+
+/// The number by which a tool space is known in a run and in a file: that of the active node where
+/// there is one.
+using ToolSpaceId = std::int64_t;
+
+struct ToolSpaceSetup {
+  ToolSpaceId id = 0;
+  InteractionSpec interaction;
+  Grid grid;
+  ExplorationPolicy policy;
+
+  /// Which it is, for a message: "active node 8".
+  [[nodiscard]] std::string name() const {
+    return "active node " + std::to_string(interaction.active_node);
+  }
+};
+
+[[nodiscard]] inline bool operator==(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
+  return a.id == b.id && a.interaction == b.interaction && a.grid == b.grid && a.policy == b.policy;
+}
+
+/// Which state it is: the tool space, the check-point, and which of the equilibria there.
+struct StateKey {
+  ToolSpaceId tool_space = 0;
+  CheckPoint check_point{};
+  std::int32_t level = 0;
+};
+
+[[nodiscard]] inline StateKey key_of(ToolSpaceId tool_space, const ConfigurationSummary& c) {
+  return {tool_space, c.check_point, c.level};
+}
+[[nodiscard]] inline bool operator<(const StateKey& a, const StateKey& b) {
+  return std::tie(a.tool_space, a.check_point, a.level) <
+         std::tie(b.tool_space, b.check_point, b.level);
+}
+[[nodiscard]] inline bool operator==(const StateKey& a, const StateKey& b) {
+  return a.tool_space == b.tool_space && a.check_point == b.check_point && a.level == b.level;
+}
+
+}  // namespace palpate
