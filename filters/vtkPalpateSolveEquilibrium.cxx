@@ -4,10 +4,16 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "equilibrium/equilibrium.h"
 #include "interaction/bonded_patch.h"
+#include "interaction/contact_setup.h"
+#include "interaction/rigid_capsule.h"
+#include "interaction/rigid_surface.h"
 #include "linear/group.h"
+#include "vtkBoundingBox.h"
+#include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -23,6 +29,7 @@
 #include "vtkPalpateStress.h"
 #include "vtkPalpateWholeBody.h"
 #include "vtkPointData.h"
+#include "vtkPolyData.h"
 #include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -34,6 +41,11 @@ constexpr const char* GroupSolver = "MUMPS";
 /// How many iterations go by until the progress bar is half full. How many there will be is not
 /// known; a solve of a moderate displacement has about ten.
 constexpr double IterationsAtHalf = 10;
+
+/// What the thickness and the stiffness of contact are where they are not given, in radii of the
+/// tool and Young's moduli of the surface.
+constexpr double ThicknessOfRadius = 0.2;
+constexpr double StiffnessOfModulus = 2;
 
 /// One row after the other, as tuples of `components`.
 template <class Array, class Matrix>
@@ -118,15 +130,55 @@ void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<d
   output->GetCellData()->AddArray(array);
 }
 
-/// Solves for the equal parts of the way to t one after the other, as far as they converge.
-palpate::Equilibrium Follow(
-  palpate::EquilibriumSolver& solver, const Eigen::VectorXd& t, int increments)
+/// The surface of a tool about the middle of its bounds.
+/// @throws palpate::InputError it is missing, or has other cells than triangles.
+palpate::ToolSurface ToolSurfaceFrom(vtkPolyData* surface)
 {
-  palpate::Equilibrium state = solver.rest();
+  if (!surface || surface->GetNumberOfPolys() == 0)
+  {
+    throw palpate::InputError(
+      "The tool is a surface, but none is given. Connect one to the input Tool Surface.");
+  }
+  const vtkBoundingBox box(surface->GetBounds());
+  palpate::Vec3 middle;
+  box.GetCenter(middle.data());
+  palpate::ToolSurface tool;
+  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
+  {
+    palpate::Vec3 point;
+    surface->GetPoint(i, point.data());
+    tool.points.push_back(point - middle);
+  }
+  vtkCellArray* polygons = surface->GetPolys();
+  for (vtkIdType cell = 0; cell < polygons->GetNumberOfCells(); ++cell)
+  {
+    vtkIdType size = 0;
+    const vtkIdType* points = nullptr;
+    polygons->GetCellAtId(cell, size, points);
+    if (size != 3)
+    {
+      throw palpate::InputError("Cell " + std::to_string(cell) + " of the tool's surface has " +
+        std::to_string(size) + " points. Make triangles of it with Triangulate.");
+    }
+    tool.triangles.push_back({ static_cast<palpate::Index>(points[0]),
+      static_cast<palpate::Index>(points[1]), static_cast<palpate::Index>(points[2]) });
+  }
+  return tool;
+}
+
+/// Solves for the equal parts of the way from where a tool starts to t, one after the other, as far
+/// as they converge.
+palpate::Equilibrium Follow(palpate::EquilibriumSolver& solver, const Eigen::VectorXd& start,
+  const Eigen::VectorXd& t, int increments)
+{
+  palpate::Equilibrium state = solver.rest(start);
   for (int increment = 0; increment < increments && state.outcome == palpate::Outcome::converged;
        ++increment)
   {
-    palpate::Equilibrium next = solver.solve(t * (increment + 1) / increments, state);
+    palpate::Equilibrium next = solver.solve(increment + 1 == increments
+        ? t
+        : Eigen::VectorXd(start + (t - start) * (increment + 1) / increments),
+      state);
     next.iterations += state.iterations;
     next.steps += state.steps;
     next.seconds += state.seconds;
@@ -155,8 +207,18 @@ long CountUnknowns(const palpate::Scene& scene)
 
 vtkStandardNewMacro(vtkPalpateSolveEquilibrium);
 
+struct vtkPalpateSolveEquilibrium::Route
+{
+  std::unique_ptr<palpate::Interaction> Tool;
+  Eigen::VectorXd Start;
+  Eigen::VectorXd End;
+  /// The same tool where it is a rigid one, else null.
+  const palpate::RigidContact* Contact = nullptr;
+};
+
 vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
 {
+  this->SetNumberOfInputPorts(2);
   this->LinearSolverNames->InsertNextValue(AutomaticSolver);
   for (const std::string& name : palpate::linear_solver_names())
   {
@@ -195,8 +257,14 @@ vtkStringArray* vtkPalpateSolveEquilibrium::GetLinearSolverNames()
   return this->LinearSolverNames;
 }
 
-int vtkPalpateSolveEquilibrium::FillInputPortInformation(int, vtkInformation* info)
+int vtkPalpateSolveEquilibrium::FillInputPortInformation(int port, vtkInformation* info)
 {
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+    return 1;
+  }
   vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
   return 1;
 }
@@ -214,7 +282,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
     // On rank 0 alone.
     vtkSmartPointer<vtkUnstructuredGrid> body;
     std::optional<palpate::Scene> scene;
-    palpate::InteractionList tools;
+    Route route;
     palpate::agree(*communicator,
       [&]
       {
@@ -225,8 +293,9 @@ int vtkPalpateSolveEquilibrium::RequestData(
           return;
         }
         scene = vtkPalpateSceneFromGrid(body);
-        tools = palpate::BondedPatches(*scene, this->TipRadius)
-                  .around_each(vtkPalpateActiveNodes(this->ActiveNodes));
+        route = this->Tool == BondedNode
+          ? this->BondedRoute(*scene)
+          : this->ContactRoute(*scene, vtkPolyData::GetData(inputVector[1]));
       });
 
     const bool together =
@@ -236,7 +305,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
     {
       auto linearSolver = together ? palpate::make_group_solver(comm) : this->MakeLinearSolver();
       output->ShallowCopy(body);
-      this->Solve(*scene, tools, std::move(linearSolver), output);
+      this->Solve(*scene, route, std::move(linearSolver), output);
     }
     else if (together)
     {
@@ -262,9 +331,89 @@ std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSol
                                                : palpate::make_linear_solver(this->LinearSolver);
 }
 
-void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
-  const palpate::Interaction& tool, std::unique_ptr<palpate::LinearSolver> linearSolver,
-  vtkUnstructuredGrid* output)
+vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
+  const palpate::Scene& scene) const
+{
+  Route route;
+  route.Tool = palpate::BondedPatches(scene, this->TipRadius)
+                 .around_each(vtkPalpateActiveNodes(this->ActiveNodes))
+                 .clone();
+  route.End = Eigen::Map<const Eigen::VectorXd>(
+    this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size()));
+  route.Start = Eigen::VectorXd::Zero(route.Tool->num_coordinates());
+  return route;
+}
+
+vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
+  const palpate::Scene& scene, vtkPolyData* surface) const
+{
+  palpate::RigidShapePtr shape;
+  palpate::ContactLaw law;
+  law.thickness = this->ContactThickness;
+  if (this->Tool == Surface)
+  {
+    palpate::ToolSurface tool = ToolSurfaceFrom(surface);
+    const vtkBoundingBox box(surface->GetBounds());
+    if (law.thickness == 0)
+    {
+      law.thickness = ThicknessOfRadius * 0.5 *
+        std::min({ box.GetLength(0), box.GetLength(1), box.GetLength(2) });
+    }
+    tool.thickness = law.thickness;
+    shape = palpate::make_surface_tool(std::move(tool));
+  }
+  else if (this->Tool == Capsule)
+  {
+    shape =
+      palpate::make_capsule({ this->ToolRadius, this->ToolLength, palpate::Vec3(this->ToolAxis) });
+  }
+  else
+  {
+    shape = palpate::make_sphere(this->ToolRadius);
+  }
+  if (law.thickness == 0)
+  {
+    law.thickness = ThicknessOfRadius * this->ToolRadius;
+  }
+  law.stiffness = this->ContactStiffness != 0
+    ? this->ContactStiffness
+    : StiffnessOfModulus * palpate::mean_youngs_modulus(scene);
+  palpate::validate(law);
+  auto points = std::make_shared<const palpate::ContactSurface>(
+    scene, palpate::kSpacingOfThickness * law.thickness);
+  const palpate::RigidContact contact(std::move(points), std::move(shape), law);
+  Route route;
+  route.End = palpate::Vec3(this->ToolPosition);
+  route.Start = palpate::ContactApproach(scene, contact).start_for(route.End);
+  route.Tool = contact.clone();
+  route.Contact = static_cast<const palpate::RigidContact*>(route.Tool.get());
+  return route;
+}
+
+void vtkPalpateSolveEquilibrium::AddContact(
+  const Route& route, const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
+{
+  const palpate::RigidContact::Patch patch = route.Contact->patch(state.t, state.u);
+  vtkNew<vtkDoubleArray> pressure;
+  pressure->SetName("ContactPressure");
+  pressure->SetNumberOfTuples(static_cast<vtkIdType>(patch.pressure.size()));
+  std::copy(patch.pressure.begin(), patch.pressure.end(), pressure->GetPointer(0));
+  output->GetPointData()->AddArray(pressure);
+  AddNumber(output, "ContactArea", patch.area);
+  const double radius = 0.5 * route.Contact->shape().bounds().sizes().minCoeff();
+  if (patch.longest_edge > radius)
+  {
+    vtkWarningMacro("The edges of the mesh under the tool are up to "
+      << patch.longest_edge << " m long, and the tool's radius is " << radius
+      << " m. The force along the surface ripples by about 2 % of the force where edges are as "
+         "long "
+         "as the radius, and by 7 % where they are twice as long. Mesh the body more finely "
+         "there.");
+  }
+}
+
+void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route& route,
+  std::unique_ptr<palpate::LinearSolver> linearSolver, vtkUnstructuredGrid* output)
 {
   palpate::EquilibriumOptions options;
   options.tolerance = this->Tolerance;
@@ -278,10 +427,8 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
     return this->GetAbortExecute() != 0;
   };
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
-  solver.set_interaction(tool);
-  const auto t = Eigen::Map<const Eigen::VectorXd>(
-    this->Displacements.data(), static_cast<Eigen::Index>(this->Displacements.size()));
-  const palpate::Equilibrium state = Follow(solver, t, this->Increments);
+  solver.set_interaction(*route.Tool);
+  const palpate::Equilibrium state = Follow(solver, route.Start, route.End, this->Increments);
 
   AddResult(output, state);
   AddInteger(output, "Unknowns", solver.assembly().pattern().size);
@@ -292,6 +439,10 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene,
       palpate::find_stress(solver.assembly(), scene.mesh, state.u, state.p);
     vtkPalpateAddStress(stress.of_cells, output->GetCellData());
     vtkPalpateAddStress(stress.at_points, output->GetPointData());
+  }
+  if (route.Contact)
+  {
+    this->AddContact(route, state, output);
   }
   if (!state.folds.empty())
   {
@@ -322,6 +473,15 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
   }
   os << " m\n"
      << indent << "TipRadius: " << this->TipRadius << " m\n"
+     << indent << "Tool: " << this->Tool << '\n'
+     << indent << "ToolRadius: " << this->ToolRadius << " m\n"
+     << indent << "ToolAxis: " << this->ToolAxis[0] << ' ' << this->ToolAxis[1] << ' '
+     << this->ToolAxis[2] << '\n'
+     << indent << "ToolLength: " << this->ToolLength << " m\n"
+     << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
+     << this->ToolPosition[2] << " m\n"
+     << indent << "ContactThickness: " << this->ContactThickness << " m\n"
+     << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n"
      << indent << "Tolerance: " << this->Tolerance << '\n'
      << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class vtkPalpateSolveEquilibrium
- * @brief the body at rest when some of its nodes are held at given displacements
+ * @brief the body at rest when some of its nodes are held at given displacements, or a rigid tool
+ * presses it
  *
  * Input: a body with material and boundary (see vtkPalpateScene.h). Output: the same with the point
  * array `Displacement` (m) and field arrays
@@ -18,8 +19,11 @@
  *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm
  * of all reactions); After is NaN where the path does not come by that place again
  *
- * and the cell array `MinimumDetF`, the least det F of each cell; where they are asked for also the
- * cell and point arrays of vtkPalpateStress.h.
+ *   `ContactArea`     only with a rigid tool: the area at rest on which it presses, m^2
+ *
+ * with a rigid tool the point array `ContactPressure` (Pa), and the cell array `MinimumDetF`, the
+ * least det F of each cell; where they are asked for also the cell and point arrays of
+ * vtkPalpateStress.h.
  *
  * A solve that does not converge is a result, not an error: Outcome is not 0, and all values belong
  * to the last equilibrium on the way. The whole result is on rank 0. A large body is solved by all
@@ -35,12 +39,13 @@
 #include "vtkNew.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
+class vtkPolyData;
 class vtkStringArray;
 
 namespace palpate
 {
-class Interaction;
 class LinearSolver;
+struct Equilibrium;
 struct Scene;
 }
 
@@ -66,6 +71,49 @@ public:
   /// with it, m; 0: the node alone.
   vtkSetMacro(TipRadius, double);
   vtkGetMacro(TipRadius, double);
+  ///@}
+  ///@{
+  /// How the body is touched: one of ToolKind.
+  enum ToolKind
+  {
+    BondedNode,
+    Sphere,
+    Capsule,
+    Surface
+  };
+  vtkSetMacro(Tool, int);
+  vtkGetMacro(Tool, int);
+  ///@}
+  ///@{
+  /// Of a sphere or capsule, m; more than 0.
+  vtkSetMacro(ToolRadius, double);
+  vtkGetMacro(ToolRadius, double);
+  ///@}
+  ///@{
+  /// Along a capsule, of any length but 0.
+  vtkSetVector3Macro(ToolAxis, double);
+  vtkGetVector3Macro(ToolAxis, double);
+  ///@}
+  ///@{
+  /// Of the straight part of a capsule, m.
+  vtkSetMacro(ToolLength, double);
+  vtkGetMacro(ToolLength, double);
+  ///@}
+  ///@{
+  /// The place of the centre of a rigid tool, m.
+  vtkSetVector3Macro(ToolPosition, double);
+  vtkGetVector3Macro(ToolPosition, double);
+  ///@}
+  ///@{
+  /// Of the layer in which contact acts, m; 0: a fifth of the radius of the tool, or of half of its
+  /// smallest extent.
+  vtkSetMacro(ContactThickness, double);
+  vtkGetMacro(ContactThickness, double);
+  ///@}
+  ///@{
+  /// The pressure where tool and body meet, Pa; 0: twice Young's modulus of the touchable surface.
+  vtkSetMacro(ContactStiffness, double);
+  vtkGetMacro(ContactStiffness, double);
   ///@}
   ///@{
   /// Largest residual of an equilibrium, see palpate::EquilibriumOptions::tolerance (between 0 and
@@ -128,12 +176,25 @@ private:
   /// Whether all of `numRanks` ranks solve for this body, or one of them.
   bool SolvesTogether(const palpate::Scene& scene, int numRanks) const;
   std::unique_ptr<palpate::LinearSolver> MakeLinearSolver() const;
-  void Solve(const palpate::Scene& scene, const palpate::Interaction& tool,
+  /// A tool, and where it starts and ends.
+  struct Route;
+  Route BondedRoute(const palpate::Scene& scene) const;
+  Route ContactRoute(const palpate::Scene& scene, vtkPolyData* surface) const;
+  void AddContact(
+    const Route& route, const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
+  void Solve(const palpate::Scene& scene, const Route& route,
     std::unique_ptr<palpate::LinearSolver> linearSolver, vtkUnstructuredGrid* output);
 
   std::vector<vtkIdType> ActiveNodes = { 0 };
   std::vector<double> Displacements = { 0, 0, 0 };
   double TipRadius = 0;
+  int Tool = BondedNode;
+  double ToolRadius = 0.01;
+  double ToolAxis[3] = { 1, 0, 0 };
+  double ToolLength = 0.03;
+  double ToolPosition[3] = { 0, 0, 0 };
+  double ContactThickness = 0;
+  double ContactStiffness = 0;
   double Tolerance = 1e-10;
   int MaximumIterations = 60;
   double MaximumSeconds = 0;

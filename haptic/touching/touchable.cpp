@@ -10,7 +10,7 @@ namespace palpate {
 
 Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
     : scene_hash_(space.scene_hash),
-      surface_(space.surface),
+      surface_(space.surface.points, space.surface.triangles),
       node_of_(space.surface.points.size(), -1) {
   if (space.tool_spaces.empty()) {
     throw InputError(

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "haptic/touching/surface_tree.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/solution_branches.h"
+#include "mesh/surface_tree.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {

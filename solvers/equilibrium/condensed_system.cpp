@@ -234,6 +234,10 @@ void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& va
   assembly_.tangent(state, force_, values);
 }
 
+bool CondensedSystem::feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const {
+  return prescribed_points_.empty() && !is_linear() && is_as_at_rest(q, state);
+}
+
 bool CondensedSystem::is_as_at_rest(const Eigen::VectorXd& q, const NodalVector& state) const {
   if (is_linear()) return true;
   if (!state.isZero(0)) return false;

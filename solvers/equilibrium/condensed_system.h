@@ -49,6 +49,8 @@ class CondensedSystem {
   [[nodiscard]] Index num_coordinates() const {
     return interaction_ == nullptr ? 0 : interaction_->num_coordinates();
   }
+  /// Whether the body is at rest and the tool away from it, so that nothing is felt.
+  [[nodiscard]] bool feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const;
   /// The tangent is the same at all states.
   [[nodiscard]] bool is_linear() const { return assembly_.is_linear() && !has_potential(); }
   /// The equilibrium is a saddle of the energy: there are pressures.

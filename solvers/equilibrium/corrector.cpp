@@ -67,6 +67,11 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
   const NodalVector direction = system.as_state(step);
   Iterate trial;
   double length = 1;
+  const double longest = system.interaction().longest_step();
+  if (std::isfinite(longest)) {
+    const Eigen::Index displacements = 3 * Eigen::Index{system.assembly().num_points()};
+    length = std::min(1.0, longest / direction.head(displacements).lpNorm<Eigen::Infinity>());
+  }
   for (int i = 0; i < kMaxBacktracks; ++i) {
     trial.state = iterate.state + length * direction;
     if (!evaluate(system, q, trial)) {

@@ -47,6 +47,8 @@ void take(LinearisedState state, Equilibrium& equilibrium) {
 
 /// Whether two equilibria can be on one smooth path, by their energies, reactions and stiffnesses.
 bool agree(const Equilibrium& from, const Equilibrium& to) {
+  // A tool that touched nothing has come upon the body. There is one branch, which begins there.
+  if (from.stiffness.isZero(0) && from.reaction.isZero(0)) return true;
   const Eigen::VectorXd d = to.t - from.t;
   const double change = to.energy - from.energy;
   const double expected =
@@ -81,7 +83,7 @@ class EquilibriumSolver::Impl {
                 options_.single_precision ? Precision::single_if_safe : Precision::full) {}
 
   void set_interaction(const Interaction& interaction) { system_.set_interaction(interaction); }
-  Equilibrium rest();
+  Equilibrium rest(const Eigen::VectorXd& t);
   Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start, Tangent tangent);
   void forget(const Equilibrium& state) { system_.forget(state.t, system_.vector_of(state)); }
   Path trace(const Eigen::VectorXd& t, const Equilibrium& start, const PathOptions& options);
@@ -158,19 +160,23 @@ Outcome EquilibriumSolver::Impl::interruption() const {
   return Outcome::converged;
 }
 
-Equilibrium EquilibriumSolver::Impl::rest() {
+Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
   begin();
   const Index coordinates = system_.num_coordinates();
-  require_coordinates(Eigen::VectorXd::Zero(coordinates));
+  require_coordinates(t);
   const Assembly& assembly = system_.assembly();
   Equilibrium state;
-  state.t.setZero(coordinates);
+  state.t = t;
   state.u.setZero(3 * assembly.num_points());
   state.v.setZero(state.u.size(), coordinates);
   state.p.setZero(assembly.num_pressures());
   state.p_v.setZero(assembly.num_pressures(), coordinates);
   state.reaction.setZero(coordinates);
   state.stiffness.setZero(coordinates, coordinates);
+  if (system_.evaluate(t, NodalVector::Zero(assembly.state_size())) != 0) {
+    throw InputError("The body is touched at the start, by " + system_.interaction().describe(t) +
+                     ". Let the tool start outside of it.");
+  }
   std::optional<Linearisation> at_rest =
       linearise(system_, state.t, NodalVector::Zero(assembly.state_size()));
   if (at_rest) {
@@ -319,9 +325,13 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   const Eigen::VectorXd way = t - start.t;
   Progress progress;
   progress.state = start;
-  double stride = 1;
+  // Powers of two, so that the last one ends at 1.
+  double longest_stride = 1;
+  const double longest_step = system_.interaction().longest_step();
+  while (longest_stride * way.lpNorm<Eigen::Infinity>() > longest_step) longest_stride *= 0.5;
+  double stride = longest_stride;
   Outcome outcome = Outcome::converged;
-  const double least_stride = std::ldexp(1.0, -options_.max_halvings);
+  const double least_stride = std::ldexp(longest_stride, -options_.max_halvings);
   bool may_follow = options_.follow_folds;
   int failures = 0;  // in a row
   while (progress.way < 1) {
@@ -330,7 +340,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       break;
     }
     // Strides are sums of powers of two: the last one ends at 1.
-    stride = std::min(stride, 1 - progress.way);
+    stride = std::min({stride, longest_stride, 1 - progress.way});
     const double next_way = progress.way + stride;
     const bool last = next_way == 1;
     Equilibrium next = step(stride, last ? t : Eigen::VectorXd(start.t + next_way * way),
@@ -410,7 +420,10 @@ const Work& EquilibriumSolver::work() const { return impl_->system().work(); }
 void EquilibriumSolver::set_interaction(const Interaction& interaction) {
   impl_->set_interaction(interaction);
 }
-Equilibrium EquilibriumSolver::rest() { return impl_->rest(); }
+Equilibrium EquilibriumSolver::rest(const Eigen::VectorXd& t) { return impl_->rest(t); }
+Equilibrium EquilibriumSolver::rest() {
+  return impl_->rest(Eigen::VectorXd::Zero(impl_->system().num_coordinates()));
+}
 Equilibrium EquilibriumSolver::solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                      Tangent tangent) {
   return impl_->solve(t, start, tangent);

@@ -71,8 +71,10 @@ class EquilibriumSolver {
   ///   twice.
   void set_interaction(const Interaction& interaction);
 
-  /// The body at rest (u = 0) with its sensitivity and stiffness. Call set_interaction()
-  /// before.
+  /// The body at rest (u = 0) with its sensitivity and stiffness, the tool at t [d], m; without t,
+  /// where its coordinates are 0. Call set_interaction() before.
+  /// @throws InputError the body is not at rest with the tool there: it touches the body.
+  [[nodiscard]] Equilibrium rest(const Eigen::VectorXd& t);
   [[nodiscard]] Equilibrium rest();
 
   /// Moves the tool from where it is in `start` to t [d], m. `start` is an equilibrium of

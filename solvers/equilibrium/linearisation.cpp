@@ -53,6 +53,23 @@ void take_stiffness(const Eigen::MatrixXd& k, LinearisedState& state) {
   state.stiffness = 0.5 * (k + k.transpose());
 }
 
+/// The body at rest with a tool that it does not feel.
+Linearisation at_rest_alone(const CondensedSystem& system, const Eigen::VectorXd& t,
+                            const NodalVector& x) {
+  const Assembly& assembly = system.assembly();
+  const Index coordinates = system.num_coordinates();
+  Linearisation result;
+  LinearisedState& state = result.state;
+  state.t = t;
+  take_vector(system, x, state);
+  state.v.setZero(state.u.size(), coordinates);
+  state.p_v.setZero(assembly.num_pressures(), coordinates);
+  state.reaction.setZero(coordinates);
+  state.stiffness.setZero(coordinates, coordinates);
+  result.newton_step.setZero(assembly.state_size());
+  return result;
+}
+
 /// Iterations of conjugate gradients at most: more would cost as much as a factorisation.
 constexpr int kMaxIterations = 14;
 
@@ -85,6 +102,7 @@ bool refine(CondensedSystem& system, TangentFactor& factor, Eigen::Ref<Eigen::Ma
 
 std::optional<Linearisation> linearise(CondensedSystem& system, const Eigen::VectorXd& t,
                                        const NodalVector& x) {
+  if (system.feels_nothing(t, x)) return at_rest_alone(system, t, x);
   TangentFactor* factor = system.factorise(t, x);
   if (factor == nullptr) return std::nullopt;
   const Eigen::Index coordinates = system.num_coordinates();

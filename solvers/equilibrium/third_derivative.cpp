@@ -16,6 +16,9 @@ namespace {
 /// which is 1e-16 over the square, comes to as much at a third of it: 1e-7 of T in all, also where
 /// the body is stiff against a change of volume. v may be off by more.
 constexpr double kStrain = 3e-4;
+/// The longest step beside a displacement that matters: the potential of a tool has a scale of its
+/// own.
+constexpr double kLongestStep = 1e-3;
 /// A step may be halved this often where an end of it inverts a cell.
 constexpr int kMaxHalvings = 12;
 
@@ -78,10 +81,11 @@ std::optional<SecondDifferences> differences(CondensedSystem& system, const Eige
 Eigen::VectorXd third_derivative(CondensedSystem& system, const Equilibrium& equilibrium) {
   assert(system.num_coordinates() == 3);
   Eigen::VectorXd t = Eigen::VectorXd::Zero(10);
-  if (system.is_linear()) return t;
+  if (system.is_linear() || equilibrium.v.isZero(0)) return t;
   const NodalVector x = system.vector_of(equilibrium);
   const Eigen::MatrixXd v = system.sensitivity_of(equilibrium);
-  double step = kStrain / largest_strain(system.mesh(), equilibrium.v);
+  double step = std::min(kStrain / largest_strain(system.mesh(), equilibrium.v),
+                         kLongestStep * system.displacement_scale(equilibrium.t));
   std::optional<SecondDifferences> second = differences(system, equilibrium.t, x, v, step);
   for (int i = 0; !second && i < kMaxHalvings; ++i) {
     step *= 0.5;

@@ -13,6 +13,7 @@
 // where of a point that is prescribed ∂/∂q is what ∂/∂u is.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,6 +63,10 @@ class Interaction {
   [[nodiscard]] virtual std::vector<PrescribedPoint> prescribed_points() const { return {}; }
   /// A displacement of the body that matters when the tool is at q, m.
   [[nodiscard]] virtual double displacement_scale(const Eigen::VectorXd& q) const = 0;
+  /// How far the tool, and a point of the body beside it, may move in one step of a solve, m.
+  [[nodiscard]] virtual double longest_step() const {
+    return std::numeric_limits<double>::infinity();
+  }
   /// Where the tool is, for a message: "a displacement of 0.01 m".
   [[nodiscard]] virtual std::string describe(const Eigen::VectorXd& q) const = 0;
 

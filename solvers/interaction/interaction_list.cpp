@@ -2,6 +2,7 @@
 #include "interaction/interaction_list.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace palpate {
 namespace {
@@ -58,6 +59,12 @@ double InteractionList::displacement_scale(const Eigen::VectorXd& q) const {
     scale = std::max(scale, tool.displacement_scale(coordinates_of(tool, first, q)));
   });
   return scale;
+}
+
+double InteractionList::longest_step() const {
+  double longest = std::numeric_limits<double>::infinity();
+  for (const auto& tool : tools_) longest = std::min(longest, tool->longest_step());
+  return longest;
 }
 
 std::string InteractionList::describe(const Eigen::VectorXd& q) const {

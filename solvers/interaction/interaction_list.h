@@ -24,6 +24,7 @@ class InteractionList final : public Interaction {
   [[nodiscard]] Index num_coordinates() const override;
   [[nodiscard]] std::vector<PrescribedPoint> prescribed_points() const override;
   [[nodiscard]] double displacement_scale(const Eigen::VectorXd& q) const override;
+  [[nodiscard]] double longest_step() const override;
   [[nodiscard]] std::string describe(const Eigen::VectorXd& q) const override;
   [[nodiscard]] bool has_potential() const override;
   [[nodiscard]] double potential(const Eigen::VectorXd& q, const NodalVector& state,

@@ -112,7 +112,7 @@ double volume(const TetMesh& mesh) {
   return sum;
 }
 
-std::vector<Index> boundary_faces(const TetMesh& mesh) {
+std::vector<Index> boundary_faces(const TetMesh& mesh, std::vector<Index>* cells) {
   std::unordered_map<FaceKey, int, FaceHash> uses;
   uses.reserve(static_cast<std::size_t>(mesh.num_cells()) * 3);
   const auto key_of = [&](Index c, int face) {
@@ -125,9 +125,11 @@ std::vector<Index> boundary_faces(const TetMesh& mesh) {
     for (int face = 0; face < 4; ++face) ++uses[key_of(c, face)];
   }
   std::vector<Index> faces;
+  if (cells != nullptr) cells->clear();
   for (Index c = 0; c < mesh.num_cells(); ++c) {
     for (int face = 0; face < 4; ++face) {
       if (uses.at(key_of(c, face)) != 1) continue;
+      if (cells != nullptr) cells->push_back(c);
       for (int a = 0; a < nodes_per_face(mesh.order); ++a) {
         faces.push_back(mesh.cell(c)[kFaces[face][a]]);
       }

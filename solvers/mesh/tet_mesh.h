@@ -52,7 +52,9 @@ void check_and_orient(TetMesh& mesh);
 /// The faces of the boundary, which are those that belong to one cell alone, face by face
 /// [num_faces × nodes_per_face(order)]. They look outward: corners a b c, then the midside nodes of
 /// ab, bc, ca.
-[[nodiscard]] std::vector<Index> boundary_faces(const TetMesh& mesh);
+/// @param cells If not null, it is set to the cell of each face [num_faces].
+[[nodiscard]] std::vector<Index> boundary_faces(const TetMesh& mesh,
+                                                std::vector<Index>* cells = nullptr);
 
 /// The corners of the faces of the boundary.
 [[nodiscard]] std::vector<std::array<Index, 3>> boundary_triangles(const TetMesh& mesh);

@@ -4,7 +4,7 @@
 import numpy
 from paraview.simple import (AssignMaterial, Calculator, GetSources, LoadState, SaveState,
                              IDSelectionSource, SelectionQuerySource,
-                             SetBoundary, SolveEquilibrium)
+                             SetBoundary, SolveEquilibrium, Sphere)
 from support import (Messages, box_body, cell_array, expect_silence, fetch, field, places,
                      point_array, source)
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkIntArray
@@ -60,6 +60,7 @@ def body_with_regions():
 def test_every_property(body):
     """Each property by its public name, enumerations by their entries."""
     selection = IDSelectionSource(FieldType="POINT", IDs=[0, 0])
+    sphere = Sphere()
     settings = {
         AssignMaterial: {
             "Law": "Mooney-Rivlin", "YoungsModulus": 5000.0, "PoissonsRatio": 0.3, "C10": 900.0,
@@ -74,7 +75,9 @@ def test_every_property(body):
             "ActiveNodes": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0,
             "Increments": 2, "EstimateCondition": 1, "GroupUnknowns": 100,
-            "LinearSolver": "Automatic", "Stress": 1},
+            "LinearSolver": "Automatic", "Stress": 1, "Tool": "Capsule", "ToolRadius": 0.02,
+            "ToolAxis": [0.0, 1.0, 0.0], "ToolLength": 0.05, "ToolPosition": [0.1, 0.2, 0.3],
+            "ToolSurface": sphere, "ContactThickness": 0.003, "ContactStiffness": 5e3},
     }
     for proxy, values in settings.items():
         filtered = proxy(Input=body, **values)
@@ -84,7 +87,7 @@ def test_every_property(body):
             got = filtered.GetPropertyValue(name)
             if name.endswith("Region"):
                 assert got.GetXMLName() == value, (name, got.GetXMLName())
-            elif name.endswith("Selection"):
+            elif name.endswith(("Selection", "Surface")):
                 assert got is not None, name
             elif isinstance(value, list):
                 assert list(got) == value, (name, got)

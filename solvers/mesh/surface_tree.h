@@ -13,7 +13,6 @@
 
 #include "base/memory_ranges.h"
 #include "mesh/box_tree.h"
-#include "state_space/surface.h"
 
 namespace palpate {
 
@@ -21,8 +20,10 @@ namespace palpate {
 /// it.
 class SurfaceTree {
  public:
+  /// @param points Positions [num_points], m.
+  /// @param triangles Places in `points`, such that triangles look outward.
   /// @throws InputError the surface has no triangle, or a point of it is not finite.
-  explicit SurfaceTree(const Surface& surface);
+  SurfaceTree(const std::vector<Vec3>& points, const std::vector<std::array<Index, 3>>& triangles);
 
   struct Nearest {
     /// The triangle that is nearest; −1: the place is not finite.

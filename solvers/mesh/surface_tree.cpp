@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "haptic/touching/surface_tree.h"
+#include "mesh/surface_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,31 +19,35 @@ Vec3 unit(const Vec3& v) {
   return length > 0 ? Vec3(v / length) : Vec3::Zero();
 }
 
-std::vector<BoxTree::Box> boxes_of(const Surface& surface) {
-  if (surface.triangles.empty()) {
-    throw InputError("The surface of the state space has no triangle: there is nothing to touch.");
+std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points,
+                                   const std::vector<std::array<Index, 3>>& triangles) {
+  if (triangles.empty()) {
+    throw InputError("The surface has no triangle: there is nothing to touch. Give one that has.");
   }
-  for (std::size_t p = 0; p < surface.points.size(); ++p) {
-    if (!surface.points[p].allFinite()) {
-      throw InputError("Point " + std::to_string(p) + " of the surface is not finite.");
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (!points[p].allFinite()) {
+      throw InputError("Point " + std::to_string(p) +
+                       " of the surface is not finite. Repair the points.");
     }
   }
   std::vector<BoxTree::Box> boxes;
-  for (const auto& triangle : surface.triangles) {
+  for (const auto& triangle : triangles) {
     BoxTree::Box& box = boxes.emplace_back();
-    for (Index point : triangle) box.extend(surface.points[point]);
+    for (Index point : triangle) box.extend(points[point]);
   }
   return boxes;
 }
 
 }  // namespace
 
-SurfaceTree::SurfaceTree(const Surface& surface) : tree_(boxes_of(surface)) {
+SurfaceTree::SurfaceTree(const std::vector<Vec3>& points,
+                         const std::vector<std::array<Index, 3>>& triangles)
+    : tree_(boxes_of(points, triangles)) {
   for (Index triangle : tree_.order()) {
-    const auto& [a, b, c] = triangles_.emplace_back(surface.triangles[triangle]);
-    corners_.push_back({surface.points[a], surface.points[b], surface.points[c]});
+    const auto& [a, b, c] = triangles_.emplace_back(triangles[triangle]);
+    corners_.push_back({points[a], points[b], points[c]});
   }
-  find_normals(surface.num_points());
+  find_normals(static_cast<Index>(points.size()));
 }
 
 void SurfaceTree::find_normals(Index num_points) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/surface_tree.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,15 +8,21 @@
 #include <random>
 
 #include "base/error.h"
-#include "haptic/support/analytic_body.h"
-#include "haptic/touching/surface_tree.h"
+#include "solvers/support/surfaces.h"
 
 namespace palpate {
 namespace {
 
+const Vec3 kBox(0.08, 0.08, 0.04);
+
+SurfaceTree box_tree() {
+  const test::Surface box = test::box_surface(kBox, {4, 4, 4});
+  return {box.points, box.triangles};
+}
+
 /// Distance to the surface of the box, negative inside.
 double distance_to_box(const Vec3& p) {
-  const Vec3 q = (p - test::kBox / 2).cwiseAbs() - test::kBox / 2;
+  const Vec3 q = (p - kBox / 2).cwiseAbs() - kBox / 2;
   return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
 }
 
@@ -22,7 +30,7 @@ class Points {
  public:
   Vec3 operator()() {
     Vec3 p;
-    for (int k = 0; k < 3; ++k) p[k] = test::kBox[k] * (-0.5 + 2 * uniform_(random_));
+    for (int k = 0; k < 3; ++k) p[k] = kBox[k] * (-0.5 + 2 * uniform_(random_));
     return p;
   }
 
@@ -32,7 +40,7 @@ class Points {
 };
 
 TEST(SurfaceTree, DistanceAndSignAreThoseOfTheBox) {
-  const SurfaceTree tree(test::box_surface());
+  const SurfaceTree tree = box_tree();
   Points points;
   Index hint = -1;
   for (int i = 0; i < 20000; ++i) {
@@ -50,10 +58,10 @@ TEST(SurfaceTree, DistanceAndSignAreThoseOfTheBox) {
 
 // At corners and edges the normal of a face alone tells inside from outside wrongly.
 TEST(SurfaceTree, SignAtCornersAndEdgesOfAPeak) {
-  Surface peak;  // a needle of a tetrahedron
+  test::Surface peak;  // a needle of a tetrahedron
   peak.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.1, 0.1, 20}};
   peak.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  const SurfaceTree tree(peak);
+  const SurfaceTree tree(peak.points, peak.triangles);
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
   for (const Vec3& corner : peak.points) {
@@ -71,7 +79,7 @@ TEST(SurfaceTree, SignAtCornersAndEdgesOfAPeak) {
 }
 
 TEST(SurfaceTree, AHintChangesNothing) {
-  const SurfaceTree tree(test::box_surface());
+  const SurfaceTree tree = box_tree();
   Points points;
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p = points();
@@ -82,7 +90,7 @@ TEST(SurfaceTree, AHintChangesNothing) {
 }
 
 TEST(SurfaceTree, PlacesThatAreNone) {
-  const SurfaceTree tree(test::box_surface());
+  const SurfaceTree tree = box_tree();
   EXPECT_EQ(tree.nearest(Vec3::Constant(std::nan(""))).triangle, -1);
   EXPECT_EQ(tree.nearest(Vec3(0, std::numeric_limits<double>::infinity(), 0)).triangle, -1);
   EXPECT_EQ(tree.nearest(Vec3::Constant(1e300)).triangle, -1);
@@ -91,10 +99,10 @@ TEST(SurfaceTree, PlacesThatAreNone) {
 }
 
 TEST(SurfaceTree, BadSurfaces) {
-  EXPECT_THROW(SurfaceTree{Surface{}}, InputError);
-  Surface surface = test::box_surface();
+  EXPECT_THROW((SurfaceTree{{}, {}}), InputError);
+  test::Surface surface = test::box_surface(kBox, {1, 1, 1});
   surface.points[3][1] = std::nan("");
-  EXPECT_THROW(SurfaceTree{surface}, InputError);
+  EXPECT_THROW((SurfaceTree{surface.points, surface.triangles}), InputError);
 }
 
 }  // namespace

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A smooth function near the surfaces f = low … high of a distance function f, by a tensor product
+// of B-splines of degree four on a regular grid of spacing h,
+//
+//   s(y) = Σ c_ijk β(x/h − i) β(y/h − j) β(z/h − k),   β = the centred B-spline of degree 4.
+//
+// s is C³ and its fourth derivatives are bounded. The coefficients come of the samples f_ijk
+// alone,
+//
+//   c = f − 5/24 (δ_x² + δ_y² + δ_z²) f,   δ_x² f_ijk = f_i+1,jk − 2 f_ijk + f_i−1,jk,
+//
+// quasi-interpolation of the fourth order (de Boor, A Practical Guide to Splines, ch. XII), exact
+// for polynomials up to degree three, since Σ f_i β(x − i) = f + 5/24 f″ + … . Interpolation, for
+// which c needs all samples (Unser, IEEE Signal Processing Magazine 16(6), 1999), has an error that
+// is smaller by a quarter at the kinks of a distance, but it rings there. On the surface of a cube,
+// in units of h, and of a sphere of radius 15 h:
+//
+//                         cube: error   |third derivative|   least curvature   sphere: error
+//   c = f                       0.61          1.3                −0.07              0.028
+//   quasi-interpolation         0.36          2.2                −0.15              0.00003
+//   interpolation               0.27          5.2                −0.60            < 0.00001
+//
+// All are the largest; outside a cube the curvature of the distance is nowhere negative.
+//
+// Only the bricks of 8 × 8 × 8 coefficients are kept of which one is needed between low and high.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "interaction/rigid_shape.h"
+
+namespace palpate {
+
+class BsplineGrid {
+ public:
+  struct Options {
+    /// Where f is low … high, m.
+    Eigen::AlignedBox3d bounds;
+    /// m.
+    double spacing = 0;
+    double low = 0;
+    double high = 0;
+  };
+  /// Bricks along one side, so that the index of all has up to 67 MB.
+  static constexpr int kMostBricksOfASide = 256;
+  /// Bricks that are kept: 268 MB.
+  static constexpr std::size_t kMostBricks = 1 << 16;
+
+  using Function = std::function<double(const Vec3&)>;
+
+  /// @param distance f, which changes by no more than the place does.
+  /// @throws InputError there are more bricks than above.
+  BsplineGrid(const Function& distance, const Options& options);
+
+  /// Which values f has at a place, if any of those between low and high.
+  enum class Region { band, below, above };
+
+  /// Evaluates s and its derivatives up to an order, 0 … 3, where all that it needs is there:
+  /// wherever f is low … high, and a little beyond.
+  /// @returns band: the jet is filled; else it is left as it is, and f is below low or above high.
+  [[nodiscard]] Region evaluate(const Vec3& place, int order, RigidShape::Jet& jet) const noexcept;
+
+  [[nodiscard]] std::size_t num_coefficients() const { return coefficients_.size(); }
+
+ private:
+  using Node = std::array<Index, 3>;
+
+  [[noreturn]] void fail() const;
+  /// Finds which of the bricks in a cube of `side` bricks are kept.
+  void find_bricks(const Function& distance, const Options& options, const Node& corner, Index side,
+                   std::vector<Node>& kept);
+  [[nodiscard]] std::size_t place_of_brick(const Node& brick) const noexcept;
+  /// What bricks_ has for the brick of a node; kAbove outside the grid.
+  [[nodiscard]] Index brick_of(const Node& node) const noexcept;
+  [[nodiscard]] Vec3 position(const Node& node) const noexcept;
+  template <int kOrder>
+  void fill(const Node& first, const Vec3& in_cell, const std::array<const double*, 8>& corners,
+            RigidShape::Jet& jet) const noexcept;
+
+  double spacing_;
+  /// Of node 0, m.
+  Vec3 origin_;
+  /// The bricks along each side of the grid.
+  Node num_bricks_;
+  /// For each brick the place of its coefficients, in bricks, or one of kBelow and kAbove. The last
+  /// index is the fastest.
+  std::vector<Index> bricks_;
+  /// [bricks kept × 8 × 8 × 8].
+  std::vector<double> coefficients_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The surface of a body that a tool may press, with the points at which contact is integrated. A
+// face is divided into n² triangles, each with the rule of six points that is exact for degree 4
+// (Dunavant, Int. J. Numer. Methods Eng. 21, 1985), since contact has a scale of its own that faces
+// know nothing of. Weights are areas at rest.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <vector>
+
+#include "assembly/scene.h"
+
+namespace palpate {
+
+/// The distance of points of integration that is fine enough, in thicknesses of contact.
+inline constexpr double kSpacingOfThickness = 0.7;
+
+class ContactSurface {
+ public:
+  /// Takes the faces of the boundary of which a point is free to move.
+  /// @param spacing The largest distance of neighbouring points of integration, roughly, m.
+  /// @throws InputError the spacing is not positive, or so small that a face has more than
+  ///   kMostDivisions.
+  ContactSurface(const Scene& scene, double spacing);
+
+  /// The largest number of parts that an edge is divided into.
+  static constexpr int kMostDivisions = 64;
+
+  struct Face {
+    /// Corners, then midside nodes [nodes_per_face()].
+    const Index* nodes = nullptr;
+    /// The shape functions at its points [points × nodes_per_face()].
+    const Eigen::MatrixXd* shape = nullptr;
+    /// The areas of its points at rest [points], m².
+    const double* weights = nullptr;
+    /// Its mean normal at rest, outward.
+    Vec3 normal = Vec3::Zero();
+    /// The longest edge between corners, m.
+    double longest_edge = 0;
+  };
+
+  [[nodiscard]] int nodes_per_face() const { return nodes_per_face_; }
+  [[nodiscard]] Index num_faces() const { return static_cast<Index>(divisions_.size()); }
+  [[nodiscard]] Face face(Index f) const {
+    const auto i = static_cast<std::size_t>(f);
+    return {nodes_.data() + i * static_cast<std::size_t>(nodes_per_face_),
+            &shapes_.at(divisions_[i]), weights_.data() + first_point_[i], normals_[i],
+            longest_edges_[i]};
+  }
+  /// The places of all points at rest, m.
+  [[nodiscard]] const std::vector<Vec3>& points() const { return points_; }
+
+ private:
+  int nodes_per_face_;
+  std::vector<Vec3> points_;
+  std::vector<Index> nodes_;
+  std::vector<int> divisions_;
+  std::vector<std::size_t> first_point_;
+  std::vector<Vec3> normals_;
+  std::vector<double> longest_edges_;
+  std::vector<double> weights_;
+  /// By the number of divisions.
+  std::map<int, Eigen::MatrixXd> shapes_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interaction/rigid_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+/// A face that looks away from the tool by more than this sine is not touched.
+constexpr double kAway = 0.5;
+/// Share of the smallest extent of a tool that it, or the surface, moves in one step at the most: a
+/// surface that went through the tool would come out on its other side.
+constexpr double kLongestStep = 0.5;
+
+/// From 0 at x = 0 to 1 at x = 1 with three derivatives that vanish at both ends, and the first two
+/// of these.
+struct Ramp {
+  double value, slope, curvature;
+};
+Ramp ramp(double x) {
+  const double x2 = x * x;
+  const double r = 1 - x;
+  return {x2 * x2 * (35 - x * (84 - x * (70 - 20 * x))), 140 * x2 * x * r * r * r,
+          420 * x2 * r * r * (1 - 2 * x)};
+}
+
+/// (∇³d · n)_ij = Σ_k d_ijk n_k, of the ten components.
+Mat3 contracted(const Eigen::Matrix<double, 10, 1>& t, const Vec3& n) {
+  Mat3 m;
+  m(0, 0) = t[0] * n[0] + t[1] * n[1] + t[2] * n[2];
+  m(0, 1) = t[1] * n[0] + t[3] * n[1] + t[4] * n[2];
+  m(0, 2) = t[2] * n[0] + t[4] * n[1] + t[5] * n[2];
+  m(1, 1) = t[3] * n[0] + t[6] * n[1] + t[7] * n[2];
+  m(1, 2) = t[4] * n[0] + t[7] * n[1] + t[8] * n[2];
+  m(2, 2) = t[5] * n[0] + t[8] * n[1] + t[9] * n[2];
+  m(1, 0) = m(0, 1);
+  m(2, 0) = m(0, 2);
+  m(2, 1) = m(1, 2);
+  return m;
+}
+
+/// The box around a face wherever its nodes are: around the control points of its Bézier form.
+Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& places) {
+  Eigen::AlignedBox3d box;
+  for (int a = 0; a < 3; ++a) box.extend(places.col(a));
+  for (Eigen::Index a = 3; a < places.cols(); ++a) {
+    box.extend(2 * places.col(a) - 0.5 * (places.col(a - 3) + places.col((a - 2) % 3)));
+  }
+  return box;
+}
+
+}  // namespace
+
+void validate(const ContactLaw& law) {
+  if (!(std::isfinite(law.thickness) && law.thickness > 0)) {
+    throw InputError("The contact thickness is " + std::to_string(law.thickness) +
+                     " m; it must be a positive length.");
+  }
+  if (!(std::isfinite(law.stiffness) && law.stiffness > 0)) {
+    throw InputError("The contact stiffness is " + std::to_string(law.stiffness) +
+                     " Pa; it must be positive.");
+  }
+}
+
+RigidContact::RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape,
+                           ContactLaw law)
+    : surface_(std::move(surface)), shape_(std::move(shape)), law_(law) {
+  validate(law);
+  longest_step_ = kLongestStep * 0.5 * shape_->bounds().sizes().minCoeff();
+}
+
+std::unique_ptr<Interaction> RigidContact::clone() const {
+  return std::make_unique<RigidContact>(*this);
+}
+
+double RigidContact::displacement_scale(const Eigen::VectorXd& /*q*/) const {
+  return law_.thickness;
+}
+
+std::string RigidContact::describe(const Eigen::VectorXd& q) const {
+  std::ostringstream text;
+  text << shape_->description() << " at (" << q[0] << ", " << q[1] << ", " << q[2] << ") m";
+  return text.str();
+}
+
+bool RigidContact::evaluate(const Vec3& offset, const Vec3& normal, bool with_hessian,
+                            Point& point) const {
+  const double thickness = law_.thickness;
+  RigidShape::Jet jet = shape_->evaluate(offset, with_hessian ? 2 : 1);
+  const double depth = thickness - jet.value;
+  if (!(depth > 0)) return false;
+  const double towards = -normal.dot(jet.gradient);
+  if (towards <= -kAway) return false;
+  const double scale = law_.stiffness / (thickness * thickness * thickness);
+  const double psi = scale * depth * depth * depth * depth / 4;
+  const double slope = -scale * depth * depth * depth;
+  const double curvature = 3 * scale * depth * depth;
+  const Vec3& n = jet.gradient;
+  if (towards >= 0) {
+    point.value = psi;
+    point.gradient = slope * n;
+    if (with_hessian) point.hessian = curvature * n * n.transpose() + slope * jet.hessian;
+    return true;
+  }
+  // The face begins to look away.
+  jet = shape_->evaluate(offset, with_hessian ? 3 : 2);
+  const Ramp s = ramp(1 + towards / kAway);
+  const double ds = s.slope / kAway;
+  const Vec3 turn = -jet.hessian * normal;
+  point.value = psi * s.value;
+  point.gradient = slope * s.value * n + psi * ds * turn;
+  if (with_hessian) {
+    const Mat3 mixed = n * turn.transpose();
+    point.hessian = s.value * (curvature * n * n.transpose() + slope * jet.hessian) +
+                    slope * ds * (mixed + mixed.transpose()) +
+                    psi * s.curvature / (kAway * kAway) * turn * turn.transpose() -
+                    psi * ds * contracted(jet.third, normal);
+  }
+  return true;
+}
+
+template <class Visit>
+void RigidContact::for_each_touched_point(const Eigen::VectorXd& q, const NodalVector& state,
+                                          bool with_hessian, Visit&& visit) const {
+  const Vec3 centre = q;
+  Eigen::AlignedBox3d reach = shape_->bounds();
+  const double margin = law_.thickness + shape_->error();
+  reach = Eigen::AlignedBox3d(reach.min().array() - margin, reach.max().array() + margin);
+  Eigen::Matrix3Xd places(3, surface_->nodes_per_face());
+  Point point;
+  for (Index f = 0; f < surface_->num_faces(); ++f) {
+    const ContactSurface::Face face = surface_->face(f);
+    for (Eigen::Index a = 0; a < places.cols(); ++a) {
+      const Index p = face.nodes[a];
+      places.col(a) = surface_->points()[p] + state.segment<3>(3 * Eigen::Index{p}) - centre;
+    }
+    if (!box_of(places).intersects(reach)) continue;
+    for (Eigen::Index i = 0; i < face.shape->rows(); ++i) {
+      const Vec3 offset = places * face.shape->row(i).transpose();
+      if (!reach.contains(offset)) continue;
+      if (evaluate(offset, face.normal, with_hessian, point)) visit(face, i, point);
+    }
+  }
+}
+
+double RigidContact::potential(const Eigen::VectorXd& q, const NodalVector& state,
+                               NodalVector& force, Eigen::VectorXd& of_q) const {
+  double sum = 0;
+  for_each_touched_point(
+      q, state, false, [&](const ContactSurface::Face& face, Eigen::Index i, const Point& point) {
+        sum += face.weights[i] * point.value;
+        const Vec3 pull = face.weights[i] * point.gradient;
+        for (Eigen::Index a = 0; a < face.shape->cols(); ++a) {
+          force.segment<3>(3 * Eigen::Index{face.nodes[a]}) += (*face.shape)(i, a) * pull;
+        }
+        of_q -= pull;
+      });
+  return sum;
+}
+
+void RigidContact::add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
+                               PotentialHessian& hessian) const {
+  const int nodes = surface_->nodes_per_face();
+  const Index* last = nullptr;
+  // The blocks of the face that points are visited of.
+  std::size_t first_of_points = 0;
+  std::size_t first_mixed = 0;
+  for_each_touched_point(
+      q, state, true, [&](const ContactSurface::Face& face, Eigen::Index i, const Point& point) {
+        if (face.nodes != last) {
+          last = face.nodes;
+          first_of_points = hessian.of_points.size();
+          first_mixed = hessian.mixed.size();
+          for (int a = 0; a < nodes; ++a) {
+            for (int b = 0; b <= a; ++b) {
+              hessian.of_points.push_back({face.nodes[a], face.nodes[b], Mat3::Zero()});
+            }
+            hessian.mixed.push_back({face.nodes[a], 0, Mat3::Zero()});
+          }
+        }
+        const Mat3 h = face.weights[i] * point.hessian;
+        std::size_t block = first_of_points;
+        for (int a = 0; a < nodes; ++a) {
+          const Mat3 of_a = (*face.shape)(i, a) * h;
+          for (int b = 0; b <= a; ++b) {
+            hessian.of_points[block++].value += (*face.shape)(i, b) * of_a;
+          }
+          hessian.mixed[first_mixed + static_cast<std::size_t>(a)].value -= of_a;
+        }
+        hessian.of_coordinates += h;
+      });
+}
+
+RigidContact::Patch RigidContact::patch(const Eigen::VectorXd& q, const NodalVector& state) const {
+  Patch result;
+  const std::size_t num_points = surface_->points().size();
+  result.pressure.assign(num_points, 0);
+  std::vector<double> areas(num_points, 0);
+  const auto share = [&](const ContactSurface::Face& face, Eigen::Index i, int a) {
+    // Those of corners are negative near the middles of edges.
+    return face.weights[i] * std::max((*face.shape)(i, a), 0.0);
+  };
+  for (Index f = 0; f < surface_->num_faces(); ++f) {
+    const ContactSurface::Face face = surface_->face(f);
+    for (Eigen::Index i = 0; i < face.shape->rows(); ++i) {
+      for (int a = 0; a < surface_->nodes_per_face(); ++a) {
+        areas[face.nodes[a]] += share(face, i, a);
+      }
+    }
+  }
+  for_each_touched_point(
+      q, state, false, [&](const ContactSurface::Face& face, Eigen::Index i, const Point& point) {
+        result.area += face.weights[i];
+        result.longest_edge = std::max(result.longest_edge, face.longest_edge);
+        for (int a = 0; a < surface_->nodes_per_face(); ++a) {
+          result.pressure[face.nodes[a]] += share(face, i, a) * point.gradient.norm();
+        }
+      });
+  for (std::size_t p = 0; p < num_points; ++p) {
+    if (areas[p] > 0) result.pressure[p] /= areas[p];
+  }
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A rigid tool that presses the surface of a body without friction. Its coordinates are the place p
+// of its centre; it does not turn. With the gap g = d(x − p), d the signed distance to the tool
+// (rigid_shape.h), and x the place of a point of the surface,
+//
+//   Φ(u; p) = ∫_Γ₀ ψ(g) s dA₀,   ψ(g) = κ⟨δ − g⟩⁴ / (4 δ³)
+//
+// over the surface at rest. The pressure −ψ′ acts in a layer of thickness δ, in which it rises
+// smoothly: ψ is C³ and zero beyond it, so that a tool that touches nothing adds exactly nothing,
+// and a tool seems larger by about half of it.
+//
+// The far side of a thin lobe may lie in the layer too, or in the tool. It is told apart by which
+// way it looks: with c = −N·∇d, N the normal of the face at rest, s is 1 where c ≥ 0, as on every
+// face that looks towards the tool, and falls smoothly to 0 where it looks away by 30° or more.
+#pragma once
+
+#include <memory>
+
+#include "interaction/contact_surface.h"
+#include "interaction/interaction.h"
+#include "interaction/rigid_shape.h"
+
+namespace palpate {
+
+struct ContactLaw {
+  /// δ, m.
+  double thickness = 0;
+  /// κ, Pa: the pressure at g = 0.
+  double stiffness = 0;
+};
+
+/// @throws InputError a thickness or stiffness that is not positive.
+void validate(const ContactLaw& law);
+
+class RigidContact final : public Interaction {
+ public:
+  /// @throws InputError a thickness or stiffness that is not positive.
+  RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape, ContactLaw law);
+
+  [[nodiscard]] const RigidShape& shape() const { return *shape_; }
+  [[nodiscard]] const ContactLaw& law() const { return law_; }
+
+  [[nodiscard]] std::unique_ptr<Interaction> clone() const override;
+  [[nodiscard]] Index num_coordinates() const override { return 3; }
+  [[nodiscard]] double displacement_scale(const Eigen::VectorXd& q) const override;
+  [[nodiscard]] std::string describe(const Eigen::VectorXd& q) const override;
+  [[nodiscard]] double longest_step() const override { return longest_step_; }
+  [[nodiscard]] bool has_potential() const override { return true; }
+  [[nodiscard]] double potential(const Eigen::VectorXd& q, const NodalVector& state,
+                                 NodalVector& force, Eigen::VectorXd& of_q) const override;
+  void add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
+                   PotentialHessian& hessian) const override;
+
+  /// What a tool at q touches.
+  struct Patch {
+    /// Of each point of the mesh, the pressure, Pa: the mean of the surface around it.
+    std::vector<double> pressure;
+    /// The area at rest on which there is pressure, m².
+    double area = 0;
+    /// The longest edge of a face on which there is pressure, m; 0: nothing is touched.
+    double longest_edge = 0;
+  };
+  [[nodiscard]] Patch patch(const Eigen::VectorXd& q, const NodalVector& state) const;
+
+ private:
+  /// φ = ψ s of a point and its derivatives by the point's place.
+  struct Point {
+    double value = 0;
+    Vec3 gradient = Vec3::Zero();
+    Mat3 hessian = Mat3::Zero();
+  };
+  /// @returns false where it is zero.
+  bool evaluate(const Vec3& offset, const Vec3& normal, bool with_hessian, Point& point) const;
+  /// Calls visit(face, number of the point, φ) for each point of integration where φ is not zero.
+  template <class Visit>
+  void for_each_touched_point(const Eigen::VectorXd& q, const NodalVector& state, bool with_hessian,
+                              Visit&& visit) const;
+
+  std::shared_ptr<const ContactSurface> surface_;
+  RigidShapePtr shape_;
+  ContactLaw law_;
+  double longest_step_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interaction/rigid_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "interaction/rigid_surface_check.h"
+
+namespace palpate {
+namespace {
+
+/// Spacing over thickness: with a larger one the spline would be rough on the scale of the layer.
+constexpr double kLargestSpacing = 0.5;
+/// How deep inside the spline goes, in units of the thickness: the pressure there is 27/8 of that
+/// at a distance of zero, so that no place of a body at rest comes deeper.
+constexpr double kSplineDepth = 0.5;
+/// Where the error is measured, in units of the thickness.
+constexpr double kOffsets[] = {-0.25, -0.125, 0, 0.5, 1};
+/// On the largest error measured, for the places between. On 27 tools, boxes, needles and curved
+/// ones turned at random, none of 150 000 places at random had more than what was measured.
+constexpr double kMargin = 1.1;
+/// At edges the error is proportional to the spacing, elsewhere to a power of it: the next spacing
+/// is what would do at edges, within limits.
+constexpr double kAim = 0.9;
+constexpr double kLeastRefinement = 0.85;
+constexpr double kMostRefinement = 0.5;
+
+const ToolSurface& checked(ToolSurface& tool) {
+  const auto check = [](const char* what, double value, bool zero_is_good, const char* unit) {
+    if (std::isfinite(value) && (value > 0 || (zero_is_good && value == 0))) return;
+    throw InputError(std::string(what) + " is " + quantity(value, unit) + ". Give " +
+                     (zero_is_good ? "0 or more." : "a value larger than 0."));
+  };
+  check("The thickness of the layer in which contact acts", tool.thickness, false, "m");
+  check("The spacing of the grid of the tool's distance", tool.spacing, true, "m");
+  check("The error wanted of the tool's distance, as a share of the thickness,", tool.error, false,
+        "");
+  check_and_orient_tool(tool.points, tool.triangles);
+  return tool;
+}
+
+/// Sums of the normals of the triangles at each point.
+std::vector<Vec3> normals_at_points(const ToolSurface& tool) {
+  std::vector<Vec3> normals(tool.points.size(), Vec3::Zero());
+  for (const auto& [a, b, c] : tool.triangles) {
+    const Vec3 normal =
+        (tool.points[b] - tool.points[a]).cross(tool.points[c] - tool.points[a]).normalized();
+    for (Index point : {a, b, c}) normals[point] += normal;
+  }
+  for (Vec3& normal : normals) normal.normalize();
+  return normals;
+}
+
+}  // namespace
+
+RigidSurface::RigidSurface(ToolSurface tool)
+    : tree_(checked(tool).points, tool.triangles), thickness_(tool.thickness) {
+  for (const auto& triangle : tool.triangles) {
+    for (Index point : triangle) {
+      bounding_radius_ = std::max(bounding_radius_, tool.points[point].norm());
+    }
+  }
+  if (tool.spacing > 0) {
+    make_spline(tool.spacing);
+    measure_error(tool);
+    return;
+  }
+  const double wanted = tool.error * thickness_;
+  for (double spacing = kLargestSpacing * thickness_;;) {
+    make_spline(spacing);
+    measure_error(tool);
+    if (error_ <= wanted) break;
+    spacing *= std::clamp(kAim * wanted / error_, kMostRefinement, kLeastRefinement);
+  }
+}
+
+void RigidSurface::make_spline(double spacing) {
+  spacing_ = spacing;
+  const Vec3 around = Vec3::Constant(thickness_);
+  Index last = -1;
+  const auto distance = [&](const Vec3& place) {
+    const SurfaceTree::Nearest nearest = tree_.nearest(place, last);
+    last = nearest.triangle;
+    return nearest.distance;
+  };
+  spline_.reset();  // before there are two
+  spline_ = std::make_unique<BsplineGrid>(
+      distance, BsplineGrid::Options{{tree_.bounds().min() - around, tree_.bounds().max() + around},
+                                     spacing,
+                                     -kSplineDepth * thickness_,
+                                     thickness_});
+}
+
+void RigidSurface::measure_error(const ToolSurface& tool) {
+  const std::vector<Vec3> normals = normals_at_points(tool);
+  double largest = 0;
+  double sum = 0;
+  double num_places = 0;
+  Index last = -1;
+  Jet jet;
+  const auto measure = [&](const Vec3& place) {
+    const SurfaceTree::Nearest nearest = tree_.nearest(place, last);
+    last = nearest.triangle;
+    if (nearest.distance < -depth() || nearest.distance > thickness_) return;
+    if (spline_->evaluate(place, 0, jet) != BsplineGrid::Region::band) return;
+    const double error = std::abs(jet.value - nearest.distance);
+    largest = std::max(largest, error);
+    sum += error * error;
+    ++num_places;
+  };
+  for (const auto& [a, b, c] : tool.triangles) {
+    const Vec3& at_a = tool.points[a];
+    const Vec3& at_b = tool.points[b];
+    const Vec3& at_c = tool.points[c];
+    const double longest =
+        std::max({(at_b - at_a).norm(), (at_c - at_b).norm(), (at_a - at_c).norm()});
+    const int num_parts = static_cast<int>(std::ceil(longest / spacing_));
+    for (int i = 0; i <= num_parts; ++i) {
+      for (int j = 0; i + j <= num_parts; ++j) {
+        const double u = static_cast<double>(i) / num_parts;
+        const double v = static_cast<double>(j) / num_parts;
+        const Vec3 place = (1 - u - v) * at_a + u * at_b + v * at_c;
+        const Vec3 normal = ((1 - u - v) * normals[a] + u * normals[b] + v * normals[c]);
+        for (double offset : kOffsets) measure(place + offset * thickness_ * normal.normalized());
+      }
+    }
+  }
+  error_ = kMargin * largest;
+  rms_error_ = std::sqrt(sum / num_places);
+}
+
+RigidShape::Jet RigidSurface::evaluate(const Vec3& place, int order) const noexcept {
+  Jet jet;
+  switch (spline_->evaluate(place, order, jet)) {
+    case BsplineGrid::Region::band: break;
+    case BsplineGrid::Region::above:
+      jet.value = place.allFinite() ? std::max(thickness_, bounds().exteriorDistance(place))
+                                    : std::numeric_limits<double>::quiet_NaN();
+      break;
+    case BsplineGrid::Region::below: {
+      const SurfaceTree::Nearest nearest = tree_.nearest(place);
+      jet.value = nearest.distance;
+      if (order >= 1) jet.gradient = (place - nearest.point) / nearest.distance;
+      break;
+    }
+  }
+  return jet;
+}
+
+std::string RigidSurface::description() const {
+  return "a surface of " + std::to_string(tree_.num_triangles()) + " triangles";
+}
+
+std::shared_ptr<const RigidSurface> make_surface_tool(ToolSurface tool) {
+  return std::make_shared<const RigidSurface>(std::move(tool));
+}
+
+}  // namespace palpate

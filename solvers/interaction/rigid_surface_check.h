@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether a surface of triangles is that of a tool: it bounds one piece.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/types.h"
+
+namespace palpate {
+
+/// Checks that each edge belongs to two triangles and that all hang together, and turns the
+/// triangles so that they look outward.
+/// @param points Positions [num_points], m.
+/// @param triangles Places in `points`.
+/// @throws InputError it is not so, a point is not finite, or a triangle has no area (less than
+/// 1e-12
+///   of the square of its longest edge). The message names the first such point, triangle or edge,
+///   and how many there are.
+void check_and_orient_tool(const std::vector<Vec3>& points,
+                           std::vector<std::array<Index, 3>>& triangles);
+
+}  // namespace palpate
