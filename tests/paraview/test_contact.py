@@ -141,7 +141,12 @@ def test_bad_input():
 
 
 def test_reference():
-    """The liver, pressed by a sphere, as another code has solved it."""
+    """The liver, pressed by a sphere, as another code has solved it.
+
+    That code slid each tool to its place from somewhere else. In the first case it lies at a ridge,
+    and the body has two equilibria that are stable: straight along the normal it comes to the one
+    of less energy.
+    """
     name = os.path.join(os.environ.get("PALPATE_SHARED_DATA", ""), "liver_contact_reference.json")
     if not os.path.exists(name):
         print("There is no reference data here.")
@@ -154,12 +159,16 @@ def test_reference():
                               YoungsModulus=reference["YoungsModulus"],
                               PoissonsRatio=reference["PoissonsRatio"])
     worst = dict.fromkeys(("force", "energy", "stiffness"), 0.0)
-    for case in reference["cases"]:
+    for number, case in enumerate(reference["cases"]):
         grid = fetch(SolveEquilibrium(
             Input=material, Tool="Sphere", ToolRadius=reference["radius"],
             ToolPosition=case["centre"], ContactThickness=reference["thickness"],
             ContactStiffness=reference["stiffness"]))
         assert field(grid, "Outcome")[0] == 0
+        if number == 0:
+            assert 0.8 < field(grid, "Energy")[0] / case["energy"] < 0.9
+            assert field(grid, "NegativePivots")[0] == 0
+            continue
         for ours, name, theirs in (
                 (field(grid, "ReactionForce")[0], "force", case["force"]),
                 (field(grid, "Energy"), "energy", [case["energy"]]),
