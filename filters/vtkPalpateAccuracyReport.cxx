@@ -285,8 +285,20 @@ int vtkPalpateAccuracyReport::RequestData(
     palpate::TouchSpace space;
     vtkSmartPointer<vtkUnstructuredGrid> body;
     // One after the other: both are collective, and may fail on the first rank alone.
-    palpate::agree(
-      *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
+    palpate::agree(*communicator,
+      [&]
+      {
+        space = vtkPalpateSpaceFromCollection(input, controller);
+        for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
+        {
+          if (toolSpace.setup.interaction.is_contact())
+          {
+            throw palpate::InputError("The state space is that of a rigid tool, of which this "
+                                      "filter knows no exact solutions. Give it a space of active "
+                                      "nodes.");
+          }
+        }
+      });
     palpate::agree(
       *communicator, [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
 

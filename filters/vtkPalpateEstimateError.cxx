@@ -34,8 +34,8 @@ std::vector<double> Estimate(const palpate::TouchSpace& space)
   std::vector<double> rows;
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    const std::vector<double> errors =
-      palpate::estimate_errors_around(toolSpace.setup.grid, toolSpace.configurations);
+    const std::vector<double> errors = palpate::estimate_errors_around(
+      toolSpace.setup.grid, toolSpace.configurations, toolSpace.clearance);
     for (std::size_t i = 0; i < errors.size(); ++i)
     {
       const auto& [x, y, z] = toolSpace.configurations[i].check_point;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpatePrecomputeStateSpace.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <iostream>
 #include <set>
 #include <sstream>
 
@@ -10,6 +13,7 @@
 #include "state_space/state_space_file.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
+#include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
@@ -19,6 +23,7 @@
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
+#include "vtkPalpateRigidTool.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateWholeBody.h"
@@ -44,11 +49,58 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
   {
     text << ' ' << node;
   }
+  if (options.contact)
+  {
+    const auto& [tool, spacing, shell, most] = *options.contact;
+    text << " tool " << static_cast<int>(tool.shape) << ' ' << tool.radius << ' '
+         << tool.axis.transpose() << ' ' << tool.length << ' ' << tool.law.thickness << ' '
+         << tool.law.stiffness << ' ' << spacing << ' ' << shell.depth << ' ' << most << " region";
+    for (const palpate::Vec3& point : scene.mesh.points)
+    {
+      text << (!shell.region || shell.region(point) ? '1' : '0');
+    }
+    for (const palpate::Vec3& point : tool.points)
+    {
+      text << ' ' << point.transpose();
+    }
+    for (const auto& triangle : tool.triangles)
+    {
+      text << ' ' << triangle[0] << ' ' << triangle[1] << ' ' << triangle[2];
+    }
+  }
   text << " touchable ";
   for (const char touchable : scene.touchable)
   {
     text << (touchable != 0 ? '1' : '0');
   }
+  return text.str();
+}
+
+/// The surface of the tool that rank 0 has, on every rank.
+vtkSmartPointer<vtkPolyData> ShareSurface(
+  vtkPolyData* surface, vtkMultiProcessController* controller)
+{
+  if (!controller || controller->GetNumberOfProcesses() == 1)
+  {
+    return surface;
+  }
+  auto shared = vtkSmartPointer<vtkPolyData>::New();
+  if (controller->GetLocalProcessId() == 0 && surface)
+  {
+    shared->ShallowCopy(surface);
+  }
+  controller->Broadcast(shared, 0);
+  return shared;
+}
+
+std::string ToText(const palpate::ExplorationEstimate& estimate)
+{
+  std::ostringstream text;
+  const bool minutes = estimate.seconds >= 90;
+  text << "about " << estimate.num_configurations << " configurations, "
+       << std::lround(minutes ? estimate.seconds / 60 : estimate.seconds)
+       << (minutes ? " min, " : " s, ") << std::lround(estimate.bytes_per_rank / 1e6)
+       << " MB of memory a rank, " << std::lround(estimate.file_bytes / 1e6) << " MB of disk";
   return text.str();
 }
 
@@ -101,7 +153,8 @@ std::string Doubts(const palpate::PrecomputeReport& report)
   namespace flags = palpate::flags;
   for (const auto& [flag, count] : report.num_by_flag)
   {
-    if (flag != flags::beyond_force_limit && flag != flags::inertia_not_computed)
+    if (flag != flags::beyond_force_limit && flag != flags::inertia_not_computed &&
+      flag != flags::touches_nothing)
     {
       add(count, palpate::flags_to_string(flag));
     }
@@ -127,6 +180,7 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
   add("IdleSeconds", report.schedule.idle_seconds);
   add("Solved", static_cast<double>(report.num_solved));
   add("Reused", static_cast<double>(report.num_reused));
+  add("Rounds", report.num_rounds);
   add("NotReached", static_cast<double>(report.num_not_reached));
   add("LevelTransitions", static_cast<double>(report.num_transitions));
   add("Levels", static_cast<double>(report.num_levels));
@@ -145,7 +199,11 @@ void AddReport(const palpate::PrecomputeReport& report, vtkFieldData* fields)
 
 vtkStandardNewMacro(vtkPalpatePrecomputeStateSpace);
 
-vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace() = default;
+vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace()
+{
+  this->SetNumberOfInputPorts(2);
+}
+
 vtkPalpatePrecomputeStateSpace::~vtkPalpatePrecomputeStateSpace()
 {
   Growing().erase(this);
@@ -178,8 +236,54 @@ bool vtkPalpatePrecomputeStateSpace::GetNeedsUpdate()
   return true;
 }
 
-int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int, vtkInformation* info)
+void vtkPalpatePrecomputeStateSpace::SetToolRegion(vtkImplicitFunction* region)
 {
+  if (this->ToolRegion != region)
+  {
+    this->ToolRegion = region;
+    this->Modified();
+  }
+}
+
+vtkImplicitFunction* vtkPalpatePrecomputeStateSpace::GetToolRegion()
+{
+  return this->ToolRegion;
+}
+
+vtkMTimeType vtkPalpatePrecomputeStateSpace::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->ToolRegion ? std::max(own, this->ToolRegion->GetMTime()) : own;
+}
+
+palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(
+  const palpate::Scene& scene, vtkPolyData* surface, vtkMultiProcessController* controller)
+{
+  vtkPalpateToolProperties properties{ this->Tool, this->ToolRadius, {}, this->ToolLength,
+    this->ContactThickness, this->ContactStiffness };
+  std::copy_n(this->ToolAxis, 3, properties.Axis);
+  palpate::ContactOptions contact;
+  contact.tool = vtkPalpateRigidTool(properties,
+    this->Tool == vtkPalpateSurfaceTool ? ShareSurface(surface, controller).Get() : nullptr, scene);
+  contact.spacing = this->Spacing;
+  contact.shell.depth = this->Depth;
+  contact.most_configurations = this->MaximumConfigurations;
+  if (this->UseToolRegion && this->ToolRegion)
+  {
+    contact.shell.region = [region = this->ToolRegion](const palpate::Vec3& place)
+    { return region->FunctionValue(place.data()) <= 0; };
+  }
+  return contact;
+}
+
+int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int port, vtkInformation* info)
+{
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+    return 1;
+  }
   vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
   return 1;
 }
@@ -228,6 +332,20 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.equilibrium.max_seconds = this->MaximumSeconds;
     options.equilibrium.single_precision = this->SinglePrecisionFactors;
     options.ranks_per_solve = this->RanksPerSolve;
+    if (this->Tool != vtkPalpateBondedNode)
+    {
+      options.contact = this->Contact(scene, vtkPolyData::GetData(inputVector[1]), controller);
+      options.expects = [this](const palpate::ExplorationEstimate& estimate)
+      {
+        const std::string text = ToText(estimate);
+        this->SetProgressText(text.c_str());
+        this->UpdateProgress(0);
+        if (this->LogInterval > 0)
+        {
+          std::cerr << "Precompute State Space: " << text << std::endl;
+        }
+      };
+    }
 
     const std::string of = Describe(scene, options);
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
@@ -327,6 +445,18 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
   }
   os << '\n'
      << indent << "TipRadius: " << this->TipRadius << '\n'
+     << indent << "Tool: " << this->Tool << '\n'
+     << indent << "ToolRadius: " << this->ToolRadius << '\n'
+     << indent << "ToolAxis: " << this->ToolAxis[0] << ' ' << this->ToolAxis[1] << ' '
+     << this->ToolAxis[2] << '\n'
+     << indent << "ToolLength: " << this->ToolLength << '\n'
+     << indent << "ContactThickness: " << this->ContactThickness << '\n'
+     << indent << "ContactStiffness: " << this->ContactStiffness << '\n'
+     << indent << "UseToolRegion: " << this->UseToolRegion << '\n'
+     << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
+     << indent << "Depth: " << this->Depth << '\n'
+     << indent << "Spacing: " << this->Spacing << '\n'
+     << indent << "MaximumConfigurations: " << this->MaximumConfigurations << '\n'
      << indent << "HalfWidth: " << this->HalfWidth << '\n'
      << indent << "Resolution: " << this->Resolution << '\n'
      << indent << "Tolerance: " << this->Tolerance << '\n'

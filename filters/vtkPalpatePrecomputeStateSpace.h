@@ -31,6 +31,17 @@
 #include "vtkNew.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
+#include "vtkSmartPointer.h"
+
+class vtkImplicitFunction;
+class vtkMultiProcessController;
+class vtkPolyData;
+
+namespace palpate
+{
+struct ContactOptions;
+struct Scene;
+}
 
 class PALPATEFILTERS_EXPORT vtkPalpatePrecomputeStateSpace
   : public vtkPartitionedDataSetCollectionAlgorithm
@@ -50,6 +61,63 @@ public:
   /// with it, m; 0: the node alone.
   vtkSetMacro(TipRadius, double);
   vtkGetMacro(TipRadius, double);
+  ///@}
+  ///@{
+  /// How the body is touched: 0 bonded to each active node, 1 sphere, 2 capsule, 3 surface. A rigid
+  /// tool presses anywhere, without friction; it does not turn.
+  vtkSetMacro(Tool, int);
+  vtkGetMacro(Tool, int);
+  ///@}
+  ///@{
+  /// Of a sphere or capsule, m; more than 0.
+  vtkSetMacro(ToolRadius, double);
+  vtkGetMacro(ToolRadius, double);
+  ///@}
+  ///@{
+  /// Along a capsule, of any length but 0.
+  vtkSetVector3Macro(ToolAxis, double);
+  vtkGetVector3Macro(ToolAxis, double);
+  ///@}
+  ///@{
+  /// Of the straight part of a capsule, m.
+  vtkSetMacro(ToolLength, double);
+  vtkGetMacro(ToolLength, double);
+  ///@}
+  ///@{
+  /// Of the layer in which a rigid tool presses, m; 0: a fifth of the radius of the tool, or of
+  /// half of its smallest extent.
+  vtkSetMacro(ContactThickness, double);
+  vtkGetMacro(ContactThickness, double);
+  ///@}
+  ///@{
+  /// The pressure where tool and body meet, Pa; 0: twice Young's modulus of the touchable surface.
+  vtkSetMacro(ContactStiffness, double);
+  vtkGetMacro(ContactStiffness, double);
+  ///@}
+  ///@{
+  /// Where a rigid tool is to press: the places of the surface at rest in which this is not
+  /// positive. Without it, on the whole touchable surface.
+  vtkSetMacro(UseToolRegion, bool);
+  vtkGetMacro(UseToolRegion, bool);
+  vtkBooleanMacro(UseToolRegion, bool);
+  void SetToolRegion(vtkImplicitFunction* region);
+  vtkImplicitFunction* GetToolRegion();
+  ///@}
+  ///@{
+  /// How deep a rigid tool presses, measured at rest, m; 0: as deep as the force limit allows.
+  vtkSetMacro(Depth, double);
+  vtkGetMacro(Depth, double);
+  ///@}
+  ///@{
+  /// Distance of neighbouring check-points of a rigid tool, m; with a tolerance, of those that the
+  /// space begins with. 0: two fifths of the radius of the tool.
+  vtkSetMacro(Spacing, double);
+  vtkGetMacro(Spacing, double);
+  ///@}
+  ///@{
+  /// The space of a rigid tool is refused if more are to be expected.
+  vtkSetMacro(MaximumConfigurations, int);
+  vtkGetMacro(MaximumConfigurations, int);
   ///@}
   ///@{
   /// Half the side of the box of check-points around each active node, m.
@@ -159,6 +227,7 @@ protected:
   ~vtkPalpatePrecomputeStateSpace() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
+  vtkMTimeType GetMTime() override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
@@ -166,7 +235,22 @@ private:
   void operator=(const vtkPalpatePrecomputeStateSpace&) = delete;
 
   std::vector<vtkIdType> ActiveNodes;
+  /// What the properties of a rigid tool ask for.
+  palpate::ContactOptions Contact(
+    const palpate::Scene& scene, vtkPolyData* surface, vtkMultiProcessController* controller);
+
   double TipRadius = 0;
+  int Tool = 0;
+  double ToolRadius = 0.01;
+  double ToolAxis[3] = { 1, 0, 0 };
+  double ToolLength = 0.03;
+  double ContactThickness = 0;
+  double ContactStiffness = 0;
+  bool UseToolRegion = false;
+  vtkSmartPointer<vtkImplicitFunction> ToolRegion;
+  double Depth = 0.005;
+  double Spacing = 0;
+  int MaximumConfigurations = 30000;
   double HalfWidth = 0.01;
   int Resolution = 7;
   double Tolerance = 0;

@@ -8,12 +8,8 @@
 
 #include "equilibrium/equilibrium.h"
 #include "interaction/bonded_patch.h"
-#include "interaction/contact_setup.h"
-#include "interaction/rigid_capsule.h"
-#include "interaction/rigid_surface.h"
+#include "interaction/tool_clearance.h"
 #include "linear/group.h"
-#include "vtkBoundingBox.h"
-#include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -25,6 +21,7 @@
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateRigidTool.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStress.h"
 #include "vtkPalpateWholeBody.h"
@@ -41,11 +38,6 @@ constexpr const char* GroupSolver = "MUMPS";
 /// How many iterations go by until the progress bar is half full. How many there will be is not
 /// known; a solve of a moderate displacement has about ten.
 constexpr double IterationsAtHalf = 10;
-
-/// What the thickness and the stiffness of contact are where they are not given, in radii of the
-/// tool and Young's moduli of the surface.
-constexpr double ThicknessOfRadius = 0.2;
-constexpr double StiffnessOfModulus = 2;
 
 /// One row after the other, as tuples of `components`.
 template <class Array, class Matrix>
@@ -128,42 +120,6 @@ void AddCells(vtkUnstructuredGrid* output, const char* name, const std::vector<d
   array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
   std::copy(values.begin(), values.end(), array->GetPointer(0));
   output->GetCellData()->AddArray(array);
-}
-
-/// The surface of a tool about the middle of its bounds.
-/// @throws palpate::InputError it is missing, or has other cells than triangles.
-palpate::ToolSurface ToolSurfaceFrom(vtkPolyData* surface)
-{
-  if (!surface || surface->GetNumberOfPolys() == 0)
-  {
-    throw palpate::InputError(
-      "The tool is a surface, but none is given. Connect one to the input Tool Surface.");
-  }
-  const vtkBoundingBox box(surface->GetBounds());
-  palpate::Vec3 middle;
-  box.GetCenter(middle.data());
-  palpate::ToolSurface tool;
-  for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i)
-  {
-    palpate::Vec3 point;
-    surface->GetPoint(i, point.data());
-    tool.points.push_back(point - middle);
-  }
-  vtkCellArray* polygons = surface->GetPolys();
-  for (vtkIdType cell = 0; cell < polygons->GetNumberOfCells(); ++cell)
-  {
-    vtkIdType size = 0;
-    const vtkIdType* points = nullptr;
-    polygons->GetCellAtId(cell, size, points);
-    if (size != 3)
-    {
-      throw palpate::InputError("Cell " + std::to_string(cell) + " of the tool's surface has " +
-        std::to_string(size) + " points. Make triangles of it with Triangulate.");
-    }
-    tool.triangles.push_back({ static_cast<palpate::Index>(points[0]),
-      static_cast<palpate::Index>(points[1]), static_cast<palpate::Index>(points[2]) });
-  }
-  return tool;
 }
 
 /// Solves for the equal parts of the way from where a tool starts to t, one after the other, as far
@@ -293,7 +249,7 @@ int vtkPalpateSolveEquilibrium::RequestData(
           return;
         }
         scene = vtkPalpateSceneFromGrid(body);
-        route = this->Tool == BondedNode
+        route = this->Tool == vtkPalpateBondedNode
           ? this->BondedRoute(*scene)
           : this->ContactRoute(*scene, vtkPolyData::GetData(inputVector[1]));
       });
@@ -347,44 +303,14 @@ vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
 vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
   const palpate::Scene& scene, vtkPolyData* surface) const
 {
-  palpate::RigidShapePtr shape;
-  palpate::ContactLaw law;
-  law.thickness = this->ContactThickness;
-  if (this->Tool == Surface)
-  {
-    palpate::ToolSurface tool = ToolSurfaceFrom(surface);
-    const vtkBoundingBox box(surface->GetBounds());
-    if (law.thickness == 0)
-    {
-      law.thickness = ThicknessOfRadius * 0.5 *
-        std::min({ box.GetLength(0), box.GetLength(1), box.GetLength(2) });
-    }
-    tool.thickness = law.thickness;
-    shape = palpate::make_surface_tool(std::move(tool));
-  }
-  else if (this->Tool == Capsule)
-  {
-    shape =
-      palpate::make_capsule({ this->ToolRadius, this->ToolLength, palpate::Vec3(this->ToolAxis) });
-  }
-  else
-  {
-    shape = palpate::make_sphere(this->ToolRadius);
-  }
-  if (law.thickness == 0)
-  {
-    law.thickness = ThicknessOfRadius * this->ToolRadius;
-  }
-  law.stiffness = this->ContactStiffness != 0
-    ? this->ContactStiffness
-    : StiffnessOfModulus * palpate::mean_youngs_modulus(scene);
-  palpate::validate(law);
-  auto points = std::make_shared<const palpate::ContactSurface>(
-    scene, palpate::kSpacingOfThickness * law.thickness);
-  const palpate::RigidContact contact(std::move(points), std::move(shape), law);
+  vtkPalpateToolProperties properties{ this->Tool, this->ToolRadius, {}, this->ToolLength,
+    this->ContactThickness, this->ContactStiffness };
+  std::copy_n(this->ToolAxis, 3, properties.Axis);
+  const palpate::RigidTool tool = vtkPalpateRigidTool(properties, surface, scene);
+  const palpate::RigidContact contact = palpate::make_contact(scene, tool);
   Route route;
   route.End = palpate::Vec3(this->ToolPosition);
-  route.Start = palpate::ContactApproach(scene, contact).start_for(route.End);
+  route.Start = palpate::ToolClearance(scene, contact).start_for(route.End);
   route.Tool = contact.clone();
   route.Contact = static_cast<const palpate::RigidContact*>(route.Tool.get());
   return route;

@@ -73,14 +73,7 @@ public:
   vtkGetMacro(TipRadius, double);
   ///@}
   ///@{
-  /// How the body is touched: one of ToolKind.
-  enum ToolKind
-  {
-    BondedNode,
-    Sphere,
-    Capsule,
-    Surface
-  };
+  /// How the body is touched: 0 bonded node, 1 sphere, 2 capsule, 3 surface.
   vtkSetMacro(Tool, int);
   vtkGetMacro(Tool, int);
   ///@}
@@ -188,7 +181,7 @@ private:
   std::vector<vtkIdType> ActiveNodes = { 0 };
   std::vector<double> Displacements = { 0, 0, 0 };
   double TipRadius = 0;
-  int Tool = BondedNode;
+  int Tool = 0;
   double ToolRadius = 0.01;
   double ToolAxis[3] = { 1, 0, 0 };
   double ToolLength = 0.03;

@@ -25,6 +25,7 @@
 #include "vtkNew.h"
 #include "vtkPalpatePieces.h"
 #include "vtkPalpateScene.h"
+#include "vtkPalpateWholeBody.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPointData.h"
@@ -324,6 +325,63 @@ void VisitSetup(ToolSpaceSetup&& setup, Visit&& visit)
   visit("ThirdDerivatives", setup.policy.third_derivatives);
 }
 
+/// The same for those that a space has only where its tool is rigid.
+template <class ToolSpaceSetup, class Visit>
+void VisitContact(ToolSpaceSetup&& setup, Visit&& visit)
+{
+  auto& tool = setup.interaction.tool;
+  visit("ToolShape", tool.shape);
+  visit("ToolRadius", tool.radius);
+  visit("ToolAxisX", tool.axis[0]);
+  visit("ToolAxisY", tool.axis[1]);
+  visit("ToolAxisZ", tool.axis[2]);
+  visit("ToolLength", tool.length);
+  visit("ContactThickness", tool.law.thickness);
+  visit("ContactStiffness", tool.law.stiffness);
+  visit("GridOriginX", setup.grid.origin[0]);
+  visit("GridOriginY", setup.grid.origin[1]);
+  visit("GridOriginZ", setup.grid.origin[2]);
+  visit("Depth", setup.policy.depth);
+}
+
+/// Field arrays of the tool's surface, where it is one.
+constexpr const char* ToolPoints = "ToolPoints";
+constexpr const char* ToolTriangles = "ToolTriangles";
+
+bool IsContact(const TouchToolSpace& toolSpace)
+{
+  return toolSpace.setup.interaction.is_contact();
+}
+
+/// A space has one rigid tool at the most.
+void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
+{
+  const auto found = std::find_if(space.tool_spaces.begin(), space.tool_spaces.end(), IsContact);
+  if (found == space.tool_spaces.end())
+  {
+    return;
+  }
+  VisitContact(found->setup,
+    [&](const char* name, auto value) { AddNumber(fields, name, static_cast<double>(value)); });
+  const palpate::RigidTool& tool = found->setup.interaction.tool;
+  if (tool.shape != palpate::ToolShape::surface)
+  {
+    return;
+  }
+  auto* points =
+    AddArray<vtkDoubleArray>(fields, ToolPoints, 3, static_cast<vtkIdType>(tool.points.size()));
+  for (std::size_t p = 0; p < tool.points.size(); ++p)
+  {
+    points->SetTypedTuple(static_cast<vtkIdType>(p), tool.points[p].data());
+  }
+  auto* triangles =
+    AddArray<vtkIntArray>(fields, ToolTriangles, 3, static_cast<vtkIdType>(tool.triangles.size()));
+  for (std::size_t t = 0; t < tool.triangles.size(); ++t)
+  {
+    triangles->SetTypedTuple(static_cast<vtkIdType>(t), tool.triangles[t].data());
+  }
+}
+
 void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
 {
   vtkNew<vtkStringArray> hash;
@@ -354,6 +412,7 @@ void AddSpaceFields(const TouchSpace& space, vtkFieldData* fields)
   AddNumber(fields, "LargestDisplacement", space.largest_displacement);
   AddNumber(fields, "DisplacementError", space.displacement_error);
   AddNumber(fields, "SensitivityError", space.sensitivity_error);
+  AddContactFields(space, fields);
 }
 
 /// An array with a number of components.
@@ -460,6 +519,38 @@ void ReadOutcomes(vtkPointData* arrays, std::vector<Item>& all)
   }
 }
 
+void ReadContact(vtkFieldData* fields, palpate::ToolSpaceSetup& setup)
+{
+  setup.id = palpate::kContactToolSpace;
+  setup.interaction.kind = palpate::InteractionKind::rigid_contact;
+  setup.grid.sparse = true;
+  VisitContact(setup,
+    [&](const char* name, auto& value)
+    {
+      value =
+        static_cast<std::decay_t<decltype(value)>>(Required(fields, name, 1)->GetComponent(0, 0));
+    });
+  palpate::RigidTool& tool = setup.interaction.tool;
+  if (tool.shape != palpate::ToolShape::surface)
+  {
+    return;
+  }
+  vtkDataArray* points = Required(fields, ToolPoints, 3);
+  for (vtkIdType p = 0; p < points->GetNumberOfTuples(); ++p)
+  {
+    points->GetTuple(p, tool.points.emplace_back().data());
+  }
+  vtkDataArray* triangles = Required(fields, ToolTriangles, 3);
+  for (vtkIdType t = 0; t < triangles->GetNumberOfTuples(); ++t)
+  {
+    auto& triangle = tool.triangles.emplace_back();
+    for (int c = 0; c < 3; ++c)
+    {
+      triangle[c] = static_cast<Index>(triangles->GetComponent(t, c));
+    }
+  }
+}
+
 std::string SceneHash(vtkDataSet* configurations)
 {
   auto* hash =
@@ -546,7 +637,11 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
           static_cast<float>(gradients->GetComponent(ids[i], m));
       }
     }
-    if (const Index point = space.surface.find(node); point >= 0)
+    if (node < 0)
+    {
+      ReadContact(fields, toolSpace.setup);
+    }
+    else if (const Index point = space.surface.find(node); point >= 0)
     {
       toolSpace.setup.interaction.material_point = space.surface.points[point];
     }
@@ -604,6 +699,19 @@ std::vector<vtkSmartPointer<Data>> FindBlock(
     }
   }
   return pieces;
+}
+
+/// Whether the tool of a space is rigid: the same on every rank.
+/// @param configurations The pieces of all ranks, which rank 0 has.
+bool HasContact(const vtkPalpatePieces& configurations, vtkMultiProcessController* controller)
+{
+  int has = std::any_of(configurations.begin(), configurations.end(),
+    [](vtkPointSet* piece) { return piece->GetFieldData()->HasArray("ToolShape") != 0; });
+  if (controller && controller->GetNumberOfProcesses() > 1)
+  {
+    controller->Broadcast(&has, 1, 0);
+  }
+  return has != 0;
 }
 
 /// @throws InputError they are pieces of different spaces.
@@ -715,6 +823,9 @@ TouchSpace vtkPalpateSpaceFromCollection(
   const vtkPalpatePieces surfaces = gather(BlockNames[1]);
   const vtkPalpatePieces allConfigurations = gather(BlockNames[2]);
   const vtkPalpatePieces allStates = gather(BlockNames[3]);
+  const auto body = HasContact(allConfigurations, controller)
+    ? vtkPalpateGatherBody(vtkPalpateBody(collection), controller)
+    : nullptr;
   TouchSpace space;
   if (controller && controller->GetLocalProcessId() != 0)
   {
@@ -737,6 +848,13 @@ TouchSpace vtkPalpateSpaceFromCollection(
   if (states)
   {
     ReadIntermediateStates(states, space);
+  }
+  for (TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    if (IsContact(toolSpace))
+    {
+      palpate::add_clearance(vtkPalpateSceneFromGrid(body), toolSpace);
+    }
   }
   return space;
 }

@@ -50,6 +50,14 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
   {
     throw palpate::InputError("The state space has no active node. Compute it again.");
   }
+  const auto isBonded = [](const TouchToolSpace& toolSpace)
+  { return !toolSpace.setup.interaction.is_contact(); };
+  if (!std::all_of(space.tool_spaces.begin(), space.tool_spaces.end(), isBonded))
+  {
+    throw palpate::InputError("The state space is that of a rigid tool, which this filter does not "
+                              "move. Give it a space of active nodes, or press the body with the "
+                              "tool by Solve Equilibrium.");
+  }
   if (node == -1)
   {
     return space.tool_spaces.front();

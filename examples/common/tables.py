@@ -10,7 +10,8 @@ from pipeline import Failure
 OUTCOMES = ("converged", "not converged", "not factorised", "budget used up", "aborted",
             "refused")
 FLAGS = {1: "inverted", 2: "unstable", 4: "beyond the force limit", 8: "near a fold",
-         16: "inertia not computed", 32: "inaccurate"}
+         16: "inertia not computed", 32: "inaccurate",
+         64: "touches nothing"}
 
 
 def flag_names(flags):

@@ -13,7 +13,7 @@ OUTCOMES = ("converged", "not converged", "tangent could not be factorised", "bu
             "aborted", "invalid scene")
 FLAGS = {1: "inverted (det F ≤ 0 somewhere)", 2: "unstable (negative pivots)",
          4: "beyond the force limit", 8: "near a fold", 16: "inertia not computed",
-         32: "inaccurate"}
+         32: "inaccurate", 64: "touches nothing"}
 FOUND = ("nothing found", "inside the space", "extrapolated", "in a marked region")
 
 

@@ -19,6 +19,11 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
   }
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
+    if (tool_space.setup.interaction.is_contact()) {
+      throw InputError("The state space is that of " + tool_space.setup.name() +
+                       ", which presses anywhere: a device touches active nodes. Precompute a "
+                       "space of these.");
+    }
     const Index mesh_point = tool_space.setup.interaction.active_node;
     const Index surface_point = space.surface.find(mesh_point);
     if (surface_point < 0) {

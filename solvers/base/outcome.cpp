@@ -19,13 +19,14 @@ std::string to_string(Outcome outcome) {
 }
 
 std::string flags_to_string(Flags set) {
-  const std::array<std::pair<Flags, const char*>, 6> names{{
+  const std::array<std::pair<Flags, const char*>, 7> names{{
       {flags::inverted, "inverted"},
       {flags::unstable, "unstable"},
       {flags::beyond_force_limit, "beyond the force limit"},
       {flags::near_fold, "near a fold"},
       {flags::inertia_not_computed, "inertia not computed"},
       {flags::inaccurate, "inaccurate"},
+      {flags::touches_nothing, "touches nothing"},
   }};
   std::string text;
   for (const auto& [bit, name] : names) {

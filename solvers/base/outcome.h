@@ -31,8 +31,10 @@ inline constexpr Flags near_fold = 8;
 inline constexpr Flags inertia_not_computed = 16;
 /// An equilibrium to rounding, of which the displacement is less accurate than was asked for.
 inline constexpr Flags inaccurate = 32;
+/// The tool touches nothing: the body is at rest, and force, stiffness and energy are exactly zero.
+inline constexpr Flags touches_nothing = 64;
 /// Every flag there is.
-inline constexpr Flags all = 2 * inaccurate - 1;
+inline constexpr Flags all = 2 * touches_nothing - 1;
 }  // namespace flags
 using flags::Flags;
 

@@ -66,6 +66,7 @@ Linearisation at_rest_alone(const CondensedSystem& system, const Eigen::VectorXd
   state.p_v.setZero(assembly.num_pressures(), coordinates);
   state.reaction.setZero(coordinates);
   state.stiffness.setZero(coordinates, coordinates);
+  state.flags |= flags::touches_nothing;
   result.newton_step.setZero(assembly.state_size());
   return result;
 }

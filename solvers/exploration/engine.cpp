@@ -20,15 +20,14 @@ enum class Kind : std::uint8_t {
   settle,
   /// To a holder of starts: batches.
   make,
+  /// To an owner: a question.
+  ask,
   /// To rank 0: how far the tool spaces are that the sender owns.
   progress,
 };
 
 /// Transitions and configurations of an earlier run that an owner is told at once.
 constexpr std::size_t kRecalledAtOnce = 256;
-
-/// A tool space has one owned.
-std::uint64_t owner_key(ToolSpaceId tool_space) { return static_cast<std::uint64_t>(tool_space); }
 
 /// Calls visit(of equilibrium, of configuration) for each part that both have.
 template <class OfEquilibrium, class OfConfiguration, class Visit>
@@ -72,7 +71,9 @@ Configuration to_configuration(Equilibrium&& e) {
   Configuration c;
   for_each_shared_part(e, c, [](auto& from, auto& to) { to = std::move(from); });
   if (e.third_derivative.size() > 0) c.third_derivative = e.third_derivative;
-  if (c.usable()) {
+  if ((c.flags & flags::touches_nothing) != 0) {
+    for_each_field(c, [](auto& field) { field = {}; });  // they are zero
+  } else if (c.usable()) {
     c.signature = signature_of(c.u);
   } else {
     for_each_field(c, [](auto& field) { field = {}; });
@@ -91,49 +92,79 @@ void count(const ConfigurationSummary& found, bool reused, PrecomputeReport& rep
 
 }  // namespace
 
-Engine::Engine(const std::vector<ToolSpaceSetup>& setups, StateSolver& solver, Record& record,
+Engine::Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Record& record,
                const Network& network, Monitor& monitor, PrecomputeReport& report)
-    : setups_(setups), solver_(solver), record_(record), monitor_(monitor), report_(report) {
-  for (const ToolSpaceSetup& setup : setups) {
-    if (owner_of(owner_key(setup.id), network.size()) != network.rank()) continue;
-    owned_[setup.id].strategy = make_strategy(setup);
+    : spaces_(spaces),
+      rank_(network.rank()),
+      num_ranks_(network.size()),
+      solver_(solver),
+      record_(record),
+      monitor_(monitor),
+      report_(report) {
+  for (const auto& [setup, plan] : spaces) {
+    if (!plan->is_spread() && owner_of(plan->owner_key(setup.id, {}), num_ranks_) != rank_)
+      continue;
+    owned_[setup.id].strategy = plan->make_strategy(rank_, num_ranks_);
   }
 }
 
-const ToolSpaceSetup& Engine::setup_of(ToolSpaceId tool_space) const {
+void Engine::plan_anew() {
+  is_first_round_ = false;
+  for (auto& [id, owned] : owned_) {
+    owned.strategy = space(id).plan->make_strategy(rank_, num_ranks_);
+    owned.num_expected = 0;
+    for (const ConfigurationSummary& c : owned.known) owned.strategy->recall(c);
+  }
+}
+
+const PlannedSpace& Engine::space(ToolSpaceId tool_space) const {
   return *std::lower_bound(
-      setups_.begin(), setups_.end(), tool_space,
-      [](const ToolSpaceSetup& setup, ToolSpaceId id) { return setup.id < id; });
+      spaces_.begin(), spaces_.end(), tool_space,
+      [](const PlannedSpace& space, ToolSpaceId id) { return space.setup.id < id; });
 }
 
 void Engine::start(Mail& mail) {
   monitor_.set_mail(&mail);
+  if (!is_first_round_) {
+    for (auto& [id, owned] : owned_) hand_out(id, mail);
+    return;
+  }
   if (mail.rank() != 0) return;
-  for (const ToolSpaceSetup& setup : setups_) to_recall_.push_back(setup.id);
+  for (const PlannedSpace& space : spaces_) to_recall_.push_back(space.setup.id);
 }
 
-/// Tells an owner some of what is known of an active id, and with the last of it that it can begin.
+/// Tells owners some of what is known of a tool space, and with the last of it that they can begin.
 void Engine::recall_some(Mail& mail) {
   const ToolSpaceId id = to_recall_.front();
   if (known_ == nullptr) known_ = std::make_unique<Known>(record_.known(id));
-  Packer message;
-  message.put(Kind::recalled);
-  message.put(id);
+  std::map<int, Known> parts;
   std::size_t left = kRecalledAtOnce;
-  const auto put_some = [&](auto& known) {
-    const std::size_t number = std::min(left, known.size());
-    message.put(number);
-    for (std::size_t i = 0; i < number; ++i) {
-      message.put(known.back());
-      known.pop_back();
-    }
-    left -= number;
-  };
-  put_some(known_->transitions);
-  put_some(known_->configurations);
+  const auto owner = [&](const CheckPoint& p) { return owner_of(owner_key(id, p), mail.size()); };
+  for (; left > 0 && !known_->transitions.empty(); --left) {
+    const LevelTransition transition = known_->transitions.back();
+    parts[owner(transition.target)].transitions.push_back(transition);
+    known_->transitions.pop_back();
+  }
+  for (; left > 0 && !known_->configurations.empty(); --left) {
+    const ConfigurationSummary found = known_->configurations.back();
+    parts[owner(found.check_point)].configurations.push_back(found);
+    known_->configurations.pop_back();
+  }
   const bool is_all = known_->transitions.empty() && known_->configurations.empty();
-  message.put(is_all);
-  mail.send_to_owner(owner_key(id), message.take());
+  if (is_all && space(id).plan->is_spread()) {
+    for (int rank = 0; rank < mail.size(); ++rank) parts[rank];
+  } else if (is_all) {
+    parts[owner({})];
+  }
+  for (const auto& [rank, part] : parts) {
+    Packer message;
+    message.put(Kind::recalled);
+    message.put(id);
+    message.put_list(part.transitions);
+    message.put_list(part.configurations);
+    message.put(is_all);
+    mail.send(rank, message.take());
+  }
   if (!is_all) return;
   known_.reset();
   to_recall_.pop_front();
@@ -143,18 +174,24 @@ void Engine::recall_some(Mail& mail) {
 void Engine::recall(Unpacker& content, Mail& mail) {
   const auto id = content.take<ToolSpaceId>();
   Owned& owned = owned_.at(id);
-  for (auto left = content.take<std::size_t>(); left > 0; --left) {
-    const auto transition = content.take<LevelTransition>();
+  const bool is_spread = space(id).plan->is_spread();
+  for (const auto& transition : content.take_list<std::vector<LevelTransition>>()) {
     owned.strategy->recall(transition);
     if (transition.reached == beyond_most_levels) ++report_.num_beyond_most_levels;
   }
-  for (auto left = content.take<std::size_t>(); left > 0; --left) {
-    const ConfigurationSummary summary = content.take<ConfigurationSummary>();
+  for (const auto& summary : content.take_list<std::vector<ConfigurationSummary>>()) {
     owned.strategy->recall(summary);
     if (summary.usable()) owned.held[key_of(id, summary)] = {summary, 0};
+    if (is_spread) owned.known.push_back(summary);
     if (summary.level >= 0) count(summary, true, report_);
   }
-  if (content.take<bool>()) hand_out(id, mail);
+  if (!content.take<bool>()) return;
+  owned.has_recalled = true;
+  for (const ConfigurationSummary& found : std::vector<ConfigurationSummary>(owned.known)) {
+    conclude(id, owned, found, true, mail);
+  }
+  for (const Question& question : std::exchange(owned.postponed, {})) hear(id, question, mail);
+  hand_out(id, mail);
 }
 
 void Engine::receive(int from, const Bytes& message, Mail& mail) {
@@ -175,8 +212,96 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
     case Kind::make:
       while (!content.at_end()) batches_.push_front(unpack(content));
       break;
+    case Kind::ask: {
+      const auto id = content.take<ToolSpaceId>();
+      hear(id, content.take<Question>(), mail);
+      break;
+    }
     case Kind::progress: monitor_.hear(from, content); break;
   }
+}
+
+void Engine::ask(ToolSpaceId tool_space, const CheckPoint& of, const Question& question,
+                 Mail& mail) {
+  Packer message;
+  message.put(Kind::ask);
+  message.put(tool_space);
+  message.put(question);
+  mail.send_to_owner(owner_key(tool_space, of), message.take());
+}
+
+void Engine::hear(ToolSpaceId tool_space, const Question& question, Mail& mail) {
+  Owned& owned = owned_.at(tool_space);
+  if (!owned.has_recalled) return owned.postponed.push_back(question);
+  const CheckPoint& target = question.target.check_point;
+  const CheckPoint& start = question.start;
+  switch (question.kind) {
+    case Question::Kind::want: {
+      const auto ended = owned.ended.find(start);
+      const auto held = owned.held.find({tool_space, start, 0});
+      if (ended != owned.ended.end()) {
+        Question answer = question;
+        answer.kind = Question::Kind::refused;
+        answer.beyond_limit = ended->second;
+        ask(tool_space, target, answer, mail);
+      } else if (held != owned.held.end()) {
+        send(tool_space, held->second, {question.target}, mail);
+      } else {
+        owned.waiting[start].push_back(question.target);
+      }
+      return;
+    }
+    case Question::Kind::refused:
+      owned.strategy->refuse(target, start, question.beyond_limit);
+      return hand_out(tool_space, mail);
+    case Question::Kind::offer:
+      owned.strategy->offer(target, start);
+      return hand_out(tool_space, mail);
+  }
+}
+
+void Engine::conclude(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
+                      bool is_recalled, Mail& mail) {
+  const CheckPoint& start = found.check_point;
+  const std::vector<Target> waiting = std::exchange(owned.waiting[start], {});
+  owned.waiting.erase(start);
+  Question question;
+  question.start = start;
+  // What would follow if it led on.
+  ConfigurationSummary leading = found;
+  leading.outcome = Outcome::converged;
+  leading.flags = 0;
+  if (found.leads_on()) {
+    if (!waiting.empty()) send(tool_space, owned.held.at(key_of(tool_space, found)), waiting, mail);
+    if (!is_recalled) return;
+    question.kind = Question::Kind::offer;
+  } else {
+    question.kind = Question::Kind::refused;
+    bool& beyond_limit = owned.ended[start];
+    beyond_limit = beyond_limit || found.usable();
+    question.beyond_limit = beyond_limit;
+    for (const Target& target : waiting) {
+      question.target = target;
+      ask(tool_space, target.check_point, question, mail);
+    }
+  }
+  for (const CheckPoint& target : space(tool_space).plan->following(leading)) {
+    question.target = {target};
+    ask(tool_space, target, question, mail);
+  }
+}
+
+void Engine::send(ToolSpaceId tool_space, const Held& start, const std::vector<Target>& targets,
+                  Mail& mail) {
+  Batch batch;
+  batch.tool_space = tool_space;
+  batch.start = start.summary;
+  batch.targets.assign(targets.begin(), targets.end());
+  if (start.rank == mail.rank()) return batches_.push_front(std::move(batch));
+  Packer message;
+  message.put(Kind::make);
+  pack(batch, false, message);
+  mail.send(start.rank, message.take());
 }
 
 void Engine::take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, int rank,
@@ -189,6 +314,10 @@ void Engine::take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, 
     owned.failed.erase(found.check_point);
     owned.held[key_of(tool_space, found)] = {found, rank};
     count(found, false, report_);
+    if (space(tool_space).plan->is_spread()) {
+      owned.known.push_back(found);
+      conclude(tool_space, owned, found, false, mail);
+    }
   } else {
     owned.failed[found.check_point] = found;
   }
@@ -224,6 +353,19 @@ void Engine::settle(ToolSpaceId tool_space, Owned& owned, const Settlement& sett
   mail.send(candidate.rank, message.take());
 }
 
+Engine::Target Engine::target_of(const Owned& owned, const Transition& transition) {
+  Target target{transition.target};
+  if (transition.finds_candidate) {
+    target.level = candidate_level(transition.start, transition.start_level, target.check_point);
+    return target;
+  }
+  const auto failed = owned.failed.find(target.check_point);
+  if (failed == owned.failed.end()) return target;
+  target.iterations = failed->second.iterations;
+  target.seconds = failed->second.seconds;
+  return target;
+}
+
 /// Sends what the strategy of a tool space asks for to those that have the starts, and records what
 /// it has given up.
 void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
@@ -234,15 +376,23 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
   for (const Settlement& settlement : owned.strategy->settled()) {
     settle(tool_space, owned, settlement, mail);
   }
+  const bool is_spread = space(tool_space).plan->is_spread();
   for (const CheckPoint& target : owned.strategy->given_up()) {
+    ConfigurationSummary found;
+    found.check_point = target;
     const auto failed = owned.failed.find(target);
     if (failed == owned.failed.end()) {
       ++num_not_reached_;
-      continue;
+    } else {
+      found = failed->second;
+      record_.keep(tool_space, {found, {}, {}, {}, {}}, {});
+      count(found, false, report_);
+      owned.failed.erase(failed);
     }
-    record_.keep(tool_space, {failed->second, {}, {}, {}, {}}, {});
-    count(failed->second, false, report_);
-    owned.failed.erase(failed);
+    if (!is_spread) continue;
+    owned.known.push_back(found);
+    owned.ended[target] = owned.strategy->is_beyond_limit(target);
+    conclude(tool_space, owned, found, false, mail);
   }
   std::map<int, Packer> to_holders;
   for (std::size_t i = 0; i < due.size();) {
@@ -251,6 +401,14 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
     Batch batch;
     batch.tool_space = tool_space;
     int holder = mail.rank();
+    if (is_spread && !due[i].needs_no_start()) {
+      Question question;
+      question.start = start;
+      question.target = target_of(owned, due[i]);
+      ask(tool_space, start, question, mail);
+      ++i;
+      continue;
+    }
     if (!due[i].needs_no_start()) {
       const Held& held = owned.held.at({tool_space, start, start_level});
       batch.start = held.summary;
@@ -260,15 +418,7 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
       return transition.start == start && transition.start_level == start_level;
     };
     for (; i < due.size() && has_this_start(due[i]); ++i) {
-      Target& target = batch.targets.emplace_back(Target{due[i].target});
-      if (due[i].finds_candidate) {
-        target.level = candidate_level(start, start_level, target.check_point);
-        continue;
-      }
-      const auto failed = owned.failed.find(target.check_point);
-      if (failed == owned.failed.end()) continue;
-      target.iterations = failed->second.iterations;
-      target.seconds = failed->second.seconds;
+      batch.targets.push_back(target_of(owned, due[i]));
     }
     if (holder == mail.rank()) {
       batches_.push_front(std::move(batch));
@@ -311,7 +461,7 @@ void Engine::work(Mail& mail) {
   message.put(Kind::found);
   message.put(id);
   message.put(summary);
-  mail.send_to_owner(owner_key(id), message.take());
+  mail.send_to_owner(owner_key(id, summary.check_point), message.take());
 
   if (!current_->targets.empty()) {
     batches_.push_back(std::move(*current_));
@@ -323,7 +473,7 @@ void Engine::work(Mail& mail) {
   Batch next;
   next.tool_space = id;
   next.start = summary;
-  for (const CheckPoint& p : following(setup_of(id), summary)) next.targets.push_back({p});
+  for (const CheckPoint& p : space(id).plan->following(summary)) next.targets.push_back({p});
   const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
   if (next.targets.empty()) return solver_.forget(*state);
   next.state = state;
@@ -347,24 +497,19 @@ void Engine::load_state(Batch& batch) const {
 
 /// @throws InputError the body is not held.
 Configuration Engine::make(const Batch& batch, const Target& target) {
-  const ToolSpaceSetup& setup = setup_of(batch.tool_space);
-  Configuration found;
-  if (!batch.has_start()) {
-    Equilibrium rest = solver_.rest(setup);
-    if (rest.outcome != Outcome::converged) throw InputError(rest.message);
-    found = to_configuration(std::move(rest));
-  } else {
-    const Eigen::VectorXd t = setup.grid.place(target.check_point);
-    ConfigurationSummary sought;
-    sought.check_point = target.check_point;
-    sought.outcome = Outcome::converged;
-    const bool leads_on = target.level < 0 || !following(setup, sought).empty();
-    found = to_configuration(
-        solver_.solve(setup, t, *batch.state, leads_on ? Tangent::factorised : Tangent::iterated));
-  }
+  const auto& [setup, plan] = space(batch.tool_space);
+  const Eigen::VectorXd t = setup.grid.place(target.check_point);
+  ConfigurationSummary sought;
+  sought.check_point = target.check_point;
+  sought.outcome = Outcome::converged;
+  const bool leads_on = target.level < 0 || !plan->following(sought).empty();
+  const Tangent tangent = leads_on ? Tangent::factorised : Tangent::iterated;
+  Configuration found =
+      to_configuration(batch.has_start() ? solver_.solve(setup, t, *batch.state, tangent)
+                                         : solver_.begin(setup, t, tangent));
   found.check_point = target.check_point;
   found.level = target.level;
-  found.parent = batch.start.check_point;
+  found.parent = batch.has_start() ? batch.start.check_point : target.check_point;
   found.parent_level = batch.start.level;
   found.iterations += target.iterations;
   found.seconds += target.seconds;

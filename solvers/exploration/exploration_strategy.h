@@ -4,13 +4,12 @@
 //
 // Which start a target is reached from depends on what was found, never on when, so that another
 // number of ranks finds the same space. What follows from a configuration whatever else is found is
-// said by a rule of the tool space alone, `following`: the rank that finds the configuration goes
-// on with it depth first, while the start still has its factor, and asks nobody. The rest is
-// decided at the one rank that owns the tool space, once it has heard.
+// said by the plan of the tool space, which all ranks know (exploration_plan.h): the rank that
+// finds the configuration goes on with it depth first, while the start still has its factor, and
+// asks nobody. The rest is decided at the rank that owns the target, once it has heard.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "state_space/tool_space.h"
@@ -39,12 +38,6 @@ struct Settlement {
   bool has_candidate = false;
 };
 
-/// The targets to which transitions from a configuration are made whatever else is found. The same
-/// target follows from no other configuration.
-/// @param found A configuration that an exploration of the tool space has found.
-[[nodiscard]] std::vector<CheckPoint> following(const ToolSpaceSetup& setup,
-                                                const ConfigurationSummary& found);
-
 class ExplorationStrategy {
  public:
   virtual ~ExplorationStrategy() = default;
@@ -59,12 +52,22 @@ class ExplorationStrategy {
   /// follows; one that failed may be tried again from another start.
   virtual void accept(const ConfigurationSummary& found) = 0;
 
+  /// The start that was asked for, or that the target follows from, leads nowhere.
+  /// @param beyond_limit Since it is beyond the force limit.
+  virtual void refuse(const CheckPoint& /*target*/, const CheckPoint& /*start*/,
+                      bool /*beyond_limit*/) {}
+  /// An earlier run has found a start from which the target follows.
+  virtual void offer(const CheckPoint& /*target*/, const CheckPoint& /*start*/) {}
+
   /// The transitions that are due and were not given out before, nor follow from a configuration
   /// that was accepted. Those of one start follow each other.
   [[nodiscard]] virtual std::vector<Transition> next() = 0;
 
   /// The targets that were given up since the last call: no transition leads there any more.
   [[nodiscard]] virtual std::vector<CheckPoint> given_up() = 0;
+
+  /// Whether a target was given up since what leads there is beyond the force limit.
+  [[nodiscard]] virtual bool is_beyond_limit(const CheckPoint& /*given_up*/) const { return false; }
 
   /// The transitions between levels that were settled since the last call, before any starts from
   /// what they have found.
@@ -76,8 +79,5 @@ class ExplorationStrategy {
  protected:
   ExplorationStrategy() = default;
 };
-
-/// The strategy that the policy of a tool space asks for.
-[[nodiscard]] std::unique_ptr<ExplorationStrategy> make_strategy(const ToolSpaceSetup& setup);
 
 }  // namespace palpate

@@ -77,11 +77,11 @@ std::vector<CheckPoint> following_on_grid(const CheckPoint& start, std::int32_t 
 
 }  // namespace
 
-std::vector<CheckPoint> following(const ToolSpaceSetup& setup, const ConfigurationSummary& found) {
+std::vector<CheckPoint> following_in_layers(const Grid& grid, const ConfigurationSummary& found) {
   std::vector<CheckPoint> targets;
-  const std::int32_t step = setup.grid.coarsest;
+  const std::int32_t step = grid.coarsest;
   if (!found.leads_on() || found.level != 0 || !is_on_grid(found.check_point, step)) return targets;
-  targets = following_on_grid(on_grid(found.check_point, step), setup.grid.reach() / step);
+  targets = following_on_grid(on_grid(found.check_point, step), grid.reach() / step);
   for (CheckPoint& target : targets) target = scaled(target, step);
   return targets;
 }

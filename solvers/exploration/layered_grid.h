@@ -19,6 +19,10 @@
 
 namespace palpate {
 
+/// The check-points that are reached from one that was found, whatever else is.
+[[nodiscard]] std::vector<CheckPoint> following_in_layers(const Grid& grid,
+                                                          const ConfigurationSummary& found);
+
 class LayeredGrid final : public ExplorationStrategy {
  public:
   explicit LayeredGrid(const Grid& grid);

@@ -6,6 +6,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -16,6 +18,7 @@
 #include "exploration/record.h"
 #include "exploration/transfer.h"
 #include "interaction/interaction_spec.h"
+#include "interpolation/error_estimate.h"
 #include "linear/group.h"
 #include "state_space/pod.h"
 
@@ -24,6 +27,20 @@ namespace {
 
 /// Cells are halved this often at the most.
 constexpr int kMaxDepth = 6;
+
+/// Side of the coarsest cells of a rigid tool's space where it is not given, in half-widths of the
+/// tool.
+constexpr double kSpacingOfRadius = 0.4;
+/// How many configurations more than the first round a tolerance takes, about: what the liver took
+/// for 0.1 %.
+constexpr double kMoreByTolerance = 3;
+/// What the error of a cell is in one of its halves at the most where halving helps: it falls to an
+/// eighth or less where the force is smooth, and where contact begins.
+constexpr double kShrinks = 1.0 / 3;
+/// From so many places the time of a configuration is estimated.
+constexpr std::size_t kTrials = 3;
+/// A configuration without fields, in a file.
+constexpr double kSummaryBytes = 512;
 
 /// Makes the grid of a tool space that of the smallest cells that a tolerance may ask for.
 void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
@@ -38,8 +55,18 @@ void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
   }
 }
 
+/// What the policies of all tool spaces have in common.
+ExplorationPolicy policy_of(const PrecomputeOptions& options) {
+  ExplorationPolicy policy;
+  policy.force_limit = options.force_limit;
+  policy.history = options.history;
+  policy.intermediate_states = options.intermediate_states;
+  policy.third_derivatives = options.equilibrium.third_derivatives;
+  return policy;
+}
+
 /// @throws InputError a node where the tool cannot be.
-std::vector<ToolSpaceSetup> make_setups(const Scene& scene, const PrecomputeOptions& options) {
+std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions& options) {
   std::vector<Index> nodes = options.active_nodes;
   if (nodes.empty()) {
     for (Index p = 0; p < scene.mesh.num_points(); ++p) {
@@ -54,28 +81,94 @@ std::vector<ToolSpaceSetup> make_setups(const Scene& scene, const PrecomputeOpti
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   const BondedPatches patches(scene, options.tip_radius);
-  std::vector<ToolSpaceSetup> setups;
+  std::vector<PlannedSpace> spaces;
   for (const Index node : nodes) {
     (void)patches.around(node);
-    ToolSpaceSetup& setup = setups.emplace_back();
+    ToolSpaceSetup setup;
     setup.id = node;
     setup.interaction = bonded_patch_spec(scene, node, options.tip_radius);
     setup.grid.half_width = options.half_width;
     setup.grid.resolution = options.resolution;
-    setup.policy.force_limit = options.force_limit;
-    setup.policy.history = options.history;
-    setup.policy.intermediate_states = options.intermediate_states;
-    setup.policy.third_derivatives = options.equilibrium.third_derivatives;
+    setup.policy = policy_of(options);
     if (options.tolerance > 0) refine(options, setup);
+    spaces.push_back({setup, make_grid_plan(setup)});
   }
-  return setups;
+  return spaces;
+}
+
+/// @throws InputError a tool that is none, or that there is nothing to press with.
+std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions& options,
+                                     InteractionFactory& tools) {
+  const ContactOptions& contact = *options.contact;
+  ToolSpaceSetup setup;
+  setup.id = kContactToolSpace;
+  setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
+  const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
+  const double width = half_width(setup.interaction.tool);
+  const double spacing = contact.spacing > 0 ? contact.spacing : kSpacingOfRadius * width;
+  if (spacing > 2 * width) {
+    throw InputError("The spacing is " + std::to_string(spacing) + " m, larger than the tool of " +
+                     std::to_string(2 * width) +
+                     " m: most contacts would lie between the places "
+                     "that are computed. Take a quarter of the tool's size or less.");
+  }
+  setup.grid = make_shell_grid(*clearance, spacing);
+  setup.policy = policy_of(options);
+  setup.policy.history = History::flat;
+  setup.policy.tolerance = options.tolerance;
+  setup.policy.tolerance_is_relative = options.tolerance_is_relative;
+  setup.policy.depth = contact.shell.depth;
+  auto graph = std::make_shared<const StartGraph>(
+      setup.id, shell_targets(*clearance, setup.grid, scene.touchable, contact.shell));
+  return {{setup, std::move(graph)}};
+}
+
+/// What is expected of the first round of a shell, and with a tolerance of those after it too.
+/// @throws InputError more configurations are to be expected than are allowed.
+ExplorationEstimate estimate_shell(const PrecomputeOptions& options, const PlannedSpace& space,
+                                   const StartGraph& graph, StateSolver& solver,
+                                   const Assembly& assembly, int num_ranks) {
+  ExplorationEstimate estimate;
+  std::vector<CheckPoint> from_none;
+  for (const StartGraph::Target& target : graph.targets()) {
+    ++(target.is_free ? estimate.num_free : estimate.num_configurations);
+    const bool begins = !target.starts.empty() && target.starts.front() == target.check_point;
+    if (begins && !target.is_free) from_none.push_back(target.check_point);
+  }
+  const double more = options.tolerance > 0 ? kMoreByTolerance : 1;
+  estimate.num_configurations =
+      std::llround(more * static_cast<double>(estimate.num_configurations));
+  estimate.num_free = std::llround(more * static_cast<double>(estimate.num_free));
+  const auto number = static_cast<double>(estimate.num_configurations);
+  const double with_fields = 4 * 8 * static_cast<double>(assembly.state_size()) + kSummaryBytes;
+  estimate.file_bytes =
+      number * with_fields + kSummaryBytes * static_cast<double>(estimate.num_free);
+  estimate.bytes_per_rank = options.file.empty() ? estimate.file_bytes / num_ranks
+                                                 : number * sizeof(ConfigurationSummary);
+  if (estimate.num_configurations > options.contact->most_configurations) {
+    throw InputError(
+        "The space would have about " + std::to_string(estimate.num_configurations) +
+        " configurations and take " + std::to_string(std::llround(estimate.file_bytes / 1e6)) +
+        " MB; at most " + std::to_string(options.contact->most_configurations) +
+        " are allowed. Take a larger spacing, less depth or a smaller region, or allow "
+        "more.");
+  }
+  double seconds = 0;
+  const std::size_t trials = std::min(kTrials, from_none.size());
+  for (std::size_t i = 0; i < trials; ++i) {
+    const CheckPoint& p = from_none[(2 * i + 1) * from_none.size() / (2 * trials)];
+    seconds += solver.begin(space.setup, space.setup.grid.place(p), Tangent::factorised).seconds;
+  }
+  if (trials > 0) estimate.seconds = seconds / static_cast<double>(trials) * number / num_ranks;
+  return estimate;
 }
 
 EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& monitor) {
   EquilibriumOptions result = options.equilibrium;
   // Depth first, the starts on the way down keep their factors beside those of a step.
   result.follow_folds = false;
-  result.kept_factors = num_kept_factors((options.resolution - 1) / 2);
+  result.kept_factors =
+      num_kept_factors(options.contact ? kShellLayers : (options.resolution - 1) / 2);
   result.abort_requested = [&monitor, asked = options.equilibrium.abort_requested] {
     return !monitor.go_on() || (asked && asked());
   };
@@ -142,6 +235,7 @@ void for_each_figure(PrecomputeReport& report, Visit&& visit) {
   visit(report.num_intermediate_states_failed, sum);
   visit(report.intermediate_seconds, sum);
   visit(report.work, sum);
+  visit(report.num_rounds, largest);
   visit(report.complete, largest);
   visit(report.num_unknowns, largest);
   visit(report.exploration_seconds, largest);
@@ -165,6 +259,91 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
   report.num_not_reached = report.num_expected - report.num_solved - report.num_reused;
 }
 
+/// The rounds in which cells of a rigid tool's space are halved. Every rank plans the same.
+class ShellRounds {
+ public:
+  ShellRounds(PlannedSpace& space, const ToolClearance& clearance)
+      : space_(space), clearance_(clearance) {
+    take(static_cast<const StartGraph&>(*space.plan));
+  }
+
+  /// Plans the next round, after one that is complete.
+  /// @returns false: there is none.
+  /// @note Collective
+  bool plan(Engine& engine, Communicator& communicator, PrecomputeReport& report) {
+    gather_known(engine, communicator);
+    bool goes_on = false;
+    agree(communicator, [&] {
+      const ToolSpaceSetup& setup = space_.setup;
+      // What earlier runs have left of rounds to come does not count yet.
+      std::map<CheckPoint, ConfigurationSummary> known;
+      std::vector<ConfigurationSummary> found;
+      double largest = 0;
+      for (const auto& [p, c] : known_) {
+        if (asked_.count(p) == 0) continue;
+        known.emplace(p, c);
+        found.push_back(c);
+        if (c.leads_on()) largest = std::max(largest, c.force.norm());
+      }
+      const double tolerance =
+          setup.policy.tolerance * (setup.policy.tolerance_is_relative ? largest : 1);
+      if (!(tolerance > 0)) return;
+      const Clearance clearance = [&](const Vec3& q) { return clearance_.clearance(q); };
+      std::vector<Cell> cells = cells_to_split(setup.grid, found, tolerance, 1, clearance);
+      for (const CellEstimate& estimate : estimate_errors(setup.grid, found, clearance)) {
+        errors_[estimate.cell] = estimate.error;
+      }
+      cells.erase(std::remove_if(cells.begin(), cells.end(),
+                                 [&](const Cell& cell) { return is_in_vain(cell); }),
+                  cells.end());
+      auto graph = std::make_shared<const StartGraph>(
+          setup.id, refined_targets(clearance_, setup.grid, cells, known));
+      if (graph->targets().empty()) return;
+      take(*graph);
+      space_.plan = std::move(graph);
+      engine.plan_anew();
+      report.num_rounds = ++num_rounds_;
+      goes_on = true;
+    });
+    return goes_on;
+  }
+
+ private:
+  /// Whether halving has not helped: between the branches at a ridge it does not.
+  [[nodiscard]] bool is_in_vain(const Cell& cell) const {
+    const auto before = errors_.find(parent_of(cell, space_.setup.grid.reach()));
+    return before != errors_.end() && !(errors_.at(cell) < kShrinks * before->second);
+  }
+
+  void take(const StartGraph& graph) {
+    for (const StartGraph::Target& target : graph.targets()) asked_.insert(target.check_point);
+  }
+
+  /// @note Collective
+  void gather_known(const Engine& engine, Communicator& communicator) {
+    const std::vector<ConfigurationSummary>& here = engine.known_here(space_.setup.id);
+    Packer mine;
+    mine.put_list(std::vector<ConfigurationSummary>(
+        here.begin() + static_cast<std::ptrdiff_t>(num_told_), here.end()));
+    num_told_ = here.size();
+    for (const Bytes& bytes : communicator.all_gather(mine.take())) {
+      for (const auto& c : Unpacker(bytes).take_list<std::vector<ConfigurationSummary>>()) {
+        known_[c.check_point] = c;
+      }
+    }
+  }
+
+  PlannedSpace& space_;
+  const ToolClearance& clearance_;
+  /// Of the rounds so far.
+  std::set<CheckPoint> asked_;
+  std::map<CheckPoint, ConfigurationSummary> known_;
+  /// The estimates of all cells so far, also of those that were split.
+  std::map<Cell, double> errors_;
+  std::size_t num_told_ = 0;
+  int num_rounds_ = 0;
+};
+
 /// On ranks that solve.
 /// @param make_solver Is called first: ranks may have begun to serve what it makes.
 PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
@@ -174,26 +353,45 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   PrecomputeReport& report = result.report;
   const Clock::time_point start = Clock::now();
   Monitor monitor(progress, communicator.network());
-  std::vector<ToolSpaceSetup> setups;
+  std::vector<PlannedSpace> spaces;
   std::unique_ptr<EquilibriumSolver> solver;
   InteractionFactory tools(scene);
+  std::optional<InteractionSolver> state_solver;
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
     std::unique_ptr<LinearSolver> linear_solver = make_solver();
     solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
                                                  std::move(linear_solver));
-    setups = make_setups(scene, options);
+    state_solver.emplace(*solver, tools);
+    if (!options.contact) {
+      spaces = plan_grids(scene, options);
+      return;
+    }
+    spaces = plan_shell(scene, options, tools);
+    if (communicator.rank() != 0) return;
+    const PlannedSpace& space = spaces.front();
+    const ExplorationEstimate estimate =
+        estimate_shell(options, space, static_cast<const StartGraph&>(*space.plan), *state_solver,
+                       solver->assembly(), communicator.size());
+    if (options.expects) options.expects(estimate);
   });
+  std::vector<ToolSpaceSetup> setups;
+  for (const PlannedSpace& space : spaces) setups.push_back(space.setup);
   const double tolerance = options.equilibrium.tolerance;
   const std::unique_ptr<Record> record =
       options.file.empty() ? make_memory_record(scene, setups, tolerance, communicator)
                            : make_file_record(options.file, scene, setups, tolerance, communicator);
   result.damaged = record->damaged();
 
-  InteractionSolver state_solver(*solver, tools);
-  Engine engine(setups, state_solver, *record, communicator.network(), monitor, report);
-  report.complete = run(engine, communicator, &report.schedule);
-  monitor.set_mail(nullptr);
+  Engine engine(spaces, *state_solver, *record, communicator.network(), monitor, report);
+  std::optional<ShellRounds> rounds;
+  if (options.contact && options.tolerance > 0) {
+    rounds.emplace(spaces.front(), *tools.clearance(setups.front().interaction));
+  }
+  do {
+    report.complete = run(engine, communicator, &report.schedule);
+    monitor.set_mail(nullptr);
+  } while (report.complete && rounds && rounds->plan(engine, communicator, report));
   report.exploration_seconds = seconds_since(start);
 
   const Clock::time_point finish_start = Clock::now();
@@ -208,7 +406,27 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
 }  // namespace
 
 void validate(const PrecomputeOptions& options) {
-  if (!(std::isfinite(options.half_width) && options.half_width > 0)) {
+  if (options.contact) {
+    const auto& [tool, spacing, shell, most_configurations] = *options.contact;
+    if (!(std::isfinite(spacing) && spacing >= 0)) {
+      throw InputError("The spacing is " + std::to_string(spacing) +
+                       "; it must be a length in m, or 0 for two fifths of the tool's radius.");
+    }
+    if (!(std::isfinite(shell.depth) && shell.depth >= 0)) {
+      throw InputError("The depth is " + std::to_string(shell.depth) +
+                       "; it must be a length in m, or 0 to go as deep as the force limit allows.");
+    }
+    if (shell.depth == 0 && options.force_limit == 0) {
+      throw InputError(
+          "Neither a depth nor a force limit is given: the tool would be pressed "
+          "through the body. Set one of them.");
+    }
+    if (options.intermediate_states > 0 || options.history == History::levels) {
+      throw InputError(
+          "The space of a rigid tool has no levels or intermediate states. Set History "
+          "to another value and IntermediateStates to 0.");
+    }
+  } else if (!(std::isfinite(options.half_width) && options.half_width > 0)) {
     throw InputError("The half-width is " + std::to_string(options.half_width) +
                      "; it must be a positive length in m.");
   }

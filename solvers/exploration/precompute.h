@@ -9,15 +9,44 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "equilibrium/equilibrium.h"
+#include "exploration/contact_shell.h"
 #include "schedule/scheduler.h"
 #include "state_space/touch_space.h"
 
 namespace palpate {
 
+/// A rigid tool that presses the body anywhere.
+struct ContactOptions {
+  /// With 0 for the thickness and stiffness that suit it and the body.
+  RigidTool tool;
+  /// Side of the coarsest cells, m; 0: two fifths of the tool's radius.
+  double spacing = 0;
+  ShellOptions shell;
+  /// The exploration does not begin where more configurations are to be expected.
+  std::int64_t most_configurations = 100'000;
+};
+
+/// What an exploration is expected to take.
+struct ExplorationEstimate {
+  /// Equilibria that are solved for, and check-points at which the tool touches nothing.
+  std::int64_t num_configurations = 0;
+  std::int64_t num_free = 0;
+  /// Wall time on all ranks, s; what a rank needs in memory, and the file, bytes.
+  double seconds = 0;
+  double bytes_per_rank = 0;
+  double file_bytes = 0;
+};
+
 struct PrecomputeOptions {
+  /// In place of the active nodes and their boxes.
+  std::optional<ContactOptions> contact;
+  /// Hears what a space of a rigid tool is expected to take, on rank 0, before it is explored.
+  std::function<void(const ExplorationEstimate&)> expects;
+
   /// The points of the mesh that are touched; empty: all that the scene says are touchable.
   std::vector<Index> active_nodes;
   /// The surface patch within this distance of a node moves with it, see
@@ -59,6 +88,9 @@ struct PrecomputeOptions {
 /// @throws InputError a field out of its range, by name.
 void validate(const PrecomputeOptions& options);
 
+/// Layers of check-points in the shell around a body that a rigid tool presses, about.
+inline constexpr int kShellLayers = 6;
+
 /// The number of factors that a rank keeps: those of the starts on the way down through so many
 /// layers, depth first, and that of a step.
 [[nodiscard]] constexpr int num_kept_factors(int num_layers) { return num_layers + 2; }
@@ -89,6 +121,8 @@ struct PrecomputeReport {
   /// Starts whose states went to another rank with a share of the targets that follow from them;
   /// that rank makes their factors again.
   std::int64_t num_states_given = 0;
+  /// Rounds in which cells of a rigid tool's space were halved.
+  int num_rounds = 0;
   /// Intermediate states that were solved for in this run, those of them that did not converge, and
   /// the time of all ranks that they took, s; they count as no configurations.
   std::int64_t num_intermediate_states = 0;

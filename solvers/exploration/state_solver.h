@@ -4,8 +4,10 @@
 // stands in for it.
 #pragma once
 
+#include <memory>
 #include <optional>
 
+#include "base/error.h"
 #include "equilibrium/equilibrium.h"
 #include "interaction/interaction_spec.h"
 #include "state_space/tool_space.h"
@@ -18,9 +20,11 @@ class StateSolver {
   StateSolver(const StateSolver&) = delete;
   StateSolver& operator=(const StateSolver&) = delete;
 
-  /// As EquilibriumSolver::rest(), with the tool of a tool space.
-  /// @throws InputError a place where the tool cannot be.
-  [[nodiscard]] virtual Equilibrium rest(const ToolSpaceSetup& setup) = 0;
+  /// The equilibrium at t that is reached from none: of a bonded tool, for which t is 0, that at
+  /// rest; of a rigid one that to which it comes from where it touches nothing.
+  /// @throws InputError a place where the tool cannot be; the body is not held.
+  [[nodiscard]] virtual Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
+                                          Tangent tangent) = 0;
   /// As EquilibriumSolver::solve(), with this tool.
   [[nodiscard]] virtual Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                           const Equilibrium& start, Tangent tangent) = 0;
@@ -38,9 +42,14 @@ class InteractionSolver final : public StateSolver {
   InteractionSolver(EquilibriumSolver& solver, InteractionFactory& tools)
       : solver_(solver), tools_(tools) {}
 
-  [[nodiscard]] Equilibrium rest(const ToolSpaceSetup& setup) override {
+  [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
+                                  Tangent tangent) override {
     take(setup);
-    return solver_.rest();
+    const Eigen::VectorXd start =
+        clearance_ == nullptr ? t : Eigen::VectorXd(clearance_->start_for(t));
+    Equilibrium rest = solver_.rest(start);
+    if (rest.outcome != Outcome::converged) throw InputError(rest.message);
+    return start == t ? rest : solver_.solve(t, rest, tangent);
   }
   [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   const Equilibrium& start, Tangent tangent) override {
@@ -53,6 +62,7 @@ class InteractionSolver final : public StateSolver {
   void take(const ToolSpaceSetup& setup) {
     if (taken_ == setup.id) return;
     solver_.set_interaction(*tools_.make(setup.interaction));
+    clearance_ = setup.interaction.is_contact() ? tools_.clearance(setup.interaction) : nullptr;
     taken_ = setup.id;
   }
 
@@ -60,6 +70,8 @@ class InteractionSolver final : public StateSolver {
   InteractionFactory& tools_;
   /// The tool space whose tool is taken.
   std::optional<ToolSpaceId> taken_;
+  /// Of that tool, if it is rigid.
+  std::shared_ptr<const ToolClearance> clearance_;
 };
 
 }  // namespace palpate

@@ -65,14 +65,42 @@ Eigen::MatrixXd slopes_at(int nodes, double s, double t) {
   return d;
 }
 
-}  // namespace
-
-ContactSurface::ContactSurface(const Scene& scene, double spacing)
-    : nodes_per_face_(palpate::nodes_per_face(scene.mesh.order)), points_(scene.mesh.points) {
+/// How many parts an edge is divided into for points of integration that are `spacing` apart.
+int divisions_for_spacing(double spacing, double longest) {
   if (!(spacing > 0)) {
     throw InputError("The points at which contact is integrated are " + std::to_string(spacing) +
                      " m apart; this must be a positive length.");
   }
+  // Points of neighbouring triangles are about half an edge apart.
+  const double wanted = std::ceil(longest / (2 * spacing));
+  if (!(wanted <= ContactSurface::kMostDivisions)) {
+    throw InputError("An edge of " + std::to_string(longest) +
+                     " m would be divided into more than " +
+                     std::to_string(ContactSurface::kMostDivisions) +
+                     " parts to integrate contact at points that are " + std::to_string(spacing) +
+                     " m apart. Mesh the body more finely, or take a thicker contact.");
+  }
+  return std::max(1, static_cast<int>(wanted));
+}
+
+}  // namespace
+
+ContactSurface::ContactSurface(const Scene& scene, double spacing)
+    : ContactSurface(scene,
+                     [&](double longest) { return divisions_for_spacing(spacing, longest); }) {}
+
+ContactSurface ContactSurface::divided(const Scene& scene, int divisions) {
+  if (divisions < 1 || divisions > kMostDivisions) {
+    throw InputError("The edges of the surface are to be divided into " +
+                     std::to_string(divisions) + " parts to integrate contact; this must be 1 to " +
+                     std::to_string(kMostDivisions) + ".");
+  }
+  return {scene, [&](double /*longest*/) { return divisions; }};
+}
+
+ContactSurface::ContactSurface(const Scene& scene,
+                               const std::function<int(double longest)>& divisions_for)
+    : nodes_per_face_(palpate::nodes_per_face(scene.mesh.order)), points_(scene.mesh.points) {
   const std::vector<Index> faces = boundary_faces(scene.mesh);
   const auto per_face = static_cast<std::size_t>(nodes_per_face_);
   for (std::size_t first = 0; first < faces.size(); first += per_face) {
@@ -84,15 +112,7 @@ ContactSurface::ContactSurface(const Scene& scene, double spacing)
     for (int a = 0; a < 3; ++a) {
       longest = std::max(longest, (places.col(a) - places.col((a + 1) % 3)).norm());
     }
-    // Points of neighbouring triangles are about half an edge apart.
-    const double wanted = std::ceil(longest / (2 * spacing));
-    if (!(wanted <= kMostDivisions)) {
-      throw InputError("An edge of " + std::to_string(longest) +
-                       " m would be divided into more than " + std::to_string(kMostDivisions) +
-                       " parts to integrate contact at points that are " + std::to_string(spacing) +
-                       " m apart. Mesh the body more finely, or take a thicker contact.");
-    }
-    const int divisions = std::max(1, static_cast<int>(wanted));
+    const int divisions = divisions_for(longest);
     Eigen::MatrixXd& shape = shapes_[divisions];
     if (shape.size() == 0) {
       shape.resize(6 * divisions * divisions, nodes_per_face_);
@@ -115,6 +135,20 @@ ContactSurface::ContactSurface(const Scene& scene, double spacing)
     divisions_.push_back(divisions);
     nodes_.insert(nodes_.end(), face, face + per_face);
   }
+}
+
+std::vector<Vec3> ContactSurface::places_at_rest() const {
+  std::vector<Vec3> places;
+  places.reserve(weights_.size());
+  Eigen::Matrix3Xd nodes(3, nodes_per_face_);
+  for (Index f = 0; f < num_faces(); ++f) {
+    const Face of = face(f);
+    for (int a = 0; a < nodes_per_face_; ++a) nodes.col(a) = points_[of.nodes[a]];
+    for (Eigen::Index i = 0; i < of.shape->rows(); ++i) {
+      places.emplace_back(nodes * of.shape->row(i).transpose());
+    }
+  }
+  return places;
 }
 
 }  // namespace palpate

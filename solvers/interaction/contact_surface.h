@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -23,6 +24,9 @@ class ContactSurface {
   /// @throws InputError the spacing is not positive, or so small that a face has more than
   ///   kMostDivisions.
   ContactSurface(const Scene& scene, double spacing);
+  /// The same faces, each divided into divisions² triangles however large it is.
+  /// @throws InputError the number of divisions is not within 1 … kMostDivisions.
+  [[nodiscard]] static ContactSurface divided(const Scene& scene, int divisions);
 
   /// The largest number of parts that an edge is divided into.
   static constexpr int kMostDivisions = 64;
@@ -48,10 +52,15 @@ class ContactSurface {
             &shapes_.at(divisions_[i]), weights_.data() + first_point_[i], normals_[i],
             longest_edges_[i]};
   }
-  /// The places of all points at rest, m.
+  /// The places of all points of the mesh at rest, m.
   [[nodiscard]] const std::vector<Vec3>& points() const { return points_; }
+  /// The places at rest at which contact is integrated, m.
+  [[nodiscard]] std::vector<Vec3> places_at_rest() const;
 
  private:
+  /// @param divisions_for The number of parts of an edge of a face whose longest is that long, m.
+  ContactSurface(const Scene& scene, const std::function<int(double longest)>& divisions_for);
+
   int nodes_per_face_;
   std::vector<Vec3> points_;
   std::vector<Index> nodes_;

@@ -66,6 +66,7 @@ class RoundedSegment final : public RigidShape {
   double bounding_radius() const noexcept override { return half_length_ + radius_; }
   double error() const noexcept override { return error_; }
   double depth() const noexcept override { return kDepth * radius_; }
+  std::vector<Ball> balls() const override;
   std::string description() const override {
     if (half_length_ == 0) return "a sphere of radius " + quantity(radius_, "m");
     return "a capsule of radius " + quantity(radius_, "m") + " and length " +
@@ -103,6 +104,17 @@ double RoundedSegment::find_error() const {
     error = std::max(error, std::sqrt(least * least + u * u - exact * exact) - least);
   }
   return error;
+}
+
+std::vector<RigidShape::Ball> RoundedSegment::balls() const {
+  // A quarter of the radius apart, which leaves less than a hundredth of it between them.
+  const int gaps = static_cast<int>(std::ceil(8 * half_length_ / radius_));
+  std::vector<Ball> balls;
+  for (int i = 0; i <= gaps; ++i) {
+    const double s = gaps == 0 ? 0 : half_length_ * (2.0 * i / gaps - 1);
+    balls.push_back({s * axis_, radius_});
+  }
+  return balls;
 }
 
 // With b = ∇Q/2 and ∇b = I + β a aᵀ there are

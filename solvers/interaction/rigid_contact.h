@@ -38,6 +38,8 @@ class RigidContact final : public Interaction {
   RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape, ContactLaw law);
 
   [[nodiscard]] const RigidShape& shape() const { return *shape_; }
+  [[nodiscard]] const RigidShapePtr& shape_ptr() const { return shape_; }
+  [[nodiscard]] const ContactSurface& surface() const { return *surface_; }
   [[nodiscard]] const ContactLaw& law() const { return law_; }
 
   [[nodiscard]] std::unique_ptr<Interaction> clone() const override;

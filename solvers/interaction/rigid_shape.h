@@ -17,6 +17,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/types.h"
 
@@ -59,6 +60,14 @@ class RigidShape {
   [[nodiscard]] virtual double error() const noexcept = 0;
   /// How deep inside the tool the band ends, m.
   [[nodiscard]] virtual double depth() const noexcept = 0;
+  /// A ball about a place from the tool's centre, m. Its radius may be 0.
+  struct Ball {
+    Vec3 centre = Vec3::Zero();
+    double radius = 0;
+  };
+  /// Balls in the tool that come near to all of its surface: within a hundredth of the radius of a
+  /// capsule, a tenth of the bounding radius of another one. They tell how deep it is in a body.
+  [[nodiscard]] virtual std::vector<Ball> balls() const = 0;
   /// For messages: "a sphere of radius 0.01 m".
   [[nodiscard]] virtual std::string description() const = 0;
 

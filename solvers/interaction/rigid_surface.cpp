@@ -14,6 +14,8 @@ namespace palpate {
 namespace {
 
 /// Spacing over thickness: with a larger one the spline would be rough on the scale of the layer.
+/// The distance of the balls that stand for the tool, in bounding radii.
+constexpr double kBallsApart = 0.1;
 constexpr double kLargestSpacing = 0.5;
 /// How deep inside the spline goes, in units of the thickness: the pressure there is 27/8 of that
 /// at a distance of zero, so that no place of a body at rest comes deeper.
@@ -55,6 +57,23 @@ std::vector<Vec3> normals_at_points(const ToolSurface& tool) {
   return normals;
 }
 
+/// Places of the surface, as balls without radius, such that each point of its triangles and each
+/// of their centres has one within a distance.
+std::vector<RigidShape::Ball> balls_on(const ToolSurface& tool, double distance) {
+  std::vector<RigidShape::Ball> balls;
+  const auto add = [&](const Vec3& place) {
+    const bool is_near = std::any_of(balls.begin(), balls.end(), [&](const auto& ball) {
+      return (ball.centre - place).norm() < distance;
+    });
+    if (!is_near) balls.push_back({place, 0});
+  };
+  for (const auto& [a, b, c] : tool.triangles) {
+    for (const Index point : {a, b, c}) add(tool.points[point]);
+    add((tool.points[a] + tool.points[b] + tool.points[c]) / 3);
+  }
+  return balls;
+}
+
 }  // namespace
 
 RigidSurface::RigidSurface(ToolSurface tool)
@@ -64,6 +83,7 @@ RigidSurface::RigidSurface(ToolSurface tool)
       bounding_radius_ = std::max(bounding_radius_, tool.points[point].norm());
     }
   }
+  balls_ = balls_on(tool, kBallsApart * bounding_radius_);
   if (tool.spacing > 0) {
     make_spline(tool.spacing);
     measure_error(tool);

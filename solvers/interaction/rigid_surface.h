@@ -65,6 +65,7 @@ class RigidSurface final : public RigidShape {
   [[nodiscard]] double bounding_radius() const noexcept override { return bounding_radius_; }
   [[nodiscard]] double error() const noexcept override { return error_; }
   [[nodiscard]] double depth() const noexcept override { return kDepth * thickness_; }
+  [[nodiscard]] std::vector<Ball> balls() const override { return balls_; }
   [[nodiscard]] std::string description() const override;
 
   /// The root of the mean square of the error at the places where it is measured, m.
@@ -79,6 +80,7 @@ class RigidSurface final : public RigidShape {
   void measure_error(const ToolSurface& tool);
 
   SurfaceTree tree_;
+  std::vector<Ball> balls_;
   double thickness_;
   double bounding_radius_ = 0;
   double spacing_ = 0;

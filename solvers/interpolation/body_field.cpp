@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interpolation/body_field.h"
 
+#include <iterator>
+
 #include "interpolation/field_weights.h"
 
 namespace palpate {
@@ -9,6 +11,14 @@ BodyField::BodyField(const TouchToolSpace& tool_space)
     : setup_(tool_space.setup), configurations_(tool_space.configurations), grid_(tool_space) {
   const auto& nodes = grid_.hanging_nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i) hanging_.emplace(nodes[i].node, i);
+  for (std::int32_t n = 0; n < grid_.num_nodes() && any_touching_ < 0; ++n) {
+    if (grid_.usable(n) && touches(grid_.configuration(n))) any_touching_ = grid_.configuration(n);
+  }
+}
+
+bool BodyField::touches(std::int32_t configuration) const {
+  return (configurations_[static_cast<std::size_t>(configuration)].flags &
+          flags::touches_nothing) == 0;
 }
 
 // What a corner of a leaf hangs on is larger than the leaf: it comes to an end.
@@ -39,6 +49,12 @@ Support BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
   for_each_node(grid_, at, [&](std::int32_t node, double a, const Vec3& d) {
     if (a != 0 || !d.isZero(0)) add_node(node, a, d, weights);
   });
+  for (auto weight = weights.begin(); weight != weights.end();) {
+    weight = touches(weight->first) ? std::next(weight) : weights.erase(weight);
+  }
+  // Of a body at rest any configuration tells the sizes.
+  if (weights.empty() && any_touching_ >= 0) weights[any_touching_] = {};
+  if (weights.empty()) return Support::none;
   std::vector<ConfigurationSummary> wanted;
   for (const auto& [configuration, weight] : weights) {
     wanted.push_back(configurations_[static_cast<std::size_t>(configuration)]);

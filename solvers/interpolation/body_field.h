@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The displacement of every point of the body, and the pressures of its mixed cells, that answer a
 // displacement t of the active node: as DisplayField, but from the fields in the space's file in
-// place of the modes of the surface.
+// place of the modes of the surface. A configuration that touches nothing has no fields: the body
+// is at rest there.
 #pragma once
 
 #include <map>
@@ -19,7 +20,8 @@ class BodyField {
 
   /// @param fields Of the file of the space; what is needed at t is read, if it is not there.
   /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
-  ///   body without. Both are empty where nothing is found.
+  ///   body without. Both are empty where nothing is found,
+  ///   or where no configuration of the tool space touches the body.
   /// @throws InputError, BackendError as FieldCache::get.
   Support evaluate(const Vec3& t, FieldCache& fields, NodalVector& u, NodalVector& p) const;
 
@@ -30,12 +32,15 @@ class BodyField {
   };
   /// By configuration.
   using Weights = std::map<std::int32_t, Weight>;
+  [[nodiscard]] bool touches(std::int32_t configuration) const;
   /// Adds a u + v d of a node.
   void add_node(std::int32_t node, double a, const Vec3& d, Weights& weights) const;
 
   ToolSpaceSetup setup_;
   std::vector<ConfigurationSummary> configurations_;
   CheckPointGrid grid_;
+  /// A configuration that has fields; −1: there is none.
+  std::int32_t any_touching_ = -1;
   /// Place among the hanging nodes, by node.
   std::map<std::int32_t, std::size_t> hanging_;
 };

@@ -16,17 +16,21 @@ namespace {
 /// What an edge's residual falls to at the most under refinement where Π is smooth: 1/32 when the
 /// cells are small enough.
 constexpr double kShrinks = 0.125;
+/// The same for contact, where Π begins as the fourth power of the depth and cells are seldom
+/// smaller than the layer in which it does.
+constexpr double kShrinksInContact = 0.25;
 
 /// Leaves around one that crosses branches whose mixed derivatives are differences across.
 constexpr int kLayers = 2;
 
 }  // namespace
 
-double BranchTest::residual(CheckPoint first, int axis, std::int32_t side) const {
+double BranchTest::residual(CheckPoint first, int axis, std::int32_t side, Edges edges) const {
   const std::int32_t low = grid_.tree().find(first);
   first[axis] += side;
   const std::int32_t high = grid_.tree().find(first);
   if (low < 0 || high < 0 || !grid_.usable(low) || !grid_.usable(high)) return 0;
+  if (edges == Edges::without_onset && grid_.is_free(low) != grid_.is_free(high)) return 0;
   const ConfigurationSummary& a = configurations_[grid_.configuration(low)];
   const ConfigurationSummary& b = configurations_[grid_.configuration(high)];
   return edge_residual(a, b, side * grid_.spacing() * Vec3::Unit(axis));
@@ -34,7 +38,7 @@ double BranchTest::residual(CheckPoint first, int axis, std::int32_t side) const
 
 /// Along the lines through a cell's corners and, where `halves`, through the other points of its
 /// halves.
-double BranchTest::largest(const Cell& cell, bool halves) const {
+double BranchTest::largest(const Cell& cell, bool halves, Edges edges) const {
   const std::int32_t step = halves ? cell.side / 2 : cell.side;
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -43,7 +47,7 @@ double BranchTest::largest(const Cell& cell, bool halves) const {
         CheckPoint first = cell.first;
         first[(axis + 1) % 3] += a;
         first[(axis + 2) % 3] += b;
-        largest = std::max(largest, residual(first, axis, cell.side));
+        largest = std::max(largest, residual(first, axis, cell.side, edges));
       }
     }
   }
@@ -53,9 +57,20 @@ double BranchTest::largest(const Cell& cell, bool halves) const {
 bool BranchTest::is_across(const Cell& cell) const {
   if (4 * cell.side > grid_.tree().coarsest()) return false;
   const Cell parent = parent_of(cell, grid_.reach());
-  const double of_parent = largest(parent, true);
-  return largest(cell, false) > kShrinks * of_parent &&
-         of_parent > kShrinks * largest(parent_of(parent, grid_.reach()), true);
+  const Cell its_parent = parent_of(parent, grid_.reach());
+  const double shrinks = grid_.is_sparse() ? kShrinksInContact : kShrinks;
+  return largest(cell, false, Edges::without_onset) > shrinks * largest(parent, true, Edges::all) &&
+         largest(parent, true, Edges::without_onset) >
+             shrinks * largest(its_parent, true, Edges::all);
+}
+
+double BranchTest::largest_jump() const {
+  double jump = 0;
+  for (const CellTree::Leaf& leaf : grid_.tree().leaves()) {
+    if (is_across(leaf.cell))
+      jump = std::max(jump, largest(leaf.cell, false, Edges::without_onset));
+  }
+  return jump;
 }
 
 std::vector<char> BranchTest::leaves_across() const {

@@ -22,16 +22,23 @@ class BranchTest {
       : grid_(grid), configurations_(configurations) {}
 
   /// The largest along the edges of a cell, J; those of which an end is not usable do not count.
-  [[nodiscard]] double largest_residual(const Cell& cell) const { return largest(cell, false); }
+  [[nodiscard]] double largest_residual(const Cell& cell) const {
+    return largest(cell, false, Edges::all);
+  }
+
+  /// The largest along the edges of the leaves that lie across branches themselves, J.
+  [[nodiscard]] double largest_jump() const;
 
   /// For each leaf 1 where it lies across branches: twice in a row refinement has left more than an
-  /// eighth of the residual; and where it is so near to one that its mixed derivatives reach
-  /// across.
+  /// eighth of the residual, in a sparse grid a quarter; and where it is so near to one that its
+  /// mixed derivatives reach across. Edges between a free node and one that is not free do not
+  /// count: the energy begins there as the fourth power of the depth, and no branch ends.
   [[nodiscard]] std::vector<char> leaves_across() const;
 
  private:
-  [[nodiscard]] double residual(CheckPoint first, int axis, std::int32_t side) const;
-  [[nodiscard]] double largest(const Cell& cell, bool halves) const;
+  enum class Edges { all, without_onset };
+  [[nodiscard]] double residual(CheckPoint first, int axis, std::int32_t side, Edges edges) const;
+  [[nodiscard]] double largest(const Cell& cell, bool halves, Edges edges) const;
   [[nodiscard]] bool is_across(const Cell& cell) const;
 
   const CheckPointGrid& grid_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <string>
 
 #include "base/error.h"
@@ -37,7 +38,8 @@ void make_set(std::vector<T>& values) {
 
 }  // namespace
 
-CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations) {
+CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
+                   const Clearance& clearance) {
   check(grid);
   reach_ = grid.reach();
   coarsest_ = grid.coarsest;
@@ -45,42 +47,76 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
   per_coarsest_ = 1.0 / coarsest_;
 
   std::vector<Key> found;
-  if (coarsest_ > 1) {
+  if (coarsest_ > 1 || grid.sparse) {
     found.reserve(configurations.size());
     for (const ConfigurationSummary& c : configurations) {
       if (is_on_grid(c.check_point)) found.push_back(key(c.check_point));
     }
     make_set(found);
   }
+  const auto is_found = [&](const CheckPoint& p) {
+    return is_on_grid(p) && std::binary_search(found.begin(), found.end(), key(p));
+  };
   const auto is_split = [&](const Cell& cell) {
     if (cell.side == 1) return false;
     for (int i = 0; i < 27; ++i) {
       // The centre first: few cells have it and are not split.
-      const CheckPoint p = point_of_halves(cell, (i + 13) % 27);
-      if (!std::binary_search(found.begin(), found.end(), key(p))) return false;
+      if (!is_found(point_of_halves(cell, (i + 13) % 27))) return false;
     }
     return true;
   };
 
+  const std::int32_t n = num_roots_;
+  cells_.resize(static_cast<std::size_t>(n) * n * n);
+  // Of the cells that are there, and their places among cells_.
   std::vector<Cell> cells;
-  for (std::int32_t x = 0; x <= num_roots_; ++x) {
-    for (std::int32_t y = 0; y <= num_roots_; ++y) {
-      for (std::int32_t z = 0; z <= num_roots_; ++z) {
-        const CheckPoint p{coarsest_ * x - reach_, coarsest_ * y - reach_, coarsest_ * z - reach_};
-        keys_.push_back(key(p));
-        if (std::max({x, y, z}) < num_roots_) cells.push_back({p, coarsest_});
+  std::vector<std::int32_t> places;
+  if (grid.sparse) {
+    for (Key k : found) {
+      const CheckPoint p = point_of(k);
+      std::int32_t root = 0;
+      bool is_there = true;
+      for (std::int32_t x : p) {
+        is_there = is_there && x < reach_ && (x + reach_) % coarsest_ == 0;
+        root = root * n + (x + reach_) / coarsest_;
+      }
+      const Cell cell{p, coarsest_};
+      for (int corner = 1; corner < 8 && is_there; ++corner) {
+        is_there = is_found(corner_of(cell, corner));
+      }
+      if (!is_there) continue;
+      cells.push_back(cell);
+      places.push_back(root);
+      for (int corner = 0; corner < 8; ++corner) keys_.push_back(key(corner_of(cell, corner)));
+    }
+    fill_absent_cells(grid, clearance, places, cells_);
+  } else {
+    for (std::int32_t x = 0; x <= n; ++x) {
+      for (std::int32_t y = 0; y <= n; ++y) {
+        for (std::int32_t z = 0; z <= n; ++z) {
+          const CheckPoint p{coarsest_ * x - reach_, coarsest_ * y - reach_,
+                             coarsest_ * z - reach_};
+          keys_.push_back(key(p));
+          if (std::max({x, y, z}) == n) continue;
+          places.push_back(static_cast<std::int32_t>(cells.size()));
+          cells.push_back({p, coarsest_});
+        }
       }
     }
   }
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell cell = cells[i];
     if (is_split(cell)) {
-      cells_.push_back(static_cast<std::int32_t>(cells.size()));
       for (int point = 0; point < 27; ++point) keys_.push_back(key(point_of_halves(cell, point)));
       const Cell half{cell.first, cell.side / 2};
-      for (int child = 0; child < 8; ++child) cells.push_back({corner_of(half, child), half.side});
+      cells_[places[i]] = static_cast<std::int32_t>(cells_.size());
+      for (int child = 0; child < 8; ++child) {
+        cells.push_back({corner_of(half, child), half.side});
+        places.push_back(static_cast<std::int32_t>(cells_.size()));
+        cells_.push_back(0);
+      }
     } else {
-      cells_.push_back(~static_cast<std::int32_t>(leaves_.size()));
+      cells_[places[i]] = ~static_cast<std::int32_t>(leaves_.size());
       leaves_.push_back({{}, cell});
     }
   }
@@ -90,6 +126,43 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
       leaf.corners[corner] = find(corner_of(leaf.cell, corner));
     }
   }
+}
+
+CellTree::Place CellTree::locate_beside(std::int32_t root, Vec3& x) const noexcept {
+  const Vec3 asked = x;
+  Place nearest;
+  double least = std::numeric_limits<double>::infinity();
+  const auto offer = [&](const std::array<std::int32_t, 3>& index) {
+    Place place;
+    Vec3 y;
+    std::int32_t cell = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double first = coarsest_ * index[k];
+      y[k] = std::clamp(asked[k], first, first + coarsest_);
+      place.s[k] = (y[k] - first) * per_coarsest_;
+      cell = cell * num_roots_ + index[k];
+    }
+    const double distance2 = (y - asked).squaredNorm();
+    if (distance2 >= least) return;
+    place.leaf = descend(cell, place.s);
+    if (place.leaf >= kFree) return;
+    least = distance2;
+    nearest = place;
+    x = y;
+  };
+  offer({root / (num_roots_ * num_roots_), root / num_roots_ % num_roots_, root % num_roots_});
+  for (int number = 0; number < num_neighbours; ++number) {
+    const CheckPoint around = neighbour({}, number);
+    std::array<std::int32_t, 3> index{};
+    bool is_in_box = true;
+    for (int k = 0; k < 3; ++k) {
+      const auto here = static_cast<std::int32_t>(asked[k] * per_coarsest_);
+      index[k] = std::min(here, num_roots_ - 1) + around[k];
+      is_in_box = is_in_box && index[k] >= 0 && index[k] < num_roots_;
+    }
+    if (is_in_box) offer(index);
+  }
+  return nearest;
 }
 
 bool CellTree::is_on_grid(const CheckPoint& point) const {
@@ -102,9 +175,10 @@ CellTree::Key CellTree::key(const CheckPoint& point) const {
   return ((point[0] + reach_) * n + (point[1] + reach_)) * n + (point[2] + reach_);
 }
 
-CheckPoint CellTree::point(std::int32_t node) const {
+CheckPoint CellTree::point(std::int32_t node) const { return point_of(keys_[node]); }
+
+CheckPoint CellTree::point_of(Key k) const {
   const Key n = 2 * Key{reach_} + 1;
-  const Key k = keys_[node];
   return {static_cast<std::int32_t>(k / (n * n)) - reach_,
           static_cast<std::int32_t>(k / n % n) - reach_, static_cast<std::int32_t>(k % n) - reach_};
 }

@@ -6,8 +6,13 @@
 // there is a configuration, usable or not, at each of the 27 points of its halves. The leaves are
 // what is interpolated on; neighbours may differ in size, by any power of two.
 //
-// Nodes are the corners of leaves; those of root cells are there with or without a configuration. A
-// node hangs where it lies on a side or an edge of a leaf without being a corner of it.
+// In a sparse grid a root cell without a configuration, usable or not, at one of its corners is
+// absent. The clearance of the tool may prove that it touches nothing in it, or in a part of it;
+// what is left refers to the nearest root cell that is there, see absent_cells.h.
+//
+// Nodes are the corners of leaves; in a grid that is not sparse those of root cells are there with
+// or without a configuration. A node hangs where it lies on a side or an edge of a leaf without
+// being a corner of it.
 #pragma once
 
 #include <algorithm>
@@ -17,6 +22,7 @@
 #include <vector>
 
 #include "base/memory_ranges.h"
+#include "interpolation/absent_cells.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {
@@ -65,9 +71,15 @@ struct Cell {
   return weight;
 }
 
-/// Memory and time to build it grow with the number of root cells and of configurations.
+/// Memory and time to build it grow with the number of root cells and of configurations; an absent
+/// root cell takes four bytes.
 class CellTree {
  public:
+  /// The numbers of leaves are less. This one stands for what is absent and proved free; what is
+  /// absent and not proved free has kNearestRoot plus the number of the nearest root cell.
+  static constexpr std::int32_t kFree = 1 << 30;
+  static constexpr std::int32_t kNearestRoot = kFree + 1;
+
   struct Leaf {
     /// Nodes; z fastest.
     std::array<std::int32_t, 8> corners{};
@@ -75,9 +87,11 @@ class CellTree {
   };
 
   /// @param configurations Those off the grid are left out.
+  /// @param clearance Of a sparse grid; empty: nothing is proved free.
   /// @throws InputError a resolution that is not odd and positive, or coarsest cells that do not
   ///   tile the box.
-  CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations);
+  CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
+           const Clearance& clearance = {});
 
   [[nodiscard]] std::int32_t num_nodes() const { return static_cast<std::int32_t>(keys_.size()); }
   /// Side of the root cells, in steps of the grid.
@@ -91,6 +105,7 @@ class CellTree {
   [[nodiscard]] const std::vector<Leaf>& leaves() const { return leaves_; }
 
   struct Place {
+    /// kFree and more: there is none.
     std::int32_t leaf = -1;
     /// Local coordinates in the leaf, in [0, 1].
     Vec3 s = Vec3::Zero();
@@ -99,6 +114,12 @@ class CellTree {
   /// @param x In steps of the grid from the first corner of the box.
   /// @note Realtime-safe.
   [[nodiscard]] Place locate(const Vec3& x) const noexcept;
+  /// The nearest leaf to a point of an absent root cell, among those of the root cells around that
+  /// and of a given one: so nothing jumps at the sides of leaves.
+  /// @param root The number of a root cell that is there.
+  /// @param x The point; the nearest one of the leaf is put in its place.
+  /// @note Realtime-safe.
+  [[nodiscard]] Place locate_beside(std::int32_t root, Vec3& x) const noexcept;
 
   /// Memory that it holds.
   void add_memory(MemoryRanges& ranges) const {
@@ -113,7 +134,7 @@ class CellTree {
   void for_each_leaf_around(const CheckPoint& point, Visit&& visit) const {
     for (int octant = 0; octant < 8; ++octant) {
       const std::int32_t leaf = leaf_in_octant(point, octant);
-      if (leaf >= 0) visit(leaf);
+      if (leaf >= 0 && leaf < kFree) visit(leaf);
     }
   }
 
@@ -122,15 +143,18 @@ class CellTree {
 
   [[nodiscard]] bool is_on_grid(const CheckPoint& point) const;
   [[nodiscard]] Key key(const CheckPoint& point) const;
+  [[nodiscard]] CheckPoint point_of(Key key) const;
+  /// −1: it is outside the box; kFree and more as in Place.
   [[nodiscard]] std::int32_t leaf_in_octant(const CheckPoint& point, int octant) const;
-
+  /// From a cell of cells_ to the leaf. @param s Local coordinates in the cell, then in the leaf.
+  [[nodiscard]] std::int32_t descend(std::int32_t cell, Vec3& s) const noexcept;
   std::int32_t reach_ = 0;
   std::int32_t coarsest_ = 1;
   /// Root cells along an axis.
   std::int32_t num_roots_ = 0;
   double per_coarsest_ = 1;
   /// The root cells, z fastest, then the children of a cell side by side: the first of its children
-  /// or, less than zero, ~leaf.
+  /// or, less than zero, ~leaf; of what is absent as in Place.
   std::vector<std::int32_t> cells_;
   std::vector<Leaf> leaves_;
   /// Of the nodes, ascending.
@@ -146,19 +170,23 @@ inline CellTree::Place CellTree::locate(const Vec3& x) const noexcept {
     place.s[k] = root - index;
     cell = cell * num_roots_ + index;
   }
+  place.leaf = descend(cell, place.s);
+  return place;
+}
+
+inline std::int32_t CellTree::descend(std::int32_t cell, Vec3& s) const noexcept {
   // Doubling and taking off 1 are exact: a point of a side is one in every cell.
   while (cells_[cell] >= 0) {
     std::int32_t child = 0;
     for (int k = 0; k < 3; ++k) {
-      const double s = 2 * place.s[k];
-      const bool high = s >= 1;
-      place.s[k] = high ? s - 1 : s;
+      const double twice = 2 * s[k];
+      const bool high = twice >= 1;
+      s[k] = high ? twice - 1 : twice;
       child = 2 * child + (high ? 1 : 0);
     }
     cell = cells_[cell] + child;
   }
-  place.leaf = ~cells_[cell];
-  return place;
+  return ~cells_[cell];
 }
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 #include "interpolation/check_point_grid.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 #include "base/error.h"
@@ -21,14 +22,19 @@ bool has_finite_data(const ConfigurationSummary& c) {
 }  // namespace
 
 CheckPointGrid::CheckPointGrid(const TouchToolSpace& tool_space) try
-    : CheckPointGrid(tool_space.setup.grid, tool_space.configurations) {
+    : CheckPointGrid(tool_space.setup.grid, tool_space.configurations, tool_space.clearance) {
 } catch (const InputError& error) {
   throw InputError("At " + tool_space.setup.name() + ": " + error.what());
 }
 
 CheckPointGrid::CheckPointGrid(const Grid& grid,
-                               const std::vector<ConfigurationSummary>& configurations)
-    : tree_(grid, configurations), reach_(grid.reach()) {
+                               const std::vector<ConfigurationSummary>& configurations,
+                               const Clearance& clearance)
+    : tree_(grid, configurations, clearance),
+      reach_(grid.reach()),
+      origin_(grid.origin),
+      is_sparse_(grid.sparse),
+      outside_is_free_(grid.sparse && clearance) {
   if (grid.resolution > 1 && !(grid.half_width > 0 && std::isfinite(grid.half_width))) {
     throw InputError("The grid has a half-width of " + std::to_string(grid.half_width) +
                      " m; it takes a positive one.");
@@ -41,8 +47,7 @@ CheckPointGrid::CheckPointGrid(const Grid& grid,
     const ConfigurationSummary& c = configurations[i];
     const std::int32_t node = tree_.find(c.check_point);
     if (node < 0 || !has_finite_data(c)) continue;
-    const Vec3 place = spacing_ * Vec3(c.check_point[0], c.check_point[1], c.check_point[2]);
-    if (!((c.t - place).norm() <= kOffCheckPoint * spacing_)) {
+    if (!((c.t - place(node)).norm() <= kOffCheckPoint * spacing_)) {
       throw InputError("A configuration does not lie at its check-point (" +
                        std::to_string(c.check_point[0]) + ", " + std::to_string(c.check_point[1]) +
                        ", " + std::to_string(c.check_point[2]) + "): the grid was changed after " +
@@ -51,18 +56,30 @@ CheckPointGrid::CheckPointGrid(const Grid& grid,
     if (configuration_[node] < 0) configuration_[node] = static_cast<std::int32_t>(i);
     any_usable_ = true;
   }
+  is_empty_ = !any_usable_ && !(grid.sparse && reach_ > 0);
+  find_free_nodes(configurations, clearance);
   classify_leaves(configurations);
   hanging_nodes_ = find_hanging_nodes(false);
   hanging_on_complete_ = find_hanging_nodes(true);
+  find_free_leaves(grid, clearance);
   find_nearest();
+}
+
+void CheckPointGrid::find_free_nodes(const std::vector<ConfigurationSummary>& configurations,
+                                     const Clearance& clearance) {
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    const bool touches_nothing =
+        usable(n) && (configurations[configuration_[n]].flags & flags::touches_nothing) != 0;
+    free_.push_back(touches_nothing || (clearance && clearance(place(n)) > 0) ? 1 : 0);
+  }
 }
 
 void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations) {
   for (const CellTree::Leaf& leaf : tree_.leaves()) {
-    State state = State::complete;
+    State state = any_usable_ ? State::complete : State::unknown;
     for (std::int32_t node : leaf.corners) {
       if (!usable(node)) {
-        state = State::lacks_corner;
+        if (any_usable_) state = State::lacks_corner;
         has_extrapolated_nodes_ = true;
         break;
       }
@@ -73,6 +90,32 @@ void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& co
   const std::vector<char> across = BranchTest(*this, configurations).leaves_across();
   for (std::size_t l = 0; l < across.size(); ++l) {
     if (across[l] != 0 && states_[l] == State::complete) states_[l] = State::across;
+  }
+}
+
+void CheckPointGrid::find_free_leaves(const Grid& grid, const Clearance& clearance) {
+  const auto& leaves = tree_.leaves();
+  proved_free_.assign(leaves.size(), 0);
+  for (std::size_t l = 0; l < leaves.size(); ++l) {
+    const auto& corners = leaves[l].corners;
+    const bool may_be =
+        std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) { return is_free(n); });
+    if (may_be && palpate::is_proved_free(grid, clearance, leaves[l].cell)) proved_free_[l] = 1;
+  }
+  std::vector<std::int32_t> holder(static_cast<std::size_t>(num_nodes()), -1);
+  for (const HangingNode& hanging : hanging_nodes_) holder[hanging.node] = hanging.leaf;
+  // What a corner of a leaf hangs on is larger than the leaf.
+  std::vector<std::int32_t> by_size(leaves.size());
+  std::iota(by_size.begin(), by_size.end(), 0);
+  std::stable_sort(by_size.begin(), by_size.end(), [&](std::int32_t a, std::int32_t b) {
+    return leaves[a].cell.side > leaves[b].cell.side;
+  });
+  for (std::int32_t l : by_size) {
+    const auto& corners = leaves[l].corners;
+    const bool zero = std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) {
+      return holder[n] < 0 || is_zero(holder[n]);
+    });
+    if (zero && is_proved_free(l)) states_[l] = State::zero;
   }
 }
 
@@ -139,6 +182,15 @@ void CheckPointGrid::find_nearest() {
       });
     }
     changed = std::move(next);
+  }
+  // What no leaf connects with a usable node.
+  for (std::int32_t n = 0; n < num_nodes(); ++n) {
+    if (nearest_[n] >= 0) continue;
+    std::int32_t nearest = -1;
+    for (std::int32_t m = 0; m < num_nodes(); ++m) {
+      if (usable(m) && (nearest < 0 || distance2(n, m) < distance2(n, nearest))) nearest = m;
+    }
+    nearest_[n] = nearest;
   }
 }
 

@@ -4,6 +4,11 @@
 //
 // A node without a usable configuration is extrapolated (extrapolated_node.h). A leaf with such a
 // corner is not complete.
+//
+// A node is free where its configuration touches nothing, or the clearance of the tool says so: the
+// energy is zero there with all its derivatives. A leaf that is proved free (absent_cells.h) has
+// free corners, so that what is interpolated is exactly zero in it, unless one of them hangs on a
+// leaf that is not free. Outside the box of a sparse grid the tool touches nothing.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +26,7 @@ enum class Support : int {
   /// Nothing to interpolate, or t is not finite: force, stiffness and energy are zero.
   none = 0,
   inside = 1,
-  /// Outside the box, or in a cell that lacks a usable corner.
+  /// Outside the box, in a cell that lacks a usable corner, or in no cell and not known to be free.
   extrapolated = 2,
   /// Inside, but a corner of the cell is inverted, unstable or near a fold.
   marked = 3,
@@ -36,15 +41,18 @@ class CheckPointGrid {
   /// finite energy, force and stiffness are.
   /// @throws InputError as CellTree, a half-width that is not positive, or a configuration that
   ///   does not lie at its check-point.
-  CheckPointGrid(const Grid& grid, const std::vector<ConfigurationSummary>& configurations);
+  CheckPointGrid(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
+                 const Clearance& clearance = {});
   explicit CheckPointGrid(const TouchToolSpace& tool_space);
 
   enum class Place {
     /// No configuration is usable, or t is not finite.
     nowhere,
+    /// The tool touches nothing there.
+    free,
     /// The place is in a leaf.
     cell,
-    /// Outside the box: the nearest point of it is given.
+    /// Outside the box, or in no leaf: the nearest point of the box, or of a leaf beside, is given.
     beside_cell,
     /// There is no leaf: rest is the only check-point.
     rest,
@@ -57,7 +65,7 @@ class CheckPointGrid {
     std::int32_t leaf = 0;
     /// Local coordinates in the leaf, in [0, 1].
     Vec3 s = Vec3::Zero();
-    /// The nearest point of the box, in spacings from rest.
+    /// The point of the leaf, in spacings from rest.
     Vec3 x = Vec3::Zero();
     /// The offset from there to t, m; it is zero in a cell.
     Vec3 offset = Vec3::Zero();
@@ -70,14 +78,27 @@ class CheckPointGrid {
   [[nodiscard]] const CellTree::Leaf& leaf(std::int32_t leaf) const { return tree_.leaves()[leaf]; }
   [[nodiscard]] std::int32_t num_nodes() const { return tree_.num_nodes(); }
   [[nodiscard]] std::int32_t reach() const { return reach_; }
+  [[nodiscard]] bool is_sparse() const { return is_sparse_; }
   /// Distance of neighbouring check-points, m; 1 where rest is the only one.
   [[nodiscard]] double spacing() const { return spacing_; }
+  /// Coordinates of the tool at a node, m.
+  [[nodiscard]] Vec3 place(std::int32_t node) const {
+    const CheckPoint p = tree_.point(node);
+    return origin_ + spacing_ * Vec3(p[0], p[1], p[2]);
+  }
   /// Place of a node's configuration in the tool space's list; −1: none is usable.
   [[nodiscard]] std::int32_t configuration(std::int32_t node) const { return configuration_[node]; }
   [[nodiscard]] bool usable(std::int32_t node) const { return configuration_[node] >= 0; }
+  /// The tool touches nothing at a node and around it, whether it is usable or not.
+  [[nodiscard]] bool is_free(std::int32_t node) const { return free_[node] != 0; }
+  /// The tool touches nothing anywhere in a leaf.
+  [[nodiscard]] bool is_proved_free(std::int32_t leaf) const { return proved_free_[leaf] != 0; }
+  /// It is proved free, and all that is interpolated is exactly zero in it.
+  [[nodiscard]] bool is_zero(std::int32_t leaf) const { return states_[leaf] == State::zero; }
   /// All corners of a leaf are usable.
   [[nodiscard]] bool is_complete(std::int32_t leaf) const {
-    return states_[leaf] != State::lacks_corner;
+    const auto& corners = tree_.leaves()[leaf].corners;
+    return std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) { return usable(n); });
   }
   /// A corner of the leaf is inverted, unstable or near a fold, or it lies across branches.
   [[nodiscard]] bool is_marked(std::int32_t leaf) const {
@@ -114,14 +135,20 @@ class CheckPointGrid {
   }
 
  private:
-  enum class State : char { lacks_corner, complete, marked, across };
-  static constexpr Support kSupportIn[] = {Support::extrapolated, Support::inside, Support::marked,
-                                           Support::marked};
+  /// unknown: no configuration of the tool space is usable.
+  enum class State : char { unknown, zero, lacks_corner, complete, marked, across };
+  static constexpr Place kPlaceIn[] = {Place::nowhere, Place::free, Place::cell,
+                                       Place::cell,    Place::cell, Place::cell};
+  static constexpr Support kSupportIn[] = {Support::none,   Support::inside, Support::extrapolated,
+                                           Support::inside, Support::marked, Support::marked};
   /// A displacement that misses the border of the box by so little, in spacings, is on it: rounding
   /// of t = i·H must not make a check-point on the border an outside one.
   static constexpr double kOnBorder = 1e-9;
 
+  void find_free_nodes(const std::vector<ConfigurationSummary>& configurations,
+                       const Clearance& clearance);
   void classify_leaves(const std::vector<ConfigurationSummary>& configurations);
+  void find_free_leaves(const Grid& grid, const Clearance& clearance);
   [[nodiscard]] std::vector<HangingNode> find_hanging_nodes(bool on_complete) const;
   void find_nearest();
 
@@ -129,12 +156,21 @@ class CheckPointGrid {
   std::int32_t reach_;
   double spacing_ = 1;
   double per_spacing_ = 1;
+  Vec3 origin_;
+  bool is_sparse_;
   bool any_usable_ = false;
+  /// Nothing is usable, and nowhere is known to be free.
+  bool is_empty_ = false;
+  bool outside_is_free_ = false;
   bool has_extrapolated_nodes_ = false;
   /// By node.
   std::vector<std::int32_t> configuration_;
+  /// By node.
+  std::vector<char> free_;
   /// By leaf.
   std::vector<State> states_;
+  /// By leaf.
+  std::vector<char> proved_free_;
   std::vector<HangingNode> hanging_nodes_;
   std::vector<HangingNode> hanging_on_complete_;
   /// By node.
@@ -144,31 +180,45 @@ class CheckPointGrid {
 inline CheckPointGrid::Location CheckPointGrid::locate(const Vec3& t) const noexcept {
   Location at;
   // A sum of what is not finite is not finite; one that overflows is too far out.
-  if (!any_usable_ || !std::isfinite(t[0] + t[1] + t[2])) return at;
+  if (is_empty_ || !std::isfinite(t[0] + t[1] + t[2])) return at;
+  const Vec3 from_rest = t - origin_;
   const double reach = reach_;
   double most_outside = 0;
   for (int k = 0; k < 3; ++k) {
-    const double x = t[k] * per_spacing_;
+    const double x = from_rest[k] * per_spacing_;
     at.x[k] = std::min(std::max(x, -reach), reach);
     most_outside = std::max(most_outside, std::abs(x - at.x[k]));
   }
   if (reach_ == 0) {
     at.place = Place::rest;
     at.support = Support::extrapolated;
-    at.offset = t;
+    at.offset = from_rest;
     return at;
   }
-  const CellTree::Place place = tree_.locate(at.x + Vec3::Constant(reach));
+  CellTree::Place place = tree_.locate(at.x + Vec3::Constant(reach));
+  const bool is_outside = most_outside > kOnBorder;
+  if (place.leaf == CellTree::kFree || (is_outside && outside_is_free_)) {
+    at.place = Place::free;
+    at.support = Support::inside;
+    return at;
+  }
+  if (place.leaf >= CellTree::kNearestRoot) {
+    if (!any_usable_) return at;
+    Vec3 x = at.x + Vec3::Constant(reach);
+    place = tree_.locate_beside(place.leaf - CellTree::kNearestRoot, x);
+    x -= Vec3::Constant(reach);
+    most_outside = std::max(most_outside, (x - at.x).lpNorm<Eigen::Infinity>());
+    at.x = x;
+  }
   at.leaf = place.leaf;
   at.s = place.s;
-  if (most_outside <= kOnBorder) {
-    at.place = Place::cell;
-    at.support = kSupportIn[static_cast<int>(states_[place.leaf])];
-    return at;
-  }
+  const int state = static_cast<int>(states_[place.leaf]);
+  at.place = kPlaceIn[state];
+  at.support = kSupportIn[state];
+  if (most_outside <= kOnBorder || at.place == Place::nowhere) return at;
   at.place = Place::beside_cell;
   at.support = Support::extrapolated;
-  at.offset = t - spacing_ * at.x;
+  at.offset = from_rest - spacing_ * at.x;
   return at;
 }
 

@@ -9,6 +9,8 @@
 #include "base/error.h"
 #include "interpolation/branch_test.h"
 #include "interpolation/check_point_grid.h"
+#include "interpolation/clearance.h"
+#include "interpolation/extrapolated_node.h"
 #include "interpolation/hermite_cell.h"
 #include "interpolation/hermite_data.h"
 
@@ -19,6 +21,9 @@ constexpr double kOfMixed = 2;
 constexpr double kOfParent = 0.25;
 constexpr double kOfEdges = 0.5;
 constexpr double kOfHanging = 1.2;
+constexpr double kOfDiagonals = 0.4;
+constexpr double kOfThirdAlongEdges = 0.11;
+constexpr double kOfThirdAlongDiagonals = 0.05;
 
 /// Points along an axis at which forces are compared.
 constexpr int kSamples = 5;
@@ -28,21 +33,24 @@ constexpr int kNodes = kHermiteStencil;
 constexpr int kFewerNodes = 3;
 
 /// Refinement is not decided by extrapolated nodes.
-HermiteDataOptions options_with(int most) {
+HermiteDataOptions options_with(int most, bool is_sparse = false) {
   HermiteDataOptions options;
   options.most = most;
+  options.fewer_in_short_rows = is_sparse;
   options.extrapolated_nodes = false;
   return options;
 }
 
 class Estimator {
  public:
-  Estimator(const Grid& grid, const std::vector<ConfigurationSummary>& configurations)
+  Estimator(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
+            const Clearance& clearance)
       : configurations_(configurations),
-        grid_(grid, configurations),
+        clearance_(clearance),
+        grid_(grid, configurations, clearance),
         branch_test_(grid_, configurations),
         data_(hermite_data(grid_, configurations, options_with(kNodes))),
-        difference_(hermite_data(grid_, configurations, options_with(kFewerNodes))),
+        difference_(hermite_data(grid_, configurations, options_with(kFewerNodes, grid.sparse))),
         hanging_(grid_.tree().leaves().size(), 0.0) {
     for (std::size_t n = 0; n < data_.size(); ++n) {
       for (std::size_t i = 0; i < std::size(data_[n].of); ++i) {
@@ -64,17 +72,20 @@ class Estimator {
     estimate.error = std::numeric_limits<double>::infinity();
     estimate.marked = !grid_.is_complete(leaf) || grid_.is_marked(leaf);
     const bool is_root = estimate.cell.side == grid_.tree().coarsest();
-    const bool few_in_a_row = 2 * grid_.reach() < (kNodes - 1) * estimate.cell.side;
+    const bool few_in_a_row =
+        !grid_.is_sparse() && 2 * grid_.reach() < (kNodes - 1) * estimate.cell.side;
     if (!grid_.is_complete(leaf) || (is_root && few_in_a_row)) return estimate;
     estimate.error = std::max({kOfMixed * of_mixed(leaf), kOfParent * of_parent(leaf),
                                kOfEdges * of_edges(leaf), kOfHanging * hanging_[leaf]});
+    if (grid_.is_sparse()) estimate.error = std::max(estimate.error, of_pairs(leaf));
+    estimate.error = std::max(estimate.error, attraction(leaf, estimate.error));
     return estimate;
   }
 
   [[nodiscard]] bool may_be_split(const CellEstimate& estimate, std::int32_t leaf,
                                   std::int32_t smallest) const {
     const std::int32_t side = estimate.cell.side;
-    if (side < 2 * smallest || side < 2) return false;
+    if (side < 2 * smallest || side < 2 || grid_.is_proved_free(leaf)) return false;
     const bool across = grid_.is_complete(leaf) && grid_.is_across(leaf);
     if (estimate.marked &&
         side <= grid_.tree().coarsest() / (across ? kMarkedEdge : kMarkedCorner)) {
@@ -126,6 +137,28 @@ class Estimator {
     return std::sqrt(error2);
   }
 
+  /// The largest force at the samples at which the tool touches nothing, if it is more than a
+  /// bound; at least 0.
+  [[nodiscard]] double attraction(std::int32_t leaf, double bound) const {
+    if (!clearance_ || grid_.is_zero(leaf)) return 0;
+    const CellTree::Leaf& of_leaf = grid_.leaf(leaf);
+    const double side = of_leaf.cell.side * grid_.spacing();
+    const Vec3 first = grid_.place(of_leaf.corners[0]);
+    ClearanceProbe probe(clearance_, first + Vec3::Constant(0.5 * side));
+    if (probe.value() <= -0.5 * std::sqrt(3.0) * side) return 0;
+    double largest = bound;
+    for (int x = 0; x < kSamples; ++x) {
+      for (int y = 0; y < kSamples; ++y) {
+        for (int z = 0; z < kSamples; ++z) {
+          const Vec3 s = Vec3(x, y, z) / (kSamples - 1);
+          const double force = force_of(data_, of_leaf, s).norm();
+          if (force > largest && probe.is_free(first + side * s)) largest = force;
+        }
+      }
+    }
+    return largest > bound ? largest : 0;
+  }
+
   [[nodiscard]] double of_parent(std::int32_t leaf) const {
     const CellTree::Leaf& child = grid_.leaf(leaf);
     if (child.cell.side == grid_.tree().coarsest()) return 0;
@@ -152,7 +185,32 @@ class Estimator {
     return branch_test_.largest_residual(cell) / (cell.side * grid_.spacing());
   }
 
+  /// Between any two corners: what is left of the energy along diagonals, and of the force where
+  /// third derivatives are known.
+  [[nodiscard]] double of_pairs(std::int32_t leaf) const {
+    const CellTree::Leaf& of_leaf = grid_.leaf(leaf);
+    double largest = 0;
+    for (int high = 1; high < 8; ++high) {
+      for (int low = 0; low < high; ++low) {
+        const ConfigurationSummary& a = at(of_leaf.corners[low]);
+        const ConfigurationSummary& b = at(of_leaf.corners[high]);
+        const Vec3 d = grid_.place(of_leaf.corners[high]) - grid_.place(of_leaf.corners[low]);
+        const int differ = low ^ high;
+        const bool is_edge = (differ & (differ - 1)) == 0;
+        if (!is_edge) largest = std::max(largest, kOfDiagonals * edge_residual(a, b, d) / d.norm());
+        if (!a.has_third_derivative() || !b.has_third_derivative()) continue;
+        const Mat3 of_third = times(a.third_derivative - b.third_derivative, d);
+        const Vec3 left =
+            b.force - a.force - 0.5 * (a.stiffness + b.stiffness) * d - of_third * d / 12;
+        const double factor = is_edge ? kOfThirdAlongEdges : kOfThirdAlongDiagonals;
+        largest = std::max(largest, factor * left.norm());
+      }
+    }
+    return largest;
+  }
+
   const std::vector<ConfigurationSummary>& configurations_;
+  const Clearance& clearance_;
   CheckPointGrid grid_;
   BranchTest branch_test_;
   HermiteKernel kernel_ = best_hermite_kernel();
@@ -166,8 +224,9 @@ class Estimator {
 }  // namespace
 
 std::vector<CellEstimate> estimate_errors(const Grid& grid,
-                                          const std::vector<ConfigurationSummary>& configurations) {
-  const Estimator estimator(grid, configurations);
+                                          const std::vector<ConfigurationSummary>& configurations,
+                                          const Clearance& clearance) {
+  const Estimator estimator(grid, configurations, clearance);
   std::vector<CellEstimate> estimates;
   const auto count = static_cast<std::int32_t>(estimator.grid().tree().leaves().size());
   for (std::int32_t leaf = 0; leaf < count; ++leaf) estimates.push_back(estimator.estimate(leaf));
@@ -176,9 +235,10 @@ std::vector<CellEstimate> estimate_errors(const Grid& grid,
   return estimates;
 }
 
-std::vector<double> estimate_errors_around(
-    const Grid& grid, const std::vector<ConfigurationSummary>& configurations) {
-  const Estimator estimator(grid, configurations);
+std::vector<double> estimate_errors_around(const Grid& grid,
+                                           const std::vector<ConfigurationSummary>& configurations,
+                                           const Clearance& clearance) {
+  const Estimator estimator(grid, configurations, clearance);
   const CellTree& tree = estimator.grid().tree();
   std::vector<double> of_leaf;
   for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf) {
@@ -197,12 +257,13 @@ std::vector<double> estimate_errors_around(
 
 std::vector<Cell> cells_to_split(const Grid& grid,
                                  const std::vector<ConfigurationSummary>& configurations,
-                                 double tolerance, std::int32_t smallest) {
+                                 double tolerance, std::int32_t smallest,
+                                 const Clearance& clearance) {
   if (!(tolerance > 0)) {
     throw InputError("The tolerance of the force is " + std::to_string(tolerance) +
                      " N; it takes a positive one.");
   }
-  const Estimator estimator(grid, configurations);
+  const Estimator estimator(grid, configurations, clearance);
   const CellTree& tree = estimator.grid().tree();
   const auto num_leaves = static_cast<std::int32_t>(tree.leaves().size());
   std::vector<char> is_split(tree.leaves().size(), 0);
@@ -228,7 +289,10 @@ std::vector<Cell> cells_to_split(const Grid& grid,
   for (std::int32_t leaf : split) is_split[leaf] = 1;
   for (std::size_t i = 0; i < split.size(); ++i) {
     for_each_larger(split[i], [&](std::int32_t other) {
-      if (is_split[other] || !estimator.grid().is_complete(other)) return;
+      if (is_split[other] || !estimator.grid().is_complete(other) ||
+          estimator.grid().is_proved_free(other)) {
+        return;
+      }
       is_split[other] = 1;
       split.push_back(other);
     });

@@ -6,6 +6,11 @@ namespace palpate {
 NodeData node_data(const CheckPointGrid& grid,
                    const std::vector<ConfigurationSummary>& configurations, std::int32_t node,
                    bool with_third_derivatives) {
+  if (grid.is_free(node)) {
+    NodeData nothing;
+    nothing.third_derivative.setZero();
+    return nothing;
+  }
   const std::int32_t nearest = grid.nearest(node);
   const ConfigurationSummary& c = configurations[grid.configuration(nearest)];
   NodeData data;
@@ -22,15 +27,7 @@ NodeData node_data(const CheckPointGrid& grid,
   const CheckPoint from = grid.tree().point(nearest);
   const Vec3 offset = grid.spacing() * Vec3(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   Mat3 change = Mat3::Zero();
-  if (has_third) {
-    for (int a = 0; a < 3; ++a) {
-      for (int b = 0; b < 3; ++b) {
-        for (int i = 0; i < 3; ++i) {
-          change(a, b) += c.third_derivative[kThirdIndex[a][b][i]] * offset[i];
-        }
-      }
-    }
-  }
+  if (has_third) change = times(c.third_derivative, offset);
   data.energy += offset.dot(c.force + (0.5 * c.stiffness + change / 6) * offset);
   data.force += (c.stiffness + 0.5 * change) * offset;
   data.stiffness += change;

@@ -4,9 +4,9 @@
 //
 //   Π + h·Δ + ½ Δ·kΔ + ⅙ T(Δ,Δ,Δ),   h + kΔ + ½ T(Δ,Δ),   k + TΔ,   T
 //
-// T is taken where it is known and wanted and the configuration does not mark, else it is 0. A node
-// has one value for all the leaves around it, so that what is interpolated does not jump beside a
-// hole.
+// T is taken where it is known and wanted and the configuration does not mark, else it is 0. At a
+// free node (check_point_grid.h) all is 0. A node has one value for all the leaves around it, so
+// that what is interpolated does not jump beside a hole.
 #pragma once
 
 #include <limits>
@@ -20,6 +20,17 @@ namespace palpate {
 inline constexpr int kThirdIndex[3][3][3] = {{{0, 1, 2}, {1, 3, 4}, {2, 4, 5}},
                                              {{1, 3, 4}, {3, 6, 7}, {4, 7, 8}},
                                              {{2, 4, 5}, {4, 7, 8}, {5, 8, 9}}};
+
+/// T d: the change of the stiffness over d, m.
+[[nodiscard]] inline Mat3 times(const ThirdDerivative& third, const Vec3& d) {
+  Mat3 product = Mat3::Zero();
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) {
+      for (int i = 0; i < 3; ++i) product(a, b) += third[kThirdIndex[a][b][i]] * d[i];
+    }
+  }
+  return product;
+}
 
 struct NodeData {
   /// J.

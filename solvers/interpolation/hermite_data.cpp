@@ -71,8 +71,11 @@ void fill_weights(const double* x, int n, int p, double* weights) {
 class StencilFinder {
  public:
   StencilFinder(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
-                int most)
-      : grid_(grid), links_(find_links(grid)), most_(most) {
+                const HermiteDataOptions& options)
+      : grid_(grid),
+        links_(find_links(grid)),
+        most_(options.most),
+        fewer_in_short_rows_(options.fewer_in_short_rows) {
     for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
       marked_.push_back(grid.usable(n) &&
                         (configurations[grid.configuration(n)].flags & kMarking) != 0);
@@ -137,6 +140,7 @@ class StencilFinder {
   [[nodiscard]] Stencil best_of(const Row& row) const {
     Stencil stencil;
     stencil.size = std::min(most_, row.size());
+    if (fewer_in_short_rows_ && row.size() <= most_ && row.size() > 1) --stencil.size;
     int best = 0;
     double least = 0;
     for (int first = std::max(kMiddle - row.count[0], kMiddle + 1 - stencil.size);
@@ -164,7 +168,7 @@ class StencilFinder {
     }
     const CellTree::Place place =
         grid_.tree().locate(Vec3(p[0] + reach, p[1] + reach, p[2] + reach));
-    if (!grid_.is_complete(place.leaf)) return -1;
+    if (place.leaf >= CellTree::kFree || !grid_.is_complete(place.leaf)) return -1;
     inserted_.push_back(place);
     return grid_.num_nodes() + static_cast<std::int32_t>(inserted_.size()) - 1;
   }
@@ -174,6 +178,7 @@ class StencilFinder {
   /// By node: its configuration marks.
   std::vector<bool> marked_;
   const int most_;
+  const bool fewer_in_short_rows_;
   std::vector<CellTree::Place> inserted_;
 };
 
@@ -245,10 +250,10 @@ std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
   const auto num_nodes = static_cast<std::size_t>(grid.num_nodes());
   std::vector<HermiteNode> data(num_nodes);
   if (!grid.any_usable()) return data;
-  StencilFinder finder(grid, configurations, options.most);
+  StencilFinder finder(grid, configurations, options);
   std::vector<Incomplete> nodes;
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
-    if (!grid.usable(n) && !options.extrapolated_nodes) continue;
+    if (grid.is_free(n) || (!grid.usable(n) && !options.extrapolated_nodes)) continue;
     const NodeData known = node_data(grid, configurations, n, options.third_derivatives);
     fill_known(known, grid.spacing(), data[n].of);
     if (!grid.usable(n)) continue;

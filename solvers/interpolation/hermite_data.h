@@ -19,6 +19,8 @@
 // Where it ends, with fewer than five, at the side of a larger leaf, it goes on into that by points
 // at which the leaf gives the data, up to two on a side of the node.
 //
+// A free node (check_point_grid.h) has zeros only: all its derivatives are known.
+//
 // Extrapolated nodes (extrapolated_node.h) have what their Taylor expansion gives up to
 // a + b + c = 3 and zero beyond, and take no part in the differences of others. Last of all the
 // data of hanging nodes are put in the place of what the larger leaf gives there.
@@ -37,6 +39,8 @@ inline constexpr int kHermiteStencil = 5;
 struct HermiteDataOptions {
   /// Nodes in a difference, kHermiteStencil or fewer.
   int most = kHermiteStencil;
+  /// Where no more than `most` stand in a row, a difference is of one fewer.
+  bool fewer_in_short_rows = false;
   /// Third derivatives are used where they are known.
   bool third_derivatives = true;
   /// Without, nodes that are not usable are zero, and no node hangs on a leaf that has one.

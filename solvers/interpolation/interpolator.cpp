@@ -78,13 +78,13 @@ TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
   const Location at = grid_.locate(t);
   TouchResult result;
   result.support = at.support;
-  if (at.place == Place::nowhere) return result;
   if (at.place == Place::cell) {
     do_evaluate(at, result);
     const double size2 = result.force.squaredNorm();
     if (size2 > largest_force_ * largest_force_) limit(result, std::sqrt(size2), largest_force_);
     return result;
   }
+  if (at.place == Place::nowhere || at.place == Place::free) return result;
   if (at.place == Place::rest) {
     result = rest_;
   } else {
@@ -108,6 +108,12 @@ TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
 
 std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchToolSpace& tool_space,
                                                 const InterpolationOptions& options) {
+  if (tool_space.setup.grid.sparse && method != Method::energy_hermite &&
+      method != Method::trilinear) {
+    throw InputError("The cells of the tool space at " + tool_space.setup.name() +
+                     " do not fill a box, which '" + to_string(method) +
+                     "' takes for granted. Choose 'Energy Hermite' or 'Trilinear'.");
+  }
   switch (method) {
     case Method::trilinear: return std::make_unique<Trilinear>(tool_space, options);
     case Method::tricubic: return std::make_unique<Tricubic>(tool_space, options);

@@ -21,6 +21,11 @@
 // |h| ≤ max(force limit, |h₀|). It is there no longer the exact gradient of Π: k₀ varies along the
 // box. So far out that Π or h overflows there is nothing to go by: nothing is found.
 //
+// In a sparse grid the tool touches nothing outside the box, and wherever its clearance proves it:
+// force, stiffness and energy are exactly zero, and the support is `inside`. A place in no cell
+// that is not proved free, deeper than the space or not explored yet, is answered as one outside a
+// box, from the nearest cell.
+//
 // Where the force is limited the stiffness is that of a force of this size, the direction of which
 // follows t: (limit/|h|)(I − ĥĥᵀ)k; Π is not.
 #pragma once
@@ -121,10 +126,9 @@ class Interpolator {
   std::size_t num_samples_ = 0;
 };
 
-/// @throws InputError the tool space has no grid, see CheckPointGrid; its grid is not uniform and
-/// the
-///   method needs one (tricubic); it has no usable configuration at rest (linear); there is no such
-///   method.
+/// @throws InputError the tool space has no grid, see CheckPointGrid; its grid is sparse and the
+///   method is none of energy_hermite and trilinear; its grid is not uniform and the method needs
+///   one (tricubic); it has no usable configuration at rest (linear); there is no such method.
 [[nodiscard]] std::unique_ptr<Interpolator> make_interpolator(
     Method method, const TouchToolSpace& tool_space, const InterpolationOptions& options = {});
 

@@ -143,8 +143,9 @@ struct Centres {
 Centres find_centres(const TouchToolSpace& tool_space, const CheckPointGrid& grid,
                      const InterpolationOptions& options) {
   Centres centres;
+  const Vec3& origin = tool_space.setup.grid.origin;
   const auto add = [&](const Vec3& t, const Vec3& force, double energy) {
-    centres.places.push_back(t / grid.spacing());
+    centres.places.push_back((t - origin) / grid.spacing());
     centres.values.emplace_back() << force, energy;
   };
   for (std::int32_t n = 0; n < grid.num_nodes(); ++n) {
@@ -158,7 +159,7 @@ Centres find_centres(const TouchToolSpace& tool_space, const CheckPointGrid& gri
         !std::isfinite(state.energy)) {
       continue;
     }
-    const Vec3 place = state.t / grid.spacing();
+    const Vec3 place = (state.t - origin) / grid.spacing();
     const bool is_new = std::none_of(
         centres.places.begin(), centres.places.end(),
         [&](const Vec3& other) { return (place - other).squaredNorm() < kSamePlace * kSamePlace; });

@@ -236,10 +236,12 @@ class Builder {
 }  // namespace
 
 SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
-    : spacing_(tool_space.setup.grid.spacing()), reach_(tool_space.setup.grid.reach()) {
+    : spacing_(tool_space.setup.grid.spacing()),
+      reach_(tool_space.setup.grid.reach()),
+      origin_(tool_space.setup.grid.origin) {
   const auto& all = tool_space.configurations;
-  if (std::any_of(all.begin(), all.end(),
-                  [](const ConfigurationSummary& c) { return c.has_history(); })) {
+  const auto has_history = [](const ConfigurationSummary& c) { return c.has_history(); };
+  if (!tool_space.setup.grid.sparse && std::any_of(all.begin(), all.end(), has_history)) {
     Builder builder(tool_space);
     configurations_ = builder.find();
     if (configurations_.size() > 1) next_ = builder.next();
@@ -270,7 +272,8 @@ int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
   /// Where t lies on the border with the cell before or after along an axis: −1 or 1.
   std::array<std::int32_t, 3> beside{};
   for (int k = 0; k < 3; ++k) {
-    const double x = std::clamp(t[k] / spacing_ + reach_, 0.0, static_cast<double>(n));
+    const double x =
+        std::clamp((t[k] - origin_[k]) / spacing_ + reach_, 0.0, static_cast<double>(n));
     cell[k] = std::min(static_cast<std::int32_t>(x), n - 1);
     const double s = x - cell[k];
     if (s < kOnBorder && cell[k] > 0) beside[k] = -1;
@@ -288,6 +291,7 @@ TouchToolSpace restricted(const TouchToolSpace& tool_space,
                           const std::vector<std::int32_t>& configurations) {
   TouchToolSpace part;
   part.setup = tool_space.setup;
+  part.clearance = tool_space.clearance;
   const auto size = static_cast<Eigen::Index>(configurations.size());
   part.coefficients.resize(tool_space.coefficients.rows(), size);
   part.coefficient_gradients.resize(tool_space.coefficient_gradients.rows(), size);

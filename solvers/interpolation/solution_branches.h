@@ -4,7 +4,8 @@
 // A branch holds at most one configuration a check-point, and any two neighbours in it are one
 // smooth way apart: what is moved from one is found at the other, and back again as far as that was
 // tried. A branch ends where the body jumps, and holds nothing unstable. Where branches join, as
-// round a cusp, branches share configurations. Without levels there is one, of all configurations.
+// round a cusp, branches share configurations. Without levels, and in a sparse grid, there is one,
+// of all configurations.
 //
 // The body follows its branch; where that has no cell at its displacement, the body is on the
 // branch that the transitions from the last corners have reached, else on that of least energy.
@@ -43,6 +44,7 @@ class SolutionBranches {
 
   double spacing_ = 0;
   std::int32_t reach_ = 0;
+  Vec3 origin_;
   std::vector<std::vector<std::int32_t>> configurations_;
   /// Of each branch and cell the branch that the body is on there [size × cells], k fastest; empty
   /// where there is one branch.

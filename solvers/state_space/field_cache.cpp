@@ -11,12 +11,14 @@
 namespace palpate {
 namespace {
 
-/// Spacings that differ by less than this share are equal but for rounding.
+/// Spacings that differ by less than this share, and origins by less than this share of a spacing,
+/// are equal but for rounding.
 constexpr double kSpacingRounding = 1e-9;
 
 bool is_same_grid(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
   return a.interaction == b.interaction &&
-         std::abs(a.grid.spacing() - b.grid.spacing()) <= kSpacingRounding * a.grid.spacing();
+         std::abs(a.grid.spacing() - b.grid.spacing()) <= kSpacingRounding * a.grid.spacing() &&
+         (a.grid.origin - b.grid.origin).norm() <= kSpacingRounding * a.grid.spacing();
 }
 
 std::size_t bytes_of(const Configuration& c) {

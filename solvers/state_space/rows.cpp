@@ -24,6 +24,11 @@ struct Gather {
   void operator()(const Vec3& x) const {
     for (const double component : x) (*this)(component);
   }
+  template <class T>
+  void operator()(const std::vector<T>& x) const {
+    bits.push_back(static_cast<std::int64_t>(x.size()));
+    bits.push_back(static_cast<std::int64_t>(XXH3_64bits(x.data(), x.size() * sizeof(T))));
+  }
   void operator()(const ThirdDerivative& x) const {
     if (!x.allFinite()) return;
     for (const double component : x) (*this)(component);
@@ -54,6 +59,26 @@ bool is_in_box(const Grid& grid, const CheckPoint& c) {
 }
 
 bool is_length(double x) { return std::isfinite(x) && x >= 0; }
+
+bool is_bonded(const InteractionSpec& interaction, std::int64_t num_points) {
+  return interaction.kind == InteractionKind::bonded_patch &&
+         interaction.material_point.allFinite() && interaction.active_node >= 0 &&
+         interaction.active_node < num_points && is_length(interaction.tip_radius);
+}
+
+/// What it is made of; whether a tool can be made of that is found when it is.
+bool is_possible(const RigidTool& tool) {
+  const auto num_points = static_cast<std::int64_t>(tool.points.size());
+  return tool.shape >= ToolShape::sphere && tool.shape <= ToolShape::surface &&
+         is_length(tool.radius) && is_length(tool.length) && tool.axis.allFinite() &&
+         is_length(tool.law.thickness) && is_length(tool.law.stiffness) &&
+         std::all_of(tool.points.begin(), tool.points.end(),
+                     [](const Vec3& p) { return p.allFinite(); }) &&
+         std::all_of(tool.triangles.begin(), tool.triangles.end(), [&](const auto& triangle) {
+           return std::all_of(triangle.begin(), triangle.end(),
+                              [&](Index p) { return p >= 0 && p < num_points; });
+         });
+}
 
 }  // namespace
 
@@ -119,10 +144,10 @@ std::int64_t checksum(const std::vector<char>& touchable, double solver_toleranc
 
 bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
   const auto& [id, interaction, grid, policy] = setup;
-  return interaction.kind == InteractionKind::bonded_patch &&
-         interaction.material_point.allFinite() && interaction.active_node >= 0 &&
-         interaction.active_node < num_points && is_length(interaction.tip_radius) &&
-         is_length(grid.half_width) && is_length(policy.force_limit) &&
+  return (interaction.is_contact() ? is_possible(interaction.tool)
+                                   : is_bonded(interaction, num_points)) &&
+         grid.sparse == interaction.is_contact() && grid.origin.allFinite() &&
+         is_length(policy.depth) && is_length(grid.half_width) && is_length(policy.force_limit) &&
          is_length(policy.tolerance) && grid.resolution >= 1 && grid.resolution % 2 == 1 &&
          grid.resolution <= kLargestResolution && (grid.half_width > 0 || grid.resolution == 1) &&
          grid.coarsest >= 1 && (grid.coarsest & (grid.coarsest - 1)) == 0 &&

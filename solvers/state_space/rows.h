@@ -44,11 +44,26 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, bool as_version_
   visit(policy.intermediate_states);
   visit(policy.third_derivatives);
   visit(space.complete);
+  if (as_version_6) return;
+  auto& tool = interaction.tool;
+  visit(tool.shape);
+  visit(tool.radius);
+  visit(tool.axis);
+  visit(tool.length);
+  visit(tool.points);
+  visit(tool.triangles);
+  visit(tool.law.thickness);
+  visit(tool.law.stiffness);
+  visit(grid.origin);
+  visit(grid.sparse);
+  visit(policy.depth);
 }
 inline constexpr char tool_space_columns[] =
     "tool_space_id, interaction, material_point, active_node, tip_radius, half_width, resolution, "
     "force_limit, coarsest, tolerance, tolerance_is_relative, history, intermediate_states, "
-    "third_derivatives, complete";
+    "third_derivatives, complete, tool_shape, tool_radius, tool_axis, tool_length, tool_points, "
+    "tool_triangles, contact_thickness, contact_stiffness, origin, sparse, depth";
+inline constexpr int num_tool_space_columns = 26;
 
 /// The same for a summary.
 template <class Summary, class Visit>
@@ -128,6 +143,10 @@ struct Bind {
     statement.bind(x.allFinite() ? x.data() : nullptr, sizeof x);
   }
   void operator()(const Vec3& x) const { statement.bind(x.data(), sizeof x); }
+  template <class T>
+  void operator()(const std::vector<T>& x) const {
+    statement.bind(x.empty() ? nullptr : static_cast<const void*>(x.data()), x.size() * sizeof(T));
+  }
 };
 
 /// Takes each number from the next column, and makes `sound` false where one does not fit.
@@ -148,6 +167,16 @@ struct Take {
     } else {
       sound = false;
     }
+  }
+  template <class T>
+  void operator()(std::vector<T>& x) const {
+    const auto [data, bytes] = statement.take_blob();
+    if (bytes % sizeof(T) != 0) {
+      sound = false;
+      return;
+    }
+    x.resize(bytes / sizeof(T));
+    if (bytes > 0) std::memcpy(static_cast<void*>(x.data()), data, bytes);
   }
   void operator()(ThirdDerivative& x) const {
     const auto [data, bytes] = statement.take_blob();

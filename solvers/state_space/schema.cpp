@@ -144,7 +144,11 @@ void show_as_this_version(const Database& database, std::int64_t version) {
       "0 AS interaction, substr((SELECT points FROM main.scene AS s WHERE s.scene_id = "
       "site.scene_id), 24 * active_node + 1, 24) AS material_point, active_node, tip_radius, "
       "half_width, resolution, force_limit, coarsest, tolerance, tolerance_is_relative, history, "
-      "intermediate_states, third_derivatives, complete, " +
+      "intermediate_states, third_derivatives, complete, 0 AS tool_shape, 0.0 AS tool_radius, "
+      "X'00000000000000000000000000000000000000000000F03F' AS tool_axis, 0.0 AS tool_length, NULL "
+      "AS tool_points, NULL AS tool_triangles, "
+      "0.0 AS contact_thickness, 0.0 AS contact_stiffness, zeroblob(24) AS origin, 0 AS sparse, "
+      "0.0 AS depth, " +
       checksum + " FROM main.site");
   for (const std::string table : kTablesOfToolSpaces) {
     database.execute("CREATE TEMP VIEW " + table + " AS SELECT rowid AS rowid, *, " + kActiveNode +

@@ -51,7 +51,7 @@ CREATE TABLE material (
 CREATE TABLE tool_space (             -- a tool, the grid of its coordinates, how that is explored
   scene_id    INTEGER NOT NULL REFERENCES scene,
   tool_space_id INTEGER NOT NULL,
-  interaction INTEGER NOT NULL,       -- 0: the tool is bonded to a patch
+  interaction INTEGER NOT NULL,       -- 0: the tool is bonded to a patch, 1: it is rigid and presses
   material_point BLOB NOT NULL,       -- float64 [3], the point of the surface, at rest, m
   active_node INTEGER NOT NULL,       -- the point of the mesh that is there, from 0
   tip_radius,                         -- the surface within it moves with the node, m; 0: it alone
@@ -65,8 +65,21 @@ CREATE TABLE tool_space (             -- a tool, the grid of its coordinates, ho
   intermediate_states INTEGER NOT NULL,  -- on the way to each configuration
   third_derivatives INTEGER NOT NULL, -- 1: configurations have their third derivative
   complete    INTEGER NOT NULL,       -- 1: nothing is left to find
-  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from tool_space_id to complete,
-                                      -- 8 bytes each
+  -- Of a rigid tool; 0 or NULL for one that is bonded.
+  tool_shape  INTEGER NOT NULL,       -- 0 sphere, 1 capsule, 2 closed surface
+  tool_radius,                        -- m
+  tool_axis   BLOB NOT NULL,          -- float64 [3], along a capsule
+  tool_length,                        -- of its segment, m
+  tool_points BLOB,                   -- float64 [points x 3], about the tool's centre, m
+  tool_triangles BLOB,                -- int32 [triangles x 3]
+  contact_thickness,                  -- of the layer in which it presses, m
+  contact_stiffness,                  -- the pressure where tool and body meet, Pa
+  origin      BLOB NOT NULL,          -- float64 [3], coordinates of the tool at check-point 0 0 0, m
+  sparse      INTEGER NOT NULL,       -- 1: there are cells only where configurations are
+  depth,                              -- how deep it presses, m; 0: to the force limit
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from tool_space_id to depth,
+                                      -- 8 bytes each; of a BLOB that has no fixed size that number
+                                      -- and the XXH3 of its bytes
   PRIMARY KEY (scene_id, tool_space_id)
 );
 CREATE TABLE configuration (
@@ -77,7 +90,7 @@ CREATE TABLE configuration (
                                       -- run was killed before it was told apart from the others
   parent_i INTEGER, parent_j INTEGER, parent_k INTEGER, parent_level INTEGER,  -- where the
                                                                                -- transition began
-  t_x, t_y, t_z,                      -- coordinates of the tool, m: its displacement
+  t_x, t_y, t_z,                      -- coordinates of the tool, m: its displacement, or where a rigid one is
   energy,                             -- J
   force_x, force_y, force_z,          -- that holds the tool, N
   stiffness_xx, stiffness_xy, stiffness_xz,                    -- d force / d t, N/m
@@ -86,7 +99,8 @@ CREATE TABLE configuration (
   outcome     INTEGER NOT NULL,       -- 0 converged, 1 not converged, 2 tangent could not be
                                       -- factorised, 3 budget used up, 4 aborted, 5 invalid scene
   flags       INTEGER NOT NULL,       -- bits: 1 inverted, 2 unstable, 4 beyond the force limit,
-                                      -- 8 near a fold, 16 inertia not computed, 32 inaccurate
+                                      -- 8 near a fold, 16 inertia not computed, 32 inaccurate,
+                                      -- 64 touches nothing
   residual,                           -- over the force scale of the scene
   minimum_det_f,
   negative_pivots INTEGER NOT NULL,
@@ -101,7 +115,7 @@ CREATE TABLE configuration (
                                       -- third_derivative, where there is one, and of checksum
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
                                       -- that of v, and so on for p and p_v
-  -- The fields: NULL where the transition failed.
+  -- The fields: NULL where the transition failed, and where a rigid tool touches nothing.
   u           BLOB,                   -- float64 [num_points x 3], displacement, m
   v           BLOB,                   -- float64 [3 x num_points x 3], du/dt_x, du/dt_y, du/dt_z
   p           BLOB,                   -- float64 [num_pressures], of mixed cells, Pa; NULL also where

@@ -181,7 +181,7 @@ std::vector<T> take_array(Statement& statement, std::int64_t size, const Databas
 constexpr char kAtKey[] =
     " WHERE scene_id = 1 AND tool_space_id = ? AND i = ? AND j = ? AND k = ? AND level = ?";
 
-/// Corners of its coarsest cells.
+/// Corners of its coarsest cells, each of which takes memory.
 std::int64_t coarsest_corners(const ToolSpaceSetup& setup) {
   const std::int64_t n = setup.grid.coarsest_resolution();
   return n * n * n;
@@ -189,10 +189,17 @@ std::int64_t coarsest_corners(const ToolSpaceSetup& setup) {
 
 std::string describe(const ToolSpaceSetup& setup) {
   const auto& [id, interaction, grid, policy] = setup;
-  return "tip radius " + number(interaction.tip_radius) + " m, half-width " +
-         number(grid.half_width) + " m, resolution " + std::to_string(grid.resolution) +
-         ", coarsest cells of side " + std::to_string(grid.coarsest) + ", force limit " +
-         number(policy.force_limit) + " N, tolerance " + number(policy.tolerance) +
+  const std::string what = interaction.is_contact()
+                               ? "contact thickness " + number(interaction.tool.law.thickness) +
+                                     " m, contact stiffness " +
+                                     number(interaction.tool.law.stiffness) + " Pa, spacing " +
+                                     number(grid.coarsest * grid.spacing()) + " m, depth " +
+                                     number(policy.depth) + " m"
+                               : "tip radius " + number(interaction.tip_radius) +
+                                     " m, half-width " + number(grid.half_width) + " m";
+  return what + ", resolution " + std::to_string(grid.resolution) + ", coarsest cells of side " +
+         std::to_string(grid.coarsest) + ", force limit " + number(policy.force_limit) +
+         " N, tolerance " + number(policy.tolerance) +
          (policy.tolerance_is_relative ? " of the largest force" : " N") + ", " +
          std::to_string(policy.intermediate_states) + " intermediate states, " +
          (policy.third_derivatives ? "third derivatives" : "no third derivatives");
@@ -208,18 +215,24 @@ constexpr double kSpacingRounding = 1e-12;
 void require_extension(const fs::path& path, const ToolSpaceSetup& there,
                        const ToolSpaceSetup& asked) {
   const double spacing = there.grid.spacing();
-  const bool is_same = there.interaction == asked.interaction &&
-                       there.grid.coarsest == asked.grid.coarsest &&
-                       std::abs(spacing - asked.grid.spacing()) <= kSpacingRounding * spacing &&
-                       (there.policy.tolerance > 0) == (asked.policy.tolerance > 0) &&
-                       there.policy.intermediate_states == asked.policy.intermediate_states &&
-                       there.policy.third_derivatives == asked.policy.third_derivatives;
+  const bool is_contact = there.interaction.is_contact();
+  const bool is_same =
+      there.interaction == asked.interaction && there.grid.coarsest == asked.grid.coarsest &&
+      there.grid.origin == asked.grid.origin &&
+      std::abs(spacing - asked.grid.spacing()) <= kSpacingRounding * spacing &&
+      (is_contact || (there.policy.tolerance > 0) == (asked.policy.tolerance > 0)) &&
+      there.policy.intermediate_states == asked.policy.intermediate_states &&
+      there.policy.third_derivatives == asked.policy.third_derivatives;
   if (is_same && asked.grid.resolution >= there.grid.resolution) return;
   throw InputError(
       quoted(path) + " holds " + asked.name() + " with " + describe(there) + "; asked for was " +
       describe(asked) +
-      ". Give another file name, or those values: only the box may grow, by the same spacing, and "
-      "force limit, tolerance and history may change.");
+      (is_contact
+           ? ". Give another file name, or those values: only depth, region, force limit and "
+             "tolerance may change."
+           : ". Give another file name, or those values: only the box may grow, by the same "
+             "spacing, "
+             "and force limit, tolerance and history may change."));
 }
 
 void write_scene(const Database& database, const Scene& scene, double solver_tolerance) {
@@ -433,10 +446,11 @@ void StateSpaceFile::Impl::before_change() {
 }
 
 void StateSpaceFile::Impl::write(const ToolSpace& space) const {
+  std::string parameters;
+  for (int c = 0; c < rows::num_tool_space_columns + 1; ++c) parameters += ", ?";
   Statement insert_space(database, std::string("INSERT OR REPLACE INTO tool_space (scene_id, ") +
-                                       rows::tool_space_columns +
-                                       ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-                                       "?, ?, ?, ?, ?)");
+                                       rows::tool_space_columns + ", checksum) VALUES (1" +
+                                       parameters + ")");
   rows::for_each_number_of_tool_space(space, rows::Bind{insert_space});
   insert_space.bind(rows::checksum(space));
   insert_space.run();

@@ -36,7 +36,7 @@ inline constexpr std::int32_t kLargestCoarsestResolution = 129;
 /// reason.
 inline constexpr std::int64_t kMostCoarsestCorners = std::int64_t{1} << 24;
 
-/// The check-points: a box around (0,0,0).
+/// The check-points: a cube around (0,0,0).
 struct Grid {
   /// Half the side of the box, m.
   double half_width = 0;
@@ -46,6 +46,11 @@ struct Grid {
   /// grid is uniform. The cells in between are halved where there are configurations, see
   /// interpolation/cell_tree.h.
   std::int32_t coarsest = 1;
+  /// Coordinates of the tool at (0,0,0) [3], m.
+  Vec3 origin = Vec3::Zero();
+  /// There is a coarsest cell only where each of its corners has a configuration. Where there is
+  /// none, the tool touches nothing, or nothing is known.
+  bool sparse = false;
 
   /// Distance of neighbouring check-points, m; 0 where rest is the only one.
   [[nodiscard]] double spacing() const {
@@ -55,11 +60,14 @@ struct Grid {
   /// Corners of the coarsest cells along an axis.
   [[nodiscard]] std::int32_t coarsest_resolution() const { return 2 * reach() / coarsest + 1; }
   /// Coordinates of the tool at a check-point, m.
-  [[nodiscard]] Vec3 place(const CheckPoint& c) const { return spacing() * Vec3(c[0], c[1], c[2]); }
+  [[nodiscard]] Vec3 place(const CheckPoint& c) const {
+    return origin + spacing() * Vec3(c[0], c[1], c[2]);
+  }
 };
 
 [[nodiscard]] inline bool operator==(const Grid& a, const Grid& b) {
-  return a.half_width == b.half_width && a.resolution == b.resolution && a.coarsest == b.coarsest;
+  return a.half_width == b.half_width && a.resolution == b.resolution && a.coarsest == b.coarsest &&
+         a.origin == b.origin && a.sparse == b.sparse;
 }
 
 /// How far the exploration goes, and what is kept.
@@ -75,6 +83,8 @@ struct ExplorationPolicy {
   std::int32_t intermediate_states = 0;
   /// Each configuration has its third derivative.
   bool third_derivatives = false;
+  /// Of a rigid tool: how deep it presses, m; 0: as deep as the force limit allows.
+  double depth = 0;
 
   [[nodiscard]] bool is_beyond_limit(const Vec3& force) const {
     return force_limit > 0 && force.norm() > force_limit;
@@ -83,7 +93,7 @@ struct ExplorationPolicy {
   [[nodiscard]] friend bool operator==(const ExplorationPolicy& a, const ExplorationPolicy& b) {
     const auto all = [](const ExplorationPolicy& p) {
       return std::tie(p.force_limit, p.tolerance, p.tolerance_is_relative, p.history,
-                      p.intermediate_states, p.third_derivatives);
+                      p.intermediate_states, p.third_derivatives, p.depth);
     };
     return all(a) == all(b);
   }
@@ -92,6 +102,8 @@ struct ExplorationPolicy {
 /// The number by which a tool space is known in a run and in a file: that of the active node where
 /// there is one.
 using ToolSpaceId = std::int64_t;
+/// That of a rigid tool.
+inline constexpr ToolSpaceId kContactToolSpace = -1;
 
 struct ToolSpaceSetup {
   ToolSpaceId id = 0;
@@ -101,6 +113,7 @@ struct ToolSpaceSetup {
 
   /// Which it is, for a message: "active node 8".
   [[nodiscard]] std::string name() const {
+    if (interaction.is_contact()) return name_of(interaction.tool);
     return "active node " + std::to_string(interaction.active_node);
   }
 };

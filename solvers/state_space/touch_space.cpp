@@ -52,6 +52,7 @@ void check_fields(const Configuration& configuration, Index num_points,
 }
 
 void check_active_node(const ToolSpaceSetup& setup, const TetMesh& mesh) {
+  if (setup.interaction.is_contact()) return;
   const Index node = setup.interaction.active_node;
   if (node < 0 || node >= mesh.num_points()) {
     throw InputError("Active node " + std::to_string(node) + " is not one of the " +
@@ -59,11 +60,29 @@ void check_active_node(const ToolSpaceSetup& setup, const TetMesh& mesh) {
   }
 }
 
+/// A tool space without modes. That of a rigid tool has none: it deforms the body at so many places
+/// that they have no small basis in common.
+TouchToolSpace without_modes(const Scene& scene, const ToolSpaceSetup& setup,
+                             std::vector<ConfigurationSummary> configurations,
+                             std::vector<IntermediateState> intermediate_states) {
+  check_active_node(setup, scene.mesh);
+  TouchToolSpace made;
+  made.setup = setup;
+  add_clearance(scene, made);
+  made.configurations = std::move(configurations);
+  made.intermediate_states = std::move(intermediate_states);
+  const auto num_configurations = static_cast<Eigen::Index>(made.configurations.size());
+  made.coefficients.resize(0, num_configurations);
+  made.coefficient_gradients.resize(0, num_configurations);
+  return made;
+}
+
 /// Adds tool spaces one by one to a touch space without any.
 class Builder {
  public:
   Builder(const Scene& scene, std::string scene_hash, double bound)
-      : mesh_(scene.mesh),
+      : scene_(scene),
+        mesh_(scene.mesh),
         surface_(make_surface(scene.mesh)),
         basis_(3 * Eigen::Index{surface_.num_points()}, bound) {
     space_.scene_hash = std::move(scene_hash);
@@ -73,6 +92,11 @@ class Builder {
   template <class FieldsOf>
   void add(const ToolSpaceSetup& setup, const std::vector<ConfigurationSummary>& summaries,
            std::vector<IntermediateState> intermediate_states, FieldsOf&& fields_of) {
+    if (setup.interaction.is_contact()) {
+      space_.tool_spaces.push_back(
+          without_modes(scene_, setup, summaries, std::move(intermediate_states)));
+      return;
+    }
     check_active_node(setup, mesh_);
     std::vector<ConfigurationSummary> configurations;
     std::vector<std::size_t> usable;
@@ -129,6 +153,7 @@ class Builder {
   TouchSpace finish() {
     const Eigen::Index rank = basis_.modes().cols();
     for (TouchToolSpace& tool_space : space_.tool_spaces) {
+      if (tool_space.setup.interaction.is_contact()) continue;
       const Eigen::Index own = tool_space.coefficients.rows();
       const Eigen::Index total = tool_space.coefficients.cols();
       Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(rank, total);
@@ -147,6 +172,7 @@ class Builder {
   }
 
  private:
+  const Scene& scene_;
   const TetMesh& mesh_;
   Surface surface_;
   PodBasis basis_;
@@ -158,6 +184,13 @@ std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>&
 }
 
 }  // namespace
+
+void add_clearance(const Scene& scene, TouchToolSpace& tool_space) {
+  const InteractionSpec& interaction = tool_space.setup.interaction;
+  if (!interaction.is_contact()) return;
+  tool_space.clearance = [clearance = InteractionFactory(scene).clearance(interaction)](
+                             const Vec3& q) { return clearance->clearance(q); };
+}
 
 const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {
   const auto found = std::lower_bound(
@@ -212,14 +245,9 @@ TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
   space.modes.resize(3 * Eigen::Index{space.surface.num_points()}, 0);
   for (const ToolSpace& from : file.read_tool_spaces()) {
     const ToolSpaceId id = from.setup.id;
-    check_active_node(from.setup, scene.mesh);
-    TouchToolSpace& tool_space = space.tool_spaces.emplace_back();
-    tool_space.setup = from.setup;
-    tool_space.configurations = summaries_of(file.read_summaries(id));
-    tool_space.intermediate_states = file.read_intermediate_states(id);
-    const auto num_configurations = static_cast<Eigen::Index>(tool_space.configurations.size());
-    tool_space.coefficients.resize(0, num_configurations);
-    tool_space.coefficient_gradients.resize(0, num_configurations);
+    space.tool_spaces.push_back(without_modes(scene, from.setup,
+                                              summaries_of(file.read_summaries(id)),
+                                              file.read_intermediate_states(id)));
   }
   space.left_out = file.left_out();
   return space;

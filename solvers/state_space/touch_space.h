@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,9 @@ class StateSpaceFile;
 
 struct TouchToolSpace {
   ToolSpaceSetup setup;
+  /// How far the tool at coordinates q [3], m, may be moved in any direction without touching the
+  /// body at rest, at the least, m; not positive: it may touch it there. Empty: it always acts.
+  std::function<double(const Vec3& q)> clearance;
   /// All configurations without their fields, in the order of operator<.
   std::vector<ConfigurationSummary> configurations;
   /// These are in the order of operator<; empty where the tool space has none.
@@ -27,6 +31,10 @@ struct TouchToolSpace {
   /// Gradient of c [3r × num_configurations], without unit: ∂c/∂t_x, then ∂c/∂t_y, then ∂c/∂t_z.
   Eigen::MatrixXf coefficient_gradients;
 };
+
+/// Gives the tool space of a rigid tool its clearance; one that is bonded has none.
+/// @throws InputError a tool that is none, see make_contact() and ToolClearance.
+void add_clearance(const Scene& scene, TouchToolSpace& tool_space);
 
 struct TouchSpace {
   std::string scene_hash;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What an answer of the servo loop costs: force, stiffness and energy at points that jump about in
-// a space of 7³ check-points, of these with five intermediate states on the way to each, and in one
-// of cells of five sizes; and the surface that is displayed. The floor of the triquintic is what it
+// a space of 7³ check-points, of these with five intermediate states on the way to each, in one of
+// cells of five sizes, and in the sparse one of a rigid tool around a whole body; the error
+// estimate of that; and the surface that is displayed. The floor of the triquintic is what it
 // cannot do without: 8 × 27 values are read, and the sums take 3 · 216 + 6 · 36 + 10 · 6
 // multiply-adds.
 //
@@ -14,8 +15,10 @@
 
 #include "base/simd.h"
 #include "interpolation/display_field.h"
+#include "interpolation/error_estimate.h"
 #include "interpolation/interpolator.h"
 #include "solvers/interpolation/analytic_space.h"
+#include "solvers/interpolation/contact_space.h"
 
 namespace palpate {
 namespace {
@@ -108,6 +111,85 @@ BENCHMARK_CAPTURE(evaluate, trilinear_adaptive, Method::trilinear,
                   test::graded_space(test::exponential));
 BENCHMARK_CAPTURE(evaluate, energy_hermite_adaptive, Method::energy_hermite,
                   test::graded_space(test::exponential));
+
+const Vec3 kHalfAxes(0.05, 0.035, 0.03);
+
+/// An ellipsoid of 100 × 70 × 60 mm, with cells of 8 mm that are halved to an error of some 0.1 %
+/// of the largest force: 23 000 configurations.
+const TouchToolSpace& whole_body() {
+  static const TouchToolSpace whole = [] {
+    const test::Contact contact = test::ellipsoid(Vec3(0.001, 0.0007, -0.0003), kHalfAxes);
+    Grid grid;
+    grid.sparse = true;
+    grid.half_width = 0.064;
+    grid.resolution = 257;
+    grid.coarsest = 8;
+    TouchToolSpace tool_space = test::contact_space(contact, grid, 0.008);
+    const double tolerance = 0.03;
+    for (std::vector<Cell> cells{{}}; !cells.empty();) {
+      for (ConfigurationSummary& c : tool_space.configurations) {
+        if (contact.depth(c.t).value > 0.008) c.flags = flags::beyond_force_limit;
+      }
+      cells = cells_to_split(grid, tool_space.configurations, tolerance, 1, tool_space.clearance);
+      if (!cells.empty()) test::split(tool_space, contact, cells);
+    }
+    return tool_space;
+  }();
+  return whole;
+}
+
+/// In the shell in which the tool touches, up to 8 mm deep.
+Vec3 random_place_in_shell(test::RandomPoints& random) {
+  while (true) {
+    const Vec3 q = random();
+    const double level = q.cwiseQuotient(kHalfAxes).norm();
+    if (level > 0.75 && level < 1.02) return q;
+  }
+}
+
+std::vector<Vec3> random_places_in_shell() {
+  test::RandomPoints random(0.06);
+  std::vector<Vec3> points(4096);
+  for (Vec3& t : points) t = random_place_in_shell(random);
+  return points;
+}
+
+/// A hand at 50 mm/s, once a ms: over the surface from one place to the next, in and out of
+/// contact.
+std::vector<Vec3> walk_around() {
+  test::RandomPoints random(0.06);
+  std::vector<Vec3> points{random_place_in_shell(random)};
+  while (points.size() < (1 << 16)) {
+    const Vec3 goal = random_place_in_shell(random);
+    const Vec3 start = points.back();
+    const double length = (goal - start).norm();
+    const double of_start = start.cwiseQuotient(kHalfAxes).norm();
+    const double of_goal = goal.cwiseQuotient(kHalfAxes).norm();
+    for (double way = 5e-5; way < length; way += 5e-5) {
+      const double s = way / length;
+      const Vec3 straight = start + s * (goal - start);
+      const double level = straight.cwiseQuotient(kHalfAxes).norm();
+      if (level < 0.1) break;  // through the middle there is no way over the surface
+      points.push_back(((1 - s) * of_start + s * of_goal) / level * straight);
+    }
+  }
+  return points;
+}
+BENCHMARK_CAPTURE(evaluate, energy_hermite_whole_body, Method::energy_hermite, whole_body(),
+                  random_places_in_shell());
+BENCHMARK_CAPTURE(evaluate, energy_hermite_whole_body_walk, Method::energy_hermite, whole_body(),
+                  walk_around());
+
+/// What a round of refinement takes to know what to split.
+void estimate(benchmark::State& state) {
+  const TouchToolSpace& tool_space = whole_body();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(cells_to_split(tool_space.setup.grid, tool_space.configurations, 0.03,
+                                            1, tool_space.clearance));
+  }
+  state.counters["configurations"] = static_cast<double>(tool_space.configurations.size());
+}
+BENCHMARK(estimate)->Unit(benchmark::kMillisecond);
 
 /// The system of the radial functions; the rest of the set-up is small.
 void set_up(benchmark::State& state, Method method) {

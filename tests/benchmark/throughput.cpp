@@ -42,15 +42,15 @@ Problem read(const fs::path& path, int num_ranks) {
   const StateSpaceFile file = StateSpaceFile::open_read_only(path);
   Problem problem{file.read_scene(), {}, file.solver_tolerance()};
   for (const ToolSpace& space : file.read_tool_spaces()) {
-    problem.tool_spaces.push_back(space.setup);
-    const ToolSpaceSetup& first = problem.tool_spaces.front();
+    problem.setups.push_back(space.setup);
+    const ToolSpaceSetup& first = problem.setups.front();
     if (space.setup.grid.coarsest > 1 || space.setup.grid.resolution != first.grid.resolution ||
         space.setup.grid.half_width != first.grid.half_width) {
       throw InputError("Give a file of uniform grids that are all alike.");
     }
   }
-  if (problem.tool_spaces.empty() || problem.tool_spaces.size() % num_ranks != 0) {
-    throw InputError("The file has " + std::to_string(problem.tool_spaces.size()) +
+  if (problem.setups.empty() || problem.setups.size() % num_ranks != 0) {
+    throw InputError("The file has " + std::to_string(problem.setups.size()) +
                      " active nodes, which is no multiple of the ranks.");
   }
   return problem;
@@ -58,7 +58,7 @@ Problem read(const fs::path& path, int num_ranks) {
 
 PrecomputeReport explore(const Problem& problem, const std::vector<Index>& nodes,
                          const fs::path& file, Communicator& communicator) {
-  const ToolSpaceSetup& setup = problem.tool_spaces.front();
+  const ToolSpaceSetup& setup = problem.setups.front();
   PrecomputeOptions options;
   options.active_nodes = nodes;
   options.tip_radius = setup.interaction.tip_radius;
@@ -108,9 +108,9 @@ Figures sum(const Figures& mine, Communicator& world) {
 
 Figures side_by_side(const Problem& problem, const std::string& folder, Communicator& world) {
   std::vector<Index> nodes;
-  for (std::size_t i = 0; i < problem.tool_spaces.size(); ++i) {
+  for (std::size_t i = 0; i < problem.setups.size(); ++i) {
     if (static_cast<int>(i) % world.size() == world.rank()) {
-      nodes.push_back(problem.tool_spaces[i].active_node);
+      nodes.push_back(problem.setups[i].interaction.active_node);
     }
   }
   const std::string name = "alone_" + std::to_string(world.rank()) + ".palpate";
@@ -130,8 +130,7 @@ Figures side_by_side(const Problem& problem, const std::string& folder, Communic
 Figures together(const Problem& problem, const std::string& folder, Communicator& world,
                  PrecomputeReport& report) {
   std::vector<Index> nodes;
-  for (const ToolSpaceSetup& setup : problem.tool_spaces)
-    nodes.push_back(setup.interaction.active_node);
+  for (const ToolSpaceSetup& setup : problem.setups) nodes.push_back(setup.interaction.active_node);
   const double start = processor_seconds();
   report = explore(problem, nodes,
                    folder.empty() ? fs::path() : fs::path(folder) / "together.palpate", world);

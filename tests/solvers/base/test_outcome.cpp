@@ -22,7 +22,8 @@ TEST(Outcome, NumbersAreKept) {
   EXPECT_EQ(flags::near_fold, 8);
   EXPECT_EQ(flags::inertia_not_computed, 16);
   EXPECT_EQ(flags::inaccurate, 32);
-  EXPECT_EQ(flags::all, 63);
+  EXPECT_EQ(flags::touches_nothing, 64);
+  EXPECT_EQ(flags::all, 127);
 }
 
 TEST(Outcome, HasANameOfItsOwn) {
@@ -39,7 +40,7 @@ TEST(Flags, AreListed) {
   EXPECT_EQ(flags_to_string(flags::inverted | flags::unstable), "inverted, unstable");
   EXPECT_EQ(flags_to_string(flags::all),
             "inverted, unstable, beyond the force limit, near a fold, inertia not computed, "
-            "inaccurate");
+            "inaccurate, touches nothing");
 }
 
 }  // namespace

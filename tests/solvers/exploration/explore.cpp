@@ -4,12 +4,14 @@
 // file.
 //
 //   mpiexec -n 2 palpate_test_explore block.palpate <tolerance of the force, 0: a uniform grid>
+//     bonded | sphere
 #include <mpi.h>
 #include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <string>
 
 #include "exploration/precompute.h"
 #include "schedule/mpi_communicator.h"
@@ -18,17 +20,26 @@
 namespace palpate {
 namespace {
 
-int explore(const char* path, double tolerance) {
+int explore(const char* path, double tolerance, const std::string& tool) {
   const MPI_Comm world = MPI_COMM_WORLD;
   const auto communicator = make_mpi_communicator(&world);
   const test::Block block =
       test::make_block(Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}, 0.1, 3000, 0.35});
   PrecomputeOptions options;
-  options.active_nodes = {block.corner, block.middle};
-  options.half_width = 0.02;
-  options.resolution = 5;
   options.tolerance = tolerance;
-  options.intermediate_states = tolerance > 0 ? 0 : 1;
+  if (tool == "sphere") {
+    options.contact.emplace();
+    options.contact->tool.radius = 0.015;
+    options.contact->spacing = 0.008;
+    options.contact->shell.depth = 0.004;
+    // The free end.
+    options.contact->shell.region = [](const Vec3& place) { return place.x() > 0.07; };
+  } else {
+    options.active_nodes = {block.corner, block.middle};
+    options.half_width = 0.02;
+    options.resolution = 5;
+    options.intermediate_states = tolerance > 0 ? 0 : 1;
+  }
   options.equilibrium.third_derivatives = true;
   options.file = path;
   try {
@@ -48,11 +59,11 @@ int explore(const char* path, double tolerance) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  if (argc != 3) return EXIT_FAILURE;
+  if (argc != 4) return EXIT_FAILURE;
   MPI_Init(&argc, &argv);
   std::printf("pid %d\n", static_cast<int>(getpid()));
   std::fflush(stdout);
-  const int result = palpate::explore(argv[1], std::atof(argv[2]));
+  const int result = palpate::explore(argv[1], std::atof(argv[2]), argv[3]);
   MPI_Finalize();
   return result;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "exploration/exploration_strategy.h"
+#include "exploration/layered_grid.h"
 
 namespace palpate::test {
 
@@ -56,7 +57,8 @@ inline std::vector<ConfigurationSummary> explore(ExplorationStrategy& strategy,
       found.parent_level = t.start_level;
       found.level = candidate_level(t.start, t.start_level, t.target);
     }
-    for (const CheckPoint& target : following(setup, found)) tasks.push_back({target, t.target});
+    for (const CheckPoint& target : following_in_layers(setup.grid, found))
+      tasks.push_back({target, t.target});
     unheard.push_back(found);
   }
   return heard;

@@ -158,8 +158,9 @@ TEST(SimulatedEngine, GoesOnWithWhatIsLeftOfAnEarlierRun) {
 /// A body that is in another equilibrium after each transition.
 class EndlessSolver final : public StateSolver {
  public:
-  [[nodiscard]] Equilibrium rest(const ToolSpaceSetup& /*setup*/) override {
-    return found(Vec3::Zero());
+  [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& /*setup*/, const Eigen::VectorXd& t,
+                                  Tangent /*tangent*/) override {
+    return found(t);
   }
   [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& /*setup*/, const Eigen::VectorXd& t,
                                   const Equilibrium& /*start*/, Tangent /*tangent*/) override {
@@ -209,8 +210,8 @@ TEST(Engine, SaysHowOftenACheckPointHadTooManyLevels) {
   test::Simulation simulation(1, {});
   Monitor monitor(nullptr, simulation.network(0));
   PrecomputeReport report;
-  const std::vector<ToolSpaceSetup> setups{setup};
-  Engine engine(setups, solver, record, simulation.network(0), monitor, report);
+  const std::vector<PlannedSpace> spaces{{setup, make_grid_plan(setup)}};
+  Engine engine(spaces, solver, record, simulation.network(0), monitor, report);
   ASSERT_TRUE(simulation.run({&engine}));
   EXPECT_EQ(report.num_levels, 27 * (kMostLevels - 1));
   const auto num_beyond = std::count_if(

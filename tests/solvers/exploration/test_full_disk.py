@@ -29,8 +29,8 @@ def mount(folder, options):
 
 
 def explore(program, mpiexec, ranks, file):
-    return subprocess.run([*mpiexec, "-n", str(ranks), program, file, "0"], capture_output=True,
-                          text=True, timeout=200, check=False)
+    return subprocess.run([*mpiexec, "-n", str(ranks), program, file, "0", "bonded"],
+                          capture_output=True, text=True, timeout=200, check=False)
 
 
 def main():

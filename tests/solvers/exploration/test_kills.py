@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run that is killed at any instant goes on, on any number of ranks, to the same space.
 
-  test_kills.py <tolerance> <kills> <palpate_test_explore> <mpiexec and its options …>
+  test_kills.py <tolerance> <tool> <kills> <palpate_test_explore> <mpiexec and its options …>
 
 Kills one rank or the whole job at a random instant, again and again until a run comes to its end,
 and counts: what was in the files is not computed again, and the space is that of a run that nobody
@@ -19,8 +19,8 @@ import time
 from spaces import compare, configurations, solved_and_reused
 
 
-def start(program, mpiexec, ranks, file, tolerance):
-    job = subprocess.Popen([*mpiexec, "-n", str(ranks), program, file, tolerance],
+def start(program, mpiexec, ranks, file, how):
+    job = subprocess.Popen([*mpiexec, "-n", str(ranks), program, file, *how],
                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                            start_new_session=True)
     pids = []
@@ -40,12 +40,13 @@ def finish(job):
 
 
 def main():
-    tolerance, kills, program, *mpiexec = sys.argv[1:]
+    tolerance, tool, kills, program, *mpiexec = sys.argv[1:]
+    how = (tolerance, tool)
     rng = random.Random(2007)
     with tempfile.TemporaryDirectory() as folder:
         whole = os.path.join(folder, "whole.palpate")
         begin = time.monotonic()
-        solved, _ = finish(start(program, mpiexec, 1, whole, tolerance)[0])
+        solved, _ = finish(start(program, mpiexec, 1, whole, how)[0])
         length = time.monotonic() - begin
         expected = configurations(whole)
         left = int(kills)
@@ -58,7 +59,7 @@ def main():
             while left > 0 and rng.random() < 0.75:
                 before = configurations(file)
                 ranks = rng.randint(1, 3)
-                job, pids = start(program, mpiexec, ranks, file, tolerance)
+                job, pids = start(program, mpiexec, ranks, file, how)
                 time.sleep(rng.uniform(0, 0.5 * length))
                 try:
                     if rng.random() < 0.5:
@@ -77,7 +78,7 @@ def main():
                 after = configurations(file)
                 assert before.keys() <= after.keys(), "something that was found is lost"
                 total = len(after)
-            process, *_ = start(program, mpiexec, rng.randint(1, 3), file, tolerance)
+            process, *_ = start(program, mpiexec, rng.randint(1, 3), file, how)
             solved_now, reused = finish(process)
             assert reused >= total, (reused, total)
             assert solved_now + reused == solved, (solved_now, reused, solved)

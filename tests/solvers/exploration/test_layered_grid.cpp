@@ -64,7 +64,7 @@ TEST(LayeredGrid, WhereNothingFailsAllFollowsFromRest) {
       for (std::int32_t k = -3; k <= 3; ++k) {
         ConfigurationSummary found = good({});
         found.check_point = {i, j, k};
-        num_followed += following(setup_of(7), found).size();
+        num_followed += following_in_layers(setup_of(7).grid, found).size();
       }
     }
   }

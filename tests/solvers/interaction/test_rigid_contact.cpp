@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <random>
 #include <string>
 
@@ -265,6 +266,24 @@ TEST(RigidContact, RefusesALawThatIsNone) {
   }
   EXPECT_THROW(ContactSurface(block.scene, 0), InputError);
   EXPECT_THROW(ContactSurface(block.scene, 1e-7), InputError);
+  EXPECT_THROW((void)ContactSurface::divided(block.scene, 0), InputError);
+  EXPECT_THROW((void)ContactSurface::divided(block.scene, ContactSurface::kMostDivisions + 1),
+               InputError);
+}
+
+TEST(ContactSurface, DividesEveryFaceAsOftenAsItIsTold) {
+  const Block block = make_block(Law::neo_hookean);
+  const ContactSurface coarse = ContactSurface::divided(block.scene, 1);
+  const ContactSurface fine = ContactSurface::divided(block.scene, 5);
+  ASSERT_EQ(fine.num_faces(), coarse.num_faces());
+  for (Index f = 0; f < fine.num_faces(); ++f) {
+    EXPECT_EQ(coarse.face(f).shape->rows(), 6);
+    ASSERT_EQ(fine.face(f).shape->rows(), 6 * 25);
+    const auto area = [](const ContactSurface::Face& face) {
+      return std::accumulate(face.weights, face.weights + face.shape->rows(), 0.0);
+    };
+    EXPECT_NEAR(area(fine.face(f)), area(coarse.face(f)), 1e-12 * area(coarse.face(f)));
+  }
 }
 
 }  // namespace

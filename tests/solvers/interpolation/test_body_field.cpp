@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "interpolation/display_field.h"
 #include "solvers/interpolation/analytic_space.h"
+#include "solvers/interpolation/contact_space.h"
 #include "solvers/state_space/example_space.h"
 #include "state_space/state_space_file.h"
 
@@ -139,6 +140,50 @@ TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {
   for (ConfigurationSummary& c : failed.configurations) c.outcome = Outcome::not_converged;
   write(failed);
   EXPECT_NE(message(hash(scene_)).find("no displacement"), std::string::npos);
+}
+
+// A configuration that touches nothing is stored without fields: the body is at rest there.
+TEST_F(BodyFieldTest, WhatTouchesNothingIsNotRead) {
+  const test::Contact contact = test::slab(0.002);
+  Grid grid;
+  grid.half_width = kHalfWidth;
+  grid.resolution = 7;
+  grid.sparse = true;
+  TouchToolSpace tool_space = test::contact_space(contact, grid, 0.006);
+  write(tool_space);
+  int free = 0;
+  {
+    StateSpaceFile file = StateSpaceFile::open_to_append(path(), scene_, kTolerance);
+    for (std::size_t i = 0; i < tool_space.configurations.size(); ++i) {
+      Configuration c;
+      static_cast<ConfigurationSummary&>(c) = tool_space.configurations[i];
+      if ((c.flags & flags::touches_nothing) == 0) continue;
+      ++free;
+      file.add(tool_space.setup.interaction.active_node, c);
+      tool_space.coefficients.col(static_cast<Eigen::Index>(i)).setZero();
+      tool_space.coefficient_gradients.col(static_cast<Eigen::Index>(i)).setZero();
+    }
+    file.close();
+  }
+  EXPECT_GT(free, 20);
+  const BodyField field(tool_space);
+  const DisplayField expected(tool_space);
+  FieldCache fields(path(), hash(scene_));
+  Eigen::VectorXf c(expected.num_modes());
+  Eigen::VectorXd u;
+  Eigen::VectorXd p;
+  int at_rest = 0;
+  test::RandomPoints random;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 q = random();
+    const Support support = field.evaluate(q, fields, u, p);
+    EXPECT_EQ(support, expected.coefficients(q, c.data()));
+    ASSERT_EQ(u.size(), c.size());
+    EXPECT_LT((u - c.cast<double>()).norm(), kSingle * (1 + u.norm()));
+    EXPECT_LT((p - u.head(kPressures)).norm(), 1e-12 * (1 + u.norm()));
+    at_rest += u.isZero(0) ? 1 : 0;
+  }
+  EXPECT_GT(at_rest, 50);
 }
 
 }  // namespace

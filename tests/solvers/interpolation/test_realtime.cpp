@@ -5,11 +5,13 @@
 #include <atomic>
 #include <cstdlib>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "interpolation/display_field.h"
 #include "solvers/interpolation/analytic_space.h"
+#include "solvers/interpolation/contact_space.h"
 
 // Counts every allocation of the program, those of Eigen too, which are none of operator new.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -28,20 +30,32 @@ extern "C" void* malloc(std::size_t size) noexcept {
 namespace palpate {
 namespace {
 
-class Realtime : public testing::TestWithParam<bool> {};
+class Realtime : public testing::TestWithParam<const char*> {};
 
 TEST_P(Realtime, EvaluationAllocatesNothing) {
-  const bool adaptive = GetParam();
-  TouchToolSpace tool_space =
-      adaptive ? test::graded_space(test::exponential) : test::analytic_space(test::exponential);
+  const std::string name = GetParam();
+  TouchToolSpace tool_space;
+  if (name == "Uniform") tool_space = test::analytic_space(test::exponential);
+  if (name == "Adaptive") tool_space = test::graded_space(test::exponential);
+  if (name == "Contact") {
+    Grid grid;
+    grid.half_width = 1.5 * test::kHalfWidth;
+    grid.resolution = 17;
+    grid.coarsest = 2;
+    grid.sparse = true;
+    const Vec3 half_axes = test::kHalfWidth * Vec3(1, 0.8, 0.9);
+    tool_space = test::contact_space(test::ellipsoid(Vec3::Zero(), half_axes), grid, 0.003);
+  }
   const auto num_configurations = static_cast<Eigen::Index>(tool_space.configurations.size());
-  test::at(tool_space, adaptive ? CheckPoint{16, 0, 16} : CheckPoint{1, 0, 1}).outcome =
-      Outcome::not_converged;
+  const auto failed = static_cast<std::size_t>(2 * num_configurations / 3);
+  tool_space.configurations[failed].outcome = Outcome::not_converged;
   tool_space.coefficients = Eigen::MatrixXf::Random(40, num_configurations);
   tool_space.coefficient_gradients = Eigen::MatrixXf::Random(120, num_configurations);
   std::vector<std::unique_ptr<Interpolator>> interpolators;
   for (Method method : all_methods()) {
-    if (adaptive && method == Method::tricubic) continue;
+    if (method == Method::tricubic && name != "Uniform") continue;
+    const bool any_grid = method == Method::trilinear || method == Method::energy_hermite;
+    if (!any_grid && name == "Contact") continue;
     interpolators.push_back(make_interpolator(method, tool_space));
   }
   const DisplayField field(tool_space);
@@ -71,9 +85,8 @@ TEST_P(Realtime, EvaluationAllocatesNothing) {
 #endif
 }
 
-INSTANTIATE_TEST_SUITE_P(, Realtime, testing::Bool(), [](const auto& adaptive) {
-  return adaptive.param ? "Adaptive" : "Uniform";
-});
+INSTANTIATE_TEST_SUITE_P(, Realtime, testing::Values("Uniform", "Adaptive", "Contact"),
+                         [](const auto& name) { return std::string(name.param); });
 
 }  // namespace
 }  // namespace palpate

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "exploration/engine.h"
+#include "exploration/start_graph.h"
 
 namespace palpate::test {
 namespace {
@@ -25,12 +26,23 @@ struct Plan {
   /// By recording.
   std::vector<Summaries> summaries;
   /// Their numbers count from 0.
-  std::vector<ToolSpaceSetup> setups;
+  std::vector<PlannedSpace> spaces;
 
   [[nodiscard]] const Recording& of(ToolSpaceId tool_space) const {
     return recordings[recording_of_tool_space[static_cast<std::size_t>(tool_space)]];
   }
 };
+
+/// A rigid tool's space is explored in the order that was recorded.
+std::shared_ptr<const ExplorationPlan> plan_of(const ToolSpaceSetup& setup,
+                                               const Recording& recording) {
+  if (!setup.grid.sparse) return make_grid_plan(setup);
+  std::vector<StartGraph::Target> targets;
+  for (const ConfigurationSummary& c : recording.configurations) {
+    targets.push_back({c.check_point, {c.parent}, (c.flags & flags::touches_nothing) != 0});
+  }
+  return std::make_shared<StartGraph>(setup.id, std::move(targets));
+}
 
 /// @throws InputError
 Plan make_plan(const std::vector<Recording>& recordings,
@@ -48,10 +60,12 @@ Plan make_plan(const std::vector<Recording>& recordings,
     }
   }
   for (std::size_t i = 0; i < recording_of_tool_space.size(); ++i) {
-    ToolSpaceSetup& setup = plan.setups.emplace_back(recordings[recording_of_tool_space[i]].setup);
+    const Recording& recording = recordings[static_cast<std::size_t>(recording_of_tool_space[i])];
+    ToolSpaceSetup setup = recording.setup;
     setup.id = static_cast<ToolSpaceId>(i);
     setup.policy.history = History::flat;
     setup.policy.intermediate_states = 0;
+    plan.spaces.push_back({setup, plan_of(setup, recording)});
   }
   return plan;
 }
@@ -62,10 +76,11 @@ class ReplaySolver final : public StateSolver {
   ReplaySolver(const Plan& plan, Simulation& simulation, int rank, Monitor& monitor)
       : plan_(plan), simulation_(simulation), rank_(rank), monitor_(monitor) {}
 
-  [[nodiscard]] Equilibrium rest(const ToolSpaceSetup& setup) override {
+  [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
+                                  Tangent tangent) override {
     take(setup.id);
-    const ConfigurationSummary& c = recorded({});
-    keep_factor({});
+    const ConfigurationSummary& c = recorded(check_point(t));
+    if (tangent == Tangent::factorised) keep_factor(c.check_point);
     return spend(c.seconds) ? found(c) : aborted();
   }
 
@@ -98,7 +113,7 @@ class ReplaySolver final : public StateSolver {
 
  private:
   [[nodiscard]] const ToolSpaceSetup& setup() const {
-    return plan_.setups[static_cast<std::size_t>(taken_)];
+    return plan_.spaces[static_cast<std::size_t>(taken_)].setup;
   }
 
   /// As the solver, which keeps the factors of one tool space.
@@ -109,7 +124,8 @@ class ReplaySolver final : public StateSolver {
   [[nodiscard]] CheckPoint check_point(const Eigen::VectorXd& t) const {
     CheckPoint p{};
     for (int i = 0; i < 3; ++i)
-      p[i] = static_cast<std::int32_t>(std::lround(t[i] / setup().grid.spacing()));
+      p[i] = static_cast<std::int32_t>(
+          std::lround((t[i] - setup().grid.origin[i]) / setup().grid.spacing()));
     return p;
   }
 
@@ -132,7 +148,9 @@ class ReplaySolver final : public StateSolver {
     const bool is_kept = kept != factors_.end();
     if (is_kept) factors_.erase(kept);
     factors_.push_back(p);
-    const int most = num_kept_factors(setup().grid.reach() / setup().grid.coarsest);
+    const int most = setup().grid.sparse
+                         ? num_kept_factors(kShellLayers)
+                         : num_kept_factors(setup().grid.reach() / setup().grid.coarsest);
     if (factors_.size() > static_cast<std::size_t>(most)) factors_.pop_front();
     return is_kept;
   }
@@ -213,7 +231,7 @@ class SimulatedEngine final : public Worker {
         monitor_(nullptr, simulation.network(rank)),
         solver_(plan, simulation, rank, monitor_),
         record_(plan, rank),
-        engine_(plan.setups, solver_, record_, simulation.network(rank), monitor_, report_) {}
+        engine_(plan.spaces, solver_, record_, simulation.network(rank), monitor_, report_) {}
 
   void start(Mail& mail) override { engine_.start(mail); }
   void receive(int from, const Bytes& message, Mail& mail) override {

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "interaction/rigid_tool.h"
+
+class vtkPolyData;
+
+/// How a body is touched: the entries of the property Tool. All but the first are rigid tools, in
+/// the order of palpate::ToolShape.
+enum vtkPalpateToolKind
+{
+  vtkPalpateBondedNode,
+  vtkPalpateSphere,
+  vtkPalpateCapsule,
+  vtkPalpateSurfaceTool
+};
+
+/// The properties of a rigid tool, as they are set.
+struct vtkPalpateToolProperties
+{
+  /// One of vtkPalpateToolKind.
+  int Kind = vtkPalpateBondedNode;
+  double Radius = 0.01;
+  double Axis[3] = { 1, 0, 0 };
+  double Length = 0.03;
+  double Thickness = 0;
+  double Stiffness = 0;
+};
+
+/// The tool for a body, with what suits both where the thickness or stiffness of contact is 0.
+/// @param surface Where the tool is one: its middle is the middle of the bounds.
+/// @throws palpate::InputError the tool is a surface, and that is missing or has other cells than
+///   triangles.
+palpate::RigidTool vtkPalpateRigidTool(
+  const vtkPalpateToolProperties& properties, vtkPolyData* surface, const palpate::Scene& scene);

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/contact_shell.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "base/error.h"
+#include "interpolation/error_estimate.h"
+
+namespace palpate {
+namespace {
+
+/// The coarsest cells may be halved so often at the most.
+constexpr int kMostHalvings = 3;
+
+/// A start is shallower than what is reached from it by at least this share of the spacing.
+constexpr double kShallower = 0.2;
+
+std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
+  std::int64_t sum = 0;
+  for (int i = 0; i < 3; ++i) sum += std::int64_t{a[i] - b[i]} * (a[i] - b[i]);
+  return sum;
+}
+
+class Shell {
+ public:
+  Shell(const ToolClearance& clearance, const Grid& grid, const std::vector<char>& touchable,
+        const ShellOptions& options)
+      : clearance_(clearance),
+        grid_(grid),
+        touchable_(touchable),
+        options_(options),
+        roots_(grid.coarsest_resolution() - 1),
+        side_(grid.coarsest * grid.spacing()) {
+    const double half_diagonal = 0.5 * std::sqrt(3.0) * side_;
+    for (std::int32_t x = 0; x < roots_; ++x) {
+      for (std::int32_t y = 0; y < roots_; ++y) {
+        for (std::int32_t z = 0; z < roots_; ++z) {
+          const Cell cell{check_point(x, y, z), grid.coarsest};
+          const Vec3 centre = grid.place(cell.first) + Vec3::Constant(0.5 * side_);
+          if (clearance.clearance(centre) > half_diagonal) continue;
+          // The depth changes by no more than the way.
+          if (is_too_deep(clearance.approach(centre).depth - half_diagonal)) continue;
+          if (holds(cell)) add(cell);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<StartGraph::Target> targets() const {
+    std::vector<StartGraph::Target> targets;
+    for (const auto& [p, node] : nodes_) {
+      if (node.is_corner) targets.push_back({p, starts(p, node), node.is_free});
+    }
+    return targets;
+  }
+
+ private:
+  struct Node {
+    ToolClearance::Approach approach;
+    bool is_free = false;
+    bool is_corner = false;
+  };
+
+  [[nodiscard]] CheckPoint check_point(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    const std::int32_t reach = grid_.reach();
+    return {x * grid_.coarsest - reach, y * grid_.coarsest - reach, z * grid_.coarsest - reach};
+  }
+
+  [[nodiscard]] bool is_too_deep(double depth) const {
+    return options_.depth > 0 && depth > options_.depth;
+  }
+
+  [[nodiscard]] Node& node(const CheckPoint& p) {
+    const auto [here, is_new] = nodes_.try_emplace(p);
+    if (is_new) {
+      here->second.approach = clearance_.approach(grid_.place(p));
+      here->second.is_free = clearance_.clearance(grid_.place(p)) > 0;
+    }
+    return here->second;
+  }
+
+  [[nodiscard]] bool is_asked_for(const ToolClearance::Approach& approach) const {
+    const auto& around = approach.around;
+    return std::all_of(around.begin(), around.end(), [&](Index p) { return touchable_[p] != 0; }) &&
+           (!options_.region || options_.region(approach.touched));
+  }
+
+  /// Whether the tool is to press somewhere in a cell.
+  [[nodiscard]] bool holds(const Cell& cell) {
+    bool is_shallow = false;
+    bool is_asked = false;
+    for (int corner = 0; corner < 8; ++corner) {
+      const ToolClearance::Approach& approach = node(corner_of(cell, corner)).approach;
+      is_shallow = is_shallow || !is_too_deep(approach.depth);
+      is_asked = is_asked || is_asked_for(approach);
+    }
+    return is_shallow && is_asked;
+  }
+
+  void add(const Cell& cell) {
+    for (int corner = 0; corner < 8; ++corner) node(corner_of(cell, corner)).is_corner = true;
+  }
+
+  /// Where a check-point may be reached from, the best first; itself is from where the tool touches
+  /// nothing.
+  [[nodiscard]] std::vector<CheckPoint> starts(const CheckPoint& p, const Node& node) const {
+    if (node.is_free) return {p};
+    struct Start {
+      /// The square of the tangent of the angle between the way to it and the way out.
+      double aside;
+      CheckPoint check_point;
+      bool operator<(const Start& other) const {
+        return std::tie(aside, check_point) < std::tie(other.aside, other.check_point);
+      }
+    };
+    std::vector<Start> starts;
+    for (int n = 0; n < num_neighbours; ++n) {
+      const CheckPoint step = neighbour({}, n);
+      CheckPoint q = p;
+      for (int k = 0; k < 3; ++k) q[k] += grid_.coarsest * step[k];
+      const auto there = nodes_.find(q);
+      if (there == nodes_.end() || !there->second.is_corner) continue;
+      if (there->second.approach.depth > node.approach.depth - kShallower * side_) continue;
+      const Vec3 way(step[0], step[1], step[2]);
+      const double along = way.dot(node.approach.out);
+      if (!(along > 0)) continue;
+      starts.push_back({way.squaredNorm() / (along * along) - 1, there->second.is_free ? p : q});
+    }
+    std::sort(starts.begin(), starts.end());
+    std::vector<CheckPoint> best;
+    for (const Start& start : starts) {
+      const bool is_new = std::find(best.begin(), best.end(), start.check_point) == best.end();
+      if (is_new && best.size() < kMostStarts) best.push_back(start.check_point);
+    }
+    return best;
+  }
+
+  const ToolClearance& clearance_;
+  const Grid& grid_;
+  const std::vector<char>& touchable_;
+  const ShellOptions& options_;
+  std::int32_t roots_;
+  double side_;
+  std::map<CheckPoint, Node> nodes_;
+};
+
+}  // namespace
+
+Grid make_shell_grid(const ToolClearance& clearance, double spacing) {
+  const Eigen::AlignedBox3d box = clearance.bounds();
+  const double size = box.sizes().maxCoeff();
+  constexpr int kMostCells = kLargestCoarsestResolution - 1;
+  // Even, so that (0,0,0) is a corner; a cell more, since the box lies anywhere in the outermost.
+  const double wanted = 2 * (std::floor(size / (2 * spacing)) + 1);
+  if (!(spacing > 0) || !(wanted <= kMostCells)) {
+    throw InputError("Cells of " + std::to_string(spacing) + " m around a body and a tool of " +
+                     std::to_string(size) + " m are more than " + std::to_string(kMostCells) +
+                     " along an axis. Take a spacing of " +
+                     std::to_string(size / (kMostCells - 2)) + " m or more.");
+  }
+  Grid grid;
+  grid.origin = box.center();
+  grid.half_width = 0.5 * wanted * spacing;
+  grid.resolution = static_cast<std::int32_t>(wanted) + 1;
+  grid.sparse = true;
+  for (int i = 0; i < kMostHalvings && 2 * grid.resolution - 1 <= kLargestResolution; ++i) {
+    grid.resolution = 2 * grid.resolution - 1;
+    grid.coarsest *= 2;
+  }
+  return grid;
+}
+
+std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance, const Grid& grid,
+                                              const std::vector<char>& touchable,
+                                              const ShellOptions& options) {
+  std::vector<StartGraph::Target> targets = Shell(clearance, grid, touchable, options).targets();
+  if (targets.empty()) {
+    throw InputError(
+        "There is nothing to press: no touchable face of the surface is in the region. Choose "
+        "touchable points with Set Boundary, or another region.");
+  }
+  return targets;
+}
+
+std::vector<StartGraph::Target> refined_targets(
+    const ToolClearance& clearance, const Grid& grid, const std::vector<Cell>& to_split,
+    const std::map<CheckPoint, ConfigurationSummary>& known) {
+  std::map<CheckPoint, std::set<CheckPoint>> corners_of;
+  for (const Cell& cell : to_split) {
+    for (const CheckPoint& target : points_of_split(cell)) {
+      if (known.count(target) > 0) continue;
+      for (int c = 0; c < 8; ++c) corners_of[target].insert(corner_of(cell, c));
+    }
+  }
+  std::vector<StartGraph::Target> targets;
+  for (const auto& [target, corners] : corners_of) {
+    StartGraph::Target& added = targets.emplace_back();
+    added.check_point = target;
+    if (clearance.clearance(grid.place(target)) > 0) {
+      added.is_free = true;
+      added.starts = {target};
+      continue;
+    }
+    for (const CheckPoint& corner : corners) {
+      const auto found = known.find(corner);
+      if (found == known.end() || !found->second.leads_on()) continue;
+      if ((found->second.flags & flags::touches_nothing) != 0) continue;
+      added.starts.push_back(corner);
+    }
+    std::sort(added.starts.begin(), added.starts.end(), [&](const auto& a, const auto& b) {
+      return std::tuple(squared_distance(a, target), a) <
+             std::tuple(squared_distance(b, target), b);
+    });
+    if (added.starts.size() > kMostStarts) added.starts.resize(kMostStarts);
+  }
+  return targets;
+}
+
+}  // namespace palpate

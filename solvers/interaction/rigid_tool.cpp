@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interaction/rigid_tool.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "interaction/rigid_capsule.h"
+#include "interaction/rigid_surface.h"
+
+namespace palpate {
+namespace {
+
+double youngs_modulus(const Material& material) {
+  const double mu = shear_modulus(material);
+  const double kappa = bulk_modulus(material);
+  return std::isfinite(kappa) ? 9 * kappa * mu / (3 * kappa + mu) : 3 * mu;
+}
+
+RigidShapePtr make_shape(const RigidTool& tool) {
+  switch (tool.shape) {
+    case ToolShape::sphere: return make_sphere(tool.radius);
+    case ToolShape::capsule: return make_capsule({tool.radius, tool.length, tool.axis});
+    case ToolShape::surface: break;
+  }
+  ToolSurface surface;
+  surface.points = tool.points;
+  surface.triangles = tool.triangles;
+  surface.thickness = tool.law.thickness;
+  return make_surface_tool(std::move(surface));
+}
+
+}  // namespace
+
+double half_width(const RigidTool& tool) {
+  if (tool.shape != ToolShape::surface) return tool.radius;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : tool.points) box.extend(p);
+  return box.isEmpty() ? 0 : 0.5 * box.sizes().minCoeff();
+}
+
+RigidTool with_defaults(RigidTool tool, const Scene& scene) {
+  if (tool.law.thickness == 0) tool.law.thickness = kThicknessOfRadius * half_width(tool);
+  if (tool.law.stiffness == 0)
+    tool.law.stiffness = kStiffnessOfModulus * mean_youngs_modulus(scene);
+  return tool;
+}
+
+RigidContact make_contact(const Scene& scene, const RigidTool& tool) {
+  RigidShapePtr shape = make_shape(tool);
+  validate(tool.law);
+  auto surface =
+      std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * tool.law.thickness);
+  return {std::move(surface), std::move(shape), tool.law};
+}
+
+std::string name_of(const RigidTool& tool) {
+  std::ostringstream text;
+  switch (tool.shape) {
+    case ToolShape::sphere: text << "the sphere of radius " << tool.radius << " m"; break;
+    case ToolShape::capsule:
+      text << "the capsule of radius " << tool.radius << " m and length " << tool.length << " m";
+      break;
+    case ToolShape::surface:
+      text << "the tool with a surface of " << tool.triangles.size() << " triangles";
+      break;
+  }
+  return text.str();
+}
+
+double mean_youngs_modulus(const Scene& scene) {
+  const TetMesh& mesh = scene.mesh;
+  std::vector<Index> cells;
+  const std::vector<Index> faces = boundary_faces(mesh, &cells);
+  const auto per_face = static_cast<std::size_t>(nodes_per_face(mesh.order));
+  double area = 0;
+  double sum = 0;
+  const auto add_faces = [&](const auto& counts) {
+    for (std::size_t f = 0; f < cells.size(); ++f) {
+      const Index* face = faces.data() + f * per_face;
+      if (!std::all_of(face, face + 3, counts)) continue;
+      const Vec3& a = mesh.points[face[0]];
+      const double of_face = (mesh.points[face[1]] - a).cross(mesh.points[face[2]] - a).norm();
+      const std::size_t material =
+          scene.material_of_cell.empty()
+              ? 0
+              : static_cast<std::size_t>(
+                    scene.material_of_cell[static_cast<std::size_t>(cells[f])]);
+      area += of_face;
+      sum += of_face * youngs_modulus(scene.materials[material]);
+    }
+  };
+  add_faces([&](Index p) { return scene.touchable[p] != 0; });
+  if (area == 0) add_faces([&](Index p) { return scene.fixed[p] == 0; });
+  if (area == 0) add_faces([](Index /*p*/) { return true; });
+  return sum / area;
+}
+
+}  // namespace palpate

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A rigid tool in numbers that can be stored: its shape, and how it presses.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "assembly/scene.h"
+#include "interaction/rigid_contact.h"
+
+namespace palpate {
+
+/// The numbers are stored: keep them.
+enum class ToolShape : std::int32_t { sphere = 0, capsule = 1, surface = 2 };
+
+struct RigidTool {
+  ToolShape shape = ToolShape::sphere;
+  /// Of a sphere or capsule, m.
+  double radius = 0;
+  /// Of a capsule: along its segment, and the length of that, m.
+  Vec3 axis = Vec3::UnitZ();
+  double length = 0;
+  /// Of a closed surface, about the tool's centre, m, see ToolSurface.
+  std::vector<Vec3> points;
+  std::vector<std::array<Index, 3>> triangles;
+  ContactLaw law;
+
+  [[nodiscard]] friend bool operator==(const RigidTool& a, const RigidTool& b) {
+    return a.shape == b.shape && a.radius == b.radius && a.axis == b.axis && a.length == b.length &&
+           a.points == b.points && a.triangles == b.triangles &&
+           a.law.thickness == b.law.thickness && a.law.stiffness == b.law.stiffness;
+  }
+};
+
+/// What the thickness and the stiffness of contact are where they are not given, in half-widths of
+/// the tool and Young's moduli of the body's surface.
+inline constexpr double kThicknessOfRadius = 0.2;
+inline constexpr double kStiffnessOfModulus = 2;
+
+/// The radius, or half of the shortest side of the box around a surface, m.
+[[nodiscard]] double half_width(const RigidTool& tool);
+
+/// The tool with the thickness and the stiffness that suit it and the body where they are 0.
+[[nodiscard]] RigidTool with_defaults(RigidTool tool, const Scene& scene);
+
+/// Young's modulus at small strain of the cells under the touchable surface, the mean by area, Pa;
+/// of the whole free surface where no face is touchable.
+[[nodiscard]] double mean_youngs_modulus(const Scene& scene);
+
+/// The contact of a tool with a body.
+/// @throws InputError a shape that is none, see make_capsule() and RigidSurface; a thickness or
+///   stiffness that is not positive, or too thin a layer for the mesh, see ContactSurface.
+[[nodiscard]] RigidContact make_contact(const Scene& scene, const RigidTool& tool);
+
+/// Which it is, for a message: "the sphere of radius 0.01 m".
+[[nodiscard]] std::string name_of(const RigidTool& tool);
+
+}  // namespace palpate

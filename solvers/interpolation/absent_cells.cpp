@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interpolation/absent_cells.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "interpolation/cell_tree.h"
+
+namespace palpate {
+namespace {
+
+double half_diagonal(const Grid& grid, const Cell& cell) {
+  return 0.5 * std::sqrt(3.0) * cell.side * grid.spacing();
+}
+
+Vec3 centre(const Grid& grid, const Cell& cell) {
+  return grid.place(cell.first) + Vec3::Constant(0.5 * cell.side * grid.spacing());
+}
+
+class AbsentCells {
+ public:
+  AbsentCells(const Grid& grid, const Clearance& clearance,
+              const std::vector<std::int32_t>& present, std::vector<std::int32_t>& cells)
+      : grid_(grid),
+        clearance_(clearance),
+        num_(grid.coarsest_resolution() - 1),
+        smallest_(std::max(grid.coarsest / kAbsentParts, 1)),
+        cells_(cells),
+        nearest_(cells.size(), -1) {
+    for (std::int32_t root : present) nearest_[root] = root;
+    find_nearest(present);
+  }
+
+  void fill() {
+    for (std::size_t root = 0; root < nearest_.size(); ++root) {
+      if (is_absent(root)) cells_[root] = touching(root);
+    }
+    if (!clearance_ || num_ == 0) return;
+    Cell box{{-grid_.reach(), -grid_.reach(), -grid_.reach()}, grid_.coarsest};
+    while (box.side < 2 * grid_.reach()) box.side *= 2;
+    prove(box);
+  }
+
+ private:
+  using Index = std::array<std::int32_t, 3>;
+
+  [[nodiscard]] bool is_absent(std::size_t root) const {
+    return nearest_[root] != static_cast<std::int32_t>(root);
+  }
+  /// What stands for places that are not proved free.
+  [[nodiscard]] std::int32_t touching(std::size_t root) const {
+    return ~(CellTree::kNearestRoot + std::max(nearest_[root], 0));
+  }
+  [[nodiscard]] Index index_of(std::int32_t root) const {
+    return {root / (num_ * num_), root / num_ % num_, root % num_};
+  }
+  [[nodiscard]] std::int32_t root_at(const Index& i) const {
+    return (i[0] * num_ + i[1]) * num_ + i[2];
+  }
+
+  // Cells hand on their nearest root to those beside them until nobody has a nearer one to offer.
+  void find_nearest(std::vector<std::int32_t> changed) {
+    const auto distance2 = [&](std::int32_t a, std::int32_t b) {
+      const Index i = index_of(a);
+      const Index j = index_of(b);
+      std::int32_t sum = 0;
+      for (int k = 0; k < 3; ++k) sum += (i[k] - j[k]) * (i[k] - j[k]);
+      return sum;
+    };
+    while (!changed.empty()) {
+      std::vector<std::int32_t> next;
+      for (std::int32_t root : changed) {
+        const std::int32_t offered = nearest_[root];
+        for (int side = 0; side < 6; ++side) {
+          Index beside = index_of(root);
+          std::int32_t& i = beside[side / 2];
+          i += side % 2 == 0 ? -1 : 1;
+          if (i < 0 || i >= num_) continue;
+          const std::int32_t other = root_at(beside);
+          std::int32_t& known = nearest_[other];
+          if (known >= 0 && distance2(other, offered) >= distance2(other, known)) continue;
+          known = offered;
+          next.push_back(other);
+        }
+      }
+      changed = std::move(next);
+    }
+  }
+
+  /// Of a cube of root cells, some of which may lie outside the box.
+  void prove(const Cell& cube) {
+    Index first;
+    Index end;
+    for (int k = 0; k < 3; ++k) {
+      first[k] = (cube.first[k] + grid_.reach()) / grid_.coarsest;
+      end[k] = std::min(first[k] + cube.side / grid_.coarsest, num_);
+      if (first[k] >= num_) return;
+    }
+    if (cube.side == grid_.coarsest) {
+      const std::int32_t root = root_at(first);
+      if (is_absent(root)) cells_[root] = part(cube, touching(root));
+      return;
+    }
+    const double c = clearance_(centre(grid_, cube));
+    const double r = half_diagonal(grid_, cube);
+    if (c <= -r) return;
+    if (!(c > r)) {
+      const Cell half{cube.first, cube.side / 2};
+      for (int child = 0; child < 8; ++child) prove({corner_of(half, child), half.side});
+      return;
+    }
+    for (Index i = first; i[0] < end[0]; ++i[0]) {
+      for (i[1] = first[1]; i[1] < end[1]; ++i[1]) {
+        for (i[2] = first[2]; i[2] < end[2]; ++i[2]) {
+          const std::int32_t root = root_at(i);
+          if (is_absent(root)) cells_[root] = ~CellTree::kFree;
+        }
+      }
+    }
+  }
+
+  /// What stands for a part of an absent root cell.
+  [[nodiscard]] std::int32_t part(const Cell& cell, std::int32_t touching) {
+    const double c = clearance_(centre(grid_, cell));
+    const double r = half_diagonal(grid_, cell);
+    if (c > r) return ~CellTree::kFree;
+    if (c <= -r || cell.side <= smallest_) return touching;
+    const Cell half{cell.first, cell.side / 2};
+    std::array<std::int32_t, 8> parts{};
+    for (int i = 0; i < 8; ++i) parts[i] = part({corner_of(half, i), half.side}, touching);
+    if (parts[0] < 0 && std::count(parts.begin(), parts.end(), parts[0]) == 8) return parts[0];
+    cells_.insert(cells_.end(), parts.begin(), parts.end());
+    return static_cast<std::int32_t>(cells_.size()) - 8;
+  }
+
+  const Grid& grid_;
+  const Clearance& clearance_;
+  /// Root cells along an axis.
+  const std::int32_t num_;
+  const std::int32_t smallest_;
+  std::vector<std::int32_t>& cells_;
+  /// By root cell: the nearest one that is there; −1: none is.
+  std::vector<std::int32_t> nearest_;
+};
+
+}  // namespace
+
+bool is_proved_free(const Grid& grid, const Clearance& clearance, const Cell& cell) {
+  return clearance && clearance(centre(grid, cell)) > half_diagonal(grid, cell);
+}
+
+void fill_absent_cells(const Grid& grid, const Clearance& clearance,
+                       const std::vector<std::int32_t>& present, std::vector<std::int32_t>& cells) {
+  AbsentCells(grid, clearance, present, cells).fill();
+}
+
+}  // namespace palpate

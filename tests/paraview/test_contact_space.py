@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""PrecomputeStateSpace with a rigid tool that presses anywhere, on one rank and on several."""
+
+import glob
+import os
+
+import numpy
+from paraview import servermanager
+from paraview.simple import (AssignMaterial, EstimateError, PrecomputeStateSpace, SetBoundary,
+                             SolveEquilibrium, StateSpaceReader, TouchStateSpace)
+from support import box_body, expect_error, expect_silence, field, produce, source
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkFiltersCore import vtkTriangleFilter
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+
+RADIUS = 0.04
+DEPTH = 0.01
+SPACING = 0.02
+TOUCHES_NOTHING = 64
+# The box of support.py is 0.2 m long, 0.1 m wide and high, and is held at x = 0.
+MIDDLE_OF_TOP = [0.12, 0.05, 0.1]
+
+
+def scene(name):
+    body = source(box_body(divisions=(8, 4, 4), quadratic=False), name)
+    boundary = SetBoundary(Input=AssignMaterial(Input=body, Law="Neo-Hookean"),
+                           FixedRegion="Plane")
+    boundary.FixedRegion.Origin = [0, 0, 0]
+    boundary.FixedRegion.Normal = [1, 0, 0]
+    return boundary
+
+
+def space_of(boundary, **settings):
+    settings = {"Tool": "Sphere", "ToolRadius": RADIUS, "Depth": DEPTH, "Spacing": SPACING,
+                "UseToolRegion": 1, "ToolRegion": "Sphere", "LogInterval": 0} | settings
+    radius = settings.pop("RegionRadius", 0.03)
+    space = PrecomputeStateSpace(Input=boundary, **settings)
+    space.ToolRegion.Center = MIDDLE_OF_TOP
+    space.ToolRegion.Radius = radius
+    return space
+
+
+def configurations(proxy):
+    proxy.UpdatePipeline()
+    return servermanager.Fetch(proxy, 0).GetPartition(2, 0)
+
+
+def array(data, name):
+    return vtk_to_numpy(data.GetPointData().GetArray(name))
+
+
+def rows(data):
+    """What was found, in the order of the check-points."""
+    names = ("CheckPoint", "Force", "Energy", "Stiffness", "Outcome", "Flags")
+    columns = [array(data, name).reshape(data.GetNumberOfPoints(), -1) for name in names]
+    table = numpy.hstack([vtk_to_numpy(data.GetPoints().GetData()), *columns])
+    return table[numpy.lexsort(array(data, "CheckPoint").T)]
+
+
+def test_output():
+    boundary = scene("contact_space")
+    space = space_of(boundary)
+    found = expect_silence(lambda: configurations(space))
+    flags = array(found, "Flags")
+    free = flags & TOUCHES_NOTHING != 0
+    forces = numpy.linalg.norm(array(found, "Force"), axis=1)
+    assert 0 < free.sum() < len(free)
+    assert (forces[free] == 0).all() and (forces[~free] > 0).all()
+    assert (array(found, "Outcome") == 0).all()
+    assert field(found, "ToolRadius")[0] == RADIUS
+    assert field(found, "ContactThickness")[0] == 0.2 * RADIUS
+    assert field(found, "Depth")[0] == DEPTH
+    assert (array(found, "ActiveNode") == -1).all()
+    # The force at one of them is that of Solve Equilibrium there.
+    depths = MIDDLE_OF_TOP[2] + RADIUS - vtk_to_numpy(found.GetPoints().GetData())[:, 2]
+    i = numpy.argmax(numpy.where(depths <= DEPTH, forces, 0))
+    place = found.GetPoint(i)
+    there = SolveEquilibrium(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, ToolPosition=place)
+    there.UpdatePipeline()
+    force = field(servermanager.Fetch(there), "ReactionForce")[0]
+    assert numpy.linalg.norm(force - array(found, "Force")[i]) < 1e-6 * forces[i]
+
+
+def test_file():
+    boundary = scene("contact_space_file")
+    for name in glob.glob("contact_space.palpate*"):
+        os.remove(name)
+    in_memory = rows(expect_silence(lambda: configurations(space_of(boundary))))
+    space = space_of(boundary, FileName="contact_space.palpate")
+    assert (rows(expect_silence(lambda: configurations(space))) == in_memory).all()
+    reader = StateSpaceReader(FileName="contact_space.palpate")
+    found = expect_silence(lambda: configurations(reader))
+    assert (rows(found) == in_memory).all()
+    assert field(found, "Complete")[0] == 1
+    # What touches nothing takes hardly any room.
+    num_points = 9 * 5 * 5
+    num_solved = (in_memory[:, -1].astype(int) & TOUCHES_NOTHING == 0).sum()
+    assert os.path.getsize("contact_space.palpate") < 1.5 * 96 * num_points * num_solved + 4e5
+    # Another region and a tolerance go on from there.
+    wider = space_of(boundary, FileName="contact_space.palpate", RegionRadius=0.045)
+    found = expect_silence(lambda: configurations(wider))
+    assert field(found, "Reused")[0] == len(in_memory)
+    assert field(found, "Solved")[0] > 0
+    finer = space_of(boundary, FileName="contact_space.palpate", Tolerance=0.005)
+    found = expect_silence(lambda: configurations(finer))
+    assert field(found, "Rounds")[0] > 0
+
+
+def test_error_estimate():
+    space = space_of(scene("contact_space_error"))
+    found = expect_silence(lambda: configurations(EstimateError(Input=space)))
+    errors = array(found, "EstimatedError")
+    assert numpy.isfinite(errors).any() and (errors[numpy.isfinite(errors)] >= 0).all()
+
+
+def test_surface():
+    sphere = vtkSphereSource()
+    sphere.SetRadius(RADIUS)
+    sphere.SetThetaResolution(48)
+    sphere.SetPhiResolution(24)
+    triangles = vtkTriangleFilter()
+    triangles.SetInputConnection(sphere.GetOutputPort())
+    triangles.Update()
+    boundary = scene("contact_space_surface")
+    of_sphere = rows(configurations(space_of(boundary)))
+    space = space_of(boundary, Tool="Surface", ToolSurface=produce(triangles.GetOutput()),
+                     FileName="contact_surface.palpate")
+    # Near the triangles that stand for the sphere it may be near a fold, which it says.
+    found = configurations(space)
+    largest = numpy.abs(of_sphere[:, 6:9]).max()
+    compared = 0
+    of_surface = {tuple(row[3:6]): row for row in rows(found)}
+    for row in of_sphere:
+        other = of_surface.get(tuple(row[3:6]))
+        if other is not None and numpy.allclose(row[:3], other[:3]):
+            compared += 1
+            assert numpy.abs(row[6:9] - other[6:9]).max() < 0.05 * largest
+    reader = StateSpaceReader(FileName="contact_surface.palpate")
+    again = configurations(reader)
+    assert again.GetFieldData().GetArray("ToolTriangles").GetNumberOfTuples() > 1000
+
+
+def test_bad_input():
+    boundary = scene("contact_space_bad")
+    for settings, words in (
+            ({"MaximumConfigurations": 3}, "at most 3 are allowed"),
+            ({"Spacing": 0.1}, "larger than the tool"),
+            ({"ToolRadius": 3.0}, "larger than the body"),
+            ({"ToolRadius": 0.0}, "larger than 0"),
+            ({"Depth": 0.0}, "Neither a depth nor a force limit"),
+            ({"Tool": "Surface"}, "none is given"),
+            ({"Spacing": -1.0}, "The spacing")):
+        expect_error(space_of(boundary, **settings).UpdatePipeline, words)
+    touch = TouchStateSpace(Input=space_of(boundary))
+    expect_error(touch.UpdatePipeline, "rigid tool")
+
+
+if __name__ == "__main__":
+    for test_name, test in list(globals().items()):
+        if test_name.startswith("test_"):
+            test()
+            print(test_name, "passed", flush=True)

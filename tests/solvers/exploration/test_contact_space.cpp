@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The space of a rigid tool that presses a body anywhere.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <random>
+#include <string>
+
+#include "base/error.h"
+#include "exploration/precompute.h"
+#include "interpolation/interpolator.h"
+#include "solvers/support/block.h"
+#include "solvers/support/communicators.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kRadius = 0.015;
+constexpr double kDepth = 0.006;
+
+/// What is touched is equal to the bit; the times are not compared.
+void expect_equal(const TouchToolSpace& a, const TouchToolSpace& b) {
+  ASSERT_EQ(a.configurations.size(), b.configurations.size());
+  for (std::size_t i = 0; i < a.configurations.size(); ++i) {
+    ConfigurationSummary c = a.configurations[i];
+    ConfigurationSummary d = b.configurations[i];
+    EXPECT_EQ(c.check_point, d.check_point);
+    EXPECT_EQ(c.parent, d.parent);
+    EXPECT_EQ(c.outcome, d.outcome);
+    EXPECT_EQ(c.flags, d.flags);
+    EXPECT_EQ(std::memcmp(c.force.data(), d.force.data(), sizeof c.force), 0);
+    EXPECT_EQ(std::memcmp(c.stiffness.data(), d.stiffness.data(), sizeof c.stiffness), 0);
+    EXPECT_EQ(std::memcmp(&c.energy, &d.energy, sizeof c.energy), 0);
+  }
+}
+
+/// A block that is held at one end and pressed at the other.
+class ContactSpace : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() /
+              ("palpate_contact_space_" + std::to_string(world_->size()) + '_' + info->name());
+    if (world_->rank() == 0) {
+      fs::remove_all(folder_);
+      fs::create_directory(folder_);
+    }
+    agree(*world_, [] {});
+    options_.contact.emplace();
+    options_.contact->tool.radius = kRadius;
+    options_.contact->spacing = 0.0075;
+    options_.contact->shell.depth = kDepth;
+    options_.contact->shell.region = [](const Vec3& place) {
+      return place.x() > 0.085 && place.z() > 0.04;
+    };
+    options_.equilibrium.third_derivatives = true;
+  }
+
+  void TearDown() override {
+    agree(*world_, [] {});
+    if (world_->rank() == 0) fs::remove_all(folder_);
+  }
+
+  PrecomputeResult run(Communicator& communicator) const {
+    return precompute(block_.scene, options_, communicator, progress_);
+  }
+
+  /// The message of the error that a run ends with.
+  std::string error() const {
+    try {
+      (void)run(*world_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  std::unique_ptr<Communicator> world_ = test::make_world();
+  std::unique_ptr<Communicator> serial_ = make_serial_communicator();
+  test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {5, 3, 3}});
+  PrecomputeOptions options_;
+  Progress progress_;
+  fs::path folder_;
+};
+
+TEST_F(ContactSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
+  const PrecomputeResult parallel = run(*world_);
+  EXPECT_TRUE(parallel.report.complete);
+  EXPECT_EQ(parallel.report.num_not_reached, 0);
+  if (world_->rank() == 0) {
+    const PrecomputeResult serial = run(*serial_);
+    ASSERT_EQ(parallel.space.tool_spaces.size(), 1U);
+    expect_equal(parallel.space.tool_spaces[0], serial.space.tool_spaces[0]);
+  }
+}
+
+// On the middle of the top, where one equilibrium belongs to each place: at edges there are
+// several.
+TEST_F(ContactSpace, GivesTheForceWhereverTheToolPresses) {
+  options_.contact->spacing = 0.005;
+  options_.contact->shell.region = [](const Vec3& place) {
+    return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.012;
+  };
+  const PrecomputeResult result = run(*world_);
+  if (world_->rank() != 0) return;
+  const TouchToolSpace& space = result.space.tool_spaces[0];
+  const auto interpolator = make_interpolator(Method::energy_hermite, space);
+  InteractionFactory tools(block_.scene);
+  const InteractionSpec& spec = space.setup.interaction;
+  const auto clearance = tools.clearance(spec);
+  EquilibriumSolver solver(block_.scene, {});
+  solver.set_interaction(*tools.make(spec));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  double largest = 0;
+  double largest_error = 0;
+  int num_pressed = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 q(0.055 + 0.02 * unit(random), 0.02 + 0.02 * unit(random),
+                 0.055 + 0.015 * unit(random));
+    const auto approach = clearance->approach(q);
+    if (approach.depth > kDepth || !options_.contact->shell.region(approach.touched)) continue;
+    const TouchResult touch = interpolator->evaluate(q);
+    EXPECT_NE(touch.support, Support::none);
+    EXPECT_NE(touch.support, Support::extrapolated) << q.transpose();
+    const Equilibrium exact = solver.solve(q, solver.rest(clearance->start_for(q)));
+    ASSERT_EQ(exact.outcome, Outcome::converged);
+    largest = std::max(largest, exact.reaction.norm());
+    largest_error = std::max(largest_error, (exact.reaction - touch.force).norm());
+    if (approach.depth > 0) ++num_pressed;
+  }
+  EXPECT_GT(num_pressed, 15);
+  EXPECT_LT(largest_error, 0.02 * largest);
+}
+
+TEST_F(ContactSpace, GoesOnFromItsFile) {
+  const PrecomputeResult whole = run(*world_);
+  options_.file = folder_ / "space.palpate";
+  progress_ = [](const ProgressState& state) { return state.num_solved < 40; };
+  const PrecomputeResult part = run(*world_);
+  EXPECT_FALSE(part.report.complete);
+  progress_ = nullptr;
+  const PrecomputeResult rest = run(*world_);
+  EXPECT_TRUE(rest.report.complete);
+  EXPECT_GT(rest.report.num_reused, 0);
+  EXPECT_EQ(rest.report.num_reused + rest.report.num_solved, whole.report.num_solved);
+  const PrecomputeResult again = run(*world_);
+  EXPECT_EQ(again.report.num_solved, 0);
+  if (world_->rank() == 0) {
+    expect_equal(rest.space.tool_spaces[0], whole.space.tool_spaces[0]);
+    expect_equal(again.space.tool_spaces[0], whole.space.tool_spaces[0]);
+  }
+}
+
+TEST_F(ContactSpace, IsRefinedToATolerance) {
+  options_.contact->shell.region = [](const Vec3& place) {
+    return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.008;
+  };
+  options_.tolerance = 0.004;
+  const PrecomputeResult fine = run(*world_);
+  EXPECT_GT(fine.report.num_rounds, 0);
+  options_.tolerance = 0;
+  options_.file = folder_ / "space.palpate";
+  const PrecomputeResult coarse = run(*world_);
+  EXPECT_LT(coarse.report.num_solved, fine.report.num_solved);
+  // A uniform space is completed to a tolerance.
+  options_.tolerance = 0.004;
+  const PrecomputeResult completed = run(*world_);
+  EXPECT_EQ(completed.report.num_solved + completed.report.num_reused, fine.report.num_solved);
+  if (world_->rank() == 0) {
+    expect_equal(completed.space.tool_spaces[0], fine.space.tool_spaces[0]);
+  }
+}
+
+TEST_F(ContactSpace, GoesNoDeeperThanTheForceLimit) {
+  options_.contact->shell.depth = 0;
+  options_.force_limit = 0.05;
+  const PrecomputeResult result = run(*world_);
+  EXPECT_TRUE(result.report.complete);
+  EXPECT_GT(result.report.num_not_reached, 0);
+  EXPECT_GT(result.report.num_by_flag.at(flags::beyond_force_limit), 0);
+  if (world_->rank() != 0) return;
+  for (const ConfigurationSummary& c : result.space.tool_spaces[0].configurations) {
+    if (c.check_point == c.parent) continue;
+    ConfigurationSummary parent;
+    parent.check_point = c.parent;
+    const auto& all = result.space.tool_spaces[0].configurations;
+    const auto found = std::lower_bound(all.begin(), all.end(), parent);
+    ASSERT_NE(found, all.end());
+    EXPECT_EQ(found->check_point, c.parent);
+    EXPECT_TRUE(found->leads_on());
+  }
+}
+
+TEST_F(ContactSpace, SaysWhatItWillTake) {
+  ExplorationEstimate expected;
+  options_.expects = [&](const ExplorationEstimate& estimate) { expected = estimate; };
+  const PrecomputeResult result = run(*world_);
+  if (world_->rank() == 0) {
+    EXPECT_EQ(expected.num_configurations + expected.num_free, result.report.num_solved);
+    EXPECT_GT(expected.seconds, 0);
+    EXPECT_GT(expected.file_bytes, 0);
+  }
+  options_.contact->most_configurations = 10;
+  EXPECT_NE(error().find("at most 10 are allowed"), std::string::npos) << error();
+}
+
+TEST_F(ContactSpace, RefusesWhatCannotBePressed) {
+  const ContactOptions good = *options_.contact;
+  options_.contact->spacing = 0.04;
+  EXPECT_NE(error().find("larger than the tool"), std::string::npos) << error();
+  *options_.contact = good;
+  options_.contact->spacing = 1e-4;
+  EXPECT_NE(error().find("Take a spacing of"), std::string::npos) << error();
+  *options_.contact = good;
+  options_.contact->tool.radius = 1;
+  EXPECT_NE(error().find("larger than the body"), std::string::npos) << error();
+  *options_.contact = good;
+  options_.contact->shell.region = [](const Vec3&) { return false; };
+  EXPECT_NE(error().find("nothing to press"), std::string::npos) << error();
+  *options_.contact = good;
+  options_.contact->shell.depth = 0;
+  EXPECT_NE(error().find("Neither a depth nor a force limit"), std::string::npos) << error();
+  *options_.contact = good;
+  options_.history = History::levels;
+  EXPECT_NE(error().find("no levels"), std::string::npos) << error();
+}
+
+TEST_F(ContactSpace, RefusesAFileOfAnotherTool) {
+  options_.file = folder_ / "space.palpate";
+  progress_ = [](const ProgressState& state) { return state.num_solved < 5; };
+  (void)run(*world_);
+  options_.contact->tool.radius = 0.012;
+  EXPECT_NE(error().find("Give another file name"), std::string::npos) << error();
+}
+
+}  // namespace
+}  // namespace palpate
