@@ -72,14 +72,6 @@ class Subject {
   std::vector<Part> parts_;
 };
 
-double largest_force(const TouchToolSpace& tool_space) {
-  double largest = 0;
-  for (const ConfigurationSummary& c : tool_space.configurations) {
-    if (c.leads_on()) largest = std::max(largest, c.force.norm());
-  }
-  return largest;
-}
-
 double largest_stiffness(const TouchToolSpace& tool_space) {
   double largest = 0;
   for (const ConfigurationSummary& c : tool_space.configurations) {
@@ -115,7 +107,7 @@ double displacement_error(const TouchSpace& space, const std::vector<Index>& sam
 void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, Subject& subject,
                     const std::vector<TestPoint>& points, std::vector<PointError>& errors,
                     Measurement& result) {
-  const double floor = kErrorFloor * largest_force(tool_space);
+  const double floor = kErrorFloor * largest_force(tool_space.configurations);
   const std::vector<Index> samples = sample_points(space.surface);
   int branch = 0;
   Vec3 at = Vec3::Zero();
@@ -243,7 +235,7 @@ void measure_jumps(const Interpolator& interpolator, const TouchToolSpace& tool_
                    Measurement& result) {
   const std::int32_t reach = tool_space.setup.grid.reach();
   if (reach < 1) return;
-  const double force = largest_force(tool_space);
+  const double force = largest_force(tool_space.configurations);
   const double stiffness = largest_stiffness(tool_space);
   if (!(force > 0 && stiffness > 0)) return;
   Places place(tool_space.setup.grid.half_width);

@@ -13,15 +13,6 @@ namespace {
 /// A failed step is tried from this many corners in all.
 constexpr std::size_t kMaxStarts = 3;
 
-std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
-  std::int64_t sum = 0;
-  for (int i = 0; i < 3; ++i) {
-    const std::int64_t d = a[i] - b[i];
-    sum += d * d;
-  }
-  return sum;
-}
-
 }  // namespace
 
 AdaptiveGrid::AdaptiveGrid(const ToolSpaceSetup& setup) : setup_(setup), coarse_(setup.grid) {}
@@ -72,15 +63,6 @@ std::vector<CheckPoint> AdaptiveGrid::given_up() {
   return all;
 }
 
-double AdaptiveGrid::tolerance(const std::vector<ConfigurationSummary>& found) const {
-  if (!setup_.policy.tolerance_is_relative) return setup_.policy.tolerance;
-  double largest = 0;
-  for (const ConfigurationSummary& c : found) {
-    if (c.leads_on()) largest = std::max(largest, c.force.norm());
-  }
-  return setup_.policy.tolerance * largest;
-}
-
 void AdaptiveGrid::plan_round() {
   // Those that an earlier run has found need no transition; where it has found all of a round, the
   // next one is planned at once.
@@ -88,14 +70,10 @@ void AdaptiveGrid::plan_round() {
     goes_on = false;
     std::vector<ConfigurationSummary> found;
     for (const auto& [check_point, c] : found_) found.push_back(c);
-    std::map<CheckPoint, std::set<CheckPoint>> corners_of_target;
-    for (const Cell& cell : cells_to_split(setup_.grid, found, tolerance(found))) {
-      for (const CheckPoint& target : points_of_split(cell)) {
-        if (found_.count(target) > 0) continue;
-        for (int c = 0; c < 8; ++c) corners_of_target[target].insert(corner_of(cell, c));
-      }
-    }
-    for (const auto& [target, corners] : corners_of_target) {
+    const std::vector<Cell> cells =
+        cells_to_split(setup_.grid, found, force_tolerance(setup_.policy, found));
+    const auto is_known = [&](const CheckPoint& p) { return found_.count(p) > 0; };
+    for (const auto& [target, corners] : corners_of_new_points(cells, is_known)) {
       goes_on = true;
       ++num_refined_;
       if (const auto recalled = recalled_.find(target); recalled != recalled_.end()) {
@@ -114,7 +92,7 @@ void AdaptiveGrid::plan_round() {
   }
 }
 
-std::vector<CheckPoint> AdaptiveGrid::starts(const std::set<CheckPoint>& corners,
+std::vector<CheckPoint> AdaptiveGrid::starts(const std::vector<CheckPoint>& corners,
                                              const CheckPoint& target) const {
   std::vector<CheckPoint> usable;
   for (const CheckPoint& corner : corners) {

@@ -35,10 +35,8 @@ class AdaptiveGrid final : public ExplorationStrategy {
   using Summaries = std::map<CheckPoint, ConfigurationSummary>;
 
   void plan_round();
-  [[nodiscard]] std::vector<CheckPoint> starts(const std::set<CheckPoint>& corners,
+  [[nodiscard]] std::vector<CheckPoint> starts(const std::vector<CheckPoint>& corners,
                                                const CheckPoint& target) const;
-  /// The error of the force that is asked for, given what was found so far, N.
-  [[nodiscard]] double tolerance(const std::vector<ConfigurationSummary>& found) const;
 
   ToolSpaceSetup setup_;
   LayeredGrid coarse_;

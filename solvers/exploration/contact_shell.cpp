@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <set>
 #include <string>
 #include <tuple>
 
@@ -21,12 +19,6 @@ constexpr int kMostHalvings = 3;
 /// A start is shallower than what is reached from it by at least this share of the spacing.
 constexpr double kShallower = 0.2;
 
-std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
-  std::int64_t sum = 0;
-  for (int i = 0; i < 3; ++i) sum += std::int64_t{a[i] - b[i]} * (a[i] - b[i]);
-  return sum;
-}
-
 class Shell {
  public:
   Shell(const ToolClearance& clearance, const Grid& grid, const std::vector<char>& touchable,
@@ -37,19 +29,9 @@ class Shell {
         options_(options),
         roots_(grid.coarsest_resolution() - 1),
         side_(grid.coarsest * grid.spacing()) {
-    const double half_diagonal = 0.5 * std::sqrt(3.0) * side_;
-    for (std::int32_t x = 0; x < roots_; ++x) {
-      for (std::int32_t y = 0; y < roots_; ++y) {
-        for (std::int32_t z = 0; z < roots_; ++z) {
-          const Cell cell{check_point(x, y, z), grid.coarsest};
-          const Vec3 centre = grid.place(cell.first) + Vec3::Constant(0.5 * side_);
-          if (clearance.clearance(centre) > half_diagonal) continue;
-          // The depth changes by no more than the way.
-          if (is_too_deep(clearance.approach(centre).depth - half_diagonal)) continue;
-          if (holds(cell)) add(cell);
-        }
-      }
-    }
+    std::int32_t all = 1;
+    while (all < roots_) all *= 2;
+    add_of({0, 0, 0}, all);
   }
 
   [[nodiscard]] std::vector<StartGraph::Target> targets() const {
@@ -67,9 +49,30 @@ class Shell {
     bool is_corner = false;
   };
 
-  [[nodiscard]] CheckPoint check_point(std::int32_t x, std::int32_t y, std::int32_t z) const {
+  /// Adds the cells of a cube of cells that belong to the shell.
+  /// @param first The numbers along each axis of its first cell. @param count Cells along its
+  /// sides, a power of two; some may lie beyond the grid.
+  void add_of(const CheckPoint& first, std::int32_t count) {
+    if (*std::max_element(first.begin(), first.end()) >= roots_) return;
     const std::int32_t reach = grid_.reach();
-    return {x * grid_.coarsest - reach, y * grid_.coarsest - reach, z * grid_.coarsest - reach};
+    Cell cell{{}, grid_.coarsest};
+    for (int k = 0; k < 3; ++k) cell.first[k] = first[k] * grid_.coarsest - reach;
+    const double side = count * side_;
+    const double half_diagonal = 0.5 * std::sqrt(3.0) * side;
+    const Vec3 centre = grid_.place(cell.first) + Vec3::Constant(0.5 * side);
+    if (clearance_.clearance(centre) > half_diagonal) return;
+    // The depth changes by no more than the way.
+    if (is_too_deep(clearance_.approach(centre).depth - half_diagonal)) return;
+    if (count == 1) {
+      if (holds(cell)) add(cell);
+      return;
+    }
+    const std::int32_t half = count / 2;
+    for (int part = 0; part < 8; ++part) {
+      add_of({first[0] + (part >> 2 & 1) * half, first[1] + (part >> 1 & 1) * half,
+              first[2] + (part & 1) * half},
+             half);
+    }
   }
 
   [[nodiscard]] bool is_too_deep(double depth) const {
@@ -191,15 +194,9 @@ std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance, co
 std::vector<StartGraph::Target> refined_targets(
     const ToolClearance& clearance, const Grid& grid, const std::vector<Cell>& to_split,
     const std::map<CheckPoint, ConfigurationSummary>& known) {
-  std::map<CheckPoint, std::set<CheckPoint>> corners_of;
-  for (const Cell& cell : to_split) {
-    for (const CheckPoint& target : points_of_split(cell)) {
-      if (known.count(target) > 0) continue;
-      for (int c = 0; c < 8; ++c) corners_of[target].insert(corner_of(cell, c));
-    }
-  }
+  const auto is_known = [&](const CheckPoint& p) { return known.count(p) > 0; };
   std::vector<StartGraph::Target> targets;
-  for (const auto& [target, corners] : corners_of) {
+  for (const auto& [target, corners] : corners_of_new_points(to_split, is_known)) {
     StartGraph::Target& added = targets.emplace_back();
     added.check_point = target;
     if (clearance.clearance(grid.place(target)) > 0) {
@@ -213,10 +210,10 @@ std::vector<StartGraph::Target> refined_targets(
       if ((found->second.flags & flags::touches_nothing) != 0) continue;
       added.starts.push_back(corner);
     }
-    std::sort(added.starts.begin(), added.starts.end(), [&](const auto& a, const auto& b) {
-      return std::tuple(squared_distance(a, target), a) <
-             std::tuple(squared_distance(b, target), b);
-    });
+    std::sort(
+        added.starts.begin(), added.starts.end(), [&p = target](const auto& a, const auto& b) {
+          return std::tuple(squared_distance(a, p), a) < std::tuple(squared_distance(b, p), b);
+        });
     if (added.starts.size() > kMostStarts) added.starts.resize(kMostStarts);
   }
   return targets;

@@ -71,9 +71,8 @@ Configuration to_configuration(Equilibrium&& e) {
   Configuration c;
   for_each_shared_part(e, c, [](auto& from, auto& to) { to = std::move(from); });
   if (e.third_derivative.size() > 0) c.third_derivative = e.third_derivative;
-  if ((c.flags & flags::touches_nothing) != 0) {
-    for_each_field(c, [](auto& field) { field = {}; });  // they are zero
-  } else if (c.usable()) {
+  const bool at_rest = (c.flags & flags::touches_nothing) != 0;
+  if (c.usable() && !at_rest) {
     c.signature = signature_of(c.u);
   } else {
     for_each_field(c, [](auto& field) { field = {}; });
@@ -102,8 +101,8 @@ Engine::Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Rec
       monitor_(monitor),
       report_(report) {
   for (const auto& [setup, plan] : spaces) {
-    if (!plan->is_spread() && owner_of(plan->owner_key(setup.id, {}), num_ranks_) != rank_)
-      continue;
+    const bool is_here = owner_of(plan->owner_key(setup.id, {}), num_ranks_) == rank_;
+    if (!plan->is_spread() && !is_here) continue;
     owned_[setup.id].strategy = plan->make_strategy(rank_, num_ranks_);
   }
 }
@@ -187,9 +186,7 @@ void Engine::recall(Unpacker& content, Mail& mail) {
   }
   if (!content.take<bool>()) return;
   owned.has_recalled = true;
-  for (const ConfigurationSummary& found : std::vector<ConfigurationSummary>(owned.known)) {
-    conclude(id, owned, found, true, mail);
-  }
+  for (const ConfigurationSummary& found : owned.known) conclude(id, owned, found, true, mail);
   for (const Question& question : std::exchange(owned.postponed, {})) hear(id, question, mail);
   hand_out(id, mail);
 }
@@ -398,9 +395,6 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
   for (std::size_t i = 0; i < due.size();) {
     const CheckPoint start = due[i].start;
     const std::int32_t start_level = due[i].start_level;
-    Batch batch;
-    batch.tool_space = tool_space;
-    int holder = mail.rank();
     if (is_spread && !due[i].needs_no_start()) {
       Question question;
       question.start = start;
@@ -409,6 +403,9 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
       ++i;
       continue;
     }
+    Batch batch;
+    batch.tool_space = tool_space;
+    int holder = mail.rank();
     if (!due[i].needs_no_start()) {
       const Held& held = owned.held.at({tool_space, start, start_level});
       batch.start = held.summary;

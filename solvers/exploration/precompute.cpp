@@ -278,21 +278,17 @@ class ShellRounds {
       // What earlier runs have left of rounds to come does not count yet.
       std::map<CheckPoint, ConfigurationSummary> known;
       std::vector<ConfigurationSummary> found;
-      double largest = 0;
       for (const auto& [p, c] : known_) {
         if (asked_.count(p) == 0) continue;
         known.emplace(p, c);
         found.push_back(c);
-        if (c.leads_on()) largest = std::max(largest, c.force.norm());
       }
-      const double tolerance =
-          setup.policy.tolerance * (setup.policy.tolerance_is_relative ? largest : 1);
+      const double tolerance = force_tolerance(setup.policy, found);
       if (!(tolerance > 0)) return;
       const Clearance clearance = [&](const Vec3& q) { return clearance_.clearance(q); };
-      std::vector<Cell> cells = cells_to_split(setup.grid, found, tolerance, 1, clearance);
-      for (const CellEstimate& estimate : estimate_errors(setup.grid, found, clearance)) {
-        errors_[estimate.cell] = estimate.error;
-      }
+      Refinement refinement = plan_refinement(setup.grid, found, tolerance, 1, clearance);
+      for (const CellEstimate& e : refinement.estimates) errors_[e.cell] = e.error;
+      std::vector<Cell>& cells = refinement.to_split;
       cells.erase(std::remove_if(cells.begin(), cells.end(),
                                  [&](const Cell& cell) { return is_in_vain(cell); }),
                   cells.end());

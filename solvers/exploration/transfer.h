@@ -31,7 +31,7 @@ struct IsPlain<ConfigurationSummary> : std::true_type {};
 template <>
 struct IsPlain<IntermediateState> : std::true_type {};
 template <>
-struct IsPlain<ToolSpaceSetup> : std::true_type {};
+struct IsPlain<Grid> : std::true_type {};
 
 /// Calls visit for each part of a value that is not plain.
 template <class A, class B, class Visit>
@@ -43,6 +43,31 @@ template <class Visit>
 void for_each_part(Configuration& configuration, Visit&& visit) {
   visit(static_cast<ConfigurationSummary&>(configuration));
   for_each_field(configuration, visit);
+}
+template <class Visit>
+void for_each_part(RigidTool& tool, Visit&& visit) {
+  visit(tool.shape);
+  visit(tool.radius);
+  visit(tool.axis);
+  visit(tool.length);
+  visit(tool.points);
+  visit(tool.triangles);
+  visit(tool.law);
+}
+template <class Visit>
+void for_each_part(InteractionSpec& interaction, Visit&& visit) {
+  visit(interaction.kind);
+  visit(interaction.material_point);
+  visit(interaction.active_node);
+  visit(interaction.tip_radius);
+  visit(interaction.tool);
+}
+template <class Visit>
+void for_each_part(ToolSpaceSetup& setup, Visit&& visit) {
+  visit(setup.id);
+  visit(setup.interaction);
+  visit(setup.grid);
+  visit(setup.policy);
 }
 template <class Visit>
 void for_each_part(TestPoint& point, Visit&& visit) {
@@ -69,6 +94,10 @@ class Packer {
   template <class Key, class T>
   void put(const std::map<Key, T>& map) {
     put_list(map);
+  }
+  template <class T>
+  void put(const std::vector<T>& list) {
+    put_list(list);
   }
   /// Puts in the number of values, then one after the other.
   /// @param list Any container of values that can be put in.
@@ -120,6 +149,10 @@ class Unpacker {
   template <class Key, class T>
   void take(std::map<Key, T>& map) {
     map = take_list<std::map<Key, T>>();
+  }
+  template <class T>
+  void take(std::vector<T>& list) {
+    list = take_list<std::vector<T>>();
   }
   /// Takes what Packer::put_list() has put in, into a container that the caller chooses.
   template <class List>

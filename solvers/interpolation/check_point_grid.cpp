@@ -153,11 +153,7 @@ void CheckPointGrid::find_nearest() {
   nearest_.assign(configuration_.size(), -1);
   if (!any_usable_) return;
   const auto distance2 = [&](std::int32_t a, std::int32_t b) {
-    const CheckPoint p = tree_.point(a);
-    const CheckPoint q = tree_.point(b);
-    std::int64_t sum = 0;
-    for (int k = 0; k < 3; ++k) sum += std::int64_t{p[k] - q[k]} * (p[k] - q[k]);
-    return sum;
+    return squared_distance(tree_.point(a), tree_.point(b));
   };
   std::vector<std::int32_t> changed;
   for (std::int32_t n = 0; n < num_nodes(); ++n) {

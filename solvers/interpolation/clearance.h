@@ -3,14 +3,10 @@
 // The clearance c changes by no more than the way: |c(q) − c(p)| ≤ |q − p|.
 #pragma once
 
-#include <functional>
-
 #include "base/types.h"
+#include "state_space/touch_space.h"
 
 namespace palpate {
-
-/// See TouchToolSpace::clearance.
-using Clearance = std::function<double(const Vec3& q)>;
 
 /// Tells at one place after another whether the tool touches nothing there. Where the way from the
 /// last evaluation decides, there is no other.

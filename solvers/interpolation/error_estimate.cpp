@@ -82,6 +82,14 @@ class Estimator {
     return estimate;
   }
 
+  /// By leaf.
+  [[nodiscard]] std::vector<CellEstimate> estimates() const {
+    std::vector<CellEstimate> estimates;
+    const auto count = static_cast<std::int32_t>(grid_.tree().leaves().size());
+    for (std::int32_t leaf = 0; leaf < count; ++leaf) estimates.push_back(estimate(leaf));
+    return estimates;
+  }
+
   [[nodiscard]] bool may_be_split(const CellEstimate& estimate, std::int32_t leaf,
                                   std::int32_t smallest) const {
     const std::int32_t side = estimate.cell.side;
@@ -221,17 +229,18 @@ class Estimator {
   std::vector<double> hanging_;
 };
 
+void sort_by_cell(std::vector<CellEstimate>& estimates) {
+  std::sort(estimates.begin(), estimates.end(),
+            [](const CellEstimate& a, const CellEstimate& b) { return a.cell < b.cell; });
+}
+
 }  // namespace
 
 std::vector<CellEstimate> estimate_errors(const Grid& grid,
                                           const std::vector<ConfigurationSummary>& configurations,
                                           const Clearance& clearance) {
-  const Estimator estimator(grid, configurations, clearance);
-  std::vector<CellEstimate> estimates;
-  const auto count = static_cast<std::int32_t>(estimator.grid().tree().leaves().size());
-  for (std::int32_t leaf = 0; leaf < count; ++leaf) estimates.push_back(estimator.estimate(leaf));
-  std::sort(estimates.begin(), estimates.end(),
-            [](const CellEstimate& a, const CellEstimate& b) { return a.cell < b.cell; });
+  std::vector<CellEstimate> estimates = Estimator(grid, configurations, clearance).estimates();
+  sort_by_cell(estimates);
   return estimates;
 }
 
@@ -240,25 +249,22 @@ std::vector<double> estimate_errors_around(const Grid& grid,
                                            const Clearance& clearance) {
   const Estimator estimator(grid, configurations, clearance);
   const CellTree& tree = estimator.grid().tree();
-  std::vector<double> of_leaf;
-  for (std::size_t leaf = 0; leaf < tree.leaves().size(); ++leaf) {
-    of_leaf.push_back(estimator.estimate(static_cast<std::int32_t>(leaf)).error);
-  }
+  const std::vector<CellEstimate> of_leaf = estimator.estimates();
   std::vector<double> errors;
   for (const ConfigurationSummary& c : configurations) {
     double largest = -1;
-    tree.for_each_leaf_around(
-        c.check_point, [&](std::int32_t leaf) { largest = std::max(largest, of_leaf[leaf]); });
+    tree.for_each_leaf_around(c.check_point, [&](std::int32_t leaf) {
+      largest = std::max(largest, of_leaf[leaf].error);
+    });
     const bool is_known = largest >= 0 && std::isfinite(largest);
     errors.push_back(is_known ? largest : std::numeric_limits<double>::quiet_NaN());
   }
   return errors;
 }
 
-std::vector<Cell> cells_to_split(const Grid& grid,
-                                 const std::vector<ConfigurationSummary>& configurations,
-                                 double tolerance, std::int32_t smallest,
-                                 const Clearance& clearance) {
+Refinement plan_refinement(const Grid& grid,
+                           const std::vector<ConfigurationSummary>& configurations,
+                           double tolerance, std::int32_t smallest, const Clearance& clearance) {
   if (!(tolerance > 0)) {
     throw InputError("The tolerance of the force is " + std::to_string(tolerance) +
                      " N; it takes a positive one.");
@@ -267,8 +273,9 @@ std::vector<Cell> cells_to_split(const Grid& grid,
   const CellTree& tree = estimator.grid().tree();
   const auto num_leaves = static_cast<std::int32_t>(tree.leaves().size());
   std::vector<char> is_split(tree.leaves().size(), 0);
+  Refinement refinement{estimator.estimates(), {}};
   for (std::int32_t leaf = 0; leaf < num_leaves; ++leaf) {
-    const CellEstimate estimate = estimator.estimate(leaf);
+    const CellEstimate& estimate = refinement.estimates[leaf];
     is_split[leaf] = estimate.error > tolerance && estimator.may_be_split(estimate, leaf, smallest);
   }
   // Calls visit(other) for the larger leaves that touch a leaf: they hold one of its corners.
@@ -297,10 +304,27 @@ std::vector<Cell> cells_to_split(const Grid& grid,
       split.push_back(other);
     });
   }
-  std::vector<Cell> cells;
-  for (std::int32_t leaf : split) cells.push_back(tree.leaves()[leaf].cell);
-  std::sort(cells.begin(), cells.end());
-  return cells;
+  for (std::int32_t leaf : split) refinement.to_split.push_back(tree.leaves()[leaf].cell);
+  std::sort(refinement.to_split.begin(), refinement.to_split.end());
+  sort_by_cell(refinement.estimates);
+  return refinement;
+}
+
+std::map<CheckPoint, std::vector<CheckPoint>> corners_of_new_points(
+    const std::vector<Cell>& cells, const std::function<bool(const CheckPoint&)>& is_known) {
+  std::map<CheckPoint, std::vector<CheckPoint>> corners_of;
+  for (const Cell& cell : cells) {
+    for (const CheckPoint& point : points_of_split(cell)) {
+      if (is_known(point)) continue;
+      std::vector<CheckPoint>& corners = corners_of[point];
+      for (int c = 0; c < 8; ++c) corners.push_back(corner_of(cell, c));
+    }
+  }
+  for (auto& [point, corners] : corners_of) {
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  }
+  return corners_of;
 }
 
 std::vector<CheckPoint> points_of_split(const Cell& cell) {

@@ -37,6 +37,8 @@
 // not usable; or it lies across branches, see branch_test.h.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <vector>
 
 #include "interpolation/cell_tree.h"
@@ -74,21 +76,40 @@ struct CellEstimate {
 inline constexpr std::int32_t kMarkedCorner = 4;
 inline constexpr std::int32_t kMarkedEdge = 8;
 
-/// The leaves to be split now, in their order: those with a larger error, and what keeps
-/// neighbours, across sides, edges and corners, within twice the size of each other. None when all
-/// is done.
+/// What is to be done for a tolerance.
+struct Refinement {
+  /// Of all leaves, in the order of their cells.
+  std::vector<CellEstimate> estimates;
+  /// The leaves to be split now, in their order; none when all is done.
+  std::vector<Cell> to_split;
+};
+
+/// The leaves to be split now are those with a larger error, and what keeps neighbours, across
+/// sides, edges and corners, within twice the size of each other.
 ///
 /// A leaf beside a larger one that is to be split waits for that. Never split are: a leaf without a
 /// configuration, usable or not, at each corner; one whose corners are all beyond the force limit
 /// or not usable; a marked one as said above; one that is proved free (check_point_grid.h). A leaf
-/// is named again until there is a configuration
-/// at each point of its halves: one that was not reached is to be given too, with an outcome that
-/// says so.
+/// is named again until there is a configuration at each point of its halves: one that was not
+/// reached is to be given too, with an outcome that says so.
 /// @param tolerance Of the force, N. @param smallest The least side that may come of it.
 /// @throws InputError as CheckPointGrid, or the tolerance is not positive.
-[[nodiscard]] std::vector<Cell> cells_to_split(
+[[nodiscard]] Refinement plan_refinement(const Grid& grid,
+                                         const std::vector<ConfigurationSummary>& configurations,
+                                         double tolerance, std::int32_t smallest = 1,
+                                         const Clearance& clearance = {});
+
+/// Those of the refinement that are to be split.
+[[nodiscard]] inline std::vector<Cell> cells_to_split(
     const Grid& grid, const std::vector<ConfigurationSummary>& configurations, double tolerance,
-    std::int32_t smallest = 1, const Clearance& clearance = {});
+    std::int32_t smallest = 1, const Clearance& clearance = {}) {
+  return plan_refinement(grid, configurations, tolerance, smallest, clearance).to_split;
+}
+
+/// The points that the halves of cells have and the cells have not, but for those that are known;
+/// with each the corners of the cells that have it.
+[[nodiscard]] std::map<CheckPoint, std::vector<CheckPoint>> corners_of_new_points(
+    const std::vector<Cell>& cells, const std::function<bool(const CheckPoint&)>& is_known);
 
 /// The 19 points that a cell's halves have and the cell has not, in their order.
 [[nodiscard]] std::vector<CheckPoint> points_of_split(const Cell& cell);

@@ -41,9 +41,7 @@ double attraction(const TouchToolSpace& tool_space, const CheckPointGrid& grid) 
 PassivityFigures passivity_figures(const TouchToolSpace& tool_space) {
   const CheckPointGrid grid(tool_space);
   PassivityFigures figures;
-  for (const ConfigurationSummary& c : tool_space.configurations) {
-    if (c.leads_on()) figures.largest_force = std::max(figures.largest_force, c.force.norm());
-  }
+  figures.largest_force = largest_force(tool_space.configurations);
   if (tool_space.clearance) figures.attraction = attraction(tool_space, grid);
   figures.energy_jump = BranchTest(grid, tool_space.configurations).largest_jump();
   return figures;

@@ -7,10 +7,12 @@
 // Approximation, EuroHaptics 2008.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
+#include <vector>
 
 #include "base/outcome.h"
 #include "base/types.h"
@@ -33,6 +35,16 @@ inline constexpr int num_neighbours = 27;
     number = 3 * number + q[k] - p[k] + 1;
   }
   return number;
+}
+
+/// The square of the distance of two check-points, in steps of the grid.
+[[nodiscard]] inline std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
+  std::int64_t sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t way = std::int64_t{a[i]} - b[i];
+    sum += way * way;
+  }
+  return sum;
 }
 
 /// The largest number of levels of a check-point. Without this limit a body that is deformed beyond
@@ -107,6 +119,15 @@ struct ConfigurationSummary {
     return reached;
   }
 };
+
+/// The largest force of those that lead on, N.
+[[nodiscard]] inline double largest_force(const std::vector<ConfigurationSummary>& configurations) {
+  double largest = 0;
+  for (const ConfigurationSummary& c : configurations) {
+    if (c.leads_on()) largest = std::max(largest, c.force.norm());
+  }
+  return largest;
+}
 
 /// An equilibrium on the way to a configuration, between its parent's displacement and its own
 /// [P08]: more places at which the force is known.

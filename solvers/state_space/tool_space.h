@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "base/types.h"
 #include "interaction/interaction_spec.h"
@@ -98,6 +99,12 @@ struct ExplorationPolicy {
     return all(a) == all(b);
   }
 };
+
+/// The error of the force that is asked for, given what was found, N; 0: none.
+[[nodiscard]] inline double force_tolerance(const ExplorationPolicy& policy,
+                                            const std::vector<ConfigurationSummary>& found) {
+  return policy.tolerance * (policy.tolerance_is_relative ? largest_force(found) : 1);
+}
 
 /// The number by which a tool space is known in a run and in a file: that of the active node where
 /// there is one.

@@ -16,11 +16,13 @@ namespace palpate {
 
 class StateSpaceFile;
 
+/// How far the tool at coordinates q [3], m, may be moved in any direction without touching the
+/// body at rest, at the least, m; not positive: it may touch it there. Empty: it always acts.
+using Clearance = std::function<double(const Vec3& q)>;
+
 struct TouchToolSpace {
   ToolSpaceSetup setup;
-  /// How far the tool at coordinates q [3], m, may be moved in any direction without touching the
-  /// body at rest, at the least, m; not positive: it may touch it there. Empty: it always acts.
-  std::function<double(const Vec3& q)> clearance;
+  Clearance clearance;
   /// All configurations without their fields, in the order of operator<.
   std::vector<ConfigurationSummary> configurations;
   /// These are in the order of operator<; empty where the tool space has none.

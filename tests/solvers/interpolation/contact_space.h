@@ -185,7 +185,10 @@ inline void add_configurations(TouchToolSpace& tool_space, const Contact& contac
 /// The coarsest cells that are not proved free and are in part less deep than a depth.
 inline TouchToolSpace contact_space(const Contact& contact, const Grid& grid, double depth) {
   TouchToolSpace tool_space;
-  tool_space.setup.id = tool_space.setup.interaction.active_node = 4;
+  tool_space.setup.id = kContactToolSpace;
+  RigidTool sphere;
+  sphere.radius = 0.01;
+  tool_space.setup.interaction = rigid_contact_spec(sphere);
   tool_space.setup.grid = grid;
   tool_space.clearance = contact.clearance;
   std::vector<CheckPoint> corners;

@@ -56,7 +56,7 @@ class BodyFieldTest : public testing::Test {
         tool_space.coefficients.col(i) = c.u.cast<float>();
         tool_space.coefficient_gradients.col(i) = c.v.reshaped().cast<float>();
       }
-      file.add(tool_space.setup.interaction.active_node, c);
+      file.add(tool_space.setup.id, c);
     }
     file.close();
   }
@@ -159,7 +159,7 @@ TEST_F(BodyFieldTest, WhatTouchesNothingIsNotRead) {
       static_cast<ConfigurationSummary&>(c) = tool_space.configurations[i];
       if ((c.flags & flags::touches_nothing) == 0) continue;
       ++free;
-      file.add(tool_space.setup.interaction.active_node, c);
+      file.add(tool_space.setup.id, c);
       tool_space.coefficients.col(static_cast<Eigen::Index>(i)).setZero();
       tool_space.coefficient_gradients.col(static_cast<Eigen::Index>(i)).setZero();
     }
