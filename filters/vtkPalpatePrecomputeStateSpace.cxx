@@ -27,6 +27,7 @@
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPalpateWholeBody.h"
+#include "vtkPalpateWholeSurface.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
@@ -74,23 +75,6 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
     text << (touchable != 0 ? '1' : '0');
   }
   return text.str();
-}
-
-/// The surface of the tool that rank 0 has, on every rank.
-vtkSmartPointer<vtkPolyData> ShareSurface(
-  vtkPolyData* surface, vtkMultiProcessController* controller)
-{
-  if (!controller || controller->GetNumberOfProcesses() == 1)
-  {
-    return surface;
-  }
-  auto shared = vtkSmartPointer<vtkPolyData>::New();
-  if (controller->GetLocalProcessId() == 0 && surface)
-  {
-    shared->ShallowCopy(surface);
-  }
-  controller->Broadcast(shared, 0);
-  return shared;
 }
 
 std::string ToText(const palpate::ExplorationEstimate& estimate)
@@ -256,15 +240,10 @@ vtkMTimeType vtkPalpatePrecomputeStateSpace::GetMTime()
   return this->ToolRegion ? std::max(own, this->ToolRegion->GetMTime()) : own;
 }
 
-palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(
-  const palpate::Scene& scene, vtkPolyData* surface, vtkMultiProcessController* controller)
+palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* surface)
 {
-  vtkPalpateToolProperties properties{ this->Tool, this->ToolRadius, {}, this->ToolLength,
-    this->ContactThickness, this->ContactStiffness };
-  std::copy_n(this->ToolAxis, 3, properties.Axis);
   palpate::ContactOptions contact;
-  contact.tool = vtkPalpateRigidTool(properties,
-    this->Tool == vtkPalpateSurfaceTool ? ShareSurface(surface, controller).Get() : nullptr, scene);
+  contact.tool = vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface);
   contact.spacing = this->Spacing;
   contact.shell.depth = this->Depth;
   contact.most_configurations = this->MaximumConfigurations;
@@ -280,7 +259,7 @@ int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int port, vtkInform
 {
   if (port == 1)
   {
-    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+    vtkPalpateTakeWhole(info, "vtkPolyData");
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
     return 1;
   }
@@ -334,7 +313,9 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.ranks_per_solve = this->RanksPerSolve;
     if (this->Tool != vtkPalpateBondedNode)
     {
-      options.contact = this->Contact(scene, vtkPolyData::GetData(inputVector[1]), controller);
+      auto* surface = vtkPalpateInput<vtkPolyData>(inputVector[1]);
+      options.contact = this->Contact(
+        vtkPalpateShareSurface(vtkPalpateGatherSurface(surface, controller), controller));
       options.expects = [this](const palpate::ExplorationEstimate& estimate)
       {
         const std::string text = ToText(estimate);

@@ -34,13 +34,11 @@
 #include "vtkSmartPointer.h"
 
 class vtkImplicitFunction;
-class vtkMultiProcessController;
 class vtkPolyData;
 
 namespace palpate
 {
 struct ContactOptions;
-struct Scene;
 }
 
 class PALPATEFILTERS_EXPORT vtkPalpatePrecomputeStateSpace
@@ -236,8 +234,7 @@ private:
 
   std::vector<vtkIdType> ActiveNodes;
   /// What the properties of a rigid tool ask for.
-  palpate::ContactOptions Contact(
-    const palpate::Scene& scene, vtkPolyData* surface, vtkMultiProcessController* controller);
+  palpate::ContactOptions Contact(vtkPolyData* surface);
 
   double TipRadius = 0;
   int Tool = 0;

@@ -27,9 +27,17 @@ struct vtkPalpateToolProperties
   double Stiffness = 0;
 };
 
-/// The tool for a body, with what suits both where the thickness or stiffness of contact is 0.
+/// Those of a filter that has them.
+template <class Filter>
+vtkPalpateToolProperties vtkPalpateToolPropertiesOf(Filter& filter)
+{
+  const double* axis = filter.GetToolAxis();
+  return { filter.GetTool(), filter.GetToolRadius(), { axis[0], axis[1], axis[2] },
+    filter.GetToolLength(), filter.GetContactThickness(), filter.GetContactStiffness() };
+}
+
+/// The tool. What is 0 of its contact stays so, see palpate::with_defaults().
 /// @param surface Where the tool is one: its middle is the middle of the bounds.
-/// @throws palpate::InputError the tool is a surface, and that is missing or has other cells than
-///   triangles.
+/// @throws palpate::InputError the tool is a surface, and that is missing or none.
 palpate::RigidTool vtkPalpateRigidTool(
-  const vtkPalpateToolProperties& properties, vtkPolyData* surface, const palpate::Scene& scene);
+  const vtkPalpateToolProperties& properties, vtkPolyData* surface);

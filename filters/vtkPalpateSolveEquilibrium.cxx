@@ -25,6 +25,7 @@
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStress.h"
 #include "vtkPalpateWholeBody.h"
+#include "vtkPalpateWholeSurface.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkStringArray.h"
@@ -217,7 +218,7 @@ int vtkPalpateSolveEquilibrium::FillInputPortInformation(int port, vtkInformatio
 {
   if (port == 1)
   {
-    info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
+    vtkPalpateTakeWhole(info, "vtkPolyData");
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
     return 1;
   }
@@ -244,14 +245,16 @@ int vtkPalpateSolveEquilibrium::RequestData(
       {
         body =
           vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
+        const auto surface = this->Tool == vtkPalpateSurfaceTool
+          ? vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller)
+          : nullptr;
         if (!body || vtkPalpatePassFailure(body, output))
         {
           return;
         }
         scene = vtkPalpateSceneFromGrid(body);
-        route = this->Tool == vtkPalpateBondedNode
-          ? this->BondedRoute(*scene)
-          : this->ContactRoute(*scene, vtkPolyData::GetData(inputVector[1]));
+        route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
+                                                   : this->ContactRoute(*scene, surface);
       });
 
     const bool together =
@@ -301,12 +304,10 @@ vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
 }
 
 vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
-  const palpate::Scene& scene, vtkPolyData* surface) const
+  const palpate::Scene& scene, vtkPolyData* surface)
 {
-  vtkPalpateToolProperties properties{ this->Tool, this->ToolRadius, {}, this->ToolLength,
-    this->ContactThickness, this->ContactStiffness };
-  std::copy_n(this->ToolAxis, 3, properties.Axis);
-  const palpate::RigidTool tool = vtkPalpateRigidTool(properties, surface, scene);
+  const palpate::RigidTool tool =
+    palpate::with_defaults(vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface), scene);
   const palpate::RigidContact contact = palpate::make_contact(scene, tool);
   Route route;
   route.End = palpate::Vec3(this->ToolPosition);

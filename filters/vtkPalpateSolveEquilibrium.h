@@ -172,7 +172,7 @@ private:
   /// A tool, and where it starts and ends.
   struct Route;
   Route BondedRoute(const palpate::Scene& scene) const;
-  Route ContactRoute(const palpate::Scene& scene, vtkPolyData* surface) const;
+  Route ContactRoute(const palpate::Scene& scene, vtkPolyData* surface);
   void AddContact(
     const Route& route, const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
   void Solve(const palpate::Scene& scene, const Route& route,

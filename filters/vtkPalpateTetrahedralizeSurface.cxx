@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "vtkAppendPolyData.h"
 #include "vtkFieldData.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
@@ -20,6 +19,7 @@
 #include "vtkPalpateInput.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceRepair.h"
+#include "vtkPalpateWholeSurface.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
@@ -40,55 +40,6 @@ constexpr double MostTetrahedra = 2e7;
 struct Aborted
 {
 };
-
-/// Only what counts: points, polygons and strips that no other rank owns.
-vtkSmartPointer<vtkPolyData> OwnPiece(vtkPolyData* input)
-{
-  auto piece = vtkSmartPointer<vtkPolyData>::New();
-  if (!input)
-  {
-    return piece;
-  }
-  piece->ShallowCopy(input);
-  if (piece->HasAnyGhostCells())
-  {
-    piece->RemoveGhostCells();
-  }
-  auto structure = vtkSmartPointer<vtkPolyData>::New();
-  structure->CopyStructure(piece);
-  return structure;
-}
-
-/// The whole surface on rank 0, null elsewhere. @note Collective.
-vtkSmartPointer<vtkPolyData> Gather(vtkPolyData* input, vtkMultiProcessController* controller)
-{
-  auto piece = OwnPiece(input);
-  if (!controller || controller->GetNumberOfProcesses() == 1)
-  {
-    return piece;
-  }
-  std::vector<vtkSmartPointer<vtkDataObject>> pieces;
-  controller->Gather(piece, pieces, 0);
-  if (controller->GetLocalProcessId() != 0)
-  {
-    return nullptr;
-  }
-  vtkNew<vtkAppendPolyData> append;
-  for (const auto& received : pieces)
-  {
-    if (auto* part = vtkPolyData::SafeDownCast(received); part && part->GetNumberOfCells() > 0)
-    {
-      append->AddInputData(part);
-    }
-  }
-  if (append->GetNumberOfInputConnections(0) == 0)
-  {
-    return vtkSmartPointer<vtkPolyData>::New();
-  }
-  append->SetOutputPointsPrecision(vtkAlgorithm::DOUBLE_PRECISION);
-  append->Update();
-  return append->GetOutput();
-}
 
 void AddText(vtkDataObject* output, const char* name, const std::string& text)
 {
@@ -190,7 +141,8 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
     [&]
     {
       // Every rank goes through the same calls of the controller, whatever happens on rank 0.
-      const auto whole = Gather(vtkPalpateInput<vtkPolyData>(input[0]), this->Controller);
+      const auto whole =
+        vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(input[0]), this->Controller);
       if (!whole)
       {
         return;

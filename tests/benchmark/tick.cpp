@@ -45,8 +45,8 @@ class Wanderer final : public Transport {
  public:
   Wanderer(const Touchable& body, Clock& clock) : clock_(clock) {
     for (const Touchable::Node& node : body.nodes()) {
-      starts_.push_back(node.setup.interaction.material_point);
-      const SurfaceTree::Nearest at = body.surface().nearest(node.setup.interaction.material_point);
+      starts_.push_back(node.rest_position);
+      const SurfaceTree::Nearest at = body.surface().nearest(node.rest_position);
       inward_.push_back(-at.normal);
     }
   }

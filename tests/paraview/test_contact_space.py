@@ -7,11 +7,9 @@ import os
 import numpy
 from paraview import servermanager
 from paraview.simple import (AssignMaterial, EstimateError, PrecomputeStateSpace, SetBoundary,
-                             SolveEquilibrium, StateSpaceReader, TouchStateSpace)
-from support import box_body, expect_error, expect_silence, field, produce, source
+                             SolveEquilibrium, Sphere, StateSpaceReader, TouchStateSpace)
+from support import box_body, expect_error, expect_silence, field, source
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkFiltersCore import vtkTriangleFilter
-from vtkmodules.vtkFiltersSources import vtkSphereSource
 
 RADIUS = 0.04
 DEPTH = 0.01
@@ -114,16 +112,11 @@ def test_error_estimate():
 
 
 def test_surface():
-    sphere = vtkSphereSource()
-    sphere.SetRadius(RADIUS)
-    sphere.SetThetaResolution(48)
-    sphere.SetPhiResolution(24)
-    triangles = vtkTriangleFilter()
-    triangles.SetInputConnection(sphere.GetOutputPort())
-    triangles.Update()
+    # Each rank has a piece of it.
+    sphere = Sphere(Radius=RADIUS, ThetaResolution=48, PhiResolution=24)
     boundary = scene("contact_space_surface")
     of_sphere = rows(configurations(space_of(boundary)))
-    space = space_of(boundary, Tool="Surface", ToolSurface=produce(triangles.GetOutput()),
+    space = space_of(boundary, Tool="Surface", ToolSurface=sphere,
                      FileName="contact_surface.palpate")
     # Near the triangles that stand for the sphere it may be near a fold, which it says.
     found = configurations(space)
