@@ -19,7 +19,7 @@ void AddSurface(vtkPolyData* surface, palpate::RigidTool& tool)
   vtkBoundingBox box;
   for (const vtkPalpatePoint& point : whole.Points)
   {
-    box.AddPoint(point.data());
+    box.AddPoint(point[0], point[1], point[2]);
   }
   palpate::Vec3 middle;
   box.GetCenter(middle.data());

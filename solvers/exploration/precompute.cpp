@@ -140,11 +140,14 @@ ExplorationEstimate estimate_shell(const PrecomputeOptions& options, const Plann
       std::llround(more * static_cast<double>(estimate.num_configurations));
   estimate.num_free = std::llround(more * static_cast<double>(estimate.num_free));
   const auto number = static_cast<double>(estimate.num_configurations);
-  const double with_fields = 4 * 8 * static_cast<double>(assembly.state_size()) + kSummaryBytes;
+  // u and v, p and p_v; in a file of single precision.
+  const double numbers = 4 * static_cast<double>(assembly.state_size());
+  const double with_fields = numbers * sizeof(float) + kSummaryBytes;
   estimate.file_bytes =
       number * with_fields + kSummaryBytes * static_cast<double>(estimate.num_free);
-  estimate.bytes_per_rank = options.file.empty() ? estimate.file_bytes / num_ranks
-                                                 : number * sizeof(ConfigurationSummary);
+  estimate.bytes_per_rank =
+      number * (options.file.empty() ? (numbers * sizeof(double) + kSummaryBytes) / num_ranks
+                                     : sizeof(ConfigurationSummary));
   if (estimate.num_configurations > options.contact->most_configurations) {
     throw InputError(
         "The space would have about " + std::to_string(estimate.num_configurations) +

@@ -80,6 +80,24 @@ bool is_possible(const RigidTool& tool) {
          });
 }
 
+/// What a number of the fields takes, as the displacements of so many points tell.
+std::size_t bytes_of_number(const Fields& fields, std::int64_t num_points) {
+  const bool is_single =
+      num_points > 0 && fields[0].bytes == static_cast<std::size_t>(num_points) * 3 * sizeof(float);
+  return is_single ? sizeof(float) : sizeof(double);
+}
+
+template <class Number, class Field>
+void unpack(const void* data, std::size_t bytes, Field& field) {
+  field = Field();
+  if (bytes == 0) return;
+  constexpr Eigen::Index columns = Field::ColsAtCompileTime == 1 ? 1 : 3;
+  Eigen::Matrix<Number, Eigen::Dynamic, Field::ColsAtCompileTime> numbers(
+      static_cast<Eigen::Index>(bytes / sizeof(Number)) / columns, columns);
+  std::memcpy(numbers.data(), data, bytes);
+  field = numbers.template cast<double>();
+}
+
 }  // namespace
 
 Fields fields_of(const Configuration& configuration) {
@@ -92,6 +110,35 @@ Fields fields_of(const Configuration& configuration) {
   return fields;
 }
 
+SingleFields single_fields_of(const Configuration& configuration) {
+  SingleFields fields;
+  auto next = fields.begin();
+  for_each_field(configuration, [&](const auto& field) { *next++ = field.template cast<float>(); });
+  return fields;
+}
+
+Fields fields_of(const SingleFields& fields) {
+  Fields result;
+  std::transform(fields.begin(), fields.end(), result.begin(), [](const Eigen::MatrixXf& field) {
+    const auto size = static_cast<std::size_t>(field.size());
+    return sqlite::Statement::Blob{size == 0 ? nullptr : field.data(), size * sizeof(float)};
+  });
+  return result;
+}
+
+void set_fields(const Fields& fields, std::int64_t num_points, Configuration& configuration) {
+  const bool is_single = bytes_of_number(fields, num_points) == sizeof(float);
+  auto next = fields.begin();
+  for_each_field(configuration, [&](auto& field) {
+    const auto [data, bytes] = *next++;
+    if (is_single) {
+      unpack<float>(data, bytes, field);
+    } else {
+      unpack<double>(data, bytes, field);
+    }
+  });
+}
+
 std::int64_t checksum(const Fields& fields) {
   std::int64_t sum = 0;
   for (const auto& [data, bytes] : fields) sum = checksum_of(data, bytes, sum);
@@ -100,7 +147,7 @@ std::int64_t checksum(const Fields& fields) {
 
 std::int64_t checksum(const ToolSpace& space, Checked checked) {
   std::vector<std::int64_t> bits;
-  for_each_number_of_tool_space(space, Gather{bits}, checked == Checked::as_version_6);
+  for_each_number_of_tool_space(space, Gather{bits}, checked);
   return checksum_of(bits);
 }
 
@@ -185,11 +232,12 @@ bool is_possible(const TestPoint& point) {
 
 bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells) {
   const auto& [u, v, p, p_v] = fields;
-  const std::size_t of_points = static_cast<std::size_t>(num_points) * 3 * sizeof(double);
+  const std::size_t number = bytes_of_number(fields, num_points);
+  const std::size_t of_points = static_cast<std::size_t>(num_points) * 3 * number;
   // A mixed cell has a pressure at each of its corners, and may share them.
-  const std::size_t most_of_pressures = static_cast<std::size_t>(num_cells) * 4 * sizeof(double);
+  const std::size_t most_of_pressures = static_cast<std::size_t>(num_cells) * 4 * number;
   return (u.bytes == 0 || u.bytes == of_points) && (v.bytes == 0 || v.bytes == 3 * of_points) &&
-         p.bytes % sizeof(double) == 0 && p.bytes <= most_of_pressures && p_v.bytes == 3 * p.bytes;
+         p.bytes % number == 0 && p.bytes <= most_of_pressures && p_v.bytes == 3 * p.bytes;
 }
 
 std::string describe(const CheckPoint& c) {

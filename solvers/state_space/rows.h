@@ -22,12 +22,15 @@
 
 namespace palpate::rows {
 
-/// Calls visit for each number of a tool space; for a checksum of version 6, for those that files
-/// had then.
+/// Which numbers a checksum takes in. Files of earlier versions left some out, see schema.sql.h.
+enum class Checked { all, as_version_7, as_version_6, as_version_5 };
+
+/// Calls visit for each number of a tool space; for a checksum of an older version, for those that
+/// files had then.
 template <class Space, class Visit>
-void for_each_number_of_tool_space(Space& space, Visit&& visit, bool as_version_6 = false) {
+void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked = Checked::all) {
   auto& [id, interaction, grid, policy] = space.setup;
-  if (!as_version_6) {
+  if (checked <= Checked::as_version_7) {
     visit(id);
     visit(interaction.kind);
     visit(interaction.material_point);
@@ -44,7 +47,7 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, bool as_version_
   visit(policy.intermediate_states);
   visit(policy.third_derivatives);
   visit(space.complete);
-  if (as_version_6) return;
+  if (checked != Checked::all) return;
   auto& tool = interaction.tool;
   visit(tool.shape);
   visit(tool.radius);
@@ -192,10 +195,14 @@ struct Take {
 
 /// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
 using Fields = std::array<sqlite::Statement::Blob, 4>;
+/// In double precision.
 [[nodiscard]] Fields fields_of(const Configuration& configuration);
-
-/// Which numbers a checksum takes in. Files of earlier versions left some out, see schema.sql.h.
-enum class Checked { all, as_version_6, as_version_5 };
+/// The fields in single precision.
+using SingleFields = std::array<Eigen::MatrixXf, 4>;
+[[nodiscard]] SingleFields single_fields_of(const Configuration& configuration);
+[[nodiscard]] Fields fields_of(const SingleFields& fields);
+/// Gives a configuration fields of either precision. @param fields They fit, see fit().
+void set_fields(const Fields& fields, std::int64_t num_points, Configuration& configuration);
 
 [[nodiscard]] std::int64_t checksum(const Fields& fields);
 [[nodiscard]] std::int64_t checksum(const ToolSpace& space, Checked checked = Checked::all);
@@ -216,7 +223,7 @@ enum class Checked { all, as_version_6, as_version_5 };
 [[nodiscard]] bool is_possible(const Grid& grid, const LevelTransition& transition);
 [[nodiscard]] bool is_possible(const Grid& grid, const IntermediateState& state);
 [[nodiscard]] bool is_possible(const TestPoint& point);
-/// Whether the fields have the sizes that they have for such a body.
+/// Whether the fields have the sizes that they have for such a body, all in the same precision.
 [[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells);
 
 /// "(1, 0, −1)"

@@ -24,6 +24,20 @@ constexpr char kSite[] =
     "tolerance,tolerance_is_relative INTEGER NOT NULL,history INTEGER NOT NULL,intermediate_states "
     "INTEGER NOT NULL,third_derivatives INTEGER NOT NULL,complete INTEGER NOT NULL,"
     "checksum INTEGER,PRIMARY KEY(scene_id,active_node))";
+/// The table `tool_space` in version 7, which knew no rigid tool.
+constexpr char kToolSpaceOf7[] =
+    "CREATE TABLE tool_space(scene_id INTEGER NOT NULL REFERENCES scene,tool_space_id INTEGER NOT "
+    "NULL,interaction INTEGER NOT NULL,material_point BLOB NOT NULL,active_node INTEGER NOT NULL,"
+    "tip_radius,half_width,resolution INTEGER NOT NULL,force_limit,coarsest INTEGER NOT NULL,"
+    "tolerance,tolerance_is_relative INTEGER NOT NULL,history INTEGER NOT NULL,intermediate_states "
+    "INTEGER NOT NULL,third_derivatives INTEGER NOT NULL,complete INTEGER NOT NULL,"
+    "checksum INTEGER NOT NULL,PRIMARY KEY(scene_id,tool_space_id))";
+/// What it has since, for a tool that is bonded.
+constexpr char kNoRigidTool[] =
+    "0 AS tool_shape, 0.0 AS tool_radius, X'00000000000000000000000000000000000000000000F03F' AS "
+    "tool_axis, 0.0 AS tool_length, NULL AS tool_points, NULL AS tool_triangles, 0.0 AS "
+    "contact_thickness, 0.0 AS contact_stiffness, zeroblob(24) AS origin, 0 AS sparse, 0.0 AS "
+    "depth";
 /// What version 5 does not have, in the tables `scene` and `site`.
 constexpr char kChecksumColumn[] = "checksum INTEGER";
 /// The tables whose key has the number of a tool space, which was an active node before version 7.
@@ -73,6 +87,8 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
     if (version < 7 && name == "tool_space") {
       name = "site";
       statement = kSite;
+    } else if (version < 8 && name == "tool_space") {
+      statement = kToolSpaceOf7;
     } else if (version < 7) {
       statement = replaced(std::move(statement), kToolSpaceId, kActiveNode);
     }
@@ -136,20 +152,23 @@ std::int64_t check_schema(const Database& database) {
 
 void show_as_this_version(const Database& database, std::int64_t version) {
   if (version == kSchemaVersion) return;
+  if (version == 7) {
+    database.execute(std::string("CREATE TEMP VIEW tool_space AS SELECT rowid AS rowid, *, ") +
+                     kNoRigidTool + " FROM main.tool_space");
+    return;
+  }
   const std::string checksum = version < 6 ? "NULL AS checksum" : "checksum";
   // The material point is where the active node is at rest.
   database.execute(
-      "CREATE TEMP VIEW tool_space AS SELECT rowid AS rowid, scene_id, active_node AS "
-      "tool_space_id, "
-      "0 AS interaction, substr((SELECT points FROM main.scene AS s WHERE s.scene_id = "
-      "site.scene_id), 24 * active_node + 1, 24) AS material_point, active_node, tip_radius, "
-      "half_width, resolution, force_limit, coarsest, tolerance, tolerance_is_relative, history, "
-      "intermediate_states, third_derivatives, complete, 0 AS tool_shape, 0.0 AS tool_radius, "
-      "X'00000000000000000000000000000000000000000000F03F' AS tool_axis, 0.0 AS tool_length, NULL "
-      "AS tool_points, NULL AS tool_triangles, "
-      "0.0 AS contact_thickness, 0.0 AS contact_stiffness, zeroblob(24) AS origin, 0 AS sparse, "
-      "0.0 AS depth, " +
-      checksum + " FROM main.site");
+      std::string(
+          "CREATE TEMP VIEW tool_space AS SELECT rowid AS rowid, scene_id, active_node AS "
+          "tool_space_id, "
+          "0 AS interaction, substr((SELECT points FROM main.scene AS s WHERE s.scene_id = "
+          "site.scene_id), 24 * active_node + 1, 24) AS material_point, active_node, tip_radius, "
+          "half_width, resolution, force_limit, coarsest, tolerance, tolerance_is_relative, "
+          "history, "
+          "intermediate_states, third_derivatives, complete, ") +
+      kNoRigidTool + ", " + checksum + " FROM main.site");
   for (const std::string table : kTablesOfToolSpaces) {
     database.execute("CREATE TEMP VIEW " + table + " AS SELECT rowid AS rowid, *, " + kActiveNode +
                      " AS " + kToolSpaceId + " FROM main." + table);
@@ -167,11 +186,13 @@ void convert_schema(const Database& database, std::int64_t version) {
   if (version < 6) {
     database.execute(std::string("ALTER TABLE scene ADD COLUMN ") + kChecksumColumn);
   }
-  for (const std::string table : kTablesOfToolSpaces) {
-    database.execute("ALTER TABLE " + table + " RENAME COLUMN " + kActiveNode + " TO " +
-                     kToolSpaceId);
+  if (version < 7) {
+    for (const std::string table : kTablesOfToolSpaces) {
+      database.execute("ALTER TABLE " + table + " RENAME COLUMN " + kActiveNode + " TO " +
+                       kToolSpaceId);
+    }
   }
-  database.execute("DROP TABLE site");
+  database.execute(version < 7 ? "DROP TABLE site" : "DROP TABLE tool_space");
   database.execute(expected_tables(kSchemaVersion).at("tool_space"));
   database.execute("PRAGMA user_version = " + std::to_string(kSchemaVersion));
 }

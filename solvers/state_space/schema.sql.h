@@ -115,7 +115,8 @@ CREATE TABLE configuration (
                                       -- third_derivative, where there is one, and of checksum
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
                                       -- that of v, and so on for p and p_v
-  -- The fields: NULL where the transition failed, and where a rigid tool touches nothing.
+  -- The fields: NULL where the transition failed, and where a rigid tool touches nothing. Of a
+  -- rigid tool they are of single precision, float32.
   u           BLOB,                   -- float64 [num_points x 3], displacement, m
   v           BLOB,                   -- float64 [3 x num_points x 3], du/dt_x, du/dt_y, du/dt_z
   p           BLOB,                   -- float64 [num_pressures], of mixed cells, Pa; NULL also where

@@ -309,7 +309,8 @@ struct StateSpaceFile::Impl {
   [[nodiscard]] const fs::path& path() const { return database.path(); }
   [[nodiscard]] rows::Checked checked() const {
     if (version < 6) return rows::Checked::as_version_5;
-    return version < 7 ? rows::Checked::as_version_6 : rows::Checked::all;
+    if (version < 7) return rows::Checked::as_version_6;
+    return version < 8 ? rows::Checked::as_version_7 : rows::Checked::all;
   }
   /// Whether a scene and a tool space have a checksum.
   [[nodiscard]] bool has_checksums() const { return version >= 6; }
@@ -874,7 +875,11 @@ void StateSpaceFile::add(ToolSpaceId tool_space, const Configuration& configurat
 }
 
 void StateSpaceFile::add_alone(ToolSpaceId tool_space, const Configuration& configuration) {
-  const rows::Fields fields = rows::fields_of(configuration);
+  // Of a rigid tool there are many; they are displayed and solved on from.
+  rows::SingleFields single;
+  const bool is_single = tool_space == kContactToolSpace;
+  if (is_single) single = rows::single_fields_of(configuration);
+  const rows::Fields fields = is_single ? rows::fields_of(single) : rows::fields_of(configuration);
   if (!rows::fit(fields, impl_->num_points, impl_->num_cells)) {
     throw InputError("Configuration " + rows::describe(configuration.check_point) + " of " +
                      name_of(tool_space) + " has fields of another size than the " +
@@ -1070,16 +1075,7 @@ bool StateSpaceFile::read_fields(ToolSpaceId tool_space, Configuration& configur
     if (sound && rows::fit(fields, impl_->num_points, impl_->num_cells) &&
         rows::checksum(fields) == of_fields &&
         rows::checksum(tool_space, summary, of_fields, impl_->checked()) == of_summary) {
-      auto field = fields.begin();
-      for_each_field(configuration, [&](auto& values) {
-        const auto [data, bytes] = *field++;
-        using Field = std::decay_t<decltype(values)>;
-        values = Field();
-        if (bytes == 0) return;
-        constexpr Eigen::Index columns = Field::ColsAtCompileTime == 1 ? 1 : 3;
-        values.resize(static_cast<Eigen::Index>(bytes / sizeof(double)) / columns, columns);
-        std::memcpy(values.data(), data, bytes);
-      });
+      rows::set_fields(fields, impl_->num_points, configuration);
       return true;
     }
   } catch (const InputError&) {

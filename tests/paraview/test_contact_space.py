@@ -93,7 +93,7 @@ def test_file():
     # What touches nothing takes hardly any room.
     num_points = 9 * 5 * 5
     num_solved = (in_memory[:, -1].astype(int) & TOUCHES_NOTHING == 0).sum()
-    assert os.path.getsize("contact_space.palpate") < 1.5 * 96 * num_points * num_solved + 4e5
+    assert os.path.getsize("contact_space.palpate") < 1.5 * 48 * num_points * num_solved + 4e5
     # Another region and a tolerance go on from there.
     wider = space_of(boundary, FileName="contact_space.palpate", RegionRadius=0.045)
     found = expect_silence(lambda: configurations(wider))

@@ -14,6 +14,7 @@
 #include "solvers/state_space/example_space.h"
 #include "state_space/field_cache.h"
 #include "state_space/rows.h"
+#include "state_space/schema.h"
 #include "state_space/sqlite.h"
 #include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
@@ -433,7 +434,7 @@ class OlderVersionTest : public DamageTest, public testing::WithParamInterface<i
 
   const Scene small_scene_ = test::cube_scene(1, ElementOrder::linear);
 };
-INSTANTIATE_TEST_SUITE_P(Each, OlderVersionTest, testing::Values(5, 6),
+INSTANTIATE_TEST_SUITE_P(Each, OlderVersionTest, testing::Values(5, 6, 7),
                          [](const auto& version) { return std::to_string(version.param); });
 
 TEST_P(OlderVersionTest, IsRead) {
@@ -450,7 +451,7 @@ TEST_P(OlderVersionTest, IsResumed) {
     expect_whole(file);
     file.close();
   }
-  EXPECT_EQ(version(), 7);
+  EXPECT_EQ(version(), kSchemaVersion);
   expect_whole(StateSpaceFile::open_read_only(path_));
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
   ToolSpaceSetup tool_space = file.read_tool_spaces()[0].setup;
@@ -472,8 +473,9 @@ TEST_P(OlderVersionTest, IsMerged) {
 }
 
 TEST_P(OlderVersionTest, KeepsItsDamage) {
-  change("UPDATE configuration SET energy = 7 WHERE active_node = 3 AND i = -1 AND j = 0");
-  change("UPDATE configuration SET u = zeroblob(length(u)) WHERE active_node = 5 AND i = 1");
+  const std::string node = GetParam() < 7 ? "active_node" : "tool_space_id";
+  change("UPDATE configuration SET energy = 7 WHERE " + node + " = 3 AND i = -1 AND j = 0");
+  change("UPDATE configuration SET u = zeroblob(length(u)) WHERE " + node + " = 5 AND i = 1");
   StateSpaceFile file = StateSpaceFile::open_to_append(path_, small_scene_, kTolerance);
   EXPECT_EQ(file.remove_damaged(),
             (std::vector<std::string>{"configuration (-1, 0, 0) of active node 3",

@@ -214,6 +214,58 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   EXPECT_EQ(summaries[0].u.size(), 0);
 }
 
+// Those of a rigid tool have fields of single precision, and none where it touches nothing.
+TEST_F(StateSpaceFileTest, KeepsTheSpaceOfARigidTool) {
+  ToolSpaceSetup setup;
+  setup.id = kContactToolSpace;
+  RigidTool tool;
+  tool.shape = ToolShape::surface;
+  tool.points = {{0, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {0, 0, 1.0 / 30}};
+  tool.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  tool.law = {0.002, 1e4};
+  setup.interaction = rigid_contact_spec(tool);
+  setup.grid = {0.08, 17, 2, Vec3(0.05, 0.04, 1.0 / 30), true};
+  setup.policy.depth = 0.007;
+  setup.policy.tolerance = 0.01;
+  setup.policy.tolerance_is_relative = true;
+  Configuration touching = example_configuration(scene_, setup, {-2, 0, 4});
+  touching.t = setup.grid.place(touching.check_point);
+  touching.p = Eigen::VectorXd::LinSpaced(7, -1, 1);
+  touching.p_v = Eigen::MatrixXd::Random(7, 3);
+  Configuration free;
+  free.check_point = {2, 0, 4};
+  free.t = setup.grid.place(free.check_point);
+  free.outcome = Outcome::converged;
+  free.flags = flags::touches_nothing;
+  {
+    StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
+    file.add_tool_space(setup);
+    file.add(setup.id, touching);
+    file.add(setup.id, free);
+    file.close();
+  }
+  const auto expect_there = [&](const StateSpaceFile& file) {
+    const StateSpace space = file.read(true);
+    ASSERT_EQ(space.tool_spaces.size(), 1U);
+    EXPECT_TRUE(space.tool_spaces[0].setup == setup);
+    ASSERT_EQ(space.tool_spaces[0].configurations.size(), 2U);
+    const Configuration& first = space.tool_spaces[0].configurations[0];
+    EXPECT_EQ(first.force, touching.force);
+    EXPECT_EQ(first.u, touching.u.cast<float>().cast<double>());
+    EXPECT_EQ(first.v, touching.v.cast<float>().cast<double>());
+    EXPECT_EQ(first.p, touching.p.cast<float>().cast<double>());
+    EXPECT_EQ(first.p_v, touching.p_v.cast<float>().cast<double>());
+    const Configuration& second = space.tool_spaces[0].configurations[1];
+    EXPECT_EQ(second.flags, flags::touches_nothing);
+    EXPECT_EQ(second.u.size() + second.v.size() + second.p.size() + second.p_v.size(), 0);
+    EXPECT_TRUE(file.left_out().empty());
+  };
+  expect_there(StateSpaceFile::open_read_only(path_));
+  StateSpaceFile merged = StateSpaceFile::create(folder_ / "b.palpate", scene_, kTolerance);
+  EXPECT_TRUE(merged.merge(path_).empty());
+  expect_there(merged);
+}
+
 TEST_F(StateSpaceFileTest, KeepsTheCellsAndToleranceOfAToolSpace) {
   ToolSpaceSetup adaptive = example_setup(26, 129);
   adaptive.grid.coarsest = 64;
@@ -613,8 +665,8 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0\10", 4));  // user_version
-  expect_mentions(message_of<InputError>(open), {"version 8", "newer"});
+  poke(60, std::string("\0\0\0\11", 4));  // user_version
+  expect_mentions(message_of<InputError>(open), {"version 9", "newer"});
   for (char older : {'\1', '\2', '\3', '\4'}) {
     poke(60, std::string("\0\0\0", 3) + older);
     expect_mentions(message_of<InputError>(open),
