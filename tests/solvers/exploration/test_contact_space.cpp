@@ -38,6 +38,23 @@ void expect_equal(const TouchToolSpace& a, const TouchToolSpace& b) {
   }
 }
 
+/// The same configurations were found, from starts of which one's were read from a file: there they
+/// are of single precision, so that the solver ends within its tolerance of the same.
+void expect_found_alike(const TouchToolSpace& a, const TouchToolSpace& b) {
+  constexpr double kAgreement = 1e-8;
+  ASSERT_EQ(a.configurations.size(), b.configurations.size());
+  const double largest = largest_force(a.configurations);
+  for (std::size_t i = 0; i < a.configurations.size(); ++i) {
+    const ConfigurationSummary& c = a.configurations[i];
+    const ConfigurationSummary& d = b.configurations[i];
+    EXPECT_EQ(c.check_point, d.check_point);
+    EXPECT_EQ(c.parent, d.parent);
+    EXPECT_EQ(c.outcome, d.outcome);
+    EXPECT_LE((c.force - d.force).norm(), kAgreement * largest);
+    EXPECT_LE((c.stiffness - d.stiffness).norm(), 100 * kAgreement * c.stiffness.norm());
+  }
+}
+
 /// A block that is held at one end and pressed at the other.
 class ContactSpace : public testing::Test {
  protected:
@@ -151,8 +168,8 @@ TEST_F(ContactSpace, GoesOnFromItsFile) {
   const PrecomputeResult again = run(*world_);
   EXPECT_EQ(again.report.num_solved, 0);
   if (world_->rank() == 0) {
-    expect_equal(rest.space.tool_spaces[0], whole.space.tool_spaces[0]);
-    expect_equal(again.space.tool_spaces[0], whole.space.tool_spaces[0]);
+    expect_found_alike(rest.space.tool_spaces[0], whole.space.tool_spaces[0]);
+    expect_equal(again.space.tool_spaces[0], rest.space.tool_spaces[0]);
   }
 }
 
@@ -172,7 +189,7 @@ TEST_F(ContactSpace, IsRefinedToATolerance) {
   const PrecomputeResult completed = run(*world_);
   EXPECT_EQ(completed.report.num_solved + completed.report.num_reused, fine.report.num_solved);
   if (world_->rank() == 0) {
-    expect_equal(completed.space.tool_spaces[0], fine.space.tool_spaces[0]);
+    expect_found_alike(completed.space.tool_spaces[0], fine.space.tool_spaces[0]);
   }
 }
 
