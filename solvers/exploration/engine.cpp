@@ -242,7 +242,7 @@ void Engine::hear(ToolSpaceId tool_space, const Question& question, Mail& mail) 
         answer.beyond_limit = ended->second;
         ask(tool_space, target, answer, mail);
       } else if (held != owned.held.end()) {
-        send(tool_space, held->second, {question.target}, mail);
+        wanted_[{tool_space, start}].push_back(question.target);
       } else {
         owned.waiting[start].push_back(question.target);
       }
@@ -254,6 +254,13 @@ void Engine::hear(ToolSpaceId tool_space, const Question& question, Mail& mail) 
     case Question::Kind::offer:
       owned.strategy->offer(target, start);
       return hand_out(tool_space, mail);
+  }
+}
+
+void Engine::send_wanted(Mail& mail) {
+  for (const auto& [of, targets] : std::exchange(wanted_, {})) {
+    const auto& [tool_space, start] = of;
+    send(tool_space, owned_.at(tool_space).held.at({tool_space, start, 0}), targets, mail);
   }
 }
 
@@ -428,11 +435,14 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
   for (auto& [holder, message] : to_holders) mail.send(holder, message.take());
 }
 
-bool Engine::has_work() const { return !to_recall_.empty() || !batches_.empty(); }
+bool Engine::has_work() const {
+  return !to_recall_.empty() || !wanted_.empty() || !batches_.empty();
+}
 
 void Engine::work(Mail& mail) {
   tell();
   if (!to_recall_.empty()) return recall_some(mail);
+  if (!wanted_.empty()) return send_wanted(mail);
   current_ = std::move(batches_.back());
   batches_.pop_back();
   const ToolSpaceId id = current_->tool_space;
@@ -583,6 +593,7 @@ void Engine::take(const Bytes& tasks, Mail& /*mail*/) {
 
 void Engine::discard() {
   to_recall_.clear();
+  wanted_.clear();
   batches_.clear();
 }
 

@@ -126,6 +126,8 @@ class Engine final : public Worker {
                 bool is_recalled, Mail& mail);
   void ask(ToolSpaceId tool_space, const CheckPoint& of, const Question& question, Mail& mail);
   void hear(ToolSpaceId tool_space, const Question& question, Mail& mail);
+  /// Sends what is wanted from starts that are known, a batch for each start.
+  void send_wanted(Mail& mail);
   /// Has transitions from a start made by the rank that has it.
   void send(ToolSpaceId tool_space, const Held& start, const std::vector<Target>& targets,
             Mail& mail);
@@ -165,6 +167,9 @@ class Engine final : public Worker {
   std::unique_ptr<Known> known_;
   /// The targets that were given up here without any transition.
   std::int64_t num_not_reached_ = 0;
+  /// What is wanted from starts that are known here, by start: it is sent together, so that a start
+  /// is factorised once.
+  std::map<std::pair<ToolSpaceId, CheckPoint>, std::vector<Target>> wanted_;
   /// The last one is worked on next; those in front are given away.
   std::deque<Batch> batches_;
   /// The batch whose transition is being made.

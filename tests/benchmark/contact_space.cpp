@@ -41,6 +41,7 @@
 #include "exploration/transfer.h"
 #include "interpolation/error_estimate.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/passivity_figures.h"
 #include "mesh/surface_tree.h"
 #include "schedule/mpi_communicator.h"
 #include "state_space/state_space_file.h"
@@ -173,6 +174,26 @@ class Estimates {
   Grid grid_;
   std::map<Cell, double> errors_;
 };
+
+void print_estimates(const TouchToolSpace& space) {
+  if (space.configurations.empty()) return;
+  const PassivityFigures figures = passivity_figures(space);
+  const double largest = figures.largest_force;
+  std::printf(
+      "\nLargest force of a configuration %.4f N; attraction %.4f %% of it, jump of the energy "
+      "between branches %.2e J\n\n| estimate above, %% | cells |\n|---|---|\n",
+      largest, 100 * figures.attraction / largest, figures.energy_jump);
+  const std::vector<CellEstimate> estimates =
+      estimate_errors(space.setup.grid, space.configurations, space.clearance);
+  std::printf("| 0 | %zu |\n", estimates.size());
+  for (const double share : {0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05}) {
+    const auto count =
+        std::count_if(estimates.begin(), estimates.end(),
+                      [&](const CellEstimate& e) { return e.error > share * largest; });
+    std::printf("| %.2f | %lld |\n", 100 * share, static_cast<long long>(count));
+  }
+  std::fflush(stdout);
+}
 
 /// A configuration with its fields as an equilibrium to start from.
 Equilibrium as_start(const Configuration& c) {
@@ -385,9 +406,11 @@ void measure(const Arguments& arguments, Communicator& world) {
   const auto clearance = tools.clearance(spec);
   const std::unique_ptr<Interaction> contact = tools.make(spec);
   solver.set_interaction(*contact);
+  const TouchToolSpace& space = result.space.tool_spaces.front();
+  if (world.rank() == 0) print_estimates(space);
   const int num_newton = static_cast<int>(arguments.number("newton"));
   if (num_newton > 0 && world.rank() == 0) {
-    print_newton(options, scene, *contact, result.space.tool_spaces.front(), num_newton);
+    print_newton(options, scene, *contact, space, num_newton);
   }
   const int num_tests = static_cast<int>(arguments.number("tests"));
   if (num_tests == 0) return;
@@ -422,7 +445,6 @@ void measure(const Arguments& arguments, Communicator& world) {
   }
   gather(tests, world);
   if (world.rank() != 0) return;
-  const TouchToolSpace& space = result.space.tool_spaces.front();
   const auto interpolator =
       make_interpolator(static_cast<Method>(std::lround(arguments.number("method"))), space);
   const Estimates estimates(space);
@@ -477,10 +499,12 @@ void measure(const Arguments& arguments, Communicator& world) {
       "exact, N | interpolated, N | from the nearest, N | why | place, m |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::map<std::string, int> reasons;
+  std::vector<double> on_one_branch;
   for (std::size_t i = 0; i < tests.size(); ++i) {
     const Test& t = tests[i];
     const bool is_large = t.error() > 0.01 * largest;
-    if (i >= 20 && (!is_large || options.file.empty())) break;
+    if (!is_large || options.file.empty()) on_one_branch.push_back(t.error());
+    if (i >= 20 && (!is_large || options.file.empty())) continue;
     Vec3 from_nearest = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
     std::string why;
     if (is_large && !options.file.empty()) {
@@ -490,6 +514,7 @@ void measure(const Arguments& arguments, Communicator& world) {
       if (t.support != Support::inside) why += "marked ";
       if (!(t.estimate < 0.01 * largest)) why += "told ";
       ++reasons[why.empty() ? "unknown" : why];
+      if (why.empty()) on_one_branch.push_back(t.error());
     }
     if (i >= 40) continue;
     std::printf(
@@ -499,6 +524,8 @@ void measure(const Arguments& arguments, Communicator& world) {
         t.interpolated.norm(), from_nearest.norm(), why.c_str(), t.place[0], t.place[1],
         t.place[2]);
   }
+  std::printf("\n");
+  print_errors("not explained", on_one_branch, largest);
   for (const auto& [why, count] : reasons) {
     std::printf("\n%d above 1 %%: %s\n", count, why.c_str());
   }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far the exploration of many active nodes would scale: the engine explores on 1 … 4096
-// simulated ranks, with the configurations of a recorded space and the time that each took in place
-// of the mechanics. Prints a Markdown table. Beside it are the floor (no rank is ever idle, or the
-// longest way from rest takes longer) and, for the same configurations, a fixed share of the active
-// nodes and a master that hands out the transitions; efficiencies in %.
+// How far the exploration of many active nodes, or of one space of a rigid tool, would scale: the
+// engine explores on 1 … 4096 simulated ranks, with the configurations of a recorded space and the
+// time that each took in place of the mechanics. Prints a Markdown table. Beside it are the floor
+// (no rank is ever idle, or the longest way from rest takes longer) and, for the same
+// configurations, a fixed share of the tool spaces and a master that hands out the transitions;
+// efficiencies in %.
 //
-//   palpate_benchmark_schedule_simulation <factorisation, s> <active nodes> space.palpate …
+//   palpate_benchmark_schedule_simulation <factorisation, s> <tool spaces> space.palpate …
 //
-// The factorisation is that of a start which another rank has made already. Each active node
+// The factorisation is that of a start which another rank has made already. Each tool space
 // behaves as one that is drawn from the recorded ones. Of several recordings of the same space each
 // configuration has its least time: on a machine that is not quiet that is nearest to its cost.
 #include <algorithm>
@@ -37,20 +38,20 @@ constexpr int kRanks[] = {1, 4, 16, 64, 256, 1024, 4096};
 constexpr int kColumns = 4;
 constexpr unsigned kSeed = 1;
 
-/// @throws InputError recordings of one active node that differ.
+/// @throws InputError recordings of one tool space that differ.
 std::vector<Recording> read_recordings(const std::vector<std::string>& paths) {
-  std::map<Index, Recording> recordings;
+  std::map<ToolSpaceId, Recording> recordings;
   for (const std::string& path : paths) {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path);
     for (const ToolSpace& space : file.read_tool_spaces()) {
-      const Index node = space.setup.interaction.active_node;
-      const std::vector<Configuration> all = file.read_summaries(node);
+      const ToolSpaceId id = space.setup.id;
+      const std::vector<Configuration> all = file.read_summaries(id);
       const auto [here, is_new] =
-          recordings.emplace(node, Recording{space.setup, {all.begin(), all.end()}});
+          recordings.emplace(id, Recording{space.setup, {all.begin(), all.end()}});
       if (is_new) continue;
       std::vector<ConfigurationSummary>& known = here->second.configurations;
       if (!(here->second.setup == space.setup) || known.size() != all.size()) {
-        throw InputError(path + " has another space around active node " + std::to_string(node) +
+        throw InputError(path + " has another space of " + space.setup.name() +
                          " than the file before it.");
       }
       for (std::size_t c = 0; c < all.size(); ++c) {
@@ -58,42 +59,43 @@ std::vector<Recording> read_recordings(const std::vector<std::string>& paths) {
       }
     }
   }
-  if (recordings.empty()) throw InputError("The files have no active node.");
+  if (recordings.empty()) throw InputError("The files have no tool space.");
   std::vector<Recording> all;
-  for (const auto& [node, recording] : recordings) all.push_back(recording);
+  for (const auto& [id, recording] : recordings) all.push_back(recording);
   return all;
 }
 
-/// Each configuration behind the one that it was found from; rest is the first.
+/// Each configuration behind the one that it was found from; the first, which takes no time, before
+/// those that were found from none.
 TaskTree to_tree(const Recording& recording) {
   std::map<CheckPoint, std::vector<const ConfigurationSummary*>> children;
-  TaskTree tree;
-  const CheckPoint rest{};
+  TaskTree tree{{0}, {-1}};
+  std::vector<CheckPoint> found{{}};
+  const auto add = [&](const ConfigurationSummary& c, std::size_t parent) {
+    found.push_back(c.check_point);
+    tree.seconds.push_back(c.seconds);
+    tree.parent.push_back(static_cast<int>(parent));
+  };
   for (const ConfigurationSummary& c : recording.configurations) {
-    if (c.check_point == rest) {
-      tree = {{c.seconds}, {-1}};
+    if (c.check_point == c.parent) {
+      add(c, 0);
     } else {
       children[c.parent].push_back(&c);
     }
   }
-  std::vector<CheckPoint> found{rest};
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    for (const ConfigurationSummary* c : children[found[i]]) {
-      found.push_back(c->check_point);
-      tree.seconds.push_back(c->seconds);
-      tree.parent.push_back(static_cast<int>(i));
-    }
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    for (const ConfigurationSummary* c : children[found[i]]) add(*c, i);
   }
   return tree;
 }
 
-void print_table(double factorisation_seconds, int num_sites,
+void print_table(double factorisation_seconds, int num_spaces,
                  const std::vector<std::string>& paths) {
   const std::vector<Recording> recordings = read_recordings(paths);
   Forest forest;
   for (const Recording& recording : recordings) forest.trees.push_back(to_tree(recording));
   std::mt19937 random(kSeed);
-  for (int i = 0; i < num_sites; ++i) {
+  for (int i = 0; i < num_spaces; ++i) {
     forest.tree_of_site.push_back(static_cast<int>(random() % recordings.size()));
   }
   const StateSpaceFile file = StateSpaceFile::open_read_only(paths.front());
@@ -104,9 +106,9 @@ void print_table(double factorisation_seconds, int num_sites,
   of_master.state_bytes = options.state_bytes;
   of_master.start_seconds = factorisation_seconds;
   std::printf(
-      "%d active nodes, %lld configurations, %.0f s of work, longest way %.3g s, state %.0f "
+      "%d tool spaces, %lld configurations, %.0f s of work, longest way %.3g s, state %.0f "
       "kB\n\n",
-      num_sites, static_cast<long long>(forest.num_tasks()), forest.work(), forest.critical_path(),
+      num_spaces, static_cast<long long>(forest.num_tasks()), forest.work(), forest.critical_path(),
       1e-3 * static_cast<double>(options.state_bytes));
   std::printf(
       "| ranks | s | floor, s | engine | fixed share | master | shares | factors made again | "
@@ -139,7 +141,7 @@ void print_table(double factorisation_seconds, int num_sites,
 int main(int argc, char** argv) {
   if (argc < 4) {
     std::printf(
-        "Give the time of a factorisation, the number of active nodes and recorded spaces: "
+        "Give the time of a factorisation, the number of tool spaces and recorded spaces: "
         "%s 0.025 1000 space.palpate …\n",
         argv[0]);
     return EXIT_FAILURE;
