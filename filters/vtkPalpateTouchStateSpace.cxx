@@ -50,15 +50,7 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
   {
     throw palpate::InputError("The state space has no active node. Compute it again.");
   }
-  const auto isBonded = [](const TouchToolSpace& toolSpace)
-  { return !toolSpace.setup.interaction.is_contact(); };
-  if (!std::all_of(space.tool_spaces.begin(), space.tool_spaces.end(), isBonded))
-  {
-    throw palpate::InputError("The state space is that of a rigid tool, which this filter does not "
-                              "move. Give it a space of active nodes, or press the body with the "
-                              "tool by Solve Equilibrium.");
-  }
-  if (node == -1)
+  if (node == -1 || space.tool_spaces.front().setup.interaction.is_contact())
   {
     return space.tool_spaces.front();
   }
@@ -92,6 +84,29 @@ void AddVector(vtkDataObject* output, const char* name, int components, const do
   output->GetFieldData()->AddArray(array);
 }
 
+void AddInteger(vtkDataObject* output, const char* name, int value)
+{
+  vtkNew<vtkIntArray> array;
+  array->SetName(name);
+  array->InsertNextValue(value);
+  output->GetFieldData()->AddArray(array);
+}
+
+/// The displacement of the surface by the modes of the space [3 x points], m.
+Eigen::VectorXf BySurfaceModes(
+  const TouchSpace& space, const palpate::DisplayField& field, const palpate::Vec3& t)
+{
+  Eigen::VectorXf coefficients(field.num_modes());
+  if (field.coefficients(t, coefficients.data()) == palpate::Support::none ||
+    !coefficients.allFinite())
+  {
+    coefficients.setZero();
+  }
+  Eigen::VectorXf u(3 * static_cast<Eigen::Index>(space.surface.num_points()));
+  palpate::apply_modes(space.modes, coefficients.data(), u.data());
+  return u;
+}
+
 /// What takes more than the surface.
 struct WholeBodyOf
 {
@@ -100,19 +115,30 @@ struct WholeBodyOf
   {
     if (space.file.empty())
     {
-      throw palpate::InputError("Stress and the whole body need the displacement of every point, "
-                                "which is kept in a file alone: give Precompute State Space a "
-                                "FileName.");
+      throw palpate::InputError("Stress, the whole body and what a rigid tool does to the surface "
+                                "need the displacement of every point, which is kept in a file "
+                                "alone: give Precompute State Space a FileName.");
     }
     this->Scene = this->Fields.read_scene();
     this->Rest = vtkPalpateGridFromScene(this->Scene);
+    const palpate::InteractionSpec& interaction = space.tool_spaces.front().setup.interaction;
+    if (interaction.is_contact())
+    {
+      this->Contact.emplace(palpate::make_contact(this->Scene, interaction.tool));
+    }
   }
 
   palpate::FieldCache Fields;
   palpate::Scene Scene;
   vtkSmartPointer<vtkUnstructuredGrid> Rest;
+  /// Of a rigid tool.
+  std::optional<palpate::RigidContact> Contact;
   /// Made when stress is first asked for.
   std::optional<palpate::Assembly> Assembly;
+  /// Where it is displaced to: of every point [3 x points], m, and of mixed cells their pressures,
+  /// Pa.
+  palpate::NodalVector Displacement;
+  palpate::NodalVector Pressure;
 };
 }
 
@@ -146,16 +172,15 @@ struct vtkPalpateTouchStateSpace::Prepared
   Branch& Find(const TouchToolSpace& toolSpace, const palpate::Vec3& start, int startBranch,
     const palpate::Vec3& t, int branch)
   {
-    this->Node = toolSpace.setup.interaction.active_node;
+    this->Node = toolSpace.setup.id;
     const palpate::SolutionBranches& branches =
       this->BranchesOfNode.try_emplace(this->Node, toolSpace).first->second;
     for (const int given : { startBranch, branch })
     {
       if (given < -1 || given >= branches.size())
       {
-        throw palpate::InputError("There is no branch " + std::to_string(given) +
-          " at active node " + std::to_string(this->Node) + ": it has " +
-          std::to_string(branches.size()) +
+        throw palpate::InputError("There is no branch " + std::to_string(given) + " of " +
+          toolSpace.setup.name() + ": it has " + std::to_string(branches.size()) +
           ", counted from 0. Choose one of them, or -1, with which the body finds its own.");
       }
     }
@@ -170,8 +195,8 @@ struct vtkPalpateTouchStateSpace::Prepared
   /// What of the tool space is on a branch; its parts hold all they need of it.
   [[nodiscard]] TouchToolSpace SiteOnBranch(const TouchToolSpace& toolSpace, int branch) const
   {
-    return palpate::restricted(toolSpace,
-      this->BranchesOfNode.at(toolSpace.setup.interaction.active_node).configurations(branch));
+    return palpate::restricted(
+      toolSpace, this->BranchesOfNode.at(toolSpace.setup.id).configurations(branch));
   }
 };
 
@@ -196,7 +221,7 @@ int vtkPalpateTouchStateSpace::FillOutputPortInformation(int port, vtkInformatio
   return 1;
 }
 
-void vtkPalpateTouchStateSpace::AddWholeBody(vtkPolyData* surface, vtkUnstructuredGrid* body)
+void vtkPalpateTouchStateSpace::FindWholeBody(const TouchToolSpace& toolSpace, const double t[3])
 {
   Prepared& cache = *this->Cache;
   if (!cache.Whole)
@@ -207,16 +232,33 @@ void vtkPalpateTouchStateSpace::AddWholeBody(vtkPolyData* surface, vtkUnstructur
   auto& field = cache.Branches[{ cache.Node, cache.OnBranch }].BodyField;
   if (!field)
   {
-    field = std::make_unique<palpate::BodyField>(
-      cache.SiteOnBranch(*cache.Space.find(static_cast<Index>(cache.Node)), cache.OnBranch));
+    field = std::make_unique<palpate::BodyField>(cache.SiteOnBranch(toolSpace, cache.OnBranch));
   }
-  palpate::NodalVector u;
-  palpate::NodalVector p;
-  field->evaluate(palpate::Vec3(this->Displacement), whole.Fields, u, p);
-  const palpate::TetMesh& mesh = whole.Scene.mesh;
-  if (u.size() == 0)
+  field->evaluate(palpate::Vec3(t), whole.Fields, whole.Displacement, whole.Pressure);
+  if (whole.Displacement.size() == 0)
   {
-    u.setZero(3 * static_cast<Eigen::Index>(mesh.num_points()));
+    whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Scene.mesh.num_points()));
+  }
+}
+
+void vtkPalpateTouchStateSpace::AddWholeBody(
+  const double t[3], vtkPolyData* surface, vtkUnstructuredGrid* body)
+{
+  Prepared& cache = *this->Cache;
+  WholeBodyOf& whole = *cache.Whole;
+  const palpate::NodalVector& u = whole.Displacement;
+  const palpate::TetMesh& mesh = whole.Scene.mesh;
+  if (whole.Contact)
+  {
+    const palpate::RigidContact::Patch patch = whole.Contact->patch(palpate::Vec3(t), u);
+    vtkNew<vtkDoubleArray> pressure;
+    pressure->SetName("ContactPressure");
+    for (const Index point : cache.Space.surface.mesh_points)
+    {
+      pressure->InsertNextValue(patch.pressure[static_cast<std::size_t>(point)]);
+    }
+    surface->GetPointData()->AddArray(pressure);
+    AddVector(surface, "ContactArea", 1, &patch.area);
   }
   if (this->WholeBody)
   {
@@ -239,7 +281,8 @@ void vtkPalpateTouchStateSpace::AddWholeBody(vtkPolyData* surface, vtkUnstructur
     {
       whole.Assembly.emplace(whole.Scene);
     }
-    const palpate::BodyStress stress = palpate::find_stress(*whole.Assembly, mesh, u, p);
+    const palpate::BodyStress stress =
+      palpate::find_stress(*whole.Assembly, mesh, u, whole.Pressure);
     vtkPalpateAddStress(
       stress.at_points, surface->GetPointData(), &cache.Space.surface.mesh_points);
     if (this->WholeBody)
@@ -284,10 +327,11 @@ int vtkPalpateTouchStateSpace::RequestData(
 
       const TouchSpace& space = this->Cache->Space;
       const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
-      const vtkIdType node = toolSpace.setup.interaction.active_node;
-      const palpate::Vec3 t(this->Displacement);
-      Prepared::Branch& branch = this->Cache->Find(
-        toolSpace, palpate::Vec3(this->StartDisplacement), this->StartBranch, t, this->Branch);
+      const bool isContact = toolSpace.setup.interaction.is_contact();
+      const palpate::Vec3 t(isContact ? this->ToolPosition : this->Displacement);
+      const palpate::Vec3 start(isContact ? this->ToolPosition : this->StartDisplacement);
+      Prepared::Branch& branch =
+        this->Cache->Find(toolSpace, start, this->StartBranch, t, this->Branch);
       auto& interpolator = branch.Interpolators[this->Interpolation];
       if (!interpolator)
       {
@@ -296,33 +340,66 @@ int vtkPalpateTouchStateSpace::RequestData(
         const int of = method == palpate::Method::linear ? 0 : this->Cache->OnBranch;
         interpolator = palpate::make_interpolator(method, this->Cache->SiteOnBranch(toolSpace, of));
       }
-      if (!branch.Field)
-      {
-        branch.Field = std::make_unique<palpate::DisplayField>(
-          this->Cache->SiteOnBranch(toolSpace, this->Cache->OnBranch));
-      }
-      const palpate::DisplayField& field = *branch.Field;
-
       const palpate::TouchResult touch = interpolator->evaluate(t);
-      Eigen::VectorXf coefficients(field.num_modes());
-      field.coefficients(t, coefficients.data());
-      if (touch.support == palpate::Support::none || !coefficients.allFinite())
+
+      const bool needsBody = isContact || this->Stress || this->WholeBody;
+      std::string problem;
+      if (!needsBody)
       {
-        coefficients.setZero();
+        this->Cache->Whole.reset();
       }
-      const palpate::Index numberOfPoints = space.surface.num_points();
+      // What is touched goes on without; at many frames a second it is told once.
+      const auto tryWith = [&](auto&& part)
+      {
+        try
+        {
+          if (needsBody && problem.empty())
+          {
+            part();
+          }
+        }
+        catch (const std::exception& error)
+        {
+          problem = error.what();
+        }
+      };
+      tryWith([&] { this->FindWholeBody(toolSpace, t.data()); });
+
+      const palpate::Surface& surface = space.surface;
+      Eigen::VectorXf u =
+        Eigen::VectorXf::Zero(3 * static_cast<Eigen::Index>(surface.num_points()));
+      if (!isContact)
+      {
+        if (!branch.Field)
+        {
+          branch.Field = std::make_unique<palpate::DisplayField>(
+            this->Cache->SiteOnBranch(toolSpace, this->Cache->OnBranch));
+        }
+        if (touch.support != palpate::Support::none)
+        {
+          u = BySurfaceModes(space, *branch.Field, t);
+        }
+      }
+      else if (problem.empty())
+      {
+        for (palpate::Index p = 0; p < surface.num_points(); ++p)
+        {
+          const Index point = surface.mesh_points[static_cast<std::size_t>(p)];
+          u.segment<3>(3 * p) =
+            this->Cache->Whole->Displacement.segment<3>(3 * point).cast<float>();
+        }
+      }
       vtkNew<vtkFloatArray> displacement;
       displacement->SetName("Displacement");
       displacement->SetNumberOfComponents(3);
-      displacement->SetNumberOfTuples(numberOfPoints);
-      palpate::apply_modes(space.modes, coefficients.data(), displacement->GetPointer(0));
+      displacement->SetNumberOfTuples(surface.num_points());
+      std::copy(u.begin(), u.end(), displacement->GetPointer(0));
       vtkNew<vtkPoints> points;
-      points->SetNumberOfPoints(numberOfPoints);
-      for (palpate::Index p = 0; p < numberOfPoints; ++p)
+      points->SetNumberOfPoints(surface.num_points());
+      for (palpate::Index p = 0; p < surface.num_points(); ++p)
       {
-        const float* u = displacement->GetPointer(3 * p);
-        const palpate::Vec3& x = space.surface.points[p];
-        points->SetPoint(p, x[0] + u[0], x[1] + u[1], x[2] + u[2]);
+        const palpate::Vec3& x = surface.points[p];
+        points->SetPoint(p, x[0] + u[3 * p], x[1] + u[3 * p + 1], x[2] + u[3 * p + 2]);
       }
       output->SetPoints(points);
       output->SetPolys(this->Cache->Triangles);
@@ -336,40 +413,26 @@ int vtkPalpateTouchStateSpace::RequestData(
       AddVector(output, "Force", 3, touch.force.data());
       AddVector(output, "Stiffness", 9, touch.stiffness.data());
       AddVector(output, "Energy", 1, &touch.energy);
-      const palpate::Vec3 position = toolSpace.setup.interaction.material_point + t;
-      AddVector(output, "ActivePosition", 3, position.data());
-      for (const auto& [name, value] : { std::pair("Found", static_cast<int>(touch.support)),
-             std::pair("Branch", this->Cache->OnBranch) })
+      AddInteger(output, "Found", static_cast<int>(touch.support));
+      if (isContact)
       {
-        vtkNew<vtkIntArray> array;
-        array->SetName(name);
-        array->InsertNextValue(value);
-        output->GetFieldData()->AddArray(array);
+        AddVector(output, "ToolPosition", 3, t.data());
       }
-      vtkNew<vtkIdTypeArray> active;
-      active->SetName("ActiveNode");
-      active->InsertNextValue(node);
-      output->GetFieldData()->AddArray(active);
-
-      if (!this->Stress && !this->WholeBody)
+      else
       {
-        this->Cache->Whole.reset();
-        this->Cache->Problem.clear();
-        return;
+        const palpate::Vec3 position = toolSpace.setup.interaction.material_point + t;
+        AddVector(output, "ActivePosition", 3, position.data());
+        AddInteger(output, "Branch", this->Cache->OnBranch);
+        vtkNew<vtkIdTypeArray> active;
+        active->SetName("ActiveNode");
+        active->InsertNextValue(toolSpace.setup.interaction.active_node);
+        output->GetFieldData()->AddArray(active);
       }
-      try
+      tryWith([&]
+        { this->AddWholeBody(t.data(), output, vtkUnstructuredGrid::GetData(outputVector, 1)); });
+      if (std::exchange(this->Cache->Problem, problem) != problem && !problem.empty())
       {
-        this->AddWholeBody(output, vtkUnstructuredGrid::GetData(outputVector, 1));
-        this->Cache->Problem.clear();
-      }
-      catch (const std::exception& error)
-      {
-        // What is touched goes on without; at many frames a second it is told once.
-        if (this->Cache->Problem != error.what())
-        {
-          this->Cache->Problem = error.what();
-          vtkErrorMacro(<< error.what());
-        }
+        vtkErrorMacro(<< problem);
       }
     });
   return 1;
@@ -381,6 +444,8 @@ void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "ActiveNode: " << this->ActiveNode << '\n'
      << indent << "Displacement: " << this->Displacement[0] << ' ' << this->Displacement[1] << ' '
      << this->Displacement[2] << '\n'
+     << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
+     << this->ToolPosition[2] << '\n'
      << indent << "StartDisplacement: " << this->StartDisplacement[0] << ' '
      << this->StartDisplacement[1] << ' ' << this->StartDisplacement[2] << '\n'
      << indent << "StartBranch: " << this->StartBranch << '\n'

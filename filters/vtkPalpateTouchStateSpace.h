@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class vtkPalpateTouchStateSpace
- * @brief the force and the deformed surface when an active node is displaced
+ * @brief the force and the deformed surface when an active node is displaced, or a rigid tool is
+ * somewhere
  *
  * Input: a state space (see vtkPalpateStateSpace.h). Output: the surface of the body, deformed,
  * with the point arrays `Displacement` (m) and `Normals`, and field arrays
@@ -12,6 +13,15 @@
  *   `Found`      0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
  *   `Branch`     which of the branches of a space with levels the body is on; 0: that of rest
  *   `ActiveNode`, `ActivePosition` (m, displaced)
+ *
+ * Of the space of a rigid tool, which is where ToolPosition says, there are in place of the last
+ * three
+ *
+ *   `ToolPosition` of the tool's centre, m
+ *   `ContactArea`  the area at rest on which it presses, m^2
+ *
+ * and the point array `ContactPressure` (Pa). What it does to the surface is read from the file of
+ * the space, as below.
  *
  * With `Stress` it also has the point arrays of vtkPalpateStress.h. With `WholeBody` the second
  * output is the body, deformed, with the point array `Displacement` and what describes the scene
@@ -36,6 +46,11 @@
 
 class vtkUnstructuredGrid;
 
+namespace palpate
+{
+struct TouchToolSpace;
+}
+
 class PALPATEFILTERS_EXPORT vtkPalpateTouchStateSpace : public vtkPolyDataAlgorithm
 {
 public:
@@ -59,6 +74,11 @@ public:
   /// How far it is displaced from rest, m.
   vtkSetVector3Macro(Displacement, double);
   vtkGetVector3Macro(Displacement, double);
+  ///@}
+  ///@{
+  /// Where the centre of a rigid tool is, m.
+  vtkSetVector3Macro(ToolPosition, double);
+  vtkGetVector3Macro(ToolPosition, double);
   ///@}
   ///@{
   /// Where the node comes from, in a straight line: a displacement from rest, m.
@@ -107,11 +127,14 @@ private:
 
   struct Prepared;
 
-  /// Stress and the second output, on the rank that has the space.
-  void AddWholeBody(vtkPolyData* surface, vtkUnstructuredGrid* body);
+  /// The displacement of the whole body, on the rank that has the space.
+  void FindWholeBody(const palpate::TouchToolSpace& toolSpace, const double t[3]);
+  /// What follows from it: contact, stress and the second output.
+  void AddWholeBody(const double t[3], vtkPolyData* surface, vtkUnstructuredGrid* body);
 
   vtkIdType ActiveNode = -1;
   double Displacement[3] = { 0, 0, 0 };
+  double ToolPosition[3] = { 0, 0, 0 };
   double StartDisplacement[3] = { 0, 0, 0 };
   int StartBranch = -1;
   int Branch = -1;

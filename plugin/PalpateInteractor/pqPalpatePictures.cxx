@@ -98,11 +98,20 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
     vtkSMProxy* touch = consumer->getProxy();
     if (Is(touch, "TouchStateSpace"))
     {
-      vtkSMPropertyHelper(touch, "ActiveNode").Set(static_cast<vtkIdType>(Value(node, 0)));
-      constexpr double rest[3] = { 0, 0, 0 };
-      vtkSMPropertyHelper(touch, "StartDisplacement").Set(rest, 3);
-      vtkSMPropertyHelper(touch, "StartBranch").Set(-1);
-      vtkSMPropertyHelper(touch, "Displacement").Set(displacement, 3);
+      const auto activeNode = static_cast<vtkIdType>(Value(node, 0));
+      if (activeNode < 0)
+      {
+        // Of a rigid tool, whose coordinates are where it is.
+        vtkSMPropertyHelper(touch, "ToolPosition").Set(displacement, 3);
+      }
+      else
+      {
+        vtkSMPropertyHelper(touch, "ActiveNode").Set(activeNode);
+        constexpr double rest[3] = { 0, 0, 0 };
+        vtkSMPropertyHelper(touch, "StartDisplacement").Set(rest, 3);
+        vtkSMPropertyHelper(touch, "StartBranch").Set(-1);
+        vtkSMPropertyHelper(touch, "Displacement").Set(displacement, 3);
+      }
       touch->UpdateVTKObjects();
       consumer->updatePipeline();
       // As after Apply.

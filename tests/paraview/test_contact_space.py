@@ -17,6 +17,8 @@ SPACING = 0.02
 TOUCHES_NOTHING = 64
 # The box of support.py is 0.2 m long, 0.1 m wide and high, and is held at x = 0.
 MIDDLE_OF_TOP = [0.12, 0.05, 0.1]
+# Where the tool is 7 mm deep.
+ABOVE = [0.12, 0.05, 0.1 + RADIUS - 0.007]
 
 
 def scene(name):
@@ -104,6 +106,30 @@ def test_file():
     assert field(found, "Rounds")[0] > 0
 
 
+def test_touch():
+    boundary = scene("contact_space_touch")
+    space = space_of(boundary, FileName="contact_touch.palpate", ThirdDerivatives=1)
+    touch = TouchStateSpace(Input=space, ToolPosition=ABOVE, WholeBody=1)
+    touched = expect_silence(lambda: touch.UpdatePipeline() or servermanager.Fetch(touch, 0))
+    solved = SolveEquilibrium(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, ToolPosition=ABOVE)
+    solved.UpdatePipeline()
+    solved = servermanager.Fetch(solved)
+    force = field(solved, "ReactionForce")[0]
+    assert numpy.linalg.norm(field(touched, "Force")[0] - force) < 0.03 * numpy.linalg.norm(force)
+    assert (field(touched, "ToolPosition") == ABOVE).all()
+    assert abs(field(touched, "ContactArea")[0] / field(solved, "ContactArea")[0] - 1) < 0.1
+    assert array(touched, "ContactPressure").max() > 0
+    assert touched.GetFieldData().GetArray("ActiveNode") is None
+    body = servermanager.Fetch(touch, 0, idx=1)
+    found, right = (array(grid, "Displacement") for grid in (body, solved))
+    assert numpy.abs(found - right).max() < 0.05 * numpy.abs(right).max()
+    # Away from the body it feels nothing, and the body is at rest.
+    touch.ToolPosition = [0.12, 0.05, 0.1 + 2 * RADIUS]
+    away = expect_silence(lambda: touch.UpdatePipeline() or servermanager.Fetch(touch, 0))
+    assert (field(away, "Force") == 0).all() and (array(away, "Displacement") == 0).all()
+    assert (array(away, "ContactPressure") == 0).all()
+
+
 def test_error_estimate():
     space = space_of(scene("contact_space_error"))
     found = expect_silence(lambda: configurations(EstimateError(Input=space)))
@@ -144,8 +170,10 @@ def test_bad_input():
             ({"Tool": "Surface"}, "none is given"),
             ({"Spacing": -1.0}, "The spacing")):
         expect_error(space_of(boundary, **settings).UpdatePipeline, words)
-    touch = TouchStateSpace(Input=space_of(boundary))
-    expect_error(touch.UpdatePipeline, "rigid tool")
+    # What is felt is there without a file; what is seen is not.
+    touch = TouchStateSpace(Input=space_of(boundary), ToolPosition=ABOVE)
+    expect_error(touch.UpdatePipeline, "FileName")
+    assert numpy.linalg.norm(field(servermanager.Fetch(touch, 0), "Force")[0]) > 0
 
 
 if __name__ == "__main__":
