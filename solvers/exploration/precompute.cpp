@@ -37,6 +37,9 @@ constexpr double kMoreByTolerance = 3;
 /// What the error of a cell is in one of its halves at the most where halving helps: it falls to an
 /// eighth or less where the force is smooth, and where contact begins.
 constexpr double kShrinks = 1.0 / 3;
+/// A step onto another branch, as at a ridge, is halved this often before the body jumps. What it
+/// jumps to is the same after eight halvings, in three times the time.
+constexpr int kMostHalvingsOfStep = 3;
 /// From so many places the time of a configuration is estimated.
 constexpr std::size_t kTrials = 3;
 /// A configuration without fields, in a file.
@@ -170,6 +173,7 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
   EquilibriumOptions result = options.equilibrium;
   // Depth first, the starts on the way down keep their factors beside those of a step.
   result.follow_folds = false;
+  if (options.contact) result.max_halvings = std::min(result.max_halvings, kMostHalvingsOfStep);
   result.kept_factors =
       num_kept_factors(options.contact ? kShellLayers : (options.resolution - 1) / 2);
   result.abort_requested = [&monitor, asked = options.equilibrium.abort_requested] {
@@ -289,14 +293,12 @@ class ShellRounds {
       const double tolerance = force_tolerance(setup.policy, found);
       if (!(tolerance > 0)) return;
       const Clearance clearance = [&](const Vec3& q) { return clearance_.clearance(q); };
-      Refinement refinement = plan_refinement(setup.grid, found, tolerance, 1, clearance);
+      const Refinement refinement =
+          plan_refinement(setup.grid, found, tolerance, 1, clearance,
+                          [&](const CellEstimate& estimate) { return is_in_vain(estimate); });
       for (const CellEstimate& e : refinement.estimates) errors_[e.cell] = e.error;
-      std::vector<Cell>& cells = refinement.to_split;
-      cells.erase(std::remove_if(cells.begin(), cells.end(),
-                                 [&](const Cell& cell) { return is_in_vain(cell); }),
-                  cells.end());
       auto graph = std::make_shared<const StartGraph>(
-          setup.id, refined_targets(clearance_, setup.grid, cells, known));
+          setup.id, refined_targets(clearance_, setup.grid, refinement.to_split, known));
       if (graph->targets().empty()) return;
       take(*graph);
       space_.plan = std::move(graph);
@@ -309,9 +311,9 @@ class ShellRounds {
 
  private:
   /// Whether halving has not helped: between the branches at a ridge it does not.
-  [[nodiscard]] bool is_in_vain(const Cell& cell) const {
-    const auto before = errors_.find(parent_of(cell, space_.setup.grid.reach()));
-    return before != errors_.end() && !(errors_.at(cell) < kShrinks * before->second);
+  [[nodiscard]] bool is_in_vain(const CellEstimate& estimate) const {
+    const auto before = errors_.find(parent_of(estimate.cell, space_.setup.grid.reach()));
+    return before != errors_.end() && !(estimate.error < kShrinks * before->second);
   }
 
   void take(const StartGraph& graph) {

@@ -264,7 +264,8 @@ std::vector<double> estimate_errors_around(const Grid& grid,
 
 Refinement plan_refinement(const Grid& grid,
                            const std::vector<ConfigurationSummary>& configurations,
-                           double tolerance, std::int32_t smallest, const Clearance& clearance) {
+                           double tolerance, std::int32_t smallest, const Clearance& clearance,
+                           const std::function<bool(const CellEstimate&)>& is_left) {
   if (!(tolerance > 0)) {
     throw InputError("The tolerance of the force is " + std::to_string(tolerance) +
                      " N; it takes a positive one.");
@@ -276,7 +277,8 @@ Refinement plan_refinement(const Grid& grid,
   Refinement refinement{estimator.estimates(), {}};
   for (std::int32_t leaf = 0; leaf < num_leaves; ++leaf) {
     const CellEstimate& estimate = refinement.estimates[leaf];
-    is_split[leaf] = estimate.error > tolerance && estimator.may_be_split(estimate, leaf, smallest);
+    is_split[leaf] = estimate.error > tolerance && !(is_left && is_left(estimate)) &&
+                     estimator.may_be_split(estimate, leaf, smallest);
   }
   // Calls visit(other) for the larger leaves that touch a leaf: they hold one of its corners.
   const auto for_each_larger = [&](std::int32_t leaf, auto&& visit) {

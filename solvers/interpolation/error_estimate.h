@@ -93,11 +93,13 @@ struct Refinement {
 /// is named again until there is a configuration at each point of its halves: one that was not
 /// reached is to be given too, with an outcome that says so.
 /// @param tolerance Of the force, N. @param smallest The least side that may come of it.
+/// @param is_left Whether a leaf is left as it is for its error, however large that is; empty: none
+///   is. It may still be split so that neighbours are within twice the size of each other.
 /// @throws InputError as CheckPointGrid, or the tolerance is not positive.
-[[nodiscard]] Refinement plan_refinement(const Grid& grid,
-                                         const std::vector<ConfigurationSummary>& configurations,
-                                         double tolerance, std::int32_t smallest = 1,
-                                         const Clearance& clearance = {});
+[[nodiscard]] Refinement plan_refinement(
+    const Grid& grid, const std::vector<ConfigurationSummary>& configurations, double tolerance,
+    std::int32_t smallest = 1, const Clearance& clearance = {},
+    const std::function<bool(const CellEstimate&)>& is_left = {});
 
 /// Those of the refinement that are to be split.
 [[nodiscard]] inline std::vector<Cell> cells_to_split(

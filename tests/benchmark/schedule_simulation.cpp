@@ -33,7 +33,7 @@ using test::Forest;
 using test::Recording;
 using test::TaskTree;
 
-constexpr int kRanks[] = {1, 4, 16, 64, 256, 1024, 4096};
+constexpr int kRanks[] = {1, 4, 16, 64, 128, 256, 1024, 4096};
 /// Doubles of each degree of freedom that a state is made of: u and the three columns of v.
 constexpr int kColumns = 4;
 constexpr unsigned kSeed = 1;

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -233,6 +235,26 @@ TEST(ErrorEstimate, RefinementEndsWhereBranchesCross) {
     EXPECT_GT(crossing, 100);
     EXPECT_GT(marked, 0.9 * crossing);
   }
+}
+
+// A leaf that is left is not split for its error, and nothing is split on its account.
+TEST(ErrorEstimate, WhatIsLeftMakesNobodySplit) {
+  TouchToolSpace tool_space = analytic_space(wall, 129, 16);
+  const Grid& grid = tool_space.setup.grid;
+  const double tolerance = 1e-4 * largest_force(wall);
+  const std::vector<Cell> cells = cells_to_split(grid, tool_space.configurations, tolerance);
+  ASSERT_GT(cells.size(), 1U);
+  for (const Cell& cell : cells) test::split(tool_space, wall, cell);
+  const auto plan = [&](const std::function<bool(const CellEstimate&)>& is_left) {
+    return plan_refinement(grid, tool_space.configurations, tolerance, 1, {}, is_left).to_split;
+  };
+  const std::vector<Cell> all = plan({});
+  ASSERT_GT(all.size(), 2U);
+  EXPECT_TRUE(plan([](const CellEstimate&) { return true; }).empty());
+  const std::vector<Cell> one = plan([&](const CellEstimate& e) { return !(e.cell == all[0]); });
+  EXPECT_LT(one.size(), all.size());
+  EXPECT_TRUE(std::includes(all.begin(), all.end(), one.begin(), one.end()));
+  EXPECT_FALSE(one.empty());
 }
 
 TEST(ErrorEstimate, MarkedAndFailedCornersAreRefinedToAQuarter) {
