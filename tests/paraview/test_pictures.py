@@ -19,6 +19,9 @@ from paraview.simple import (AccuracyReport, ColorBy, Cone, CreateView, Estimate
 from state_space_support import fetch_space, precompute
 from support import fetch, node_at, point_array, scene
 
+# Mesa's other software renderer, llvmpipe, makes code for the processor: on some of them spheres
+# that are coloured by names are hardly seen. This one is the same everywhere, and slow.
+os.environ["GALLIUM_DRIVER"] = "softpipe"
 HERE = os.path.dirname(os.path.abspath(__file__))
 TIME_OUT = 180  # s
 
@@ -107,6 +110,7 @@ assert list(chart.SeriesVisibility) == [
 if len(sys.argv) > 1 and shutil.which("paraview"):
     environment = dict(os.environ)
     environment["PV_PLUGIN_PATH"] += os.pathsep + sys.argv[1]
+    del environment["GALLIUM_DRIVER"]
     run = subprocess.run(["paraview", "--disable-registry", "--script",
                           os.path.join(HERE, "pictures_script.py")],
                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
