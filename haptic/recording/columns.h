@@ -15,6 +15,8 @@ struct Name {
   std::string_view what;
   std::string_view part = {};
   std::string_view unit = {};
+  /// Recordings of before it was there lack it: it has its default.
+  bool is_newer = false;
 
   /// The whole name, such as "force_x_N".
   [[nodiscard]] std::string text() const {
@@ -99,6 +101,7 @@ void visit_settings(Record& record, Visit&& visit) {
   auto& servo = record.settings;
   visit(Name{"engaged"}, servo.engaged);
   visit(Name{"dead_man_button"}, servo.dead_man_button);
+  visit(Name{"grasp_button", {}, {}, true}, servo.grasp_button);
   visit_vector("workspace_centre", "m", servo.workspace_centre, visit);
   visit_matrix("workspace_rotation", {}, servo.workspace_rotation, visit);
   visit(Name{"workspace_scale"}, servo.workspace_scale);
@@ -113,6 +116,7 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"release_force", "N"}, touch.release_force);
   visit(Name{"reach", "m"}, touch.reach);
   visit(Name{"coupling_stiffness", "N_per_m"}, touch.coupling_stiffness);
+  visit(Name{"friction", {}, {}, true}, touch.friction);
 }
 
 /// Calls visit for each setting that may not.

@@ -118,6 +118,7 @@ struct RecordingReader::Impl {
       std::size_t begin = text.rfind(key, 0);
       if (begin == text.npos) {
         begin = text.find(';' + key);
+        if (begin == text.npos && what.is_newer) return;
         if (begin == text.npos) {
           throw error("its settings lack " + what.text() +
                       (row == 2 ? ", and the first row of ticks has to have all of them; the "

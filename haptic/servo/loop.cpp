@@ -36,6 +36,11 @@ void check_not_negative(const char* name, double value, const char* unit) {
   if (!(std::isfinite(value) && value >= 0)) refuse(name, value, unit, "0 or more");
 }
 
+void check_button(const char* name, std::int32_t button) {
+  if (button >= -1 && button <= kLastButton) return;
+  refuse(name, button, "", "the number of a button, from 0 to 31, or -1 for none");
+}
+
 bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
   return a.workspace_centre == b.workspace_centre && a.workspace_rotation == b.workspace_rotation &&
          a.workspace_scale == b.workspace_scale;
@@ -45,7 +50,8 @@ bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
 /// none is stored.
 bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
   return a.servo.force_scale == b.servo.force_scale &&
-         a.touch.coupling_stiffness == b.touch.coupling_stiffness;
+         a.touch.coupling_stiffness == b.touch.coupling_stiffness &&
+         a.touch.friction == b.touch.friction;
 }
 
 }  // namespace
@@ -79,19 +85,20 @@ void validate(const ServoSettings& settings) {
     refuse("The slew limit", settings.slew_limit, "N/s", "more than 0");
   }
   check_not_negative("The damping", settings.damping, "N·s/m");
-  if (settings.dead_man_button < -1 || settings.dead_man_button > kLastButton) {
-    refuse("The dead-man button", settings.dead_man_button, "",
-           "the number of a button, from 0 to 31, or -1 for none");
-  }
+  check_button("The dead-man button", settings.dead_man_button);
+  check_button("The button that grasps", settings.grasp_button);
 }
 
 void validate(const ServoSettings& settings, const Specification& device) {
   validate(settings);
-  if (settings.dead_man_button < device.num_buttons) return;
-  throw InputError("Button " + std::to_string(settings.dead_man_button) +
-                   " is to be held for forces, but " + device.model + " has " +
-                   std::to_string(device.num_buttons) +
-                   " button(s), numbered from 0. Give one of them, or -1 for none.");
+  const auto check = [&](std::int32_t button, const char* why) {
+    if (button < device.num_buttons) return;
+    throw InputError("Button " + std::to_string(button) + " is to be held " + why + ", but " +
+                     device.model + " has " + std::to_string(device.num_buttons) +
+                     " button(s), numbered from 0. Give one of them, or -1 for none.");
+  };
+  check(settings.dead_man_button, "for forces");
+  check(settings.grasp_button, "to grasp");
 }
 
 std::string_view to_string(ServoState state) noexcept {
@@ -190,7 +197,7 @@ void Loop::take_settings() noexcept {
   const LoopInbox::Settings& newest = inbox_.settings.read();
   LoopInbox::Settings settings = newest;
   const bool is_other = !same_workspace(settings_.servo, newest.servo);
-  workspace_waits_ = is_other && tick_.contact.status == ContactStatus::attached;
+  workspace_waits_ = is_other && touches(tick_.contact.status);
   if (workspace_waits_) {
     settings.servo.workspace_centre = settings_.servo.workspace_centre;
     settings.servo.workspace_rotation = settings_.servo.workspace_rotation;
@@ -217,12 +224,18 @@ void Loop::locate(const ServoSettings& settings) noexcept {
 }
 
 void Loop::touch(const Touchable* body, const LoopInbox::Settings& settings) noexcept {
-  const std::int32_t button = settings.servo.dead_man_button;
-  const bool held = button < 0 || (session_.state().buttons >> button & 1U) != 0;
-  session_.interlock().set(trips::disengaged, !settings.servo.engaged || !held);
+  const auto is_held = [&](std::int32_t button) {
+    return (session_.state().buttons >> button & 1U) != 0;
+  };
+  const std::int32_t dead_man = settings.servo.dead_man_button;
+  const bool permitted = settings.servo.engaged && (dead_man < 0 || is_held(dead_man));
+  session_.interlock().set(trips::disengaged, !permitted);
   if (session_.interlock().tripped() != 0) tool_.release();
   // Before the device has said where it is there is no place to move the tool to.
-  tick_.contact = session_.known() ? tool_.move(body, tick_.position, settings.touch) : Contact{};
+  const std::int32_t grasp = settings.servo.grasp_button;
+  const bool grasps = grasp >= 0 && is_held(grasp);
+  tick_.contact =
+      session_.known() ? tool_.move(body, tick_.position, settings.touch, grasps) : Contact{};
   const bool is_outside =
       tick_.contact.status == ContactStatus::free || tick_.contact.status == ContactStatus::nothing;
   if (is_outside) session_.interlock().rearm();
@@ -232,18 +245,19 @@ void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& sett
   const ServoSettings& servo = settings.servo;
   const double stored = servo.force_scale / servo.workspace_scale * tick_.contact.energy;
   // Of the tick before: one that was not running has sent nothing.
-  const bool observable =
-      tick_.contact.status == ContactStatus::attached && tick_.state == ServoState::running;
+  const bool observable = touches(tick_.contact.status) && tick_.state == ServoState::running;
+  const ContactStatus observed = observable ? tick_.contact.status : ContactStatus::nothing;
   // A force that was cut has nothing to do with what is stored.
   const bool was_cut = (tick_.limited & ~limits::slew) != 0;
-  if (!observable || !observing_ || was_cut || body != observed_body_ || !energy_goes_on_) {
+  if (!observable || observed != observed_ || was_cut || body != observed_body_ ||
+      !energy_goes_on_) {
     balance_.begin(stored);
   } else if (tick_.limited != 0) {
     balance_.add_late(session_.force(), device_moved_, stored);
   } else {
     balance_.add(session_.force(), device_moved_, stored);
   }
-  observing_ = observable;
+  observed_ = observed;
   observed_body_ = body;
   tick_.dissipated = balance_.dissipated();
   tick_.added_damping =
@@ -269,7 +283,7 @@ void Loop::send_force(const ServoSettings& settings) noexcept {
     session_.send_zero();
   } else {
     Vec3 wanted = Vec3::Zero();
-    if (tick_.contact.status == ContactStatus::attached) {
+    if (touches(tick_.contact.status)) {
       wanted =
           settings.force_scale * (settings.workspace_rotation.transpose() * tick_.contact.force) -
           (settings.damping + tick_.added_damping) * session_.velocity();
@@ -300,7 +314,7 @@ void Loop::count() noexcept {
   if (tick_.limited & limits::not_finite) ++counters_.not_finite;
   const double force = tick_.force.norm();
   counters_.largest_force = std::max(counters_.largest_force, force);
-  if (tick_.contact.status == ContactStatus::attached) {
+  if (touches(tick_.contact.status)) {
     ++counters_.touching_ticks;
     counters_.sum_of_forces += force;
     counters_.least_dissipated = std::min(counters_.least_dissipated, tick_.dissipated);

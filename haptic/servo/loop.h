@@ -66,8 +66,8 @@ class Loop {
 
  private:
   void keep_time(Time begin) noexcept;
-  /// Takes the settings of the tick: the newest ones, but the workspace with which the tool was
-  /// attached.
+  /// Takes the settings of the tick: the newest ones, but the workspace with which the tool began
+  /// to touch.
   void take_settings() noexcept;
   void locate(const ServoSettings& settings) noexcept;
   void touch(const Touchable* body, const LoopInbox::Settings& settings) noexcept;
@@ -96,9 +96,10 @@ class Loop {
   Counters counters_;
   /// How far the device has moved since the tick before, in its axes, m.
   Vec3 device_moved_ = Vec3::Zero();
-  /// The body that the observed energy belongs to: with another body it begins anew.
+  /// The body, and how it was touched, that the observed energy belongs to: with another it begins
+  /// anew. nothing: there is none that could be observed.
   const Touchable* observed_body_ = nullptr;
-  bool observing_ = false;
+  ContactStatus observed_ = ContactStatus::nothing;
   /// When the tick began, and the time since the one before, s.
   Time begin_{0};
   double interval_ = 0;

@@ -39,8 +39,11 @@ struct ServoSettings {
   /// A dead-man switch: forces are permitted only as long as this button of the device is held,
   /// counted from 0; −1: no button is required.
   std::int32_t dead_man_button = -1;
+  /// A rigid tool holds the active node at which it presses as long as this button of the device is
+  /// held, counted from 0; −1: it presses alone.
+  std::int32_t grasp_button = -1;
   /// Place in the scene of the centre of the device's workspace [3], m. This, the rotation and the
-  /// scale stay as they are while the tool is attached: others take effect when it is free, and
+  /// scale stay as they are while the tool touches: others take effect when it is free, and
   /// where they bring it into the body there is no force until it was outside.
   Vec3 workspace_centre = Vec3::Zero();
   /// The rotation from the device's axes to those of the scene.

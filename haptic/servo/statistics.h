@@ -36,7 +36,7 @@ struct Counters {
   std::uint64_t magnitude_limited = 0;
   std::uint64_t slew_limited = 0;
   std::uint64_t not_finite = 0;
-  /// Ticks in which the tool was attached, the sum of the forces that were sent in them, and the
+  /// Ticks in which the tool touched, the sum of the forces that were sent in them, and the
   /// largest force that was ever sent, N at the device.
   std::uint64_t touching_ticks = 0;
   double sum_of_forces = 0;
@@ -64,7 +64,7 @@ struct Statistics : Counters {
   [[nodiscard]] double rate() const {
     return ticks > 1 ? static_cast<double>(ticks - 1) / seconds(running) : 0;
   }
-  /// The mean force over the ticks in which the tool was attached, N.
+  /// The mean force over the ticks in which the tool touched, N.
   [[nodiscard]] double mean_force() const {
     return touching_ticks > 0 ? sum_of_forces / static_cast<double>(touching_ticks) : 0;
   }

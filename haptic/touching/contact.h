@@ -20,11 +20,19 @@ enum class ContactStatus : int {
   inside = 2,
   /// The tool is attached to the surface.
   attached = 3,
+  /// A rigid tool presses the body, and glides on it: nothing is attached.
+  pressing = 4,
 };
+
+/// There is a force between tool and body.
+[[nodiscard]] constexpr bool touches(ContactStatus status) noexcept {
+  return status == ContactStatus::attached || status == ContactStatus::pressing;
+}
 
 struct Contact {
   ContactStatus status = ContactStatus::nothing;
-  /// Distance to the surface at rest while the tool is not attached, m; negative inside.
+  /// Distance of the tool's place to the surface at rest while it touches nothing, m; negative
+  /// inside.
   double distance = 0;
   /// The active nodes that are moved, −1: none, and their weights, which add up to 1.
   std::array<std::int32_t, 3> nodes{-1, -1, -1};
@@ -32,17 +40,18 @@ struct Contact {
   /// The branch that the body is on at each of them.
   std::array<std::int32_t, 3> branches{};
   /// The point of the surface at rest that the tool is attached to; while it is free, the nearest
-  /// point [3], m.
+  /// point; while a rigid tool presses, where that is, from which the hand may be away by what
+  /// coupling and friction give way [3], m.
   Vec3 anchor = Vec3::Zero();
   /// Displacement of the active nodes [3], m.
   Vec3 displacement = Vec3::Zero();
-  /// Force on the tool [3], N: the opposite of that which holds the nodes.
+  /// Force on the tool [3], N: the opposite of that which holds the nodes, or the tool.
   Vec3 force = Vec3::Zero();
   /// −∂force/∂(tool) [3×3], N/m.
   Mat3 stiffness = Mat3::Zero();
-  /// Energy that body and coupling store, J.
+  /// Energy that body, coupling and sticking friction store, J.
   double energy = 0;
-  /// The least certain support of the nodes.
+  /// The least certain support of the nodes, or that of the tool's place.
   Support support = Support::none;
 };
 

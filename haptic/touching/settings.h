@@ -23,6 +23,8 @@ struct TouchSettings {
   double reach = 0;
   /// Stiffness of the virtual coupling between tool and body, N/m in the scene; 0: none.
   double coupling_stiffness = 0;
+  /// Coefficient of Coulomb friction between a rigid tool and the body; 0: it glides freely.
+  double friction = 0;
 };
 
 /// @throws InputError a value is out of range.

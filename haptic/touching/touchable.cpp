@@ -14,15 +14,21 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
       node_of_(space.surface.points.size(), -1) {
   if (space.tool_spaces.empty()) {
     throw InputError(
-        "The state space has no active node: there is nothing to touch. Precompute it "
-        "for at least one.");
+        "The state space has no active node and no rigid tool: there is nothing to touch. "
+        "Precompute it for one.");
   }
   nodes_.reserve(space.tool_spaces.size());
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
+    for (const ConfigurationSummary& configuration : tool_space.configurations) {
+      if (!configuration.usable() || !configuration.stiffness.allFinite()) continue;
+      const Eigen::SelfAdjointEigenSolver<Mat3> eigen(configuration.stiffness,
+                                                      Eigen::EigenvaluesOnly);
+      largest_stiffness_ = std::max(largest_stiffness_, eigen.eigenvalues()[2]);
+    }
     if (tool_space.setup.interaction.is_contact()) {
-      throw InputError("The state space is that of " + tool_space.setup.name() +
-                       ", which presses anywhere: a device touches active nodes. Precompute a "
-                       "space of these.");
+      force_on_tool_ = make_interpolator(options.method, tool_space, options.interpolation);
+      tool_half_width_ = half_width(tool_space.setup.interaction.tool);
+      continue;
     }
     const Index mesh_point = tool_space.setup.interaction.active_node;
     const Index surface_point = space.surface.find(mesh_point);
@@ -44,12 +50,6 @@ Touchable::Touchable(const TouchSpace& space, const TouchableOptions& options)
                       tool_space.setup.interaction.tip_radius, std::move(branches),
                       std::move(on_branch)});
     largest_tip_radius_ = std::max(largest_tip_radius_, tool_space.setup.interaction.tip_radius);
-    for (const ConfigurationSummary& configuration : tool_space.configurations) {
-      if (!configuration.usable() || !configuration.stiffness.allFinite()) continue;
-      const Eigen::SelfAdjointEigenSolver<Mat3> eigen(configuration.stiffness,
-                                                      Eigen::EigenvaluesOnly);
-      largest_stiffness_ = std::max(largest_stiffness_, eigen.eigenvalues()[2]);
-    }
   }
 }
 
@@ -84,6 +84,7 @@ MemoryRanges Touchable::memory() const {
     add_memory(node.on_branch, ranges);
     for (const auto& force : node.on_branch) force->add_memory(ranges);
   }
+  if (force_on_tool_) force_on_tool_->add_memory(ranges);
   return ranges;
 }
 

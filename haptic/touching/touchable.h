@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A body as the servo loop touches it: its surface at rest, and the forces at each active node.
+// A body as the servo loop touches it: its surface at rest, the forces at each active node, and the
+// force on a rigid tool that presses anywhere, of what the state space has.
 #pragma once
 
 #include <memory>
@@ -51,6 +52,10 @@ class Touchable {
   [[nodiscard]] std::int32_t nearest(const Vec3& point, double reach) const noexcept;
   /// The largest eigenvalue of the stiffness of any usable configuration, N/m.
   [[nodiscard]] double largest_stiffness() const { return largest_stiffness_; }
+  /// The force on a rigid tool by its place; nullptr: the space is of active nodes alone.
+  [[nodiscard]] const Interpolator* force_on_tool() const { return force_on_tool_.get(); }
+  /// Half of what the rigid tool is wide, m; 0: there is none.
+  [[nodiscard]] double tool_half_width() const { return tool_half_width_; }
   /// The largest radius of the tip of any active node, m.
   [[nodiscard]] double largest_tip_radius() const { return largest_tip_radius_; }
   /// The memory that it holds.
@@ -63,6 +68,8 @@ class Touchable {
   /// The nodes in the order of their mesh points.
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_;
+  std::unique_ptr<Interpolator> force_on_tool_;
+  double tool_half_width_ = 0;
   double largest_stiffness_ = 0;
   double largest_tip_radius_ = 0;
 };

@@ -85,6 +85,16 @@ class Interpolator {
   /// @note Realtime-safe.
   [[nodiscard]] TouchResult evaluate(const Vec3& t) const noexcept;
 
+  using Location = CheckPointGrid::Location;
+
+  /// Where that is in the space.
+  /// @note Realtime-safe.
+  [[nodiscard]] Location locate(const Vec3& t) const noexcept { return grid_.locate(t); }
+  /// The side of the cell that a place is in or beside, m.
+  [[nodiscard]] double cell_side(const Location& at) const noexcept {
+    return grid_.leaf(at.leaf).cell.side * grid_.spacing();
+  }
+
   /// Memory that is held for evaluating.
   void add_memory(MemoryRanges& ranges) const {
     grid_.add_memory(ranges);
@@ -100,8 +110,6 @@ class Interpolator {
   [[nodiscard]] std::size_t num_samples() const { return num_samples_; }
 
  protected:
-  using Location = CheckPointGrid::Location;
-
   explicit Interpolator(const TouchToolSpace& tool_space);
   [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
   void set_num_samples(std::size_t num) { num_samples_ = num; }

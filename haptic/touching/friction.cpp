@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/touching/friction.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+/// The shear stiffness of a body that gives way when it is pressed further, beside |∂h|: as where a
+/// tool slides off a ridge there is no stiffness to take it from.
+constexpr double kLeastStiffness = 1e-3;
+
+}  // namespace
+
+void Friction::stick(const Vec3& moved) noexcept {
+  stretch_ += moved - normal_ * normal_.dot(moved);
+}
+
+bool Friction::slip(double coefficient, const Vec3& push, double stiffness,
+                    double coupling) noexcept {
+  const Vec3 before = stretch_;
+  const double size = push.norm();
+  normal_ = push / size;
+  stretch_ -= normal_ * normal_.dot(stretch_);
+  double length = stretch_.norm();
+  // What the shear gives by the spring of before, with the hand's way in it.
+  const double given = traction(length);
+  const bool begins = shear_ == 0;
+  const double pressed = std::max(stiffness, kLeastStiffness);
+  pressed_ =
+      begins ? pressed : std::min(std::max(pressed_, pressed / (1 + kPlay)), pressed / (1 - kPlay));
+  shear_ = kShearRatio * pressed_;
+  if (coupling > 0) shear_ = shear_ * coupling / (shear_ + coupling);
+  most_ = coefficient * size;
+  const double own = std::min(length, longest());
+  const double now = traction(own);
+  const double kept = begins || now <= given ? own : std::min(own, stretch_of(given));
+  if (length > 0) stretch_ *= kept / length;
+  return stretch_ != before;
+}
+
+double Friction::traction(double stretch) const noexcept {
+  const double longest = this->longest();
+  if (longest <= 0) return 0;
+  const double left = 1 - std::min(stretch / longest, 1.0);
+  return most_ * (1 - left * std::sqrt(left));
+}
+
+double Friction::stretch_of(double traction) const noexcept {
+  const double left = std::cbrt(1 - std::min(traction / most_, 1.0));
+  return longest() * (1 - left * left);
+}
+
+Vec3 Friction::force() const noexcept {
+  const double length = stretch_.norm();
+  return length > 0 ? Vec3(stretch_ * (traction(length) / length)) : Vec3::Zero();
+}
+
+double Friction::stiffness() const noexcept {
+  const double longest = this->longest();
+  if (longest <= 0) return 0;
+  return shear_ * std::sqrt(1 - std::min(stretch_.norm() / longest, 1.0));
+}
+
+double Friction::energy() const noexcept {
+  const double longest = this->longest();
+  if (longest <= 0) return 0;
+  const double s = std::min(stretch_.norm() / longest, 1.0);
+  const double left = 1 - s;
+  return most_ * longest * (s - 0.4 * (1 - left * left * std::sqrt(left)));
+}
+
+}  // namespace palpate

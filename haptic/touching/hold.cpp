@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/touching/hold.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/touching/balance.h"
+
+namespace palpate {
+namespace {
+
+/// Of the search for the displacement at which the nodes answer with a force.
+constexpr int kMostSteps = 12;
+constexpr double kAnswered = 1e-6;
+
+/// How certain, the worst first.
+int certainty(Support support) {
+  switch (support) {
+    case Support::none: return 0;
+    case Support::extrapolated: return 1;
+    case Support::marked: return 2;
+    case Support::inside: return 3;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
+  body_ = body;
+  if (!is_same_scene) let_go();
+  for (int i = 0; holds() && i < num_held_; ++i) {
+    Held& held = held_[i];
+    held.node = body->find(held.mesh_point);
+    if (held.node < 0) {
+      let_go();
+    } else {
+      // Branches may be numbered anew.
+      held.branch = body->nodes()[held.node].branches.move(0, Vec3::Zero(), displacement_);
+    }
+  }
+}
+
+bool Hold::take(const SurfaceTree::Nearest& at, double reach, bool blended) noexcept {
+  const std::array<Index, 3>& points = body_->surface().points_of(at.triangle);
+  num_held_ = 0;
+  if (blended) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t node = body_->node_of_surface_point(points[k]);
+      if (at.weights[k] <= 0) continue;
+      if (node < 0) {
+        num_held_ = 0;
+        break;
+      }
+      held_[num_held_++] = {body_->nodes()[node].mesh_point, node, at.weights[k], 0};
+    }
+  }
+  if (num_held_ == 0) {
+    const std::int32_t node = body_->nearest(at.point, reach);
+    if (node < 0) return false;
+    held_[num_held_++] = {body_->nodes()[node].mesh_point, node, 1, 0};
+  }
+  anchor_ = at.point;
+  normal_ = at.normal;
+  displacement_.setZero();
+  offset_.setZero();
+  followed_.setZero();
+  return true;
+}
+
+void Hold::go_on_from(const Vec3& place, const Vec3& holding, double coupling) noexcept {
+  Vec3 t = Vec3::Zero();
+  bool found = false;
+  for (int step = 0; step < kMostSteps && !found && t.allFinite(); ++step) {
+    const TouchResult here = evaluate(t);
+    const Vec3 missing = holding - here.force;
+    found = missing.norm() <= kAnswered * holding.norm() && here.support != Support::extrapolated;
+    if (!found) t += here.stiffness.ldlt().solve(missing);
+  }
+  if (found) {
+    follow(t);
+    displacement_ = t;
+    offset_ = coupling > 0 ? Vec3(t + holding / coupling) : t;
+  }
+  anchor_ = place - offset_;
+}
+
+void Hold::follow(const Vec3& t) noexcept {
+  for (int i = 0; i < num_held_; ++i) {
+    held_[i].branch =
+        body_->nodes()[held_[i].node].branches.move(held_[i].branch, displacement_, t);
+  }
+}
+
+TouchResult Hold::evaluate(const Vec3& t) const noexcept {
+  TouchResult sum;
+  sum.support = Support::inside;
+  for (int i = 0; i < num_held_; ++i) {
+    const Held& held = held_[i];
+    const TouchResult one = body_->nodes()[held.node].on_branch[held.branch]->evaluate(t);
+    sum.force += held.weight * one.force;
+    sum.stiffness += held.weight * one.stiffness;
+    sum.energy += held.weight * one.energy;
+    if (certainty(one.support) < certainty(sum.support)) sum.support = one.support;
+  }
+  return sum;
+}
+
+Contact Hold::move(const Vec3& place, double coupling) noexcept {
+  const Vec3 offset = place - anchor_;
+  Vec3 t = coupling > 0 ? Vec3(displacement_ + followed_ * (offset - offset_)) : offset;
+  Contact contact;
+  TouchResult at;
+  if (coupling > 0) {
+    at = balance([&](const Vec3& where) { return evaluate(where); }, offset, coupling, t);
+    follow(t);
+    const Vec3 stretch = offset - t;
+    contact.force = -coupling * stretch;
+    contact.energy = at.energy + 0.5 * coupling * stretch.squaredNorm();
+    followed_ = followed(at.stiffness, coupling);
+    contact.stiffness = followed_ * at.stiffness;
+    offset_ = offset;
+  } else {
+    follow(t);
+    at = evaluate(t);
+    contact.force = -at.force;
+    contact.energy = at.energy;
+    contact.stiffness = at.stiffness;
+  }
+  displacement_ = t;
+  contact.status = ContactStatus::attached;
+  for (int i = 0; i < num_held_; ++i) {
+    contact.nodes[i] = held_[i].mesh_point;
+    contact.weights[i] = held_[i].weight;
+    contact.branches[i] = held_[i].branch;
+  }
+  contact.anchor = anchor_;
+  contact.displacement = t;
+  contact.support = at.support;
+  return contact;
+}
+
+bool Hold::slips(const Contact& contact, bool pulls_too, double release_force) const noexcept {
+  const double height = contact.displacement.dot(normal_);
+  const bool pulls = contact.force.dot(normal_) < 0 && height > 0;
+  if (!pulls_too) {
+    const double aside = (contact.displacement - height * normal_).norm();
+    return pulls || (contact.support == Support::extrapolated && aside > std::abs(height));
+  }
+  return pulls && release_force > 0 && contact.force.norm() > release_force;
+}
+
+}  // namespace palpate

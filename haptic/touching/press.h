@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A rigid tool that presses a body anywhere and glides on it.
+//
+// Without friction and coupling the tool is where the hand is, x, and what is felt is the force of
+// the space of configurations there, f = −h(x). With friction the tool is behind the hand by e,
+// along the surface (friction.h), and with a coupling it is where that is in balance with h
+// (balance.h):
+//
+//   p = the balance of the coupling at x − e,   f = −(h(p) + Q(e)).
+//
+// It begins to press where the space has a cell, coming from where it is free. It goes on deeper
+// than the space does, as the interpolation goes on (interpolator.h), where the force limit of the
+// device rules; but where it has gone aside, by more than a cell and more than deeper, the space
+// knows nothing of the body, and the force ends.
+#pragma once
+
+#include "haptic/touching/contact.h"
+#include "haptic/touching/friction.h"
+#include "haptic/touching/settings.h"
+#include "interpolation/interpolator.h"
+
+namespace palpate {
+
+class Press {
+ public:
+  /// The tool is not in contact.
+  /// @note Realtime-safe.
+  void release() noexcept;
+
+  /// Moves the hand.
+  /// @param force Of the rigid tool by its place.
+  /// @returns status: free; pressing; or inside, where it may touch, but the space has no force
+  ///   for it. Of what it touches nothing, distance and anchor are left as they are.
+  /// @note Realtime-safe.
+  [[nodiscard]] Contact move(const Interpolator& force, const Vec3& hand,
+                             const TouchSettings& settings) noexcept;
+
+ private:
+  /// The tool's place, and what answers there, when the hand is at hand_.
+  [[nodiscard]] TouchResult answer(const Interpolator& force, double coupling) noexcept;
+  [[nodiscard]] bool is_known(const Interpolator& force, const Vec3& push) const noexcept;
+
+  bool is_pressing_ = false;
+  Vec3 hand_ = Vec3::Zero();
+  /// Of the tool, m; and ∂place_/∂hand_ without friction.
+  Vec3 place_ = Vec3::Zero();
+  Mat3 followed_ = Mat3::Identity();
+  /// What the coupling has held when place_ was found.
+  Vec3 held_ = Vec3::Zero();
+  Friction friction_;
+};
+
+}  // namespace palpate

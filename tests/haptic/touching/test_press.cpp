@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "haptic/support/pressed_body.h"
+#include "haptic/touching/tool.h"
+
+namespace palpate {
+namespace {
+
+using test::kPressedDepth;
+using test::kPressedWidth;
+using test::kTouching;
+
+/// Of the interpolation beside the formula, as a share of the force.
+constexpr double kInterpolated = 0.02;
+
+/// The force on the tool by the formula, N.
+Vec3 exact_force(const Vec3& place) {
+  return -test::contact_energy(test::pressed_top(), place).first;
+}
+
+Vec3 below(double depth, const Vec3& aside = Vec3::Zero()) {
+  return kTouching + aside - Vec3(0, 0, depth);
+}
+
+/// A tool that has come from above to a depth, m, in steps of a fifth of a millimetre.
+struct Pressing {
+  explicit Pressing(const TouchSettings& touch = {}, double width = kPressedWidth)
+      : body(test::pressed_body(width)), settings(touch) {
+    (void)at(below(-0.003));
+  }
+
+  const Contact& at(const Vec3& place, bool grasps = false) {
+    contact = tool.move(body.get(), place, settings, grasps);
+    return contact;
+  }
+  const Contact& go(const Vec3& from, const Vec3& to, bool grasps = false) {
+    const int steps = 1 + static_cast<int>((to - from).norm() / 2e-4);
+    for (int i = 1; i <= steps; ++i) {
+      (void)at(from + (static_cast<double>(i) / steps) * (to - from), grasps);
+    }
+    return contact;
+  }
+  const Contact& press(double depth, const Vec3& aside = Vec3::Zero()) {
+    return go(below(-0.003, aside), below(depth, aside));
+  }
+
+  std::shared_ptr<const Touchable> body;
+  TouchSettings settings;
+  Tool tool;
+  Contact contact;
+};
+
+TEST(Press, FeelsTheForceOfItsPlaceAndGlides) {
+  Pressing p;
+  EXPECT_EQ(p.contact.status, ContactStatus::free);
+  EXPECT_NEAR(p.contact.distance, 0.013, 1e-12);
+  EXPECT_EQ(p.contact.force, Vec3::Zero());
+  (void)p.press(0.004);
+  for (double x = 0; x < 0.015; x += 0.0005) {
+    const Vec3 place = below(0.004, Vec3(x, 0.3 * x, 0));
+    const Contact& contact = p.at(place);
+    ASSERT_EQ(contact.status, ContactStatus::pressing);
+    EXPECT_EQ(contact.anchor, place);
+    EXPECT_EQ(contact.support, Support::inside);
+    const Vec3 exact = exact_force(place);
+    EXPECT_LT((contact.force - exact).norm(), kInterpolated * exact.norm());
+    const TouchResult at = p.body->force_on_tool()->evaluate(place);
+    EXPECT_EQ(contact.force, -at.force);
+    EXPECT_EQ(contact.energy, at.energy);
+    EXPECT_EQ(contact.stiffness, at.stiffness);
+  }
+  (void)p.at(below(-0.003));
+  EXPECT_EQ(p.contact.status, ContactStatus::free);
+  EXPECT_EQ(p.contact.force, Vec3::Zero());
+}
+
+TEST(Press, WhatBeginsInsideIsNotThrownOut) {
+  Pressing p;
+  p.tool.release();
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside);
+  EXPECT_EQ(p.contact.force, Vec3::Zero());
+  EXPECT_EQ(p.at(below(0.001)).status, ContactStatus::inside);
+  EXPECT_EQ(p.at(below(-0.003)).status, ContactStatus::free);
+  EXPECT_EQ(p.at(below(0.001)).status, ContactStatus::pressing);
+}
+
+TEST(Press, DeeperThanTheSpaceItGoesOnAndBesideItTheForceEnds) {
+  Pressing p;
+  (void)p.press(kPressedDepth);
+  const double force = p.contact.force.norm();
+  (void)p.go(below(kPressedDepth), below(kPressedDepth + 0.006));
+  ASSERT_EQ(p.contact.status, ContactStatus::pressing);
+  EXPECT_EQ(p.contact.support, Support::extrapolated);
+  EXPECT_GT(p.contact.force.norm(), force);
+  (void)p.go(below(kPressedDepth + 0.006), below(0.003));
+  EXPECT_EQ(p.contact.support, Support::inside);
+
+  const Vec3 border = below(0.003, Vec3(kPressedWidth, 0, 0));
+  (void)p.go(below(0.003), border - Vec3(1e-4, 0, 0));
+  EXPECT_EQ(p.contact.status, ContactStatus::pressing);
+  (void)p.go(border, border + Vec3(2 * test::kPressedCell, 0, 0));
+  EXPECT_EQ(p.contact.status, ContactStatus::inside);
+  EXPECT_EQ(p.contact.force, Vec3::Zero());
+  EXPECT_EQ(p.contact.support, Support::extrapolated);
+  // Back where the space is it would be thrown out.
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside);
+  (void)p.at(below(-0.003));
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::pressing);
+}
+
+TEST(Press, WhereTheSpaceKnowsNothingNothingIsFelt) {
+  Pressing p;
+  const Vec3 away(0.033, 0, 0);
+  (void)p.go(below(-0.003, away), below(0.002, away));
+  EXPECT_EQ(p.contact.status, ContactStatus::inside);
+  EXPECT_EQ(p.contact.force, Vec3::Zero());
+  // Into the part that has a space, from below the surface.
+  (void)p.go(below(0.002, away), below(0.002));
+  EXPECT_EQ(p.contact.status, ContactStatus::inside);
+}
+
+TEST(Press, GoesOnInASpaceThatHasGrown) {
+  Pressing p({}, 0.01);
+  (void)p.press(0.003);
+  const Vec3 before = p.contact.force;
+  p.body = test::pressed_body();
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::pressing);
+  EXPECT_LT((p.contact.force - before).norm(), 1e-2 * before.norm());
+  (void)p.go(below(0.003), below(0.003, Vec3(0.015, 0, 0)));
+  EXPECT_EQ(p.contact.status, ContactStatus::pressing);
+  TouchSpace other = test::pressed_space();
+  other.scene_hash = "other";
+  p.body = std::make_shared<const Touchable>(other);
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside) << "another body is come into";
+}
+
+TEST(Press, ACouplingIsInBalanceAndFeltNoStiffer) {
+  TouchSettings settings;
+  settings.coupling_stiffness = 800;
+  Pressing p(settings);
+  const Vec3 place = below(0.004, Vec3(0.003, -0.002, 0));
+  (void)p.press(0.004, Vec3(0.003, -0.002, 0));
+  // What is not balanced in a tick is in the next.
+  for (int i = 0; i < 20; ++i) (void)p.at(place);
+  ASSERT_EQ(p.contact.status, ContactStatus::pressing);
+  const Vec3 at = p.contact.anchor;
+  const TouchResult body = p.body->force_on_tool()->evaluate(at);
+  EXPECT_LT((p.contact.force + 800 * (place - at)).norm(), 1e-12);
+  EXPECT_LT((p.contact.force + body.force).norm(), 1e-6 * body.force.norm());
+  EXPECT_NEAR(p.contact.energy, body.energy + 400 * (place - at).squaredNorm(), 1e-12);
+  EXPECT_LT(p.contact.stiffness.norm(), 800 * std::sqrt(3));
+  // The force is the gradient of the energy, and the stiffness that of the force.
+  const double step = 1e-6;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 way = step * Vec3::Unit(k);
+    const Mat3 stiffness = p.contact.stiffness;
+    const Vec3 force = p.contact.force;
+    for (int i = 0; i < 5; ++i) (void)p.at(place + way);
+    const double energy_after = p.contact.energy;
+    const Vec3 force_after = p.contact.force;
+    for (int i = 0; i < 5; ++i) (void)p.at(place - way);
+    EXPECT_NEAR((energy_after - p.contact.energy) / (2 * step), -force[k], 1e-4 * force.norm());
+    EXPECT_LT(((force_after - p.contact.force) / (2 * step) + stiffness.col(k)).norm(),
+              1e-3 * stiffness.norm());
+    for (int i = 0; i < 5; ++i) (void)p.at(place);
+  }
+}
+
+TEST(Press, FrictionHoldsUntilItSlips) {
+  TouchSettings settings;
+  settings.friction = 0.4;
+  Pressing p(settings);
+  (void)p.press(0.003);
+  Vec3 last = below(0.003);
+  bool slipped = false;
+  for (int i = 1; i <= 400; ++i) {
+    const Vec3 place = below(0.003, Vec3(2e-5 * i, 0, 0));
+    (void)p.at(place);
+    ASSERT_EQ(p.contact.status, ContactStatus::pressing);
+    const TouchResult body = p.body->force_on_tool()->evaluate(p.contact.anchor);
+    const Vec3 push = body.force.normalized();
+    // What is left of the force when the body's push is taken away is along the surface.
+    const Vec3 rubbed = -p.contact.force - body.force;
+    EXPECT_NEAR(rubbed.dot(push), 0, 1e-9 + 2e-3 * body.force.norm());
+    EXPECT_LE(rubbed.norm(), (1 + 1e-9) * 0.4 * body.force.norm());
+    EXPECT_GE(rubbed.dot(Vec3::UnitX()), 0) << "it holds back";
+    const double moved = (p.contact.anchor - last)[0];
+    if (i > 300) {
+      EXPECT_NEAR(moved, 2e-5, 1e-5) << "the tool follows the hand";
+      slipped = true;
+    }
+    if (i == 1) {
+      EXPECT_LT(std::abs(moved), 1e-6) << "it sticks";
+    }
+    last = p.contact.anchor;
+  }
+  EXPECT_TRUE(slipped);
+  (void)p.at(below(-0.003));
+  EXPECT_EQ(p.contact.force, Vec3::Zero());
+  // Where it is held back no more, the tool is where the hand is.
+  EXPECT_EQ(p.at(below(0.002)).anchor, below(0.002));
+}
+
+TEST(Press, WithoutFrictionNothingIsHeldBack) {
+  TouchSettings settings;
+  settings.friction = 0.4;
+  Pressing p(settings);
+  (void)p.press(0.003);
+  (void)p.go(below(0.003), below(0.003, Vec3(0.004, 0, 0)));
+  EXPECT_NE(p.contact.anchor, below(0.003, Vec3(0.004, 0, 0)));
+  p.settings.friction = 0;
+  (void)p.at(below(0.003, Vec3(0.004, 0, 0)));
+  EXPECT_EQ(p.contact.anchor, below(0.003, Vec3(0.004, 0, 0)));
+}
+
+/// The energy that the hand has put in along a way, less what is stored at its end, J. The force of
+/// the middle of each step is taken, so that what is left is not of the steps' size.
+double dissipated(Pressing& p, const std::vector<Vec3>& way) {
+  (void)p.at(way.front());
+  const double stored = p.contact.energy;
+  double work = 0;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const Vec3 before = p.contact.force;
+    (void)p.at(way[i]);
+    work -= 0.5 * (before + p.contact.force).dot(way[i] - way[i - 1]);
+  }
+  return work - (p.contact.energy - stored);
+}
+
+// Down, around in random loops at a varying depth, and up.
+TEST(Press, MakesNoEnergyAroundClosedWays) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> part(-1, 1);
+  for (const double friction : {0.0, 0.2, 0.8, 5.0}) {
+    for (const double coupling : {0.0, 1500.0}) {
+      for (int run = 0; run < 6; ++run) {
+        TouchSettings settings;
+        settings.friction = friction;
+        settings.coupling_stiffness = coupling;
+        Pressing p(settings);
+        std::vector<Vec3> corners{below(-0.003)};
+        for (int i = 0; i < 12; ++i) {
+          corners.push_back(
+              below(0.0035 + 0.002 * part(random), 0.014 * Vec3(part(random), part(random), 0)));
+        }
+        corners.push_back(corners.front());
+        std::vector<Vec3> way;
+        for (std::size_t c = 1; c < corners.size(); ++c) {
+          for (int i = 0; i < 1000; ++i) {
+            way.push_back(corners[c - 1] + i / 1000.0 * (corners[c] - corners[c - 1]));
+          }
+        }
+        way.push_back(corners.back());
+        const double lost = dissipated(p, way);
+        double largest = 0;
+        for (const Vec3& place : way) {
+          largest = std::max(largest, p.body->force_on_tool()->evaluate(place).energy);
+        }
+        EXPECT_GT(lost, -2e-3 * largest) << "μ " << friction << ", coupling " << coupling;
+        if (friction == 0) {
+          EXPECT_LT(lost, 2e-3 * largest);
+        }
+        if (friction == 0.2) {
+          EXPECT_GT(lost, 0.2 * largest) << "rubbing takes energy";
+        }
+      }
+    }
+  }
+}
+
+TEST(Press, GraspingHoldsTheNodeWithoutAJump) {
+  for (const double coupling : {0.0, 2000.0}) {
+    TouchSettings settings;
+    settings.coupling_stiffness = coupling;
+    settings.blended = false;
+    settings.release_force = 0;
+    Pressing p(settings);
+    (void)p.press(0.003);
+    for (int i = 0; i < 10; ++i) (void)p.at(below(0.003));
+    const Vec3 before = p.contact.force;
+    (void)p.at(below(0.003), true);
+    ASSERT_EQ(p.contact.status, ContactStatus::attached);
+    EXPECT_GE(p.contact.nodes[0], 0);
+    EXPECT_LT((p.contact.force - before).norm(), 1e-4 * before.norm());
+    // It pulls now, which a tool that presses does not.
+    (void)p.go(below(0.003), below(-0.005), true);
+    ASSERT_EQ(p.contact.status, ContactStatus::attached);
+    EXPECT_LT(p.contact.force[2], 0);
+    (void)p.at(below(-0.005), false);
+    EXPECT_EQ(p.contact.status, ContactStatus::free);
+    EXPECT_EQ(p.contact.force, Vec3::Zero());
+  }
+}
+
+TEST(Press, WhatIsGraspedWhereItLetsGoIsPressedOn) {
+  TouchSettings settings;
+  Pressing p(settings);
+  (void)p.press(0.003);
+  (void)p.at(below(0.003), true);
+  ASSERT_EQ(p.contact.status, ContactStatus::attached);
+  (void)p.at(below(0.003), false);
+  EXPECT_EQ(p.contact.status, ContactStatus::pressing);
+}
+
+TEST(Press, AGraspThatPullsTooHardLetsGoUntilTheButtonIsPressedAnew) {
+  TouchSettings settings;
+  settings.release_force = 0.5;
+  Pressing p(settings);
+  (void)p.press(0.001);
+  (void)p.at(below(0.001), true);
+  ASSERT_EQ(p.contact.status, ContactStatus::attached);
+  (void)p.go(below(0.001), below(-0.02), true);
+  EXPECT_EQ(p.contact.status, ContactStatus::free);
+  (void)p.go(below(-0.02), below(0.001), true);
+  EXPECT_EQ(p.contact.status, ContactStatus::pressing);
+  (void)p.at(below(0.001), false);
+  EXPECT_EQ(p.at(below(0.001), true).status, ContactStatus::attached);
+}
+
+TEST(Press, WhereNoNodeIsNearNothingIsGrasped) {
+  TouchSettings settings;
+  settings.reach = 1e-4;
+  settings.blended = false;
+  Pressing p(settings);
+  (void)p.press(0.002, Vec3(0.007, 0.003, 0));
+  (void)p.at(below(0.002, Vec3(0.007, 0.003, 0)), true);
+  EXPECT_EQ(p.contact.status, ContactStatus::pressing);
+}
+
+TEST(Press, APlaceThatIsNotFiniteIsNowhere) {
+  Pressing p;
+  (void)p.press(0.003);
+  EXPECT_EQ(p.at(Vec3(0, std::nan(""), 0)).status, ContactStatus::nothing);
+  EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::inside);
+  EXPECT_EQ(p.at(Vec3(0, 0, 1e300)).status, ContactStatus::free);
+}
+
+}  // namespace
+}  // namespace palpate
