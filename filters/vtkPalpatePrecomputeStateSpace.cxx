@@ -295,7 +295,16 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     }
 
     palpate::PrecomputeOptions options;
-    options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
+    const bool isRigid = this->Tool != vtkPalpateBondedNode;
+    if (isRigid && this->Graspable && this->ActiveNodes.empty())
+    {
+      throw palpate::InputError("The rigid tool is to grasp active nodes, but none is named. Name "
+                                "some as ActiveNodes, or set Graspable to 0.");
+    }
+    if (!isRigid || this->Graspable)
+    {
+      options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
+    }
     options.tip_radius = this->TipRadius;
     options.half_width = this->HalfWidth;
     options.resolution = this->Tolerance > 0 ? CoarsestResolution : this->Resolution;
@@ -311,7 +320,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     options.equilibrium.max_seconds = this->MaximumSeconds;
     options.equilibrium.single_precision = this->SinglePrecisionFactors;
     options.ranks_per_solve = this->RanksPerSolve;
-    if (this->Tool != vtkPalpateBondedNode)
+    if (isRigid)
     {
       auto* surface = vtkPalpateInput<vtkPolyData>(inputVector[1]);
       options.contact = this->Contact(
@@ -433,6 +442,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ToolLength: " << this->ToolLength << '\n'
      << indent << "ContactThickness: " << this->ContactThickness << '\n'
      << indent << "ContactStiffness: " << this->ContactStiffness << '\n'
+     << indent << "Graspable: " << this->Graspable << '\n'
      << indent << "UseToolRegion: " << this->UseToolRegion << '\n'
      << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
      << indent << "Depth: " << this->Depth << '\n'

@@ -93,6 +93,12 @@ public:
   vtkGetMacro(ContactStiffness, double);
   ///@}
   ///@{
+  /// Whether a rigid tool can also hold active nodes, which are explored besides.
+  vtkSetMacro(Graspable, bool);
+  vtkGetMacro(Graspable, bool);
+  vtkBooleanMacro(Graspable, bool);
+  ///@}
+  ///@{
   /// Where a rigid tool is to press: the places of the surface at rest in which this is not
   /// positive. Without it, on the whole touchable surface.
   vtkSetMacro(UseToolRegion, bool);
@@ -243,6 +249,7 @@ private:
   double ToolLength = 0.03;
   double ContactThickness = 0;
   double ContactStiffness = 0;
+  bool Graspable = false;
   bool UseToolRegion = false;
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;
   double Depth = 0.005;

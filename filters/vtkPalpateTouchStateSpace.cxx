@@ -50,7 +50,7 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
   {
     throw palpate::InputError("The state space has no active node. Compute it again.");
   }
-  if (node == -1 || space.tool_spaces.front().setup.interaction.is_contact())
+  if (node == -1)
   {
     return space.tool_spaces.front();
   }
@@ -59,20 +59,29 @@ const TouchToolSpace& SiteOf(const TouchSpace& space, vtkIdType node)
   {
     return *toolSpace;
   }
-  constexpr std::size_t mostNamed = 10;
+  constexpr int mostNamed = 10;
+  int number = 0;
   std::string nodes;
-  for (std::size_t i = 0; i < std::min(mostNamed, space.tool_spaces.size()); ++i)
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    nodes +=
-      (i == 0 ? "" : ", ") + std::to_string(space.tool_spaces[i].setup.interaction.active_node);
+    if (toolSpace.setup.interaction.is_contact() || ++number > mostNamed)
+    {
+      continue;
+    }
+    nodes += (number == 1 ? "" : ", ") + std::to_string(toolSpace.setup.interaction.active_node);
   }
-  if (space.tool_spaces.size() > mostNamed)
+  if (number > mostNamed)
   {
     nodes += ", …";
   }
-  throw palpate::InputError("Active node " + std::to_string(node) +
-    " is not in the state space, which has " + std::to_string(space.tool_spaces.size()) + ": " +
-    nodes + ". Choose one of them, or compute the space for this one.");
+  const std::string notThere =
+    "Active node " + std::to_string(node) + " is not in the state space, which has ";
+  if (number == 0)
+  {
+    throw palpate::InputError(notThere + "none, but a rigid tool: give -1 and its ToolPosition.");
+  }
+  throw palpate::InputError(notThere + std::to_string(number) + ": " + nodes +
+    ". Choose one of them, or compute the space for this one.");
 }
 
 void AddVector(vtkDataObject* output, const char* name, int components, const double* values)
@@ -121,10 +130,13 @@ struct WholeBodyOf
     }
     this->Scene = this->Fields.read_scene();
     this->Rest = vtkPalpateGridFromScene(this->Scene);
-    const palpate::InteractionSpec& interaction = space.tool_spaces.front().setup.interaction;
-    if (interaction.is_contact())
+    for (const TouchToolSpace& toolSpace : space.tool_spaces)
     {
-      this->Contact.emplace(palpate::make_contact(this->Scene, interaction.tool));
+      const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
+      if (interaction.is_contact())
+      {
+        this->Contact.emplace(palpate::make_contact(this->Scene, interaction.tool));
+      }
     }
   }
 
@@ -248,7 +260,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
   WholeBodyOf& whole = *cache.Whole;
   const palpate::NodalVector& u = whole.Displacement;
   const palpate::TetMesh& mesh = whole.Scene.mesh;
-  if (whole.Contact)
+  if (whole.Contact && cache.Node == palpate::kContactToolSpace)
   {
     const palpate::RigidContact::Patch patch = whole.Contact->patch(palpate::Vec3(t), u);
     vtkNew<vtkDoubleArray> pressure;

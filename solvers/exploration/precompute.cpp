@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -249,19 +250,25 @@ void for_each_figure(PrecomputeReport& report, Visit&& visit) {
   visit(report.finishing_seconds, largest);
 }
 
+/// The figures of a report.
+Bytes packed(PrecomputeReport& report) {
+  Packer figures;
+  for_each_figure(report, [&](auto& figure, auto /*combine*/) { figures.put(figure); });
+  return figures.take();
+}
+
+void take_in(PrecomputeReport& report, const Bytes& figures) {
+  Unpacker one(figures);
+  for_each_figure(report, [&](auto& figure, auto combine) {
+    combine(figure, one.take<std::decay_t<decltype(figure)>>());
+  });
+}
+
 /// Combines what each rank has; the ranks that serve others have nothing.
 void combine(PrecomputeReport& report, Communicator& communicator) {
-  Packer mine;
-  for_each_figure(report, [&](auto& figure, auto /*combine*/) {
-    mine.put(figure);
-    figure = {};
-  });
-  for (const Bytes& bytes : communicator.all_gather(mine.take())) {
-    Unpacker of_rank(bytes);
-    for_each_figure(report, [&](auto& figure, auto combine) {
-      combine(figure, of_rank.take<std::decay_t<decltype(figure)>>());
-    });
-  }
+  const Bytes mine = packed(report);
+  for_each_figure(report, [](auto& figure, auto /*combine*/) { figure = {}; });
+  for (const Bytes& figures : communicator.all_gather(mine)) take_in(report, figures);
   report.schedule = sum(communicator, report.schedule);
   report.num_not_reached = report.num_expected - report.num_solved - report.num_reused;
 }
@@ -404,6 +411,62 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   return result;
 }
 
+/// On all ranks.
+/// @note Collective
+PrecomputeResult explore_on_ranks(const Scene& scene, const PrecomputeOptions& options,
+                                  Communicator& communicator, const Progress& progress) {
+  PrecomputeResult result;
+  if (options.ranks_per_solve == 1) {
+    result = explore(scene, options, communicator, progress, [&] {
+      return options.linear_solver.empty() ? make_linear_solver()
+                                           : make_linear_solver(options.linear_solver);
+    });
+  } else {
+    const Groups groups(communicator, options.ranks_per_solve);
+    const void* group = groups.own->mpi_comm();
+    agree(communicator, [&] {
+      if (groups.leads()) {
+        result = explore(scene, options, *groups.leaders, progress,
+                         [group] { return make_group_solver(group); });
+      } else {
+        serve_group_solver(group);
+      }
+    });
+  }
+  return result;
+}
+
+PrecomputeOptions without_nodes(const PrecomputeOptions& options) {
+  PrecomputeOptions result = options;
+  if (options.contact) result.active_nodes.clear();
+  return result;
+}
+
+PrecomputeOptions without_contact(const PrecomputeOptions& options) {
+  PrecomputeOptions result = options;
+  result.contact.reset();
+  return result;
+}
+
+/// Adds what was explored after the rest.
+/// @param in_memory Else the file, and so the newer space, has all.
+void append(PrecomputeResult& all, PrecomputeResult newer, bool in_memory) {
+  PrecomputeReport& report = newer.report;
+  // The later of the two says whether anything is left, and each has taken its time.
+  report.exploration_seconds += all.report.exploration_seconds;
+  report.finishing_seconds += all.report.finishing_seconds;
+  all.report.complete = false;
+  take_in(report, packed(all.report));
+  report.schedule += all.report.schedule;
+  const auto put_before = [](auto& list, auto& first) {
+    list.insert(list.begin(), std::make_move_iterator(first.begin()),
+                std::make_move_iterator(first.end()));
+  };
+  put_before(newer.damaged, all.damaged);
+  if (in_memory) put_before(newer.space.tool_spaces, all.space.tool_spaces);
+  all = std::move(newer);
+}
+
 }  // namespace
 
 void validate(const PrecomputeOptions& options) {
@@ -427,7 +490,9 @@ void validate(const PrecomputeOptions& options) {
           "The space of a rigid tool has no levels or intermediate states. Set History "
           "to another value and IntermediateStates to 0.");
     }
-  } else if (!(std::isfinite(options.half_width) && options.half_width > 0)) {
+  }
+  const bool has_boxes = !options.contact || !options.active_nodes.empty();
+  if (has_boxes && !(std::isfinite(options.half_width) && options.half_width > 0)) {
     throw InputError("The half-width is " + std::to_string(options.half_width) +
                      "; it must be a positive length in m.");
   }
@@ -466,27 +531,17 @@ void validate(const PrecomputeOptions& options) {
 PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                             Communicator& communicator, const Progress& progress) {
   const Clock::time_point start = Clock::now();
+  const bool has_both = options.contact && !options.active_nodes.empty();
   agree(communicator, [&] {
     validate(options);
     validate_ranks_per_solve(options, communicator.size());
+    // What is wrong with these is not told at the end of the first exploration.
+    if (has_both) (void)plan_grids(scene, options);
   });
-  PrecomputeResult result;
-  if (options.ranks_per_solve == 1) {
-    result = explore(scene, options, communicator, progress, [&] {
-      return options.linear_solver.empty() ? make_linear_solver()
-                                           : make_linear_solver(options.linear_solver);
-    });
-  } else {
-    const Groups groups(communicator, options.ranks_per_solve);
-    const void* group = groups.own->mpi_comm();
-    agree(communicator, [&] {
-      if (groups.leads()) {
-        result = explore(scene, options, *groups.leaders, progress,
-                         [group] { return make_group_solver(group); });
-      } else {
-        serve_group_solver(group);
-      }
-    });
+  PrecomputeResult result = explore_on_ranks(scene, without_nodes(options), communicator, progress);
+  if (has_both && any(communicator, result.report.complete)) {
+    append(result, explore_on_ranks(scene, without_contact(options), communicator, progress),
+           options.file.empty());
   }
   PrecomputeReport& report = result.report;
   report.num_ranks = communicator.size();

@@ -42,12 +42,13 @@ struct ExplorationEstimate {
 };
 
 struct PrecomputeOptions {
-  /// In place of the active nodes and their boxes.
+  /// A rigid tool. The active nodes that are named besides are explored after it.
   std::optional<ContactOptions> contact;
   /// Hears what a space of a rigid tool is expected to take, on rank 0, before it is explored.
   std::function<void(const ExplorationEstimate&)> expects;
 
-  /// The points of the mesh that are touched; empty: all that the scene says are touchable.
+  /// The points of the mesh that are touched; empty: with a rigid tool none, else all that the
+  /// scene says are touchable.
   std::vector<Index> active_nodes;
   /// The surface patch within this distance of a node moves with it, see
   /// interaction/bonded_patch.h, m; 0: the node alone.

@@ -173,6 +173,41 @@ TEST_F(ContactSpace, GoesOnFromItsFile) {
   }
 }
 
+// As if each were explored alone, in memory and in a file.
+TEST_F(ContactSpace, ActiveNodesThatAreToBeGraspedComeBesideIt) {
+  const PrecomputeResult tool = run(*world_);
+  Index node = 0;
+  for (Index p = 0; p < block_.scene.mesh.num_points(); ++p) {
+    const Vec3 place(0.1, 0.03, 0.05);
+    const auto& points = block_.scene.mesh.points;
+    if ((points[p] - place).norm() < (points[node] - place).norm()) node = p;
+  }
+  options_.active_nodes = {node};
+  options_.half_width = 0.002;
+  options_.resolution = 3;
+  PrecomputeOptions bonded = options_;
+  bonded.contact.reset();
+  const PrecomputeResult nodes = precompute(block_.scene, bonded, *world_, {});
+  for (const bool in_file : {false, true}) {
+    if (in_file) options_.file = folder_ / "space.palpate";
+    const PrecomputeResult both = run(*world_);
+    EXPECT_TRUE(both.report.complete);
+    EXPECT_EQ(both.report.num_not_reached, 0);
+    EXPECT_EQ(both.report.num_solved, tool.report.num_solved + nodes.report.num_solved);
+    if (world_->rank() != 0) continue;
+    ASSERT_EQ(both.space.tool_spaces.size(), 2U);
+    expect_equal(both.space.tool_spaces[0], tool.space.tool_spaces[0]);
+    expect_equal(both.space.tool_spaces[1], nodes.space.tool_spaces[0]);
+    EXPECT_EQ(both.space.modes.cols(), nodes.space.modes.cols());
+  }
+  options_.active_nodes = {-5};
+  progress_ = [](const ProgressState&) {
+    ADD_FAILURE() << "it is said before anything is computed";
+    return true;
+  };
+  EXPECT_NE(error().find("-5"), std::string::npos);
+}
+
 TEST_F(ContactSpace, IsRefinedToATolerance) {
   options_.contact->shell.region = [](const Vec3& place) {
     return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.008;
