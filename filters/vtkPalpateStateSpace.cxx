@@ -190,6 +190,11 @@ unsigned char SolveStatus(const ConfigurationSummary& c)
                                               : 0;
 }
 
+bool IsContact(const TouchToolSpace& toolSpace)
+{
+  return toolSpace.setup.interaction.is_contact();
+}
+
 vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
 {
   auto data = vtkSmartPointer<vtkPolyData>::New();
@@ -260,6 +265,9 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   {
     coefficients = AddArray<vtkFloatArray>(arrays, "Coefficients", modes, count);
     gradients = AddArray<vtkFloatArray>(arrays, "CoefficientGradient", 3 * modes, count);
+    // A rigid tool has none.
+    coefficients->Fill(0);
+    gradients->Fill(0);
   }
   vtkIdType next = 0;
   for (const TouchToolSpace& toolSpace : space.tool_spaces)
@@ -267,7 +275,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
     for (Eigen::Index i = 0; i < toolSpace.coefficients.cols(); ++i, ++next)
     {
       nodes->SetValue(next, toolSpace.setup.interaction.active_node);
-      if (modes > 0)
+      if (modes > 0 && !IsContact(toolSpace))
       {
         coefficients->SetTypedTuple(next, toolSpace.coefficients.col(i).data());
         gradients->SetTypedTuple(next, toolSpace.coefficient_gradients.col(i).data());
@@ -347,11 +355,6 @@ void VisitContact(ToolSpaceSetup&& setup, Visit&& visit)
 /// Field arrays of the tool's surface, where it is one.
 constexpr const char* ToolPoints = "ToolPoints";
 constexpr const char* ToolTriangles = "ToolTriangles";
-
-bool IsContact(const TouchToolSpace& toolSpace)
-{
-  return toolSpace.setup.interaction.is_contact();
-}
 
 /// A space has one rigid tool at the most.
 void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
@@ -622,16 +625,17 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
     }
     // A stock filter may have changed their order.
     std::sort(ids.begin(), ids.end(), [&](vtkIdType a, vtkIdType b) { return all[a] < all[b]; });
-    toolSpace.coefficients.resize(modes, static_cast<Eigen::Index>(ids.size()));
-    toolSpace.coefficient_gradients.resize(3 * modes, static_cast<Eigen::Index>(ids.size()));
+    const int own = node < 0 ? 0 : modes;
+    toolSpace.coefficients.resize(own, static_cast<Eigen::Index>(ids.size()));
+    toolSpace.coefficient_gradients.resize(3 * own, static_cast<Eigen::Index>(ids.size()));
     for (std::size_t i = 0; i < ids.size(); ++i)
     {
       toolSpace.configurations.push_back(all[ids[i]]);
-      for (int m = 0; m < modes; ++m)
+      for (int m = 0; m < own; ++m)
       {
         toolSpace.coefficients(m, i) = static_cast<float>(coefficients->GetComponent(ids[i], m));
       }
-      for (int m = 0; m < 3 * modes; ++m)
+      for (int m = 0; m < 3 * own; ++m)
       {
         toolSpace.coefficient_gradients(m, i) =
           static_cast<float>(gradients->GetComponent(ids[i], m));

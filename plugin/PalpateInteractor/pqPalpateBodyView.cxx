@@ -32,6 +32,8 @@ constexpr int Patience = 8;
 constexpr const char* SmoothEdges = "UseFXAA";
 /// Of a representation, and two values of it.
 constexpr const char* Backface = "BackfaceRepresentation";
+/// The rigid tool of a space that has one, else its first active node.
+constexpr int FirstOfSpace = -1;
 constexpr int LikeTheFront = 400;
 constexpr int Culled = 401;
 
@@ -47,7 +49,8 @@ pqPipelineSource* FindFilter(pqOutputPort* space)
   return nullptr;
 }
 
-pqPipelineSource* MakeFilter(pqOutputPort* space, pqRenderView* view, double halfWidth)
+pqPipelineSource* MakeFilter(
+  pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most)
 {
   pqPipelineSource* filter = pqApplicationCore::instance()->getObjectBuilder()->createFilter(
     "filters", "TouchStateSpace", space->getSource(), space->getPortNumber());
@@ -60,27 +63,29 @@ pqPipelineSource* MakeFilter(pqOutputPort* space, pqRenderView* view, double hal
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
   auto* shown = vtkSMPVRepresentationProxy::SafeDownCast(
     controller->Show(filter->getSourceProxy(), 0, view->getViewProxy()));
-  if (shown && shown->SetScalarColoring("Displacement", vtkDataObject::POINT))
+  if (shown && shown->SetScalarColoring(colouredBy, vtkDataObject::POINT))
   {
     // The colours shall not change their meaning from frame to frame.
     vtkSMProxy* colours = vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy();
     vtkSMPropertyHelper(colours, "AutomaticRescaleRangeMode")
       .Set(vtkSMTransferFunctionManager::NEVER);
     colours->UpdateVTKObjects();
-    vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, halfWidth);
+    vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, most);
     shown->SetScalarBarVisibility(view->getViewProxy(), true);
   }
   return filter;
 }
 }
 
-pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, double halfWidth)
-  : Filter(FindFilter(space))
+pqPalpateBodyView::pqPalpateBodyView(
+  pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most, const double* free)
+  : Free{ free[0], free[1], free[2] }
+  , Filter(FindFilter(space))
   , View(view)
 {
   if (!this->Filter)
   {
-    this->Filter = MakeFilter(space, view, halfWidth);
+    this->Filter = MakeFilter(space, view, colouredBy, most);
   }
   // It may be a person's own, and show another place, or nothing here.
   this->SetRest();
@@ -116,13 +121,32 @@ void pqPalpateBodyView::RestorePicture()
 void pqPalpateBodyView::Show(int node, int branch, const double* displacement)
 {
   vtkSMProxy* filter = this->Filter->getProxy();
-  const bool isKnown = this->View && !this->View->getViewProxy()->GetNeedsUpdate();
+  const bool isKnown = this->IsKnown();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(node));
   // The loop has followed the node here.
   vtkSMPropertyHelper(filter, "StartDisplacement").Set(displacement, 3);
   vtkSMPropertyHelper(filter, "StartBranch").Set(branch);
   vtkSMPropertyHelper(filter, "Branch").Set(-1);
   vtkSMPropertyHelper(filter, "Displacement").Set(displacement, 3);
+  this->Take(filter, isKnown);
+}
+
+void pqPalpateBodyView::ShowPressed(const double* place)
+{
+  vtkSMProxy* filter = this->Filter->getProxy();
+  const bool isKnown = this->IsKnown();
+  vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(FirstOfSpace));
+  vtkSMPropertyHelper(filter, "ToolPosition").Set(place, 3);
+  this->Take(filter, isKnown);
+}
+
+bool pqPalpateBodyView::IsKnown() const
+{
+  return this->View && !this->View->getViewProxy()->GetNeedsUpdate();
+}
+
+void pqPalpateBodyView::Take(vtkSMProxy* filter, bool isKnown)
+{
   filter->UpdateVTKObjects();
   if (isKnown && !this->IsOver && this->NumberOfFrames > 0)
   {
@@ -165,10 +189,10 @@ void pqPalpateBodyView::ShowRest()
 
 void pqPalpateBodyView::SetRest()
 {
-  constexpr int firstNode = -1;
   constexpr int findsItself = -1;
   const double zero[3] = { 0, 0, 0 };
-  this->Show(firstNode, findsItself, zero);
+  vtkSMPropertyHelper(this->Filter->getProxy(), "ToolPosition").Set(this->Free, 3);
+  this->Show(FirstOfSpace, findsItself, zero);
 }
 
 void pqPalpateBodyView::Draw()

@@ -23,9 +23,11 @@ class pqPalpateBodyView
 public:
   /// Shows the body at rest in the place of its state space. The filter is made where there is
   /// none.
-  /// @param halfWidth The largest displacement that is coloured, m.
+  /// @param colouredBy A point array of the filter, and the largest value that is coloured.
+  /// @param free Where a rigid tool touches nothing [3], m.
   /// @throws std::runtime_error the server does not have the filter.
-  pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, double halfWidth);
+  pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most,
+    const double* free);
 
   pqPipelineSource* GetFilter() const { return this->Filter; }
 
@@ -33,6 +35,8 @@ public:
   /// @param branch That the body is on there.
   /// @param displacement Of the node [3], m.
   void Show(int node, int branch, const double* displacement);
+  /// @param place Of a rigid tool [3], m.
+  void ShowPressed(const double* place);
   void ShowRest();
   /// Nothing is left out any more.
   void RestorePicture();
@@ -46,6 +50,11 @@ public:
 
 private:
   void SetRest();
+  /// All that is shown is up to date.
+  bool IsKnown() const;
+  /// The filter's properties have become others.
+  /// @param isKnown All was up to date before.
+  void Take(vtkSMProxy* filter, bool isKnown);
   /// What has changed are the body's places alone: ParaView need not ask again, for each property
   /// of each representation, which arrays there are. That takes it longer than to draw them.
   void KeepDomains();
@@ -53,6 +62,7 @@ private:
   void KeepPace();
   void LeaveOut(vtkSMProxy* proxy, const char* property, int value);
 
+  double Free[3];
   QPointer<pqPipelineSource> Filter;
   QPointer<pqRenderView> View;
   struct Omission

@@ -42,6 +42,7 @@ pqPalpateDevice pqPalpateSimulatedDevice(
   palpate::BoardOptions options;
   // The mouse places the tool on the surface to a small part of what is seen.
   options.feature.position_unit_nm = 100;
+  options.feature.num_buttons = 2;
   auto board = std::make_unique<palpate::SimulatedBoard>(clock, std::move(motion), options);
   pqPalpateDevice device;
   device.Setup.device = "simulated";

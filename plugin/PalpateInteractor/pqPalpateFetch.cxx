@@ -18,6 +18,14 @@
 
 namespace
 {
+/// Of a collection.
+bool HasField(pqOutputPort* port, const char* name)
+{
+  vtkPVDataInformation* data = port->getDataInformation();
+  return data && data->GetCompositeDataSetType() == VTK_PARTITIONED_DATA_SET_COLLECTION &&
+    data->GetArrayInformation(name, vtkDataObject::FIELD);
+}
+
 vtkDataObject* ClientSideData(vtkSMSourceProxy* proxy, int port)
 {
   auto* algorithm = vtkAlgorithm::SafeDownCast(proxy->GetClientSideObject());
@@ -52,9 +60,12 @@ vtkSmartPointer<vtkDataObject> Fetch(pqOutputPort* port, int type)
 
 bool pqPalpateGivesStateSpace(pqOutputPort* port)
 {
-  vtkPVDataInformation* data = port->getDataInformation();
-  return data && data->GetCompositeDataSetType() == VTK_PARTITIONED_DATA_SET_COLLECTION &&
-    data->GetArrayInformation("SceneHash", vtkDataObject::FIELD);
+  return HasField(port, "SceneHash");
+}
+
+bool pqPalpateHasRigidTool(pqOutputPort* port)
+{
+  return HasField(port, "ContactStiffness");
 }
 
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port)

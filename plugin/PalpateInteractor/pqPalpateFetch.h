@@ -12,6 +12,9 @@ class vtkUnstructuredGrid;
 /// Whether the port gives a state space, as far as is known of its data.
 bool pqPalpateGivesStateSpace(pqOutputPort* port);
 
+/// Whether it is of a rigid tool, too.
+bool pqPalpateHasRigidTool(pqOutputPort* port);
+
 /// From this process where the server is built in, else over the connection. Brings the pipeline up
 /// to date.
 /// @throws palpate::InputError, std::runtime_error it is no state space, or cannot be fetched.

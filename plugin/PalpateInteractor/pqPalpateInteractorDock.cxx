@@ -156,8 +156,9 @@ void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
   this->Space = Named(new QComboBox(), "space",
     "State spaces of the pipeline, from Precompute State Space or State Space Reader.");
   this->Device = Named(new QComboBox(), "device",
-    "Mouse: press the left button on the body near a black dot and drag; the wheel goes in and "
-    "out; Ctrl moves the camera. Simulated hand: presses the first active node again and again.");
+    "Mouse: press the left button on the body and drag, near a black dot where there is no rigid "
+    "tool; the wheel goes in and out; with Ctrl first it moves the camera. Simulated hand: presses "
+    "one place again and again.");
   this->Refresh = Named(new QPushButton("Refresh"), "refresh", "Look for devices again.");
   this->Start = Named(new QPushButton("Start"), "start");
   this->Message = Named(new QLabel(), "message");
@@ -234,6 +235,14 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
   this->ReleaseForce = Named(NumberBox(settings.ReleaseForce, 100, 0.5, " N"), "releaseForce",
     "The tool lets go where the body pulls with more than this.");
   this->ReleaseForce->setSpecialValueText("never");
+  this->Friction = Named(NumberBox(settings.Friction, 10, 0.1, ""), "friction",
+    "Coefficient of friction of a rigid tool: it sticks to the body until it is pulled aside with "
+    "more than this share of the force with which it presses.");
+  this->Friction->setSpecialValueText("none");
+  this->Grasps = Named(new QCheckBox("Holds while the last button is held"), "grasps",
+    "A rigid tool that presses near an active node takes hold of it, and lets go with the button. "
+    "With the mouse that is Ctrl.");
+  this->Grasps->setChecked(settings.GraspsWithButton);
   this->NeedsButton = Named(new QCheckBox("Only while the button is held"), "needsButton",
     "There is a force only as long as the first button of the device is held. Who lets go of it "
     "gets a force again when the tool was outside of the body. For devices with a button.");
@@ -244,27 +253,38 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
   form->addRow("Force limit", this->ForceLimit);
   form->addRow("Tool", this->Bonded);
   form->addRow("Lets go above", this->ReleaseForce);
+  form->addRow("Friction", this->Friction);
+  form->addRow("Grasp", this->Grasps);
   form->addRow("Force", this->NeedsButton);
-  for (QDoubleSpinBox* box :
-    { this->WorkspaceScale, this->ForceScale, this->ForceLimit, this->ReleaseForce })
+  for (QDoubleSpinBox* box : { this->WorkspaceScale, this->ForceScale, this->ForceLimit,
+         this->ReleaseForce, this->Friction })
   {
     QObject::connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
       &pqPalpateInteractorDock::sendSettings);
   }
-  for (QCheckBox* box : { this->FollowsCamera, this->Bonded, this->NeedsButton })
+  for (QCheckBox* box : { this->FollowsCamera, this->Bonded, this->Grasps, this->NeedsButton })
   {
     QObject::connect(box, &QCheckBox::toggled, this, &pqPalpateInteractorDock::sendSettings);
   }
   QObject::connect(
     this->Bonded, &QCheckBox::toggled, this, &pqPalpateInteractorDock::enableSettings);
-  QObject::connect(this->Device, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
-    &pqPalpateInteractorDock::enableSettings);
+  for (QComboBox* choice : { this->Space, this->Device })
+  {
+    QObject::connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+      &pqPalpateInteractorDock::enableSettings);
+  }
 }
 
 void pqPalpateInteractorDock::enableSettings()
 {
-  this->ReleaseForce->setEnabled(this->Bonded->isChecked());
-  this->NeedsButton->setEnabled(this->Device->currentData(HasButtonRole).toBool());
+  pqOutputPort* space = this->chosenSpace();
+  const bool isRigid = space && pqPalpateHasRigidTool(space);
+  const bool hasButton = this->Device->currentData(HasButtonRole).toBool();
+  this->Bonded->setEnabled(!isRigid);
+  this->ReleaseForce->setEnabled(isRigid || this->Bonded->isChecked());
+  this->Friction->setEnabled(isRigid);
+  this->Grasps->setEnabled(isRigid && hasButton);
+  this->NeedsButton->setEnabled(hasButton);
 }
 
 void pqPalpateInteractorDock::makeFigures(QFormLayout* form)
@@ -285,7 +305,9 @@ void pqPalpateInteractorDock::makeFigures(QFormLayout* form)
   this->Energy = addRow("Energy balance", "energy",
     "What the hand has put in less what the body stores; below zero the loop has made energy.");
   this->Damping = addRow("Added damping", "damping", "Against energy of the loop's own making.");
-  this->Node = addRow("Node", "node", "That is moved, and where in its space it is.");
+  this->Place = addRow("Place", "place",
+    "Of the tool in the space: the node that it moves and its branch, or how much deeper a rigid "
+    "tool can go before the space ends.");
 }
 
 void pqPalpateInteractorDock::listSpaces()
@@ -306,6 +328,8 @@ void pqPalpateInteractorDock::listSpaces()
   }
   const int index = this->Space->findData(chosen);
   this->Space->setCurrentIndex(index >= 0 ? index : this->Space->count() - 1);
+  // Signals are blocked.
+  this->enableSettings();
   this->showState();
 }
 
@@ -398,6 +422,8 @@ void pqPalpateInteractorDock::sendSettings()
   settings.ForceLimit = this->ForceLimit->value();
   settings.Bonded = this->Bonded->isChecked();
   settings.ReleaseForce = this->ReleaseForce->value();
+  settings.Friction = this->Friction->value();
+  settings.GraspsWithButton = this->Grasps->isEnabled() && this->Grasps->isChecked();
   settings.NeedsButton = this->NeedsButton->isEnabled() && this->NeedsButton->isChecked();
   this->Touch.setSettings(settings);
 }
@@ -452,12 +478,20 @@ void pqPalpateInteractorDock::showFigures()
     QString("%1 N, body %2 N").arg(f.Force, 0, 'f', 3).arg(f.BodyForce, 0, 'f', 3));
   this->Energy->setText(QString("%1 mJ").arg(1e3 * f.Dissipated, 0, 'f', 3));
   this->Damping->setText(QString("%1 N·s/m").arg(f.Damping, 0, 'f', 3));
-  QString node = f.Node < 0 ? "none" : QString("%1, %2").arg(f.Node).arg(f.Support);
+  QString place = f.Support.isEmpty() ? "none" : f.Support;
+  if (f.Node >= 0)
+  {
+    place = QString("node %1, %2").arg(f.Node).arg(place);
+  }
   if (f.Branch > 0)
   {
-    node += QString(", branch %1").arg(f.Branch);
+    place += QString(", branch %1").arg(f.Branch);
   }
-  this->Node->setText(node);
+  if (f.DepthLeft >= 0)
+  {
+    place += QString(", %1 mm left").arg(1e3 * f.DepthLeft, 0, 'f', 1);
+  }
+  this->Place->setText(place);
   if (this->Records->isChecked())
   {
     this->Recorded->setText(

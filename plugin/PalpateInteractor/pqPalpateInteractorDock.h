@@ -71,6 +71,8 @@ private:
   QDoubleSpinBox* ForceLimit = nullptr;
   QCheckBox* Bonded = nullptr;
   QDoubleSpinBox* ReleaseForce = nullptr;
+  QDoubleSpinBox* Friction = nullptr;
+  QCheckBox* Grasps = nullptr;
   QCheckBox* NeedsButton = nullptr;
 
   QCheckBox* Records = nullptr;
@@ -85,6 +87,6 @@ private:
   QLabel* Missed = nullptr;
   QLabel* Force = nullptr;
   QLabel* Energy = nullptr;
-  QLabel* Node = nullptr;
+  QLabel* Place = nullptr;
   QLabel* Damping = nullptr;
 };

@@ -4,20 +4,26 @@
 #include <algorithm>
 #include <cmath>
 
+#include "interpolation/pressing_range.h"
 #include "vtkArrowSource.h"
+#include "vtkCellArray.h"
 #include "vtkCoordinate.h"
+#include "vtkFloatArray.h"
 #include "vtkGlyph3D.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPVRenderView.h"
+#include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkPolyDataMapper.h"
 #include "vtkProperty.h"
 #include "vtkRenderer.h"
 #include "vtkSMRenderViewProxy.h"
+#include "vtkSmartPointer.h"
 #include "vtkSphereSource.h"
 #include "vtkTextActor.h"
 #include "vtkTextProperty.h"
+#include "vtkTrivialProducer.h"
 
 namespace
 {
@@ -35,6 +41,13 @@ constexpr double TextPlace = 0.98;
 constexpr double ToFront = -66000;
 /// A dot in front of its rim, and behind what is in front of both.
 constexpr double ToRim = -20000;
+/// The veil in front of what it lies on.
+constexpr double BeforeBody = -30;
+
+double ToolColour[3] = { 0.95, 0.75, 0.1 };
+constexpr double ToolOpacity = 0.5;
+double VeilColour[3] = { 0.8, 0.8, 0.8 };
+constexpr double VeilOpacity = 0.75;
 
 // Real spheres: points that a driver shall draw as spheres are not drawn at all by Mesa's llvmpipe.
 void ShowSpheres(
@@ -54,18 +67,45 @@ void ShowSpheres(
   actor->GetProperty()->LightingOff();
 }
 
-void SetMapper(vtkActor* actor, vtkAlgorithmOutput* output)
+void SetMapper(vtkActor* actor, vtkAlgorithmOutput* output, double offset)
 {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputConnection(output);
-  mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(0, ToFront);
+  mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(0, offset);
   actor->SetMapper(mapper);
-  // At the front all depths are the same.
+  // At the front all depths are the same, and what is seen through has no inner side.
   actor->GetProperty()->BackfaceCullingOn();
+}
+
+void SetPolyData(vtkActor* actor, vtkPolyData* data, double offset)
+{
+  vtkNew<vtkTrivialProducer> producer;
+  producer->SetOutput(data);
+  SetMapper(actor, producer->GetOutputPort(), offset);
+}
+
+vtkSmartPointer<vtkPolyData> Triangles(const std::vector<palpate::Vec3>& places,
+  const std::vector<std::array<palpate::Index, 3>>& triangles)
+{
+  vtkNew<vtkPoints> points;
+  for (const palpate::Vec3& place : places)
+  {
+    points->InsertNextPoint(place.data());
+  }
+  vtkNew<vtkCellArray> cells;
+  for (const auto& [a, b, c] : triangles)
+  {
+    cells->InsertNextCell({ a, b, c });
+  }
+  auto data = vtkSmartPointer<vtkPolyData>::New();
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  return data;
 }
 }
 
-pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space)
+pqPalpateToolView::pqPalpateToolView(
+  vtkSMRenderViewProxy* view, const palpate::TouchSpace& space, const palpate::Touchable& body)
 {
   palpate::Vec3 low = space.surface.points.front();
   palpate::Vec3 high = low;
@@ -78,11 +118,18 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
 
   vtkNew<vtkPoints> points;
   double largestForce = 0;
-  double radius = ToolRadius * size;
+  const palpate::RigidTool* rigid = nullptr;
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
-    points->InsertNextPoint(toolSpace.setup.interaction.material_point.data());
-    radius = std::max(radius, toolSpace.setup.interaction.tip_radius);
+    const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
+    if (interaction.is_contact())
+    {
+      rigid = &interaction.tool;
+    }
+    else
+    {
+      points->InsertNextPoint(interaction.material_point.data());
+    }
     for (const palpate::ConfigurationSummary& configuration : toolSpace.configurations)
     {
       if (configuration.usable())
@@ -98,17 +145,21 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   ShowSpheres(this->Rims, nodes, RimRadius * size, 1, 0);
   ShowSpheres(this->Nodes, nodes, NodeRadius * size, 0, ToRim);
 
-  vtkNew<vtkSphereSource> sphere;
-  sphere->SetRadius(radius);
-  sphere->SetThetaResolution(24);
-  sphere->SetPhiResolution(16);
-  SetMapper(this->Tool, sphere->GetOutputPort());
-  this->Tool->GetProperty()->SetColor(0.95, 0.75, 0.1);
+  if (rigid)
+  {
+    this->MakeRigidTool(*rigid);
+    this->MakeVeil(
+      space.surface, palpate::pressable_points(space.surface, *rigid, *body.force_on_tool()));
+  }
+  else
+  {
+    this->MakeTip(std::max(ToolRadius * size, body.largest_tip_radius()));
+  }
 
   vtkNew<vtkArrowSource> arrow;
   arrow->SetTipResolution(20);
   arrow->SetShaftResolution(16);
-  SetMapper(this->Arrow, arrow->GetOutputPort());
+  SetMapper(this->Arrow, arrow->GetOutputPort(), ToFront);
   this->Arrow->GetProperty()->SetColor(0.8, 0.1, 0.1);
 
   if (auto* client = vtkPVRenderView::SafeDownCast(view->GetClientSideObject()))
@@ -143,6 +194,75 @@ pqPalpateToolView::pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::
   }
 }
 
+void pqPalpateToolView::MakeTip(double radius)
+{
+  vtkNew<vtkSphereSource> sphere;
+  sphere->SetRadius(radius);
+  sphere->SetThetaResolution(24);
+  sphere->SetPhiResolution(16);
+  SetMapper(this->Tool, sphere->GetOutputPort(), ToFront);
+  this->Tool->GetProperty()->SetColor(ToolColour);
+  this->Veil->VisibilityOff();
+}
+
+void pqPalpateToolView::MakeRigidTool(const palpate::RigidTool& tool)
+{
+  if (tool.shape == palpate::ToolShape::surface)
+  {
+    SetPolyData(this->Tool, Triangles(tool.points, tool.triangles), 0);
+  }
+  else
+  {
+    vtkNew<vtkSphereSource> sphere;
+    sphere->SetRadius(tool.radius);
+    sphere->SetThetaResolution(48);
+    sphere->SetPhiResolution(32);
+    sphere->Update();
+    // A capsule is a sphere whose halves are moved apart.
+    const palpate::Vec3 half = tool.length > 0
+      ? palpate::Vec3(0.5 * tool.length * tool.axis.normalized())
+      : palpate::Vec3::Zero();
+    vtkNew<vtkPolyData> shape;
+    shape->DeepCopy(sphere->GetOutput());
+    for (vtkIdType p = 0; p < shape->GetNumberOfPoints(); ++p)
+    {
+      palpate::Vec3 place(shape->GetPoint(p));
+      place += place.dot(half) < 0 ? -half : half;
+      shape->GetPoints()->SetPoint(p, place.data());
+    }
+    SetPolyData(this->Tool, shape, 0);
+  }
+  this->Tool->GetProperty()->SetColor(ToolColour);
+  this->Tool->GetProperty()->SetOpacity(ToolOpacity);
+}
+
+void pqPalpateToolView::MakeVeil(
+  const palpate::Surface& surface, const std::vector<char>& pressable)
+{
+  std::vector<std::array<palpate::Index, 3>> veiled;
+  for (const auto& triangle : surface.triangles)
+  {
+    const bool canPress = std::all_of(triangle.begin(), triangle.end(),
+      [&](palpate::Index point) { return pressable[static_cast<std::size_t>(point)] != 0; });
+    if (!canPress)
+    {
+      veiled.push_back(triangle);
+    }
+  }
+  const vtkSmartPointer<vtkPolyData> veil = Triangles(surface.points, veiled);
+  vtkNew<vtkFloatArray> normals;
+  normals->SetNumberOfComponents(3);
+  for (const palpate::Vec3& normal : palpate::point_normals(surface))
+  {
+    normals->InsertNextTuple(normal.data());
+  }
+  veil->GetPointData()->SetNormals(normals);
+  SetPolyData(this->Veil, veil, BeforeBody);
+  this->Veil->GetProperty()->SetColor(VeilColour);
+  this->Veil->GetProperty()->SetOpacity(VeilOpacity);
+  this->Veil->SetVisibility(!veiled.empty());
+}
+
 pqPalpateToolView::~pqPalpateToolView()
 {
   for (vtkActor* actor : this->GetActors())
@@ -173,7 +293,7 @@ bool pqPalpateToolView::Say(const std::string& text)
 void pqPalpateToolView::Show(const palpate::Tick& tick, bool free)
 {
   const palpate::Contact& contact = tick.contact;
-  const bool touches = contact.status == palpate::ContactStatus::attached;
+  const bool touches = palpate::touches(contact.status);
   const palpate::Vec3 place =
     touches ? palpate::Vec3(contact.anchor + contact.displacement) : tick.position;
   this->Tool->SetVisibility(touches || free);

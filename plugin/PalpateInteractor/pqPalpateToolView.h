@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What is drawn over the body: the active nodes, the tool, the force on it as an arrow, and a line
-/// of text. Plain actors of the client's own, beside ParaView's representations: they follow
-/// without a pipeline, and tool and arrow are seen through the body.
+/// What is drawn over the body: the active nodes, the tool, the force on it as an arrow, a line of
+/// text, and a grey veil where a rigid tool cannot press. Plain actors of the client's own, beside
+/// ParaView's representations: they follow without a pipeline. The arrow, and the tip of a bonded
+/// tool, are seen through the body; a rigid tool has its size, and is seen through.
 #pragma once
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "haptic/servo/tick.h"
+#include "haptic/touching/touchable.h"
 #include "vtkActor.h"
 #include "vtkNew.h"
 #include "vtkPalpateStateSpace.h"
@@ -20,7 +23,8 @@ class vtkTextActor;
 class pqPalpateToolView
 {
 public:
-  pqPalpateToolView(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space);
+  pqPalpateToolView(
+    vtkSMRenderViewProxy* view, const palpate::TouchSpace& space, const palpate::Touchable& body);
   ~pqPalpateToolView();
   pqPalpateToolView(const pqPalpateToolView&) = delete;
   void operator=(const pqPalpateToolView&) = delete;
@@ -34,12 +38,16 @@ public:
 
 private:
   /// In the order in which they are drawn.
-  std::array<vtkActor*, 4> GetActors() { return { Rims, Nodes, Tool, Arrow }; }
+  std::array<vtkActor*, 5> GetActors() { return { Rims, Nodes, Veil, Tool, Arrow }; }
+  void MakeTip(double radius);
+  void MakeRigidTool(const palpate::RigidTool& tool);
+  void MakeVeil(const palpate::Surface& surface, const std::vector<char>& pressable);
 
   vtkWeakPointer<vtkRenderer> Renderer;
   /// Dots with rims: seen on every colour.
   vtkNew<vtkActor> Nodes;
   vtkNew<vtkActor> Rims;
+  vtkNew<vtkActor> Veil;
   vtkNew<vtkActor> Tool;
   vtkNew<vtkActor> Arrow;
   vtkNew<vtkTextActor> Text;

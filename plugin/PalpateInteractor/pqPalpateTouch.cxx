@@ -11,16 +11,19 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/error.h"
 #include "haptic/recording/recorder.h"
 #include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
+#include "interpolation/pressing_range.h"
 #include "pqApplicationCore.h"
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
 #include "pqPalpateEscape.h"
 #include "pqPalpateFetch.h"
-#include "pqPalpateMouse.h"
+#include "pqPalpateNodeMouse.h"
+#include "pqPalpateToolMouse.h"
 #include "pqPalpateToolView.h"
 #include "pqPipelineSource.h"
 #include "pqRenderView.h"
@@ -41,12 +44,18 @@ namespace
 {
 constexpr int FrameInterval = 33; // ms
 constexpr float ConnectionPriority = 100;
-/// Of the radius of the active nodes: what the device reaches beyond them.
+/// Of the radius of what can be touched: what the device reaches beyond that.
 constexpr double Room = 1.3;
-/// The simulated hand begins so far above its node, and goes so far into the body, of the
-/// half-width of the space.
+/// The simulated hand begins so far above where it touches, and goes so far into the body, of how
+/// far the space goes.
 constexpr double HandHeight = 0.25;
 constexpr double HandDepth = 0.6;
+/// A rigid tool begins so much farther away, in sides of the coarsest cells, where it surely
+/// touches nothing.
+constexpr double HandRoom = 2;
+/// Of the pressure in the middle of a contact, after Hertz, to the mean one.
+constexpr double MiddleOfMean = 1.5;
+constexpr double Pi = 3.14159265358979323846;
 
 QString Words(palpate::ContactStatus status)
 {
@@ -60,6 +69,8 @@ QString Words(palpate::ContactStatus status)
       return "inside, not touching";
     case palpate::ContactStatus::attached:
       return "touching";
+    case palpate::ContactStatus::pressing:
+      return "pressing";
   }
   return {};
 }
@@ -83,6 +94,41 @@ QString Words(palpate::Support support)
 double Microseconds(palpate::Duration duration)
 {
   return 1e6 * palpate::seconds(duration);
+}
+
+/// The tool space of the rigid tool; nullptr: there is none.
+const palpate::TouchToolSpace* RigidToolSpace(const palpate::TouchSpace& space)
+{
+  return space.find(palpate::kContactToolSpace);
+}
+
+/// How far the space goes from where nothing is touched, m.
+double DepthOf(const palpate::ToolSpaceSetup& setup)
+{
+  if (!setup.interaction.is_contact())
+  {
+    return setup.grid.half_width;
+  }
+  return setup.policy.depth > 0 ? setup.policy.depth : palpate::half_width(setup.interaction.tool);
+}
+
+/// Of a rigid tool in the middle of what it presses, Pa: by its mean force, on the area that Hertz
+/// has at half of the depth.
+double UsualPressure(const palpate::TouchToolSpace& rigid)
+{
+  double sum = 0;
+  int number = 0;
+  for (const palpate::ConfigurationSummary& c : rigid.configurations)
+  {
+    if (c.usable() && (c.flags & palpate::flags::touches_nothing) == 0)
+    {
+      sum += c.force.norm();
+      ++number;
+    }
+  }
+  const double radius = palpate::half_width(rigid.setup.interaction.tool);
+  const double area = Pi * radius * DepthOf(rigid.setup) / 2;
+  return number > 0 ? MiddleOfMean * sum / number / area : 0;
 }
 
 /// The name itself, or the first of run-2.csv, run-3.csv, … that is not there yet.
@@ -109,9 +155,11 @@ struct pqPalpateTouch::Session
   QString Device;
   vtkMTimeType DataTime = 0;
   std::shared_ptr<const palpate::Touchable> Body;
-  /// Of the active nodes: around them, m.
+  /// Of what can be touched: around it, m.
   Vec3 Centre = Vec3::Zero();
   double Radius = 0;
+  /// How deep a rigid tool presses, m; 0: there is none.
+  double Deepest = 0;
   /// Where the simulated hand is.
   Vec3 HandCentre = Vec3::Zero();
   Mat3 HandRotation = Mat3::Identity();
@@ -136,7 +184,9 @@ struct pqPalpateTouch::Session
   int Node = -1;
   int Branch = 0;
   Vec3 Displacement = Vec3::Zero();
+  Vec3 Pressed = Vec3::Zero();
   Vec3 Place = Vec3::Zero();
+  bool ShowsFree = false;
   bool Touches = false;
   QElapsedTimer Time;
 
@@ -144,27 +194,91 @@ struct pqPalpateTouch::Session
   void SetSpace(const palpate::TouchSpace& space)
   {
     this->Body = std::make_shared<const palpate::Touchable>(space);
-    Vec3 low = space.tool_spaces.front().setup.interaction.material_point;
-    Vec3 high = low;
-    double halfWidth = 0;
+    Eigen::AlignedBox3d box;
+    double beyond = 0;
     for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
     {
-      low = low.cwiseMin(toolSpace.setup.interaction.material_point);
-      high = high.cwiseMax(toolSpace.setup.interaction.material_point);
-      halfWidth = std::max(halfWidth, toolSpace.setup.grid.half_width);
+      const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
+      if (interaction.is_contact())
+      {
+        box.extend(this->Body->surface().bounds());
+        beyond = std::max(beyond, 2 * palpate::half_width(interaction.tool));
+      }
+      else
+      {
+        box.extend(interaction.material_point);
+        beyond = std::max(beyond, toolSpace.setup.grid.half_width);
+      }
     }
-    this->Centre = (low + high) / 2;
-    this->Radius = Room * ((high - low).norm() / 2 + halfWidth);
+    this->Centre = box.center();
+    this->Radius = Room * (box.diagonal().norm() / 2 + beyond);
+    const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
+    this->Deepest = rigid ? DepthOf(rigid->setup) : 0;
+  }
+
+  /// Where a rigid tool touches nothing.
+  Vec3 Away() const { return this->Centre + this->Radius * Vec3::Ones(); }
+
+  /// Where the simulated hand touches, and the normal there: the active node, or that place which
+  /// a rigid tool can press that is nearest to the middle of all these.
+  std::pair<Vec3, Vec3> HandPlace(const palpate::TouchSpace& space) const
+  {
+    const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
+    if (!rigid)
+    {
+      const Vec3& place = space.tool_spaces.front().setup.interaction.material_point;
+      return { place, this->Body->surface().nearest(place).normal };
+    }
+    const palpate::RigidTool& tool = rigid->setup.interaction.tool;
+    const auto& points = space.surface.points;
+    const std::vector<char> pressable =
+      palpate::pressable_points(space.surface, tool, *this->Body->force_on_tool());
+    Vec3 middle = Vec3::Zero();
+    int number = 0;
+    for (std::size_t p = 0; p < points.size(); ++p)
+    {
+      if (pressable[p])
+      {
+        middle += points[p];
+        ++number;
+      }
+    }
+    if (number == 0)
+    {
+      throw palpate::InputError("There is no place yet that the tool can press. Wait until the "
+                                "space has grown.");
+    }
+    middle /= number;
+    std::size_t nearest = points.size();
+    for (std::size_t p = 0; p < points.size(); ++p)
+    {
+      if (pressable[p] &&
+        (nearest == points.size() ||
+          (points[p] - middle).norm() < (points[nearest] - middle).norm()))
+      {
+        nearest = p;
+      }
+    }
+    const Vec3 normal = palpate::point_normals(space.surface)[nearest];
+    return { palpate::touching_place(tool, points[nearest], normal), normal };
   }
 
   /// What of the space is drawn beside the body, and where the mouse finds it.
   void ShowSpace(const palpate::TouchSpace& space)
   {
     vtkSMRenderViewProxy* view = this->View->getRenderViewProxy();
-    this->Tool = std::make_unique<pqPalpateToolView>(view, space);
+    this->Tool = std::make_unique<pqPalpateToolView>(view, space, *this->Body);
     if (this->Motion)
     {
-      auto mouse = std::make_unique<pqPalpateMouse>(view, space, this->Body, this->Motion);
+      std::unique_ptr<pqPalpateMouse> mouse;
+      if (this->Body->force_on_tool())
+      {
+        mouse = std::make_unique<pqPalpateToolMouse>(view, space, this->Body, this->Motion);
+      }
+      else
+      {
+        mouse = std::make_unique<pqPalpateNodeMouse>(view, space, this->Body, this->Motion);
+      }
       if (this->Mouse)
       {
         mouse->GoOnFrom(*this->Mouse);
@@ -186,18 +300,27 @@ struct pqPalpateTouch::Session
     }
     if (this->Device == pqPalpateHandDevice)
     {
-      const palpate::TouchToolSpace& toolSpace = space.tool_spaces.front();
-      const double halfWidth = toolSpace.setup.grid.half_width;
-      const Vec3 normal =
-        this->Body->surface().nearest(toolSpace.setup.interaction.material_point).normal;
-      this->HandCentre =
-        toolSpace.setup.interaction.material_point + HandHeight * halfWidth * normal;
+      const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
+      const palpate::ToolSpaceSetup& setup = (rigid ? *rigid : space.tool_spaces.front()).setup;
+      const double depth = DepthOf(setup);
+      const double height =
+        rigid ? HandRoom * setup.grid.coarsest * setup.grid.spacing() : HandHeight * depth;
+      const auto [place, normal] = this->HandPlace(space);
+      this->HandCentre = place + height * normal;
       const Vec3 across = normal.unitOrthogonal();
       this->HandRotation << across, normal.cross(across), normal;
-      return pqPalpateSimulatedDevice(
-        clock, pqPalpateHandMotion((HandHeight + HandDepth) * halfWidth));
+      return pqPalpateSimulatedDevice(clock, pqPalpateHandMotion(height + HandDepth * depth));
     }
     return pqPalpateOpenDevice(this->Device);
+  }
+
+  void MakeBodyView(const palpate::TouchSpace& space)
+  {
+    const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
+    const double depth = DepthOf(space.tool_spaces.front().setup);
+    this->BodyView = std::make_unique<pqPalpateBodyView>(this->Space, this->View,
+      rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth,
+      this->Away().data());
   }
 
   ~Session()
@@ -297,8 +420,7 @@ QString pqPalpateTouch::start(
     session->SetSpace(copy);
     const auto clock = std::make_shared<palpate::MonotonicClock>();
     pqPalpateDevice opened = session->OpenDevice(clock, copy);
-    session->BodyView = std::make_unique<pqPalpateBodyView>(
-      space, view, copy.tool_spaces.front().setup.grid.half_width);
+    session->MakeBodyView(copy);
     session->ShowSpace(copy);
     session->Servo = std::make_unique<palpate::Servo>(
       std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);
@@ -420,10 +542,12 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
   servo.dead_man_button = this->Current.NeedsButton ? 0 : -1;
   session.TouchSettings.bonded = this->Current.Bonded;
   session.TouchSettings.release_force = this->Current.ReleaseForce;
-  const bool attached = tick.contact.status == palpate::ContactStatus::attached;
+  servo.grasp_button = -1;
+  session.TouchSettings.friction = this->Current.Friction;
   if (session.Mouse)
   {
     servo.workspace_centre = session.Mouse->GetWorkspaceCentre();
+    servo.grasp_button = pqPalpateGraspButton;
     session.TouchSettings.bonded = session.Mouse->IsHolding();
     // No hand is pulled.
     session.TouchSettings.release_force = 0;
@@ -434,7 +558,7 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
     servo.workspace_rotation = session.HandRotation;
   }
   // The tool shall not be torn through the body when the camera turns.
-  else if (!attached)
+  else if (!palpate::touches(tick.contact.status))
   {
     const palpate::Specification& device = session.Servo->specification();
     servo.workspace_centre = session.Centre;
@@ -452,6 +576,11 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
     }
     // The device's x is towards the person, y to the right, z up.
     servo.workspace_rotation << towards, up.cross(towards), up;
+  }
+  if (!session.Mouse && this->Current.GraspsWithButton)
+  {
+    const int last = session.Servo->specification().num_buttons - 1;
+    servo.grasp_button = last > servo.dead_man_button ? last : -1;
   }
   session.TouchSettings.coupling_stiffness = palpate::coupling_stiffness_for(
     session.Servo->specification(), session.Body->largest_stiffness(), servo);
@@ -486,7 +615,7 @@ void pqPalpateTouch::takeNewData()
       session.Servo->set_recording(nullptr);
       this->closeRecording(session, "The body has become another one: the recording ends there.");
     }
-    if (session.Body->find(session.Node) < 0)
+    if (session.Node >= 0 && session.Body->find(session.Node) < 0)
     {
       session.Node = -1;
       session.BodyView->ShowRest();
@@ -560,15 +689,19 @@ void pqPalpateTouch::showFrame()
 void pqPalpateTouch::show(const palpate::Tick& tick)
 {
   Session& session = *this->Running;
-  const bool touches = tick.contact.status == palpate::ContactStatus::attached;
-  const int node = touches ? tick.contact.nodes[0] : session.Node;
-  const int branch = touches ? tick.contact.branches[0] : 0;
-  const Vec3 displacement = touches ? tick.contact.displacement : Vec3::Zero();
-  const bool moved =
-    node != session.Node || branch != session.Branch || displacement != session.Displacement;
-  const bool showsFree = !session.Mouse;
+  const palpate::Contact& contact = tick.contact;
+  const bool touches = palpate::touches(contact.status);
+  const bool presses = contact.status == palpate::ContactStatus::pressing;
+  const bool holds = touches && !presses;
+  const int node = holds ? contact.nodes[0] : presses ? -1 : session.Node;
+  const int branch = holds ? contact.branches[0] : 0;
+  const Vec3 displacement = holds ? contact.displacement : Vec3::Zero();
+  const Vec3 pressed = presses ? contact.anchor : session.Away();
+  const bool moved = node != session.Node || branch != session.Branch ||
+    displacement != session.Displacement || pressed != session.Pressed;
+  const bool showsFree = !session.Mouse || session.Mouse->ShowsTool();
   const bool says = session.Mouse && session.Tool->Say(session.Mouse->GetHint());
-  if (!moved && !says && touches == session.Touches &&
+  if (!moved && !says && touches == session.Touches && showsFree == session.ShowsFree &&
     (!showsFree || tick.position == session.Place))
   {
     session.BodyView->Rest();
@@ -576,7 +709,14 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   }
   if (moved)
   {
-    session.BodyView->Show(node, branch, displacement.data());
+    if (holds || session.Deepest == 0)
+    {
+      session.BodyView->Show(node, branch, displacement.data());
+    }
+    else
+    {
+      session.BodyView->ShowPressed(pressed.data());
+    }
     // A server that is gone is noticed when it is told something.
     if (this->Running.get() != &session)
     {
@@ -586,6 +726,8 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   session.Node = node;
   session.Branch = branch;
   session.Displacement = displacement;
+  session.Pressed = pressed;
+  session.ShowsFree = showsFree;
   session.Place = tick.position;
   session.Touches = touches;
   session.Tool->Show(tick, showsFree);
@@ -622,6 +764,13 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
     figures.Node = tick.contact.nodes[0];
     figures.Branch = tick.contact.branches[0];
     figures.Support = Words(tick.contact.support);
+  }
+  if (tick.contact.status == palpate::ContactStatus::pressing)
+  {
+    figures.Support = Words(tick.contact.support);
+    const Vec3 push = -tick.contact.force.stableNormalized();
+    figures.DepthLeft = palpate::depth_left(
+      *session.Body->force_on_tool(), tick.contact.anchor, push, 2 * session.Deepest);
   }
   if (session.Recorder)
   {

@@ -3,11 +3,11 @@
 /// device, and shows some thirty times a second in a view what the loop has found.
 ///
 /// The loop has its own thread and neither waits for ParaView nor is waited for. What is shown is a
-/// filter TouchStateSpace, on the server wherever that is, whose node and displacement are set each
-/// frame: other filters can hang on it. It ends by itself, with zero force, when the space, the
-/// view or the server goes, when the device is pulled out, and when ParaView quits; and by Escape,
-/// wherever in ParaView's windows that is pressed, whatever else it does there, and while they
-/// handle no event.
+/// filter TouchStateSpace, on the server wherever that is, whose node and displacement, or place of
+/// a rigid tool, are set each frame: other filters can hang on it. It ends by itself, with zero
+/// force, when the space, the view or the server goes, when the device is pulled out, and when
+/// ParaView quits; and by Escape, wherever in ParaView's windows that is pressed, whatever else it
+/// does there, and while they handle no event.
 #pragma once
 
 #include <QElapsedTimer>
@@ -32,7 +32,8 @@ public:
   /// What may change while it runs.
   struct Settings
   {
-    /// Metres in the scene for a metre at the device; 0: so that all active nodes can be reached.
+    /// Metres in the scene for a metre at the device; 0: so that all that can be touched is
+    /// reached.
     double WorkspaceScale = 0;
     /// The device's axes are those of the view; else those of the scene, y being up.
     bool FollowsCamera = true;
@@ -45,6 +46,11 @@ public:
     double ReleaseForce = palpate::TouchSettings().release_force;
     /// There is a force only as long as the device's first button is held.
     bool NeedsButton = false;
+    /// A rigid tool holds the body as long as the device's last button is held, where that is
+    /// another one.
+    bool GraspsWithButton = true;
+    /// Coefficient of friction of a rigid tool.
+    double Friction = 0;
   };
 
   /// What is known of the loop and of the view, in words where it is not a number.
@@ -69,6 +75,8 @@ public:
     int Node = -1;
     int Branch = 0;
     QString Support;
+    /// How much deeper a rigid tool that presses can go, m; below 0: there is none.
+    double DepthLeft = -1;
     /// Ticks in the recording, and those that it lost.
     quint64 Recorded = 0;
     quint64 NotRecorded = 0;

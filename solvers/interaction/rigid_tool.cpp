@@ -41,6 +41,20 @@ double half_width(const RigidTool& tool) {
   return box.isEmpty() ? 0 : 0.5 * box.sizes().minCoeff();
 }
 
+double reach(const RigidTool& tool, const Vec3& direction) {
+  switch (tool.shape) {
+    case ToolShape::sphere: break;
+    case ToolShape::capsule:
+      return tool.radius + 0.5 * tool.length * std::abs(tool.axis.normalized().dot(direction));
+    case ToolShape::surface: {
+      double most = 0;
+      for (const Vec3& p : tool.points) most = std::max(most, p.dot(direction));
+      return most;
+    }
+  }
+  return tool.radius;
+}
+
 RigidTool with_defaults(RigidTool tool, const Scene& scene) {
   if (tool.law.thickness == 0) tool.law.thickness = kThicknessOfRadius * half_width(tool);
   if (tool.law.stiffness == 0)

@@ -43,6 +43,9 @@ inline constexpr double kStiffnessOfModulus = 2;
 /// The radius, or half of the shortest side of the box around a surface, m.
 [[nodiscard]] double half_width(const RigidTool& tool);
 
+/// How far the tool reaches from its centre in a direction of unit length, m.
+[[nodiscard]] double reach(const RigidTool& tool, const Vec3& direction);
+
 /// The tool with the thickness and the stiffness that suit it and the body where they are 0.
 [[nodiscard]] RigidTool with_defaults(RigidTool tool, const Scene& scene);
 

@@ -90,6 +90,8 @@ class Interpolator {
   /// Where that is in the space.
   /// @note Realtime-safe.
   [[nodiscard]] Location locate(const Vec3& t) const noexcept { return grid_.locate(t); }
+  /// Distance of neighbouring check-points, m.
+  [[nodiscard]] double spacing() const noexcept { return grid_.spacing(); }
   /// The side of the cell that a place is in or beside, m.
   [[nodiscard]] double cell_side(const Location& at) const noexcept {
     return grid_.leaf(at.leaf).cell.side * grid_.spacing();

@@ -127,7 +127,7 @@ def touching():
     assert runs(), part("message").text()
     wait(2)
     wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
-    assert number("node") >= 0
+    assert number("place") >= 0
     assert not part("refresh").isEnabled()  # It would open other devices.
     # The hand has no button, and a tool that does not pull lets go by itself.
     assert not part("needsButton").isEnabled() and not part("releaseForce").isEnabled()
@@ -399,7 +399,7 @@ def road():
     node = pixel_of_node(view, touch_filter())
     end = drag(node, QtCore.QPoint(1, -1), 20)
     wait_for(lambda: touches() and number("force") > 0.05, "the liver is felt")
-    assert number("node") == 107
+    assert number("place") == 107
     SaveScreenshot("road_touched.png", view, ImageResolution=[320, 240])
     window.grab().save("road_window.png")
     print("felt", number("force"))
@@ -425,10 +425,10 @@ def compute_space(**settings):
 
 def change(space):
     """Makes it smaller than the hand presses, which is felt."""
-    wait_for(lambda: "inside the space" in part("node").text(), "the whole space is touched")
+    wait_for(lambda: "inside the space" in part("place").text(), "the whole space is touched")
     space.HalfWidth = 0.001
     space.UpdatePipeline()
-    wait_for(lambda: "beyond the space" in part("node").text(), "the smaller space is touched")
+    wait_for(lambda: "beyond the space" in part("place").text(), "the smaller space is touched")
 
 
 def ends():

@@ -6,6 +6,7 @@
 
 #include "haptic/support/pressed_body.h"
 #include "haptic/touching/tool.h"
+#include "interpolation/pressing_range.h"
 
 namespace palpate {
 namespace {
@@ -28,9 +29,14 @@ Vec3 below(double depth, const Vec3& aside = Vec3::Zero()) {
 
 /// A tool that has come from above to a depth, m, in steps of a fifth of a millimetre.
 struct Pressing {
-  explicit Pressing(const TouchSettings& touch = {}, double width = kPressedWidth)
-      : body(test::pressed_body(width)), settings(touch) {
+  explicit Pressing(const TouchSettings& touch = {},
+                    std::shared_ptr<const Touchable> its_body = shared_body())
+      : body(std::move(its_body)), settings(touch) {
     (void)at(below(-0.003));
+  }
+  static std::shared_ptr<const Touchable> shared_body() {
+    static const std::shared_ptr<const Touchable> body = test::pressed_body();
+    return body;
   }
 
   const Contact& at(const Vec3& place, bool grasps = false) {
@@ -124,10 +130,10 @@ TEST(Press, WhereTheSpaceKnowsNothingNothingIsFelt) {
 }
 
 TEST(Press, GoesOnInASpaceThatHasGrown) {
-  Pressing p({}, 0.01);
+  Pressing p({}, test::pressed_body(0.01));
   (void)p.press(0.003);
   const Vec3 before = p.contact.force;
-  p.body = test::pressed_body();
+  p.body = Pressing::shared_body();
   EXPECT_EQ(p.at(below(0.003)).status, ContactStatus::pressing);
   EXPECT_LT((p.contact.force - before).norm(), 1e-2 * before.norm());
   (void)p.go(below(0.003), below(0.003, Vec3(0.015, 0, 0)));
@@ -329,6 +335,33 @@ TEST(Press, WhereNoNodeIsNearNothingIsGrasped) {
   (void)p.press(0.002, Vec3(0.007, 0.003, 0));
   (void)p.at(below(0.002, Vec3(0.007, 0.003, 0)), true);
   EXPECT_EQ(p.contact.status, ContactStatus::pressing);
+}
+
+TEST(Press, TellsWhereAndHowDeepItCan) {
+  const TouchSpace space = test::pressed_space();
+  const Touchable body(space);
+  const Interpolator& force = *body.force_on_tool();
+  const RigidTool& tool = space.tool_spaces[0].setup.interaction.tool;
+  const std::vector<char> pressable = pressable_points(space.surface, tool, force);
+  int num_pressable = 0;
+  for (std::size_t p = 0; p < pressable.size(); ++p) {
+    const Vec3& place = space.surface.points[p];
+    const Vec3 aside = place - kTouching;
+    const bool inner = std::max(std::abs(aside[0]), std::abs(aside[1])) < 0.99 * kPressedWidth;
+    if (place[2] == test::kBox[2] && inner) {
+      EXPECT_EQ(pressable[p], 1);
+      ++num_pressable;
+    } else if (place[2] == 0) {
+      EXPECT_EQ(pressable[p], 0);
+    }
+  }
+  EXPECT_EQ(num_pressable, 1);
+  const double left = depth_left(force, below(0.001), -Vec3::UnitZ(), 1);
+  // A cell that is in part less deep than the space reaches below it.
+  EXPECT_GE(left, kPressedDepth - 0.001);
+  EXPECT_LE(left, kPressedDepth - 0.001 + test::kPressedCell);
+  EXPECT_EQ(depth_left(force, below(0.001), -Vec3::UnitZ(), 1e-3), 1e-3);
+  EXPECT_EQ(depth_left(force, below(0.02), -Vec3::UnitZ(), 1), 0);
 }
 
 TEST(Press, APlaceThatIsNotFiniteIsNowhere) {

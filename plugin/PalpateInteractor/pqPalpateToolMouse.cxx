@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpateToolMouse.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "interpolation/pressing_range.h"
+#include "vtkRenderWindow.h"
+#include "vtkRenderWindowInteractor.h"
+#include "vtkRenderer.h"
+
+using palpate::Vec3;
+
+namespace
+{
+/// Of the side of the coarsest cells: no cell that the tool may touch in reaches farther out.
+constexpr double RoomOfCell = 2;
+/// Of the greatest depth: where a first press goes, and a notch of the wheel.
+constexpr double FirstDepth = 0.5;
+constexpr double Notch = 0.05;
+/// Of the body's diagonal: a notch of the wheel while it holds, and how near the tool has to come
+/// to where it leaves to.
+constexpr double HeldNotch = 0.01;
+constexpr double Near = 0.002;
+/// The place that is pointed at has jumped, to another part of the body, where it is so many times
+/// as far away as the pointer has moved in the plane of the view.
+constexpr double Jump = 4;
+/// On the way to where the tool touches, of its half-width.
+constexpr double CloseEnough = 1e-4;
+constexpr int MostSteps = 60;
+constexpr const char* NoNodeNear = "No black dot is near: there is nothing to hold.";
+constexpr const char* SpaceEnds =
+  "The space ends here. Let go, and press\nwhere the body is not grey.";
+}
+
+pqPalpateToolMouse::pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
+  std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion)
+  : pqPalpateMouse(view, space, std::move(body), std::move(motion))
+  , Normals(palpate::point_normals(space.surface))
+{
+  for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    const palpate::ToolSpaceSetup& setup = toolSpace.setup;
+    if (setup.interaction.is_contact())
+    {
+      this->Shape = setup.interaction.tool;
+      this->Clearance = toolSpace.clearance;
+      this->Room = RoomOfCell * setup.grid.coarsest * setup.grid.spacing();
+      this->Deepest =
+        setup.policy.depth > 0 ? setup.policy.depth : palpate::half_width(this->Shape);
+    }
+  }
+  this->Pressable =
+    palpate::pressable_points(space.surface, this->Shape, *this->Body->force_on_tool());
+  this->Depth = FirstDepth * this->Deepest;
+  this->Welcome = "Press the left button on the body and drag:\nthe tool glides. The wheel presses "
+                  "deeper.";
+  if (!this->Body->nodes().empty())
+  {
+    this->Welcome += "\nCtrl takes hold near a black dot.";
+  }
+  this->Hint = this->Welcome;
+}
+
+pqPalpateToolMouse::~pqPalpateToolMouse()
+{
+  this->ShowCursor(false);
+}
+
+void pqPalpateToolMouse::GoOnFrom(const pqPalpateMouse& mouse)
+{
+  if (const auto* other = dynamic_cast<const pqPalpateToolMouse*>(&mouse))
+  {
+    const bool isWelcome = other->Hint == other->Welcome;
+    this->TakeOver(mouse);
+    if (isWelcome)
+    {
+      this->Hint = this->Welcome;
+    }
+    this->Phase = other->Phase;
+    this->IsOverBody = other->IsOverBody;
+    this->Pointed = other->Pointed;
+    this->Normal = other->Normal;
+    this->Touching = other->Touching;
+    this->Depth = std::min(other->Depth, this->Deepest);
+    this->Exit = other->Exit;
+    this->Grasps = other->Grasps;
+    this->GraspedAt = other->GraspedAt;
+    this->Grip = other->Grip;
+    this->Pulled = other->Pulled;
+    this->Dragged = other->Dragged;
+  }
+}
+
+void pqPalpateToolMouse::ShowCursor(bool presses)
+{
+  if (this->Renderer && this->Renderer->GetRenderWindow())
+  {
+    this->Renderer->GetRenderWindow()->SetCurrentCursor(
+      presses ? VTK_CURSOR_CROSSHAIR : VTK_CURSOR_DEFAULT);
+  }
+}
+
+void pqPalpateToolMouse::PointAt(const Vec3& place)
+{
+  const palpate::SurfaceTree::Nearest at = this->Body->surface().nearest(place);
+  const auto& points = this->Body->surface().points_of(at.triangle);
+  this->Pointed = place;
+  this->Normal.setZero();
+  for (int k = 0; k < 3; ++k)
+  {
+    this->Normal += at.weights[k] * this->Normals[static_cast<std::size_t>(points[k])];
+  }
+  this->Normal.normalize();
+  // Inward as far as it is surely free: another part of the body may be touched first.
+  this->Touching = palpate::touching_place(this->Shape, place, this->Normal) +
+    (this->Room + palpate::half_width(this->Shape)) * this->Normal;
+  for (int step = 0; step < MostSteps; ++step)
+  {
+    const double free = this->Clearance(this->Touching);
+    if (free < CloseEnough * palpate::half_width(this->Shape))
+    {
+      break;
+    }
+    this->Touching -= free * this->Normal;
+  }
+}
+
+bool pqPalpateToolMouse::Point()
+{
+  Vec3 place;
+  this->IsOverBody = this->Find(place);
+  if (!this->IsOverBody)
+  {
+    return false;
+  }
+  this->PointAt(place);
+  const palpate::SurfaceTree::Nearest at = this->Body->surface().nearest(place);
+  int nearest = 0;
+  at.weights.maxCoeff(&nearest);
+  const auto& points = this->Body->surface().points_of(at.triangle);
+  return this->Pressable[static_cast<std::size_t>(points[static_cast<std::size_t>(nearest)])] != 0;
+}
+
+Vec3 pqPalpateToolMouse::Above() const
+{
+  return this->Touching + this->Room * this->Normal;
+}
+
+Vec3 pqPalpateToolMouse::In() const
+{
+  return this->Touching - this->Depth * this->Normal;
+}
+
+void pqPalpateToolMouse::Hover()
+{
+  this->ShowCursor(this->Point());
+}
+
+bool pqPalpateToolMouse::Press()
+{
+  if (this->Point())
+  {
+    this->Hint.clear();
+    this->Grasps = false;
+    return true;
+  }
+  if (this->IsOverBody)
+  {
+    this->Hint = "The space does not reach here. Press\nwhere the body is not grey.";
+  }
+  return false;
+}
+
+void pqPalpateToolMouse::Drag()
+{
+  const Vec3 moved = this->PointUnderCursor(this->Grasps ? this->Grip : this->Pointed);
+  if (this->Grasps)
+  {
+    this->Dragged = moved - this->Grip;
+    return;
+  }
+  Vec3 place;
+  if (!this->Find(place))
+  {
+    return;
+  }
+  const double most = Jump * ((moved - this->Pointed).norm() + palpate::half_width(this->Shape));
+  if ((place - this->Pointed).norm() <= most)
+  {
+    this->PointAt(place);
+  }
+}
+
+void pqPalpateToolMouse::Turn(int notches)
+{
+  if (this->Grasps)
+  {
+    this->Pulled += notches * HeldNotch * this->Size * this->Away();
+  }
+  else
+  {
+    this->Depth =
+      std::min(std::max(this->Depth + notches * Notch * this->Deepest, 0.0), this->Deepest);
+  }
+}
+
+void pqPalpateToolMouse::HoldCtrl(bool held)
+{
+  if (held == this->Grasps || this->Body->nodes().empty())
+  {
+    return;
+  }
+  this->Grasps = held;
+  if (held)
+  {
+    this->GraspedAt = this->In();
+    this->Grip = this->PointUnderCursor(this->Pointed);
+    this->Pulled.setZero();
+    this->Dragged.setZero();
+  }
+}
+
+void pqPalpateToolMouse::Advance(const palpate::Tick& tick)
+{
+  const palpate::ContactStatus status = tick.contact.status;
+  switch (this->Phase)
+  {
+    case Phases::Hovering:
+      if (this->IsOverBody)
+      {
+        this->PutTo(this->Above());
+      }
+      if (this->Pressed)
+      {
+        this->Phase = Phases::Pressing;
+      }
+      break;
+    case Phases::Pressing:
+      if (this->Pressed)
+      {
+        const Vec3 held = this->GraspedAt + this->Dragged + this->Pulled;
+        this->SetTarget(this->Grasps ? held : this->In(), this->Grasps);
+        if (status == palpate::ContactStatus::inside)
+        {
+          this->Hint = SpaceEnds;
+        }
+        else if (this->Hint == SpaceEnds || this->Hint == NoNodeNear)
+        {
+          this->Hint.clear();
+        }
+        if (this->Grasps && status == palpate::ContactStatus::pressing)
+        {
+          this->Hint = NoNodeNear;
+        }
+        break;
+      }
+      this->Grasps = false;
+      this->Exit = this->Above();
+      this->Phase = Phases::Leaving;
+      [[fallthrough]];
+    case Phases::Leaving:
+      this->SetTarget(this->Exit);
+      if (status == palpate::ContactStatus::free &&
+        (this->Exit - tick.position).norm() < Near * this->Size)
+      {
+        this->Phase = Phases::Hovering;
+      }
+  }
+}

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The mouse as a hand with a rigid tool. The tool hovers over the body where the pointer is; a
+/// press of the left button pushes it in along the normal, a drag lets it glide at that depth, and
+/// the wheel changes the depth. While Ctrl is held too it holds the active node that is near, if
+/// there is one, and a drag moves that in the plane of the view, the wheel away and back. A press
+/// where the space does not reach says so. That one, a press beside the body, and one with Ctrl
+/// move the camera as ever.
+#pragma once
+
+#include "pqPalpateMouse.h"
+
+class pqPalpateToolMouse : public pqPalpateMouse
+{
+public:
+  pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
+    std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion);
+  ~pqPalpateToolMouse() override;
+
+  void GoOnFrom(const pqPalpateMouse& other) override;
+  void Advance(const palpate::Tick& tick) override;
+  bool IsHolding() const override { return this->Grasps; }
+  bool ShowsTool() const override { return this->IsOverBody || this->Phase != Phases::Hovering; }
+
+protected:
+  bool Press() override;
+  void Drag() override;
+  void Hover() override;
+  void Turn(int notches) override;
+  void HoldCtrl(bool held) override;
+
+private:
+  enum class Phases
+  {
+    /// Over the body, or nowhere.
+    Hovering,
+    /// In the body, or on its way in.
+    Pressing,
+    /// On its way out.
+    Leaving
+  };
+
+  /// Takes the place of the surface under the pointer.
+  /// @return Whether there is one, and the tool can press there.
+  bool Point();
+  void PointAt(const palpate::Vec3& place);
+  /// Where the tool is over the place that is pointed at, surely touching nothing, and where it
+  /// presses.
+  palpate::Vec3 Above() const;
+  palpate::Vec3 In() const;
+  void ShowCursor(bool presses);
+
+  palpate::RigidTool Shape;
+  palpate::Clearance Clearance;
+  std::vector<palpate::Vec3> Normals;
+  std::vector<char> Pressable;
+  /// How far away the tool touches nothing in any cell of the space, and how deep it goes, m.
+  double Room = 0;
+  double Deepest = 0;
+  std::string Welcome;
+
+  Phases Phase = Phases::Hovering;
+  bool IsOverBody = false;
+  /// The place of the surface that is pointed at, the normal there, and where the tool touches the
+  /// body at rest on its way along that.
+  palpate::Vec3 Pointed = palpate::Vec3::Zero();
+  palpate::Vec3 Normal = palpate::Vec3::UnitZ();
+  palpate::Vec3 Touching = palpate::Vec3::Zero();
+  /// How deep it presses, m.
+  double Depth = 0;
+  /// Where it leaves to.
+  palpate::Vec3 Exit = palpate::Vec3::Zero();
+  bool Grasps = false;
+  /// Where tool and pointer were when it took hold, and what the wheel has added, m.
+  palpate::Vec3 GraspedAt = palpate::Vec3::Zero();
+  palpate::Vec3 Grip = palpate::Vec3::Zero();
+  palpate::Vec3 Pulled = palpate::Vec3::Zero();
+  palpate::Vec3 Dragged = palpate::Vec3::Zero();
+};

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a rigid tool can press, and how deep: as far as its space has cells.
+#pragma once
+
+#include <vector>
+
+#include "interpolation/interpolator.h"
+#include "state_space/surface.h"
+
+namespace palpate {
+
+/// Where the centre of a tool is that touches a place of the surface, as if that were flat there,
+/// m.
+/// @param normal Of the surface, outward, of unit length.
+[[nodiscard]] Vec3 touching_place(const RigidTool& tool, const Vec3& place, const Vec3& normal);
+
+/// The normals at the points of a surface, of unit length, by the areas of the triangles around.
+[[nodiscard]] std::vector<Vec3> point_normals(const Surface& surface);
+
+/// Which points of the surface the tool can press: 1 where the space has a cell when the tool has
+/// come a little into the body along the normal [surface.num_points()].
+/// @param force That of the space.
+[[nodiscard]] std::vector<char> pressable_points(const Surface& surface, const RigidTool& tool,
+                                                 const Interpolator& force);
+
+/// How far the tool can go on from a place in a direction before the space ends, at most `most`, m.
+/// @param direction Of unit length.
+[[nodiscard]] double depth_left(const Interpolator& force, const Vec3& place, const Vec3& direction,
+                                double most);
+
+}  // namespace palpate
