@@ -40,8 +40,8 @@ struct Contact {
   /// The branch that the body is on at each of them.
   std::array<std::int32_t, 3> branches{};
   /// The point of the surface at rest that the tool is attached to; while it is free, the nearest
-  /// point; while a rigid tool presses, where that is, from which the hand may be away by what
-  /// coupling and friction give way [3], m.
+  /// point; while a rigid tool presses, where its centre is, from which the hand may be away by
+  /// what a coupling gives way [3], m.
   Vec3 anchor = Vec3::Zero();
   /// Displacement of the active nodes [3], m.
   Vec3 displacement = Vec3::Zero();

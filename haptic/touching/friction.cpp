@@ -7,37 +7,32 @@
 namespace palpate {
 namespace {
 
-/// The shear stiffness of a body that gives way when it is pressed further, beside |∂h|: as where a
-/// tool slides off a ridge there is no stiffness to take it from.
+/// k_n of a contact that begins where there is none, N/m.
 constexpr double kLeastStiffness = 1e-3;
 
 }  // namespace
 
-void Friction::stick(const Vec3& moved) noexcept {
-  stretch_ += moved - normal_ * normal_.dot(moved);
-}
-
-bool Friction::slip(double coefficient, const Vec3& push, double stiffness,
+void Friction::move(const Vec3& moved, double coefficient, const Vec3& push, double stiffness,
                     double coupling) noexcept {
-  const Vec3 before = stretch_;
-  const double size = push.norm();
-  normal_ = push / size;
-  stretch_ -= normal_ * normal_.dot(stretch_);
-  double length = stretch_.norm();
-  // What the shear gives by the spring of before, with the hand's way in it.
-  const double given = traction(length);
   const bool begins = shear_ == 0;
-  const double pressed = std::max(stiffness, kLeastStiffness);
-  pressed_ =
-      begins ? pressed : std::min(std::max(pressed_, pressed / (1 + kPlay)), pressed / (1 - kPlay));
+  const double size = push.norm();
+  const Vec3 normal = push / size;
+  if (!begins) stretch_ += moved;
+  stretch_ -= normal * normal.dot(stretch_);
+  const double length = stretch_.norm();
+  // What the shear gives by the law of before, with the hand's way in it.
+  const double given = traction(length);
+  if (begins || stiffness > 0) {
+    const double pressed = std::max(stiffness, kLeastStiffness);
+    pressed_ = begins ? pressed
+                      : std::min(std::max(pressed_, pressed / (1 + kPlay)), pressed / (1 - kPlay));
+  }
   shear_ = kShearRatio * pressed_;
   if (coupling > 0) shear_ = shear_ * coupling / (shear_ + coupling);
   most_ = coefficient * size;
   const double own = std::min(length, longest());
-  const double now = traction(own);
-  const double kept = begins || now <= given ? own : std::min(own, stretch_of(given));
+  const double kept = traction(own) > given ? std::min(own, stretch_of(given)) : own;
   if (length > 0) stretch_ *= kept / length;
-  return stretch_ != before;
 }
 
 double Friction::traction(double stretch) const noexcept {

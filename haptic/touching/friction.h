@@ -8,15 +8,16 @@
 //
 //   Q = μ P (1 − (1 − |e|/e_s)^{3/2}),   e_s = 3 μ P / (2 k_t),
 //
-// along e; at e_s all of it slips, and the tool follows the hand at that distance. k_t, the
-// stiffness with which e begins, is that of a contact that does not slip at all: of a half-space
-// and a rigid tool k_t / k_n = 2 (1 − ν)/(2 − ν) with the stiffness k_n against further pressing
-// (Mindlin), 0.82 to 0.67 for ν = 0.3 to 0.5. Soft tissues have ν ≥ 0.4.
+// along e; at e_s all of it slips, and e grows no more. k_t, the stiffness with which Q begins, is
+// that of a contact that does not slip at all: of a half-space and a rigid tool
+// k_t / k_n = 2 (1 − ν)/(2 − ν) with the stiffness k_n against further pressing (Mindlin), 0.82 to
+// 0.67 for ν = 0.3 to 0.5. Soft tissues have ν ≥ 0.4.
 //
-// As P changes, the shear may neither push the hand nor store what nobody gave: Q may fall, but
-// does not rise by itself. Where it would rise, e shrinks so that Q stays. k_t follows k_n only
-// where that has changed by more than a share, so that the tremor of a hand does not undo the shear
-// bit by bit.
+// It makes no energy. e grows by the way of the hand alone; what else changes it, or the law,
+// lets what is stored fall: the part along the push is left out as the surface turns, slipping
+// shortens e, and as P changes Q may fall, but does not rise by itself: where it would, e shrinks
+// so that Q stays. k_t follows k_n only where that has changed by more than a share, so that the
+// tremor of a hand does not undo the shear bit by bit.
 //
 // [J] Johnson, Contact Mechanics, Cambridge University Press 1985.
 #pragma once
@@ -36,22 +37,18 @@ class Friction {
   /// @note Realtime-safe.
   void release() noexcept { *this = Friction(); }
 
-  /// e [3], m: how far the hand is ahead of the tool, along the surface.
-  [[nodiscard]] const Vec3& stretch() const noexcept { return stretch_; }
-
-  /// The hand moves, and the tool sticks: e grows by the part of the way along the surface.
-  /// @param moved m.
-  /// @note Realtime-safe.
-  void stick(const Vec3& moved) noexcept;
-
-  /// Takes the contact that the body then answers with, and slips where it has to.
+  /// The hand has moved, and the body answers.
+  /// @param moved m; the first time it is of no account.
   /// @param coefficient μ, positive. @param push The force that holds the tool against the body's
-  ///   [3], N, not zero. @param stiffness k_n, N/m. @param coupling The stiffness of the virtual
+  ///   [3], N, not zero. @param stiffness k_n, N/m; where it is not positive, as where a tool
+  ///   slides off a ridge, k_t stays as it was. @param coupling The stiffness of the virtual
   ///   coupling, in series with k_t, N/m; 0: none.
-  /// @returns Whether e has become another, so that the tool is elsewhere.
   /// @note Realtime-safe.
-  bool slip(double coefficient, const Vec3& push, double stiffness, double coupling) noexcept;
+  void move(const Vec3& moved, double coefficient, const Vec3& push, double stiffness,
+            double coupling) noexcept;
 
+  /// e [3], m: how far the hand has moved along the surface since the tool sticks.
+  [[nodiscard]] const Vec3& stretch() const noexcept { return stretch_; }
   /// The force that holds the tool against it [3], N.
   [[nodiscard]] Vec3 force() const noexcept;
   /// ∂Q/∂e, N/m; 0 where the tool slips.
@@ -68,8 +65,6 @@ class Friction {
   [[nodiscard]] double longest() const noexcept { return shear_ > 0 ? 1.5 * most_ / shear_ : 0; }
 
   Vec3 stretch_ = Vec3::Zero();
-  /// The direction of the push, of unit length; zero before there was a contact.
-  Vec3 normal_ = Vec3::Zero();
   /// μ P, N, and k_t, N/m.
   double most_ = 0;
   double shear_ = 0;

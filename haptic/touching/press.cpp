@@ -6,85 +6,81 @@
 #include "haptic/touching/balance.h"
 
 namespace palpate {
+namespace {
 
-void Press::release() noexcept { *this = Press(); }
+/// How far beside the space the tool goes on, and how far beside it may begin, in sides of the cell
+/// there: the border is not told to a hair, and a coupling lets the tool slide a little.
+constexpr double kAside = 1;
+constexpr double kBegins = 0.25;
+
+}  // namespace
 
 TouchResult Press::answer(const Interpolator& force, double coupling) noexcept {
-  const Vec3 held = hand_ - friction_.stretch();
   if (coupling <= 0) {
-    place_ = held;
+    place_ = hand_;
     return force.evaluate(place_);
   }
-  place_ = is_pressing_ ? Vec3(place_ + followed_ * (held - held_)) : held;
+  place_ = is_pressing_ ? Vec3(place_ + followed_ * (hand_ - held_)) : hand_;
   const TouchResult at =
-      balance([&](const Vec3& p) { return force.evaluate(p); }, held, coupling, place_);
+      balance([&](const Vec3& p) { return force.evaluate(p); }, hand_, coupling, place_);
   followed_ = followed(at.stiffness, coupling);
-  held_ = held;
+  held_ = hand_;
   return at;
 }
 
 bool Press::is_known(const Interpolator& force, const Vec3& push) const noexcept {
   const CheckPointGrid::Location at = force.locate(place_);
   if (at.place == CheckPointGrid::Place::cell) return true;
-  if (at.place != CheckPointGrid::Place::beside_cell || !is_pressing_) return false;
+  if (at.place != CheckPointGrid::Place::beside_cell) return false;
   const double deeper = at.offset.dot(push);
   const double aside = (at.offset - deeper * push).norm();
-  return aside <= std::max(deeper, 0.0) + force.cell_side(at);
+  return is_pressing_ ? aside <= std::max(deeper, 0.0) + kAside * force.cell_side(at)
+                      : at.offset.norm() <= kBegins * force.cell_side(at);
 }
 
 Contact Press::move(const Interpolator& force, const Vec3& hand,
                     const TouchSettings& settings) noexcept {
   const double coupling = settings.coupling_stiffness;
-  const bool rubs = settings.friction > 0;
-  if (!rubs) friction_.release();
-  if (is_pressing_ && rubs) friction_.stick(hand - hand_);
+  const Vec3 moved = is_pressing_ ? Vec3(hand - hand_) : Vec3::Zero();
   hand_ = hand;
-  TouchResult at = answer(force, coupling);
-  if (at.force.isZero(0) && !friction_.stretch().isZero(0)) {
-    // What was held back touches nothing where it is; it may where the hand is.
-    friction_.release();
-    at = answer(force, coupling);
-  }
+  const TouchResult at = answer(force, coupling);
   Contact contact;
-  const auto leave = [&](ContactStatus status, Support support) {
-    release();
-    contact.status = status;
-    contact.support = support;
-    return contact;
-  };
+  contact.support = at.support;
+  contact.anchor = place_;
   using Place = CheckPointGrid::Place;
   if (at.force.isZero(0)) {
     const Place place = force.locate(place_).place;
-    const bool free = place == Place::free || place == Place::cell;
-    return leave(free ? ContactStatus::free : ContactStatus::inside, at.support);
+    release();
+    const bool is_free = place == Place::free || place == Place::cell;
+    contact.status = is_free ? ContactStatus::free : ContactStatus::inside;
+    return contact;
   }
-  Vec3 push = at.force.stableNormalized();
-  if (!is_known(force, push)) return leave(ContactStatus::inside, Support::extrapolated);
-  if (rubs &&
-      friction_.slip(settings.friction, at.force, push.dot(at.stiffness * push), coupling)) {
-    at = answer(force, coupling);
-    if (at.force.isZero(0)) return leave(ContactStatus::free, at.support);
-    push = at.force.stableNormalized();
+  const Vec3 push = at.force.stableNormalized();
+  if (!is_known(force, push)) {
+    release();
+    contact.status = ContactStatus::inside;
+    contact.support = Support::extrapolated;
+    return contact;
   }
   is_pressing_ = true;
   contact.status = ContactStatus::pressing;
-  contact.support = at.support;
-  contact.anchor = place_;
-  contact.energy = at.energy + friction_.energy();
-  contact.force = -friction_.force();
-  contact.stiffness = at.stiffness;
+  contact.energy = at.energy;
   if (coupling > 0) {
-    const Vec3 pulled = hand_ - friction_.stretch() - place_;
-    contact.force -= coupling * pulled;
+    const Vec3 pulled = hand_ - place_;
+    contact.force = -coupling * pulled;
     contact.energy += 0.5 * coupling * pulled.squaredNorm();
     contact.stiffness = followed_ * at.stiffness;
   } else {
-    contact.force -= at.force;
+    contact.force = -at.force;
+    contact.stiffness = at.stiffness;
   }
-  if (const double shear = friction_.stiffness(); shear > 0) {
-    // While it sticks the tool follows the hand along the push alone.
-    const Mat3 along = push * push.transpose();
-    contact.stiffness = contact.stiffness * along + shear * (Mat3::Identity() - along);
+  if (settings.friction > 0) {
+    friction_.move(moved, settings.friction, at.force, push.dot(at.stiffness * push), coupling);
+    contact.force -= friction_.force();
+    contact.energy += friction_.energy();
+    contact.stiffness += friction_.stiffness() * (Mat3::Identity() - push * push.transpose());
+  } else {
+    friction_.release();
   }
   return contact;
 }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A rigid tool that presses a body anywhere and glides on it.
 //
-// Without friction and coupling the tool is where the hand is, x, and what is felt is the force of
-// the space of configurations there, f = −h(x). With friction the tool is behind the hand by e,
-// along the surface (friction.h), and with a coupling it is where that is in balance with h
-// (balance.h):
+// Without friction and coupling what is felt where the hand is, at x, is the force of the space of
+// configurations there, f = −h(x). A coupling holds the tool at the place p where it is in balance
+// with h (balance.h). Friction (friction.h) adds what the shear of the body under the tool holds
+// against the hand,
 //
-//   p = the balance of the coupling at x − e,   f = −(h(p) + Q(e)).
+//   f = −(h(p) + Q),   Q along the surface.
 //
-// It begins to press where the space has a cell, coming from where it is free. It goes on deeper
-// than the space does, as the interpolation goes on (interpolator.h), where the force limit of the
-// device rules; but where it has gone aside, by more than a cell and more than deeper, the space
-// knows nothing of the body, and the force ends.
+// It begins to press where the space has a cell, or a quarter of one beside, coming from where it
+// is free. It goes on deeper than the space does, as the interpolation goes on (interpolator.h),
+// where the force limit of the device rules; but where it has gone aside, by more than a cell and
+// more than deeper, the space knows nothing of the body, and the force ends.
 #pragma once
 
 #include "haptic/touching/contact.h"
@@ -25,7 +25,7 @@ class Press {
  public:
   /// The tool is not in contact.
   /// @note Realtime-safe.
-  void release() noexcept;
+  void release() noexcept { *this = Press(); }
 
   /// Moves the hand.
   /// @param force Of the rigid tool by its place.
@@ -36,17 +36,17 @@ class Press {
                              const TouchSettings& settings) noexcept;
 
  private:
-  /// The tool's place, and what answers there, when the hand is at hand_.
+  /// What answers at the tool's place, which follows from that of the hand.
   [[nodiscard]] TouchResult answer(const Interpolator& force, double coupling) noexcept;
   [[nodiscard]] bool is_known(const Interpolator& force, const Vec3& push) const noexcept;
 
   bool is_pressing_ = false;
   Vec3 hand_ = Vec3::Zero();
-  /// Of the tool, m; and ∂place_/∂hand_ without friction.
+  /// Of the tool, m.
   Vec3 place_ = Vec3::Zero();
-  Mat3 followed_ = Mat3::Identity();
-  /// What the coupling has held when place_ was found.
+  /// With a coupling: where the hand was when place_ was found, and ∂place_/∂hand.
   Vec3 held_ = Vec3::Zero();
+  Mat3 followed_ = Mat3::Zero();
   Friction friction_;
 };
 

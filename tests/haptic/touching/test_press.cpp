@@ -181,46 +181,28 @@ TEST(Press, FrictionHoldsUntilItSlips) {
   settings.friction = 0.4;
   Pressing p(settings);
   (void)p.press(0.003);
-  Vec3 last = below(0.003);
-  bool slipped = false;
   for (int i = 1; i <= 400; ++i) {
     const Vec3 place = below(0.003, Vec3(2e-5 * i, 0, 0));
     (void)p.at(place);
     ASSERT_EQ(p.contact.status, ContactStatus::pressing);
-    const TouchResult body = p.body->force_on_tool()->evaluate(p.contact.anchor);
-    const Vec3 push = body.force.normalized();
+    EXPECT_EQ(p.contact.anchor, place);
+    const Vec3 body = p.body->force_on_tool()->evaluate(place).force;
     // What is left of the force when the body's push is taken away is along the surface.
-    const Vec3 rubbed = -p.contact.force - body.force;
-    EXPECT_NEAR(rubbed.dot(push), 0, 1e-9 + 2e-3 * body.force.norm());
-    EXPECT_LE(rubbed.norm(), (1 + 1e-9) * 0.4 * body.force.norm());
-    EXPECT_GE(rubbed.dot(Vec3::UnitX()), 0) << "it holds back";
-    const double moved = (p.contact.anchor - last)[0];
+    const Vec3 rubbed = -p.contact.force - body;
+    EXPECT_NEAR(rubbed.dot(body.normalized()), 0, 1e-12);
+    EXPECT_LE(rubbed.norm(), (1 + 1e-9) * 0.4 * body.norm());
+    EXPECT_GT(rubbed.dot(Vec3::UnitX()), 0) << "it holds back";
     if (i > 300) {
-      EXPECT_NEAR(moved, 2e-5, 1e-5) << "the tool follows the hand";
-      slipped = true;
+      EXPECT_NEAR(rubbed.norm(), 0.4 * body.norm(), 1e-3 * body.norm()) << "it slips";
     }
     if (i == 1) {
-      EXPECT_LT(std::abs(moved), 1e-6) << "it sticks";
+      EXPECT_LT(rubbed.norm(), 0.05 * body.norm()) << "it sticks";
     }
-    last = p.contact.anchor;
   }
-  EXPECT_TRUE(slipped);
-  (void)p.at(below(-0.003));
-  EXPECT_EQ(p.contact.force, Vec3::Zero());
-  // Where it is held back no more, the tool is where the hand is.
-  EXPECT_EQ(p.at(below(0.002)).anchor, below(0.002));
-}
-
-TEST(Press, WithoutFrictionNothingIsHeldBack) {
-  TouchSettings settings;
-  settings.friction = 0.4;
-  Pressing p(settings);
-  (void)p.press(0.003);
-  (void)p.go(below(0.003), below(0.003, Vec3(0.004, 0, 0)));
-  EXPECT_NE(p.contact.anchor, below(0.003, Vec3(0.004, 0, 0)));
   p.settings.friction = 0;
-  (void)p.at(below(0.003, Vec3(0.004, 0, 0)));
-  EXPECT_EQ(p.contact.anchor, below(0.003, Vec3(0.004, 0, 0)));
+  (void)p.at(below(0.003, Vec3(0.008, 0, 0)));
+  EXPECT_EQ(p.contact.force,
+            -p.body->force_on_tool()->evaluate(below(0.003, Vec3(0.008, 0, 0))).force);
 }
 
 /// The energy that the hand has put in along a way, less what is stored at its end, J. The force of
@@ -359,7 +341,7 @@ TEST(Press, TellsWhereAndHowDeepItCan) {
   const double left = depth_left(force, below(0.001), -Vec3::UnitZ(), 1);
   // A cell that is in part less deep than the space reaches below it.
   EXPECT_GE(left, kPressedDepth - 0.001);
-  EXPECT_LE(left, kPressedDepth - 0.001 + test::kPressedCell);
+  EXPECT_LE(left, kPressedDepth - 0.001 + test::kPressedCell + 1e-9);
   EXPECT_EQ(depth_left(force, below(0.001), -Vec3::UnitZ(), 1e-3), 1e-3);
   EXPECT_EQ(depth_left(force, below(0.02), -Vec3::UnitZ(), 1), 0);
 }
