@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "interpolation/pressing_range.h"
+#include "haptic/touching/pressing_range.h"
 #include "vtkRenderWindow.h"
 #include "vtkRenderWindowInteractor.h"
 #include "vtkRenderer.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "interpolation/pressing_range.h"
+#include "haptic/touching/pressing_range.h"
 #include "vtkArrowSource.h"
 #include "vtkCellArray.h"
 #include "vtkCoordinate.h"

@@ -11,11 +11,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/error.h"
 #include "haptic/recording/recorder.h"
 #include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
-#include "interpolation/pressing_range.h"
+#include "haptic/touching/pressing_range.h"
 #include "pqApplicationCore.h"
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
@@ -245,8 +244,8 @@ struct pqPalpateTouch::Session
     }
     if (number == 0)
     {
-      throw palpate::InputError("There is no place yet that the tool can press. Wait until the "
-                                "space has grown.");
+      throw std::runtime_error("There is no place yet that the tool can press. Wait until the "
+                               "space has grown.");
     }
     middle /= number;
     std::size_t nearest = points.size();

@@ -90,14 +90,23 @@ struct Stay {
   double made = 0;
 };
 
+struct StayCase {
+  double friction = 0;
+  /// Newtons at the device for a newton of the body: so many times as stiff it is.
+  double scale = 1;
+  Duration delay{0};
+  bool controller = true;
+};
+
 Stay stay(const std::shared_ptr<const Touchable>& body, const Vec3& outside, const Vec3& inside,
-          double friction, Duration delay, bool controller) {
+          const StayCase& what) {
   auto clock = std::make_shared<VirtualClock>();
   auto wish = std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
       {0ms, Vec3::Zero()}, {100ms, Vec3::Zero()}, {300ms, inside - outside}});
   BoardOptions options;
   options.feature.position_unit_nm = 10'000;
-  options.force_delay = delay;
+  options.feature.max_stiffness = 65535;
+  options.force_delay = what.delay;
   SimulatedBoard board(clock, std::make_shared<SimulatedHand>(wish), options);
   const auto profile = make_profile(ProfileKind::palpate_report, board.feature());
   LoopInbox inbox;
@@ -106,8 +115,9 @@ Stay stay(const std::shared_ptr<const Touchable>& body, const Vec3& outside, con
   inbox.body.offer(body);
   LoopInbox::Settings settings;
   settings.servo.workspace_centre = outside;
-  settings.servo.passivity_control = controller;
-  settings.touch.friction = friction;
+  settings.servo.passivity_control = what.controller;
+  settings.servo.force_scale = what.scale;
+  settings.touch.friction = what.friction;
   inbox.settings.write(settings);
   Stay result;
   Eigen::AlignedBox3d early;
@@ -128,28 +138,33 @@ Stay stay(const std::shared_ptr<const Touchable>& body, const Vec3& outside, con
 void print_stays(const TouchSpace& space, const std::shared_ptr<const Touchable>& body) {
   constexpr int kPlaces = 100;
   std::printf(
-      "\n| friction | delay, ms | controller | places | that shake | swing, µm: median | largest "
-      "| energy made, µJ: largest |\n|---|---|---|---|---|---|---|---|\n");
+      "\n| friction | force × | largest stiffness, N/m | delay, ms | of %d places shake: off | on "
+      "| largest swing there, µm: off | on | energy made at the most, µJ: off | on |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n",
+      kPlaces);
   for (const double friction : kCoefficients) {
-    for (const Duration delay : {0ms, 1ms, 3ms}) {
-      for (const bool controller : {false, true}) {
-        const test::GlidePaths paths(space, *body, {});
-        std::mt19937 random(3);
-        std::vector<double> swings;
-        double made = 0;
-        int shaking = 0;
-        for (int i = 0; i < kPlaces; ++i) {
-          const std::vector<Vec3> way = paths.next(random);
-          // Where it is deepest at the beginning of the slide.
-          const Vec3 inside = way[way.size() / 6];
-          const Stay one = stay(body, way.front(), inside, friction, delay, controller);
-          swings.push_back(one.swing);
-          made = std::max(made, one.made);
-          if (one.swing > std::max(0.9 * one.early_swing, 2e-5)) ++shaking;
+    for (const double scale : {1.0, 5.0, 20.0}) {
+      for (const Duration delay : {0ms, 1ms, 3ms}) {
+        int shaking[2] = {};
+        double swing[2] = {};
+        double made[2] = {};
+        for (const bool controller : {false, true}) {
+          const test::GlidePaths paths(space, *body, {});
+          std::mt19937 random(3);
+          for (int i = 0; i < kPlaces; ++i) {
+            const std::vector<Vec3> way = paths.next(random);
+            // In the body, on the way there.
+            const Vec3 inside = way[way.size() / 6];
+            const Stay one = stay(body, way.front(), inside, {friction, scale, delay, controller});
+            swing[controller] = std::max(swing[controller], one.swing);
+            made[controller] = std::max(made[controller], one.made);
+            // What dies down, or is no more than the flicker that steps of position give, is none.
+            if (one.swing > std::max(0.9 * one.early_swing, 2e-5)) ++shaking[controller];
+          }
         }
-        std::printf("| %g | %.0f | %s | %d | %d | %.1f | %.1f | %.1f |\n", friction,
-                    1e3 * seconds(delay), controller ? "on" : "off", kPlaces, shaking,
-                    1e6 * percentile(swings, 0.5), 1e6 * percentile(swings, 1), 1e6 * made);
+        std::printf("| %g | %g | %.0f | %.0f | %d | %d | %.1f | %.1f | %.0f | %.0f |\n", friction,
+                    scale, scale * body->largest_stiffness(), 1e3 * seconds(delay), shaking[0],
+                    shaking[1], 1e6 * swing[0], 1e6 * swing[1], 1e6 * made[0], 1e6 * made[1]);
         std::fflush(stdout);
       }
     }

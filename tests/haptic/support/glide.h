@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "haptic/servo/loop.h"
+#include "haptic/touching/pressing_range.h"
 #include "haptic/transport/simulated_board.h"
-#include "interpolation/pressing_range.h"
 
 namespace palpate::test {
 

@@ -5,8 +5,8 @@
 #include <random>
 
 #include "haptic/support/pressed_body.h"
+#include "haptic/touching/pressing_range.h"
 #include "haptic/touching/tool.h"
-#include "interpolation/pressing_range.h"
 
 namespace palpate {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "interpolation/pressing_range.h"
+#include "haptic/touching/pressing_range.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
