@@ -45,7 +45,7 @@ constexpr double ToRim = -20000;
 constexpr double BeforeBody = -30;
 
 double ToolColour[3] = { 0.95, 0.75, 0.1 };
-constexpr double ToolOpacity = 0.5;
+constexpr double ToolOpacity = 0.35;
 double VeilColour[3] = { 0.8, 0.8, 0.8 };
 constexpr double VeilOpacity = 0.75;
 

@@ -112,7 +112,7 @@ double DepthOf(const palpate::ToolSpaceSetup& setup)
 }
 
 /// Of a rigid tool in the middle of what it presses, Pa: by its mean force, on the area that Hertz
-/// has at half of the depth.
+/// has at the greatest depth, so that a deep press is in the last colour.
 double UsualPressure(const palpate::TouchToolSpace& rigid)
 {
   double sum = 0;
@@ -126,7 +126,7 @@ double UsualPressure(const palpate::TouchToolSpace& rigid)
     }
   }
   const double radius = palpate::half_width(rigid.setup.interaction.tool);
-  const double area = Pi * radius * DepthOf(rigid.setup) / 2;
+  const double area = Pi * radius * DepthOf(rigid.setup);
   return number > 0 ? MiddleOfMean * sum / number / area : 0;
 }
 

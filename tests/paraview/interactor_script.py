@@ -15,10 +15,12 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
+from dock_support import (click_start, click_stop, number, runs, said, touch_filter, touches,
+                          wait_for)
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
                 application, canvas, choose, click, dialogs, dock, drag, in_dialog, menu,
                 open_file, part, pixel_of, pixel_of_node, press_escape, property_widget, send,
-                wait, wait_until, window, write)
+                turn_wheel, wait, window, write)
 
 HOST = "127.0.0.1"  # A bare system knows no name for it.
 # The block's active nodes are at the end of large x: a place far from them that is seen from there,
@@ -26,40 +28,6 @@ HOST = "127.0.0.1"  # A bare system knows no name for it.
 FAR = [0.01, 0.03, 0.05]
 BEHIND = [-0.4, 0.25, -0.3]
 FAR_BEHIND = [0, 0.03, 0.02]
-
-
-def wait_for(condition, what):
-    wait_until(condition, lambda: f"{what}; {part('state').text()}")
-
-
-def number(name):
-    """The first number of a label."""
-    return float(re.search(r"-?[\d.]+", part(name).text()).group())
-
-
-def runs():
-    return part("start").text() == "Stop"
-
-
-def click_start(device="Simulated hand"):
-    assert not runs()
-    part("device").setCurrentText(device)
-    QTest.mouseClick(part("start"), Button.LeftButton)
-    assert runs(), part("message").text()
-
-
-def click_stop():
-    assert runs()
-    QTest.mouseClick(part("start"), Button.LeftButton)
-    assert not runs()
-
-
-def touches():
-    return part("state").text().endswith(", touching")
-
-
-def touch_filter():
-    return FindSource("TouchStateSpace1")
 
 
 def shown():
@@ -185,14 +153,6 @@ def let_go(at):
     wait_for(lambda: list(touch_filter().Displacement) == [0, 0, 0], "the body is at rest")
 
 
-def said(view):
-    """The text in the view."""
-    actors = view.GetClientSideObject().GetNonCompositedRenderer().GetActors2D()
-    texts = [actors.GetItemAsObject(i) for i in range(actors.GetNumberOfItems())]
-    return "".join(text.GetInput() or "" for text in texts
-                   if text.IsA("vtkTextActor") and text.GetVisibility())
-
-
 def pixels_of_dot(at):
     """How many around a pixel are black, and white."""
     image = canvas().grabFramebuffer()
@@ -309,10 +269,7 @@ def mouse():
     wait_for(lambda: number("force") > 0.05, "the drag is felt")
     SaveScreenshot("dragged.png", view, ImageResolution=[600, 450])
     dragged = list(touch_filter().Displacement)
-    application.sendEvent(canvas(), QtGui.QWheelEvent(
-        QtCore.QPointF(end), QtCore.QPointF(canvas().mapToGlobal(end)), QtCore.QPoint(),
-        QtCore.QPoint(0, 120), Button.LeftButton, Modifier.NoModifier,
-        QtCore.Qt.ScrollPhase.NoScrollPhase, False))
+    turn_wheel(end)
     direction = view.GetActiveCamera().GetDirectionOfProjection()
     wait_for(lambda: sum((now - then) * along for now, then, along in zip(
         touch_filter().Displacement, dragged, direction)) > 1e-4, "the wheel pushes the node in")

@@ -82,6 +82,15 @@ def click(at):
     send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
 
 
+def turn_wheel(at, notches=1):
+    """Away from the person, with the left button held."""
+    for _ in range(abs(notches)):
+        application.sendEvent(canvas(), QtGui.QWheelEvent(
+            QtCore.QPointF(at), QtCore.QPointF(canvas().mapToGlobal(at)), QtCore.QPoint(),
+            QtCore.QPoint(0, 120 if notches > 0 else -120), Button.LeftButton,
+            Modifier.NoModifier, QtCore.Qt.ScrollPhase.NoScrollPhase, False))
+
+
 def press_escape(widget):
     """As the keyboard does, through the widget's window."""
     QTest.keyClick(widget.window().windowHandle(), QtCore.Qt.Key.Key_Escape)
