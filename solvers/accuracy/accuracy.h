@@ -43,7 +43,8 @@ struct AccuracyRow {
   int extrapolated = 0;
   int irregular = 0;
   int failed = 0;
-  /// Error of the force, relative, see measure.h, and absolute, N.
+  /// Error of the force, relative, see measure.h, and absolute, N. The relative ones, also of the
+  /// stiffness, are without the points where a rigid tool begins to touch.
   double mean_error = 0;
   double p99_error = 0;
   double largest_error = 0;

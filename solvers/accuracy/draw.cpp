@@ -112,7 +112,7 @@ class ContactDraw {
   void add_slide(int slide, std::size_t length) {
     TestRandom random(set_, TestKind::walk, slide);
     SurfacePlaces::Place place = places_.any(random);
-    Vec3 direction = random.in_cube(1);
+    Vec3 direction = random.direction();
     const double first = deepest(setup_) * random.unit();
     const double last = deepest(setup_) * random.unit();
     const double step = kSlideStep * half_width(setup_.interaction.tool);
@@ -171,11 +171,7 @@ std::vector<TestPoint> draw_test_points(const TestSet& set, int num) {
   }
   const double near = kNearRest * set.half_width;
   for (int i = 0; i < num_near; ++i) {
-    TestRandom random(set, TestKind::near_rest, i);
-    Vec3 t;
-    do t = random.in_cube(near);
-    while (t.norm() > near);
-    add(TestKind::near_rest, i, t);
+    add(TestKind::near_rest, i, TestRandom(set, TestKind::near_rest, i).in_ball(near));
   }
   return points;
 }

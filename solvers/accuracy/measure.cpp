@@ -171,6 +171,7 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
                     std::vector<PointError>& errors, Measurement& result) {
   const double floor = kErrorFloor * largest_force(tool_space.configurations);
   const double stiffness_floor = kErrorFloor * largest_stiffness(tool_space);
+  const bool is_contact = tool_space.setup.interaction.is_contact();
   Shown shown(space, tool_space, fields, points);
   int branch = 0;
   Vec3 at = Vec3::Zero();
@@ -202,13 +203,14 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
     if (error.point_class == PointClass::marked) result.marked.push_back(error.error);
     if (error.point_class == PointClass::extrapolated) result.extrapolated.push_back(error.error);
     if (error.point_class != PointClass::inside) continue;
-    result.relative.push_back(error.error);
     result.absolute.push_back(absolute);
     result.largest_force = std::max(result.largest_force, point.force.norm());
+    shown.add_error(subject, branch, point, result.displacement);
+    if (is_contact && point.kind == TestKind::near_rest) continue;
+    result.relative.push_back(error.error);
     result.stiffness.push_back(
         (touch.stiffness - point.stiffness).norm() /
         std::max({point.stiffness.norm(), stiffness_floor, std::numeric_limits<double>::min()}));
-    shown.add_error(subject, branch, point, result.displacement);
   }
 }
 

@@ -5,6 +5,9 @@
 // The floor f is a thousandth of the largest force of the tool space within its limit: without it,
 // tiny errors near rest would count as large ones.
 //
+// Where a rigid tool begins to touch, the force falls to zero and its error does not: relative
+// errors there have a figure of their own.
+//
 // The cells of a rigid tool's space do not fill a box. A closed path is a slide of the test points,
 // and back with the tool lifted; faces and places to time are those of the cells. A path or face
 // counts where nothing is extrapolated.
@@ -74,19 +77,22 @@ struct Measurement {
 
   /// The number of test points of each class, by the number of the class.
   std::vector<int> points = std::vector<int>(5, 0);
-  /// Errors of the force at the points that count, relative and absolute, N.
+  /// Errors of the force at the points that count, relative and absolute, N; the relative ones are
+  /// without those where a rigid tool begins to touch.
   std::vector<double> relative;
   std::vector<double> absolute;
   /// The largest exact force at these, N.
   double largest_force = 0;
-  /// Errors of the stiffness there, |k − k*| / |k*|, with a floor as that of the force.
+  /// Errors of the stiffness where `relative` is, |k − k*| / |k*|, with a floor as that of the
+  /// force.
   std::vector<double> stiffness;
   /// The largest error of the displacement at any of sample_points(), as a share of the largest
   /// displacement in the space; of a rigid tool, of the largest at a test point. It is that of what
   /// is shown, by the modes or, of a rigid tool, from the fields in the file of the space, so that
   /// it is the same for all methods. None where a rigid tool's space has no file.
   std::vector<double> displacement;
-  /// Relative errors of the force in marked regions, and at points near rest.
+  /// Relative errors of the force in marked regions, and at points near rest or where a rigid tool
+  /// begins to touch.
   std::vector<double> marked;
   std::vector<double> near_rest;
   /// Relative errors at points that are regular, but beyond the configurations.

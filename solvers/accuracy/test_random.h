@@ -28,6 +28,16 @@ class TestRandom {
     for (double& x : t) x = half_width * (2 * unit() - 1);
     return t;
   }
+  /// In the ball of that radius.
+  Vec3 in_ball(double radius) {
+    Vec3 t;
+    do t = in_cube(radius);
+    while (t.norm() > radius);
+    return t;
+  }
+
+  /// Of unit length, all directions alike.
+  Vec3 direction() { return in_ball(1).normalized(); }
 
  private:
   std::mt19937_64 engine_;
