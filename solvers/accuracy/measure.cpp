@@ -306,15 +306,14 @@ class Places {
   int any_axis() { return std::uniform_int_distribution<int>(0, 2)(random_); }
 
  private:
-  /// In [−1, 1).
-  double share() { return uniform_(random_) / grid_.half_width; }
   const Cell& any_cell() {
     return cells_[std::uniform_int_distribution<std::size_t>(0, cells_.size() - 1)(random_)];
   }
   Vec3 in(const Cell& cell) {
     const double side = cell.side * grid_.spacing();
-    const Vec3 middle = grid_.place(cell.first) + Vec3::Constant(0.5 * side);
-    return middle + 0.5 * side * Vec3(share(), share(), share());
+    Vec3 t = grid_.place(cell.first);
+    for (double& x : t) x += side * std::uniform_real_distribution<double>(0, 1)(random_);
+    return t;
   }
 
   Grid grid_;
@@ -334,7 +333,7 @@ std::vector<Loop> loops_in_box(Places place) {
   return loops;
 }
 
-/// Each slide of a rigid tool, and back with the tool lifted by a coarsest cell against the force.
+/// Each slide of a rigid tool, and back with the tool lifted off by the side of a coarsest cell.
 std::vector<Loop> loops_over_surface(const Grid& grid, const std::vector<TestPoint>& points) {
   const double lift = grid.coarsest * grid.spacing();
   std::map<std::int32_t, std::pair<Loop, Loop>> slides;
@@ -386,8 +385,7 @@ void measure_jumps(const Interpolator& interpolator, const TouchToolSpace& tool_
   }
 }
 
-/// Calls that jump about, each timed by itself; what reading the clock takes is taken
-/// off.
+/// Calls that jump about, each timed by itself; what reading the clock takes is taken off.
 void measure_time(const Interpolator& interpolator, Places place, Measurement& result) {
   std::vector<Vec3> places(kTimedCalls);
   for (Vec3& t : places) t = place();

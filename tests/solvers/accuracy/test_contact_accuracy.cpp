@@ -192,6 +192,26 @@ TEST_F(ContactAccuracy, FiguresAreThoseOfADirectComparison) {
   EXPECT_GE(row(result, "Trilinear", 0.006).loop_work, 1e-4);
 }
 
+TEST_F(ContactAccuracy, AForceLimitBoundsWhatIsPressed) {
+  of_space_.contact->shell.depth = 0;
+  of_space_.force_limit = 0.1;
+  options_.exact.test_points = 20;
+  const TouchSpace space = make_space();
+  const AccuracyResult result = run(space, *world_);
+  if (world_->rank() != 0) return;
+  EXPECT_EQ(result.num_solved, 20);
+  const auto deeper =
+      std::count_if(result.points.begin(), result.points.end(), [&](const AccuracyPoint& point) {
+        return point.exact.force.norm() > 0.5 * of_space_.force_limit;
+      });
+  EXPECT_GT(deeper, 0);
+  for (const AccuracyPoint& point : result.points) {
+    EXPECT_EQ(point.exact.outcome, Outcome::converged);
+    // A cell goes on beyond the limit by no more than its side.
+    EXPECT_LT(point.exact.force.norm(), 4 * of_space_.force_limit);
+  }
+}
+
 TEST_F(ContactAccuracy, SmallerCellsAreBetterAndHermiteIsTheBest) {
   // Of cells of a quarter of the side the larger ones can be made too.
   of_space_.tolerance = 5e-4;
