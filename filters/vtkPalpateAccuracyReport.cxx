@@ -40,13 +40,14 @@ constexpr double PerCent = 100;
 std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
 {
   std::ostringstream text;
-  text << std::hexfloat << space.scene_hash << ' ' << space.modes.sum();
+  text << std::hexfloat << space.scene_hash << ' ' << space.file << ' ' << space.modes.sum();
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
     const palpate::ToolSpaceSetup& s = toolSpace.setup;
     text << ' ' << s.interaction.active_node << ' ' << s.interaction.tip_radius << ' '
          << s.grid.half_width << ' ' << s.grid.resolution << ' ' << s.grid.coarsest << ' '
-         << s.policy.force_limit << ' ' << toolSpace.coefficients.sum();
+         << s.policy.force_limit << ' ' << s.policy.depth << ' ' << s.name() << ' '
+         << toolSpace.coefficients.sum();
     for (const palpate::ConfigurationSummary& c : toolSpace.configurations)
     {
       text << ' ' << c.energy << ' ' << c.force.transpose() << ' ' << c.stiffness.sum() << ' '
@@ -97,8 +98,11 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
   if (ofNodes)
   {
     integer("ActiveNode", &AccuracyRow::active_node);
+    table->AddColumn(
+      Column<vtkStringArray>("Tool", rows, [](const AccuracyRow& row) { return row.tool; }));
   }
   integer("Resolution", &AccuracyRow::resolution);
+  number("Spacing", &AccuracyRow::spacing);
   number("Samples", &AccuracyRow::samples);
   number("PrecomputeSeconds", &AccuracyRow::precompute_seconds);
   number("EvaluationP50", &AccuracyRow::p50_nanoseconds);
@@ -111,6 +115,7 @@ void FillTable(const std::vector<AccuracyRow>& rows, bool ofNodes, vtkTable* tab
   number("MeanErrorN", &AccuracyRow::mean_absolute_error);
   number("P99ErrorN", &AccuracyRow::p99_absolute_error);
   number("LargestErrorN", &AccuracyRow::largest_absolute_error);
+  number("LargestForce", &AccuracyRow::largest_force);
   number("Noticeable", &AccuracyRow::noticeable, PerCent);
   number("NearRestError", &AccuracyRow::near_rest_error, PerCent);
   number("MeanMarkedError", &AccuracyRow::mean_marked_error, PerCent);
@@ -285,20 +290,8 @@ int vtkPalpateAccuracyReport::RequestData(
     palpate::TouchSpace space;
     vtkSmartPointer<vtkUnstructuredGrid> body;
     // One after the other: both are collective, and may fail on the first rank alone.
-    palpate::agree(*communicator,
-      [&]
-      {
-        space = vtkPalpateSpaceFromCollection(input, controller);
-        for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
-        {
-          if (toolSpace.setup.interaction.is_contact())
-          {
-            throw palpate::InputError("The state space is that of a rigid tool, of which this "
-                                      "filter knows no exact solutions. Give it a space of active "
-                                      "nodes.");
-          }
-        }
-      });
+    palpate::agree(
+      *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
     palpate::agree(
       *communicator, [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
 

@@ -6,26 +6,31 @@
  * Input: a state space (see vtkPalpateStateSpace.h). Outputs:
  *
  *   0  vtkTable: a row for each method and grid; errors in per cent, see palpate::AccuracyRow
- *     `Method`, `Resolution` (check-points along an axis)
+ *     `Method`, `Resolution` (check-points along an axis), `Spacing` (of them, m)
  *     `Samples`               configurations and intermediate states
  *     `PrecomputeSeconds` (on one core), `SetupSeconds`, `Bytes`     for each active node
  *     `EvaluationP50`, `EvaluationP999`                              ns
  *     `MeanError`, `P99Error`, `LargestError`                        relative, of the force, %
  *     `MeanErrorN`, `P99ErrorN`, `LargestErrorN`                     absolute, N
+ *     `LargestForce`          exact, at the test points that count, N
  *     `Noticeable`            share of test points at which the relative error exceeds 10 %, %
- *     `NearRestError`         largest relative error within 1 % of the half-width, %
+ *     `NearRestError`         largest relative error within 1 % of the half-width, or where a
+ *                             rigid tool begins to touch, %
  *     `MeanMarkedError`, `LargestMarkedError`, `LargestExtrapolatedError`   relative, elsewhere, %
  *     `MeanStiffnessError`    relative, %
  *     `MeanDisplacementError`, `LargestDisplacementError`   of the surface, % of the largest
  *     `LoopWork`              around closed paths, share of the largest energy on it
  *     `ForceJump`, `StiffnessJump`                           across cells, share of the largest
  *     `TestPoints`, `Counted`, `Marked`, `Extrapolated`, `Irregular`, `Failed`   numbers of points
- *   1  vtkPolyData: the test points, a vertex each at the displaced active node
- *     `ActiveNode`, `Kind` (0 anywhere, 1 on a walk, 2 near rest), `Displacement` (m),
+ *   1  vtkPolyData: the test points, a vertex each at the displaced active node, or the place of
+ *      the rigid tool
+ *     `ActiveNode`, `Kind` (0 anywhere, 1 on a walk or slide, 2 near rest or where the tool begins
+ *     to touch), `Displacement` (m; of a rigid tool its place),
  *     `Force` (N), `Energy` (J), `Outcome`, `Flags`, `Found`,
  *     `Class` (0 counted, 1 marked, 2 extrapolated, 3 irregular, 4 failed), and for each method
  *     `Error (<method>)`      relative, %; NaN where nothing is known
- *   2  vtkTable: as 0 for each active node, with the column `ActiveNode`
+ *   2  vtkTable: as 0 for each active node, or for the rigid tool, with the columns `ActiveNode`
+ *      (−1: a rigid tool) and `Tool` (its name)
  *   3  vtkTable: for charts, a row for each method and grid
  *     `Time` (`EvaluationP50`), `Bytes`, `PrecomputeSeconds`         as above
  *     `<method>`              `MeanError` in the rows of the method, NaN in the others
@@ -54,7 +59,7 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// Test points of each active node, at least 1.
+  /// Test points of each active node, or of the rigid tool, at least 1.
   vtkSetMacro(TestPoints, int);
   vtkGetMacro(TestPoints, int);
   ///@}

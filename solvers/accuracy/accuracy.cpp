@@ -6,6 +6,8 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "accuracy/statistics.h"
@@ -17,7 +19,10 @@ namespace palpate {
 namespace {
 
 /// The tool spaces of rank 0, on every rank.
+/// @param holds Is set, on rank 0, to whether a place of a rigid tool is in a cell of its space.
 std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& space,
+                                         const std::vector<Method>& methods,
+                                         std::function<bool(const Vec3&)>& holds,
                                          Communicator& communicator) {
   std::vector<ToolSpaceSetup> setups;
   agree(communicator, [&] {
@@ -32,9 +37,21 @@ std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& s
           space.scene_hash + ", that of the body is " + hash(scene) +
           ". Compute the state space again.");
     }
+    bool is_served = false;
     for (const TouchToolSpace& tool_space : space.tool_spaces) {
-      (void)CheckPointGrid(tool_space);  // says what is wrong with it before anything is solved for
+      // Says what is wrong with it before anything is solved for.
+      const auto grid = std::make_shared<const CheckPointGrid>(tool_space);
       setups.push_back(tool_space.setup);
+      is_served = is_served || !variants(tool_space, methods).empty();
+      if (!tool_space.setup.interaction.is_contact()) continue;
+      holds = [grid](const Vec3& q) {
+        return grid->locate(q).place == CheckPointGrid::Place::cell;
+      };
+    }
+    if (!is_served) {
+      throw InputError("None of the chosen methods serves the state space of " +
+                       setups.front().name() +
+                       ". Choose 'Energy Hermite' or 'Trilinear' among them.");
     }
   });
   Packer mine;
@@ -50,11 +67,14 @@ double share_above(const std::vector<double>& values, double limit) {
   return static_cast<double>(count) / static_cast<double>(values.size());
 }
 
-AccuracyRow row_of(const std::string& method, Index active_node, const Measurement& m) {
+AccuracyRow row_of(const std::string& method, const std::string& tool, Index active_node,
+                   const Measurement& m) {
   AccuracyRow row;
   row.method = method;
+  row.tool = tool;
   row.active_node = active_node;
   row.resolution = m.resolution;
+  row.spacing = m.spacing;
   const auto tool_spaces = static_cast<double>(m.tool_spaces);
   row.samples = m.samples / tool_spaces;
   row.precompute_seconds = m.precompute_seconds / tool_spaces;
@@ -73,6 +93,7 @@ AccuracyRow row_of(const std::string& method, Index active_node, const Measureme
   row.mean_absolute_error = mean(m.absolute);
   row.p99_absolute_error = quantile(m.absolute, 0.99);
   row.largest_absolute_error = largest(m.absolute);
+  row.largest_force = m.largest_force;
   row.noticeable = share_above(m.relative, kNoticeable);
   row.near_rest_error = largest(m.near_rest);
   row.mean_marked_error = mean(m.marked);
@@ -129,6 +150,8 @@ bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& met
   std::map<std::pair<std::string, std::int32_t>, Measurement> together;
   std::map<std::string, std::size_t> columns;
   const double nothing = std::numeric_limits<double>::quiet_NaN();
+  std::optional<FieldCache> fields;
+  if (!space.file.empty()) fields.emplace(space.file, space.scene_hash);
   for (std::size_t s = 0; s < space.tool_spaces.size(); ++s) {
     const TouchToolSpace& tool_space = space.tool_spaces[s];
     const std::size_t first_point = result.points.size();
@@ -143,10 +166,11 @@ bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& met
       std::vector<PointError> errors;
       const double share = static_cast<double>(v) / static_cast<double>(all.size());
       if (!done(static_cast<double>(s) + share)) return false;
-      const Measurement measured = measure(space, tool_space, variant, points[s], errors);
+      const Measurement measured =
+          measure(space, tool_space, variant, points[s], errors, fields ? &*fields : nullptr);
       const std::string name = to_string(variant);
-      result.rows_of_tool_spaces.push_back(
-          row_of(name, tool_space.setup.interaction.active_node, measured));
+      result.rows_of_tool_spaces.push_back(row_of(
+          name, tool_space.setup.name(), tool_space.setup.interaction.active_node, measured));
       const auto [place, is_new] = together.try_emplace({name, measured.resolution});
       if (is_new) order.emplace_back(name, measured.resolution);
       place->second += measured;
@@ -163,7 +187,7 @@ bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& met
     }
   }
   for (const auto& key : order) {
-    result.rows.push_back(row_of(key.first, -1, together.at(key)));
+    result.rows.push_back(row_of(key.first, "all", -1, together.at(key)));
   }
   return true;
 }
@@ -185,10 +209,12 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                        std::to_string(known.size() - 1) + '.');
     }
   });
-  const std::vector<ToolSpaceSetup> setups = share_setups(scene, space, communicator);
+  ExactOptions of_exact = options.exact;
+  const std::vector<ToolSpaceSetup> setups =
+      share_setups(scene, space, methods, of_exact.holds, communicator);
   AccuracyResult result;
   const Clock::time_point start = Clock::now();
-  ExactResult exact = solve_test_points(scene, setups, options.exact, communicator, progress);
+  ExactResult exact = solve_test_points(scene, setups, of_exact, communicator, progress);
   result.num_solved = exact.num_solved;
   result.num_reused = exact.num_reused;
   result.exact_seconds = seconds_since(start);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Error against run time: of every method to interpolate a state space, at test points where the
-// equilibrium is solved for exactly, what it costs and how wrong it is.
+// equilibrium is solved for exactly, what it costs and how wrong it is. The state space is that of
+// active nodes or of a rigid tool that presses the body anywhere.
 #pragma once
 
 #include <string>
@@ -21,10 +22,14 @@ struct AccuracyOptions {
 /// cent, and are of those test points that count: inside the space, not marked, and regular.
 struct AccuracyRow {
   std::string method;
-  /// −1: the row is of all active nodes together.
+  /// What the row is of: ToolSpaceSetup::name(), or "all".
+  std::string tool;
+  /// −1: the row is of all active nodes together, or of a rigid tool.
   Index active_node = -1;
-  /// Check-points along an axis; where cells have several sizes, of the smallest ones.
+  /// Check-points along an axis, and their distance, m; where cells have several sizes, of the
+  /// smallest ones.
   std::int32_t resolution = 0;
+  double spacing = 0;
   /// Of one tool space in the mean: configurations and intermediate states; the time to compute
   /// them, s on one core; the memory of the method, bytes; the time to set it up, s.
   double samples = 0;
@@ -38,23 +43,29 @@ struct AccuracyRow {
   int extrapolated = 0;
   int irregular = 0;
   int failed = 0;
-  /// Error of the force, relative, see measure.h, and absolute, N.
+  /// Error of the force, relative, see measure.h, and absolute, N. The relative ones, also of the
+  /// stiffness, are without the points where a rigid tool begins to touch.
   double mean_error = 0;
   double p99_error = 0;
   double largest_error = 0;
   double mean_absolute_error = 0;
   double p99_absolute_error = 0;
   double largest_absolute_error = 0;
+  /// The largest exact force at the test points that count, N: over it, the absolute errors are
+  /// shares of the largest force.
+  double largest_force = 0;
   /// Share of the points whose relative error a hand notices: it is above kNoticeable.
   double noticeable = 0;
-  /// Largest relative error within kNearRest half-widths from rest.
+  /// Largest relative error within kNearRest half-widths from rest, or where a rigid tool begins
+  /// to touch.
   double near_rest_error = 0;
   /// Relative error in marked regions.
   double mean_marked_error = 0;
   double largest_marked_error = 0;
   double largest_extrapolated_error = 0;
   double mean_stiffness_error = 0;
-  /// Error of a surface point's displacement, as a share of the largest displacement in the space.
+  /// Error of a surface point's displacement, as a share of the largest displacement in the space,
+  /// see Measurement; NaN where a rigid tool's space has no file.
   double mean_displacement_error = 0;
   double largest_displacement_error = 0;
   /// The largest work along a random closed path, over the largest energy on the path.
@@ -69,6 +80,7 @@ struct AccuracyRow {
 
 /// A test point, and the errors there of the methods on the whole grid.
 struct AccuracyPoint {
+  /// −1: of a rigid tool.
   Index active_node = 0;
   TestPoint exact;
   Support support = Support::none;
@@ -103,8 +115,9 @@ struct AccuracyResult {
 /// @param space Whole on rank 0; on other ranks it is not looked at.
 /// @returns The result, whole on rank 0, empty elsewhere.
 /// @note Collective
-/// @throws InputError the space is not of this scene, or has no tool space; or as
-/// solve_test_points().
+/// @throws InputError the space is not of this scene, or has no tool space, or none that one of the
+/// methods serves; or as solve_test_points(); also as FieldCache::get, which may throw
+/// BackendError.
 [[nodiscard]] AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                               const AccuracyOptions& options,
                                               Communicator& communicator, const Progress& progress);

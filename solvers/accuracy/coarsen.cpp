@@ -7,12 +7,23 @@
 
 namespace palpate {
 
-std::vector<std::int32_t> coarsening_factors(const Grid& grid) {
+std::int32_t smallest_side(const TouchToolSpace& tool_space) {
+  const Grid& grid = tool_space.setup.grid;
+  if (!grid.sparse) return 1;
+  // The corners of cells are multiples of their side, which is a power of two.
+  std::int32_t bits = grid.coarsest;
+  for (const ConfigurationSummary& c : tool_space.configurations) {
+    for (const std::int32_t x : c.check_point) bits |= x + grid.reach();
+  }
+  return bits & -bits;
+}
+
+std::vector<std::int32_t> coarsening_factors(const Grid& grid, std::int32_t smallest) {
   std::vector<std::int32_t> factors{1};
-  const std::int32_t most = grid.coarsest > 1 ? grid.coarsest : grid.reach();
+  // The coarsest cells of a sparse grid do not make larger ones.
+  const std::int32_t most = grid.coarsest > 1 || grid.sparse ? grid.coarsest : grid.reach();
   for (std::int32_t factor = 2; factor <= most; ++factor) {
-    const bool fits = grid.coarsest > 1 ? grid.coarsest % factor == 0 : most % factor == 0;
-    if (fits) factors.push_back(factor);
+    if (most % factor == 0 && factor > smallest) factors.push_back(factor);
   }
   return factors;
 }
@@ -27,17 +38,20 @@ TouchToolSpace coarsened(const TouchToolSpace& tool_space, std::int32_t factor) 
     if (c.level == 0 && on_grid) kept.push_back(static_cast<std::int32_t>(i));
   }
   TouchToolSpace coarse = restricted(tool_space, kept);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    // A jump on the way is a matter of the state, not of the grid.
+    coarse.configurations[i].flags =
+        tool_space.configurations[static_cast<std::size_t>(kept[i])].flags;
+  }
+  if (tool_space.setup.grid.sparse) return coarse;
   coarse.intermediate_states.clear();
   coarse.setup.policy.intermediate_states = 0;
   coarse.setup.grid.resolution = 2 * (tool_space.setup.grid.reach() / factor) + 1;
   coarse.setup.grid.coarsest = std::max(tool_space.setup.grid.coarsest / factor, 1);
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    ConfigurationSummary& c = coarse.configurations[i];
+  for (ConfigurationSummary& c : coarse.configurations) {
     for (std::int32_t& x : c.check_point) x /= factor;
     c.parent = c.check_point;
     c.reached.fill(not_tried);
-    // A jump on the way is a matter of the state, not of the grid.
-    c.flags = tool_space.configurations[static_cast<std::size_t>(kept[i])].flags;
   }
   return coarse;
 }

@@ -3,35 +3,33 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <string>
 
-#include "schedule/owner.h"
+#include "accuracy/test_random.h"
+#include "base/error.h"
+#include "exploration/transfer.h"
 
 namespace palpate {
 namespace {
 
-/// Random numbers of one kind and number; the same with every standard library.
-class Random {
- public:
-  Random(const TestSet& set, TestKind kind, int number)
-      : engine_(mix(mix(mix(mix(static_cast<std::uint64_t>(set.seed)) +
-                            static_cast<std::uint64_t>(set.tool_space)) +
-                        static_cast<std::uint64_t>(kind)) +
-                    static_cast<std::uint64_t>(number))) {}
+/// The deepest that a rigid tool is pressed, m.
+double deepest(const ToolSpaceSetup& setup) {
+  return setup.policy.depth > 0 ? setup.policy.depth : half_width(setup.interaction.tool);
+}
 
-  /// In the cube of that half-width.
-  Vec3 in_cube(double half_width) {
-    Vec3 t;
-    for (double& x : t) x = half_width * (0x1p-52 * static_cast<double>(engine_() >> 11) - 1);
-    return t;
+/// Stands for a rigid tool: below zero, unlike the number of any active node.
+ToolSpaceId number_of(const RigidTool& tool) {
+  Packer packer;
+  packer.put(tool);
+  std::uint64_t number = 0;
+  for (const std::byte byte : packer.take()) {
+    number = mix(number + std::to_integer<std::uint64_t>(byte));
   }
-
- private:
-  std::mt19937_64 engine_;
-};
+  return -1 - static_cast<ToolSpaceId>(number >> 1);
+}
 
 void add_walk(const TestSet& set, int walk, int length, std::vector<TestPoint>& points) {
-  Random random(set, TestKind::walk, walk);
+  TestRandom random(set, TestKind::walk, walk);
   const double step = kWalkStep * set.half_width;
   Vec3 at = Vec3::Zero();
   Vec3 goal = random.in_cube(set.half_width);
@@ -45,7 +43,104 @@ void add_walk(const TestSet& set, int walk, int length, std::vector<TestPoint>& 
   }
 }
 
+/// Draws the places of a rigid tool, see draw_contact_points().
+class ContactDraw {
+ public:
+  ContactDraw(const ToolSpaceSetup& setup, std::int64_t seed, const SurfacePlaces& places,
+              const ToolClearance& clearance, const std::function<bool(const Vec3&)>& holds)
+      : setup_(setup),
+        set_(test_set_of(setup, seed)),
+        places_(places),
+        clearance_(clearance),
+        holds_(holds) {}
+
+  void add_presses(std::size_t num) {
+    const double depth = deepest(setup_);
+    add_straight(TestKind::uniform, num, [=](double share) { return share * depth; });
+  }
+
+  void add_slides(std::size_t num) {
+    const std::size_t wanted = points.size() + num;
+    for (int slide = 0; points.size() < wanted; ++slide) {
+      check(slide);
+      add_slide(slide, std::min<std::size_t>(kWalkLength, wanted - points.size()));
+    }
+  }
+
+  void add_first_touches(std::size_t num) {
+    const double layer = setup_.interaction.tool.law.thickness;
+    add_straight(TestKind::near_rest, num, [=](double share) { return -share * layer; });
+  }
+
+  std::vector<TestPoint> points;
+
+ private:
+  /// So many places of a kind are tried at the most.
+  static constexpr int kMostTries = 1'000'000;
+
+  void check(int tried) const {
+    if (tried < kMostTries) return;
+    throw InputError("Of " + std::to_string(kMostTries) +
+                     " places on the touchable surface fewer than were asked for are in the state "
+                     "space of " +
+                     setup_.name() + ". Ask for fewer test points, or press a larger region.");
+  }
+
+  /// Adds a point unless it is outside of the space, or no way leads there.
+  bool add(TestKind kind, int number, const SurfacePlaces::Place& place, double depth) {
+    const Vec3 q = clearance_.pressed(place.point, place.normal, depth);
+    if (!holds_(q) || !clearance_.find_start(q)) return false;
+    TestPoint& point = points.emplace_back();
+    point.kind = kind;
+    point.number = number;
+    point.t = q;
+    return true;
+  }
+
+  /// Adds points on the normals of the surface. @param depth_of Of a share in [0, 1).
+  template <class DepthOf>
+  void add_straight(TestKind kind, std::size_t num, DepthOf&& depth_of) {
+    const std::size_t wanted = points.size() + num;
+    for (int number = 0; points.size() < wanted; ++number) {
+      check(number);
+      TestRandom random(set_, kind, number);
+      const SurfacePlaces::Place place = places_.any(random);
+      add(kind, number, place, depth_of(random.unit()));
+    }
+  }
+
+  void add_slide(int slide, std::size_t length) {
+    TestRandom random(set_, TestKind::walk, slide);
+    SurfacePlaces::Place place = places_.any(random);
+    Vec3 direction = random.direction();
+    const double first = deepest(setup_) * random.unit();
+    const double last = deepest(setup_) * random.unit();
+    const double step = kSlideStep * half_width(setup_.interaction.tool);
+    for (std::size_t i = 0; i < length; ++i) {
+      const double share = static_cast<double>(i) / (kWalkLength - 1);
+      const int number = kWalkLength * slide + static_cast<int>(i);
+      if (!add(TestKind::walk, number, place, first + share * (last - first))) return;
+      direction = (direction - direction.dot(place.normal) * place.normal).normalized();
+      place = places_.beside(place, step * direction);
+    }
+  }
+
+  const ToolSpaceSetup& setup_;
+  TestSet set_;
+  const SurfacePlaces& places_;
+  const ToolClearance& clearance_;
+  const std::function<bool(const Vec3&)>& holds_;
+};
+
 }  // namespace
+
+TestSet test_set_of(const ToolSpaceSetup& setup, std::int64_t seed) {
+  const InteractionSpec& interaction = setup.interaction;
+  if (!interaction.is_contact()) {
+    return {setup.id, interaction.tip_radius, setup.grid.half_width, seed};
+  }
+  return {number_of(interaction.tool), half_width(interaction.tool), deepest(setup), seed};
+}
 
 Vec3 anchor_of(const Vec3& t, double half_width) {
   const double side = 2 * half_width / kAnchors;
@@ -69,20 +164,28 @@ std::vector<TestPoint> draw_test_points(const TestSet& set, int num) {
     point.t = t;
   };
   for (int i = 0; i < num - num_walk - num_near; ++i) {
-    add(TestKind::uniform, i, Random(set, TestKind::uniform, i).in_cube(set.half_width));
+    add(TestKind::uniform, i, TestRandom(set, TestKind::uniform, i).in_cube(set.half_width));
   }
   for (int walk = 0; kWalkLength * walk < num_walk; ++walk) {
     add_walk(set, walk, std::min(kWalkLength, num_walk - kWalkLength * walk), points);
   }
   const double near = kNearRest * set.half_width;
   for (int i = 0; i < num_near; ++i) {
-    Random random(set, TestKind::near_rest, i);
-    Vec3 t;
-    do t = random.in_cube(near);
-    while (t.norm() > near);
-    add(TestKind::near_rest, i, t);
+    add(TestKind::near_rest, i, TestRandom(set, TestKind::near_rest, i).in_ball(near));
   }
   return points;
+}
+
+std::vector<TestPoint> draw_contact_points(const ToolSpaceSetup& setup, std::int64_t seed, int num,
+                                           const SurfacePlaces& places,
+                                           const ToolClearance& clearance,
+                                           const std::function<bool(const Vec3& q)>& holds) {
+  const auto all = static_cast<std::size_t>(num);
+  ContactDraw draw(setup, seed, places, clearance, holds);
+  draw.add_presses(all - all / 5 - all / 10);
+  draw.add_slides(all / 5);
+  draw.add_first_touches(all / 10);
+  return std::move(draw.points);
 }
 
 }  // namespace palpate

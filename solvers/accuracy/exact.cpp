@@ -16,8 +16,8 @@
 #include "base/error.h"
 #include "exploration/monitor.h"
 #include "exploration/rank_files.h"
+#include "exploration/state_solver.h"
 #include "exploration/transfer.h"
-#include "interaction/interaction_spec.h"
 
 namespace palpate {
 namespace {
@@ -25,9 +25,9 @@ namespace {
 /// Points of one anchor that make a task, at the most.
 constexpr std::size_t kTaskSize = 16;
 
-TestSet set_of(const ToolSpaceSetup& setup, std::int64_t seed) {
-  return {setup.id, setup.interaction.tip_radius, setup.grid.half_width, seed};
-}
+/// Where the press and the slide lead to forces that differ by more than this share, they lead to
+/// different branches: on one, what is left of the solver's tolerance is a thousand times less.
+constexpr double kSameBranch = 1e-3;
 
 /// Points that one rank solves one after the other: a walk, or some that have an anchor in common.
 struct Task {
@@ -48,7 +48,7 @@ Task take_task(Unpacker& content) {
 /// The tasks of a tool space: of points that are not known; a walk is made whole.
 /// @param known In their order.
 std::vector<Task> make_tasks(std::int32_t tool_space, const std::vector<TestPoint>& points,
-                             const std::vector<TestPoint>& known, double half_width) {
+                             const std::vector<TestPoint>& known, const ToolSpaceSetup& setup) {
   using Key = std::array<double, 3>;
   std::map<Key, std::vector<std::int32_t>> of_anchor;
   std::map<std::int32_t, std::vector<std::int32_t>> of_walk;
@@ -61,7 +61,10 @@ std::vector<Task> make_tasks(std::int32_t tool_space, const std::vector<TestPoin
       of_walk[point.number / kWalkLength].push_back(place);
       if (!is_known) incomplete.insert(point.number / kWalkLength);
     } else if (!is_known) {
-      const Vec3 anchor = anchor_of(point.t, half_width);
+      // A rigid tool needs none.
+      const Vec3 anchor = setup.interaction.is_contact()
+                              ? Vec3::Zero().eval()
+                              : anchor_of(point.t, setup.grid.half_width);
       of_anchor[{anchor[0], anchor[1], anchor[2]}].push_back(place);
     }
   }
@@ -85,12 +88,11 @@ class Solver final : public Worker {
   /// @param points Of all tool spaces. @param num_known Of all points.
   Solver(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
          const std::vector<std::vector<TestPoint>>& points, std::int64_t num_known,
-         EquilibriumSolver& solver, Monitor& monitor, Keep keep)
+         StateSolver& states, Monitor& monitor, Keep keep)
       : setups_(setups),
         points_(points),
         num_known_(num_known),
-        tools_(scene),
-        solver_(solver),
+        states_(states),
         monitor_(monitor),
         keep_(std::move(keep)) {
     const Surface surface = make_surface(scene.mesh);
@@ -116,45 +118,9 @@ class Solver final : public Worker {
     tell(mail);
     const Task task = tasks.front();
     tasks.pop_front();
-    const ToolSpaceSetup& setup = setups_[static_cast<std::size_t>(task.tool_space)];
-    if (held_ != task.tool_space) {
-      solver_.set_interaction(*tools_.make(setup.interaction));
-      rest_ = solver_.rest();
-      if (rest_.outcome != Outcome::converged) throw InputError(rest_.message);
-      held_ = task.tool_space;
-    }
-    const auto point_at = [&](std::int32_t i) {
-      return points_[static_cast<std::size_t>(task.tool_space)][static_cast<std::size_t>(i)];
-    };
-    const bool walks = point_at(task.points.front()).kind == TestKind::walk;
-    Equilibrium start = rest_;
-    if (!walks) {
-      const Vec3 anchor = anchor_of(point_at(task.points.front()).t, setup.grid.half_width);
-      if (!anchor.isZero()) start = solver_.solve(anchor, rest_);
-      if (start.outcome == Outcome::aborted) return mail.stop();
-      if (!is_regular(start)) start = rest_;
-    }
-    // What led a walk across a fold once is marked from there on.
-    Flags on_the_way = 0;
-    for (const std::int32_t i : task.points) {
-      TestPoint point = point_at(i);
-      Equilibrium found = solver_.solve(point.t, start, Tangent::iterated);
-      if (!walks && !is_regular(found) && found.outcome != Outcome::aborted) {
-        const double seconds = found.seconds;
-        found = solver_.solve(point.t, rest_, Tangent::iterated);
-        found.seconds += seconds;
-      }
-      if (found.outcome == Outcome::aborted) return mail.stop();
-      take(found, point);
-      if (walks && found.outcome == Outcome::converged) {
-        on_the_way |= found.flags & flags::near_fold;
-        point.flags |= on_the_way;
-        start = std::move(found);
-      }
-      keep_(task.tool_space, point);
-      ++num_solved;
-      tell(mail);
-    }
+    const bool is_solved =
+        setup_of(task).interaction.is_contact() ? press(task, mail) : move(task, mail);
+    if (!is_solved) mail.stop();
   }
 
   [[nodiscard]] Bytes give() override {
@@ -173,6 +139,85 @@ class Solver final : public Worker {
   void discard() override { tasks.clear(); }
 
  private:
+  [[nodiscard]] const ToolSpaceSetup& setup_of(const Task& task) const {
+    return setups_[static_cast<std::size_t>(task.tool_space)];
+  }
+  [[nodiscard]] TestPoint point_of(const Task& task, std::int32_t place) const {
+    return points_[static_cast<std::size_t>(task.tool_space)][static_cast<std::size_t>(place)];
+  }
+
+  /// Solves a task of an active node. @returns false where that was aborted.
+  bool move(const Task& task, Mail& mail) {
+    const ToolSpaceSetup& setup = setup_of(task);
+    if (held_ != task.tool_space) {
+      rest_ = states_.begin(setup, Vec3::Zero(), Tangent::factorised);
+      held_ = task.tool_space;
+    }
+    const TestPoint first = point_of(task, task.points.front());
+    const bool walks = first.kind == TestKind::walk;
+    Equilibrium start = rest_;
+    if (!walks) {
+      const Vec3 anchor = anchor_of(first.t, setup.grid.half_width);
+      if (!anchor.isZero()) start = states_.solve(setup, anchor, rest_, Tangent::factorised);
+      if (start.outcome == Outcome::aborted) return false;
+      if (!is_regular(start)) start = rest_;
+    }
+    // What led a walk across a fold once is marked from there on.
+    Flags on_the_way = 0;
+    for (const std::int32_t i : task.points) {
+      TestPoint point = point_of(task, i);
+      Equilibrium found = states_.solve(setup, point.t, start, Tangent::iterated);
+      if (!walks && !is_regular(found) && found.outcome != Outcome::aborted) {
+        const double seconds = found.seconds;
+        found = states_.solve(setup, point.t, rest_, Tangent::iterated);
+        found.seconds += seconds;
+      }
+      if (found.outcome == Outcome::aborted) return false;
+      take(found, point);
+      if (walks && found.outcome == Outcome::converged) {
+        on_the_way |= found.flags & flags::near_fold;
+        point.flags |= on_the_way;
+        start = std::move(found);
+      }
+      keep(task, point, mail);
+    }
+    return true;
+  }
+
+  /// Solves a task of a rigid tool. @returns false where that was aborted.
+  bool press(const Task& task, Mail& mail) {
+    const ToolSpaceSetup& setup = setup_of(task);
+    std::optional<Equilibrium> before;
+    for (const std::int32_t i : task.points) {
+      TestPoint point = point_of(task, i);
+      Equilibrium found = states_.begin(setup, point.t, Tangent::iterated);
+      if (before && found.outcome != Outcome::aborted) {
+        Equilibrium slid = states_.solve(setup, point.t, *before, Tangent::iterated);
+        if (!is_same_branch(slid, found)) slid.flags |= flags::near_fold;
+        slid.seconds += found.seconds;
+        found = std::move(slid);
+      }
+      if (found.outcome == Outcome::aborted) return false;
+      take(found, point);
+      keep(task, point, mail);
+      if (point.kind == TestKind::walk && found.outcome == Outcome::converged) {
+        before = std::move(found);
+      }
+    }
+    return true;
+  }
+
+  [[nodiscard]] static bool is_same_branch(const Equilibrium& slid, const Equilibrium& pressed) {
+    return pressed.outcome == Outcome::converged &&
+           (slid.reaction - pressed.reaction).norm() <= kSameBranch * pressed.reaction.norm();
+  }
+
+  void keep(const Task& task, const TestPoint& point, Mail& mail) {
+    keep_(task.tool_space, point);
+    ++num_solved;
+    tell(mail);
+  }
+
   [[nodiscard]] static bool is_regular(const Equilibrium& found) {
     TestPoint point;
     point.outcome = found.outcome;
@@ -205,8 +250,7 @@ class Solver final : public Worker {
   const std::vector<std::vector<TestPoint>>& points_;
   const std::int64_t num_known_;
   std::int64_t num_all_ = 0;
-  InteractionFactory tools_;
-  EquilibriumSolver& solver_;
+  StateSolver& states_;
   Monitor& monitor_;
   Keep keep_;
   /// Points of the mesh.
@@ -214,6 +258,24 @@ class Solver final : public Worker {
   std::int32_t held_ = -1;
   Equilibrium rest_;
 };
+
+/// The points of each tool space, not solved.
+std::vector<std::vector<TestPoint>> draw(const Scene& scene,
+                                         const std::vector<ToolSpaceSetup>& setups,
+                                         const ExactOptions& options, InteractionFactory& tools) {
+  std::vector<std::vector<TestPoint>> points;
+  for (const ToolSpaceSetup& setup : setups) {
+    if (setup.interaction.is_contact()) {
+      const auto holds = options.holds ? options.holds : [](const Vec3&) { return true; };
+      points.push_back(draw_contact_points(setup, options.seed, options.test_points,
+                                           SurfacePlaces(scene),
+                                           *tools.clearance(setup.interaction), holds));
+    } else {
+      points.push_back(draw_test_points(test_set_of(setup, options.seed), options.test_points));
+    }
+  }
+  return points;
+}
 
 /// In the file of this rank, or in memory.
 class TestRecord {
@@ -232,7 +294,7 @@ class TestRecord {
     agree(communicator_, [&] {
       if (communicator_.rank() != 0 || !files_) return;
       for (std::size_t s = 0; s < setups_.size(); ++s) {
-        all[s] = files_->own().read_test_points(set_of(setups_[s], seed_));
+        all[s] = files_->own().read_test_points(test_set_of(setups_[s], seed_));
       }
     });
     return all;
@@ -240,7 +302,7 @@ class TestRecord {
 
   void keep(std::int32_t tool_space, const TestPoint& point) {
     if (files_) {
-      files_->own().add(set_of(setups_[static_cast<std::size_t>(tool_space)], seed_), point);
+      files_->own().add(test_set_of(setups_[static_cast<std::size_t>(tool_space)], seed_), point);
     } else {
       found_.emplace_back(tool_space, point);
     }
@@ -290,6 +352,8 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
                               const Progress& progress) {
   Monitor monitor(progress, communicator.network());
   std::unique_ptr<EquilibriumSolver> solver;
+  InteractionFactory tools(scene);
+  Packer drawn;
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
     validate(options);
@@ -298,30 +362,29 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
     of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
     solver = std::make_unique<EquilibriumSolver>(scene, of_solver);
-    InteractionFactory tools(scene);
     for (const ToolSpaceSetup& setup : setups) (void)tools.make(setup.interaction);
+    if (communicator.rank() == 0) drawn.put(draw(scene, setups, options, tools));
   });
+  const std::vector<Bytes> all_drawn = communicator.all_gather(drawn.take());
+  const auto points = Unpacker(all_drawn.front()).take<std::vector<std::vector<TestPoint>>>();
   TestRecord record(scene, setups, options, communicator);
 
   ExactResult result;
-  std::vector<std::vector<TestPoint>> points;
-  for (const ToolSpaceSetup& setup : setups) {
-    points.push_back(draw_test_points(set_of(setup, options.seed), options.test_points));
-  }
   Packer to_solve;
   const std::vector<std::vector<TestPoint>> found_before = record.known();
   for (std::size_t s = 0; s < found_before.size(); ++s) {
     if (communicator.rank() != 0) continue;
     result.num_reused += static_cast<std::int64_t>(points[s].size());
-    for (const Task& task : make_tasks(static_cast<std::int32_t>(s), points[s], found_before[s],
-                                       setups[s].grid.half_width)) {
+    for (const Task& task :
+         make_tasks(static_cast<std::int32_t>(s), points[s], found_before[s], setups[s])) {
       put(task, to_solve);
       result.num_reused -= static_cast<std::int64_t>(task.points.size());
     }
   }
   const std::vector<Bytes> tasks = communicator.all_gather(to_solve.take());
+  InteractionSolver states(*solver, tools);
   Solver worker(
-      scene, setups, points, result.num_reused, *solver, monitor,
+      scene, setups, points, result.num_reused, states, monitor,
       [&](std::int32_t tool_space, const TestPoint& point) { record.keep(tool_space, point); });
   int next = 0;
   for (Unpacker content(tasks.front()); !content.at_end(); ++next) {

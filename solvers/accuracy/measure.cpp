@@ -6,13 +6,16 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <random>
+#include <utility>
 
 #include "accuracy/coarsen.h"
 #include "accuracy/draw.h"
 #include "accuracy/statistics.h"
 #include "equilibrium/work.h"
+#include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/solution_branches.h"
 
@@ -43,6 +46,11 @@ class Subject {
     if (!here.field) here.field = std::make_unique<DisplayField>(space_on(branch));
     return *here.field;
   }
+  /// Of a rigid tool, which has one branch.
+  [[nodiscard]] const BodyField& body_field() {
+    if (!body_field_) body_field_ = std::make_unique<BodyField>(tool_space_);
+    return *body_field_;
+  }
 
  private:
   /// What is made of a branch.
@@ -70,6 +78,7 @@ class Subject {
   const Variant& variant_;
   SolutionBranches branches_;
   std::vector<Part> parts_;
+  std::unique_ptr<BodyField> body_field_;
 };
 
 double largest_stiffness(const TouchToolSpace& tool_space) {
@@ -90,25 +99,80 @@ PointClass class_of(const TestPoint& point, Support support) {
   }
 }
 
-/// Largest error of the displacement at the sample points.
-double displacement_error(const TouchSpace& space, const std::vector<Index>& samples,
-                          const DisplayField& field, const TestPoint& point) {
-  Eigen::VectorXf c(field.num_modes());
-  field.coefficients(point.t, c.data());
-  double largest = 0;
-  for (std::size_t s = 0; s < samples.size(); ++s) {
-    const Eigen::Vector3f u = space.modes.middleRows<3>(3 * Eigen::Index{samples[s]}) * c -
-                              point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s));
-    largest = std::max(largest, static_cast<double>(u.norm()));
+/// What is shown of the body, beside what it does.
+class Shown {
+ public:
+  /// @param points The test points; of a rigid tool their displacements tell how large one is.
+  Shown(const TouchSpace& space, const TouchToolSpace& tool_space, FieldCache* fields,
+        const std::vector<TestPoint>& points)
+      : space_(space),
+        is_contact_(tool_space.setup.interaction.is_contact()),
+        fields_(fields),
+        samples_(sample_points(space.surface)),
+        largest_(space.largest_displacement) {
+    if (!is_contact_) return;
+    for (const TestPoint& point : points) {
+      for (Eigen::Index s = 0; s + 2 < point.displacement.size(); s += 3) {
+        largest_ = std::max(largest_, static_cast<double>(point.displacement.segment<3>(s).norm()));
+      }
+    }
   }
-  return space.largest_displacement > 0 ? largest / space.largest_displacement : largest;
-}
+
+  /// Adds the largest error of the displacement at the sample points, where there is one.
+  void add_error(Subject& subject, int branch, const TestPoint& point,
+                 std::vector<double>& errors) {
+    const auto size = 3 * static_cast<Eigen::Index>(samples_.size());
+    if (point.displacement.size() != size || !evaluate(subject, branch, point.t)) return;
+    double largest = 0;
+    for (Eigen::Index s = 0; s < size; s += 3) {
+      const Eigen::Vector3f error = u_.segment<3>(s) - point.displacement.segment<3>(s);
+      largest = std::max(largest, static_cast<double>(error.norm()));
+    }
+    errors.push_back(largest_ > 0 ? largest / largest_ : largest);
+  }
+
+ private:
+  /// @returns whether there is something to show it by.
+  bool evaluate(Subject& subject, int branch, const Vec3& t) {
+    u_.resize(3 * static_cast<Eigen::Index>(samples_.size()));
+    if (!is_contact_) {
+      const DisplayField& field = subject.field_on(branch);
+      Eigen::VectorXf c(field.num_modes());
+      field.coefficients(t, c.data());
+      for (std::size_t s = 0; s < samples_.size(); ++s) {
+        u_.segment<3>(3 * static_cast<Eigen::Index>(s)) =
+            space_.modes.middleRows<3>(3 * Eigen::Index{samples_[s]}) * c;
+      }
+      return true;
+    }
+    if (fields_ == nullptr) return false;
+    NodalVector u;
+    NodalVector p;
+    (void)subject.body_field().evaluate(t, *fields_, u, p);
+    if (u.size() == 0) return false;
+    for (std::size_t s = 0; s < samples_.size(); ++s) {
+      const Eigen::Index point = space_.surface.mesh_points[samples_[s]];
+      u_.segment<3>(3 * static_cast<Eigen::Index>(s)) = u.segment<3>(3 * point).cast<float>();
+    }
+    return true;
+  }
+
+  const TouchSpace& space_;
+  bool is_contact_;
+  FieldCache* fields_;
+  std::vector<Index> samples_;
+  double largest_;
+  /// What is shown at the sample points.
+  Eigen::VectorXf u_;
+};
 
 void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, Subject& subject,
-                    const std::vector<TestPoint>& points, std::vector<PointError>& errors,
-                    Measurement& result) {
+                    const std::vector<TestPoint>& points, FieldCache* fields,
+                    std::vector<PointError>& errors, Measurement& result) {
   const double floor = kErrorFloor * largest_force(tool_space.configurations);
-  const std::vector<Index> samples = sample_points(space.surface);
+  const double stiffness_floor = kErrorFloor * largest_stiffness(tool_space);
+  const bool is_contact = tool_space.setup.interaction.is_contact();
+  Shown shown(space, tool_space, fields, points);
   int branch = 0;
   Vec3 at = Vec3::Zero();
   for (const TestPoint& point : points) {
@@ -139,13 +203,14 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
     if (error.point_class == PointClass::marked) result.marked.push_back(error.error);
     if (error.point_class == PointClass::extrapolated) result.extrapolated.push_back(error.error);
     if (error.point_class != PointClass::inside) continue;
-    result.relative.push_back(error.error);
     result.absolute.push_back(absolute);
-    result.stiffness.push_back((touch.stiffness - point.stiffness).norm() / point.stiffness.norm());
-    if (point.displacement.size() == 3 * static_cast<Eigen::Index>(samples.size())) {
-      result.displacement.push_back(
-          displacement_error(space, samples, subject.field_on(branch), point));
-    }
+    result.largest_force = std::max(result.largest_force, point.force.norm());
+    shown.add_error(subject, branch, point, result.displacement);
+    if (is_contact && point.kind == TestKind::near_rest) continue;
+    result.relative.push_back(error.error);
+    result.stiffness.push_back(
+        (touch.stiffness - point.stiffness).norm() /
+        std::max({point.stiffness.norm(), stiffness_floor, std::numeric_limits<double>::min()}));
   }
 }
 
@@ -169,6 +234,10 @@ struct Gauss {
   }
 };
 
+bool is_beyond(const TouchResult& touch) {
+  return touch.support == Support::extrapolated || touch.support == Support::none;
+}
+
 /// ∫ h·dt along a straight way, cell by cell.
 /// @param peak The largest energy on it, J, is kept. @returns NaN where a part of it is
 /// extrapolated.
@@ -180,7 +249,7 @@ double work_along(const Interpolator& interpolator, const Grid& grid, const Vec3
   for (int k = 0; k < 3; ++k) {
     if (way[k] == 0) continue;
     for (std::int32_t i = -grid.reach(); i <= grid.reach(); ++i) {
-      const double s = (i * grid.spacing() - from[k]) / way[k];
+      const double s = (i * grid.spacing() - (from[k] - grid.origin[k])) / way[k];
       if (s > 0 && s < 1) cuts.push_back(s);
     }
   }
@@ -192,7 +261,7 @@ double work_along(const Interpolator& interpolator, const Grid& grid, const Vec3
       const auto p = static_cast<std::size_t>(q);
       const TouchResult touch =
           interpolator.evaluate(from + (cuts[i - 1] + length * gauss.x[p]) * way);
-      if (touch.support == Support::extrapolated || touch.support == Support::none) {
+      if (is_beyond(touch)) {
         return std::numeric_limits<double>::quiet_NaN();
       }
       work += length * gauss.weight[p] * touch.force.dot(way);
@@ -202,26 +271,90 @@ double work_along(const Interpolator& interpolator, const Grid& grid, const Vec3
   return work;
 }
 
-/// Evenly in the box, the same for every method.
+/// Evenly in the box, or in the cells of a sparse grid; the same for every method.
 class Places {
  public:
-  explicit Places(double half_width) : uniform_(-half_width, half_width) {}
+  explicit Places(const TouchToolSpace& tool_space)
+      : grid_(tool_space.setup.grid), uniform_(-grid_.half_width, grid_.half_width) {
+    if (!grid_.sparse) return;
+    const CellTree tree(grid_, tool_space.configurations);
+    for (const CellTree::Leaf& leaf : tree.leaves()) cells_.push_back(leaf.cell);
+  }
+
   Vec3 operator()() {
+    if (grid_.sparse) return in(any_cell());
     const double x = uniform_(random_);
     const double y = uniform_(random_);
     return {x, y, uniform_(random_)};
   }
-  std::mt19937_64& random() { return random_; }
+
+  /// A point of a side between cells.
+  Vec3 on_side(int axis) {
+    const std::int32_t reach = grid_.reach();
+    if (grid_.sparse) {
+      const Cell& cell = any_cell();
+      Vec3 t = in(cell);
+      t[axis] = grid_.place(cell.first)[axis];
+      return t;
+    }
+    Vec3 t = (*this)();
+    t[axis] = grid_.spacing() *
+              std::uniform_int_distribution<std::int32_t>(1 - reach, reach - 1)(random_);
+    return t;
+  }
+
+  int any_axis() { return std::uniform_int_distribution<int>(0, 2)(random_); }
 
  private:
+  const Cell& any_cell() {
+    return cells_[std::uniform_int_distribution<std::size_t>(0, cells_.size() - 1)(random_)];
+  }
+  Vec3 in(const Cell& cell) {
+    const double side = cell.side * grid_.spacing();
+    Vec3 t = grid_.place(cell.first);
+    for (double& x : t) x += side * std::uniform_real_distribution<double>(0, 1)(random_);
+    return t;
+  }
+
+  Grid grid_;
   std::mt19937_64 random_{2008};
   std::uniform_real_distribution<double> uniform_;
+  /// Of a sparse grid.
+  std::vector<Cell> cells_;
 };
 
-void measure_loops(const Interpolator& interpolator, const Grid& grid, Measurement& result) {
-  Places place(grid.half_width);
-  for (int loop = 0; loop < kLoops; ++loop) {
-    const std::array<Vec3, 4> corners{place(), place(), place(), place()};
+/// A closed path by its corners.
+using Loop = std::vector<Vec3>;
+
+/// Quadrilaterals in the box.
+std::vector<Loop> loops_in_box(Places place) {
+  std::vector<Loop> loops;
+  for (int i = 0; i < kLoops; ++i) loops.push_back({place(), place(), place(), place()});
+  return loops;
+}
+
+/// Each slide of a rigid tool, and back with the tool lifted off by the side of a coarsest cell.
+std::vector<Loop> loops_over_surface(const Grid& grid, const std::vector<TestPoint>& points) {
+  const double lift = grid.coarsest * grid.spacing();
+  std::map<std::int32_t, std::pair<Loop, Loop>> slides;
+  for (const TestPoint& point : points) {
+    if (point.kind != TestKind::walk || !point.regular() || point.force.isZero(0)) continue;
+    auto& [there, back] = slides[point.number / kWalkLength];
+    there.push_back(point.t);
+    back.push_back(point.t - lift * point.force.normalized());
+  }
+  std::vector<Loop> loops;
+  for (auto& [number, slide] : slides) {
+    auto& [there, back] = slide;
+    there.insert(there.end(), back.rbegin(), back.rend());
+    loops.push_back(std::move(there));
+  }
+  return loops;
+}
+
+void measure_loops(const Interpolator& interpolator, const Grid& grid,
+                   const std::vector<Loop>& loops, Measurement& result) {
+  for (const Loop& corners : loops) {
     double peak = 0;
     double work = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -231,34 +364,29 @@ void measure_loops(const Interpolator& interpolator, const Grid& grid, Measureme
   }
 }
 
-void measure_jumps(const Interpolator& interpolator, const TouchToolSpace& tool_space,
+void measure_jumps(const Interpolator& interpolator, const TouchToolSpace& tool_space, Places place,
                    Measurement& result) {
-  const std::int32_t reach = tool_space.setup.grid.reach();
-  if (reach < 1) return;
+  const Grid& grid = tool_space.setup.grid;
+  if (grid.reach() < 1) return;
   const double force = largest_force(tool_space.configurations);
   const double stiffness = largest_stiffness(tool_space);
   if (!(force > 0 && stiffness > 0)) return;
-  Places place(tool_space.setup.grid.half_width);
-  std::uniform_int_distribution<std::int32_t> any_plane(1 - reach, reach - 1);
-  std::uniform_int_distribution<int> any_axis(0, 2);
-  const double apart =
-      4 * std::numeric_limits<double>::epsilon() * tool_space.setup.grid.half_width;
   for (int i = 0; i < kFacePoints; ++i) {
-    const int axis = any_axis(place.random());
-    Vec3 t = place();
-    t[axis] = tool_space.setup.grid.spacing() * any_plane(place.random());
+    const int axis = place.any_axis();
+    const Vec3 t = place.on_side(axis);
+    const double apart = 4 * std::numeric_limits<double>::epsilon() *
+                         std::max(grid.half_width, t.lpNorm<Eigen::Infinity>());
     const Vec3 step = apart * Vec3::Unit(axis);
     const TouchResult a = interpolator.evaluate(t - step);
     const TouchResult b = interpolator.evaluate(t + step);
+    if (grid.sparse && (is_beyond(a) || is_beyond(b))) continue;
     result.force_jump.push_back((b.force - a.force).norm() / force);
     result.stiffness_jump.push_back((b.stiffness - a.stiffness).norm() / stiffness);
   }
 }
 
-/// Calls that jump about in the box, each timed by itself; what reading the clock takes is taken
-/// off.
-void measure_time(const Interpolator& interpolator, const Grid& grid, Measurement& result) {
-  Places place(grid.half_width);
+/// Calls that jump about, each timed by itself; what reading the clock takes is taken off.
+void measure_time(const Interpolator& interpolator, Places place, Measurement& result) {
   std::vector<Vec3> places(kTimedCalls);
   for (Vec3& t : places) t = place();
   const auto nanoseconds = [](Clock::time_point a, Clock::time_point b) {
@@ -297,10 +425,12 @@ Measurement& Measurement::operator+=(const Measurement& other) {
   setup_seconds += other.setup_seconds;
   bytes += other.bytes;
   resolution = std::max(resolution, other.resolution);
+  spacing = std::max(spacing, other.spacing);
   tool_spaces += other.tool_spaces;
   for (std::size_t i = 0; i < points.size(); ++i) points[i] += other.points[i];
   append(relative, other.relative);
   append(absolute, other.absolute);
+  largest_force = std::max(largest_force, other.largest_force);
   append(stiffness, other.stiffness);
   append(displacement, other.displacement);
   append(marked, other.marked);
@@ -333,7 +463,9 @@ std::vector<Variant> variants(const TouchToolSpace& tool_space,
   });
   std::vector<Variant> result;
   for (const Method method : methods.empty() ? all_methods() : methods) {
-    for (const std::int32_t factor : coarsening_factors(tool_space.setup.grid)) {
+    if (tool_space.setup.grid.sparse && !serves_sparse_grids(method)) continue;
+    for (const std::int32_t factor :
+         coarsening_factors(tool_space.setup.grid, smallest_side(tool_space))) {
       if (method == Method::tricubic && tool_space.setup.grid.coarsest > factor) continue;
       // The stiffness at rest is the same on every grid.
       if (method == Method::linear && (factor != 1 || !has_rest)) continue;
@@ -361,11 +493,15 @@ std::vector<Variant> variants(const TouchToolSpace& tool_space,
 }
 
 Measurement measure(const TouchSpace& space, const TouchToolSpace& whole, const Variant& variant,
-                    const std::vector<TestPoint>& points, std::vector<PointError>& errors) {
+                    const std::vector<TestPoint>& points, std::vector<PointError>& errors,
+                    FieldCache* fields) {
   const TouchToolSpace tool_space = coarsened(whole, variant.factor);
   Measurement result;
   result.tool_spaces = 1;
-  result.resolution = tool_space.setup.grid.resolution;
+  const Grid& grid = tool_space.setup.grid;
+  const std::int32_t side = smallest_side(tool_space);
+  result.resolution = 2 * (grid.reach() / side) + 1;
+  result.spacing = side * grid.spacing();
   const auto start = Clock::now();
   Subject subject(tool_space, variant);
   result.setup_seconds = seconds_since(start);
@@ -383,10 +519,12 @@ Measurement measure(const TouchSpace& space, const TouchToolSpace& whole, const 
       result.precompute_seconds += s.seconds;
     }
   }
-  measure_errors(space, tool_space, subject, points, errors, result);
-  measure_loops(interpolator, tool_space.setup.grid, result);
-  measure_jumps(interpolator, tool_space, result);
-  measure_time(interpolator, tool_space.setup.grid, result);
+  measure_errors(space, tool_space, subject, points, fields, errors, result);
+  const Places places(tool_space);
+  measure_loops(interpolator, grid,
+                grid.sparse ? loops_over_surface(grid, points) : loops_in_box(places), result);
+  measure_jumps(interpolator, tool_space, places, result);
+  measure_time(interpolator, places, result);
   return result;
 }
 

@@ -5,6 +5,13 @@
 // The floor f is a thousandth of the largest force of the tool space within its limit: without it,
 // tiny errors near rest would count as large ones.
 //
+// Where a rigid tool begins to touch, the force falls to zero and its error does not: relative
+// errors there have a figure of their own.
+//
+// The cells of a rigid tool's space do not fill a box. A closed path is a slide of the test points,
+// and back with the tool lifted; faces and places to time are those of the cells. A path or face
+// counts where nothing is extrapolated.
+//
 // [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
 // Approximation, EuroHaptics 2008.
 #pragma once
@@ -13,6 +20,7 @@
 #include <vector>
 
 #include "interpolation/interpolator.h"
+#include "state_space/field_cache.h"
 #include "state_space/test_point.h"
 #include "state_space/touch_space.h"
 
@@ -34,7 +42,7 @@ struct Variant {
 /// The name of a variant, such as 'RBF cubic, no intermediate states'.
 [[nodiscard]] std::string to_string(const Variant& variant);
 
-/// All variants that serve a tool space.
+/// All variants that serve a tool space; none, where none of the methods does.
 /// @param methods The methods they are of; empty: all.
 [[nodiscard]] std::vector<Variant> variants(const TouchToolSpace& tool_space,
                                             const std::vector<Method>& methods);
@@ -62,20 +70,29 @@ struct Measurement {
   /// The time to make what is evaluated, s, and its memory, bytes.
   double setup_seconds = 0;
   double bytes = 0;
+  /// Check-points along an axis, and their distance, m, as if all cells were as the smallest.
   std::int32_t resolution = 0;
+  double spacing = 0;
   int tool_spaces = 0;
 
   /// The number of test points of each class, by the number of the class.
   std::vector<int> points = std::vector<int>(5, 0);
-  /// Errors of the force at the points that count, relative and absolute, N.
+  /// Errors of the force at the points that count, relative and absolute, N; the relative ones are
+  /// without those where a rigid tool begins to touch.
   std::vector<double> relative;
   std::vector<double> absolute;
-  /// Errors of the stiffness there, |k − k*| / |k*|.
+  /// The largest exact force at these, N.
+  double largest_force = 0;
+  /// Errors of the stiffness where `relative` is, |k − k*| / |k*|, with a floor as that of the
+  /// force.
   std::vector<double> stiffness;
   /// The largest error of the displacement at any of sample_points(), as a share of the largest
-  /// displacement in the space. The display field makes it, so that it is the same for all methods.
+  /// displacement in the space; of a rigid tool, of the largest at a test point. It is that of what
+  /// is shown, by the modes or, of a rigid tool, from the fields in the file of the space, so that
+  /// it is the same for all methods. None where a rigid tool's space has no file.
   std::vector<double> displacement;
-  /// Relative errors of the force in marked regions, and at points near rest.
+  /// Relative errors of the force in marked regions, and at points near rest or where a rigid tool
+  /// begins to touch.
   std::vector<double> marked;
   std::vector<double> near_rest;
   /// Relative errors at points that are regular, but beyond the configurations.
@@ -104,8 +121,10 @@ struct PointError {
 /// @param whole The tool space before it is coarsened.
 /// @param points Test points of the tool space, solved.
 /// @param errors Is set to the error at each of them [points.size()].
+/// @param fields Of the file of the space; null: there is none.
+/// @throws InputError, BackendError as FieldCache::get.
 [[nodiscard]] Measurement measure(const TouchSpace& space, const TouchToolSpace& whole,
                                   const Variant& variant, const std::vector<TestPoint>& points,
-                                  std::vector<PointError>& errors);
+                                  std::vector<PointError>& errors, FieldCache* fields = nullptr);
 
 }  // namespace palpate

@@ -86,8 +86,25 @@ ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
   return deepest;
 }
 
+Vec3 ToolClearance::pressed(const Vec3& point, const Vec3& normal, double depth) const {
+  const auto reach = [&](const RigidShape::Ball& ball) {
+    return ball.radius - ball.centre.dot(normal);
+  };
+  const auto deepest = std::max_element(
+      balls_.begin(), balls_.end(),
+      [&](const RigidShape::Ball& a, const RigidShape::Ball& b) { return reach(a) < reach(b); });
+  return point + (deepest->radius - depth) * normal - deepest->centre;
+}
+
 Vec3 ToolClearance::start_for(const Vec3& q) const {
   if (!q.allFinite()) throw InputError("The place of the tool is not finite.");
+  if (const std::optional<Vec3> start = find_start(q)) return *start;
+  throw InputError("No way leads from outside of the body along its normal to " + describe(q) +
+                   ". Choose another place for the tool.");
+}
+
+std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
+  if (!q.allFinite()) return {};
   if (clearance(q) > 0) return q;
   const Vec3 out = approach(q).out;
   const double longest = body_.bounds().diagonal().norm() + 2 * shape_->bounding_radius();
@@ -95,8 +112,7 @@ Vec3 ToolClearance::start_for(const Vec3& q) const {
     const Vec3 start = q + way * out;
     if (clearance(start) > 0) return start;
   }
-  throw InputError("No way leads from outside of the body along its normal to " + describe(q) +
-                   ". Choose another place for the tool.");
+  return {};
 }
 
 Eigen::AlignedBox3d ToolClearance::bounds() const {

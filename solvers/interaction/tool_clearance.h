@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "assembly/scene.h"
@@ -34,12 +35,18 @@ class ToolClearance {
     std::array<Index, 3> around{};
   };
   [[nodiscard]] Approach approach(const Vec3& q) const;
+  /// The place of the tool at which it is so deep in a surface that is flat around a point of it,
+  /// m: what approach() says, but where the body is curved.
+  /// @param normal Of the surface, outward, of unit length. @param depth m; negative: clear of it.
+  [[nodiscard]] Vec3 pressed(const Vec3& point, const Vec3& normal, double depth) const;
 
   /// The nearest place on the way out from which the tool comes to q, and where it does not touch
   /// the body at rest yet, m. It is q itself where the tool does not touch there.
   /// @throws InputError there is none: the place is not finite, or that way leads through another
   ///   part of the body.
   [[nodiscard]] Vec3 start_for(const Vec3& q) const;
+  /// The same, and nothing where there is none.
+  [[nodiscard]] std::optional<Vec3> find_start(const Vec3& q) const;
 
   /// The box in which the tool touches the body at rest, m.
   [[nodiscard]] Eigen::AlignedBox3d bounds() const;

@@ -108,8 +108,7 @@ TouchResult Interpolator::evaluate(const Vec3& t) const noexcept {
 
 std::unique_ptr<Interpolator> make_interpolator(Method method, const TouchToolSpace& tool_space,
                                                 const InterpolationOptions& options) {
-  if (tool_space.setup.grid.sparse && method != Method::energy_hermite &&
-      method != Method::trilinear) {
+  if (tool_space.setup.grid.sparse && !serves_sparse_grids(method)) {
     throw InputError("The cells of the tool space at " + tool_space.setup.name() +
                      " do not fill a box, which '" + to_string(method) +
                      "' takes for granted. Choose 'Energy Hermite' or 'Trilinear'.");

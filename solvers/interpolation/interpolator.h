@@ -56,6 +56,11 @@ enum class Method : int {
 /// 'Trilinear', 'Tricubic', 'RBF linear', 'RBF cubic', 'Energy Hermite', 'Linear'.
 [[nodiscard]] std::string to_string(Method method);
 
+/// Whether a method needs no box that is full of check-points, and so serves a sparse grid.
+[[nodiscard]] constexpr bool serves_sparse_grids(Method method) {
+  return method == Method::energy_hermite || method == Method::trilinear;
+}
+
 struct InterpolationOptions {
   /// RBF: with a linear polynomial besides the radial functions.
   bool linear_polynomial = true;

@@ -17,21 +17,24 @@ namespace palpate {
 
 /// How a place was chosen. The numbers are stored: keep them.
 enum class TestKind : std::int32_t {
-  /// It is anywhere in the box of check-points, all places alike.
+  /// It is anywhere in the box of check-points, all places alike; a rigid tool is pressed in
+  /// anywhere along the normal.
   uniform = 0,
-  /// It is a step of a walk from one place to the next, which began at rest [P08].
+  /// It is a step of a walk from one place to the next, which began at rest [P08]; a rigid tool
+  /// slides from a press.
   walk = 1,
-  /// It is within a hundredth of the half-width from rest.
+  /// It is within a hundredth of the half-width from rest; a rigid tool begins to touch.
   near_rest = 2,
 };
 
 /// What tells sets of test points apart: the tool space, its tip and box, and the seed of the
 /// random numbers.
 struct TestSet {
+  /// Of a rigid tool a number below zero that stands for the tool.
   ToolSpaceId tool_space = 0;
-  /// m
+  /// Of a rigid tool half of its width, m.
   double tip_radius = 0;
-  /// m
+  /// Of a rigid tool the largest depth, m.
   double half_width = 0;
   std::int64_t seed = 1;
 };
@@ -49,7 +52,7 @@ struct TestPoint {
   Mat3 stiffness = Mat3::Zero();
   Outcome outcome = Outcome::not_converged;
   Flags flags = 0;
-  /// Time it took, s, without that of its anchor.
+  /// Time it took, s, without that of its anchor; on a slide, with that of the press beside it.
   double seconds = 0;
   /// Displacement at sample_points() [3 × their number], m; empty where it did not converge.
   Eigen::VectorXf displacement;

@@ -35,6 +35,7 @@
 #include <string>
 #include <vector>
 
+#include "accuracy/surface_places.h"
 #include "base/error.h"
 #include "equilibrium/condensed_system.h"
 #include "exploration/precompute.h"
@@ -42,7 +43,6 @@
 #include "interpolation/error_estimate.h"
 #include "interpolation/interpolator.h"
 #include "interpolation/passivity_figures.h"
-#include "mesh/surface_tree.h"
 #include "schedule/mpi_communicator.h"
 #include "state_space/state_space_file.h"
 
@@ -90,62 +90,6 @@ template <>
 struct IsPlain<Test> : std::true_type {};
 
 namespace {
-
-/// Places of the touchable surface at random, all alike by area, with the tool at a depth.
-class Places {
- public:
-  Places(const Scene& scene, double radius, double depth)
-      : triangles_(boundary_triangles(scene.mesh)),
-        points_(scene.mesh.points),
-        tree_(points_, triangles_),
-        radius_(radius),
-        depth_(depth) {
-    for (const auto& [a, b, c] : triangles_) {
-      const bool may =
-          scene.touchable[a] != 0 && scene.touchable[b] != 0 && scene.touchable[c] != 0;
-      areas_.push_back(may ? (points_[b] - points_[a]).cross(points_[c] - points_[a]).norm() : 0);
-    }
-  }
-
-  template <class Random>
-  Vec3 any(Random& random, double& depth) {
-    std::discrete_distribution<std::size_t> triangle(areas_.begin(), areas_.end());
-    const auto& [a, b, c] = triangles_[triangle(random)];
-    std::uniform_real_distribution<double> unit(0, 1);
-    double s = unit(random);
-    double t = unit(random);
-    if (s + t > 1) {
-      s = 1 - s;
-      t = 1 - t;
-    }
-    const Vec3 on = points_[a] + s * (points_[b] - points_[a]) + t * (points_[c] - points_[a]);
-    const Vec3 normal = tree_.nearest(on).normal;
-    depth = depth_ * unit(random);
-    return place(on, normal, depth);
-  }
-
-  /// Where the tool is after it has slid from a place by a way along the surface.
-  [[nodiscard]] Vec3 beside(const Vec3& from, const Vec3& way, double depth) const {
-    const SurfaceTree::Nearest start = tree_.nearest(from);
-    const Vec3 along = way - way.dot(start.normal) * start.normal;
-    const SurfaceTree::Nearest end = tree_.nearest(start.point + along);
-    return place(end.point, end.normal, depth);
-  }
-
-  [[nodiscard]] double depth_at(const Vec3& p) const { return radius_ - tree_.nearest(p).distance; }
-
- private:
-  [[nodiscard]] Vec3 place(const Vec3& on, const Vec3& normal, double depth) const {
-    return on + (radius_ - depth) * normal;
-  }
-
-  std::vector<std::array<Index, 3>> triangles_;
-  std::vector<Vec3> points_;
-  SurfaceTree tree_;
-  std::vector<double> areas_;
-  double radius_;
-  double depth_;
-};
 
 /// The estimated errors of the cells of a space.
 class Estimates {
@@ -414,27 +358,29 @@ void measure(const Arguments& arguments, Communicator& world) {
   }
   const int num_tests = static_cast<int>(arguments.number("tests"));
   if (num_tests == 0) return;
-  Places places(scene, tool.radius, options.contact->shell.depth);
+  const double depth = options.contact->shell.depth;
+  const SurfacePlaces places(scene);
+  const TestSet set{kContactToolSpace, tool.radius, depth, 2008};
   std::vector<Test> tests;
   for (int i = 0; i < num_tests / 2; ++i) {
-    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 2008);
     if (i % world.size() != world.rank()) continue;
+    TestRandom random(set, TestKind::uniform, i);
+    const SurfacePlaces::Place pressed_at = places.any(random);
     Test press;
-    press.place = places.any(random, press.depth);
-    std::normal_distribution<double> normal(0, 1);
-    std::uniform_real_distribution<double> unit(0, 1);
+    press.place = clearance->pressed(pressed_at.point, pressed_at.normal, depth * random.unit());
+    const Vec3 direction = random.direction();
+    const Vec3 way = 0.01 * random.unit() * direction;
+    const SurfacePlaces::Place slid_to = places.beside(pressed_at, way);
     Test slide;
     slide.is_slide = true;
-    const Vec3 way =
-        Vec3(normal(random), normal(random), normal(random)).normalized() * (0.01 * unit(random));
-    slide.place = places.beside(press.place, way, options.contact->shell.depth * unit(random));
+    slide.place = clearance->pressed(slid_to.point, slid_to.normal, depth * random.unit());
     const auto solve = [&](Test& test, const Equilibrium& start) {
       Equilibrium state = solver.solve(test.place, start, Tangent::factorised);
       test.exact = state.reaction;
       test.flags = state.flags;
       test.outcome = state.outcome;
       test.seconds = state.seconds;
-      test.depth = places.depth_at(test.place);
+      test.depth = clearance->approach(test.place).depth;
       return state;
     };
     const Equilibrium rest = solver.rest(clearance->start_for(press.place));
@@ -479,8 +425,8 @@ void measure(const Arguments& arguments, Communicator& world) {
                errors_where([](const Test& t) { return t.support == Support::extrapolated; }),
                largest);
   for (int i = 0; i < 4; ++i) {
-    const double low = 0.25 * i * options.contact->shell.depth;
-    const double high = 0.25 * (i + 1) * options.contact->shell.depth;
+    const double low = 0.25 * i * depth;
+    const double high = 0.25 * (i + 1) * depth;
     char name[80];
     std::snprintf(name, sizeof name, "inside, depth %.0f to %.0f mm", 1e3 * low, 1e3 * high);
     print_errors(name, errors_where([&](const Test& t) {

@@ -2,39 +2,17 @@
 """The accuracy report, on one rank or two: its three outputs, its file, and bad input."""
 
 import numpy
+from accuracy_support import TIMES, columns, fetch_report, row
 from paraview import servermanager
 from paraview.simple import AccuracyReport, Delete, GroupDatasets, Sphere
 from state_space_support import precompute
 from support import Messages, expect_error, expect_silence, field, node_at, point_array, scene
-from vtkmodules.util.numpy_support import vtk_to_numpy
 
 RANKS = servermanager.vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()
 METHODS = {"Trilinear", "Tricubic", "RBF linear", "RBF cubic", "Energy Hermite", "Linear"}
 VARIANTS = {f"RBF {kind}, no {what}" for kind in ("linear", "cubic")
             for what in ("polynomial", "intermediate states")}
 WITHOUT_THIRD = "Energy Hermite, no third derivatives"
-# Columns of which no two runs are alike.
-TIMES = {"PrecomputeSeconds", "SetupSeconds", "EvaluationP50", "EvaluationP999"}
-
-
-def fetch_report(report):
-    report.UpdatePipeline()
-    return (servermanager.Fetch(report), servermanager.Fetch(report, idx=1),
-            servermanager.Fetch(report, idx=2))
-
-
-def columns(table):
-    names = [table.GetColumnName(i) for i in range(table.GetNumberOfColumns())]
-    rows = table.GetNumberOfRows()
-    return {name: numpy.array([table.GetValueByName(row, name).ToString() for row in range(rows)])
-            if name == "Method" else vtk_to_numpy(table.GetColumnByName(name)) for name in names}
-
-
-def row(table, method, resolution):
-    found = numpy.flatnonzero((table["Method"] == method) & (table["Resolution"] == resolution))
-    assert len(found) == 1, (method, resolution, table["Method"])
-    return {name: values[found[0]] for name, values in table.items()}
-
 
 boundary = scene("accuracy", quadratic=False)
 nodes = sorted((node_at(boundary, [0.2, 0.1, 0.1]), node_at(boundary, [0.2, 0.05, 0.1])))
@@ -70,6 +48,7 @@ assert row(table, "RBF cubic, no intermediate states", 5)["Samples"] == 125
 
 table_of_nodes = columns(of_nodes)
 assert set(table_of_nodes["ActiveNode"]) == set(nodes)
+assert set(table_of_nodes["Tool"]) == {f"active node {node}" for node in nodes}
 assert len(table_of_nodes["Method"]) == 2 * len(table["Method"])
 
 # The chart: the errors of a method in its own rows, which follow each other.

@@ -4,6 +4,7 @@
 #include "accuracy/coarsen.h"
 #include "interpolation/interpolator.h"
 #include "solvers/interpolation/analytic_space.h"
+#include "solvers/interpolation/contact_space.h"
 
 namespace palpate {
 namespace {
@@ -51,6 +52,41 @@ TEST(Coarsen, CellsOfSeveralSizesLoseTheSmallest) {
   EXPECT_EQ(
       make_interpolator(Method::energy_hermite, half)->evaluate(Vec3(1e-3, 2e-3, 3e-3)).support,
       Support::inside);
+}
+
+// The grid of a rigid tool stays: the file of the space has the fields by its check-points.
+TEST(Coarsen, CellsOfARigidToolLoseTheSmallest) {
+  Grid grid;
+  grid.sparse = true;
+  grid.half_width = 0.064;
+  grid.resolution = 65;
+  grid.coarsest = 4;
+  const test::Contact contact = test::ellipsoid(Vec3::Zero(), Vec3(0.05, 0.035, 0.03));
+  TouchToolSpace tool_space = test::contact_space(contact, grid, 0.008);
+  const std::size_t num_coarse = tool_space.configurations.size();
+  // No cell is smaller than the coarsest ones.
+  EXPECT_EQ(smallest_side(tool_space), 4);
+  EXPECT_EQ(coarsening_factors(grid, 4), Factors{1});
+  const Vec3 pressed(0, 0, 0.026);
+  std::vector<Cell> around;
+  const CellTree tree(grid, tool_space.configurations);
+  for (const CellTree::Leaf& leaf : tree.leaves()) {
+    if ((grid.place(leaf.cell.first) - pressed).norm() < 0.02) around.push_back(leaf.cell);
+  }
+  test::split(tool_space, contact, around);
+  EXPECT_EQ(smallest_side(tool_space), 2);
+  EXPECT_EQ(coarsening_factors(grid, 2), (Factors{1, 4}));
+  const TouchToolSpace coarse = coarsened(tool_space, 4);
+  EXPECT_TRUE(coarse.setup.grid == grid);
+  EXPECT_EQ(coarse.configurations.size(), num_coarse);
+  EXPECT_EQ(smallest_side(coarse), 4);
+  for (const TouchToolSpace& of : {tool_space, coarse}) {
+    EXPECT_EQ(make_interpolator(Method::energy_hermite, of)->evaluate(pressed).support,
+              Support::inside);
+  }
+  // A grid whose cells cannot be halved has no coarser one.
+  grid.coarsest = 1;
+  EXPECT_EQ(coarsening_factors(grid), Factors{1});
 }
 
 TEST(Coarsen, FlagsOfAStateStay) {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "accuracy/surface_places.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace palpate {
+
+SurfacePlaces::SurfacePlaces(const Scene& scene)
+    : tree_(scene.mesh.points, boundary_triangles(scene.mesh)) {
+  const std::vector<Vec3>& points = scene.mesh.points;
+  double area = 0;
+  for (const auto& [a, b, c] : boundary_triangles(scene.mesh)) {
+    const bool is_touchable =
+        scene.touchable[a] != 0 && scene.touchable[b] != 0 && scene.touchable[c] != 0;
+    if (!is_touchable) continue;
+    touchable_.push_back({points[a], points[b], points[c]});
+    area += (points[b] - points[a]).cross(points[c] - points[a]).norm();
+    areas_.push_back(area);
+  }
+  if (touchable_.empty()) {
+    throw InputError(
+        "No face of the surface is touchable, so that there is nothing to press. Choose touchable "
+        "points with Set Boundary.");
+  }
+}
+
+SurfacePlaces::Place SurfacePlaces::any(TestRandom& random) const {
+  const auto found =
+      std::upper_bound(areas_.begin(), areas_.end() - 1, random.unit() * areas_.back());
+  const auto& [a, b, c] = touchable_[static_cast<std::size_t>(found - areas_.begin())];
+  double s = random.unit();
+  double t = random.unit();
+  if (s + t > 1) {
+    s = 1 - s;
+    t = 1 - t;
+  }
+  const Vec3 point = a + s * (b - a) + t * (c - a);
+  return {point, tree_.nearest(point).normal};
+}
+
+SurfacePlaces::Place SurfacePlaces::beside(const Place& from, const Vec3& way) const {
+  const SurfaceTree::Nearest nearest =
+      tree_.nearest(from.point + way - way.dot(from.normal) * from.normal);
+  return {nearest.point, nearest.normal};
+}
+
+}  // namespace palpate
