@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The haptic loop in a program of one's own, without VTK: a device touches a state space.
-//   touch liver.palpate             a simulated board, which presses on the first active node
+//   touch liver.palpate             a simulated board, which presses at one place again and again
 //   touch liver.palpate 1234:0006   a real device, by vendor and product or its path
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 #include <thread>
 
 #include "haptic/servo/servo.h"
+#include "haptic/touching/pressing_range.h"
 #include "haptic/transport/open_device.h"
 #include "haptic/transport/simulated_board.h"
 #include "state_space/state_space_file.h"
@@ -18,13 +20,14 @@ int main(int argc, char** argv) try {
   if (argc < 2) throw std::runtime_error("Which state space? Give a .palpate file.");
   // 1. The body: what of the space can be felt.
   const auto file = StateSpaceFile::open_read_only(argv[1]);
-  const auto body = std::make_shared<const Touchable>(make_touch_space_without_modes(file));
+  const TouchSpace space = make_touch_space_without_modes(file);
+  const auto body = std::make_shared<const Touchable>(space);
 
   // 2. The device.
   const auto clock = std::make_shared<MonotonicClock>();
   auto device = argc > 2 ? open_device(argv[2]) : OpenedDevice{};
   if (!device.transport) {
-    const Vec3 above(0, 0, 0.01), pressed(0, 0, -0.005);
+    const Vec3 above(0, 0, 0.02), pressed(0, 0, -0.005);
     const std::vector<ScriptedMotion::Waypoint> way{
         {0ms, above}, {300ms, pressed}, {500ms, pressed}, {600ms, above}};
     auto hand = std::make_shared<ScriptedMotion>(way, true);  // again and again
@@ -33,15 +36,17 @@ int main(int argc, char** argv) try {
     device.transport = std::move(board);
   }
 
-  // 3. Where its workspace is: at the first active node, down is into the body. Safe limits.
+  // 3. Where its workspace is: at the first active node, or where a rigid tool presses the middle
+  // of what it can. Down is into the body. Safe limits.
   ServoSettings settings;
-  settings.workspace_centre = body->nodes().front().rest_position;
-  const Vec3 outwards = body->surface().nearest(settings.workspace_centre).normal;
+  const StartPlace start = start_place(space, *body);
+  settings.workspace_centre = start.place;
   settings.workspace_rotation =
-      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), outwards).toRotationMatrix();
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), start.normal).toRotationMatrix();
   settings.force_limit = 1;  // N
   // As stiff as the device displays, where the body is stiffer.
   TouchSettings touch;
+  touch.friction = 0.2;  // of a rigid tool
   touch.coupling_stiffness =
       coupling_stiffness_for(device.profile->specification(), body->largest_stiffness(), settings);
 
@@ -54,8 +59,8 @@ int main(int argc, char** argv) try {
   for (int i = 0; i < 10; ++i) {
     std::this_thread::sleep_for(200ms);
     const Tick tick = servo.latest();
-    std::printf("%s: node moved by %.4f m, %.4f N\n", to_string(tick.state).data(),
-                tick.contact.displacement.norm(), tick.force.norm());
+    std::printf("%s: %.4f m deep, %.4f N\n", to_string(tick.state).data(),
+                std::max(0.0, start.normal.dot(start.place - tick.position)), tick.force.norm());
   }
   return servo.stop() ? 0 : 1;  // zero force
 } catch (const std::exception& error) {

@@ -90,7 +90,8 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   app.add_option("--depth", line.depth,
                  "How deep the simulated hand wants to be, m; the body holds it up. 0: half of "
                  "what the space reaches");
-  app.add_option("--node", line.node, "The active node that is touched (the first)")
+  app.add_option("--node", line.node,
+                 "The active node that is touched (the first); not with a rigid tool")
       ->type_name("POINT");
   app.add_option("--seconds", line.seconds, "How long; 0: until Ctrl+C");
   app.add_option("--record", line.record, "Writes every tick into a new table")->type_name("CSV");
@@ -117,6 +118,12 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
          "--dead-man", settings.dead_man_button,
          "Forces only while this button of the device is held, from 0; -1: none is required")
       ->type_name("BUTTON");
+  app.add_option(
+         "--grasp", settings.grasp_button,
+         "A rigid tool holds the active node at which it presses while this button of the device "
+         "is held, from 0; -1: it presses alone")
+      ->type_name("BUTTON");
+  app.add_option("--friction", touch.friction, "Coefficient of friction of a rigid tool");
   double release_after = seconds(line.options.release_after);
   app.add_option("--release-after", release_after,
                  "Without a fresh report for so long the tool lets go, s");

@@ -27,6 +27,7 @@
 #include "haptic/recording/recorder.h"
 #include "haptic/recording/replay.h"
 #include "haptic/servo/servo.h"
+#include "haptic/touching/pressing_range.h"
 #include "haptic/transport/open_device.h"
 #include "haptic/transport/simulated_board.h"
 #include "haptic/transport/simulated_hand.h"
@@ -85,34 +86,38 @@ TouchSpace read_space(const std::string& path) {
   return space;
 }
 
-const Touchable::Node& chosen_node(const Touchable& body, const CommandLine& line) {
-  const std::int32_t place = line.node ? body.find(*line.node) : 0;
-  if (place < 0) {
-    std::string active;
-    for (const Touchable::Node& node : body.nodes()) {
-      if (active.size() > 60) {
-        active += ", …";
-        break;
-      }
-      active += (active.empty() ? "" : ", ") + std::to_string(node.mesh_point);
-    }
-    throw InputError("Point " + std::to_string(*line.node) + " is no active node of " + line.space +
-                     ". Give one of " + active + ".");
+/// Where the space is touched: at the node of the command line, or where it is best begun.
+StartPlace chosen_place(const TouchSpace& space, const Touchable& body, const CommandLine& line) {
+  if (!line.node) return start_place(space, body);
+  const std::int32_t place = body.find(*line.node);
+  if (place >= 0 && body.force_on_tool() == nullptr) {
+    const Vec3& at = body.nodes()[static_cast<std::size_t>(place)].rest_position;
+    return {at, body.surface().nearest(at).normal, depth_of(space.find(*line.node)->setup)};
   }
-  return body.nodes()[static_cast<std::size_t>(place)];
+  if (body.force_on_tool() != nullptr) {
+    throw InputError(line.space + " has a rigid tool, which presses anywhere. Leave out --node.");
+  }
+  std::string active;
+  for (const Touchable::Node& node : body.nodes()) {
+    if (active.size() > 60) {
+      active += ", …";
+      break;
+    }
+    active += (active.empty() ? "" : ", ") + std::to_string(node.mesh_point);
+  }
+  throw InputError("Point " + std::to_string(*line.node) + " is no active node of " + line.space +
+                   ". Give one of " + active + ".");
 }
 
 /// Of the workspace's radius: how far its centre is above the surface.
 constexpr double kClearance = 0.25;
 
-/// Puts the device's workspace over a node, its z along the outward normal: down is into the body.
-void place_workspace(const Touchable& body, const Touchable::Node& node,
-                     const Specification& device, ServoSettings& settings) {
-  const Vec3 normal = body.surface().nearest(node.rest_position).normal;
+/// Puts the device's workspace over a place, its z along the outward normal: down is into the body.
+void place_workspace(const StartPlace& at, const Specification& device, ServoSettings& settings) {
   const double height = kClearance * device.workspace_radius * settings.workspace_scale;
-  settings.workspace_centre = node.rest_position + height * normal;
+  settings.workspace_centre = at.place + height * at.normal;
   settings.workspace_rotation =
-      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal).toRotationMatrix();
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), at.normal).toRotationMatrix();
 }
 
 /// What a hand wants: from the centre of the workspace down to the node and into the body, again
@@ -192,24 +197,36 @@ Device opened_device(const std::string& which) {
   return device;
 }
 
-/// The device over a node of the body that the command line says.
-std::shared_ptr<const Touchable> read_body(CommandLine& line) {
+/// What is touched, and where.
+struct Touched {
+  std::shared_ptr<const Touchable> body;
+  StartPlace at;
+  /// Which tool, in words.
+  std::string tool;
+};
+
+Touched read_touched(const CommandLine& line) {
+  if (line.space.empty()) return {};
   const TouchSpace space = read_space(line.space);
-  auto body = std::make_shared<const Touchable>(space, line.touchable);
-  const Touchable::Node& node = chosen_node(*body, line);
-  line.node = node.mesh_point;
-  if (line.depth == 0) line.depth = space.find(node.mesh_point)->setup.grid.half_width / 2;
-  return body;
+  Touched touched;
+  touched.body = std::make_shared<const Touchable>(space, line.touchable);
+  touched.at = chosen_place(space, *touched.body, line);
+  const TouchToolSpace* tool =
+      touched.body->force_on_tool() != nullptr
+          ? space.find(kContactToolSpace)
+          : space.find(line.node.value_or(space.tool_spaces.front().setup.id));
+  touched.tool = tool->setup.name();
+  return touched;
 }
 
-void place_device(const Touchable& body, const Specification& device, CommandLine& line) {
-  place_workspace(body, chosen_node(body, line), device, line.settings);
+void place_device(const Touched& touched, const Specification& device, CommandLine& line) {
+  place_workspace(touched.at, device, line.settings);
   if (!line.coupling) {
     line.touch.coupling_stiffness =
-        coupling_stiffness_for(device, body.largest_stiffness(), line.settings);
+        coupling_stiffness_for(device, touched.body->largest_stiffness(), line.settings);
   }
-  print(body, line.touchable.method);
-  std::printf("touching     node %d, coupling %.4g N/m\n", *line.node,
+  print(*touched.body, line.touchable.method);
+  std::printf("touching     %s, coupling %.4g N/m\n", touched.tool.c_str(),
               line.touch.coupling_stiffness);
 }
 
@@ -217,7 +234,9 @@ int run(CommandLine line) {
   const Signals signals;
   // First of all: without a place for it there is no reason to open a device.
   const auto recorder = line.record.empty() ? nullptr : std::make_unique<Recorder>(line.record);
-  const auto body = line.space.empty() ? nullptr : read_body(line);
+  const Touched touched = read_touched(line);
+  const auto& body = touched.body;
+  if (body && line.depth == 0) line.depth = touched.at.depth / 2;
   const auto clock = std::make_shared<MonotonicClock>();
   Device device = line.device == "simulated" ? simulated_device(clock, line.motion, line.depth,
                                                                 line.settings.workspace_scale)
@@ -227,7 +246,7 @@ int run(CommandLine line) {
   const std::string notice = device.transport->problem();
   if (!notice.empty()) std::printf("notice       %s\n", notice.c_str());
   if (body) {
-    place_device(*body, specification, line);
+    place_device(touched, specification, line);
   } else {
     std::printf("body         none: no forces are sent\n");
     line.settings.engaged = false;

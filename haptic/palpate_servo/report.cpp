@@ -46,10 +46,10 @@ void print(const Specification& device) {
 }
 
 void print(const Touchable& body, Method method) {
-  std::printf("body         %zu active node(s), %d triangles, %.2f MB, %s, up to %.4g N/m\n",
-              body.nodes().size(), body.surface().num_triangles(),
-              1e-6 * static_cast<double>(body.bytes()), to_string(method).c_str(),
-              body.largest_stiffness());
+  std::printf("body         %s%zu active node(s), %d triangles, %.2f MB, %s, up to %.4g N/m\n",
+              body.force_on_tool() != nullptr ? "a rigid tool, " : "", body.nodes().size(),
+              body.surface().num_triangles(), 1e-6 * static_cast<double>(body.bytes()),
+              to_string(method).c_str(), body.largest_stiffness());
 }
 
 void print(const Counters& c, double limit) {

@@ -3,6 +3,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
+
+#include "base/error.h"
 
 namespace palpate {
 namespace {
@@ -53,6 +56,45 @@ double depth_left(const Interpolator& force, const Vec3& place, const Vec3& dire
   double way = 0;
   while (way < most && is_in_cell(force, place + (way + step) * direction)) way += step;
   return std::min(way, most);
+}
+
+double depth_of(const ToolSpaceSetup& setup) {
+  if (!setup.interaction.is_contact()) return setup.grid.half_width;
+  return setup.policy.depth > 0 ? setup.policy.depth : half_width(setup.interaction.tool);
+}
+
+StartPlace start_place(const TouchSpace& space, const Touchable& body) {
+  const TouchToolSpace* rigid = space.find(kContactToolSpace);
+  if (rigid == nullptr) {
+    const TouchToolSpace& first = space.tool_spaces.front();
+    const Vec3& place = first.setup.interaction.material_point;
+    return {place, body.surface().nearest(place).normal, depth_of(first.setup)};
+  }
+  const RigidTool& tool = rigid->setup.interaction.tool;
+  const std::vector<Vec3>& points = space.surface.points;
+  const std::vector<char> pressable = pressable_points(space.surface, tool, *body.force_on_tool());
+  Vec3 sum = Vec3::Zero();
+  double number = 0;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (pressable[p] == 0) continue;
+    sum += points[p];
+    ++number;
+  }
+  if (number == 0) {
+    throw InputError(
+        "There is no place yet that the rigid tool can press. Wait until the space has grown, or "
+        "compute it further.");
+  }
+  std::size_t nearest = points.size();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const double distance = (points[p] - sum / number).norm();
+    if (pressable[p] == 0 || distance >= least) continue;
+    least = distance;
+    nearest = p;
+  }
+  const Vec3 normal = point_normals(space.surface)[nearest];
+  return {touching_place(tool, points[nearest], normal), normal, depth_of(rigid->setup)};
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "haptic/touching/touchable.h"
 #include "interpolation/interpolator.h"
 #include "state_space/surface.h"
 
@@ -27,5 +28,24 @@ namespace palpate {
 /// @param direction Of unit length.
 [[nodiscard]] double depth_left(const Interpolator& force, const Vec3& place, const Vec3& direction,
                                 double most);
+
+/// How far the space of a tool goes from where it touches nothing, m: the half-width of a bonded
+/// tool's, and how deep a rigid one presses.
+[[nodiscard]] double depth_of(const ToolSpaceSetup& setup);
+
+/// Where a hand may begin to touch.
+struct StartPlace {
+  /// Of the tool when it touches [3], m, and the normal of the surface there, outward.
+  Vec3 place = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+  /// How far the space goes from there, m.
+  double depth = 0;
+};
+
+/// The place of a space for a rigid tool that is nearest to the middle of all that it can press;
+/// of another one its first active node.
+/// @param body That of the space.
+/// @throws InputError there is no place yet that the tool can press.
+[[nodiscard]] StartPlace start_place(const TouchSpace& space, const Touchable& body);
 
 }  // namespace palpate

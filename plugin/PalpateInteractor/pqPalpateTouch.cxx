@@ -101,16 +101,6 @@ const palpate::TouchToolSpace* RigidToolSpace(const palpate::TouchSpace& space)
   return space.find(palpate::kContactToolSpace);
 }
 
-/// How far the space goes from where nothing is touched, m.
-double DepthOf(const palpate::ToolSpaceSetup& setup)
-{
-  if (!setup.interaction.is_contact())
-  {
-    return setup.grid.half_width;
-  }
-  return setup.policy.depth > 0 ? setup.policy.depth : palpate::half_width(setup.interaction.tool);
-}
-
 /// Of a rigid tool in the middle of what it presses, Pa: by its mean force, on the area that Hertz
 /// has at the greatest depth, so that a deep press is in the last colour.
 double UsualPressure(const palpate::TouchToolSpace& rigid)
@@ -126,7 +116,7 @@ double UsualPressure(const palpate::TouchToolSpace& rigid)
     }
   }
   const double radius = palpate::half_width(rigid.setup.interaction.tool);
-  const double area = Pi * radius * DepthOf(rigid.setup);
+  const double area = Pi * radius * palpate::depth_of(rigid.setup);
   return number > 0 ? MiddleOfMean * sum / number / area : 0;
 }
 
@@ -212,55 +202,11 @@ struct pqPalpateTouch::Session
     this->Centre = box.center();
     this->Radius = Room * (box.diagonal().norm() / 2 + beyond);
     const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
-    this->Deepest = rigid ? DepthOf(rigid->setup) : 0;
+    this->Deepest = rigid ? palpate::depth_of(rigid->setup) : 0;
   }
 
   /// Where a rigid tool touches nothing.
   Vec3 Away() const { return this->Centre + this->Radius * Vec3::Ones(); }
-
-  /// Where the simulated hand touches, and the normal there: the active node, or that place which
-  /// a rigid tool can press that is nearest to the middle of all these.
-  std::pair<Vec3, Vec3> HandPlace(const palpate::TouchSpace& space) const
-  {
-    const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
-    if (!rigid)
-    {
-      const Vec3& place = space.tool_spaces.front().setup.interaction.material_point;
-      return { place, this->Body->surface().nearest(place).normal };
-    }
-    const palpate::RigidTool& tool = rigid->setup.interaction.tool;
-    const auto& points = space.surface.points;
-    const std::vector<char> pressable =
-      palpate::pressable_points(space.surface, tool, *this->Body->force_on_tool());
-    Vec3 middle = Vec3::Zero();
-    int number = 0;
-    for (std::size_t p = 0; p < points.size(); ++p)
-    {
-      if (pressable[p])
-      {
-        middle += points[p];
-        ++number;
-      }
-    }
-    if (number == 0)
-    {
-      throw std::runtime_error("There is no place yet that the tool can press. Wait until the "
-                               "space has grown.");
-    }
-    middle /= number;
-    std::size_t nearest = points.size();
-    for (std::size_t p = 0; p < points.size(); ++p)
-    {
-      if (pressable[p] &&
-        (nearest == points.size() ||
-          (points[p] - middle).norm() < (points[nearest] - middle).norm()))
-      {
-        nearest = p;
-      }
-    }
-    const Vec3 normal = palpate::point_normals(space.surface)[nearest];
-    return { palpate::touching_place(tool, points[nearest], normal), normal };
-  }
 
   /// What of the space is drawn beside the body, and where the mouse finds it.
   void ShowSpace(const palpate::TouchSpace& space)
@@ -301,10 +247,9 @@ struct pqPalpateTouch::Session
     {
       const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
       const palpate::ToolSpaceSetup& setup = (rigid ? *rigid : space.tool_spaces.front()).setup;
-      const double depth = DepthOf(setup);
+      const auto [place, normal, depth] = palpate::start_place(space, *this->Body);
       const double height =
         rigid ? HandRoom * setup.grid.coarsest * setup.grid.spacing() : HandHeight * depth;
-      const auto [place, normal] = this->HandPlace(space);
       this->HandCentre = place + height * normal;
       const Vec3 across = normal.unitOrthogonal();
       this->HandRotation << across, normal.cross(across), normal;
@@ -316,7 +261,7 @@ struct pqPalpateTouch::Session
   void MakeBodyView(const palpate::TouchSpace& space)
   {
     const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
-    const double depth = DepthOf(space.tool_spaces.front().setup);
+    const double depth = palpate::depth_of(space.tool_spaces.front().setup);
     this->BodyView = std::make_unique<pqPalpateBodyView>(this->Space, this->View,
       rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth,
       this->Away().data());

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs inside ParaView's window, presses a block with a rigid sphere as PALPATE_INTERACTOR_RUN says,
-and quits; test_press.py reads what it prints. What a person clicks is clicked."""
+"""Runs inside ParaView's window, presses a block with a rigid sphere as PALPATE_INTERACTOR_RUN
+says, and quits; test_press.py reads what it prints. What a person clicks is clicked."""
 
 import os
 import sys

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A rigid sphere in ParaView's window, with the mouse: it hovers, presses, glides, rubs, grasps, and
-says where it cannot; its space grows meanwhile.
+"""A rigid sphere in ParaView's window, with the mouse: it hovers, presses, glides, rubs, grasps,
+and says where it cannot; its space grows meanwhile.
 
   test_press.py <palpate_test_make_space> <folder of the plugin PalpateInteractor>
 """
