@@ -18,12 +18,13 @@
 
 namespace
 {
-/// Of a collection.
-bool HasField(pqOutputPort* port, const char* name)
+/// Of a collection; nullptr: it has no such array.
+vtkPVArrayInformation* FindField(pqOutputPort* port, const char* name)
 {
   vtkPVDataInformation* data = port->getDataInformation();
-  return data && data->GetCompositeDataSetType() == VTK_PARTITIONED_DATA_SET_COLLECTION &&
-    data->GetArrayInformation(name, vtkDataObject::FIELD);
+  return data && data->GetCompositeDataSetType() == VTK_PARTITIONED_DATA_SET_COLLECTION
+    ? data->GetArrayInformation(name, vtkDataObject::FIELD)
+    : nullptr;
 }
 
 vtkDataObject* ClientSideData(vtkSMSourceProxy* proxy, int port)
@@ -60,12 +61,19 @@ vtkSmartPointer<vtkDataObject> Fetch(pqOutputPort* port, int type)
 
 bool pqPalpateGivesStateSpace(pqOutputPort* port)
 {
-  return HasField(port, "SceneHash");
+  return FindField(port, "SceneHash") != nullptr;
 }
 
 bool pqPalpateHasRigidTool(pqOutputPort* port)
 {
-  return HasField(port, "ContactStiffness");
+  return FindField(port, "ContactStiffness") != nullptr;
+}
+
+bool pqPalpateHasActiveNodes(pqOutputPort* port)
+{
+  // A rigid tool stands among them as -1.
+  vtkPVArrayInformation* nodes = FindField(port, "ActiveNodes");
+  return nodes && nodes->GetComponentRange(0)[1] >= 0;
 }
 
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port)

@@ -12,8 +12,9 @@ class vtkUnstructuredGrid;
 /// Whether the port gives a state space, as far as is known of its data.
 bool pqPalpateGivesStateSpace(pqOutputPort* port);
 
-/// Whether it is of a rigid tool, too.
+/// Whether that is of a rigid tool, and whether it is of active nodes.
 bool pqPalpateHasRigidTool(pqOutputPort* port);
+bool pqPalpateHasActiveNodes(pqOutputPort* port);
 
 /// From this process where the server is built in, else over the connection. Brings the pipeline up
 /// to date.

@@ -18,7 +18,7 @@ sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paravie
 from dock_support import (click_start, click_stop, number, runs, said, touch_filter, touches,
                           wait_for)
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
-                application, canvas, choose, click, dialogs, dock, drag, in_dialog, menu,
+                application, canvas, choose, click, dialogs, dock, drag, in_dialog, is_shown, menu,
                 open_file, part, pixel_of, pixel_of_node, press_escape, property_widget, send,
                 turn_wheel, wait, window, write)
 
@@ -238,6 +238,10 @@ def mouse():
     Render()
     wait(0.3)
     canvas().grabFramebuffer().save("left.png")
+    SetActiveSource(left)
+    wait(0.3)
+    property_widget("Displacement", QtWidgets.QWidget)
+    assert not is_shown("ToolPosition"), "of a rigid tool, which there is none"
     click_start("Mouse")
     wait(0.5)
     canvas().grabFramebuffer().save("started.png")

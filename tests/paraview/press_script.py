@@ -11,8 +11,8 @@ from paraview.simple import *
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
 from dock_support import (click_start, click_stop, number, runs, said, touch_filter, touches,
                           wait_for)
-from qt import (Button, Event, QtCore, QTest, application, canvas, drag, part, pixel_of,
-                send, turn_wheel, wait, window)
+from qt import (Button, Event, QtCore, QTest, QtWidgets, application, canvas, drag, part, pixel_of,
+                property_widget, send, turn_wheel, wait, window)
 
 # The block is held at x = 0; its top is at z = 0.05.
 MIDDLE = [0.07, 0.03, 0.05]
@@ -73,6 +73,11 @@ def press():
     _, view = open_space()
     click_start("Mouse")
     wait_for(lambda: "drag" in said(view), "it says what to do")
+    SetActiveSource(touch_filter())
+    wait(0.3)
+    # This space has both: what it is of is shown.
+    for name in ("ToolPosition", "ActiveNode"):
+        property_widget(name, QtWidgets.QWidget)
     for size in ((1000, 700), (1270, 1010)):
         window.resize(*size)
         wait(0.5)

@@ -162,10 +162,19 @@ def open_file(path):
     menu("File", "Open")
 
 
+def shown_properties(name):
+    """Its editors in the panel Properties."""
+    panel = window.findChild(QtWidgets.QWidget, "propertiesPanel")
+    return [w for w in panel.findChildren(QtWidgets.QWidget, name) if w.isVisibleTo(panel)]
+
+
+def is_shown(name):
+    return bool(shown_properties(name))
+
+
 def property_widget(name, kind):
     """The editor of a property in the panel Properties."""
-    panel = window.findChild(QtWidgets.QWidget, "propertiesPanel")
-    shown = [w for w in panel.findChildren(QtWidgets.QWidget, name) if w.isVisibleTo(panel)]
+    shown = shown_properties(name)
     assert shown, f"no property {name} is shown"
     return shown[0].findChild(kind)
 
