@@ -239,7 +239,7 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
     "Coefficient of friction of a rigid tool: it sticks to the body until it is pulled aside with "
     "more than this share of the force with which it presses.");
   this->Friction->setSpecialValueText("none");
-  this->Grasps = Named(new QCheckBox("Holds while the last button is held"), "grasps",
+  this->Grasps = Named(new QCheckBox("With the last button"), "grasps",
     "A rigid tool that presses near an active node takes hold of it, and lets go with the button. "
     "With the mouse that is Ctrl.");
   this->Grasps->setChecked(settings.GraspsWithButton);
