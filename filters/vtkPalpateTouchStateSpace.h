@@ -66,7 +66,7 @@ public:
   };
 
   ///@{
-  /// Id of the point of the body that is touched; -1: the first one of the space.
+  /// Id of the point of the body that is touched; -1: the rigid tool of the space, or its first node.
   vtkSetMacro(ActiveNode, vtkIdType);
   vtkGetMacro(ActiveNode, vtkIdType);
   ///@}

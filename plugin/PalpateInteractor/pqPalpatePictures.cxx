@@ -99,6 +99,7 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
     if (Is(touch, "TouchStateSpace"))
     {
       const auto activeNode = static_cast<vtkIdType>(Value(node, 0));
+      vtkSMPropertyHelper(touch, "ActiveNode").Set(activeNode);
       if (activeNode < 0)
       {
         // Of a rigid tool, whose coordinates are where it is.
@@ -106,7 +107,6 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
       }
       else
       {
-        vtkSMPropertyHelper(touch, "ActiveNode").Set(activeNode);
         constexpr double rest[3] = { 0, 0, 0 };
         vtkSMPropertyHelper(touch, "StartDisplacement").Set(rest, 3);
         vtkSMPropertyHelper(touch, "StartBranch").Set(-1);
