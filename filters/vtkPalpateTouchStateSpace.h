@@ -66,7 +66,8 @@ public:
   };
 
   ///@{
-  /// Id of the point of the body that is touched; -1: the rigid tool of the space, or its first node.
+  /// Id of the point of the body that is touched; -1: the rigid tool of the space, or its first
+  /// node.
   vtkSetMacro(ActiveNode, vtkIdType);
   vtkGetMacro(ActiveNode, vtkIdType);
   ///@}
