@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How near contact comes to what is known in closed form: a sphere that is pressed into a
-// half-space (hertz.h), and one that slides over a flat block (sliding.h). Prints the tables of
-// README.md.
+// half-space (hertz.h), one that slides over a flat block (sliding.h), and one that is moved aside
+// with friction (mindlin.h) or bonded (bonded_disc.h). Prints the tables of README.md.
 //
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_contact hertz
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_contact sliding
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_contact friction
 #include <chrono>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
+#include "haptic/support/mindlin.h"
+#include "solvers/support/bonded_disc.h"
 #include "solvers/support/hertz.h"
 #include "solvers/support/sliding.h"
 
@@ -93,13 +97,87 @@ void run_sliding() {
   }
 }
 
+constexpr double kPoissonsRatios[] = {0.3, 0.4, 0.45, 0.49};
+
+/// The contact without friction that Friction is told in both of its tables.
+HertzResult press(double poissons_ratio) {
+  HertzOptions options{8, 0.02, 512, 16, 4};
+  options.poissons_ratio = poissons_ratio;
+  return press_half_space(options);
+}
+
+/// Returns k_t of Friction over that of the half-space, for each of Poisson's ratios.
+std::vector<double> run_yielding() {
+  std::puts(
+      "| ν | μ | P, % | k_n, % | k_t, % | Q where it slips, % | largest error of Q, % of μP |\n"
+      "|---|---|---|---|---|---|---|");
+  std::vector<double> stiffness;
+  for (const double nu : kPoissonsRatios) {
+    const HertzResult contact = press(nu);
+    stiffness.push_back(move_aside(contact, nu, 1).stiffness);
+    for (const double coefficient : {0.2, 0.5}) {
+      const FrictionResult r = move_aside(contact, nu, coefficient);
+      std::printf("| %g | %g | %+.2f | %+.2f | %+.1f | %+.2f | %.1f |\n", nu, coefficient,
+                  percent(contact.force), percent(contact.stiffness), percent(r.stiffness),
+                  percent(r.slipping), 100 * r.error);
+      std::fflush(stdout);
+    }
+  }
+  return stiffness;
+}
+
+BondedDiscResult print_bonded(const char* what, const BondedDiscOptions& options) {
+  const Clock clock;
+  const BondedDiscResult r = move_bonded_disc(options);
+  std::printf("| %s | %g | %d | %g | %d | %d | %+.2f | %+.2f | %.0f | |\n", what,
+              options.poissons_ratio, options.edges, options.extent, options.sectors,
+              r.num_unknowns, percent(r.into), percent(r.along), clock.seconds());
+  std::fflush(stdout);
+  return r;
+}
+
+/// @param stiffness As run_yielding() returns it.
+void run_bonded(const std::vector<double>& stiffness) {
+  std::puts(
+      "| | ν | edges in a | size/a | sectors | unknowns | into, % | along, % | s | Friction / "
+      "along, % |\n"
+      "|---|---|---|---|---|---|---|---|---|---|");
+  const BondedDiscOptions middle{0.4, 4, 512, 16};
+  BondedDiscOptions options = middle;
+  for (std::size_t i = 0; i < stiffness.size(); ++i) {
+    options.poissons_ratio = kPoissonsRatios[i];
+    BondedDiscResult coarse;
+    BondedDiscResult fine;
+    for (options.edges = 2; options.edges <= 16; options.edges *= 2) {
+      coarse = fine;
+      fine = print_bonded("edges", options);
+    }
+    const BondedDiscResult r = extrapolate(coarse, fine);
+    std::printf("| extrapolated | %g | ∞ | %g | %d | | %+.2f | %+.2f | | %+.1f |\n",
+                options.poissons_ratio, options.extent, options.sectors, percent(r.into),
+                percent(r.along), percent(stiffness[i] / r.along));
+  }
+  for (const double extent : {64, 128, 256, 1024}) {
+    options = middle;
+    options.extent = extent;
+    (void)print_bonded("size", options);
+  }
+  options = middle;
+  options.sectors = 32;
+  (void)print_bonded("sectors", options);
+}
+
 int run(const std::string& what) {
   if (what == "hertz") {
     run_hertz();
   } else if (what == "sliding") {
     run_sliding();
+  } else if (what == "friction") {
+    const std::vector<double> stiffness = run_yielding();
+    std::puts("");
+    run_bonded(stiffness);
   } else {
-    std::fputs("Usage: palpate_benchmark_contact hertz|sliding\n", stderr);
+    std::fputs("Usage: palpate_benchmark_contact hertz|sliding|friction\n", stderr);
     return 2;
   }
   return 0;

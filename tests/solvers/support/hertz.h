@@ -5,8 +5,9 @@
 //   a = √(R d),   F = 4/3 E* √R d^{3/2},   dF/dd = 2 E* a,   p(r) = p₀ √(1 − r²/a²),
 //   p₀ = 2 E* a/(π R)
 //
-// where a ≪ R. It is solved on a sector of a cylinder, one cell wide, between two planes of
-// symmetry: the mirror images of the sector around the axis make the whole body.
+// where a ≪ R: here d = R/10000. It is solved on a sector of a cylinder (half_space.h), one cell
+// wide, between two planes of symmetry: the mirror images of the sector around the axis make the
+// whole body.
 //
 // What presses is a layer of thickness δ (rigid_contact.h), in which a pressure p is at the gap
 // g(p) = δ (1 − (p/κ)^{1/3}): the tool seems larger. By the principle of complementary energy a
@@ -23,6 +24,15 @@
 
 namespace palpate::test {
 
+/// Of the closed form.
+struct HertzContact {
+  /// F, N.
+  double force = 0;
+  /// dF/dd, N/m.
+  double stiffness = 0;
+};
+[[nodiscard]] HertzContact hertz_contact(double poissons_ratio);
+
 struct HertzOptions {
   /// The number of edges of the mesh along a, under the tool.
   int edges = 3;
@@ -35,6 +45,7 @@ struct HertzOptions {
   int sectors = 16;
   /// The number of parts of an edge for the integration of contact.
   int divisions = 4;
+  double poissons_ratio = 0.4;
 };
 
 /// Ratios are to what the half-space has.
