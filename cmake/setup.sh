@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Sourced by tests/run and examples/run: installs what is missing and builds. Gives palpate_root and
-# palpate_cores.
+# Sourced by tests/run and the commands in examples/: installs what is missing and builds. Gives
+# palpate_root, palpate_cores and palpate_mpiexec, which starts a rank on each core.
 
 palpate_root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -64,3 +64,10 @@ palpate_build() {
 palpate_cores=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
 # The ranks are the parallelism: a threaded BLAS would only get in their way.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+palpate_mpiexec=(mpiexec --oversubscribe --bind-to none -n "$palpate_cores")
+if [ "$(id -u)" -eq 0 ]; then
+  palpate_mpiexec+=(--allow-run-as-root)
+fi
+# What a rank says is enough.
+export OMPI_MCA_orte_execute_quiet=1

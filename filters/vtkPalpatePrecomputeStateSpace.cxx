@@ -2,10 +2,10 @@
 #include "vtkPalpatePrecomputeStateSpace.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <set>
 #include <sstream>
 
 #include "base/error.h"
@@ -21,6 +21,7 @@
 #include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGrowth.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateRigidTool.h"
@@ -88,38 +89,13 @@ std::string ToText(const palpate::ExplorationEstimate& estimate)
   return text.str();
 }
 
+/// Of the window itself between two executions of a space that grows. It asks every second, and for
+/// what it has not asked meanwhile at once.
+constexpr std::chrono::seconds TimeForWindow(1);
+
 /// Check-points along an axis that a space with a tolerance begins with: the fewest that its errors
 /// can be estimated from.
 constexpr int CoarsestResolution = 5;
-
-/// Of the message of rank 0 that those that grow go on.
-constexpr int GoOnTag = 7403;
-
-/// Of this process those whose space grows: the same ones on every rank.
-std::set<vtkObject*>& Growing()
-{
-  static std::set<vtkObject*> filters;
-  return filters;
-}
-
-void GoOn(void*, void*, int, int)
-{
-  for (vtkObject* filter : Growing())
-  {
-    filter->Modified();
-  }
-}
-
-/// Ranks that serve rank 0 listen for the message.
-void ListenForGoOn(vtkMultiProcessController* controller)
-{
-  static bool listens = false;
-  if (!listens && controller && controller->GetLocalProcessId() != 0)
-  {
-    controller->AddRMICallback(&GoOn, nullptr, GoOnTag);
-    listens = true;
-  }
-}
 
 /// Counts of the configurations that are not as they should be; empty when all are.
 std::string Doubts(const palpate::PrecomputeReport& report)
@@ -190,7 +166,7 @@ vtkPalpatePrecomputeStateSpace::vtkPalpatePrecomputeStateSpace()
 
 vtkPalpatePrecomputeStateSpace::~vtkPalpatePrecomputeStateSpace()
 {
-  Growing().erase(this);
+  vtkPalpateStopGrowing(this);
 }
 
 void vtkPalpatePrecomputeStateSpace::AddActiveNode(vtkIdType node)
@@ -207,16 +183,12 @@ void vtkPalpatePrecomputeStateSpace::ClearActiveNodes()
 
 bool vtkPalpatePrecomputeStateSpace::GetNeedsUpdate()
 {
-  if (Growing().count(this) == 0)
+  const auto since = std::chrono::steady_clock::now() - this->LastEnd;
+  if (!vtkPalpateGrows(this) || since < TimeForWindow)
   {
     return false;
   }
-  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  if (controller && controller->GetNumberOfProcesses() > 1)
-  {
-    controller->TriggerRMIOnAllChildren(nullptr, 0, GoOnTag);
-  }
-  GoOn(nullptr, nullptr, 0, 0);
+  vtkPalpateGoOn();
   return true;
 }
 
@@ -246,6 +218,7 @@ palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* sur
   contact.tool = vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface);
   contact.spacing = this->Spacing;
   contact.shell.depth = this->Depth;
+  contact.shell.begin_at = palpate::Vec3(this->BeginAt);
   contact.most_configurations = this->MaximumConfigurations;
   if (this->UseToolRegion && this->ToolRegion)
   {
@@ -273,7 +246,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   // Nobody else takes back the abort of an earlier run.
   this->SetAbortExecute(0);
-  Growing().erase(this);
+  const bool goesOn = vtkPalpateStopGrowing(this);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   const auto compute = [&]
   {
@@ -325,6 +298,10 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       auto* surface = vtkPalpateInput<vtkPolyData>(inputVector[1]);
       options.contact = this->Contact(
         vtkPalpateShareSurface(vtkPalpateGatherSurface(surface, controller), controller));
+    }
+    if (!goesOn)
+    {
+      // Of a space that goes on growing it was said before.
       options.expects = [this](const palpate::ExplorationEstimate& estimate)
       {
         const std::string text = ToText(estimate);
@@ -359,15 +336,11 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       palpate::precompute(scene, options, *communicator, progress);
     const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
       !palpate::any(*communicator, this->GetAbortExecute() != 0);
-    if (grows)
-    {
-      ListenForGoOn(controller);
-    }
     const auto keep = [&]
     {
       if (grows)
       {
-        Growing().insert(this);
+        vtkPalpateGrow(this, controller);
       }
       if (result.report.complete)
       {
@@ -422,6 +395,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   };
 
   this->ErrorCode = vtkPalpateProduce(this, output, controller, compute);
+  this->LastEnd = std::chrono::steady_clock::now();
   return 1;
 }
 
@@ -447,6 +421,8 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
      << indent << "Depth: " << this->Depth << '\n'
      << indent << "Spacing: " << this->Spacing << '\n'
+     << indent << "BeginAt: " << this->BeginAt[0] << ' ' << this->BeginAt[1] << ' '
+     << this->BeginAt[2] << '\n'
      << indent << "MaximumConfigurations: " << this->MaximumConfigurations << '\n'
      << indent << "HalfWidth: " << this->HalfWidth << '\n'
      << indent << "Resolution: " << this->Resolution << '\n'

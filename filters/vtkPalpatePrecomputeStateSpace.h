@@ -24,6 +24,7 @@
  */
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -117,6 +118,12 @@ public:
   /// space begins with. 0: two fifths of the radius of the tool.
   vtkSetMacro(Spacing, double);
   vtkGetMacro(Spacing, double);
+  ///@}
+  ///@{
+  /// Where the exploration of a rigid tool's space begins, m: the places of the surface near it
+  /// come first. The result does not depend on it.
+  vtkSetVector3Macro(BeginAt, double);
+  vtkGetVector3Macro(BeginAt, double);
   ///@}
   ///@{
   /// The space of a rigid tool is refused if more are to be expected.
@@ -254,6 +261,7 @@ private:
   vtkSmartPointer<vtkImplicitFunction> ToolRegion;
   double Depth = 0.005;
   double Spacing = 0;
+  double BeginAt[3] = { 0, 0, 0 };
   int MaximumConfigurations = 30000;
   double HalfWidth = 0.01;
   int Resolution = 7;
@@ -271,6 +279,9 @@ private:
   double LogInterval = 10;
   double UpdateInterval = 0;
   double DisplacementBound = 1e-3;
+
+  /// When the last execution ended.
+  std::chrono::steady_clock::time_point LastEnd;
 
   /// The last complete result and what it is of: the filter is also run again where a filter before
   /// it was, though it gave the same body, as when another view of that body asks for ghost cells.

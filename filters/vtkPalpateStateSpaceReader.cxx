@@ -2,6 +2,7 @@
 #include "vtkPalpateStateSpaceReader.h"
 
 #include <algorithm>
+#include <system_error>
 
 #include "base/error.h"
 #include "state_space/state_space_file.h"
@@ -11,6 +12,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGrowth.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPolyData.h"
@@ -22,13 +24,33 @@ vtkPalpateStateSpaceReader::vtkPalpateStateSpaceReader()
   this->SetNumberOfInputPorts(0);
 }
 
-vtkPalpateStateSpaceReader::~vtkPalpateStateSpaceReader() = default;
+vtkPalpateStateSpaceReader::~vtkPalpateStateSpaceReader()
+{
+  vtkPalpateStopGrowing(this);
+}
+
+bool vtkPalpateStateSpaceReader::GetNeedsUpdate()
+{
+  if (!vtkPalpateGrows(this) || palpate::StateSpaceFile::is_being_written(this->FileName))
+  {
+    return false;
+  }
+  std::error_code missing; // It may come again.
+  const auto written = std::filesystem::last_write_time(this->FileName, missing);
+  if (missing || written == this->Written)
+  {
+    return false;
+  }
+  vtkPalpateGoOn();
+  return true;
+}
 
 int vtkPalpateStateSpaceReader::RequestData(
   vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  vtkPalpateStopGrowing(this);
   const bool reads = !controller || controller->GetLocalProcessId() == 0;
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
@@ -48,6 +70,8 @@ int vtkPalpateStateSpaceReader::RequestData(
           {
             throw palpate::InputError("No file is named. Set FileName to a .palpate file.");
           }
+          std::error_code missing; // Opening it says so.
+          this->Written = std::filesystem::last_write_time(this->FileName, missing);
           const auto file = palpate::StateSpaceFile::open_read_only(this->FileName);
           scene = file.read_scene();
           space = palpate::make_touch_space(file, this->DisplacementBound);
@@ -56,6 +80,10 @@ int vtkPalpateStateSpaceReader::RequestData(
             std::all_of(toolSpaces.begin(), toolSpaces.end(),
               [](const auto& toolSpace) { return toolSpace.complete; });
         });
+      if (!palpate::any(*communicator, complete))
+      {
+        vtkPalpateGrow(this, controller);
+      }
       // The blocks are the same on every rank.
       vtkPalpateNameBlocks(
         output, palpate::any(*communicator, vtkPalpateHasIntermediateStates(space)));

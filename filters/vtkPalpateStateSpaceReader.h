@@ -7,9 +7,14 @@
  * and `Complete`. The file may be one that is not complete. What is damaged in it is left out, with
  * a warning, and named in the field array `LeftOut`. Under MPI the result is whole on rank 0 and
  * empty elsewhere.
+ *
+ * A space that is not complete grows with its file: once that is another one, in ParaView's window
+ * it is read again, see GetNeedsUpdate(). Whoever hands out a space as it is found puts a whole
+ * file in place of the one before.
  */
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "PalpateFiltersModule.h"
@@ -34,6 +39,10 @@ public:
   vtkGetMacro(DisplacementBound, double);
   ///@}
 
+  /// Whether there is more in the file than was read, and nobody writes to it; then the next update
+  /// reads it, on all ranks. ParaView's window asks rank 0 now and then (the hint LiveSource).
+  bool GetNeedsUpdate();
+
 protected:
   vtkPalpateStateSpaceReader();
   ~vtkPalpateStateSpaceReader() override;
@@ -46,4 +55,7 @@ private:
 
   std::string FileName;
   double DisplacementBound = 1e-3;
+
+  /// When the file was written that was read last.
+  std::filesystem::file_time_type Written;
 };

@@ -233,7 +233,8 @@ int vtkPalpateTouchStateSpace::FillOutputPortInformation(int port, vtkInformatio
   return 1;
 }
 
-void vtkPalpateTouchStateSpace::FindWholeBody(const TouchToolSpace& toolSpace, const double t[3])
+void vtkPalpateTouchStateSpace::FindWholeBody(
+  const TouchToolSpace& toolSpace, const palpate::Interpolator& interpolator, const double t[3])
 {
   Prepared& cache = *this->Cache;
   if (!cache.Whole)
@@ -244,7 +245,10 @@ void vtkPalpateTouchStateSpace::FindWholeBody(const TouchToolSpace& toolSpace, c
   auto& field = cache.Branches[{ cache.Node, cache.OnBranch }].BodyField;
   if (!field)
   {
-    field = std::make_unique<palpate::BodyField>(cache.SiteOnBranch(toolSpace, cache.OnBranch));
+    const TouchToolSpace site = cache.SiteOnBranch(toolSpace, cache.OnBranch);
+    field = toolSpace.setup.interaction.is_contact()
+      ? std::make_unique<palpate::BodyField>(site, interpolator.grid())
+      : std::make_unique<palpate::BodyField>(site);
   }
   field->evaluate(palpate::Vec3(t), whole.Fields, whole.Displacement, whole.Pressure);
   if (whole.Displacement.size() == 0)
@@ -375,7 +379,7 @@ int vtkPalpateTouchStateSpace::RequestData(
           problem = error.what();
         }
       };
-      tryWith([&] { this->FindWholeBody(toolSpace, t.data()); });
+      tryWith([&] { this->FindWholeBody(toolSpace, *interpolator, t.data()); });
 
       const palpate::Surface& surface = space.surface;
       Eigen::VectorXf u =

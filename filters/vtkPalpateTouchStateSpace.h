@@ -48,6 +48,7 @@ class vtkUnstructuredGrid;
 
 namespace palpate
 {
+class Interpolator;
 struct TouchToolSpace;
 }
 
@@ -129,7 +130,9 @@ private:
   struct Prepared;
 
   /// The displacement of the whole body, on the rank that has the space.
-  void FindWholeBody(const palpate::TouchToolSpace& toolSpace, const double t[3]);
+  /// @param interpolator Of the force there.
+  void FindWholeBody(const palpate::TouchToolSpace& toolSpace,
+    const palpate::Interpolator& interpolator, const double t[3]);
   /// What follows from it: contact, stress and the second output.
   void AddWholeBody(const double t[3], vtkPolyData* surface, vtkUnstructuredGrid* body);
 

@@ -19,6 +19,12 @@ constexpr int kMostHalvings = 3;
 /// A start is shallower than what is reached from it by at least this share of the spacing.
 constexpr double kShallower = 0.2;
 
+/// How far the exploration has to come, m: that is measured at the surface, so that all
+/// check-points on a way out of the body are as far, those that touch nothing too.
+double distance(const ToolClearance::Approach& approach, const Vec3& begin_at) {
+  return (approach.touched - begin_at).norm();
+}
+
 class Shell {
  public:
   Shell(const ToolClearance& clearance, const Grid& grid, const std::vector<char>& touchable,
@@ -37,7 +43,9 @@ class Shell {
   [[nodiscard]] std::vector<StartGraph::Target> targets() const {
     std::vector<StartGraph::Target> targets;
     for (const auto& [p, node] : nodes_) {
-      if (node.is_corner) targets.push_back({p, starts(p, node), node.is_free});
+      if (!node.is_corner) continue;
+      targets.push_back(
+          {p, starts(p, node), node.is_free, distance(node.approach, options_.begin_at)});
     }
     return targets;
   }
@@ -193,13 +201,15 @@ std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance, co
 
 std::vector<StartGraph::Target> refined_targets(
     const ToolClearance& clearance, const Grid& grid, const std::vector<Cell>& to_split,
-    const std::map<CheckPoint, ConfigurationSummary>& known) {
+    const std::map<CheckPoint, ConfigurationSummary>& known, const Vec3& begin_at) {
   const auto is_known = [&](const CheckPoint& p) { return known.count(p) > 0; };
   std::vector<StartGraph::Target> targets;
   for (const auto& [target, corners] : corners_of_new_points(to_split, is_known)) {
     StartGraph::Target& added = targets.emplace_back();
     added.check_point = target;
-    if (clearance.clearance(grid.place(target)) > 0) {
+    const Vec3 place = grid.place(target);
+    added.distance = distance(clearance.approach(place), begin_at);
+    if (clearance.clearance(place) > 0) {
       added.is_free = true;
       added.starts = {target};
       continue;

@@ -25,6 +25,9 @@ struct ShellOptions {
   double depth = 0;
   /// Whether a place of the surface at rest is to be pressed; empty: all that is touchable.
   std::function<bool(const Vec3&)> region;
+  /// Where the exploration begins, m: it grows from there over the surface, so that the place can
+  /// be touched long before all is found.
+  Vec3 begin_at = Vec3::Zero();
 };
 
 /// The grid of a rigid tool around a body, with coarsest cells of a side, and such that they may be
@@ -44,8 +47,9 @@ struct ShellOptions {
 /// The targets of a further round: the points of the halves of cells that are to be split.
 /// They are reached from the corners of those, the nearest first.
 /// @param known What is known of all check-points so far, by check-point.
+/// @param begin_at See ShellOptions.
 [[nodiscard]] std::vector<StartGraph::Target> refined_targets(
     const ToolClearance& clearance, const Grid& grid, const std::vector<Cell>& to_split,
-    const std::map<CheckPoint, ConfigurationSummary>& known);
+    const std::map<CheckPoint, ConfigurationSummary>& known, const Vec3& begin_at);
 
 }  // namespace palpate

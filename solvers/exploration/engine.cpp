@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 
 #include "base/error.h"
 #include "schedule/owner.h"
@@ -207,7 +208,7 @@ void Engine::receive(int from, const Bytes& message, Mail& mail) {
       break;
     }
     case Kind::make:
-      while (!content.at_end()) batches_.push_front(unpack(content));
+      while (!content.at_end()) enqueue(unpack(content));
       break;
     case Kind::ask: {
       const auto id = content.take<ToolSpaceId>();
@@ -301,7 +302,7 @@ void Engine::send(ToolSpaceId tool_space, const Held& start, const std::vector<T
   batch.tool_space = tool_space;
   batch.start = start.summary;
   batch.targets.assign(targets.begin(), targets.end());
-  if (start.rank == mail.rank()) return batches_.push_front(std::move(batch));
+  if (start.rank == mail.rank()) return enqueue(std::move(batch));
   Packer message;
   message.put(Kind::make);
   pack(batch, false, message);
@@ -425,7 +426,7 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
       batch.targets.push_back(target_of(owned, due[i]));
     }
     if (holder == mail.rank()) {
-      batches_.push_front(std::move(batch));
+      enqueue(std::move(batch));
     } else {
       const auto [message, is_new] = to_holders.try_emplace(holder);
       if (is_new) message->second.put(Kind::make);
@@ -436,15 +437,14 @@ void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
 }
 
 bool Engine::has_work() const {
-  return !to_recall_.empty() || !wanted_.empty() || !batches_.empty();
+  return !to_recall_.empty() || !wanted_.empty() || !begun_.empty() || !due_.empty();
 }
 
 void Engine::work(Mail& mail) {
   tell();
   if (!to_recall_.empty()) return recall_some(mail);
   if (!wanted_.empty()) return send_wanted(mail);
-  current_ = std::move(batches_.back());
-  batches_.pop_back();
+  current_ = take_next();
   const ToolSpaceId id = current_->tool_space;
   const Target target = current_->targets.front();
   current_->targets.pop_front();
@@ -471,7 +471,7 @@ void Engine::work(Mail& mail) {
   mail.send_to_owner(owner_key(id, summary.check_point), message.take());
 
   if (!current_->targets.empty()) {
-    batches_.push_back(std::move(*current_));
+    begun_.push_back(std::move(*current_));
   } else if (start != nullptr) {
     solver_.forget(*start);
   }
@@ -484,7 +484,7 @@ void Engine::work(Mail& mail) {
   const auto state = std::make_shared<const Equilibrium>(to_equilibrium(std::move(found)));
   if (next.targets.empty()) return solver_.forget(*state);
   next.state = state;
-  batches_.push_back(std::move(next));
+  begun_.push_back(std::move(next));
 }
 
 /// Tells how far the tool spaces are that this rank owns.
@@ -553,24 +553,50 @@ std::vector<IntermediateState> Engine::make_way(const Batch& batch,
   return way;
 }
 
+void Engine::enqueue(Batch&& batch) {
+  const CheckPoint& target = batch.targets.front().check_point;
+  const double distance = space(batch.tool_space).plan->distance(target);
+  due_.emplace(distance, std::move(batch));
+}
+
+Engine::Batch Engine::take_next() {
+  if (begun_.empty()) return std::move(due_.extract(due_.begin()).mapped());
+  Batch next = std::move(begun_.back());
+  begun_.pop_back();
+  return next;
+}
+
+Engine::Batch& Engine::last() {
+  return due_.empty() ? begun_.front() : std::prev(due_.end())->second;
+}
+
+Engine::Batch Engine::take_last() {
+  Batch taken = std::move(last());
+  if (due_.empty()) {
+    begun_.pop_front();
+  } else {
+    due_.erase(std::prev(due_.end()));
+  }
+  return taken;
+}
+
 Bytes Engine::give() {
   Packer message;
   // Whole batches while there are others; what is left of the one that is made last of all.
-  if (batches_.size() > (current_ ? 0 : 1)) {
-    const auto from_rest = [](const Batch& batch) { return !batch.has_start(); };
-    const std::size_t half = (batches_.size() + 1) / 2;
-    std::size_t num = 0;
-    while (num < half && from_rest(batches_[num])) ++num;
-    num = std::max<std::size_t>(num, 1);
-    for (; num > 0; --num) {
-      pack(batches_.front(), true, message);
-      batches_.pop_front();
+  const std::size_t num_batches = due_.size() + begun_.size();
+  if (num_batches > (current_ ? 0 : 1)) {
+    // Up to half of those from rest, else one.
+    std::size_t most = (num_batches + 1) / 2;
+    for (bool from_rest = true; from_rest && most > 0; --most) {
+      Batch given = take_last();
+      pack(given, true, message);
+      from_rest = !given.has_start() && !due_.empty() && !last().has_start();
     }
     return message.take();
   }
-  Batch* last = current_ ? &*current_ : batches_.empty() ? nullptr : &batches_.front();
-  if (last == nullptr || last->targets.size() < (current_ ? 1 : 2)) return {};
-  Batch given = split(*last);
+  Batch* rest = current_ ? &*current_ : num_batches == 0 ? nullptr : &last();
+  if (rest == nullptr || rest->targets.size() < (current_ ? 1 : 2)) return {};
+  Batch given = split(*rest);
   pack(given, true, message);
   return message.take();
 }
@@ -588,13 +614,14 @@ Engine::Batch Engine::split(Batch& batch) {
 }
 
 void Engine::take(const Bytes& tasks, Mail& /*mail*/) {
-  for (Unpacker message(tasks); !message.at_end();) batches_.push_front(unpack(message));
+  for (Unpacker message(tasks); !message.at_end();) enqueue(unpack(message));
 }
 
 void Engine::discard() {
   to_recall_.clear();
   wanted_.clear();
-  batches_.clear();
+  due_.clear();
+  begun_.clear();
 }
 
 void Engine::pack(Batch& batch, bool with_state, Packer& message) {

@@ -7,8 +7,9 @@
 // so a start still has its factor, and a rank has no more states in memory than it is layers deep.
 // What the strategy decides in addition, such as another start for a step that failed, the owner
 // sends to the rank whose record has the start; where another rank owns the start, through that
-// one, which answers when the start is found or given up. A rank without tasks takes over some of
-// another's, those nearest to rest: whole batches.
+// one, which answers when the start is found or given up. What is due waits in the order of the
+// plan, the nearest to where the exploration begins first. A rank without tasks takes over some of
+// another's, those that it would make last: whole batches.
 //
 // What an earlier run has left is on rank 0, which tells the owners. That is a task for each few
 // configurations, so that the scheduler holds it back while mail lies unread.
@@ -131,6 +132,13 @@ class Engine final : public Worker {
   /// Has transitions from a start made by the rank that has it.
   void send(ToolSpaceId tool_space, const Held& start, const std::vector<Target>& targets,
             Mail& mail);
+  /// Has a batch made when it is its turn; of those that are as far as another, after it.
+  void enqueue(Batch&& batch);
+  /// Takes out the batch that is made next.
+  [[nodiscard]] Batch take_next();
+  /// The batch that is made last of all.
+  [[nodiscard]] Batch& last();
+  [[nodiscard]] Batch take_last();
   /// Takes every other target out of a batch, for another rank.
   [[nodiscard]] static Batch split(Batch& batch);
   /// @param with_state Whether the state of the start is put in too: for a rank whose record does
@@ -170,8 +178,10 @@ class Engine final : public Worker {
   /// What is wanted from starts that are known here, by start: it is sent together, so that a start
   /// is factorised once.
   std::map<std::pair<ToolSpaceId, CheckPoint>, std::vector<Target>> wanted_;
-  /// The last one is worked on next; those in front are given away.
-  std::deque<Batch> batches_;
+  /// What is due, by the distance from where the exploration begins.
+  std::multimap<double, Batch> due_;
+  /// Batches that are made before these, depth first: the last one is next.
+  std::deque<Batch> begun_;
   /// The batch whose transition is being made.
   std::optional<Batch> current_;
 };

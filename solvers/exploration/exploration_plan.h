@@ -24,6 +24,9 @@ class ExplorationPlan {
   /// Each check-point has an owner of its own, which knows of that one alone. Otherwise one rank
   /// owns the tool space.
   [[nodiscard]] virtual bool is_spread() const = 0;
+  /// How far a check-point is from where the exploration begins, m: of what is due, a rank makes
+  /// first what is nearest. It decides when a configuration is found, never what is found.
+  [[nodiscard]] virtual double distance(const CheckPoint& /*p*/) const { return 0; }
   /// The strategy of the check-points that a rank owns.
   [[nodiscard]] virtual std::unique_ptr<ExplorationStrategy> make_strategy(int rank,
                                                                            int num_ranks) const = 0;

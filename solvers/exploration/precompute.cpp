@@ -160,6 +160,8 @@ ExplorationEstimate estimate_shell(const PrecomputeOptions& options, const Plann
         " are allowed. Take a larger spacing, less depth or a smaller region, or allow "
         "more.");
   }
+  // Trials take a while.
+  if (!options.expects) return estimate;
   double seconds = 0;
   const std::size_t trials = std::min(kTrials, from_none.size());
   for (std::size_t i = 0; i < trials; ++i) {
@@ -276,8 +278,8 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
 /// The rounds in which cells of a rigid tool's space are halved. Every rank plans the same.
 class ShellRounds {
  public:
-  ShellRounds(PlannedSpace& space, const ToolClearance& clearance)
-      : space_(space), clearance_(clearance) {
+  ShellRounds(PlannedSpace& space, const ToolClearance& clearance, const Vec3& begin_at)
+      : space_(space), clearance_(clearance), begin_at_(begin_at) {
     take(static_cast<const StartGraph&>(*space.plan));
   }
 
@@ -305,7 +307,7 @@ class ShellRounds {
                           [&](const CellEstimate& estimate) { return is_in_vain(estimate); });
       for (const CellEstimate& e : refinement.estimates) errors_[e.cell] = e.error;
       auto graph = std::make_shared<const StartGraph>(
-          setup.id, refined_targets(clearance_, setup.grid, refinement.to_split, known));
+          setup.id, refined_targets(clearance_, setup.grid, refinement.to_split, known, begin_at_));
       if (graph->targets().empty()) return;
       take(*graph);
       space_.plan = std::move(graph);
@@ -343,6 +345,7 @@ class ShellRounds {
 
   PlannedSpace& space_;
   const ToolClearance& clearance_;
+  Vec3 begin_at_;
   /// Of the rounds so far.
   std::set<CheckPoint> asked_;
   std::map<CheckPoint, ConfigurationSummary> known_;
@@ -394,7 +397,8 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   Engine engine(spaces, *state_solver, *record, communicator.network(), monitor, report);
   std::optional<ShellRounds> rounds;
   if (options.contact && options.tolerance > 0) {
-    rounds.emplace(spaces.front(), *tools.clearance(setups.front().interaction));
+    rounds.emplace(spaces.front(), *tools.clearance(setups.front().interaction),
+                   options.contact->shell.begin_at);
   }
   do {
     report.complete = run(engine, communicator, &report.schedule);
@@ -479,6 +483,9 @@ void validate(const PrecomputeOptions& options) {
     if (!(std::isfinite(shell.depth) && shell.depth >= 0)) {
       throw InputError("The depth is " + std::to_string(shell.depth) +
                        "; it must be a length in m, or 0 to go as deep as the force limit allows.");
+    }
+    if (!shell.begin_at.allFinite()) {
+      throw InputError("The place where the exploration begins is not finite.");
     }
     if (shell.depth == 0 && options.force_limit == 0) {
       throw InputError(

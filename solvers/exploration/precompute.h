@@ -44,7 +44,8 @@ struct ExplorationEstimate {
 struct PrecomputeOptions {
   /// A rigid tool. The active nodes that are named besides are explored after it.
   std::optional<ContactOptions> contact;
-  /// Hears what a space of a rigid tool is expected to take, on rank 0, before it is explored.
+  /// Hears what a space of a rigid tool is expected to take, on rank 0, before it is explored. Some
+  /// configurations are solved for to say so; empty: they are not.
   std::function<void(const ExplorationEstimate&)> expects;
 
   /// The points of the mesh that are touched; empty: with a rigid tool none, else all that the

@@ -138,6 +138,11 @@ std::vector<CheckPoint> StartGraph::following(const ConfigurationSummary& found)
   return here == following_.end() ? std::vector<CheckPoint>{} : here->second;
 }
 
+double StartGraph::distance(const CheckPoint& p) const {
+  const Target* target = find(p);
+  return target != nullptr ? target->distance : 0;
+}
+
 std::unique_ptr<ExplorationStrategy> StartGraph::make_strategy(int rank, int num_ranks) const {
   std::vector<const Target*> own;
   for (const Target& target : targets_) {

@@ -31,12 +31,15 @@ class StartGraph final : public ExplorationPlan {
     std::vector<CheckPoint> starts;
     /// The tool touches nothing there: it takes no time to find it.
     bool is_free = false;
+    /// See ExplorationPlan::distance(), m.
+    double distance = 0;
   };
 
   StartGraph(ToolSpaceId tool_space, std::vector<Target> targets);
 
   [[nodiscard]] std::vector<CheckPoint> following(const ConfigurationSummary& found) const override;
   [[nodiscard]] bool is_spread() const override { return true; }
+  [[nodiscard]] double distance(const CheckPoint& p) const override;
   [[nodiscard]] std::unique_ptr<ExplorationStrategy> make_strategy(int rank,
                                                                    int num_ranks) const override;
 

@@ -61,8 +61,9 @@ double ToolClearance::clearance(const Vec3& q) const {
     squared = farthest * farthest;
   });
   const double of_layer = least - margin_;
-  // A tool that touches nothing may still be within the body.
-  return of_layer > 0 && body_.nearest(q).distance < 0 ? -of_layer : of_layer;
+  // A tool that touches nothing may still be within the body, and is as long as its centre is.
+  const double of_centre = body_.nearest(q).distance;
+  return of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
 }
 
 ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {

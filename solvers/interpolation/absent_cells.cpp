@@ -125,7 +125,9 @@ class AbsentCells {
     const double c = clearance_(centre(grid_, cell));
     const double r = half_diagonal(grid_, cell);
     if (c > r) return ~CellTree::kFree;
-    if (c <= -r || cell.side <= smallest_) return touching;
+    // The centres of the smallest parts are as far as r − s at the most: one may be free.
+    const double s = half_diagonal(grid_, {cell.first, smallest_});
+    if (!(c + (r - s) > s)) return touching;
     const Cell half{cell.first, cell.side / 2};
     std::array<std::int32_t, 8> parts{};
     for (int i = 0; i < 8; ++i) parts[i] = part({corner_of(half, i), half.side}, touching);

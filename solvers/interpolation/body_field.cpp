@@ -2,13 +2,14 @@
 #include "interpolation/body_field.h"
 
 #include <iterator>
+#include <utility>
 
 #include "interpolation/field_weights.h"
 
 namespace palpate {
 
-BodyField::BodyField(const TouchToolSpace& tool_space)
-    : setup_(tool_space.setup), configurations_(tool_space.configurations), grid_(tool_space) {
+BodyField::BodyField(const TouchToolSpace& tool_space, CheckPointGrid grid)
+    : setup_(tool_space.setup), configurations_(tool_space.configurations), grid_(std::move(grid)) {
   const auto& nodes = grid_.hanging_nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i) hanging_.emplace(nodes[i].node, i);
   for (std::int32_t n = 0; n < grid_.num_nodes() && any_touching_ < 0; ++n) {

@@ -16,7 +16,11 @@ namespace palpate {
 class BodyField {
  public:
   /// @throws InputError the tool space has no grid, see CheckPointGrid.
-  explicit BodyField(const TouchToolSpace& tool_space);
+  explicit BodyField(const TouchToolSpace& tool_space)
+      : BodyField(tool_space, CheckPointGrid(tool_space)) {}
+  /// @param grid Of the tool space, as an interpolator has it: it takes a while to make that of a
+  ///   rigid tool.
+  BodyField(const TouchToolSpace& tool_space, CheckPointGrid grid);
 
   /// @param fields Of the file of the space; what is needed at t is read, if it is not there.
   /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a

@@ -95,6 +95,8 @@ class Interpolator {
   /// Where that is in the space.
   /// @note Realtime-safe.
   [[nodiscard]] Location locate(const Vec3& t) const noexcept { return grid_.locate(t); }
+  /// The check-points of the tool space.
+  [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
   /// Distance of neighbouring check-points, m.
   [[nodiscard]] double spacing() const noexcept { return grid_.spacing(); }
   /// The side of the cell that a place is in or beside, m.
@@ -118,7 +120,6 @@ class Interpolator {
 
  protected:
   explicit Interpolator(const TouchToolSpace& tool_space);
-  [[nodiscard]] const CheckPointGrid& grid() const { return grid_; }
   void set_num_samples(std::size_t num) { num_samples_ = num; }
   /// Where nothing comes from extrapolated nodes: the force is h + kΔ from rest whatever is
   /// missing.

@@ -595,6 +595,8 @@ StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene&
                           : create(path, scene, solver_tolerance);
 }
 
+bool StateSpaceFile::is_being_written(const fs::path& path) { return has_log(path); }
+
 StateSpaceFile StateSpaceFile::open_read_only(const fs::path& path) {
   auto impl = std::make_unique<Impl>(open_to_read(path));
   show_as_this_version(impl->database, impl->version);

@@ -71,6 +71,9 @@ class StateSpaceFile {
   /// @throws InputError it is missing or of another schema.
   [[nodiscard]] static StateSpaceFile open_read_only(const std::filesystem::path& path);
 
+  /// Whether a writer is at work on a file, or was killed.
+  [[nodiscard]] static bool is_being_written(const std::filesystem::path& path);
+
   /// Closes without a word when something fails: call close() to know.
   ~StateSpaceFile();
   StateSpaceFile(StateSpaceFile&&) noexcept;

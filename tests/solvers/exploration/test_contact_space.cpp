@@ -2,6 +2,7 @@
 // The space of a rigid tool that presses a body anywhere.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <random>
@@ -154,6 +155,40 @@ TEST_F(ContactSpace, GivesTheForceWhereverTheToolPresses) {
   EXPECT_LT(largest_error, 0.02 * largest);
 }
 
+// The place where it begins can be touched long before all is found, and the order does not change
+// the result. How several ranks share in it depends on how fast each is: see StartGraph.
+TEST_F(ContactSpace, GrowsFromWhereItBegins) {
+  options_.contact->shell.region = [](const Vec3& place) {
+    return place.x() > 0.035 && place.z() > 0.04;
+  };
+  const PrecomputeResult whole = run(*world_);
+  for (const Vec3& begin : {Vec3(0.045, 0.03, 0.05), Vec3(0.08, 0.04, 0.05)}) {
+    options_.contact->shell.begin_at = begin;
+    progress_ = nullptr;
+    const PrecomputeResult ordered = run(*world_);
+    EXPECT_EQ(ordered.report.num_solved, whole.report.num_solved);
+    if (world_->rank() != 0) continue;
+    expect_equal(ordered.space.tool_spaces[0], whole.space.tool_spaces[0]);
+    progress_ = [&](const ProgressState& state) {
+      return state.num_solved < whole.report.num_solved / 4;
+    };
+    const PrecomputeResult part = run(*serial_);
+    EXPECT_FALSE(part.report.complete);
+    const auto touched = make_interpolator(Method::energy_hermite, part.space.tool_spaces[0]);
+    const auto right = make_interpolator(Method::energy_hermite, whole.space.tool_spaces[0]);
+    const Vec3 deepest = begin + Vec3(0, 0, kRadius - kDepth);
+    const double largest = right->evaluate(deepest).force.norm();
+    for (const double aside : {-0.004, 0.0, 0.004}) {
+      for (double height = 0; height < 2 * kDepth; height += kDepth / 8) {
+        const Vec3 place = deepest + Vec3(aside, aside, height);
+        const TouchResult touch = touched->evaluate(place);
+        EXPECT_EQ(touch.support, Support::inside) << place.transpose();
+        EXPECT_LT((touch.force - right->evaluate(place).force).norm(), 0.05 * largest);
+      }
+    }
+  }
+}
+
 TEST_F(ContactSpace, GoesOnFromItsFile) {
   const PrecomputeResult whole = run(*world_);
   options_.file = folder_ / "space.palpate";
@@ -228,6 +263,30 @@ TEST_F(ContactSpace, IsRefinedToATolerance) {
   }
 }
 
+// The clearance decides about whole cells: it changes by no more than the way, and is not positive
+// within the body, also where the tool is so deep that it meets no point of the surface.
+TEST_F(ContactSpace, TheClearanceIsDecisiveWithinTheBodyToo) {
+  constexpr double kRounding = 1e-12;
+  constexpr double kSmall = 0.004;
+  options_.contact->tool.radius = kSmall;
+  InteractionFactory tools(block_.scene);
+  const auto clearance =
+      tools.clearance(rigid_contact_spec(with_defaults(options_.contact->tool, block_.scene)));
+  const Vec3 middle(0.05, 0.03, 0.025);
+  // The nearest face is about 25 mm away.
+  EXPECT_LE(clearance->clearance(middle), -0.024);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 2000; ++i) {
+    // Not beyond the face that is held, which no tool touches.
+    const Vec3 p =
+        middle + Vec3(0.02 + 0.055 * unit(random), 0.05 * unit(random), 0.045 * unit(random));
+    const Vec3 q = p + 0.01 * Vec3(unit(random), unit(random), unit(random));
+    const double change = std::abs(clearance->clearance(p) - clearance->clearance(q));
+    EXPECT_LE(change, (p - q).norm() + kRounding) << p.transpose() << " to " << q.transpose();
+  }
+}
+
 TEST_F(ContactSpace, GoesNoDeeperThanTheForceLimit) {
   options_.contact->shell.depth = 0;
   options_.force_limit = 0.05;
@@ -277,6 +336,9 @@ TEST_F(ContactSpace, RefusesWhatCannotBePressed) {
   *options_.contact = good;
   options_.contact->shell.depth = 0;
   EXPECT_NE(error().find("Neither a depth nor a force limit"), std::string::npos) << error();
+  *options_.contact = good;
+  options_.contact->shell.begin_at.x() = std::nan("");
+  EXPECT_NE(error().find("is not finite"), std::string::npos) << error();
   *options_.contact = good;
   options_.history = History::levels;
   EXPECT_NE(error().find("no levels"), std::string::npos) << error();

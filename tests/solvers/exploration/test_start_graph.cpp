@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -37,6 +39,9 @@ bool fails(const CheckPoint& start, const CheckPoint& target) {
 }
 bool is_beyond_limit(const CheckPoint& p) { return p[2] > 0 && any_number(p, p) % 8 == 1; }
 
+/// From a column that is neither in the middle nor one of the first.
+double distance(const CheckPoint& p) { return std::hypot(p[0] - 6, p[1] - 5); }
+
 /// Layers one below the other. Those of the first are reached from none, those of others from three
 /// above.
 std::vector<StartGraph::Target> make_targets() {
@@ -46,6 +51,7 @@ std::vector<StartGraph::Target> make_targets() {
       for (std::int32_t y = 0; y < kWidth; ++y) {
         StartGraph::Target& target = targets.emplace_back();
         target.check_point = {x, y, z};
+        target.distance = distance(target.check_point);
         if (z == 0) {
           target.starts = {target.check_point};
           continue;
@@ -137,14 +143,15 @@ class FailingSolver final : public StateSolver {
 /// Rank 0 knows what an earlier run has left.
 class KeptRecord final : public Record {
  public:
-  KeptRecord(const std::vector<ConfigurationSummary>& left, int rank)
-      : left_(rank == 0 ? left : std::vector<ConfigurationSummary>()) {}
+  KeptRecord(const std::vector<ConfigurationSummary>& left, int rank, const Network& network)
+      : left_(rank == 0 ? left : std::vector<ConfigurationSummary>()), network_(network) {}
 
   [[nodiscard]] Known known(ToolSpaceId /*tool_space*/) const override { return {left_, {}}; }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
   void keep(ToolSpaceId, const Configuration& found,
             const std::vector<IntermediateState>&) override {
     kept.push_back(found);
+    kept_at[found.check_point] = network_.now();
   }
   void keep(ToolSpaceId, const LevelTransition&) override {}
   void settle(ToolSpaceId, const ConfigurationSummary&, std::int32_t) override {}
@@ -159,13 +166,17 @@ class KeptRecord final : public Record {
   [[nodiscard]] TouchSpace finish(bool, double) override { return {}; }
 
   std::vector<ConfigurationSummary> kept;
+  /// When, s.
+  std::map<CheckPoint, double> kept_at;
 
  private:
   std::vector<ConfigurationSummary> left_;
+  const Network& network_;
 };
 
 struct Explored {
   std::vector<ConfigurationSummary> kept;
+  std::map<CheckPoint, double> kept_at;
   std::int64_t num_solved = 0;
   std::int64_t num_reused = 0;
 };
@@ -188,13 +199,14 @@ Explored explore(int num_ranks, const std::vector<ConfigurationSummary>& left) {
     Network& network = simulation.network(r);
     Monitor& monitor = monitors.emplace_back(nullptr, network);
     workers.push_back(&engines.emplace_back(spaces, solvers.emplace_back(simulation, r, monitor),
-                                            records.emplace_back(left, r), network, monitor,
-                                            reports.emplace_back()));
+                                            records.emplace_back(left, r, network), network,
+                                            monitor, reports.emplace_back()));
   }
   EXPECT_TRUE(simulation.run(workers));
   Explored run;
   for (int r = 0; r < num_ranks; ++r) {
     run.kept.insert(run.kept.end(), records[r].kept.begin(), records[r].kept.end());
+    run.kept_at.merge(records[r].kept_at);
     run.num_solved += reports[r].num_solved;
     run.num_reused += reports[r].num_reused;
   }
@@ -217,6 +229,30 @@ TEST(StartGraph, EachTargetIsFoundFromItsBestStartThatLeadsOn) {
   for (const int ranks : {1, 2, 7, 64}) {
     const Explored run = explore(ranks, {});
     EXPECT_TRUE(parents_of(run.kept) == expected.parent) << ranks << " ranks";
+  }
+}
+
+TEST(StartGraph, GrowsFromWhereItBegins) {
+  const std::vector<ConfigurationSummary> all = explore(1, {}).kept;
+  // What is interrupted is not left until the end.
+  std::vector<ConfigurationSummary> first_layers;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(first_layers),
+               [](const auto& c) { return c.usable() && c.check_point[2] < 2; });
+  for (const auto& left : {std::vector<ConfigurationSummary>(), first_layers}) {
+    for (const int ranks : {1, 2, 3}) {
+      const std::map<CheckPoint, double> kept_at = explore(ranks, left).kept_at;
+      double last = 0;
+      for (const auto& [p, seconds] : kept_at) last = std::max(last, seconds);
+      int num_near = 0;
+      int num_early = 0;
+      for (const auto& [p, seconds] : kept_at) {
+        if (distance(p) > 1.5) continue;
+        ++num_near;
+        if (seconds < last / 3) ++num_early;
+      }
+      // The others wait for starts that are farther away, since the nearer failed.
+      EXPECT_GT(num_early, 0.75 * num_near) << ranks << " ranks";
+    }
   }
 }
 

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Shows in ParaView's window the state space that grow.py hands out, while it grows.
+
+Sample run; examples/touch does it, with grow.py beside it. The folder is that of grow.py, which has
+handed out something:
+    PALPATE_SPACE_FOLDER=folder paraview --script=touch.py
+"""
+import os
+import sys
+
+from paraview.simple import *
+
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+from organ import FRONT, OUT
+
+AWAY = 0.35  # of OUT, from the eye to the middle of the view
+
+view = GetActiveViewOrCreate("RenderView")
+space = StateSpaceReader(registrationName="Liver",
+                         FileName=os.path.join(os.environ["PALPATE_SPACE_FOLDER"], "liver.palpate"))
+Show(space, view)
+Render(view)  # The first time it moves the camera.
+view.CameraFocalPoint, view.CameraViewUp = FRONT, [0, 1, 0]
+view.CameraPosition = [place + AWAY * out for place, out in zip(FRONT, OUT)]
+Render(view)

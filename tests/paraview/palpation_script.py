@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs inside ParaView's window, touches what examples/palpation hands out while it grows, and
+quits; test_palpation.py reads what it prints."""
+
+import os
+import runpy
+import sys
+import time
+import traceback
+
+from paraview.simple import *
+
+SOURCE = os.environ["PALPATE_SOURCE_DIR"]
+sys.path.append(os.path.join(SOURCE, "tests", "paraview"))
+from dock_support import click_start, click_stop, number, part, wait_for
+from qt import Button, Event, QtCore, application, pixel_of, send, wait
+
+
+def presses():
+    return part("state").text().endswith(", pressing")
+
+
+def num_found():
+    return FindSource("Liver").GetDataInformation().GetNumberOfPoints()
+
+
+def main():
+    begin = time.monotonic()
+    runpy.run_path(os.path.join(SOURCE, "examples", "palpation", "touch.py"))
+    view = GetActiveView()
+    click_start("Mouse")
+    at = pixel_of(view, view.CameraFocalPoint)
+    send(Event.MouseMove, at, Button.NoButton, Button.NoButton)
+
+    def is_pressed():
+        """As a person does where the body is still grey: once more."""
+        send(Event.MouseButtonPress, at)
+        wait(0.5)
+        if not presses():
+            send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
+        return presses()
+
+    wait_for(is_pressed, "the middle of the view is pressed")
+    print("seconds", time.monotonic() - begin)
+    found = num_found()
+    wait_for(lambda: num_found() > found, "it grows")
+    assert presses(), part("state").text()
+    print("grown", found, num_found())
+    print("force", number("force"))
+    send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
+    click_stop()
+
+
+def run():
+    try:
+        main()
+    except BaseException:
+        traceback.print_exc()
+    application.quit()
+
+
+# In the loop of events, as what a person does.
+QtCore.QTimer.singleShot(300, run)
