@@ -9,8 +9,9 @@ SIZE = [1100, 750]  # pixels
 ROOM = 6  # over the curves, for the legend
 COLOURS = ((0.12, 0.33, 0.60), (0.80, 0.33, 0.10), (0.20, 0.55, 0.25), (0.55, 0.25, 0.60),
            (0.45, 0.45, 0.45), (0.75, 0.60, 0.05), (0.10, 0.60, 0.65), (0.70, 0.15, 0.35))
-# Marker and line of each style: square, dashed; circle, solid; diamond, dotted.
-STYLES = ((3, 2), (4, 1), (5, 3))
+# Marker and line of each style: square, dashed; circle, solid; diamond, dotted; solid; square.
+STYLES = ((3, 2), (4, 1), (5, 3), (0, 1), (3, 0))
+LINE, MARKS = 3, 4
 
 
 class Curve:
