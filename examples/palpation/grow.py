@@ -19,8 +19,9 @@ from organ import FRONT, make_scene
 sys.path.append(os.path.join(sys.path[0], "..", "liver"))
 from pipeline import update
 
-# Until it is handed out for the first time, and then, s. The view stands still while it is taken in,
-# and that takes longer as the space becomes larger: so it is at least a share of the time so far.
+# Until it is handed out for the first time, and then, s. The view stands still while it is taken
+# in, and that takes longer as the space becomes larger: so it is at least a share of the time so
+# far.
 FIRST, LATER, SHARE = 2, 5, 0.2
 
 
@@ -32,7 +33,8 @@ def hand_out(file, name):
 
 def main(folder):
     start = time.monotonic()
-    space = PrecomputeStateSpace(Input=make_scene(), Tool="Sphere", ToolRadius=0.01, BeginAt=FRONT,
+    space = PrecomputeStateSpace(Input=make_scene(), Tool="Sphere", ToolRadius=0.01, Depth=0.008,
+                                 Spacing=0.005, BeginAt=FRONT,
                                  FileName=os.path.join(folder, "growing.palpate"))
     space.UpdateInterval = FIRST
     complete = False

@@ -12,7 +12,7 @@ FRONT, OUT = [-0.0543, 0.0360, 0.0491], [-0.4, 0.4, 1.0]  # m, no unit
 def make_scene():
     """The body with its material, held at its upper back."""
     surface = OpenDataFile(SURFACE)
-    body = TetrahedralizeSurface(Input=surface, ElementOrder="Linear", PreserveSurface=1)
+    body = TetrahedralizeSurface(Input=surface, ElementOrder="Quadratic", PreserveSurface=1)
     material = AssignMaterial(Input=body, Law="Neo-Hookean", YoungsModulus=5000)
     scene = SetBoundary(Input=material, FixedRegion="Sphere")
     scene.FixedRegion.Center, scene.FixedRegion.Radius = [-0.03, 0.06, -0.05], 0.04

@@ -36,7 +36,8 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 INSIDE = 1
 # Of the columns of Accuracy Report; of those in m, B and N what they are multiplied by.
 COLUMNS = {"space": (None, "s", 1), "method": ("Method", "s", 1),
-           "configurations": ("Samples", ".0f", 1), "precompute (s)": ("PrecomputeSeconds", ".3g", 1),
+           "configurations": ("Samples", ".0f", 1),
+           "precompute (s)": ("PrecomputeSeconds", ".3g", 1),
            "carried (MB)": ("Bytes", ".3g", 1e-6), "evaluate (ns)": ("EvaluationP50", ".0f", 1),
            "99.9 % (ns)": ("EvaluationP999", ".0f", 1), "mean (%)": ("MeanErrorN", ".2g", 100),
            "99 % (%)": ("P99ErrorN", ".2g", 100), "largest (%)": ("LargestErrorN", ".2g", 100),
