@@ -5,7 +5,7 @@ They read liver/liver.vtp or roof/roof.vtu, which are made too. Argument: the na
 
 Sample runs, in this folder, with the plugin loaded:
     xvfb-run -a pvpython make_states.py liver
-    for example in liver accuracy discretisation tolerance stability cluster roof; do
+    for example in liver accuracy discretisation tolerance stability cluster roof palpation; do
       xvfb-run -a pvpython make_states.py $example; done
 """
 import os
@@ -29,7 +29,7 @@ from roof import POISSON, TIP, YOUNG, make_roof, save_grid
 ARGS = parser().parse_args(["--resolution", "5", "--law", "Neo-Hookean"])
 # The point of liver.vtp that is farthest in front, and the way out of the body there.
 NODE_IN_FRONT, OUT = 265, np.array([-0.4, 0.4, 1.0])
-TIP_RADIUS, HALF_WIDTH = 0.015, 0.012  # m
+TIP_RADIUS, HALF_WIDTH, TOOL_RADIUS = 0.015, 0.012, 0.01  # m
 
 
 def named(**sources):
@@ -180,6 +180,26 @@ def make_roof_touched():
     return stage.view
 
 
+def make_palpation():
+    """A sphere in the liver, within the part of the surface that it can press."""
+    scene = liver_scene("Quadratic")
+    touched = np.array([-0.0543, 0.0360, 0.0491])  # NODE_IN_FRONT
+    space = PrecomputeStateSpace(Input=scene, Tool="Sphere", ToolRadius=TOOL_RADIUS, Depth=0.008,
+                                 Spacing=0.005, UseToolRegion=1, ToolRegion="Sphere",
+                                 FileName="palpation.palpate")
+    space.ToolRegion.Center, space.ToolRegion.Radius = list(touched), 0.012
+    place = list(touched + pull(TOOL_RADIUS - 0.006))
+    touch = TouchStateSpace(Input=update(space), ToolPosition=place)
+    tool = Sphere(Center=place, Radius=TOOL_RADIUS, ThetaResolution=32, PhiResolution=32)
+    named(Space=space, Touch=update(touch), Tool=tool)
+    stage = Stage(scene)
+    stage.clear()
+    pressure = touch.PointData["ContactPressure"].GetRange()
+    stage.colour(stage.show(touch), ("POINTS", "ContactPressure"), "Pressure (Pa)", pressure)
+    stage.show(tool, PALE, Opacity=0.3)
+    return stage.view
+
+
 def pull(length):
     return list(length * OUT / np.linalg.norm(OUT))
 
@@ -231,7 +251,7 @@ def save(path):
 
 MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make_discretisation,
           "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
-          "roof": make_roof_touched}
+          "roof": make_roof_touched, "palpation": make_palpation}
 
 
 def main(name):
@@ -245,6 +265,8 @@ def main(name):
     if os.environ.get("PALPATE_STATE_PICTURES"):
         SaveScreenshot(os.path.join(os.environ["PALPATE_STATE_PICTURES"], name + ".png"), view,
                        ImageResolution=[600, 450])
+    if name == "palpation":
+        os.remove("palpation.palpate")
 
 
 main(*sys.argv[1:])

@@ -384,6 +384,36 @@ def check_accuracy():
     assert done.returncode == 1 and done.stderr.startswith("accuracy.py: "), done.stderr
 
 
+def check_palpation():
+    """A part of a coarse liver, on two ranks; then a scene with its own law, from the same files."""
+    small = ["--elements", "300", "--points", "30", "--spacings", "0.008", "0.005", "--output",
+             "palpation"]
+    done = run(2 if MPIEXEC else 1, *small, "--region", "0.012", "--tolerance", "2",
+               example="palpation")
+    assert done.returncode == 0, done.stderr
+    with open("palpation/table.md", encoding="utf-8") as file:
+        text = file.read()
+    assert text.strip() in done.stdout, done.stdout
+    rows = rows_of("palpation/table.csv")
+    error = {(row["space"], row["method"]): float(row["mean (%)"]) for row in rows}
+    assert len(rows) == len(error) == 9, rows
+    coarse, fine, refined = ("8 mm", "5 mm", "5 mm, 2 %")
+    assert 0 < error[fine, "Energy Hermite"] < error[coarse, "Energy Hermite"], error
+    assert error[refined, "Energy Hermite"] < 2 and error[refined, "Trilinear"] > 0, error
+    configurations = {row["space"]: float(row["configurations"]) for row in rows}
+    assert configurations[coarse] < configurations[fine] <= configurations[refined], configurations
+    off = re.search(r"on the slide the force is off by ([0-9.e-]+) %", text)
+    assert off and float(off.group(1)) < 5, text
+    slide = rows_of("palpation/slide.csv")
+    felt = [float(row["normal (N)"]) for row in slide if row["inside"] == "1"]
+    assert len(felt) > 100 and max(felt) > 0.05, (len(felt), max(felt, default=0))
+    expect_pictures("palpation", "pressed", "slide", "error_seconds", "error_bytes")
+
+    done = run(1, "palpation/scene.vtu", *small, "--laws", "Own", example="palpation")
+    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith("palpation.py: the scene has no material"), done.stderr
+
+
 check_one_rank()
 check_that_the_file_is_used_again()
 if MPIEXEC:
@@ -398,6 +428,7 @@ check_stability()
 check_roof()
 check_tolerance()
 check_accuracy()
+check_palpation()
 check_cluster()
 check_options_of_the_job()
 if MPIEXEC:

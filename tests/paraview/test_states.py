@@ -94,7 +94,7 @@ def check_the_old_name(name):
 
 names = sorted(name for name in os.listdir(EXAMPLES)
                if os.path.isfile(os.path.join(EXAMPLES, name, "README.md")))
-assert len(names) == 8, names
+assert len(names) == 9, names
 for name in names:
     if name != "embedding":
         check_the_triple(name)
