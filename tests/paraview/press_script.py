@@ -11,8 +11,8 @@ from paraview.simple import *
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
 from dock_support import (click_start, click_stop, number, runs, said, touch_filter, touches,
                           wait_for)
-from qt import (Button, Event, QtCore, QTest, QtWidgets, application, canvas, drag, part, pixel_of,
-                property_widget, send, turn_wheel, wait, window)
+from qt import (Button, Event, Modifier, QtCore, QTest, QtWidgets, application, canvas, drag, part,
+                pixel_of, property_widget, send, turn_wheel, wait, window)
 
 # The block is held at x = 0; its top is at z = 0.05.
 MIDDLE = [0.07, 0.03, 0.05]
@@ -158,9 +158,11 @@ def grasp():
     wait_for(touches, f"the node at {corner} is held")
     assert "node" in part("place").text(), part("place").text()
     for i in range(1, 31):
-        send(Event.MouseMove, near + QtCore.QPoint(i, -i), Button.NoButton)
+        send(Event.MouseMove, near + QtCore.QPoint(i, -i), Button.NoButton,
+             modifiers=Modifier.ControlModifier)
         wait(0.02)
     wait(0.3)
+    assert touches() and "node" in part("place").text(), part("state").text()
     pulled = max(abs(c) for c in touch_filter().Displacement)
     window.grab().save("grasped.png")
     hold_ctrl("up")

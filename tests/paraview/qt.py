@@ -59,11 +59,12 @@ def pixel_of_node(view, touch):
     return pixel_of(view, [place.GetRange(axis)[0] for axis in range(3)])
 
 
-def send(kind, at, button=Button.LeftButton, buttons=Button.LeftButton):
+def send(kind, at, button=Button.LeftButton, buttons=Button.LeftButton,
+         modifiers=Modifier.NoModifier):
     """An event of the mouse in the view."""
     application.sendEvent(canvas(), QtGui.QMouseEvent(
         kind, QtCore.QPointF(at), QtCore.QPointF(canvas().mapToGlobal(at)), button, buttons,
-        Modifier.NoModifier))
+        modifiers))
 
 
 def drag(start, step, count):
