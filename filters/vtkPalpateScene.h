@@ -25,6 +25,7 @@ namespace vtkPalpateArray
 inline constexpr const char* Fixed = "Fixed";
 inline constexpr const char* Touchable = "Touchable";
 inline constexpr const char* Displacement = "Displacement";
+inline constexpr const char* ContactPressure = "ContactPressure";
 }
 
 /// @throws palpate::InputError no cells, or cells that are not all VTK_TETRA or all
@@ -44,7 +45,7 @@ PALPATEFILTERS_EXPORT std::vector<char> vtkPalpateTouchableSurface(
 /// @throws palpate::InputError what is wrong, where, and which filter mends it.
 PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid);
 
-/// The grid with all arrays above.
+/// The grid with its materials, `Fixed` and `Touchable`.
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
   const palpate::Scene& scene);
 

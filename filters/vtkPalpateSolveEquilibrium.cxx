@@ -322,7 +322,7 @@ void vtkPalpateSolveEquilibrium::AddContact(
 {
   const palpate::RigidContact::Patch patch = route.Contact->patch(state.t, state.u);
   vtkNew<vtkDoubleArray> pressure;
-  pressure->SetName("ContactPressure");
+  pressure->SetName(vtkPalpateArray::ContactPressure);
   pressure->SetNumberOfTuples(static_cast<vtkIdType>(patch.pressure.size()));
   std::copy(patch.pressure.begin(), patch.pressure.end(), pressure->GetPointer(0));
   output->GetPointData()->AddArray(pressure);

@@ -268,7 +268,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
   {
     const palpate::RigidContact::Patch patch = whole.Contact->patch(palpate::Vec3(t), u);
     vtkNew<vtkDoubleArray> pressure;
-    pressure->SetName("ContactPressure");
+    pressure->SetName(vtkPalpateArray::ContactPressure);
     for (const Index point : cache.Space.surface.mesh_points)
     {
       pressure->InsertNextValue(patch.pressure[static_cast<std::size_t>(point)]);
@@ -344,6 +344,7 @@ int vtkPalpateTouchStateSpace::RequestData(
       const TouchSpace& space = this->Cache->Space;
       const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
       const bool isContact = toolSpace.setup.interaction.is_contact();
+      const bool hasRigidTool = space.find(palpate::kContactToolSpace) != nullptr;
       const palpate::Vec3 t(isContact ? this->ToolPosition : this->Displacement);
       const palpate::Vec3 start(isContact ? this->ToolPosition : this->StartDisplacement);
       Prepared::Branch& branch =
@@ -443,6 +444,15 @@ int vtkPalpateTouchStateSpace::RequestData(
         active->SetName("ActiveNode");
         active->InsertNextValue(toolSpace.setup.interaction.active_node);
         output->GetFieldData()->AddArray(active);
+        if (hasRigidTool)
+        {
+          // Nothing is pressed: what colours the surface by it goes on.
+          vtkNew<vtkDoubleArray> pressure;
+          pressure->SetName(vtkPalpateArray::ContactPressure);
+          pressure->SetNumberOfTuples(surface.num_points());
+          pressure->Fill(0);
+          output->GetPointData()->AddArray(pressure);
+        }
       }
       tryWith([&]
         { this->AddWholeBody(t.data(), output, vtkUnstructuredGrid::GetData(outputVector, 1)); });

@@ -163,6 +163,8 @@ def grasp():
         wait(0.02)
     wait(0.3)
     assert touches() and "node" in part("place").text(), part("state").text()
+    # The colour of the surface stays.
+    assert touch_filter().PointData["ContactPressure"].GetRange() == (0, 0)
     pulled = max(abs(c) for c in touch_filter().Displacement)
     window.grab().save("grasped.png")
     hold_ctrl("up")
