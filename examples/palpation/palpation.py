@@ -122,7 +122,7 @@ def table_of(name, space, args):
     line = (f"{name}: {field(data, 'NumberOfConfigurations')[0]:.0f} configurations, of which "
             f"{field(data, 'Reused')[0]:.0f} were known; the others took "
             f"{field(data, 'ExplorationSeconds')[0]:.3g} s (ranks: {field(data, 'Ranks')[0]:.0f}); "
-            f"the file has {os.path.getsize(space.FileName) / 1e6:.3g} MB. "
+            f"the file has {os.path.getsize(space.FileName) / 1e6:.0f} MB. "
             f"{counts['TestPoints']} presses and slides, of which {counts['Counted']} count, "
             f"{counts['Marked']} are in marked cells, {counts['Extrapolated']} beyond the "
             f"configurations, {counts['Irregular']} not regular and {counts['Failed']} not found; "
