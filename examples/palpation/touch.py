@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows in ParaView's window the state space that grow.py hands out, while it grows.
 
-Sample run; examples/touch does it, with grow.py beside it. The folder is that of grow.py, which has
-handed out something:
-    PALPATE_SPACE_FOLDER=folder paraview --script=touch.py
+Sample run in this folder; examples/touch does it, with grow.py beside it. The folder that is named
+is that of grow.py, which has handed out something:
+    PYTHONPATH=. PALPATE_SPACE_FOLDER=folder paraview --script=touch.py
 """
 import os
-import sys
 
 from paraview.simple import *
 
-sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+# ParaView's window does not tell a script where it lies.
 from organ import FRONT, OUT
 
 AWAY = 0.35  # of OUT, from the eye to the middle of the view

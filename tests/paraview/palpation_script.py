@@ -3,7 +3,6 @@
 quits; test_palpation.py reads what it prints."""
 
 import os
-import runpy
 import sys
 import time
 import traceback
@@ -11,7 +10,8 @@ import traceback
 from paraview.simple import *
 
 SOURCE = os.environ["PALPATE_SOURCE_DIR"]
-sys.path.append(os.path.join(SOURCE, "tests", "paraview"))
+EXAMPLE = os.path.join(SOURCE, "examples", "palpation")
+sys.path += [os.path.join(SOURCE, "tests", "paraview"), EXAMPLE]
 from dock_support import click_start, click_stop, number, part, wait_for
 from qt import Button, Event, QtCore, application, pixel_of, send, wait
 
@@ -26,7 +26,9 @@ def num_found():
 
 def main():
     begin = time.monotonic()
-    runpy.run_path(os.path.join(SOURCE, "examples", "palpation", "touch.py"))
+    # As the window does with a script: without its __file__.
+    with open(os.path.join(EXAMPLE, "touch.py"), encoding="utf-8") as script:
+        exec(script.read(), {"__name__": "__main__"})
     view = GetActiveView()
     click_start("Mouse")
     at = pixel_of(view, view.CameraFocalPoint)
