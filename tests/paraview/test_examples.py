@@ -385,7 +385,7 @@ def check_accuracy():
 
 
 def check_palpation():
-    """A part of a coarse liver, on two ranks; then a scene with its own law, from the same files."""
+    """A part of a coarse liver, on two ranks; then a scene without a law of its own."""
     small = ["--elements", "300", "--points", "30", "--spacings", "0.008", "0.005", "--output",
              "palpation"]
     done = run(2 if MPIEXEC else 1, *small, "--region", "0.012", "--tolerance", "2",
