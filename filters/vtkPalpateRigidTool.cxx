@@ -3,8 +3,12 @@
 
 #include "base/error.h"
 #include "vtkBoundingBox.h"
+#include "vtkCellArray.h"
+#include "vtkNew.h"
 #include "vtkPalpateSurface.h"
+#include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkSphereSource.h"
 
 namespace
 {
@@ -55,4 +59,52 @@ palpate::RigidTool vtkPalpateRigidTool(
   }
   tool.law = { properties.Thickness, properties.Stiffness };
   return tool;
+}
+
+vtkSmartPointer<vtkPolyData> vtkPalpateToolSurface(const palpate::RigidTool& tool)
+{
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  if (tool.shape == palpate::ToolShape::surface)
+  {
+    vtkNew<vtkPoints> points;
+    for (const palpate::Vec3& place : tool.points)
+    {
+      points->InsertNextPoint(place.data());
+    }
+    vtkNew<vtkCellArray> cells;
+    for (const auto& [a, b, c] : tool.triangles)
+    {
+      cells->InsertNextCell({ a, b, c });
+    }
+    surface->SetPoints(points);
+    surface->SetPolys(cells);
+    return surface;
+  }
+  if (tool.radius == 0)
+  {
+    vtkNew<vtkPoints> points;
+    points->InsertNextPoint(0, 0, 0);
+    vtkNew<vtkCellArray> vertex;
+    vertex->InsertNextCell({ 0 });
+    surface->SetPoints(points);
+    surface->SetVerts(vertex);
+    return surface;
+  }
+  vtkNew<vtkSphereSource> sphere;
+  sphere->SetRadius(tool.radius);
+  sphere->SetThetaResolution(48);
+  sphere->SetPhiResolution(32);
+  sphere->Update();
+  surface->DeepCopy(sphere->GetOutput());
+  // A capsule is a sphere whose halves are moved apart.
+  const palpate::Vec3 half = tool.length > 0
+    ? palpate::Vec3(0.5 * tool.length * tool.axis.normalized())
+    : palpate::Vec3::Zero();
+  for (vtkIdType p = 0; p < surface->GetNumberOfPoints(); ++p)
+  {
+    palpate::Vec3 place(surface->GetPoint(p));
+    place += place.dot(half) < 0 ? -half : half;
+    surface->GetPoints()->SetPoint(p, place.data());
+  }
+  return surface;
 }

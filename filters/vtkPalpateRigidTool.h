@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "PalpateFiltersModule.h"
 #include "interaction/rigid_tool.h"
+#include "vtkSmartPointer.h"
 
 class vtkPolyData;
 
@@ -41,3 +43,8 @@ vtkPalpateToolProperties vtkPalpateToolPropertiesOf(Filter& filter)
 /// @throws palpate::InputError the tool is a surface, and that is missing or none.
 palpate::RigidTool vtkPalpateRigidTool(
   const vtkPalpateToolProperties& properties, vtkPolyData* surface);
+
+/// The surface of the tool around its middle, with normals where it is a sphere or capsule. One
+/// without a radius is a vertex.
+PALPATEFILTERS_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateToolSurface(
+  const palpate::RigidTool& tool);

@@ -12,6 +12,7 @@
 #include "vtkGlyph3D.h"
 #include "vtkMatrix4x4.h"
 #include "vtkPVRenderView.h"
+#include "vtkPalpateRigidTool.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -207,31 +208,7 @@ void pqPalpateToolView::MakeTip(double radius)
 
 void pqPalpateToolView::MakeRigidTool(const palpate::RigidTool& tool)
 {
-  if (tool.shape == palpate::ToolShape::surface)
-  {
-    SetPolyData(this->Tool, Triangles(tool.points, tool.triangles), 0);
-  }
-  else
-  {
-    vtkNew<vtkSphereSource> sphere;
-    sphere->SetRadius(tool.radius);
-    sphere->SetThetaResolution(48);
-    sphere->SetPhiResolution(32);
-    sphere->Update();
-    // A capsule is a sphere whose halves are moved apart.
-    const palpate::Vec3 half = tool.length > 0
-      ? palpate::Vec3(0.5 * tool.length * tool.axis.normalized())
-      : palpate::Vec3::Zero();
-    vtkNew<vtkPolyData> shape;
-    shape->DeepCopy(sphere->GetOutput());
-    for (vtkIdType p = 0; p < shape->GetNumberOfPoints(); ++p)
-    {
-      palpate::Vec3 place(shape->GetPoint(p));
-      place += place.dot(half) < 0 ? -half : half;
-      shape->GetPoints()->SetPoint(p, place.data());
-    }
-    SetPolyData(this->Tool, shape, 0);
-  }
+  SetPolyData(this->Tool, vtkPalpateToolSurface(tool), 0);
   this->Tool->GetProperty()->SetColor(ToolColour);
   this->Tool->GetProperty()->SetOpacity(ToolOpacity);
 }

@@ -177,12 +177,42 @@ def main():
     wait(0.5)
     picture("dock")
     part("start").click()
+
+    part("records").click()
+    part("recordingFile").findChild(QtWidgets.QLineEdit).setText(os.path.abspath("touched.csv"))
+    part("start").click()
+    wait(0.5)
+    last = qt.drag(node, QtCore.QPoint(1, 1), 40)
+    wait(0.5)
+    part("start").click()
+    qt.send(qt.Event.MouseButtonRelease, last, buttons=qt.Button.NoButton)
     Delete(FindSource("TouchStateSpace1"))
 
     dock.hide()
     part("propertiesDock").show()
     part("pipelineBrowserDock").show()
     SetActiveSource(space)
+    replay = add("Replay Touch")
+    replay.FileName = "touched.csv"
+    apply()
+    GetAnimationScene().GoToLast()
+    GetAnimationScene().GoToPrevious()
+    force = OutputPort(replay, 2)
+    force.UpdatePipeline(GetAnimationScene().AnimationTime)
+    arrow = Glyph(Input=force, GlyphType="Arrow", GlyphMode="All Points",
+                  OrientationArray=["POINTS", "Force"], ScaleArray=["POINTS", "Force"],
+                  ScaleFactor=0.04)
+    shown = Show(arrow)
+    shown.SetScalarBarVisibility(GetActiveView(), False)
+    ColorBy(shown, None)
+    shown.AmbientColor = shown.DiffuseColor = [0.8, 0.1, 0.1]
+    look(replay)
+    SetActiveSource(replay)
+    picture("ReplayTouch")
+    Delete(arrow)
+    Delete(replay)
+    SetActiveSource(space)
+    Show(space)
     report = add("Accuracy Report")
     report.TestPoints = 100
     apply()

@@ -14,7 +14,8 @@ import zlib
 
 PROXIES = ["filters.TetrahedralizeSurface", "filters.AssignMaterial", "filters.SetBoundary",
            "filters.SolveEquilibrium", "filters.PrecomputeStateSpace", "filters.TouchStateSpace",
-           "filters.AccuracyReport", "filters.EstimateError", "sources.StateSpaceReader"]
+           "filters.AccuracyReport", "filters.EstimateError", "filters.ReplayTouch",
+           "sources.StateSpaceReader"]
 SIZE_BYTES = 4  # before what zlib has packed
 
 help_file = sqlite3.connect(f"file:{os.path.abspath(sys.argv[1])}?mode=ro", uri=True)

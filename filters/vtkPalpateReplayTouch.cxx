@@ -1,0 +1,524 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateReplayTouch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "base/error.h"
+#include "vtkDelimitedTextReader.h"
+#include "vtkDoubleArray.h"
+#include "vtkExecutive.h"
+#include "vtkFieldData.h"
+#include "vtkFloatArray.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
+#include "vtkPalpateRigidTool.h"
+#include "vtkPalpateScene.h"
+#include "vtkPalpateStateSpace.h"
+#include "vtkPalpateTouchStateSpace.h"
+#include "vtkPartitionedDataSetCollection.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkSphereSource.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
+#include "vtkTable.h"
+#include "vtkTriangleMeshPointNormals.h"
+
+namespace
+{
+using palpate::Vec3;
+
+/// Numbers of palpate::ContactStatus, as they are stored.
+enum ContactStatus
+{
+  Attached = 3,
+  Pressing = 4
+};
+/// Of palpate::Contact.
+constexpr int MostNodes = 3;
+enum OutputPort
+{
+  SurfacePort,
+  ToolPort,
+  ForcePort,
+  NumberOfPorts
+};
+
+/// What is shown of a tick.
+struct Frame
+{
+  double Time = 0;
+  int Contact = 0;
+  int Found = 0;
+  std::array<vtkIdType, MostNodes> Nodes{ -1, -1, -1 };
+  std::array<double, MostNodes> Weights{};
+  Vec3 Displacement = Vec3::Zero();
+  Vec3 Place = Vec3::Zero();
+  Vec3 Force = Vec3::Zero();
+};
+
+/// The columns of a recording.
+class Recording
+{
+public:
+  /// @throws palpate::InputError it cannot be read, or is none.
+  explicit Recording(const std::string& fileName)
+    : FileName(fileName)
+  {
+    if (fileName.empty())
+    {
+      throw palpate::InputError("No recording is named. Set FileName to a table that the dock "
+                                "Palpate or palpate-servo has recorded (.csv).");
+    }
+    if (!std::filesystem::is_regular_file(fileName))
+    {
+      throw palpate::InputError("There is no file " + fileName + ".");
+    }
+    vtkNew<vtkDelimitedTextReader> reader;
+    reader->SetFileName(fileName.c_str());
+    reader->SetHaveHeaders(true);
+    reader->SetDetectNumericColumns(true);
+    reader->SetUseStringDelimiter(true);
+    reader->Update();
+    this->Table = reader->GetOutput();
+    this->NumberOfTicks = this->Table->GetNumberOfRows();
+    this->Times = this->Column("time_s");
+    if (this->NumberOfTicks == 0)
+    {
+      throw palpate::InputError(fileName + " holds no tick.");
+    }
+  }
+
+  [[nodiscard]] double Duration() const
+  {
+    return this->Times->GetValue(this->NumberOfTicks - 1) - this->Times->GetValue(0);
+  }
+  [[nodiscard]] std::vector<double> TickTimes() const
+  {
+    std::vector<double> times;
+    for (vtkIdType i = 0; i < this->NumberOfTicks; ++i)
+    {
+      times.push_back(this->Times->GetValue(i) - this->Times->GetValue(0));
+    }
+    return times;
+  }
+
+  /// @throws palpate::InputError the body was another one.
+  void CheckScene(const std::string& sceneHash) const
+  {
+    auto* settings = vtkStringArray::SafeDownCast(this->Table->GetColumnByName("settings"));
+    const std::string first = settings ? settings->GetValue(0) : std::string();
+    const std::string key = "scene=";
+    const std::size_t at = first.find(key);
+    if (at != std::string::npos && first.compare(at + key.size(), sceneHash.size(), sceneHash) != 0)
+    {
+      throw palpate::InputError(this->FileName +
+        " is a recording of another body. Connect the state space that was touched.");
+    }
+  }
+
+  /// The last tick that is not later, s from the first.
+  [[nodiscard]] Frame At(double time) const
+  {
+    const double* times = this->Times->GetPointer(0);
+    constexpr double rounding = 1e-7; // s
+    const auto after =
+      std::upper_bound(times, times + this->NumberOfTicks, times[0] + time + rounding);
+    const vtkIdType i = std::max<vtkIdType>(after - times, 1) - 1;
+    Frame frame;
+    frame.Time = times[i] - times[0];
+    frame.Contact = static_cast<int>(this->Column("contact")->GetValue(i));
+    frame.Found = static_cast<int>(this->Column("found")->GetValue(i));
+    const Vec3 anchor = this->Vector("anchor", "_m", i);
+    frame.Displacement = this->Vector("displacement", "_m", i);
+    frame.Force = this->Vector("body_force", "_N", i);
+    for (int k = 0; k < MostNodes; ++k)
+    {
+      const std::string place = "_" + std::to_string(k);
+      frame.Nodes[k] = static_cast<vtkIdType>(this->Column("node" + place)->GetValue(i));
+      frame.Weights[k] = this->Column("weight" + place)->GetValue(i);
+    }
+    const bool touches = frame.Contact == Attached || frame.Contact == Pressing;
+    frame.Place = touches ? Vec3(anchor + frame.Displacement) : this->Vector("position", "_m", i);
+    return frame;
+  }
+
+private:
+  /// @throws palpate::InputError
+  vtkDoubleArray* Column(const std::string& name) const
+  {
+    auto& column = this->Columns[name];
+    if (!column)
+    {
+      auto* found = vtkDataArray::SafeDownCast(this->Table->GetColumnByName(name.c_str()));
+      if (!found)
+      {
+        throw palpate::InputError(this->FileName +
+          " is no recording of the haptic loop: it has no "
+          "column of numbers " +
+          name + ".");
+      }
+      column = vtkSmartPointer<vtkDoubleArray>::New();
+      column->DeepCopy(found);
+    }
+    return column;
+  }
+  Vec3 Vector(const std::string& what, const std::string& unit, vtkIdType i) const
+  {
+    return { this->Column(what + "_x" + unit)->GetValue(i),
+      this->Column(what + "_y" + unit)->GetValue(i),
+      this->Column(what + "_z" + unit)->GetValue(i) };
+  }
+
+  std::string FileName;
+  vtkSmartPointer<vtkTable> Table;
+  mutable std::map<std::string, vtkSmartPointer<vtkDoubleArray>> Columns;
+  vtkDoubleArray* Times = nullptr;
+  vtkIdType NumberOfTicks = 0;
+};
+
+void AddFields(vtkPolyData* output, const Frame& frame)
+{
+  vtkNew<vtkDoubleArray> time;
+  time->SetName("Time");
+  time->InsertNextValue(frame.Time);
+  output->GetFieldData()->AddArray(time);
+  for (const auto& [name, value] :
+    { std::pair("Contact", frame.Contact), { "Found", frame.Found } })
+  {
+    vtkNew<vtkIntArray> array;
+    array->SetName(name);
+    array->InsertNextValue(value);
+    output->GetFieldData()->AddArray(array);
+  }
+}
+
+void MakeForce(vtkPolyData* output, const Frame& frame)
+{
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->InsertNextPoint(frame.Place.data());
+  vtkNew<vtkCellArray> vertex;
+  vertex->InsertNextCell({ 0 });
+  vtkNew<vtkDoubleArray> force;
+  force->SetName("Force");
+  force->SetNumberOfComponents(3);
+  force->InsertNextTuple(frame.Force.data());
+  output->SetPoints(points);
+  output->SetVerts(vertex);
+  output->GetPointData()->SetVectors(force);
+}
+
+void MoveTo(vtkPolyData* output, vtkPolyData* shape, const Vec3& place)
+{
+  output->ShallowCopy(shape);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  for (vtkIdType p = 0; p < shape->GetNumberOfPoints(); ++p)
+  {
+    const Vec3 moved = place + Vec3(shape->GetPoint(p));
+    points->InsertNextPoint(moved.data());
+  }
+  output->SetPoints(points);
+}
+}
+
+struct vtkPalpateReplayTouch::Replay
+{
+  std::string FileName;
+  std::filesystem::file_time_type Written;
+  /// On rank 0.
+  std::unique_ptr<Recording> Recorded;
+  /// On every rank, s from the first tick.
+  std::vector<double> TickTimes;
+
+  vtkMTimeType InputTime = 0;
+  vtkNew<vtkPalpateTouchStateSpace> Touch;
+  std::string SceneHash;
+  bool HasRigidTool = false;
+  /// The tool's surface around its middle; by active node, −1: the rigid tool.
+  std::map<vtkIdType, vtkSmartPointer<vtkPolyData>> Shapes;
+
+  /// Reads the recording, on rank 0, if it is another one than before. @note Collective.
+  void Read(const std::string& fileName, vtkMultiProcessController* controller)
+  {
+    const auto ranks = vtkPalpateCommunicator(controller);
+    const bool reads = !controller || controller->GetLocalProcessId() == 0;
+    palpate::agree(*ranks,
+      [&]
+      {
+        std::error_code missing; // Reading it says so.
+        const auto written = std::filesystem::last_write_time(fileName, missing);
+        if (!reads || (this->Recorded && this->FileName == fileName && this->Written == written))
+        {
+          return;
+        }
+        this->Recorded.reset();
+        this->Recorded = std::make_unique<Recording>(fileName);
+        this->TickTimes = this->Recorded->TickTimes();
+        this->FileName = fileName;
+        this->Written = written;
+      });
+    if (controller && controller->GetNumberOfProcesses() > 1)
+    {
+      auto length = static_cast<vtkIdType>(this->TickTimes.size());
+      controller->Broadcast(&length, 1, 0);
+      this->TickTimes.resize(static_cast<std::size_t>(length));
+      controller->Broadcast(this->TickTimes.data(), length, 0);
+    }
+  }
+
+  /// Takes what is shown of the tools from the space, if it is another one than before.
+  /// @note Collective.
+  void Take(vtkPartitionedDataSetCollection* input, vtkMultiProcessController* controller)
+  {
+    if (this->InputTime == input->GetMTime())
+    {
+      return;
+    }
+    const palpate::TouchSpace space = vtkPalpateSpaceFromCollection(input, controller);
+    this->SceneHash = space.scene_hash;
+    this->Shapes.clear();
+    this->HasRigidTool = space.find(palpate::kContactToolSpace) != nullptr;
+    for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
+    {
+      const palpate::InteractionSpec& interaction = toolSpace.setup.interaction;
+      if (interaction.is_contact())
+      {
+        this->Shapes[-1] = vtkPalpateToolSurface(interaction.tool);
+      }
+      else
+      {
+        palpate::RigidTool tip;
+        tip.radius = interaction.tip_radius;
+        this->Shapes[interaction.active_node] = vtkPalpateToolSurface(tip);
+      }
+    }
+    this->Touch->SetInputDataObject(input);
+    this->InputTime = input->GetMTime();
+  }
+
+  /// The surface of the body in a frame. @note Collective.
+  void MakeSurface(const Frame& frame, vtkMultiProcessController* controller, vtkPolyData* output)
+  {
+    std::vector<std::pair<vtkIdType, double>> moved;
+    for (int k = 0; k < MostNodes && frame.Contact == Attached; ++k)
+    {
+      if (frame.Weights[k] != 0)
+      {
+        moved.emplace_back(frame.Nodes[k], frame.Weights[k]);
+      }
+    }
+    if (moved.empty())
+    {
+      moved.emplace_back(-1, frame.Contact == Pressing ? 1 : 0);
+    }
+    int number = static_cast<int>(moved.size());
+    if (controller && controller->GetNumberOfProcesses() > 1)
+    {
+      controller->Broadcast(&number, 1, 0);
+    }
+    moved.resize(static_cast<std::size_t>(number), { -1, 0 });
+    vtkNew<vtkFloatArray> total;
+    total->SetName(vtkPalpateArray::Displacement);
+    total->SetNumberOfComponents(3);
+    for (const auto& [node, weight] : moved)
+    {
+      this->Touch->SetActiveNode(node);
+      const Vec3 displacement = frame.Contact == Attached ? frame.Displacement : Vec3(0, 0, 0);
+      this->Touch->SetDisplacement(displacement[0], displacement[1], displacement[2]);
+      this->Touch->SetStartDisplacement(displacement[0], displacement[1], displacement[2]);
+      this->Touch->SetToolPosition(frame.Place[0], frame.Place[1], frame.Place[2]);
+      this->Touch->Update();
+      vtkPolyData* touched = this->Touch->GetOutput();
+      if (vtkPalpatePassFailure(touched, output) || touched->GetNumberOfPoints() == 0)
+      {
+        continue;
+      }
+      vtkDataArray* u = touched->GetPointData()->GetArray(vtkPalpateArray::Displacement);
+      if (total->GetNumberOfTuples() == 0)
+      {
+        total->SetNumberOfTuples(u->GetNumberOfTuples());
+        total->Fill(0);
+        output->ShallowCopy(touched);
+        output->GetFieldData()->Initialize();
+        // At rest.
+        vtkNew<vtkPoints> points;
+        for (vtkIdType p = 0; p < touched->GetNumberOfPoints(); ++p)
+        {
+          const Vec3 rest = Vec3(touched->GetPoint(p)) - Vec3(u->GetTuple3(p));
+          points->InsertNextPoint(rest.data());
+        }
+        output->SetPoints(points);
+      }
+      for (vtkIdType i = 0; i < total->GetNumberOfValues(); ++i)
+      {
+        const double value = u->GetComponent(i / 3, static_cast<int>(i % 3));
+        total->SetValue(i, static_cast<float>(total->GetValue(i) + weight * value));
+      }
+    }
+    this->Finish(frame, total, output);
+  }
+
+private:
+  void Finish(const Frame& frame, vtkFloatArray* displacement, vtkPolyData* output) const
+  {
+    if (displacement->GetNumberOfTuples() == 0)
+    {
+      return;
+    }
+    for (vtkIdType p = 0; p < output->GetNumberOfPoints(); ++p)
+    {
+      const Vec3 place = Vec3(output->GetPoint(p)) + Vec3(displacement->GetTuple3(p));
+      output->GetPoints()->SetPoint(p, place.data());
+    }
+    output->GetPointData()->SetVectors(displacement);
+    vtkNew<vtkTriangleMeshPointNormals> normals;
+    normals->SetInputData(output);
+    normals->Update();
+    output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
+    if (this->HasRigidTool && frame.Contact != Pressing)
+    {
+      vtkNew<vtkDoubleArray> pressure;
+      pressure->SetName(vtkPalpateArray::ContactPressure);
+      pressure->SetNumberOfTuples(output->GetNumberOfPoints());
+      pressure->Fill(0);
+      output->GetPointData()->AddArray(pressure);
+    }
+    output->GetPointData()->SetActiveScalars(displacement->GetName());
+  }
+};
+
+vtkStandardNewMacro(vtkPalpateReplayTouch);
+
+vtkPalpateReplayTouch::vtkPalpateReplayTouch()
+  : Cache(std::make_unique<Replay>())
+{
+  this->SetNumberOfOutputPorts(NumberOfPorts);
+}
+
+vtkPalpateReplayTouch::~vtkPalpateReplayTouch() = default;
+
+int vtkPalpateReplayTouch::FillInputPortInformation(int, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info, "vtkPartitionedDataSetCollection");
+  return 1;
+}
+
+int vtkPalpateReplayTouch::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  std::vector<double> times;
+  try
+  {
+    this->Cache->Read(this->FileName, vtkMultiProcessController::GetGlobalController());
+    times = this->Cache->TickTimes;
+  }
+  catch (const std::exception&)
+  {
+    // The execution says what is wrong.
+  }
+  if (this->FrameRate > 0 && !times.empty())
+  {
+    const double duration = times.back();
+    times.clear();
+    for (int k = 0; k <= duration * this->FrameRate; ++k)
+    {
+      times.push_back(k / this->FrameRate);
+    }
+  }
+  for (int port = 0; port < NumberOfPorts; ++port)
+  {
+    vtkInformation* info = outputVector->GetInformationObject(port);
+    if (times.empty())
+    {
+      info->Remove(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
+      info->Remove(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
+      continue;
+    }
+    const double range[] = { times.front(), times.back() };
+    info->Set(
+      vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(), static_cast<int>(times.size()));
+    info->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
+  }
+  return 1;
+}
+
+int vtkPalpateReplayTouch::RequestData(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* surface = vtkPolyData::GetData(outputVector, SurfacePort);
+  const int asked = request->Has(vtkExecutive::FROM_OUTPUT_PORT())
+    ? std::max(request->Get(vtkExecutive::FROM_OUTPUT_PORT()), 0)
+    : 0;
+  vtkInformation* port = outputVector->GetInformationObject(asked);
+  const auto timeKey = vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP();
+  const double time = port->Has(timeKey) ? port->Get(timeKey) : 0;
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->ErrorCode = vtkPalpateProduce(this, surface, controller,
+    [&]
+    {
+      auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
+      const auto ranks = vtkPalpateCommunicator(controller);
+      if (palpate::any(*ranks, vtkPalpatePassFailure(input, surface)))
+      {
+        return;
+      }
+      if (!(this->FrameRate >= 0))
+      {
+        throw palpate::InputError("The frame rate is " + std::to_string(this->FrameRate) +
+          "; it must be a number of time steps in a second, or 0 for every tick.");
+      }
+      Replay& replay = *this->Cache;
+      replay.Read(this->FileName, controller);
+      const bool shows = !controller || controller->GetLocalProcessId() == 0;
+      Frame frame;
+      palpate::agree(*ranks,
+        [&]
+        {
+          replay.Take(input, controller);
+          if (shows)
+          {
+            replay.Recorded->CheckScene(replay.SceneHash);
+            frame = replay.Recorded->At(time);
+          }
+        });
+      replay.MakeSurface(frame, controller, surface);
+      if (!shows || surface->GetNumberOfPoints() == 0)
+      {
+        return;
+      }
+      auto* tool = vtkPolyData::GetData(outputVector, ToolPort);
+      auto* force = vtkPolyData::GetData(outputVector, ForcePort);
+      const auto shape = replay.Shapes.find(
+        frame.Contact == Attached || !replay.HasRigidTool ? frame.Nodes[0] : vtkIdType(-1));
+      MoveTo(
+        tool, (shape == replay.Shapes.end() ? replay.Shapes.begin() : shape)->second, frame.Place);
+      MakeForce(force, frame);
+      for (vtkPolyData* output : { surface, tool, force })
+      {
+        AddFields(output, frame);
+        output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
+      }
+    });
+  return 1;
+}
+
+void vtkPalpateReplayTouch::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << this->FileName << '\n'
+     << indent << "FrameRate: " << this->FrameRate << '\n';
+}

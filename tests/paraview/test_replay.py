@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A recorded touch as a time series: of an active node, and of a rigid tool.
+
+  test_replay.py <palpate-servo> <palpate_test_make_space>
+"""
+
+import csv
+import glob
+import subprocess
+import sys
+
+import numpy
+from paraview.simple import (ReplayTouch, SaveData, StateSpaceReader, TouchStateSpace,
+                             XMLPolyDataReader)
+from support import expect_error, expect_silence, fetch, field, places, point_array
+
+RATE = 20  # frames a second
+PRESSES, ATTACHED = 4, 3
+
+
+def record(servo, make_space, name, *kind):
+    """The space and the ticks of a recording."""
+    subprocess.run([make_space, f"{name}.palpate", *kind], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([servo, f"{name}.palpate", "--seconds", "1.5", "--no-realtime", "--record",
+                    f"{name}.csv"], check=True, stdout=subprocess.DEVNULL)
+    with open(f"{name}.csv", newline="", encoding="utf-8") as file:
+        ticks = list(csv.DictReader(file))
+    return StateSpaceReader(FileName=f"{name}.palpate"), ticks
+
+
+def vector(tick, what, unit):
+    return numpy.array([float(tick[f"{what}_{axis}_{unit}"]) for axis in "xyz"])
+
+
+def at(replay, time, port=0):
+    replay.UpdatePipeline(time)
+    return replay.GetClientSideObject().GetOutputDataObject(port)
+
+
+def check(name, space, ticks, contact):
+    """The frames are those of the ticks."""
+    replay = ReplayTouch(Input=space, FileName=f"{name}.csv", FrameRate=RATE)
+    expect_silence(replay.UpdatePipelineInformation)
+    times = list(replay.TimestepValues)
+    start = float(ticks[0]["time_s"])
+    duration = float(ticks[-1]["time_s"]) - start
+    assert len(times) == int(duration * RATE) + 1 and numpy.allclose(numpy.diff(times), 1 / RATE)
+
+    touch = TouchStateSpace(Input=space)
+    rest = None
+    found = most = 0
+    for time in times:
+        tick = [t for t in ticks if float(t["time_s"]) - start <= time + 1e-7][-1]
+        surface = expect_silence(lambda t=time: at(replay, t))
+        assert field(surface, "Contact")[0] == int(tick["contact"])
+        force = at(replay, time, 2)
+        assert numpy.allclose(point_array(force, "Force"), [vector(tick, "body_force", "N")])
+        moved = point_array(surface, "Displacement")
+        if int(tick["contact"]) != contact:
+            assert (moved == 0).all()
+            rest = places(surface)
+            assert numpy.allclose(places(force), [vector(tick, "position", "m")])
+            continue
+        found += 1
+        place = vector(tick, "anchor", "m") + vector(tick, "displacement", "m")
+        assert numpy.allclose(places(force), [place])
+        tool = places(at(replay, time, 1))
+        assert numpy.allclose((tool.min(axis=0) + tool.max(axis=0)) / 2, place, atol=1e-4)
+        # As the loop felt it: the mean of the nodes.
+        expected = numpy.zeros_like(moved)
+        nodes = [(int(tick[f"node_{k}"]), float(tick[f"weight_{k}"])) for k in range(3)]
+        for node, weight in ([(-1, 1.0)] if contact == PRESSES else nodes):
+            if weight == 0:
+                continue
+            touch.ActiveNode = node
+            touch.Displacement = list(vector(tick, "displacement", "m"))
+            touch.ToolPosition = list(place)
+            expected += weight * point_array(fetch(touch), "Displacement")
+        assert numpy.allclose(moved, expected, atol=1e-7), abs(moved - expected).max()
+        assert rest is None or numpy.allclose(places(surface), rest + moved, atol=1e-6)
+        if contact == PRESSES:
+            pressure = point_array(surface, "ContactPressure")
+            assert (pressure == point_array(fetch(touch), "ContactPressure")).all()
+            most = max(most, pressure.max())
+    assert found > 3 and rest is not None, found
+    assert most > 0 or contact != PRESSES
+
+    # Every tick is a time step where that is asked for; and a file is made of each frame.
+    replay.FrameRate = 0
+    replay.UpdatePipelineInformation()
+    assert len(replay.TimestepValues) == len(ticks)
+    replay.FrameRate = 2
+    SaveData(f"{name}.pvd", proxy=replay, WriteTimeSteps=1, DataMode="Binary")
+    files = glob.glob(f"{name}/*.vtp")
+    replay.UpdatePipelineInformation()
+    assert len(files) == len(replay.TimestepValues) > 1, files
+    read = fetch(XMLPolyDataReader(FileName=[sorted(files)[-1]]))
+    assert read.GetNumberOfPoints() == surface.GetNumberOfPoints()
+    return replay
+
+
+def main():
+    servo, make_space = sys.argv[1:]
+    bonded, ticks = record(servo, make_space, "node")
+    replay = check("node", bonded, ticks, ATTACHED)
+    rigid, ticks = record(servo, make_space, "tool", "whole")
+    check("tool", rigid, ticks, PRESSES)
+
+    with open("node.csv", encoding="utf-8") as file:
+        of_another = file.read().replace("scene=", "scene=0")
+    with open("another.csv", "w", encoding="utf-8") as file:
+        file.write(of_another)
+    replay.FileName = "another.csv"
+    expect_error(replay.UpdatePipeline, "is a recording of another body")
+    replay.FileName = "missing.csv"
+    expect_error(replay.UpdatePipeline, "There is no file missing.csv")
+    with open("other.csv", "w", encoding="ascii") as file:
+        file.write("time_s,b\n1,2\n")
+    replay.FileName = "other.csv"
+    expect_error(replay.UpdatePipeline, "is no recording of the haptic loop", "contact")
+    replay.FileName = ""
+    expect_error(replay.UpdatePipeline, "No recording is named")
+
+
+if __name__ == "__main__":
+    main()
