@@ -6,7 +6,10 @@ find_package(GTest REQUIRED)
 
 if(PALPATE_WITH_MPI)
   # Tests run side by side: bound to cores, the first ranks of all of them would share one.
-  set(palpate_mpiexec "${MPIEXEC_EXECUTABLE}" --oversubscribe --bind-to none)
+  # mpiexec needs the folder of its job, which a program of one rank is kept from making: see
+  # PalpateTestEnvironment.cmake.
+  set(palpate_mpiexec env OMPI_MCA_orte_create_session_dirs=1 "${MPIEXEC_EXECUTABLE}"
+    --oversubscribe --bind-to none)
   execute_process(COMMAND id -u OUTPUT_VARIABLE uid OUTPUT_STRIP_TRAILING_WHITESPACE)
   if(uid EQUAL 0)
     list(APPEND palpate_mpiexec --allow-run-as-root)
