@@ -507,25 +507,21 @@ constexpr Kernels make(const char* name) {
   return {name, kNumConstants<L>, &G::residual, &G::tangent, &G::determinants, &G::stress};
 }
 
-constexpr int kNumLawsOfEnergy = 6;
-
-/// [formulation][law]
+/// [formulation][law]; those of a law whose formulas another one serves are empty.
 struct Table {
-  Kernels entries[2][kNumLawsOfEnergy];
+  Kernels entries[2][num_laws];
 };
 
-template <int Order, Formulation Form, int... Laws>
-void fill(Kernels (&row)[kNumLawsOfEnergy], const char* name,
-          std::integer_sequence<int, Laws...> /*laws*/) {
-  ((row[Laws] = make<Order, static_cast<Law>(Laws), Form>(name)), ...);
+template <int Order, Formulation Form, Law L>
+void fill(Kernels (&row)[num_laws], const char* name) {
+  if constexpr (law_of_energy(L) == L) row[static_cast<int>(L)] = make<Order, L, Form>(name);
 }
 
-template <int Order>
-Table make_table(const char* name) {
-  constexpr auto laws = std::make_integer_sequence<int, kNumLawsOfEnergy>();
-  Table table;
-  fill<Order, Formulation::displacement>(table.entries[0], name, laws);
-  fill<Order, Formulation::mixed>(table.entries[1], name, laws);
+template <int Order, int... Laws>
+Table make_table(const char* name, std::integer_sequence<int, Laws...> /*laws*/) {
+  Table table{};
+  (fill<Order, Formulation::displacement, static_cast<Law>(Laws)>(table.entries[0], name), ...);
+  (fill<Order, Formulation::mixed, static_cast<Law>(Laws)>(table.entries[1], name), ...);
   return table;
 }
 
@@ -536,8 +532,9 @@ Table make_table(const char* name) {
 
 const Kernels& kernels(int order, int law, int formulation) {
   constexpr const char* name = PALPATE_STRING(PALPATE_INSTRUCTION_SET);
-  static const Table linear = make_table<1>(name);
-  static const Table quadratic = make_table<2>(name);
+  constexpr auto laws = std::make_integer_sequence<int, num_laws>();
+  static const Table linear = make_table<1>(name, laws);
+  static const Table quadratic = make_table<2>(name, laws);
   return (order == 1 ? linear : quadratic).entries[formulation][law];
 }
 

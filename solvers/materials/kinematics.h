@@ -11,6 +11,8 @@
 // triangle of the 6 × 6 matrix ∂S_m/∂E_n of tensor components (no factor 2 on shear).
 #pragma once
 
+#include <cmath>
+
 #include "base/simd.h"
 
 namespace palpate::PALPATE_INSTRUCTION_SET {
@@ -82,6 +84,57 @@ void inverse_c(const Kinematics<T>& k, T (&ci)[6]) {
   ci[4] = scale * (c[3] * c[5] - c[1] * c[4]);
   ci[5] = scale * (c[3] * c[4] - c[2] * c[5]);
 }
+
+/// Eigenvalues and orthonormal eigenvectors of a symmetric tensor, in no order, by rotations of
+/// Jacobi: x = Σ values[a] vectors[a] ⊗ vectors[a] to the rounding of its largest component.
+template <class T>
+struct Eigen3 {
+  T values[3];
+  /// The components of each.
+  T vectors[3][3];
+
+  explicit Eigen3(const T (&x)[6]) {
+    T a[6];
+    for (int m = 0; m < 6; ++m) a[m] = x[m];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) vectors[i][j] = i == j ? 1.0 : 0.0;
+    }
+    // Off the diagonal each sweep squares what is left, from the second on.
+    constexpr int num_sweeps = 5;
+    for (int sweep = 0; sweep < num_sweeps; ++sweep) {
+      rotate(0, 1, a);
+      rotate(0, 2, a);
+      rotate(1, 2, a);
+    }
+    for (int i = 0; i < 3; ++i) values[i] = a[i];
+  }
+
+ private:
+  /// Turns the axes p and q so that a_pq becomes 0.
+  void rotate(int p, int q, T (&a)[6]) {
+    T& off = a[kSymmetric[p][q]];
+    const T half = 0.5 * (a[q] - a[p]);
+    const T sign = map(half, [](double y) { return std::copysign(1.0, y); });
+    const T root = map(T(half * half + off * off), [](double y) { return std::sqrt(y); });
+    // Where both are 0 there is nothing to turn.
+    constexpr double least = 1e-300;
+    const T tangent = off * sign / (half * sign + root + least);
+    const T cosine = map(tangent, [](double t) { return 1 / std::sqrt(1 + t * t); });
+    const T sine = tangent * cosine;
+    a[p] -= tangent * off;
+    a[q] += tangent * off;
+    off = 0.0;
+    const int r = 3 - p - q;
+    turn(a[kSymmetric[p][r]], a[kSymmetric[q][r]], cosine, sine);
+    for (int i = 0; i < 3; ++i) turn(vectors[p][i], vectors[q][i], cosine, sine);
+  }
+
+  static void turn(T& x, T& y, const T& cosine, const T& sine) {
+    const T before = x;
+    x = cosine * before - sine * y;
+    y = sine * before + cosine * y;
+  }
+};
 
 /// x y for commuting symmetric x, y (the product is symmetric).
 template <class T>

@@ -31,8 +31,14 @@ inline double log1p_remainder(double x) {
 /// Number of the law's constants, the first of law_constants().
 template <Law L>
 inline constexpr int kNumConstants = L == Law::mooney_rivlin_polynomial ? 1 + num_polynomial_terms
+                                     : L == Law::ogden         ? 1 + 2 * max_ogden_terms
                                      : L == Law::mooney_rivlin || L == Law::fung ? 3
                                                                                  : 2;
+
+/// Beyond this exponent, which no equilibrium reaches, the exponentials of Fung and Ogden go on as
+/// their parabola: a trial state far out has an energy that is large and finite, and so have its
+/// derivatives.
+inline constexpr double largest_exponent = 200;
 
 template <Law L>
 struct LawOf;
@@ -245,10 +251,6 @@ struct LawOf<Law::mooney_rivlin_polynomial> {
 
 template <>
 struct LawOf<Law::fung> {
-  /// Beyond this exponent, which no equilibrium reaches, the exponential goes on as its parabola:
-  /// a trial state far out has an energy that is large and finite, and so have its derivatives.
-  static constexpr double largest_exponent = 200;
-
   template <bool WithTangent, class T>
   static void evaluate(const Kinematics<T>& k, const T (&p)[3], Response<T>& out) {
     const IsochoricInvariants<T> i(k);
@@ -269,6 +271,152 @@ struct LawOf<Law::fung> {
       i.first_gradient(k, dx);
       add_square(T(half_mu * b * power), dx, out.d);
     }
+  }
+};
+
+/// (exp(x) − 1 − x)/x², to full relative precision; beyond largest_exponent with the parabola.
+inline double exp_remainder(double x) {
+  if (x > largest_exponent) {
+    const double beyond = x - largest_exponent;
+    return (std::exp(largest_exponent) * (1 + beyond * (1 + 0.5 * beyond)) - 1 - x) / (x * x);
+  }
+  if (std::fabs(x) > 1) return (std::expm1(x) - x) / (x * x);
+  double sum = 0;
+  for (int n = 19; n >= 2; --n) sum = (sum * x + 1) / n;
+  return sum;
+}
+
+/// The derivative of x² exp_remainder(x), over x.
+inline double mean_exp(double x) {
+  if (x == 0) return 1;
+  const double within = x < largest_exponent ? x : largest_exponent;
+  return (std::expm1(within) + std::exp(within) * (x - within)) / x;
+}
+
+/// The mean of the second derivative of x² exp_remainder(x) between two places, however close they
+/// are.
+inline double mean_exp_between(double x, double y) {
+  const double high = x > y ? x : y;
+  const double low = x > y ? y : x;
+  if (low >= largest_exponent) return std::exp(largest_exponent);
+  const double end = high < largest_exponent ? high : largest_exponent;
+  const double half = 0.5 * (end - low);
+  const double within = std::exp(low + half) * (half == 0 ? 1 : std::sinh(half) / half);
+  if (high <= largest_exponent) return within;
+  const double share = (high - largest_exponent) / (high - low);
+  return (1 - share) * within + share * std::exp(largest_exponent);
+}
+
+/// In the axes of E, with ℓ_a = ln λ_a, ℓ̄_a = ℓ_a − ⅓ ln J and β_a = ∂W/∂ℓ̄_a = Σ_i 2μ_i/α_i
+/// (exp(α_i ℓ̄_a) − 1):
+///   S_a = τ_a/λ_a², τ = dev β,
+///   ∂S_a/∂E_b = ((P γ P)_ab − 2 δ_ab τ_a)/(λ_a² λ_b²), γ_a = ∂β_a/∂ℓ̄_a, P = dev,
+///   (S_a − S_b)/(E_a − E_b) = (s Δ coth Δ − τ_a − τ_b)/(λ_a² λ_b²) of the shear,
+///   Δ = ℓ_a − ℓ_b, s = (β_a − β_b)/Δ,
+/// where s and Δ coth Δ have forms that have a value for equal stretches, too. As Σ ℓ̄_a = 0, the
+/// terms of first order in W are gone before they are computed.
+template <>
+struct LawOf<Law::ogden> {
+  template <bool WithTangent, class T>
+  static void evaluate(const Kinematics<T>& k, const T (&p)[7], Response<T>& out) {
+    const Eigen3<T> axes(k.e);
+    T l[3];  // ℓ
+    logarithms(k, axes, l);
+    const T third = (1.0 / 3) * map(k.j, [](double j) { return std::log1p(j); });
+
+    T beta[3];
+    T gamma[3];
+    const T& kappa = p[0];
+    out.energy = 0.5 * kappa * k.j * k.j;
+    for (int a = 0; a < 3; ++a) {
+      const T isochoric = l[a] - third;
+      beta[a] = 0.0;
+      gamma[a] = 0.0;
+      for (int i = 1; i < 7; i += 2) {
+        const T twice_mu = 2.0 * p[i];
+        const T x = p[i + 1] * isochoric;
+        out.energy += twice_mu * isochoric * isochoric *
+                      map(x, [](double y) { return exp_remainder(y); });
+        beta[a] += twice_mu * isochoric * map(x, [](double y) { return mean_exp(y); });
+        if constexpr (WithTangent) {
+          gamma[a] += twice_mu * map(min(x, T(largest_exponent)),
+                                     [](double y) { return std::exp(y); });
+        }
+      }
+    }
+    const T mean = (1.0 / 3) * (beta[0] + beta[1] + beta[2]);
+
+    T ci[6];
+    inverse_c(k, ci);
+    const T pressure = kappa * k.j * (1.0 + k.j);
+    for (int m = 0; m < 6; ++m) out.s[m] = pressure * ci[m];
+    T inverse[3];  // 1/λ²
+    T square[3][6];
+    for (int a = 0; a < 3; ++a) {
+      inverse[a] = map(l[a], [](double y) { return std::exp(-2 * y); });
+      dyad(axes.vectors[a], axes.vectors[a], square[a]);
+      for (int m = 0; m < 6; ++m) out.s[m] += (beta[a] - mean) * inverse[a] * square[a][m];
+    }
+    if constexpr (WithTangent) {
+      for (T& component : out.d) component = 0.0;
+      add_square(T(kappa * (1.0 + 2.0 * k.j) * (1.0 + k.j)), ci, out.d);
+      add_identity_of(T(-2.0 * pressure), ci, out.d);
+      const T mean_gamma = (1.0 / 3) * (gamma[0] + gamma[1] + gamma[2]);
+      for (int a = 0; a < 3; ++a) {
+        // (P γ P)_ab = γ_a δ_ab − ⅓ (γ_a + γ_b) + ⅑ Σ γ.
+        const T own = (1.0 / 3) * (gamma[a] + mean_gamma) - 2.0 * (beta[a] - mean);
+        add_square(T(inverse[a] * inverse[a] * own), square[a], out.d);
+        for (int b = 0; b < a; ++b) {
+          const T both = inverse[a] * inverse[b];
+          const T other = (1.0 / 3) * (mean_gamma - gamma[a] - gamma[b]);
+          add_symmetric(T(both * other), square[a], square[b], out.d);
+
+          T slope = 0.0;
+          for (int i = 1; i < 7; i += 2) {
+            const T& alpha = p[i + 1];
+            slope +=
+                2.0 * p[i] * mean_between(T(alpha * (l[a] - third)), T(alpha * (l[b] - third)));
+          }
+          const T ratio = map(T(l[a] - l[b]), [](double y) { return y == 0 ? 1 : y / std::tanh(y); });
+          const T shear = both * (slope * ratio - (beta[a] + beta[b] - 2.0 * mean));
+          T mixed[6];
+          dyad(axes.vectors[a], axes.vectors[b], mixed);
+          add_square(T(2.0 * shear), mixed, out.d);
+        }
+      }
+    }
+  }
+
+ private:
+  /// ln λ_a. The sum is ln J: where a cell is flat, the least stretch has no other digits.
+  template <class T>
+  static void logarithms(const Kinematics<T>& k, const Eigen3<T>& axes, T (&l)[3]) {
+    for (int a = 0; a < 3; ++a) {
+      l[a] = map(axes.values[a],
+                 [](double e) { return 0.5 * std::log1p(e > -0.5 ? 2 * e : 1e-16 - 1); });
+    }
+    const T least = min(min(l[0], l[1]), l[2]);
+    T rest = map(k.j, [](double j) { return std::log1p(j); }) - (l[0] + l[1] + l[2]);
+    for (T& one : l) {
+      const T here = map(T(one - least), [](double y) { return y == 0 ? 1.0 : 0.0; });
+      one += here * rest;
+      rest -= here * rest;
+    }
+  }
+
+  /// The symmetric part of x ⊗ y.
+  template <class T>
+  static void dyad(const T (&x)[3], const T (&y)[3], T (&out)[6]) {
+    for (int m = 0; m < 6; ++m) {
+      out[m] = 0.5 * (x[kRow[m]] * y[kColumn[m]] + x[kColumn[m]] * y[kRow[m]]);
+    }
+  }
+
+  static double mean_between(double x, double y) { return mean_exp_between(x, y); }
+  static Packet mean_between(const Packet& x, const Packet& y) {
+    Packet result;
+    for (int i = 0; i < kPacketSize; ++i) result.values[i] = mean_exp_between(x[i], y[i]);
+    return result;
   }
 };
 

@@ -16,6 +16,9 @@ using Parameters = std::array<double, max_parameters>;
 /// computed from moduli.
 constexpr double kLargestFreeOfLocking = 0.45 * (1 + 1e-9);
 
+/// With a larger one a strain of 1 % would multiply the stiffness by e¹⁰.
+constexpr double kLargestOgdenExponent = 1000;
+
 /// Throws unless condition holds, with "<name> is <value>; …".
 void require(bool condition, const std::string& name, double value, const char* what_to_do) {
   if (condition) return;
@@ -59,6 +62,22 @@ void check_polynomial(const Parameters& p) {
   require_positive("The bulk modulus", p[0]);
 }
 
+void check_ogden(const Parameters& p) {
+  const std::vector<std::string>& names = parameter_names(Law::ogden);
+  double sum = 0;
+  for (int i = 1; i <= 2 * max_ogden_terms; i += 2) {
+    require(std::isfinite(p[i]), names[i], p[i], "it must be a number of Pa.");
+    require(p[i] == 0 ? p[i + 1] == 0
+                      : p[i + 1] != 0 && std::abs(p[i + 1]) <= kLargestOgdenExponent,
+            names[i + 1], p[i + 1],
+            "it must be a number from -1000 to 1000, not 0, or 0 where its modulus is 0.");
+    sum += p[i];
+  }
+  require(sum > 0, "The sum of the Ogden moduli", sum,
+          "it is the shear modulus at rest and must be positive.");
+  require_positive("The bulk modulus", p[0]);
+}
+
 void check_parameters(Law law, const Parameters& p) {
   switch (law) {
     case Law::linear:
@@ -74,6 +93,7 @@ void check_parameters(Law law, const Parameters& p) {
                      "it must be a positive number.");
     case Law::neo_hookean_incompressible: return require_positive("Young's modulus", p[0]);
     case Law::mooney_rivlin_incompressible: return check_mooney_rivlin(p[0], p[1]);
+    case Law::ogden: return check_ogden(p);
   }
 }
 
@@ -84,6 +104,15 @@ std::vector<std::string> polynomial_names() {
   std::vector<std::string> names = {"BulkModulus"};
   for (const auto& [r, s] : polynomial_powers) {
     names.push_back('C' + std::to_string(r) + std::to_string(s));
+  }
+  return names;
+}
+
+std::vector<std::string> ogden_names() {
+  std::vector<std::string> names = {"BulkModulus"};
+  for (int i = 1; i <= max_ogden_terms; ++i) {
+    names.push_back("OgdenModulus" + std::to_string(i));
+    names.push_back("OgdenExponent" + std::to_string(i));
   }
   return names;
 }
@@ -100,6 +129,7 @@ std::string to_string(Law law) {
     case Law::fung: return "Fung";
     case Law::neo_hookean_incompressible: return "Neo-Hookean incompressible";
     case Law::mooney_rivlin_incompressible: return "Mooney-Rivlin incompressible";
+    case Law::ogden: return "Ogden";
   }
   return "unknown";
 }
@@ -111,12 +141,14 @@ const std::vector<std::string>& parameter_names(Law law) {
   static const std::vector<std::string> fung = {"YoungsModulus", "PoissonsRatio", "Exponent"};
   static const std::vector<std::string> neo_hookean_incompressible = {"YoungsModulus"};
   static const std::vector<std::string> mooney_rivlin_incompressible = {"C10", "C01"};
+  static const std::vector<std::string> ogden = ogden_names();
   switch (law) {
     case Law::mooney_rivlin: return mooney_rivlin;
     case Law::mooney_rivlin_polynomial: return polynomial;
     case Law::fung: return fung;
     case Law::neo_hookean_incompressible: return neo_hookean_incompressible;
     case Law::mooney_rivlin_incompressible: return mooney_rivlin_incompressible;
+    case Law::ogden: return ogden;
     default: return isotropic;
   }
 }
@@ -161,7 +193,8 @@ Parameters law_constants(const Material& material) {
   const bool whole = material.formulation == Formulation::displacement;
   switch (material.law) {
     case Law::mooney_rivlin: return {p[0], p[1], whole ? p[2] : 0};
-    case Law::mooney_rivlin_polynomial: {
+    case Law::mooney_rivlin_polynomial:
+    case Law::ogden: {
       Parameters constants = p;
       if (!whole) constants[0] = 0;
       return constants;
@@ -189,6 +222,7 @@ double shear_modulus(const Material& material) {
     case Law::mooney_rivlin_incompressible: return 2 * (p[0] + p[1]);
     case Law::mooney_rivlin_polynomial: return 2 * (p[1] + p[2]);
     case Law::neo_hookean_incompressible: return p[0] / 3;
+    case Law::ogden: return p[1] + p[3] + p[5];
     default: return p[0] / (2 * (1 + p[1]));
   }
 }
@@ -197,7 +231,8 @@ double bulk_modulus(const Material& material) {
   const Parameters& p = material.parameters;
   switch (material.law) {
     case Law::mooney_rivlin: return p[2];
-    case Law::mooney_rivlin_polynomial: return p[0];
+    case Law::mooney_rivlin_polynomial:
+    case Law::ogden: return p[0];
     case Law::neo_hookean_incompressible:
     case Law::mooney_rivlin_incompressible: return std::numeric_limits<double>::infinity();
     default: return p[0] / (3 * (1 - 2 * p[1]));
@@ -209,7 +244,8 @@ double poissons_ratio(const Material& material) {
     case Law::neo_hookean_incompressible:
     case Law::mooney_rivlin_incompressible: return 0.5;
     case Law::mooney_rivlin:
-    case Law::mooney_rivlin_polynomial: {
+    case Law::mooney_rivlin_polynomial:
+    case Law::ogden: {
       const double ratio = shear_modulus(material) / bulk_modulus(material);
       return (3 - 2 * ratio) / (6 + 2 * ratio);
     }

@@ -8,8 +8,10 @@
 //   Mooney–Rivlin polynomial    W = Σ C_rs (Ī₁ − 3)^r (Ī₂ − 3)^s + κ/2 (J − 1)², 1 ≤ r + s ≤ 3
 //   Fung–Demiray                W = μ/(2b) (exp(b(Ī₁ − 3)) − 1) + κ/2 (J − 1)²
 //   incompressible              the first two terms of Mooney–Rivlin, J = 1
+//   Ogden                       W = Σ_i 2μ_i/α_i² (λ̄₁^α_i + λ̄₂^α_i + λ̄₃^α_i − 3) + κ/2 (J − 1)²
 //
-// with E = ½(C − I), C = FᵀF, Ī₁ = J^(−2/3) I₁, Ī₂ = J^(−4/3) I₂; W in J/m³ at rest.
+// with E = ½(C − I), C = FᵀF, Ī₁ = J^(−2/3) I₁, Ī₂ = J^(−4/3) I₂, λ̄_a = J^(−1/3) λ_a of the principal
+// stretches λ_a; W in J/m³ at rest.
 //
 // Every law is W = W_rest + κ̂/2 g² with a volumetric modulus κ̂ and a measure g of the change of
 // volume: g = tr ε, tr E, ln J or J − 1. The displacement formulation takes W as it stands and
@@ -35,9 +37,10 @@ enum class Law : int {
   fung = 5,
   neo_hookean_incompressible = 6,
   mooney_rivlin_incompressible = 7,
+  ogden = 8,
 };
 
-inline constexpr int num_laws = 8;
+inline constexpr int num_laws = 9;
 
 /// How a change of volume is resisted. The numbers are stored as those of `Law` are.
 enum class Formulation : int {
@@ -48,8 +51,8 @@ enum class Formulation : int {
 };
 
 /// The name of a law: 'Linear', 'St. Venant-Kirchhoff', 'Neo-Hookean', 'Mooney-Rivlin',
-/// 'Mooney-Rivlin polynomial', 'Fung', 'Neo-Hookean incompressible' or 'Mooney-Rivlin
-/// incompressible'.
+/// 'Mooney-Rivlin polynomial', 'Fung', 'Neo-Hookean incompressible', 'Mooney-Rivlin incompressible'
+/// or 'Ogden'.
 [[nodiscard]] std::string to_string(Law law);
 
 [[nodiscard]] constexpr bool is_incompressible(Law law) {
@@ -72,10 +75,14 @@ inline constexpr int num_polynomial_terms = 9;
 inline constexpr std::array<std::array<int, 2>, num_polynomial_terms> polynomial_powers{
     {{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {3, 0}, {2, 1}, {1, 2}, {0, 3}}};
 
+/// Terms of Ogden's energy at the most.
+inline constexpr int max_ogden_terms = 3;
+
 inline constexpr int max_parameters = 1 + num_polynomial_terms;
 
 /// The names of the parameters of a law, and so their number, in the order of Material::parameters:
-/// 'YoungsModulus', 'PoissonsRatio', 'Exponent', 'C10', 'C01', 'C20', …, 'C03', 'BulkModulus'.
+/// 'YoungsModulus', 'PoissonsRatio', 'Exponent', 'C10', 'C01', 'C20', …, 'C03', 'BulkModulus',
+/// 'OgdenModulus1', 'OgdenExponent1', …, 'OgdenExponent3'.
 [[nodiscard]] const std::vector<std::string>& parameter_names(Law law);
 
 struct Material {
@@ -87,6 +94,8 @@ struct Material {
   ///   Fung                                        Young's modulus, Poisson's ratio, exponent b
   ///   neo-Hookean incompressible                  Young's modulus
   ///   Mooney–Rivlin incompressible                C₁₀, C₀₁
+  ///   Ogden                                       κ, μ₁, α₁, μ₂, α₂, μ₃, α₃; a term with μ_i = 0 is
+  ///                                               not there, and its α_i is 0
   std::array<double, max_parameters> parameters{};
   Formulation formulation = Formulation::displacement;
 
@@ -113,7 +122,7 @@ struct Material {
 
 /// The constants of the law's energy: (λ, μ) of linear, St. Venant–Kirchhoff and neo-Hookean, (C₁₀,
 /// C₀₁, κ) of Mooney–Rivlin (κ = 0 where it is incompressible), (κ, C₁₀, …, C₀₃) of the polynomial,
-/// and (μ, b, κ) of Fung. For a mixed material they are those of W_rest: λ or κ is 0.
+/// (μ, b, κ) of Fung, and (κ, μ₁, α₁, …, α₃) of Ogden. For a mixed material they are those of W_rest: λ or κ is 0.
 [[nodiscard]] std::array<double, max_parameters> law_constants(const Material& material);
 
 /// 1/κ̂, 1/Pa: the inverse of λ or κ; 0 where the law is incompressible.

@@ -35,7 +35,8 @@ CREATE TABLE material (
   material    INTEGER NOT NULL,       -- index, from 0
   law         INTEGER NOT NULL,       -- 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean,
                                       -- 3 Mooney-Rivlin, 4 Mooney-Rivlin polynomial, 5 Fung,
-                                      -- 6 neo-Hookean incompressible, 7 Mooney-Rivlin incompressible
+                                      -- 6 neo-Hookean incompressible, 7 Mooney-Rivlin
+                                      -- incompressible, 8 Ogden
   formulation INTEGER NOT NULL,       -- 0 displacement, 1 mixed
   -- Moduli in Pa; those that a law does not have are 0.
   --   laws 0 to 2: Young's modulus, Poisson's ratio
@@ -44,6 +45,7 @@ CREATE TABLE material (
   --   law 5: Young's modulus, Poisson's ratio, exponent
   --   law 6: Young's modulus
   --   law 7: C10, C01
+  --   law 8: kappa, mu_1, alpha_1, mu_2, alpha_2, mu_3, alpha_3
   parameter_0, parameter_1, parameter_2, parameter_3, parameter_4,
   parameter_5, parameter_6, parameter_7, parameter_8, parameter_9,
   PRIMARY KEY (scene_id, material)

@@ -55,6 +55,8 @@ CONSTANTS = {
                                        "kappa": young / (3 * (1 - 2 * poisson))},
     "Neo-Hookean incompressible": lambda young: {"c10": young / 6},
     "Mooney-Rivlin incompressible": lambda c10, c01: {"c10": c10, "c01": c01},
+    "Ogden": lambda kappa, *terms: {"kappa": kappa, **{
+        f"w{i}": 2 * mu / alpha**2 for i, (mu, alpha) in enumerate(zip(terms[::2], terms[1::2]))}},
 }
 POLYNOMIAL = ("10", "01", "20", "11", "02", "30", "21", "12", "03")
 
@@ -70,6 +72,9 @@ ENERGIES = {
     "Mooney-Rivlin": "{c10}*X1+{c01}*X2+0.5*{kappa}*sqr(JJ-1)",
     "Mooney-Rivlin polynomial": "{c10}*X1+{c01}*X2+{c20}*sqr(X1)+{c11}*X1*X2+0.5*{kappa}*sqr(JJ-1)",
     "Fung": "{mu}/(2*{b})*(exp({b}*X1)-1)+0.5*{kappa}*sqr(JJ-1)",
+    # Of its exponents -4, -2 and 4, whose sums of powers are those of invariants.
+    "Ogden": "{w0}*(sqr(X2+3)-2*(X1+3)-3)+{w1}*X2+{w2}*(sqr(X1+3)-2*(X2+3)-3)"
+             "+0.5*{kappa}*sqr(JJ-1)",
 }
 # With the pressure-like unknown p: P1 where the displacement is P2.
 MIXED_ENERGIES = {
@@ -85,17 +90,20 @@ MATERIALS = {
     "Mooney-Rivlin": ("Mooney-Rivlin", [C10, C01, KAPPA]),
     "polynomial": ("Mooney-Rivlin polynomial", [KAPPA, C10, C01, 0.4 * MU, 0.3 * MU]),
     "Fung": ("Fung", [YOUNG, POISSON, 3.0]),
+    "Ogden": ("Ogden", [KAPPA, 0.2 * MU, -4.0, 0.3 * MU, -2.0, 0.5 * MU, 4.0]),
     "neo-Hookean incompressible": ("Neo-Hookean incompressible", [YOUNG]),
     "Mooney-Rivlin incompressible": ("Mooney-Rivlin incompressible", [C10, C01]),
     "neo-Hookean nearly incompressible": ("Neo-Hookean", [YOUNG, NEARLY_INCOMPRESSIBLE]),
 }
 MIXED = ("neo-Hookean incompressible", "Mooney-Rivlin incompressible",
          "neo-Hookean nearly incompressible")
-STIFFENED = {"linear": 1, "St. Venant-Kirchhoff": 1, "neo-Hookean": 1, "Mooney-Rivlin": 3,
-             "polynomial": 10, "Fung": 1}  # how many of the parameters are moduli
+# Which of the parameters are moduli.
+STIFFENED = {"linear": [0], "St. Venant-Kirchhoff": [0], "neo-Hookean": [0],
+             "Mooney-Rivlin": range(3), "polynomial": range(10), "Fung": [0],
+             "Ogden": [0, 1, 3, 5]}
 for body, moduli in STIFFENED.items():
     of_law, values_of_law = MATERIALS[body]
-    MATERIALS[f"{body}, stiffer"] = (of_law, [STIFFER * value if i < moduli else value
+    MATERIALS[f"{body}, stiffer"] = (of_law, [STIFFER * value if i in moduli else value
                                               for i, value in enumerate(values_of_law)])
 
 # What the regions of each body are made of: throughout, or near and far.

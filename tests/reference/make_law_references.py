@@ -23,7 +23,7 @@ STEP = mpf(10) ** -30  # leaves errors of about 1e-60 (truncation) and 1e-60 (ro
 COMPONENTS = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
 # Of each law the constants of one or more materials, Pa and Fung's exponent without unit:
 # λ and μ; C10, C01 and κ (0 where the volume is left to a pressure); κ and C10, C01, C20, C11, C02,
-# C30, C21, C12, C03; μ, b and κ.
+# C30, C21, C12, C03; μ, b and κ; κ and the μ_i and α_i of Ogden.
 CONSTANTS = {
     "Linear": [[2500.0, 1100.0]],
     "St. Venant-Kirchhoff": [[2500.0, 1100.0]],
@@ -32,6 +32,7 @@ CONSTANTS = {
     "Mooney-Rivlin polynomial": [
         [3200.0, 370.0, 180.0, 90.0, 55.0, 35.0, 21.0, 17.0, 14.0, 11.0]],
     "Fung": [[1100.0, 1.75, 3200.0], [1100.0, 1e-6, 0.0]],
+    "Ogden": [[3200.0, 700.0, 1.3, 300.0, 5.0, 250.0, -4.7], [0.0, 1100.0, -21.5, 0.0, 0.0, 0.0, 0.0]],
 }
 POWERS = [(1, 0), (0, 1), (2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)]
 
@@ -58,6 +59,13 @@ def energy(law, strain, constants):
     if law == "Neo-Hookean":
         lam, mu = constants
         return mu / 2 * (i1 - 3) - mu * mpmath.log(j) + lam / 2 * mpmath.log(j) ** 2
+    if law == "Ogden":
+        kappa = constants[0]
+        squares = mpmath.eigsy(mpmath.eye(3) + 2 * strain, eigvals_only=True)
+        stretches = [mpmath.sqrt(square) / mpmath.cbrt(j) for square in squares]
+        distortion = sum(2 * mu / alpha**2 * (sum(stretch**alpha for stretch in stretches) - 3)
+                         for mu, alpha in zip(constants[1::2], constants[2::2]) if mu)
+        return distortion + kappa / 2 * (j - 1) ** 2
     x = j ** (-mpf(2) / 3) * i1 - 3
     y = j ** (-mpf(4) / 3) * i2 - 3
     if law == "Mooney-Rivlin":

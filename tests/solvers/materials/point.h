@@ -36,6 +36,7 @@ auto with_law(Law law, F&& f) {
     case Law::mooney_rivlin_polynomial:
       return f(std::integral_constant<Law, Law::mooney_rivlin_polynomial>{});
     case Law::fung: return f(std::integral_constant<Law, Law::fung>{});
+    case Law::ogden: return f(std::integral_constant<Law, Law::ogden>{});
     default: return f(std::integral_constant<Law, Law::mooney_rivlin>{});
   }
 }

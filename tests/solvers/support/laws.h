@@ -21,11 +21,13 @@ inline void PrintTo(Law law, std::ostream* out) { *out << to_string(law); }
 namespace palpate::test {
 
 /// Those that have a displacement formulation.
-inline constexpr Law kLaws[] = {Law::linear,        Law::st_venant_kirchhoff,      Law::neo_hookean,
-                                Law::mooney_rivlin, Law::mooney_rivlin_polynomial, Law::fung};
+inline constexpr Law kLaws[] = {
+    Law::linear,        Law::st_venant_kirchhoff,      Law::neo_hookean,
+    Law::mooney_rivlin, Law::mooney_rivlin_polynomial, Law::fung,
+    Law::ogden};
 inline constexpr Law kNonlinearLaws[] = {Law::st_venant_kirchhoff, Law::neo_hookean,
                                          Law::mooney_rivlin, Law::mooney_rivlin_polynomial,
-                                         Law::fung};
+                                         Law::fung, Law::ogden};
 inline constexpr Law kIncompressibleLaws[] = {Law::neo_hookean_incompressible,
                                               Law::mooney_rivlin_incompressible};
 
@@ -42,7 +44,8 @@ inline std::string name_of_law(const testing::TestParamInfo<Law>& info) {
 }
 
 /// A material of the law with these moduli at rest; an incompressible one has no use for Poisson's
-/// ratio. Those of Mooney–Rivlin's kind have C₁₀ twice C₀₁.
+/// ratio. Those of Mooney–Rivlin's kind have C₁₀ twice C₀₁, that of
+/// Ogden three terms.
 inline Material make_material(Law law, double youngs_modulus, double poissons_ratio) {
   if (is_incompressible(law)) poissons_ratio = 0.5;
   const double mu = youngs_modulus / (2 * (1 + poissons_ratio));
@@ -53,6 +56,9 @@ inline Material make_material(Law law, double youngs_modulus, double poissons_ra
       return palpate::make_material(law, {kappa, mu / 3, mu / 6, mu / 10, mu / 20, mu / 40, mu / 60,
                                           mu / 80, mu / 70, mu / 90});
     case Law::fung: return palpate::make_material(law, {youngs_modulus, poissons_ratio, 1.5});
+    case Law::ogden:
+      return palpate::make_material(law,
+                                    {kappa, 0.5 * mu, 2.5, 0.3 * mu, -3.5, 0.2 * mu, 1.0});
     case Law::neo_hookean_incompressible: return palpate::make_material(law, {youngs_modulus});
     case Law::mooney_rivlin_incompressible: return palpate::make_material(law, {mu / 3, mu / 6});
     default: return make_isotropic(law, youngs_modulus, poissons_ratio);
