@@ -31,7 +31,7 @@ inline double log1p_remainder(double x) {
 /// Number of the law's constants, the first of law_constants().
 template <Law L>
 inline constexpr int kNumConstants = L == Law::mooney_rivlin_polynomial ? 1 + num_polynomial_terms
-                                     : L == Law::ogden         ? 1 + 2 * max_ogden_terms
+                                     : L == Law::ogden                  ? 1 + 2 * max_ogden_terms
                                      : L == Law::mooney_rivlin || L == Law::fung ? 3
                                                                                  : 2;
 
@@ -335,12 +335,12 @@ struct LawOf<Law::ogden> {
       for (int i = 1; i < 7; i += 2) {
         const T twice_mu = 2.0 * p[i];
         const T x = p[i + 1] * isochoric;
-        out.energy += twice_mu * isochoric * isochoric *
-                      map(x, [](double y) { return exp_remainder(y); });
+        out.energy +=
+            twice_mu * isochoric * isochoric * map(x, [](double y) { return exp_remainder(y); });
         beta[a] += twice_mu * isochoric * map(x, [](double y) { return mean_exp(y); });
         if constexpr (WithTangent) {
-          gamma[a] += twice_mu * map(min(x, T(largest_exponent)),
-                                     [](double y) { return std::exp(y); });
+          gamma[a] +=
+              twice_mu * map(min(x, T(largest_exponent)), [](double y) { return std::exp(y); });
         }
       }
     }
@@ -377,7 +377,8 @@ struct LawOf<Law::ogden> {
             slope +=
                 2.0 * p[i] * mean_between(T(alpha * (l[a] - third)), T(alpha * (l[b] - third)));
           }
-          const T ratio = map(T(l[a] - l[b]), [](double y) { return y == 0 ? 1 : y / std::tanh(y); });
+          const T ratio =
+              map(T(l[a] - l[b]), [](double y) { return y == 0 ? 1 : y / std::tanh(y); });
           const T shear = both * (slope * ratio - (beta[a] + beta[b] - 2.0 * mean));
           T mixed[6];
           dyad(axes.vectors[a], axes.vectors[b], mixed);

@@ -67,10 +67,10 @@ void check_ogden(const Parameters& p) {
   double sum = 0;
   for (int i = 1; i <= 2 * max_ogden_terms; i += 2) {
     require(std::isfinite(p[i]), names[i], p[i], "it must be a number of Pa.");
-    require(p[i] == 0 ? p[i + 1] == 0
-                      : p[i + 1] != 0 && std::abs(p[i + 1]) <= kLargestOgdenExponent,
-            names[i + 1], p[i + 1],
-            "it must be a number from -1000 to 1000, not 0, or 0 where its modulus is 0.");
+    require(
+        p[i] == 0 ? p[i + 1] == 0 : p[i + 1] != 0 && std::abs(p[i + 1]) <= kLargestOgdenExponent,
+        names[i + 1], p[i + 1],
+        "it must be a number from -1000 to 1000, not 0, or 0 where its modulus is 0.");
     sum += p[i];
   }
   require(sum > 0, "The sum of the Ogden moduli", sum,

@@ -10,8 +10,8 @@
 //   incompressible              the first two terms of Mooney–Rivlin, J = 1
 //   Ogden                       W = Σ_i 2μ_i/α_i² (λ̄₁^α_i + λ̄₂^α_i + λ̄₃^α_i − 3) + κ/2 (J − 1)²
 //
-// with E = ½(C − I), C = FᵀF, Ī₁ = J^(−2/3) I₁, Ī₂ = J^(−4/3) I₂, λ̄_a = J^(−1/3) λ_a of the principal
-// stretches λ_a; W in J/m³ at rest.
+// with E = ½(C − I), C = FᵀF, Ī₁ = J^(−2/3) I₁, Ī₂ = J^(−4/3) I₂, λ̄_a = J^(−1/3) λ_a of the
+// principal stretches λ_a; W in J/m³ at rest.
 //
 // Every law is W = W_rest + κ̂/2 g² with a volumetric modulus κ̂ and a measure g of the change of
 // volume: g = tr ε, tr E, ln J or J − 1. The displacement formulation takes W as it stands and
@@ -94,7 +94,8 @@ struct Material {
   ///   Fung                                        Young's modulus, Poisson's ratio, exponent b
   ///   neo-Hookean incompressible                  Young's modulus
   ///   Mooney–Rivlin incompressible                C₁₀, C₀₁
-  ///   Ogden                                       κ, μ₁, α₁, μ₂, α₂, μ₃, α₃; a term with μ_i = 0 is
+  ///   Ogden                                       κ, μ₁, α₁, μ₂, α₂, μ₃, α₃; a term with μ_i = 0
+  ///   is
   ///                                               not there, and its α_i is 0
   std::array<double, max_parameters> parameters{};
   Formulation formulation = Formulation::displacement;
@@ -122,7 +123,8 @@ struct Material {
 
 /// The constants of the law's energy: (λ, μ) of linear, St. Venant–Kirchhoff and neo-Hookean, (C₁₀,
 /// C₀₁, κ) of Mooney–Rivlin (κ = 0 where it is incompressible), (κ, C₁₀, …, C₀₃) of the polynomial,
-/// (μ, b, κ) of Fung, and (κ, μ₁, α₁, …, α₃) of Ogden. For a mixed material they are those of W_rest: λ or κ is 0.
+/// (μ, b, κ) of Fung, and (κ, μ₁, α₁, …, α₃) of Ogden. For a mixed material they are those of
+/// W_rest: λ or κ is 0.
 [[nodiscard]] std::array<double, max_parameters> law_constants(const Material& material);
 
 /// 1/κ̂, 1/Pa: the inverse of λ or κ; 0 where the law is incompressible.

@@ -33,7 +33,8 @@ constexpr Law kAllLaws[] = {Law::linear,
                             Law::mooney_rivlin_polynomial,
                             Law::fung,
                             Law::neo_hookean_incompressible,
-                            Law::mooney_rivlin_incompressible};
+                            Law::mooney_rivlin_incompressible,
+                            Law::ogden};
 
 class Mixed : public testing::TestWithParam<std::tuple<ElementOrder, Law>> {
  protected:

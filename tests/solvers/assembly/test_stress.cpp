@@ -34,7 +34,8 @@ constexpr Law kAllLaws[] = {Law::linear,
                             Law::mooney_rivlin_polynomial,
                             Law::fung,
                             Law::neo_hookean_incompressible,
-                            Law::mooney_rivlin_incompressible};
+                            Law::mooney_rivlin_incompressible,
+                            Law::ogden};
 
 Eigen::Matrix<double, 6, 1> components(const Mat3& m) {
   Eigen::Matrix<double, 6, 1> six;

@@ -97,6 +97,7 @@ std::vector<Named> materials() {
       {"MooneyRivlin", make_material(Law::mooney_rivlin, kYoungsModulus, 0.3)},
       {"Polynomial", make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.3)},
       {"Fung", make_material(Law::fung, kYoungsModulus, 0.3)},
+      {"Ogden", make_material(Law::ogden, kYoungsModulus, 0.3)},
       {"NeoHookeanIncompressible",
        make_material(Law::neo_hookean_incompressible, kYoungsModulus, 0.5)},
       {"MooneyRivlinIncompressible",
@@ -109,7 +110,8 @@ std::vector<Named> materials() {
        make_material(Law::mooney_rivlin, kYoungsModulus, 0.4999)},
       {"NearlyIncompressiblePolynomial",
        make_material(Law::mooney_rivlin_polynomial, kYoungsModulus, 0.4999)},
-      {"NearlyIncompressibleFung", make_material(Law::fung, kYoungsModulus, 0.4999)}};
+      {"NearlyIncompressibleFung", make_material(Law::fung, kYoungsModulus, 0.4999)},
+      {"NearlyIncompressibleOgden", make_material(Law::ogden, kYoungsModulus, 0.4999)}};
 }
 
 void PrintTo(const Named& named, std::ostream* out) { *out << named.name; }

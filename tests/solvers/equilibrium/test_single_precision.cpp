@@ -47,8 +47,8 @@ void expect_same(const Both& both) {
 }
 
 TEST(SinglePrecision, FindsTheSame) {
-  for (const Law law :
-       {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::mooney_rivlin, Law::fung}) {
+  for (const Law law : {Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean, Law::mooney_rivlin,
+                        Law::fung, Law::ogden}) {
     const test::Block block = test::make_block(law);
     expect_same(solve(block.scene, block.corner, Vec3(0.015, -0.01, 0.008)));
   }

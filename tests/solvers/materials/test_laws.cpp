@@ -360,6 +360,122 @@ TEST(Fung, BeyondTheLargestExponentEnergyStressAndTangentStillBelongTogether) {
   }
 }
 
+/// A displacement gradient with the stretches given along axes that are turned, and of a body that
+/// is turned after that.
+Mat3 with_stretches(const Vec3& stretches, Random& random) {
+  const Mat3 axes = random.rotation();
+  return random.rotation() * axes * stretches.asDiagonal() * axes.transpose() - Mat3::Identity();
+}
+
+TEST(Ogden, OfExponentTwoIsNeoHookeanAndOfMinusTwoTheSecondInvariant) {
+  for (const Mat3& h : gradients_of_any_size()) {
+    expect_close(respond(Law::ogden, {3200, 1100, 2}, h),
+                 respond(make_mooney_rivlin(550, 0, 3200), h), 1e-14);
+    expect_close(respond(Law::ogden, {3200, 740, 2, 360, -2}, h),
+                 respond(make_mooney_rivlin(370, 180, 3200), h), 1e-14);
+  }
+}
+
+// λ̄₁⁴ + λ̄₂⁴ + λ̄₃⁴ = Ī₁² − 2 Ī₂, and that of −4 with the two exchanged: with x = Ī₁ − 3 and
+// y = Ī₂ − 3 the sums less 3 are x² + 6x − 2y and y² + 6y − 2x.
+TEST(Ogden, OfExponentFourIsAPolynomial) {
+  for (const Mat3& h : gradients_of_any_size()) {
+    const double w = 2 * 1100.0 / 16;
+    expect_close(respond(Law::ogden, {3200, 1100, 4}, h),
+                 respond(Law::mooney_rivlin_polynomial, {3200, 6 * w, -2 * w, w}, h), 1e-13);
+    expect_close(respond(Law::ogden, {3200, 1100, -4}, h),
+                 respond(Law::mooney_rivlin_polynomial, {3200, -2 * w, 6 * w, 0, 0, w}, h), 1e-13);
+  }
+}
+
+TEST(Ogden, TheOrderOfTheTermsAndEmptyOnesHaveNoPart) {
+  for (const Mat3& h : gradients_of_any_size()) {
+    const Response<double> expected = respond(Law::ogden, {3200, 700, 1.3, 300, 5, 250, -4.7}, h);
+    expect_close(respond(Law::ogden, {3200, 250, -4.7, 700, 1.3, 300, 5}, h), expected, 1e-14);
+    expect_close(respond(Law::ogden, {3200, 0, 0, 1100, -9, 0, 0}, h),
+                 respond(Law::ogden, {3200, 1100, -9}, h), 1e-14);
+  }
+}
+
+// Two or all stretches are equal, or nearly so: nothing is divided by their difference.
+TEST(Ogden, EqualStretchesHaveTheLimitOfUnequalOnes) {
+  Random random(12);
+  const Constants constants = {3200, 700, 1.3, 300, 5, 250, -4.7};
+  const Material material{Law::ogden, constants, Formulation::displacement};
+  for (const Vec3& base : {Vec3(1, 1, 1), Vec3(1.3, 1.3, 1.3), Vec3(1.4, 1.4, 0.7),
+                           Vec3(0.8, 0.8, 1.6), Vec3(0.6, 1.2, 0.6)}) {
+    for (double gap : {0.0, 1e-300, 1e-16, 1e-12, 1e-8, 1e-5, 1e-3}) {
+      const Mat3 h = with_stretches(base + gap * Vec3(0, 1, -0.3), random);
+      const Mat3 p = first_piola(material, h);
+      const Mat9 a = first_piola_tangent(material, h);
+      ASSERT_TRUE(a.allFinite()) << gap;
+      for (int i = 0; i < 9; ++i) {
+        const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
+        const double energy =
+            derivative([&](double s) { return respond(material, h + s * direction).energy; }, 5e-3);
+        EXPECT_NEAR(p.reshaped()[i], energy, kDifference * std::max(p.norm(), 1250.0)) << gap;
+        const Mat3 change =
+            derivative([&](double s) { return first_piola(material, h + s * direction); }, 5e-3);
+        EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), kDifference * a.norm()) << gap;
+      }
+    }
+  }
+}
+
+TEST(Ogden, IsFiniteAndGrowsHoweverFarOut) {
+  for (double exponent : {-1000.0, -25.0, -1.0, 0.1, 3.0, 40.0, 1000.0}) {
+    double last = 0;
+    for (double stretch : {1.5, 3.0, 10.0, 100.0, 1e4}) {
+      const Vec3 f(stretch, 1 / stretch, 1);
+      const Response<double> r = respond(Law::ogden, {3200, 1100, exponent},
+                                         f.asDiagonal().toDenseMatrix() - Mat3::Identity());
+      EXPECT_TRUE(std::isfinite(r.energy));
+      EXPECT_TRUE(stress(r).allFinite());
+      EXPECT_TRUE(tangent(r).allFinite());
+      EXPECT_GT(r.energy, last) << exponent << ' ' << stretch;
+      last = r.energy;
+    }
+  }
+}
+
+TEST(Ogden, BeyondTheLargestExponentEnergyStressAndTangentStillBelongTogether) {
+  const Material material{Law::ogden, {3200, 1100, 150}, Formulation::displacement};
+  Random random(13);
+  // Exponents of 208 and 416 beside −208 and −416; in the third case one pair is equal.
+  for (const Vec3& stretches : {Vec3(4, 1, 0.25), Vec3(16, 1, 1.0 / 16), Vec3(5, 5, 0.04)}) {
+    const Mat3 h = with_stretches(stretches, random);
+    const Mat3 p = first_piola(material, h);
+    const Mat9 a = first_piola_tangent(material, h);
+    for (int i = 0; i < 9; ++i) {
+      const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
+      const double energy =
+          derivative([&](double s) { return respond(material, h + s * direction).energy; }, 1e-4);
+      EXPECT_NEAR(p.reshaped()[i], energy, 1e-7 * p.norm());
+      const Mat3 change =
+          derivative([&](double s) { return first_piola(material, h + s * direction); }, 1e-4);
+      EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), 1e-7 * a.norm());
+    }
+  }
+}
+
+TEST(Ogden, ExponentialsKeepTheirDigits) {
+  for (double x : {1e-300, 1e-16, 1e-8, 1e-3, 0.3, 0.999, 1.0, 1.001, 5.0, 100.0}) {
+    for (double y : {x, -x}) {
+      const long double exact = std::abs(y) < 1e-2
+                                    ? 0.5L + y / 6.0L + y * y / 24.0L * (1 + y / 5.0L)
+                                    : (std::expm1(static_cast<long double>(y)) - y) / y / y;
+      EXPECT_NEAR(baseline::exp_remainder(y), static_cast<double>(exact),
+                  2e-15 * static_cast<double>(exact))
+          << y;
+    }
+  }
+  EXPECT_EQ(baseline::exp_remainder(0), 0.5);
+  EXPECT_EQ(baseline::mean_exp(0), 1);
+  EXPECT_EQ(baseline::mean_exp_between(0.7, 0.7), std::exp(0.7));
+  EXPECT_NEAR(baseline::mean_exp_between(1, 3), (std::exp(3) - std::exp(1)) / 2, 1e-14);
+  EXPECT_EQ(baseline::mean_exp_between(1, 3), baseline::mean_exp_between(3, 1));
+}
+
 TEST(Log1pRemainder, KeepsItsDigits) {
   for (double sign : {-1.0, 1.0}) {
     for (double x : {1e-300, 1e-150, 1e-12, 1e-8}) {

@@ -38,6 +38,7 @@ TEST(Material, NumbersAndNamesOfTheLawsAreKept) {
   EXPECT_EQ(static_cast<int>(Law::fung), 5);
   EXPECT_EQ(static_cast<int>(Law::neo_hookean_incompressible), 6);
   EXPECT_EQ(static_cast<int>(Law::mooney_rivlin_incompressible), 7);
+  EXPECT_EQ(static_cast<int>(Law::ogden), 8);
   EXPECT_EQ(static_cast<int>(Formulation::displacement), 0);
   EXPECT_EQ(static_cast<int>(Formulation::mixed), 1);
   EXPECT_EQ(to_string(Law::linear), "Linear");
@@ -48,6 +49,7 @@ TEST(Material, NumbersAndNamesOfTheLawsAreKept) {
   EXPECT_EQ(to_string(Law::fung), "Fung");
   EXPECT_EQ(to_string(Law::neo_hookean_incompressible), "Neo-Hookean incompressible");
   EXPECT_EQ(to_string(Law::mooney_rivlin_incompressible), "Mooney-Rivlin incompressible");
+  EXPECT_EQ(to_string(Law::ogden), "Ogden");
 }
 
 // They are the names of data arrays.
@@ -62,6 +64,9 @@ TEST(Material, NamesOfParametersAreKept) {
   EXPECT_EQ(parameter_names(Law::fung), (Names{"YoungsModulus", "PoissonsRatio", "Exponent"}));
   EXPECT_EQ(parameter_names(Law::neo_hookean_incompressible), (Names{"YoungsModulus"}));
   EXPECT_EQ(parameter_names(Law::mooney_rivlin_incompressible), (Names{"C10", "C01"}));
+  EXPECT_EQ(parameter_names(Law::ogden),
+            (Names{"BulkModulus", "OgdenModulus1", "OgdenExponent1", "OgdenModulus2",
+                   "OgdenExponent2", "OgdenModulus3", "OgdenExponent3"}));
 }
 
 TEST(Material, ModuliAtRest) {
@@ -201,6 +206,31 @@ TEST(Material, BadCoefficientsOfThePolynomialAreNamed) {
   }
   EXPECT_EQ(error({1000, 10, -10}).rfind("C10 + C01 is 0", 0), 0U);
   EXPECT_EQ(error({1000, -10, 20, -1, -2, -3, -4, -5, -6, -7}), "");
+}
+
+TEST(Material, BadParametersOfOgdenAreNamed) {
+  const auto error = [](std::array<double, max_parameters> parameters) {
+    return error_of([&] { return palpate::make_material(Law::ogden, parameters); });
+  };
+  const std::vector<std::string>& names = parameter_names(Law::ogden);
+  for (std::size_t i = 1; i < names.size(); ++i) {
+    for (double bad : {kNaN, kInfinity, -kInfinity}) {
+      std::array<double, max_parameters> parameters = {1000, 10, 2, 10, -2, 10, 4};
+      parameters[i] = bad;
+      EXPECT_EQ(error(parameters).rfind(names[i] + " is ", 0), 0U) << names[i];
+    }
+  }
+  for (double bad : {0.0, 1001.0, -1001.0}) {
+    EXPECT_EQ(error({1000, 10, bad}).rfind("OgdenExponent1 is ", 0), 0U);
+    EXPECT_EQ(error({1000, 10, 2, 5, bad}).rfind("OgdenExponent2 is ", 0), 0U);
+  }
+  EXPECT_EQ(error({1000, 10, 2, 0, 3}).rfind("OgdenExponent2 is 3", 0), 0U);
+  for (double bad : {0.0, -1.0, kNaN, kInfinity}) {
+    EXPECT_EQ(error({bad, 10, 2}).rfind("The bulk modulus", 0), 0U);
+  }
+  EXPECT_EQ(error({1000, 10, 2, -10, 3}).rfind("The sum of the Ogden moduli is 0", 0), 0U);
+  EXPECT_EQ(error({1000, 0, 0, 0, 0, 10, 2}), "");
+  EXPECT_EQ(error({1000, 10, 2, -3, -25}), "");
 }
 
 TEST(Material, BadParametersOfIncompressibleLawsAreNamed) {

@@ -558,7 +558,8 @@ TEST_F(StateSpaceFileTest, MaterialsOfEveryLawAndFormulation) {
                                    {1000, 10, -3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}),
                      make_material(Law::fung, {1000, 0.3, 0.1}),
                      make_material(Law::neo_hookean_incompressible, {1000.1}),
-                     make_material(Law::mooney_rivlin_incompressible, {0.1, 0.2})};
+                     make_material(Law::mooney_rivlin_incompressible, {0.1, 0.2}),
+                     make_material(Law::ogden, {900, 30, 2.5, 10, -3, 5, 1})};
   StateSpaceFile::create(path_, scene, kTolerance).close();
   const Scene read = StateSpaceFile::open_read_only(path_).read_scene();
   EXPECT_EQ(read.materials, scene.materials);

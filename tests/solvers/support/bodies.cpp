@@ -77,7 +77,9 @@ void put_inside(Scene& scene, const Material& other,
 Material scaled(Material material, double factor) {
   const auto& names = parameter_names(material.law);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] != "PoissonsRatio" && names[i] != "Exponent") material.parameters[i] *= factor;
+    const bool is_modulus =
+        names[i] != "PoissonsRatio" && names[i].find("Exponent") == std::string::npos;
+    if (is_modulus) material.parameters[i] *= factor;
   }
   return material;
 }

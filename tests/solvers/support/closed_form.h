@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The laws by formulas written here, from the invariants, apart from those of the program.
+// The laws by formulas written here, from the invariants or the principal stretches, apart from
+// those of the program.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -17,7 +19,29 @@ struct Point {
   Mat3 stress;
 };
 
+/// Of Ogden's law.
+inline Point evaluate_ogden(const Material& material, const Mat3& f) {
+  const auto& q = material.parameters;
+  const double j = f.determinant();
+  const Eigen::SelfAdjointEigenSolver<Mat3> squares(f.transpose() * f);
+  const Vec3 stretches = squares.eigenvalues().cwiseSqrt();
+  Point point;
+  point.energy = q[0] / 2 * (j - 1) * (j - 1);
+  point.stress = q[0] * (j - 1) * j * f.inverse().transpose();
+  for (int i = 1; i < 7; i += 2) {
+    if (q[i] == 0) continue;
+    const Vec3 powers = (stretches / std::cbrt(j)).array().pow(q[i + 1]);
+    point.energy += 2 * q[i] / (q[i + 1] * q[i + 1]) * (powers.sum() - 3);
+    const Vec3 by_stretch =
+        2 * q[i] / q[i + 1] * (powers.array() - powers.mean()).cwiseQuotient(stretches.array());
+    const Mat3& axes = squares.eigenvectors();
+    point.stress += f * axes * by_stretch.cwiseQuotient(stretches).asDiagonal() * axes.transpose();
+  }
+  return point;
+}
+
 inline Point evaluate(const Material& material, const Mat3& f, double pressure) {
+  if (material.law == Law::ogden) return evaluate_ogden(material, f);
   const auto& q = material.parameters;
   const Mat3 identity = Mat3::Identity();
   Point point;
@@ -106,7 +130,8 @@ inline double pressure_of(const Material& material, const Mat3& f) {
     case Law::st_venant_kirchhoff: return lambda * ((f.transpose() * f).trace() - 3) / 2;
     case Law::neo_hookean: return lambda * std::log(f.determinant());
     case Law::mooney_rivlin: return q[2] * (f.determinant() - 1);
-    case Law::mooney_rivlin_polynomial: return q[0] * (f.determinant() - 1);
+    case Law::mooney_rivlin_polynomial:
+    case Law::ogden: return q[0] * (f.determinant() - 1);
     default: return q[0] / (3 * (1 - 2 * q[1])) * (f.determinant() - 1);
   }
 }

@@ -21,13 +21,12 @@ inline void PrintTo(Law law, std::ostream* out) { *out << to_string(law); }
 namespace palpate::test {
 
 /// Those that have a displacement formulation.
-inline constexpr Law kLaws[] = {
-    Law::linear,        Law::st_venant_kirchhoff,      Law::neo_hookean,
-    Law::mooney_rivlin, Law::mooney_rivlin_polynomial, Law::fung,
-    Law::ogden};
-inline constexpr Law kNonlinearLaws[] = {Law::st_venant_kirchhoff, Law::neo_hookean,
-                                         Law::mooney_rivlin, Law::mooney_rivlin_polynomial,
-                                         Law::fung, Law::ogden};
+inline constexpr Law kLaws[] = {Law::linear,        Law::st_venant_kirchhoff,      Law::neo_hookean,
+                                Law::mooney_rivlin, Law::mooney_rivlin_polynomial, Law::fung,
+                                Law::ogden};
+inline constexpr Law kNonlinearLaws[] = {
+    Law::st_venant_kirchhoff,      Law::neo_hookean, Law::mooney_rivlin,
+    Law::mooney_rivlin_polynomial, Law::fung,        Law::ogden};
 inline constexpr Law kIncompressibleLaws[] = {Law::neo_hookean_incompressible,
                                               Law::mooney_rivlin_incompressible};
 
@@ -57,8 +56,7 @@ inline Material make_material(Law law, double youngs_modulus, double poissons_ra
                                           mu / 80, mu / 70, mu / 90});
     case Law::fung: return palpate::make_material(law, {youngs_modulus, poissons_ratio, 1.5});
     case Law::ogden:
-      return palpate::make_material(law,
-                                    {kappa, 0.5 * mu, 2.5, 0.3 * mu, -3.5, 0.2 * mu, 1.0});
+      return palpate::make_material(law, {kappa, 0.5 * mu, 2.5, 0.3 * mu, -3.5, 0.2 * mu, 1.0});
     case Law::neo_hookean_incompressible: return palpate::make_material(law, {youngs_modulus});
     case Law::mooney_rivlin_incompressible: return palpate::make_material(law, {mu / 3, mu / 6});
     default: return make_isotropic(law, youngs_modulus, poissons_ratio);

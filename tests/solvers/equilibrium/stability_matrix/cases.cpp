@@ -29,7 +29,8 @@ constexpr Law kAllLaws[] = {Law::linear,
                             Law::mooney_rivlin_polynomial,
                             Law::fung,
                             Law::neo_hookean_incompressible,
-                            Law::mooney_rivlin_incompressible};
+                            Law::mooney_rivlin_incompressible,
+                            Law::ogden};
 
 std::string order_name(ElementOrder order) {
   return order == ElementOrder::linear ? "Tet4" : "Tet10";

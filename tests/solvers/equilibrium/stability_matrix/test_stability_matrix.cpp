@@ -226,7 +226,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Units,
                          testing::Values(Law::linear, Law::st_venant_kirchhoff, Law::neo_hookean,
                                          Law::mooney_rivlin, Law::mooney_rivlin_polynomial,
                                          Law::fung, Law::neo_hookean_incompressible,
-                                         Law::mooney_rivlin_incompressible),
+                                         Law::mooney_rivlin_incompressible, Law::ogden),
                          name_of_law);
 
 // Blocks from 0.1 µm to 100 m and moduli from 1 Pa to 1 TPa: no absolute tolerance hides anywhere.
