@@ -301,7 +301,8 @@ inline double mean_exp_between(double x, double y) {
   if (low >= largest_exponent) return std::exp(largest_exponent);
   const double end = high < largest_exponent ? high : largest_exponent;
   const double half = 0.5 * (end - low);
-  const double within = std::exp(low + half) * (half == 0 ? 1 : std::sinh(half) / half);
+  const double within = half > 1 ? (std::exp(end) - std::exp(low)) / (2 * half)
+                                 : std::exp(low + half) * (half == 0 ? 1 : std::sinh(half) / half);
   if (high <= largest_exponent) return within;
   const double share = (high - largest_exponent) / (high - low);
   return (1 - share) * within + share * std::exp(largest_exponent);

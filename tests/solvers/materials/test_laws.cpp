@@ -461,9 +461,9 @@ TEST(Ogden, BeyondTheLargestExponentEnergyStressAndTangentStillBelongTogether) {
 TEST(Ogden, ExponentialsKeepTheirDigits) {
   for (double x : {1e-300, 1e-16, 1e-8, 1e-3, 0.3, 0.999, 1.0, 1.001, 5.0, 100.0}) {
     for (double y : {x, -x}) {
-      const long double exact = std::abs(y) < 1e-2
-                                    ? 0.5L + y / 6.0L + y * y / 24.0L * (1 + y / 5.0L)
-                                    : (std::expm1(static_cast<long double>(y)) - y) / y / y;
+      const long double exact =
+          std::abs(y) < 1e-2 ? 0.5L + y / 6.0L + y * y / 24.0L * (1 + y / 5.0L * (1 + y / 6.0L))
+                             : (std::expm1(static_cast<long double>(y)) - y) / y / y;
       EXPECT_NEAR(baseline::exp_remainder(y), static_cast<double>(exact),
                   2e-15 * static_cast<double>(exact))
           << y;
