@@ -4,30 +4,32 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "base/error.h"
 #include "materials/material.h"
-#include "vtkCellData.h"
+#include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateCellChoice.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
+#include "vtkPalpateWholeSurface.h"
+#include "vtkPolyData.h"
 #include "vtkUnstructuredGrid.h"
+#include "vtkVariant.h"
 
 namespace
 {
 using palpate::Formulation;
 using palpate::InputError;
 using palpate::Law;
-
-/// Values of a region array are told apart by more than this share: an array in single precision
-/// holds 0.1 only to 1e-8.
-constexpr double RegionTolerance = 1e-6;
 
 Law CheckedLaw(int number)
 {
@@ -70,37 +72,80 @@ std::map<std::string, double> CoefficientsByName(const std::vector<std::array<do
   return values;
 }
 
-/// 1 for the cells where the array has the value.
-std::vector<char> CellsOfRegion(vtkUnstructuredGrid* body, const std::string& name, double value)
+std::string Join(const std::vector<std::string>& names)
 {
-  std::vector<char> chosen(static_cast<std::size_t>(body->GetNumberOfCells()), 1);
-  if (name.empty() || name == "None")
+  std::string text;
+  for (const std::string& name : names)
   {
-    return chosen;
+    text += (text.empty() ? "" : ", ") + name;
   }
-  vtkDataArray* array = body->GetCellData()->GetArray(name.c_str());
-  if (!array || array->GetNumberOfComponents() != 1)
+  return text;
+}
+
+Law LawOfName(const std::string& name)
+{
+  std::vector<std::string> names;
+  for (int number = 0; number < palpate::num_laws; ++number)
   {
-    throw InputError("RegionArray is '" + name +
-      "', but the body has no cell array of that name with one number a cell. Choose another, or "
-      "None for the whole body.");
+    names.push_back(palpate::to_string(static_cast<Law>(number)));
+    if (names.back() == name)
+    {
+      return static_cast<Law>(number);
+    }
   }
-  const double tolerance = RegionTolerance * std::abs(value);
-  for (std::size_t cell = 0; cell < chosen.size(); ++cell)
+  throw InputError("there is no law '" + name + "'. There are: " + Join(names) + '.');
+}
+
+/// The whole text as a number.
+double NumberOf(const std::string& text)
+{
+  bool isNumber = false;
+  const double number = vtkVariant(text).ToDouble(&isNumber);
+  if (!isNumber)
   {
-    const double here = array->GetComponent(static_cast<vtkIdType>(cell), 0);
-    chosen[cell] = std::abs(here - value) <= tolerance;
+    throw InputError('\'' + text + "' is not a number.");
   }
-  if (std::find(chosen.begin(), chosen.end(), 1) == chosen.end())
+  return number;
+}
+
+/// From names and values by turns.
+palpate::Material MaterialFromText(Law law, const std::string& parameters)
+{
+  const std::vector<std::string>& names = palpate::parameter_names(law);
+  std::map<std::string, double> values;
+  std::istringstream words(parameters);
+  for (std::string name, value; words >> name;)
   {
-    double range[2];
-    array->GetRange(range);
-    std::ostringstream text;
-    text << "RegionValue is " << value << ", but no cell has that value of " << name
-         << "; its values lie between " << range[0] << " and " << range[1] << '.';
-    throw InputError(text.str());
+    if (std::find(names.begin(), names.end(), name) == names.end())
+    {
+      throw InputError("the law " + palpate::to_string(law) + " has no parameter '" + name +
+        "'. It has: " + Join(names) + '.');
+    }
+    if (!(words >> value))
+    {
+      throw InputError(name + " has no value.");
+    }
+    if (!values.emplace(name, NumberOf(value)).second)
+    {
+      throw InputError(name + " is given twice.");
+    }
   }
-  return chosen;
+  std::array<double, palpate::max_parameters> all{};
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    const auto found = values.find(names[i]);
+    if (found != values.end())
+    {
+      all[i] = found->second;
+    }
+    // The laws of several terms need not have all of them.
+    else if (law != Law::mooney_rivlin_polynomial && law != Law::ogden)
+    {
+      throw InputError("the law " + palpate::to_string(law) + " needs " + names[i] +
+        ". Give names and values by turns, as 'YoungsModulus 5000 PoissonsRatio 0.45'.");
+    }
+  }
+  return palpate::make_material(law, all);
 }
 
 /// Value of the property Formulation: the one that suits the parameters.
@@ -135,10 +180,49 @@ palpate::Material InFormulation(const palpate::Material& material, int number)
 
 vtkStandardNewMacro(vtkPalpateAssignMaterial);
 
-int vtkPalpateAssignMaterial::FillInputPortInformation(int, vtkInformation* info)
+struct vtkPalpateAssignMaterial::Assignment
 {
-  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  palpate::Material Material;
+  std::vector<char> Cells;
+};
+
+vtkPalpateAssignMaterial::vtkPalpateAssignMaterial()
+{
+  this->SetNumberOfInputPorts(2);
+}
+
+vtkPalpateAssignMaterial::~vtkPalpateAssignMaterial() = default;
+
+int vtkPalpateAssignMaterial::FillInputPortInformation(int port, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info, port == 0 ? "vtkUnstructuredGrid" : "vtkPolyData");
+  if (port == 1)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
   return 1;
+}
+
+void vtkPalpateAssignMaterial::SetRegionShape(vtkImplicitFunction* shape)
+{
+  if (this->RegionShape != shape)
+  {
+    this->RegionShape = shape;
+    this->Modified();
+  }
+}
+
+vtkImplicitFunction* vtkPalpateAssignMaterial::GetRegionShape() const
+{
+  return this->RegionShape;
+}
+
+vtkMTimeType vtkPalpateAssignMaterial::GetMTime()
+{
+  const vtkMTimeType own = this->Superclass::GetMTime();
+  return this->RegionType == Shape && this->RegionShape
+    ? std::max(own, this->RegionShape->GetMTime())
+    : own;
 }
 
 int vtkPalpateAssignMaterial::RequestData(
@@ -149,6 +233,12 @@ int vtkPalpateAssignMaterial::RequestData(
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
+      // Every rank goes through the same calls of the controller, whatever happens on rank 0.
+      vtkSmartPointer<vtkPolyData> surface;
+      if (this->RegionType == Surface)
+      {
+        surface = vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller);
+      }
       const auto body =
         vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
       if (!body || vtkPalpatePassFailure(body, output))
@@ -156,26 +246,94 @@ int vtkPalpateAssignMaterial::RequestData(
         return;
       }
       vtkPalpateElementOrder(body); // throws where the cells are not those of a body
-      const palpate::Material material = InFormulation(this->MakeMaterial(), this->Formulation);
-      const std::vector<char> chosen = CellsOfRegion(body, this->RegionArray, this->RegionValue);
-      std::vector<char> others(chosen.size());
-      std::transform(
-        chosen.begin(), chosen.end(), others.begin(), [](char here) { return here == 0; });
-
-      vtkPalpateMaterials materials = vtkPalpateReadMaterials(body, others);
-      const auto added = static_cast<palpate::Index>(materials.Each.size());
-      materials.Each.push_back(material);
-      for (std::size_t cell = 0; cell < chosen.size(); ++cell)
+      const std::vector<Assignment> assignments = this->Assignments(body, surface);
+      std::vector<char> others(static_cast<std::size_t>(body->GetNumberOfCells()), 1);
+      for (const Assignment& each : assignments)
       {
-        if (chosen[cell] != 0)
+        std::transform(others.begin(), others.end(), each.Cells.begin(), others.begin(),
+          [](char other, char here) { return other != 0 && here == 0; });
+      }
+      vtkPalpateMaterials materials = vtkPalpateReadMaterials(body, others);
+      for (const Assignment& each : assignments)
+      {
+        const auto added = static_cast<palpate::Index>(materials.Each.size());
+        materials.Each.push_back(each.Material);
+        for (std::size_t cell = 0; cell < others.size(); ++cell)
         {
-          materials.OfCell[cell] = added;
+          if (each.Cells[cell] != 0)
+          {
+            materials.OfCell[cell] = added;
+          }
         }
       }
       output->ShallowCopy(body);
       vtkPalpateWriteMaterials(materials, output);
     });
   return 1;
+}
+
+std::vector<char> vtkPalpateAssignMaterial::ChooseCells(
+  vtkUnstructuredGrid* body, vtkPolyData* surface) const
+{
+  switch (this->RegionType)
+  {
+    case Array:
+      return this->RegionArray.empty() || this->RegionArray == "None"
+        ? std::vector<char>(static_cast<std::size_t>(body->GetNumberOfCells()), 1)
+        : vtkPalpateCellsOfValue(body, this->RegionArray, this->RegionValue);
+    case Shape:
+      if (!this->RegionShape)
+      {
+        throw InputError("RegionType is 'Shape', but there is no RegionShape. Set one.");
+      }
+      return vtkPalpateCellsOfRegion(body, this->RegionShape);
+    case Surface:
+      if (!surface || surface->GetNumberOfCells() == 0)
+      {
+        throw InputError("RegionType is 'Surface', but the input Region Surface has no polygons. "
+                         "Connect a closed surface to it.");
+      }
+      return vtkPalpateCellsOfSurface(body, surface);
+    default:
+      throw InputError("RegionType is " + std::to_string(this->RegionType) +
+        "; there are 0 (Array), 1 (Shape), 2 (Surface) and 3 (Table).");
+  }
+}
+
+std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assignments(
+  vtkUnstructuredGrid* body, vtkPolyData* surface) const
+{
+  if (this->RegionType != Table)
+  {
+    return { { InFormulation(this->MakeMaterial(), this->Formulation),
+      this->ChooseCells(body, surface) } };
+  }
+  if (this->Regions.empty())
+  {
+    throw InputError("RegionType is 'Table', but Regions is empty. Give it rows of a value of "
+                     "RegionArray, a law and its parameters.");
+  }
+  std::vector<Assignment> all;
+  std::set<double> values;
+  for (const auto& [value, law, parameters] : this->Regions)
+  {
+    try
+    {
+      const double number = NumberOf(value);
+      if (!values.insert(number).second)
+      {
+        throw InputError("the value is there twice.");
+      }
+      all.push_back(
+        { InFormulation(MaterialFromText(LawOfName(law), parameters), this->Formulation),
+          vtkPalpateCellsOfValue(body, this->RegionArray, number) });
+    }
+    catch (const InputError& error)
+    {
+      throw InputError("Regions, value '" + value + "': " + error.what());
+    }
+  }
+  return all;
 }
 
 palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const
@@ -189,6 +347,11 @@ palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const
     values = CoefficientsByName(this->Coefficients);
     values["BulkModulus"] = this->BulkModulus;
   }
+  for (int i = 0; i < palpate::max_ogden_terms; ++i)
+  {
+    values["OgdenModulus" + std::to_string(i + 1)] = this->OgdenModuli[i];
+    values["OgdenExponent" + std::to_string(i + 1)] = this->OgdenExponents[i];
+  }
   std::array<double, palpate::max_parameters> parameters{};
   std::size_t i = 0;
   for (const std::string& name : palpate::parameter_names(law))
@@ -196,6 +359,30 @@ palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const
     parameters[i++] = values[name];
   }
   return palpate::make_material(law, parameters);
+}
+
+std::string vtkPalpateAssignMaterial::LawName(int law)
+{
+  static_assert(NumberOfLaws == palpate::num_laws, "each law has its name here");
+  return palpate::to_string(CheckedLaw(law));
+}
+
+std::string vtkPalpateAssignMaterial::ParametersOfLaw(int law)
+{
+  vtkNew<vtkPalpateAssignMaterial> defaults;
+  defaults->SetLaw(law);
+  const palpate::Material material = defaults->MakeMaterial();
+  std::ostringstream text;
+  const double* value = material.parameters.data();
+  for (const std::string& name : palpate::parameter_names(material.law))
+  {
+    if (*value != 0)
+    {
+      text << (text.tellp() > 0 ? " " : "") << name << ' ' << *value;
+    }
+    ++value;
+  }
+  return text.str();
 }
 
 void vtkPalpateAssignMaterial::AddCoefficient(double r, double s, double value)
@@ -210,6 +397,18 @@ void vtkPalpateAssignMaterial::ClearCoefficients()
   this->Modified();
 }
 
+void vtkPalpateAssignMaterial::AddRegion(const char* value, const char* law, const char* parameters)
+{
+  this->Regions.push_back({ value, law, parameters });
+  this->Modified();
+}
+
+void vtkPalpateAssignMaterial::ClearRegions()
+{
+  this->Regions.clear();
+  this->Modified();
+}
+
 void vtkPalpateAssignMaterial::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
@@ -220,11 +419,21 @@ void vtkPalpateAssignMaterial::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "C01: " << this->C01 << " Pa\n"
      << indent << "BulkModulus: " << this->BulkModulus << " Pa\n"
      << indent << "Exponent: " << this->Exponent << '\n'
+     << indent << "OgdenModuli: " << this->OgdenModuli[0] << ' ' << this->OgdenModuli[1] << ' '
+     << this->OgdenModuli[2] << " Pa\n"
+     << indent << "OgdenExponents: " << this->OgdenExponents[0] << ' ' << this->OgdenExponents[1]
+     << ' ' << this->OgdenExponents[2] << '\n'
      << indent << "Formulation: " << this->Formulation << '\n'
+     << indent << "RegionType: " << this->RegionType << '\n'
+     << indent << "RegionShape: " << this->RegionShape.Get() << '\n'
      << indent << "RegionArray: " << this->RegionArray << '\n'
      << indent << "RegionValue: " << this->RegionValue << '\n';
   for (const auto& [r, s, value] : this->Coefficients)
   {
     os << indent << "Coefficient of the powers " << r << ' ' << s << ": " << value << " Pa\n";
+  }
+  for (const auto& [value, law, parameters] : this->Regions)
+  {
+    os << indent << "Region " << value << ": " << law << ' ' << parameters << '\n';
   }
 }

@@ -7,6 +7,8 @@
  * occur in it and, where it is not the one that suits them, `Formulation`. Cells outside the region
  * keep the material that they have; a cell that has none yet gets the Law -1. A parameter that the
  * law of a cell does not use is 0 there.
+ *
+ * The second input is the surface of a region, where RegionType says so.
  */
 #pragma once
 
@@ -15,7 +17,11 @@
 #include <vector>
 
 #include "PalpateFiltersModule.h"
+#include "vtkSmartPointer.h"
 #include "vtkUnstructuredGridAlgorithm.h"
+
+class vtkImplicitFunction;
+class vtkPolyData;
 
 namespace palpate
 {
@@ -32,7 +38,7 @@ public:
   ///@{
   /// Number of a palpate::Law: 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean, 3 Mooney-Rivlin,
   /// 4 Mooney-Rivlin polynomial, 5 Fung, 6 neo-Hookean incompressible, 7 Mooney-Rivlin
-  /// incompressible.
+  /// incompressible, 8 Ogden.
   vtkSetMacro(Law, int);
   vtkGetMacro(Law, int);
   ///@}
@@ -54,7 +60,7 @@ public:
   vtkGetMacro(C01, double);
   ///@}
   ///@{
-  /// Pa, positive. Laws 3 and 4.
+  /// Pa, positive. Laws 3, 4 and 8.
   vtkSetMacro(BulkModulus, double);
   vtkGetMacro(BulkModulus, double);
   ///@}
@@ -70,9 +76,28 @@ public:
   void ClearCoefficients();
   ///@}
   ///@{
+  /// The μ_i (Pa) and α_i of the terms; of one that is not there both are 0. Law 8.
+  vtkSetVector3Macro(OgdenModuli, double);
+  vtkGetVector3Macro(OgdenModuli, double);
+  vtkSetVector3Macro(OgdenExponents, double);
+  vtkGetVector3Macro(OgdenExponents, double);
+  ///@}
+  ///@{
   /// Number of a palpate::Formulation; -1: the one that suits the parameters.
   vtkSetMacro(Formulation, int);
   vtkGetMacro(Formulation, int);
+  ///@}
+  enum RegionTypes
+  {
+    Array = 0,   ///< RegionArray and RegionValue
+    Shape = 1,   ///< RegionShape
+    Surface = 2, ///< the second input
+    Table = 3    ///< Regions: a material for each of several values of RegionArray
+  };
+  ///@{
+  /// What says which cells get the material.
+  vtkSetMacro(RegionType, int);
+  vtkGetMacro(RegionType, int);
   ///@}
   ///@{
   /// Cell array that tells the regions apart; "None" or empty: the material is for the whole body.
@@ -84,10 +109,35 @@ public:
   vtkSetMacro(RegionValue, double);
   vtkGetMacro(RegionValue, double);
   ///@}
+  ///@{
+  /// The material of one of several regions, in place of that of Law.
+  /// @param value Of RegionArray. @param law By name. @param parameters Names and values by turns,
+  /// separated by spaces: "YoungsModulus 5000 PoissonsRatio 0.45".
+  void AddRegion(const char* value, const char* law, const char* parameters);
+  void ClearRegions();
+  ///@}
+  ///@{
+  /// The cells whose middle is where the function is not positive get the material.
+  virtual void SetRegionShape(vtkImplicitFunction* shape);
+  vtkImplicitFunction* GetRegionShape() const;
+  ///@}
+
+  enum
+  {
+    NeoHookean = 2,
+    NumberOfLaws = 9
+  };
+  ///@{
+  /// The name of a law and, as AddRegion takes them, parameters of soft tissue for it.
+  static std::string LawName(int law);
+  static std::string ParametersOfLaw(int law);
+  ///@}
+
+  vtkMTimeType GetMTime() override;
 
 protected:
-  vtkPalpateAssignMaterial() = default;
-  ~vtkPalpateAssignMaterial() override = default;
+  vtkPalpateAssignMaterial();
+  ~vtkPalpateAssignMaterial() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -96,7 +146,12 @@ private:
   vtkPalpateAssignMaterial(const vtkPalpateAssignMaterial&) = delete;
   void operator=(const vtkPalpateAssignMaterial&) = delete;
 
+  /// What a region is made of.
+  struct Assignment;
+
   palpate::Material MakeMaterial() const;
+  std::vector<char> ChooseCells(vtkUnstructuredGrid* body, vtkPolyData* surface) const;
+  std::vector<Assignment> Assignments(vtkUnstructuredGrid* body, vtkPolyData* surface) const;
 
   // Soft tissue, liver-like; the Mooney-Rivlin parameters have the same moduli at rest.
   int Law = 1;
@@ -107,7 +162,12 @@ private:
   double BulkModulus = 33333;
   double Exponent = 1;
   std::vector<std::array<double, 3>> Coefficients = { { 1, 0, 1293.1 }, { 0, 1, 431.03 } };
+  double OgdenModuli[3] = { 3448.3, 0, 0 };
+  double OgdenExponents[3] = { 2, 0, 0 };
   int Formulation = -1;
+  int RegionType = Array;
   std::string RegionArray = "None";
   double RegionValue = 0;
+  vtkSmartPointer<vtkImplicitFunction> RegionShape;
+  std::vector<std::array<std::string, 3>> Regions;
 };

@@ -9,9 +9,19 @@
 
 namespace
 {
-/// How often the surface winds around x (van Oosterom and Strackee, The Solid Angle of a Plane
-/// Triangle, 1983); 1 inside a closed surface with outward normals, 0 outside.
-double WindingNumber(const vtkPalpateSurface& surface, const vtkPalpatePoint& x)
+vtkPalpatePoint FirstCentre(const vtkPalpateSurface& surface)
+{
+  const auto& t = surface.Triangles[0];
+  vtkPalpatePoint centre;
+  for (int i = 0; i < 3; ++i)
+  {
+    centre[i] = (surface.Points[t[0]][i] + surface.Points[t[1]][i] + surface.Points[t[2]][i]) / 3;
+  }
+  return centre;
+}
+}
+
+double vtkPalpateWindingNumber(const vtkPalpateSurface& surface, const vtkPalpatePoint& x)
 {
   double angle = 0;
   for (const auto& triangle : surface.Triangles)
@@ -36,22 +46,10 @@ double WindingNumber(const vtkPalpateSurface& surface, const vtkPalpatePoint& x)
   return angle / (4 * vtkMath::Pi());
 }
 
-bool Inside(const std::array<double, 6>& bounds, const vtkPalpatePoint& x)
+bool vtkPalpateIsInside(const std::array<double, 6>& bounds, const vtkPalpatePoint& x)
 {
   return x[0] >= bounds[0] && x[0] <= bounds[1] && x[1] >= bounds[2] && x[1] <= bounds[3] &&
     x[2] >= bounds[4] && x[2] <= bounds[5];
-}
-
-vtkPalpatePoint FirstCentre(const vtkPalpateSurface& surface)
-{
-  const auto& t = surface.Triangles[0];
-  vtkPalpatePoint centre;
-  for (int i = 0; i < 3; ++i)
-  {
-    centre[i] = (surface.Points[t[0]][i] + surface.Points[t[1]][i] + surface.Points[t[2]][i]) / 3;
-  }
-  return centre;
-}
 }
 
 std::vector<int> vtkPalpateConnectedParts(const vtkPalpateSurface& surface, int& count)
@@ -181,7 +179,8 @@ vtkPalpateShells vtkPalpateFindShells(const vtkPalpateSurface& surface)
     {
       const int outer = order[j];
       // Any level between 0 (outside) and ±1 (inside).
-      if (Inside(bounds[outer], probe) && std::abs(WindingNumber(parts[outer], probe)) > 0.5)
+      if (vtkPalpateIsInside(bounds[outer], probe) &&
+        std::abs(vtkPalpateWindingNumber(parts[outer], probe)) > 0.5)
       {
         const bool same_sense = (shells.Volume[inner] > 0) == (shells.Volume[outer] > 0);
         shells.IsCavity[inner] = !shells.IsCavity[outer] && !same_sense;

@@ -29,5 +29,15 @@ PALPATEFILTERS_EXPORT std::vector<int> vtkPalpateConnectedParts(
 /// stays as it is. @returns how many were turned.
 PALPATEFILTERS_EXPORT vtkIdType vtkPalpateMakeConsistent(vtkPalpateSurface& surface);
 
+/// How often the surface winds around x: 1 inside a closed surface with outward normals, -1 with
+/// inward ones, 0 outside; anything between near it (van Oosterom and Strackee, The Solid Angle of
+/// a Plane Triangle, 1983).
+PALPATEFILTERS_EXPORT double vtkPalpateWindingNumber(
+  const vtkPalpateSurface& surface, const vtkPalpatePoint& x);
+
+/// Whether x is in the box of vtkPalpateBounds().
+PALPATEFILTERS_EXPORT bool vtkPalpateIsInside(
+  const std::array<double, 6>& bounds, const vtkPalpatePoint& x);
+
 /// @pre The surface has no faults.
 PALPATEFILTERS_EXPORT vtkPalpateShells vtkPalpateFindShells(const vtkPalpateSurface& surface);

@@ -191,7 +191,7 @@ def test_region_of_material(bad):
         grid.GetCellData().AddArray(part)
 
     body = spoilt(with_part)
-    bad.fails("RegionValue is 5", "2", "3", body=body,
+    bad.fails("No cell has the value 5 of Part", "2", "3", body=body,
               material={"RegionArray": "Part", "RegionValue": 5})
     bad.fails("Cell 1", "no material", body=body,
               material={"RegionArray": "Part", "RegionValue": 2})
