@@ -313,6 +313,12 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
     throw InputError("RegionType is 'Table', but Regions is empty. Give it rows of a value of "
                      "RegionArray, a law and its parameters.");
   }
+  if (this->RegionArray.empty() || this->RegionArray == "None")
+  {
+    throw InputError(
+      "RegionType is 'Table', but there is no RegionArray. Choose the cell array that "
+      "tells the regions apart.");
+  }
   std::vector<Assignment> all;
   std::set<double> values;
   for (const auto& [value, law, parameters] : this->Regions)

@@ -4,8 +4,8 @@
 import math
 
 import numpy
-from paraview.simple import (AssignMaterial, Calculator, IDSelectionSource, SetBoundary,
-                             SolveEquilibrium)
+from paraview.simple import (AssignMaterial, Calculator, IDSelectionSource, Plane, SetBoundary,
+                             SolveEquilibrium, Sphere)
 from support import (box_body, expect_error, expect_silence, fetch, field, grid_of, places, produce,
                      source)
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkUnsignedCharArray
@@ -122,6 +122,12 @@ def test_material_out_of_range(bad):
     for value in (-5, 0, math.nan):
         bad.fails("Exponent", f"{value:g}", material={"Law": "Fung", "Exponent": value})
     bad.fails("Poisson's ratio", "0.5", material={"Law": "Fung", "PoissonsRatio": 0.5})
+    ogden = {"Law": "Ogden"}
+    bad.fails("Ogden moduli", "-5", material={**ogden, "OgdenModuli": [-5, 0, 0]})
+    bad.fails("OgdenExponent1 is 0", material={**ogden, "OgdenExponents": [0, 0, 0]})
+    bad.fails("OgdenExponent2 is 3", material={**ogden, "OgdenExponents": [2, 3, 0]})
+    bad.fails("OgdenModulus3", "nan", material={**ogden, "OgdenModuli": [1, 0, math.nan]})
+    bad.fails("bulk modulus", "-7", material={**ogden, "BulkModulus": -7})
     bad.fails("Young's modulus", "-5", material={"Law": "Neo-Hookean incompressible",
                                                  "YoungsModulus": -5})
     bad.fails("C10 + C01", material={"Law": "Mooney-Rivlin incompressible", "C10": 0, "C01": 0})
@@ -156,7 +162,7 @@ def test_material_of_a_calculator(bad):
     for array, value, words in (
             ("YoungsModulus", "-1", ("cell 0", "Young's modulus")),
             ("PoissonsRatio", "0.5", ("cell 0", "Poisson's ratio")),
-            ("Law", "8", ("Cell 0", "Law 8")),
+            ("Law", "9", ("Cell 0", "Law 9")),
             ("Law", "3", ("cell 0", "C10", "Assign Material")),
             ("Law", "5", ("cell 0", "Exponent", "Assign Material")),
             ("Formulation", "2", ("Cell 0", "Formulation 2"))):
@@ -195,6 +201,34 @@ def test_region_of_material(bad):
               material={"RegionArray": "Part", "RegionValue": 5})
     bad.fails("Cell 1", "no material", body=body,
               material={"RegionArray": "Part", "RegionValue": 2})
+
+    def table_fails(regions, *words):
+        bad.fails(*words, body=body, material={"RegionType": "Table", "RegionArray": "Part",
+                                               "Regions": regions})
+
+    good = "YoungsModulus 5000 PoissonsRatio 0.3"
+    table_fails([], "Regions is empty")
+    bad.fails("no RegionArray", body=body, material={"RegionType": "Table",
+                                                     "Regions": ["2", "Linear", good]})
+    table_fails(["2", "Linear", good, "5", "Linear", good], "No cell has the value 5 of Part")
+    table_fails(["2", "Linear", good, "2.0", "Linear", good], "'2.0'", "twice")
+    table_fails(["two", "Linear", good], "'two' is not a number")
+    table_fails(["2", "Jelly", good], "no law 'Jelly'", "Neo-Hookean", "Ogden")
+    table_fails(["2", "Linear", "YoungsModulus 5000"], "value '2'", "needs PoissonsRatio")
+    table_fails(["2", "Linear", good + " C10 7"], "no parameter 'C10'", "YoungsModulus")
+    table_fails(["2", "Linear", good + " PoissonsRatio 0.2"], "PoissonsRatio is given twice")
+    table_fails(["2", "Linear", good + " PoissonsRatio"], "PoissonsRatio has no value")
+    table_fails(["2", "Linear", "YoungsModulus 5e3Pa PoissonsRatio 0.3"], "5e3Pa")
+    table_fails(["2", "Linear", "YoungsModulus -5 PoissonsRatio 0.3"], "Young's modulus is -5")
+
+    nowhere = AssignMaterial(Input=bad.body, RegionType="Shape", RegionShape="Sphere")
+    nowhere.RegionShape.Center = [9, 9, 9]
+    expect_error(lambda: fetch(nowhere), "No cell", "Region Shape", "(0, 0, 0)")
+    bad.fails("Region Surface has no polygons", material={"RegionType": "Surface"})
+    bad.fails("bounds no region", "open edges",
+              material={"RegionType": "Surface", "RegionSurface": Plane()})
+    bad.fails("Region Surface", "No cell",
+              material={"RegionType": "Surface", "RegionSurface": Sphere(Center=[9, 9, 9])})
 
 
 def test_no_fixed_point(bad):

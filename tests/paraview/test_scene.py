@@ -2,7 +2,8 @@
 """AssignMaterial and SetBoundary: from a body to a scene."""
 
 import numpy
-from paraview.simple import (AssignMaterial, Calculator, GetSources, LoadState, SaveState,
+from paraview.simple import (AssignMaterial, Box, Calculator, GetSources, LoadState, ReverseSense,
+                             SaveState,
                              IDSelectionSource, SelectionQuerySource,
                              SetBoundary, SolveEquilibrium, Sphere)
 from support import (Messages, box_body, cell_array, expect_silence, fetch, field, places,
@@ -11,7 +12,7 @@ from vtkmodules.vtkCommonCore import vtkFloatArray, vtkIntArray
 
 LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
         "Mooney-Rivlin polynomial", "Fung", "Neo-Hookean incompressible",
-        "Mooney-Rivlin incompressible")
+        "Mooney-Rivlin incompressible", "Ogden")
 NO_LAW = -1
 DISPLACEMENT, MIXED = range(2)
 # The settings of a material and the cell arrays that come of them.
@@ -32,6 +33,10 @@ MATERIALS = {
              {"YoungsModulus": 5000, "PoissonsRatio": 0.4, "Exponent": 2.5}),
     "Neo-Hookean incompressible": ({"YoungsModulus": 6000}, {"YoungsModulus": 6000}),
     "Mooney-Rivlin incompressible": ({"C10": 800, "C01": 80}, {"C10": 800, "C01": 80}),
+    "Ogden": ({"OgdenModuli": [300, 200, 0], "OgdenExponents": [2.5, -7, 0], "BulkModulus": 4000},
+              {"OgdenModulus1": 300, "OgdenExponent1": 2.5, "OgdenModulus2": 200,
+               "OgdenExponent2": -7, "OgdenModulus3": 0, "OgdenExponent3": 0,
+               "BulkModulus": 4000}),
 }
 PARAMETERS = sorted({name for _, arrays in MATERIALS.values() for name in arrays})
 
@@ -66,7 +71,10 @@ def test_every_property(body):
             "Law": "Mooney-Rivlin", "YoungsModulus": 5000.0, "PoissonsRatio": 0.3, "C10": 900.0,
             "C01": 100.0, "BulkModulus": 2e4, "Exponent": 3.0,
             "Coefficients": [1.0, 0.0, 500.0, 2.0, 1.0, 30.0], "Formulation": "Mixed",
-            "RegionArray": "Part", "RegionValue": 1.0},
+            "OgdenModuli": [100.0, 50.0, 5.0], "OgdenExponents": [2.0, -2.0, 9.0],
+            "RegionType": "Table", "RegionArray": "Part", "RegionValue": 1.0,
+            "Regions": ["0", "Neo-Hookean", "YoungsModulus 2000 PoissonsRatio 0.3"],
+            "RegionShape": "Cylinder", "RegionSurface": sphere},
         SetBoundary: {
             "FixedBy": "Array", "TouchableBy": "Region", "FixedRegion": "Cylinder",
             "TouchableRegion": "Box", "FixedArray": "Inlet", "TouchableArray": "Inlet",
@@ -85,7 +93,7 @@ def test_every_property(body):
         assert set(filtered.ListProperties()) - hidden == set(values), filtered.ListProperties()
         for name, value in values.items():
             got = filtered.GetPropertyValue(name)
-            if name.endswith("Region"):
+            if name.endswith(("Region", "Shape")):
                 assert got.GetXMLName() == value, (name, got.GetXMLName())
             elif name.endswith(("Selection", "Surface")):
                 assert got is not None, name
@@ -144,6 +152,60 @@ def test_material_by_region(body):
     assert (cell_array(grid, "PoissonsRatio") == numpy.where(part == 0, 0.45, 0)).all()
     assert (cell_array(grid, "C10") == numpy.where(part == 0, 0, 700)).all()
     assert not fetch(left).GetCellData().HasArray("C10"), "the input of a filter has changed"
+
+
+def test_materials_by_table(body):
+    table = AssignMaterial(
+        Input=AssignMaterial(Input=body, Law="Linear"), RegionType="Table", RegionArray="Part",
+        Regions=["1", "Ogden", "BulkModulus 9000 OgdenModulus1 700 OgdenExponent1 -4",
+                 "0", "Fung", "Exponent 3 PoissonsRatio 0.4 YoungsModulus 2000"])
+    grid = expect_silence(lambda: fetch(table))
+    left = cell_array(grid, "Part") == 0
+    expect_material(grid, left, "Fung",
+                    {"YoungsModulus": 2000, "PoissonsRatio": 0.4, "Exponent": 3})
+    expect_material(grid, ~left, "Ogden",
+                    {"BulkModulus": 9000, "OgdenModulus1": 700, "OgdenExponent1": -4,
+                     "OgdenModulus2": 0, "OgdenExponent2": 0, "OgdenModulus3": 0,
+                     "OgdenExponent3": 0})
+
+    # A value without a row keeps what it has. By the state as by the script.
+    table.Regions = ["1", "Mooney-Rivlin polynomial", "BulkModulus 8000 C10 500 C03 40"]
+    SaveState("table.pvsm")
+    LoadState("table.pvsm")
+    loaded = [proxy for proxy in GetSources().values() if proxy.GetXMLName() == "AssignMaterial"
+              and proxy.RegionType == "Table" and proxy is not table][-1]
+    for one in (table, loaded):
+        grid = expect_silence(lambda: fetch(one))
+        expect_material(grid, left, "Linear", {"YoungsModulus": 10000, "PoissonsRatio": 0.45})
+        expect_material(grid, ~left, "Mooney-Rivlin polynomial", {
+            "BulkModulus": 8000, "C10": 500, "C03": 40, "C01": 0, "C20": 0, "C11": 0, "C02": 0,
+            "C30": 0, "C21": 0, "C12": 0})
+
+
+def test_region_by_shape_and_surface(body):
+    soft = AssignMaterial(Input=body, Law="Neo-Hookean", YoungsModulus=2000)
+    centre, radius = numpy.array([0.1, 0.05, 0.05]), 0.045
+    shape = AssignMaterial(Input=soft, Law="Neo-Hookean", YoungsModulus=8000, RegionType="Shape",
+                           RegionShape="Sphere")
+    shape.RegionShape.Center, shape.RegionShape.Radius = list(centre), radius
+    grid = expect_silence(lambda: fetch(shape))
+    middles = numpy.array([numpy.mean([grid.GetPoint(grid.GetCell(cell).GetPointId(corner))
+                                       for corner in range(4)], axis=0)
+                           for cell in range(grid.GetNumberOfCells())])
+    within = numpy.linalg.norm(middles - centre, axis=1) <= radius
+    assert 0 < within.sum() < len(within), within.sum()
+    assert (cell_array(grid, "YoungsModulus") == numpy.where(within, 8000, 2000)).all()
+    shape.RegionShape.Radius = 1
+    assert set(cell_array(fetch(shape), "YoungsModulus")) == {8000}
+
+    # A box of triangles: exact, and its normals may point either way.
+    corner = Box(XLength=0.1, YLength=0.2, ZLength=0.2, Center=[0.05, 0.05, 0.05])
+    for surface in (corner, ReverseSense(Input=corner)):
+        by_surface = AssignMaterial(Input=soft, Law="Neo-Hookean", YoungsModulus=8000,
+                                    RegionType="Surface", RegionSurface=surface)
+        grid = expect_silence(lambda: fetch(by_surface))
+        assert (cell_array(grid, "YoungsModulus")
+                == numpy.where(middles[:, 0] < 0.1, 8000, 2000)).all()
 
 
 def expect_material(grid, cells, law, arrays):
