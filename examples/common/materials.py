@@ -6,7 +6,7 @@ from pipeline import Failure
 
 LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
         "Mooney-Rivlin polynomial", "Fung", "Neo-Hookean incompressible",
-        "Mooney-Rivlin incompressible")
+        "Mooney-Rivlin incompressible", "Ogden")
 OWN = "Own"  # that of the scene
 # Share of the first invariant in the shear modulus of the Mooney-Rivlin laws.
 FIRST = 0.75
@@ -31,6 +31,9 @@ def parameters(law, youngs_modulus, poissons_ratio):
         if law == "Mooney-Rivlin":
             return {"C10": c10, "C01": c01, "BulkModulus": bulk}
         return {"Coefficients": [1, 0, c10, 0, 1, c01, 2, 0, c10], "BulkModulus": bulk}
+    if law == "Ogden":
+        return {"OgdenModuli": [2 * c10, 2 * c01, 0], "OgdenExponents": [4, -4, 0],
+                "BulkModulus": youngs_modulus / (3 * (1 - 2 * poissons_ratio))}
     return {"YoungsModulus": youngs_modulus, "PoissonsRatio": poissons_ratio}
 
 

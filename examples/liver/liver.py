@@ -28,7 +28,7 @@ from remesh import arrays, remesh, triangle_normals, vertex_normals
 
 LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
         "Mooney-Rivlin polynomial", "Fung", "Neo-Hookean incompressible",
-        "Mooney-Rivlin incompressible")
+        "Mooney-Rivlin incompressible", "Ogden")
 # Where a doctor palpates: y is up, z to the front, the right lobe at x < 0.
 IN_FRONT = np.array((-0.4, 0.4, 1.0))
 LARGEST = 5.0  # m; a surface that is wider is not in m

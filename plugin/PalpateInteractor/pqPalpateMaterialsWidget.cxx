@@ -51,7 +51,9 @@ pqPalpateMaterialsWidget::pqPalpateMaterialsWidget(
   this->Table->verticalHeader()->hide();
   this->Table->horizontalHeader()->setSectionResizeMode(Value, QHeaderView::ResizeToContents);
   this->Table->horizontalHeader()->setSectionResizeMode(Law, QHeaderView::ResizeToContents);
-  this->Table->horizontalHeader()->setStretchLastSection(true);
+  this->Table->horizontalHeader()->setSectionResizeMode(Parameters, QHeaderView::Stretch);
+  this->Table->verticalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+  this->Table->setWordWrap(true);
   this->Table->setMinimumHeight(
     (VisibleRows + 1) * this->Table->verticalHeader()->defaultSectionSize());
   auto* values = new QPushButton("Values of the Body", this);
@@ -127,6 +129,9 @@ void pqPalpateMaterialsWidget::addRow(
   this->Table->setItem(row, Value, new QTableWidgetItem(value));
   this->Table->setItem(row, Parameters, new QTableWidgetItem(parameters));
   auto* laws = new QComboBox(this->Table);
+  // The parameters need the room more than the longest name of a law.
+  laws->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  laws->setMinimumContentsLength(9);
   for (int number = 0; number < vtkPalpateAssignMaterial::NumberOfLaws; ++number)
   {
     laws->addItem(vtkPalpateAssignMaterial::LawName(number).c_str());

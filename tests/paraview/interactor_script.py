@@ -324,6 +324,33 @@ def pick_nodes():
     Render()
 
 
+def fill_in_materials():
+    """The same material by a table of regions, after others have been chosen in it."""
+    choose("RegionType", "Table")
+    choose("RegionArray", "Region")
+    wait(0.3)
+    table = property_widget("Regions", QtWidgets.QTableWidget)
+    buttons = {button.text(): button
+               for button in table.parent().findChildren(QtWidgets.QPushButton)}
+    buttons["Values of the Body"].click()
+    buttons["Add"].click()
+    assert table.rowCount() == 2, table.rowCount()
+    buttons["Remove"].click()
+    law = table.cellWidget(0, 1)
+    law.setCurrentText("Ogden")
+    assert "OgdenExponent1 2" in table.item(0, 2).text(), table.item(0, 2).text()
+    law.setCurrentText("Neo-Hookean")
+    table.item(0, 2).setText("YoungsModulus 5000 PoissonsRatio 0.45")
+    wait(0.2)
+    window.grab().save("materials.png")
+    apply()
+    material = GetActiveSource()
+    expected = ["0", "Neo-Hookean", "YoungsModulus 5000 PoissonsRatio 0.45"]
+    assert list(material.Regions) == expected, list(material.Regions)
+    modulus = material.GetCellDataInformation()["YoungsModulus"].GetRange()
+    assert modulus == (5000, 5000), modulus
+
+
 def road():
     """From a surface to touching it, as the quick start says, by menus, panels and the mouse."""
     open_file(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.vtp"))
@@ -336,6 +363,7 @@ def road():
     choose("Law", "Neo-Hookean")
     write("YoungsModulus", "5000")
     apply()
+    fill_in_materials()
     menu("Filters", "Palpate", "Set Boundary")
     region = property_widget("FixedRegion", QtWidgets.QComboBox)
     region.setCurrentText("Sphere")
