@@ -12,6 +12,7 @@
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkImplicitFunction.h"
 #include "vtkIntArray.h"
@@ -135,8 +136,8 @@ vtkSmartPointer<vtkImageData> SampleRegion(
   return Sample(region, part);
 }
 
-/// For each of TetGen's regions the number that the user sees, −1 for a cavity. A region belongs to
-/// the largest part of the surface that it touches: what else it touches lies within that part.
+/// For each of TetGen's regions but cavities the number that the user sees. A region belongs to the
+/// largest part of the surface that it touches: what else it touches lies within that part.
 std::map<int, int> NumberRegions(const Mesh& mesh, const vtkPalpateShells& shells)
 {
   std::map<int, int> shell_of;
@@ -174,8 +175,10 @@ std::map<int, int> NumberRegions(const Mesh& mesh, const vtkPalpateShells& shell
   for (const auto& [region, shell] : shell_of)
   {
     const auto found = filled.find(shell);
-    number[region] =
-      found == filled.end() ? -1 : static_cast<int>(std::distance(filled.begin(), found));
+    if (found != filled.end())
+    {
+      number[region] = static_cast<int>(std::distance(filled.begin(), found));
+    }
   }
   return number;
 }
@@ -227,17 +230,18 @@ private:
   std::map<std::pair<vtkIdType, vtkIdType>, vtkIdType> Middles;
 };
 
-void BuildBody(
-  const Mesh& mesh, const vtkPalpateShells& shells, bool quadratic, vtkUnstructuredGrid* body)
+/// @param number The user's number for each of TetGen's that is part of the body. @param name Of
+/// the array of them.
+void BuildBody(const Mesh& mesh, const std::map<int, int>& number, const char* name, bool quadratic,
+  vtkUnstructuredGrid* body)
 {
-  const auto number = NumberRegions(mesh, shells);
   std::vector<Tetrahedron> kept;
   vtkNew<vtkIntArray> region;
-  region->SetName("Region");
+  region->SetName(name);
   for (std::size_t i = 0; i < mesh.Tetrahedra.size(); ++i)
   {
     const auto found = number.find(mesh.Regions[i]);
-    if (found != number.end() && found->second >= 0)
+    if (found != number.end())
     {
       kept.push_back(mesh.Tetrahedra[i]);
       region->InsertNextValue(found->second);
@@ -267,7 +271,7 @@ void BuildBody(
   body->SetPoints(points.Points);
   body->GetCellData()->AddArray(region);
   // Drawn by colour, where there are several.
-  if (region->GetRange()[1] > 0)
+  if (region->GetRange()[0] != region->GetRange()[1])
   {
     body->GetCellData()->SetActiveScalars(region->GetName());
   }
@@ -287,5 +291,40 @@ void vtkPalpateMeshBody(const vtkPalpateSurface& surface, const vtkPalpateBodyMe
     tetgen.RegionVolume = options.RefineVolume;
   }
   const auto grid = vtkPalpateRunTetGen(ToTetGen(surface, shells), tetgen, limits);
-  BuildBody(Mesh(grid), shells, options.Quadratic, body);
+  const Mesh mesh(grid);
+  BuildBody(mesh, NumberRegions(mesh, shells), "Region", options.Quadratic, body);
+}
+
+void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,
+  const std::vector<vtkPalpateRegionSeed>& seeds, const vtkPalpateBodyMeshOptions& options,
+  const vtkPalpateTetGenLimits& limits, vtkUnstructuredGrid* body)
+{
+  const auto polydata = vtkPalpateSurfaceToPolyData(walls);
+  vtkNew<vtkIntArray> marker;
+  marker->SetName("Marker");
+  marker->SetNumberOfValues(polydata->GetNumberOfCells());
+  marker->FillValue(1);
+  polydata->GetCellData()->AddArray(marker);
+  vtkNew<vtkDoubleArray> places, volumes;
+  vtkNew<vtkIntArray> numbers;
+  places->SetName("SeedPoint");
+  places->SetNumberOfComponents(3);
+  numbers->SetName("SeedNumber");
+  volumes->SetName("SeedVolume");
+  // A number of its own for each seed, by its place in the list: TetGen takes what is above 0.
+  std::map<int, int> number;
+  for (const vtkPalpateRegionSeed& seed : seeds)
+  {
+    places->InsertNextTuple(seed.Place.data());
+    numbers->InsertNextValue(static_cast<int>(number.size()) + 1);
+    volumes->InsertNextValue(seed.MaximumVolume);
+    number.emplace(static_cast<int>(number.size()) + 1, seed.Region);
+  }
+  for (vtkDataArray* array : { static_cast<vtkDataArray*>(places),
+         static_cast<vtkDataArray*>(numbers), static_cast<vtkDataArray*>(volumes) })
+  {
+    polydata->GetFieldData()->AddArray(array);
+  }
+  const auto grid = vtkPalpateRunTetGen(polydata, options.TetGen, limits);
+  BuildBody(Mesh(grid), number, "RegionId", options.Quadratic, body);
 }

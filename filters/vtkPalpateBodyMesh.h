@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a surface without faults to the tetrahedra within it.
+// From a surface without faults to the tetrahedra within it, or from the walls of several regions
+// to the tetrahedra between them.
 #pragma once
 
 #include "PalpateFiltersModule.h"
@@ -15,6 +16,22 @@ struct vtkPalpateBodyMeshOptions
   vtkImplicitFunction* RefineRegion = nullptr; ///< negative where tetrahedra shall be smaller
   double RefineVolume = 0;                     ///< largest volume there, m³; 0 = as elsewhere
 };
+
+/// A part of space, enclosed by walls.
+struct vtkPalpateRegionSeed
+{
+  vtkPalpatePoint Place; ///< a point within it, m
+  int Region;            ///< the number that its tetrahedra get
+  double MaximumVolume;  ///< of its tetrahedra, m³; 0: none of its own
+};
+
+/// Fills `body` with the tetrahedra of the regions that have a seed, with their cell array
+/// `RegionId`. Any number of walls may share an edge; regions share the points of the wall between
+/// them.
+/// @pre The walls cross each other nowhere. @throws as vtkPalpateRunTetGen.
+PALPATEFILTERS_EXPORT void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,
+  const std::vector<vtkPalpateRegionSeed>& seeds, const vtkPalpateBodyMeshOptions& options,
+  const vtkPalpateTetGenLimits& limits, vtkUnstructuredGrid* body);
 
 /// Fills `body` with tetrahedra and their cell array `Region`; see
 /// vtkPalpateTetrahedralizeSurface.h. Points that no tetrahedron uses are left out.

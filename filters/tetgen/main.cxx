@@ -8,6 +8,9 @@
 //   palpate-tetgen --ratio R --region-volume V … < surface.vtp 3< region.vti > body.vtu
 //
 // Input: VTK XML polydata, triangles that bound the body, with the cell array `Marker` (int > 0).
+// It may have the field arrays `SeedPoint` (3 components), `SeedNumber` (int > 0) and `SeedVolume`,
+// a tuple for each: the part of space around the point has that number, and its tetrahedra are no
+// larger than the volume, if that is greater than 0. Parts without a seed have other numbers.
 // Output: a VTK XML unstructured grid of the tetrahedra, positively oriented in VTK's sense, their
 // `Marker` the region of space that they lie in (numbered by TetGen), and of the triangles on the
 // bounding surface, their `Marker` that of the triangle of the input that they lie in. The points
@@ -49,6 +52,7 @@
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkDataArray.h"
+#include "vtkFieldData.h"
 #include "vtkIdList.h"
 #include "vtkImageData.h"
 #include "vtkIntArray.h"
@@ -78,7 +82,7 @@ struct Options
 };
 
 /// A switch for TetGen, which reads no exponents of either sign everywhere.
-std::string Number(double value)
+std::string Digits(double value)
 {
   std::array<char, 400> text{};
   std::snprintf(text.data(), text.size(), "%.30f", value);
@@ -190,6 +194,57 @@ vtkSmartPointer<vtkPolyData> ReadSurface()
   }
   return surface;
 }
+
+/// What is known of parts of space beforehand.
+struct Seeds
+{
+  vtkDataArray* Points;
+  vtkDataArray* Numbers;
+  vtkDataArray* Volumes;
+  /// The bounds by number, in TetGen's frame.
+  std::map<int, double> VolumeOf;
+
+  Seeds(vtkPolyData* surface, const Frame& frame)
+    : Points(surface->GetFieldData()->GetArray("SeedPoint"))
+    , Numbers(surface->GetFieldData()->GetArray("SeedNumber"))
+    , Volumes(surface->GetFieldData()->GetArray("SeedVolume"))
+  {
+    if (!Points && !Numbers && !Volumes)
+    {
+      return;
+    }
+    if (!Points || !Numbers || !Volumes || Points->GetNumberOfComponents() != 3 ||
+      Numbers->GetNumberOfTuples() != Count() || Volumes->GetNumberOfTuples() != Count())
+    {
+      throw std::runtime_error(
+        "the field arrays SeedPoint, SeedNumber and SeedVolume do not belong together");
+    }
+    for (vtkIdType i = 0; i < Count(); ++i)
+    {
+      if (Volumes->GetTuple1(i) > 0)
+      {
+        VolumeOf[static_cast<int>(Numbers->GetTuple1(i))] = frame.VolumeIn(Volumes->GetTuple1(i));
+      }
+    }
+  }
+
+  vtkIdType Count() const { return Points ? Points->GetNumberOfTuples() : 0; }
+
+  void Fill(const Frame& frame, double factor, tetgenio& in) const
+  {
+    constexpr int size = 5; // the place, the number, the bound
+    in.numberofregions = static_cast<int>(Count());
+    in.regionlist = new REAL[size * static_cast<std::size_t>(Count())];
+    for (vtkIdType i = 0; i < Count(); ++i)
+    {
+      REAL* entry = in.regionlist + size * i;
+      frame.In(Points->GetTuple3(i), entry);
+      entry[3] = Numbers->GetTuple1(i);
+      const auto bound = VolumeOf.find(static_cast<int>(entry[3]));
+      entry[4] = bound == VolumeOf.end() ? -1 : factor * bound->second;
+    }
+  }
+};
 
 void FillInput(vtkPolyData* surface, const Frame& frame, tetgenio& in)
 {
@@ -339,8 +394,15 @@ std::array<const double*, 4> Corners(const tetgenio& mesh, std::size_t tetrahedr
   return corners;
 }
 
+/// TetGen's number of the part of space that a tetrahedron is in.
+int Number(const tetgenio& mesh, std::size_t tetrahedron)
+{
+  return static_cast<int>(
+    std::lround(mesh.tetrahedronattributelist[tetrahedron * mesh.numberoftetrahedronattributes]));
+}
+
 /// By how much the worst tetrahedron exceeds its bound, at least 1.
-double Excess(const tetgenio& mesh, const Sizing& wanted, double wanted_volume)
+double Excess(const tetgenio& mesh, const Sizing& wanted, const Seeds& seeds, double wanted_volume)
 {
   double excess = 1;
   for (int i = 0; i < mesh.numberoftetrahedra; ++i)
@@ -350,6 +412,11 @@ double Excess(const tetgenio& mesh, const Sizing& wanted, double wanted_volume)
     if (wanted_volume > 0)
     {
       excess = std::max(excess, volume / wanted_volume);
+    }
+    const auto bound = seeds.VolumeOf.find(Number(mesh, static_cast<std::size_t>(i)));
+    if (bound != seeds.VolumeOf.end())
+    {
+      excess = std::max(excess, volume / bound->second);
     }
     if (wanted.TooLarge(p[0], p[1], p[2], p[3]))
     {
@@ -363,14 +430,14 @@ std::string Switches(const Options& options, double volume)
 {
   // J keeps all points, so that those of the input stay first. A: a number for each part of space
   // that the surface encloses.
-  std::string switches = "AJq" + Number(options.Ratio);
+  std::string switches = "AJq" + Digits(options.Ratio);
   if (options.Preserve)
   {
     switches += "Y";
   }
   if (volume > 0)
   {
-    switches += "a" + Number(volume);
+    switches += "a" + Digits(volume);
   }
   return switches;
 }
@@ -428,6 +495,7 @@ std::unique_ptr<const tetgenio> Mesh(
   constexpr double least_factor = 0.5;
   const double volume = frame.VolumeIn(options.Volume);
   const Sizing wanted = { &frame, region, frame.VolumeIn(options.RegionVolume) };
+  const Seeds seeds(surface, frame);
   double factor = 1;
   for (int trial = 1;; ++trial)
   {
@@ -435,14 +503,19 @@ std::unique_ptr<const tetgenio> Mesh(
     CurrentSizing = &sizing;
     tetgenio in;
     FillInput(surface, frame, in);
+    seeds.Fill(frame, factor, in);
     if (region)
     {
       in.tetunsuitable = TooLarge;
     }
     auto out = std::make_unique<tetgenio>();
     std::string switches = "p" + Switches(options, factor * volume);
+    if (!seeds.VolumeOf.empty())
+    {
+      switches += "a"; // of each part its own bound
+    }
     tetrahedralize(switches.data(), &in, out.get());
-    const double excess = Excess(*out, wanted, volume);
+    const double excess = Excess(*out, wanted, seeds, volume);
     if (excess <= 1 + rounding || options.Preserve)
     {
       return out;
@@ -485,9 +558,7 @@ vtkSmartPointer<vtkUnstructuredGrid> ToGrid(
     const int* corner = out.tetrahedronlist + static_cast<std::size_t>(i) * out.numberofcorners;
     vtkIdType ids[4] = { corner[0], corner[1], corner[2], corner[3] };
     grid->InsertNextCell(VTK_TETRA, 4, ids);
-    const auto attribute = static_cast<std::size_t>(i) * out.numberoftetrahedronattributes;
-    markers->InsertNextValue(
-      static_cast<int>(std::lround(out.tetrahedronattributelist[attribute])));
+    markers->InsertNextValue(Number(out, static_cast<std::size_t>(i)));
   }
   for (int i = 0; i < out.numberoftrifaces; ++i)
   {
