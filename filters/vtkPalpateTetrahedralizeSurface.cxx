@@ -19,6 +19,7 @@
 #include "vtkPalpateInput.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceRepair.h"
+#include "vtkPalpateUnit.h"
 #include "vtkPalpateWholeSurface.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -61,7 +62,8 @@ vtkPalpateTetrahedralizeSurface::~vtkPalpateTetrahedralizeSurface() = default;
 void vtkPalpateTetrahedralizeSurface::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "ElementOrder: " << this->ElementOrder << "\n"
+  os << indent << "Unit: " << this->Unit << "\n"
+     << indent << "ElementOrder: " << this->ElementOrder << "\n"
      << indent << "MaximumRadiusEdgeRatio: " << this->MaximumRadiusEdgeRatio << "\n"
      << indent << "MaximumVolume: " << this->MaximumVolume << " m³\n"
      << indent << "PreserveSurface: " << this->PreserveSurface << "\n"
@@ -198,6 +200,14 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
 {
   this->Validate();
   auto surface = vtkPalpateSurfaceFromPolyData(input);
+  const double unit = vtkPalpateUnit::Length(this->Unit);
+  for (vtkPalpatePoint& point : surface.Points)
+  {
+    for (double& coordinate : point)
+    {
+      coordinate *= unit;
+    }
+  }
   this->Progress(0.05);
   const auto faults = vtkPalpateCheckSurface(surface);
   vtkPalpateFaultsToPolyData(surface, faults, fault_output);

@@ -3,8 +3,8 @@
  * @class   vtkPalpateTetrahedralizeSurface
  * @brief   fills a closed surface with tetrahedra
  *
- * The surface (any vtkPolyData: triangles, quads, polygons, strips; in any unit of length; several
- * disjoint bodies) is checked first: open edges, edges of more than two triangles, opposite
+ * The surface (any vtkPolyData: triangles, quads, polygons, strips; in the unit of length that Unit
+ * says; several disjoint bodies) is checked first: open edges, edges of more than two triangles, opposite
  * normals, triangles without an area, triangles that cross each other. TetGen then meshes it in a
  * program of its own, palpate-tetgen, so that its abort, crash or hang is an error message here.
  *
@@ -37,6 +37,12 @@ public:
   static vtkPalpateTetrahedralizeSurface* New();
   vtkTypeMacro(vtkPalpateTetrahedralizeSurface, vtkUnstructuredGridAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{ Number of a vtkPalpateUnit: in which the surface has its lengths. All lengths and volumes of
+  /// the properties are in m, and so is the body.
+  vtkSetMacro(Unit, int);
+  vtkGetMacro(Unit, int);
+  ///@}
 
   enum ElementOrders
   {
@@ -114,6 +120,7 @@ private:
   void Tetrahedralize(vtkPolyData* input, vtkUnstructuredGrid* body, vtkPolyData* faults);
   void Progress(double fraction);
 
+  int Unit = 0;
   int ElementOrder = Linear;
   double MaximumRadiusEdgeRatio = 1.414;
   double MaximumVolume = 0;

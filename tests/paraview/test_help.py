@@ -12,7 +12,8 @@ import sqlite3
 import sys
 import zlib
 
-PROXIES = ["filters.TetrahedralizeSurface", "filters.AssignMaterial", "filters.SetBoundary",
+PROXIES = ["filters.TetrahedralizeSurface", "filters.TetrahedralizeLabelMap",
+           "filters.AssignMaterial", "filters.SetBoundary",
            "filters.SolveEquilibrium", "filters.PrecomputeStateSpace", "filters.TouchStateSpace",
            "filters.AccuracyReport", "filters.EstimateError", "filters.ReplayTouch",
            "sources.StateSpaceReader"]

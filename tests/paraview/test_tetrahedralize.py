@@ -37,6 +37,7 @@ def good(body, volume, tolerance=1e-6):
 
 def check_defaults_and_names():
     body = TetrahedralizeSurface(Input=Box())
+    assert body.Unit == "m"
     assert body.ElementOrder == "Linear"
     assert body.MaximumRadiusEdgeRatio == 1.414
     assert body.MaximumVolume == 0
@@ -58,6 +59,11 @@ def check_every_property():
     body.MaximumVolume = 0.002
     bounded = good(body, 1)
     assert volumes(bounded).max() <= 0.002 * (1 + 1e-9)
+    body.MaximumVolume = 2e-12
+    body.Unit = "mm"
+    assert good(body, 1e-9).GetNumberOfCells() == bounded.GetNumberOfCells()
+    body.MaximumVolume = 0.002
+    body.Unit = "m"
     assert bounded.GetNumberOfCells() > coarse
     body.ElementOrder = "Quadratic"
     quadratic = good(body, 1)

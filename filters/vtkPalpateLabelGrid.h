@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A segmented image as a plain array of labels, and the steps that make it fit to be meshed: chosen
+// labels, islands and holes, another spacing. 0 is what is not part of the body.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "vtkPalpateExactPredicates.h"
+
+class vtkImageData;
+
+struct vtkPalpateLabelGrid
+{
+  std::array<int, 3> Size{};             ///< voxels along each axis of the image
+  std::array<vtkPalpatePoint, 3> Axes{}; ///< from a voxel to the next along each of them, m
+  vtkPalpatePoint Origin{};              ///< the middle of the first voxel, m
+  std::vector<int> Labels;               ///< of the voxels, the first axis fastest
+
+  std::size_t Index(int i, int j, int k) const
+  {
+    return (static_cast<std::size_t>(k) * Size[1] + j) * Size[0] + i;
+  }
+  /// 0 outside the image.
+  int At(int i, int j, int k) const
+  {
+    const bool inside = i >= 0 && j >= 0 && k >= 0 && i < Size[0] && j < Size[1] && k < Size[2];
+    return inside ? Labels[Index(i, j, k)] : 0;
+  }
+  /// Place of a voxel, whose middle has whole numbers; m.
+  vtkPalpatePoint Place(double i, double j, double k) const;
+  /// Of a voxel, m³; negative where the axes are left-handed.
+  double SignedVolume() const;
+  double Volume() const { return SignedVolume() < 0 ? -SignedVolume() : SignedVolume(); }
+  /// Length of a voxel along an axis, m.
+  double Spacing(int axis) const;
+};
+
+/// More voxels are refused.
+constexpr double vtkPalpateMostVoxels = 1e8;
+
+/// The labels of an image, with its orientation, its lengths times `unit` m.
+/// @param array The name of an array of the points or cells; empty: the active scalars.
+/// @param wanted The labels to keep, the others become 0; empty: all.
+/// @throws palpate::InputError no such array with one whole number for each, an image of a single
+/// layer of voxels, more voxels than above, a wanted label that is not there, or none at all.
+PALPATEFILTERS_EXPORT vtkPalpateLabelGrid vtkPalpateReadLabels(
+  vtkImageData* image, const std::string& array, const std::vector<int>& wanted, double unit);
+
+/// The number of voxels of each label but 0.
+PALPATEFILTERS_EXPORT std::map<int, std::size_t> vtkPalpateCountLabels(
+  const vtkPalpateLabelGrid& grid);
+
+/// Gives each connected part (by faces) of a label that is smaller than `smallest` (m³) to the
+/// label that it touches most. @returns how many parts of each label.
+PALPATEFILTERS_EXPORT std::map<int, int> vtkPalpateRemoveIslands(
+  vtkPalpateLabelGrid& grid, double smallest);
+
+/// Gives what is not part of the body but enclosed by it to the label that it touches most.
+/// @returns how many parts.
+PALPATEFILTERS_EXPORT int vtkPalpateFillHoles(vtkPalpateLabelGrid& grid);
+
+/// The same body by cubes with this edge (m), along the same axes: each has the label that fills
+/// most of it.
+PALPATEFILTERS_EXPORT vtkPalpateLabelGrid vtkPalpateResampleLabels(
+  const vtkPalpateLabelGrid& grid, double edge);
+
+/// The connected parts (by faces) of all labels, numbered from 1.
+struct vtkPalpateLabelParts
+{
+  std::vector<int> OfVoxel;              ///< 0 where there is no body
+  std::vector<int> Label;                ///< of each part; of 0, which is none, 0
+  std::vector<std::array<int, 3>> Voxel; ///< one of each part
+  std::vector<std::size_t> Count;        ///< voxels of each part
+};
+
+PALPATEFILTERS_EXPORT vtkPalpateLabelParts vtkPalpateFindParts(const vtkPalpateLabelGrid& grid);

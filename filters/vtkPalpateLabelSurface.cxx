@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateLabelSurface.h"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+
+#include "vtkMath.h"
+#include "vtkPalpateSurfaceCheck.h"
+#include "vtkPalpateTriangleIntersection.h"
+
+namespace
+{
+using Vector = Eigen::Vector3d;
+
+/// Shares of a voxel. Beyond half a voxel a wall could pass the middle of one.
+constexpr double Bound = 0.45;
+constexpr int VolumeIterations = 20;
+/// Of a label's volume; below this there is nothing to be corrected.
+constexpr double VolumeTolerance = 1e-4;
+constexpr int Rounds = 8;
+
+/// The walls with points in units of a voxel, where the middle of a voxel has whole numbers.
+class Walls
+{
+public:
+  Walls(const vtkPalpateLabelGrid& grid, const vtkPalpateLabelParts& parts, double share)
+    : Grid(grid)
+    , Parts(parts)
+    , Share(share)
+  {
+    this->FindFaces();
+    this->FindNeighbours();
+  }
+
+  void Smooth(int iterations)
+  {
+    constexpr double relaxation = 0.5;
+    std::vector<Vector> next = this->Points;
+    for (int i = 0; i < iterations; ++i)
+    {
+      for (std::size_t p = 0; p < this->Points.size(); ++p)
+      {
+        const auto& around = this->Neighbours[p];
+        if (!around.empty())
+        {
+          Vector mean = Vector::Zero();
+          for (const int q : around)
+          {
+            mean += this->Points[q];
+          }
+          mean /= static_cast<double>(around.size());
+          next[p] = this->Points[p] + relaxation * (mean - this->Points[p]);
+          this->Confine(p, next[p]);
+        }
+      }
+      this->Points = next;
+    }
+    for (std::size_t p = 0; p < this->Points.size(); ++p)
+    {
+      this->Points[p] = this->Rest[p] + this->Share * (this->Points[p] - this->Rest[p]);
+    }
+  }
+
+  /// Two triangles a face, along its shorter diagonal.
+  void Split()
+  {
+    this->Triangles.clear();
+    this->Sides.clear();
+    for (std::size_t f = 0; f < this->Faces.size(); ++f)
+    {
+      const auto& q = this->Faces[f];
+      const double first = (this->Points[q[0]] - this->Points[q[2]]).squaredNorm();
+      const double second = (this->Points[q[1]] - this->Points[q[3]]).squaredNorm();
+      if (first <= second)
+      {
+        this->Triangles.push_back({ q[0], q[1], q[2] });
+        this->Triangles.push_back({ q[0], q[2], q[3] });
+      }
+      else
+      {
+        this->Triangles.push_back({ q[0], q[1], q[3] });
+        this->Triangles.push_back({ q[1], q[2], q[3] });
+      }
+      this->Sides.push_back(this->FaceSides[f]);
+      this->Sides.push_back(this->FaceSides[f]);
+    }
+  }
+
+  /// Of each part, in voxels; that of 0 has no meaning.
+  std::vector<double> Volumes() const
+  {
+    std::vector<double> volumes(this->Parts.Label.size(), 0);
+    for (std::size_t t = 0; t < this->Triangles.size(); ++t)
+    {
+      const auto& c = this->Triangles[t];
+      const double volume =
+        this->Points[c[0]].dot(this->Points[c[1]].cross(this->Points[c[2]])) / 6;
+      volumes[this->Sides[t][0]] += volume;
+      volumes[this->Sides[t][1]] -= volume;
+    }
+    return volumes;
+  }
+
+  /// Moves each wall between a and b by λ_a − λ_b, λ_0 = 0, so that the volumes of all parts are
+  /// right to first order.
+  /// @param wanted In voxels; that of 0 has no meaning.
+  void FitVolumes(const std::vector<double>& wanted)
+  {
+    const auto size = static_cast<Eigen::Index>(wanted.size()) - 1;
+    for (int iteration = 0; iteration < VolumeIterations; ++iteration)
+    {
+      Eigen::VectorXd missing(size);
+      double worst = 0;
+      const auto volumes = this->Volumes();
+      for (Eigen::Index i = 0; i < size; ++i)
+      {
+        missing[i] = wanted[i + 1] - volumes[i + 1];
+        worst = std::max(worst, std::abs(missing[i]) / wanted[i + 1]);
+      }
+      if (worst < VolumeTolerance)
+      {
+        return;
+      }
+      std::vector<Eigen::Triplet<double>> areas;
+      std::vector<Vector> normals(this->Triangles.size());
+      for (std::size_t t = 0; t < this->Triangles.size(); ++t)
+      {
+        const auto& c = this->Triangles[t];
+        normals[t] = 0.5 *
+          (this->Points[c[1]] - this->Points[c[0]]).cross(this->Points[c[2]] - this->Points[c[0]]);
+        const double area = normals[t].norm();
+        const auto [a, b] = this->Sides[t];
+        for (const int one : { a, b })
+        {
+          if (one > 0)
+          {
+            areas.emplace_back(one - 1, one - 1, area);
+          }
+        }
+        if (a > 0 && b > 0)
+        {
+          areas.emplace_back(std::max(a, b) - 1, std::min(a, b) - 1, -area);
+        }
+      }
+      Eigen::SparseMatrix<double> matrix(size, size);
+      matrix.setFromTriplets(areas.begin(), areas.end());
+      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
+      const Eigen::VectorXd level = factor.solve(missing);
+      if (factor.info() != Eigen::Success || !level.allFinite())
+      {
+        return;
+      }
+      std::vector<Vector> move(this->Points.size(), Vector::Zero());
+      std::vector<double> weight(this->Points.size(), 0);
+      for (std::size_t t = 0; t < this->Triangles.size(); ++t)
+      {
+        const auto [a, b] = this->Sides[t];
+        const double shift = (a == 0 ? 0 : level[a - 1]) - (b == 0 ? 0 : level[b - 1]);
+        for (const vtkIdType p : this->Triangles[t])
+        {
+          move[p] += shift * normals[t];
+          weight[p] += normals[t].norm();
+        }
+      }
+      for (std::size_t p = 0; p < this->Points.size(); ++p)
+      {
+        if (weight[p] > 0)
+        {
+          this->Points[p] += move[p] / weight[p];
+          this->Confine(p, this->Points[p]);
+        }
+      }
+    }
+  }
+
+  /// @returns whether nothing was to be put back.
+  bool PutBack(const vtkPalpateSurface& surface, double share)
+  {
+    std::vector<char> wrong(this->Points.size(), 0);
+    bool none = true;
+    const auto mark = [&](vtkIdType triangle)
+    {
+      none = false;
+      for (const vtkIdType p : this->Triangles[triangle])
+      {
+        wrong[p] = 1;
+      }
+    };
+    for (const vtkIdType triangle : vtkPalpateFlatTriangles(surface))
+    {
+      mark(triangle);
+    }
+    for (const auto& [first, second] : vtkPalpateIntersectingTriangles(surface))
+    {
+      mark(first);
+      mark(second);
+    }
+    for (std::size_t p = 0; p < this->Points.size(); ++p)
+    {
+      if (wrong[p] != 0)
+      {
+        this->Points[p] = this->Rest[p] + share * (this->Points[p] - this->Rest[p]);
+      }
+    }
+    return none;
+  }
+
+  vtkPalpateSurface ToSpace() const
+  {
+    vtkPalpateSurface surface;
+    for (const Vector& p : this->Points)
+    {
+      surface.Points.push_back(this->Grid.Place(p[0], p[1], p[2]));
+    }
+    surface.Triangles = this->Triangles;
+    if (this->Grid.SignedVolume() < 0)
+    {
+      for (auto& triangle : surface.Triangles)
+      {
+        std::swap(triangle[1], triangle[2]);
+      }
+    }
+    return surface;
+  }
+
+  std::vector<std::array<int, 2>> Sides;
+
+private:
+  /// 0 outside the image.
+  int PartAt(int i, int j, int k) const
+  {
+    const auto& size = this->Grid.Size;
+    const bool inside = i >= 0 && j >= 0 && k >= 0 && i < size[0] && j < size[1] && k < size[2];
+    return inside ? this->Parts.OfVoxel[this->Grid.Index(i, j, k)] : 0;
+  }
+
+  /// A square of voxel corners for each pair of unlike voxels side by side.
+  void FindFaces()
+  {
+    const auto& size = this->Grid.Size;
+    const std::array<int, 3> corners = { size[0] + 1, size[1] + 1, size[2] + 1 };
+    std::vector<int> number(static_cast<std::size_t>(corners[0]) * corners[1] * corners[2], -1);
+    // The corner (i, j, k) is between the voxels i − 1 and i, and so on.
+    const auto point = [&](const std::array<int, 3>& at)
+    {
+      int& known =
+        number[(static_cast<std::size_t>(at[2]) * corners[1] + at[1]) * corners[0] + at[0]];
+      if (known < 0)
+      {
+        known = static_cast<int>(this->Points.size());
+        this->Points.push_back(Vector(at[0] - 0.5, at[1] - 0.5, at[2] - 0.5));
+      }
+      return static_cast<vtkIdType>(known);
+    };
+    for (int k = 0; k <= size[2]; ++k)
+    {
+      for (int j = 0; j <= size[1]; ++j)
+      {
+        for (int i = 0; i <= size[0]; ++i)
+        {
+          const int front = this->PartAt(i, j, k);
+          for (int axis = 0; axis < 3; ++axis)
+          {
+            std::array<int, 3> before = { i, j, k };
+            --before[axis];
+            const int behind = this->PartAt(before[0], before[1], before[2]);
+            if (behind == front)
+            {
+              continue;
+            }
+            // Around the axis, as seen against it counter-clockwise.
+            const int u = (axis + 1) % 3;
+            const int v = (axis + 2) % 3;
+            std::array<vtkIdType, 4> face{};
+            for (int corner = 0; corner < 4; ++corner)
+            {
+              std::array<int, 3> at = { i, j, k };
+              at[u] += corner == 1 || corner == 2;
+              at[v] += corner >= 2;
+              face[corner] = point(at);
+            }
+            this->Faces.push_back(face);
+            this->FaceSides.push_back({ behind, front });
+          }
+        }
+      }
+    }
+    this->Rest = this->Points;
+  }
+
+  /// Those that draw at a point: along the walls, or where walls of different labels meet, along
+  /// the curve of those; none at the ends of curves.
+  void FindNeighbours()
+  {
+    struct Edge
+    {
+      int Low, High;
+      std::array<int, 2> Labels;
+    };
+    std::vector<Edge> edges;
+    edges.reserve(4 * this->Faces.size());
+    for (std::size_t f = 0; f < this->Faces.size(); ++f)
+    {
+      const std::array<int, 2> labels = { std::min(this->FaceSides[f][0], this->FaceSides[f][1]),
+        std::max(this->FaceSides[f][0], this->FaceSides[f][1]) };
+      for (int i = 0; i < 4; ++i)
+      {
+        const auto a = static_cast<int>(this->Faces[f][i]);
+        const auto b = static_cast<int>(this->Faces[f][(i + 1) % 4]);
+        edges.push_back({ std::min(a, b), std::max(a, b), labels });
+      }
+    }
+    std::sort(edges.begin(), edges.end(),
+      [](const Edge& a, const Edge& b)
+      { return a.Low != b.Low ? a.Low < b.Low : a.High < b.High; });
+    std::vector<std::vector<int>> along(this->Points.size());
+    this->Neighbours.resize(this->Points.size());
+    for (auto first = edges.begin(); first != edges.end();)
+    {
+      auto last = first;
+      bool alike = true;
+      while (last != edges.end() && last->Low == first->Low && last->High == first->High)
+      {
+        alike = alike && last->Labels == first->Labels;
+        ++last;
+      }
+      const bool meets = !alike || last - first != 2;
+      for (auto* of : { &this->Neighbours, &along })
+      {
+        if (of == &this->Neighbours || meets)
+        {
+          (*of)[first->Low].push_back(first->High);
+          (*of)[first->High].push_back(first->Low);
+        }
+      }
+      first = last;
+    }
+    for (std::size_t p = 0; p < this->Points.size(); ++p)
+    {
+      if (along[p].size() == 2)
+      {
+        this->Neighbours[p] = along[p];
+      }
+      else if (!along[p].empty())
+      {
+        this->Neighbours[p].clear();
+      }
+    }
+  }
+
+  void Confine(std::size_t p, Vector& x) const
+  {
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      x[axis] = std::clamp(x[axis], this->Rest[p][axis] - Bound, this->Rest[p][axis] + Bound);
+    }
+  }
+
+  const vtkPalpateLabelGrid& Grid;
+  const vtkPalpateLabelParts& Parts;
+  double Share;
+  std::vector<Vector> Points;
+  std::vector<Vector> Rest;
+  std::vector<std::array<vtkIdType, 4>> Faces;
+  std::vector<std::array<int, 2>> FaceSides;
+  std::vector<std::vector<int>> Neighbours;
+  std::vector<std::array<vtkIdType, 3>> Triangles;
+};
+}
+
+vtkPalpateLabelSurface vtkPalpateMakeLabelSurface(const vtkPalpateLabelGrid& grid,
+  const vtkPalpateLabelParts& parts, const std::map<int, double>& wanted, int iterations,
+  double share)
+{
+  Walls walls(grid, parts, share);
+  walls.Smooth(iterations);
+  walls.Split();
+  if (iterations > 0 && share > 0)
+  {
+    std::map<int, std::size_t> counts;
+    for (std::size_t part = 1; part < parts.Label.size(); ++part)
+    {
+      counts[parts.Label[part]] += parts.Count[part];
+    }
+    std::vector<double> in_voxels = { 0 };
+    for (std::size_t part = 1; part < parts.Label.size(); ++part)
+    {
+      const int label = parts.Label[part];
+      const double of_label = wanted.at(label) / grid.Volume();
+      in_voxels.push_back(
+        of_label * static_cast<double>(parts.Count[part]) / static_cast<double>(counts[label]));
+    }
+    walls.FitVolumes(in_voxels);
+  }
+  vtkPalpateLabelSurface result;
+  // At rest nothing crosses.
+  for (int round = 0; round < Rounds; ++round)
+  {
+    if (walls.PutBack(walls.ToSpace(), round < Rounds / 2 ? 0.5 : 0))
+    {
+      break;
+    }
+  }
+  result.Walls = walls.ToSpace();
+  for (const auto& [behind, front] : walls.Sides)
+  {
+    result.Sides.push_back({ parts.Label[behind], parts.Label[front] });
+  }
+  const std::vector<double> volumes = walls.Volumes();
+  for (std::size_t part = 1; part < volumes.size(); ++part)
+  {
+    result.Volumes[parts.Label[part]] += volumes[part] * grid.Volume();
+  }
+  return result;
+}

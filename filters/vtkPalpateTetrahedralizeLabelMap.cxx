@@ -1,0 +1,567 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateTetrahedralizeLabelMap.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <sstream>
+
+#include "base/error.h"
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkMath.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateBodyMesh.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateInput.h"
+#include "vtkPalpateLabelGrid.h"
+#include "vtkPalpateLabelSurface.h"
+#include "vtkPalpateUnit.h"
+#include "vtkPolyData.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+vtkStandardNewMacro(vtkPalpateTetrahedralizeLabelMap);
+
+namespace
+{
+using palpate::InputError;
+
+/// Of a regular tetrahedron of edge 1 it is 0.118. TetGen's have about half of their bound.
+constexpr double VolumeOfEdge = 0.2;
+/// Of a tetrahedron on the average.
+constexpr double MeanVolumeOfEdge = 0.1;
+constexpr double AutomaticNumber = 1e4;
+/// More tetrahedra than this are a slip of a unit, not a wish.
+constexpr double MostTetrahedra = 2e7;
+/// Of a label's volume.
+constexpr double VolumeTolerance = 0.02;
+/// A voxel whose edges differ by no more is taken for a cube, and one that is as long as the
+/// elements to within that stays as it is.
+constexpr double AlmostEqual = 0.2;
+constexpr int MostSmoothing = 1000;
+/// Of an automatic size that lets labels vanish.
+constexpr int MostTrials = 6;
+
+/// The user wants no result any more.
+struct Aborted
+{
+};
+
+/// How well the tetrahedra are shaped.
+struct Quality
+{
+  double Ratio = 0;   ///< the largest of circumscribed radius to shortest edge
+  double Angle = 180; ///< the smallest between two faces, degrees
+};
+
+Quality QualityOf(vtkUnstructuredGrid* body)
+{
+  Quality quality;
+  for (vtkIdType cell = 0; cell < body->GetNumberOfCells(); ++cell)
+  {
+    vtkIdType size;
+    const vtkIdType* ids;
+    body->GetCellPoints(cell, size, ids);
+    double x[4][3];
+    for (int i = 0; i < 4; ++i)
+    {
+      body->GetPoint(ids[i], x[i]);
+    }
+    double u[3], v[3], w[3];
+    vtkMath::Subtract(x[1], x[0], u);
+    vtkMath::Subtract(x[2], x[0], v);
+    vtkMath::Subtract(x[3], x[0], w);
+    double vw[3], wu[3], uv[3], centre[3];
+    vtkMath::Cross(v, w, vw);
+    vtkMath::Cross(w, u, wu);
+    vtkMath::Cross(u, v, uv);
+    const double determinant = vtkMath::Dot(u, vw);
+    for (int c = 0; c < 3; ++c)
+    {
+      centre[c] =
+        (vtkMath::Dot(u, u) * vw[c] + vtkMath::Dot(v, v) * wu[c] + vtkMath::Dot(w, w) * uv[c]) /
+        (2 * determinant);
+    }
+    double shortest = vtkMath::Norm(u);
+    for (int i = 0; i < 4; ++i)
+    {
+      for (int j = 0; j < i; ++j)
+      {
+        shortest = std::min(shortest, std::sqrt(vtkMath::Distance2BetweenPoints(x[i], x[j])));
+      }
+    }
+    quality.Ratio = std::max(quality.Ratio, vtkMath::Norm(centre) / shortest);
+    // Outward normals of the faces opposite to the points 1, 2, 3 and 0.
+    double normals[4][3];
+    for (int c = 0; c < 3; ++c)
+    {
+      normals[0][c] = -vw[c];
+      normals[1][c] = -wu[c];
+      normals[2][c] = -uv[c];
+      normals[3][c] = vw[c] + wu[c] + uv[c];
+    }
+    for (int i = 0; i < 4; ++i)
+    {
+      for (int j = 0; j < i; ++j)
+      {
+        const double angle =
+          180 - vtkMath::DegreesFromRadians(vtkMath::AngleBetweenVectors(normals[i], normals[j]));
+        quality.Angle = std::min(quality.Angle, angle);
+      }
+    }
+  }
+  return quality;
+}
+
+std::map<int, double> VolumesOf(const std::map<int, std::size_t>& counts, double voxel)
+{
+  std::map<int, double> volumes;
+  for (const auto& [label, count] : counts)
+  {
+    volumes[label] = static_cast<double>(count) * voxel;
+  }
+  return volumes;
+}
+
+template <class Array, class Values>
+void AddField(vtkDataObject* output, const char* name, const Values& values)
+{
+  vtkNew<Array> array;
+  array->SetName(name);
+  for (const auto& value : values)
+  {
+    array->InsertNextValue(value);
+  }
+  output->GetFieldData()->AddArray(array);
+}
+}
+
+vtkPalpateTetrahedralizeLabelMap::vtkPalpateTetrahedralizeLabelMap()
+  : Controller(vtkMultiProcessController::GetGlobalController())
+{
+  this->SetNumberOfOutputPorts(2);
+}
+
+vtkPalpateTetrahedralizeLabelMap::~vtkPalpateTetrahedralizeLabelMap() = default;
+
+void vtkPalpateTetrahedralizeLabelMap::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Unit: " << this->Unit << "\n"
+     << indent << "LabelArray: " << this->LabelArray << "\n"
+     << indent << "ElementSize: " << this->ElementSize << " m\n"
+     << indent << "Smoothing: " << this->Smoothing << "\n"
+     << indent << "SmallestIsland: " << this->SmallestIsland << " m³\n"
+     << indent << "FillHoles: " << this->FillHoles << "\n"
+     << indent << "ElementOrder: " << this->ElementOrder << "\n"
+     << indent << "MaximumRadiusEdgeRatio: " << this->MaximumRadiusEdgeRatio << "\n"
+     << indent << "TimeOut: " << this->TimeOut << " s\n";
+  for (const int label : this->Labels)
+  {
+    os << indent << "Label: " << label << "\n";
+  }
+  for (const auto& [label, size] : this->LabelSizes)
+  {
+    os << indent << "Size of label " << label << ": " << size << " m\n";
+  }
+}
+
+void vtkPalpateTetrahedralizeLabelMap::AddLabel(int label)
+{
+  this->Labels.push_back(label);
+  this->Modified();
+}
+
+void vtkPalpateTetrahedralizeLabelMap::ClearLabels()
+{
+  this->Labels.clear();
+  this->Modified();
+}
+
+void vtkPalpateTetrahedralizeLabelMap::AddLabelSize(double label, double size)
+{
+  this->LabelSizes.emplace_back(label, size);
+  this->Modified();
+}
+
+void vtkPalpateTetrahedralizeLabelMap::ClearLabelSizes()
+{
+  this->LabelSizes.clear();
+  this->Modified();
+}
+
+void vtkPalpateTetrahedralizeLabelMap::SetController(vtkMultiProcessController* controller)
+{
+  if (this->Controller != controller)
+  {
+    this->Controller = controller;
+    this->Modified();
+  }
+}
+
+vtkMultiProcessController* vtkPalpateTetrahedralizeLabelMap::GetController() const
+{
+  return this->Controller;
+}
+
+int vtkPalpateTetrahedralizeLabelMap::FillInputPortInformation(int, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info, "vtkImageData");
+  return 1;
+}
+
+int vtkPalpateTetrahedralizeLabelMap::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkUnstructuredGrid" : "vtkPolyData");
+  return 1;
+}
+
+int vtkPalpateTetrahedralizeLabelMap::RequestUpdateExtent(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector*)
+{
+  // The whole image, on every rank: a reader gives a part else.
+  vtkInformation* info = input[0]->GetInformationObject(0);
+  info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_PIECES(), 1);
+  info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_PIECE_NUMBER(), 0);
+  info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  if (info->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT()))
+  {
+    int extent[6];
+    info->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent);
+    info->Set(vtkStreamingDemandDrivenPipeline::UPDATE_EXTENT(), extent, 6);
+  }
+  return 1;
+}
+
+int vtkPalpateTetrahedralizeLabelMap::RequestData(
+  vtkInformation*, vtkInformationVector** input, vtkInformationVector* output)
+{
+  auto* body = vtkUnstructuredGrid::GetData(output, 0);
+  auto* walls = vtkPolyData::GetData(output, 1);
+  body->Initialize();
+  walls->Initialize();
+  this->ErrorCode = vtkPalpateProduce(this, body, this->Controller,
+    [&]
+    {
+      auto* image = vtkPalpateInput<vtkImageData>(input[0]);
+      if (this->Controller && this->Controller->GetLocalProcessId() != 0)
+      {
+        return;
+      }
+      if (vtkPalpatePassFailure(image, body))
+      {
+        return;
+      }
+      try
+      {
+        this->Tetrahedralize(image, body, walls);
+      }
+      catch (const Aborted&)
+      {
+        body->Initialize();
+        walls->Initialize();
+      }
+    });
+  return 1;
+}
+
+void vtkPalpateTetrahedralizeLabelMap::Validate() const
+{
+  const auto require = [](bool holds, const std::string& name, auto value, const char* range)
+  {
+    if (!holds)
+    {
+      std::ostringstream message;
+      message << name << " is " << value << ", but must be " << range << ".";
+      throw InputError(message.str());
+    }
+  };
+  const auto notNegative = [](double value) { return value >= 0 && std::isfinite(value); };
+  require(notNegative(this->ElementSize), "ElementSize", this->ElementSize,
+    "a length in m, or 0 for an automatic one");
+  require(notNegative(this->SmallestIsland), "SmallestIsland", this->SmallestIsland,
+    "a volume in m³, or 0 for none");
+  require(this->Smoothing >= 0 && this->Smoothing <= MostSmoothing, "Smoothing", this->Smoothing,
+    "a number of steps from 0 to 1000");
+  require(this->ElementOrder == 1 || this->ElementOrder == 2, "ElementOrder", this->ElementOrder,
+    "1 (Linear) or 2 (Quadratic)");
+  require(this->MaximumRadiusEdgeRatio >= 1 && std::isfinite(this->MaximumRadiusEdgeRatio),
+    "MaximumRadiusEdgeRatio", this->MaximumRadiusEdgeRatio, "at least 1");
+  require(this->TimeOut >= 0, "TimeOut", this->TimeOut, "a time in s, or 0 for none");
+  for (const auto& [label, size] : this->LabelSizes)
+  {
+    std::ostringstream name;
+    name << "LabelSizes of label " << label;
+    require(size > 0 && std::isfinite(size), name.str(), size, "a length in m, greater than 0");
+  }
+}
+
+void vtkPalpateTetrahedralizeLabelMap::Progress(double fraction)
+{
+  this->UpdateProgress(fraction);
+  if (this->GetAbortExecute())
+  {
+    throw Aborted();
+  }
+}
+
+double vtkPalpateTetrahedralizeLabelMap::UnitOf(vtkImageData* image) const
+{
+  if (this->Unit == vtkPalpateUnit::NotSaid)
+  {
+    double b[6];
+    image->GetBounds(b);
+    constexpr double millimetre = 1e-3;
+    std::ostringstream text;
+    text << "The Unit of the image is not said. It spans " << b[1] - b[0] << " × " << b[3] - b[2]
+         << " × " << b[5] - b[4] << " of it. Medical images are in mm as a rule; this one would be "
+         << (b[1] - b[0]) * millimetre << " × " << (b[3] - b[2]) * millimetre << " × "
+         << (b[5] - b[4]) * millimetre << " m then.";
+    throw InputError(text.str());
+  }
+  return vtkPalpateUnit::Length(this->Unit);
+}
+
+std::map<int, double> vtkPalpateTetrahedralizeLabelMap::Sizes(
+  const std::map<int, double>& volumes, const vtkPalpateLabelGrid& grid) const
+{
+  double total = 0;
+  for (const auto& [label, volume] : volumes)
+  {
+    total += volume;
+  }
+  const double longest = std::max({ grid.Spacing(0), grid.Spacing(1), grid.Spacing(2) });
+  const double automatic =
+    std::max(longest, std::cbrt(total / (AutomaticNumber * MeanVolumeOfEdge)));
+  std::map<int, double> sizes;
+  for (const auto& [label, volume] : volumes)
+  {
+    sizes[label] = this->ElementSize > 0 ? this->ElementSize : automatic;
+  }
+  for (const auto& [number, size] : this->LabelSizes)
+  {
+    const auto found = std::find_if(
+      sizes.begin(), sizes.end(), [number = number](const auto& of) { return of.first == number; });
+    if (found == sizes.end())
+    {
+      std::ostringstream text;
+      text << "LabelSizes has the label " << number << ", which is not one of the body.";
+      throw InputError(text.str());
+    }
+    found->second = size;
+  }
+  double number = 0;
+  for (const auto& [label, volume] : volumes)
+  {
+    number += volume / (MeanVolumeOfEdge * std::pow(sizes[label], 3));
+  }
+  if (number > MostTetrahedra)
+  {
+    std::ostringstream text;
+    text << "The sizes ask for about " << number << " tetrahedra, more than " << MostTetrahedra
+         << ". Raise ElementSize, or correct the Unit: the body has " << total << " m³.";
+    throw InputError(text.str());
+  }
+  return sizes;
+}
+
+vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::Resample(const vtkPalpateLabelGrid& grid,
+  const std::map<int, double>& volumes, std::map<int, double>& sizes) const
+{
+  const double longest = std::max({ grid.Spacing(0), grid.Spacing(1), grid.Spacing(2) });
+  const double shortest = std::min({ grid.Spacing(0), grid.Spacing(1), grid.Spacing(2) });
+  for (int trial = 1;; ++trial)
+  {
+    const double edge = std::min_element(sizes.begin(), sizes.end(),
+      [](const auto& a, const auto& b) {
+        return a.second < b.second;
+      })->second;
+    if (longest <= (1 + AlmostEqual) * edge && shortest >= (1 - AlmostEqual) * edge)
+    {
+      return grid;
+    }
+    double cubes = 1;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      cubes *= grid.Size[axis] * grid.Spacing(axis) / edge;
+    }
+    if (cubes > vtkPalpateMostVoxels)
+    {
+      std::ostringstream text;
+      text << "Elements of " << edge << " m cut the image into " << cubes << " cubes, more than "
+           << vtkPalpateMostVoxels
+           << ". Raise ElementSize or LabelSizes, or cut the organ out with Extract Subset.";
+      throw InputError(text.str());
+    }
+    vtkPalpateLabelGrid cubic = vtkPalpateResampleLabels(grid, edge);
+    const auto left = vtkPalpateCountLabels(cubic);
+    const auto lost = std::find_if(volumes.begin(), volumes.end(),
+      [&left](const auto& of) { return left.count(of.first) == 0; });
+    if (lost == volumes.end())
+    {
+      return cubic;
+    }
+    if (this->ElementSize > 0 || trial == MostTrials)
+    {
+      std::ostringstream text;
+      text << "Label " << lost->first << " (" << lost->second << " m³) vanishes with elements of "
+           << edge
+           << " m: it is thinner than they are. Lower ElementSize or give it a size by LabelSizes, "
+              "or leave it out of Labels.";
+      throw InputError(text.str());
+    }
+    // The automatic size is one that keeps all labels.
+    for (auto& [label, size] : sizes)
+    {
+      constexpr double finer = 0.7;
+      size *= finer;
+    }
+  }
+}
+
+void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
+  vtkImageData* image, vtkUnstructuredGrid* body, vtkPolyData* walls)
+{
+  this->Validate();
+  std::ostringstream report;
+  vtkPalpateLabelGrid grid =
+    vtkPalpateReadLabels(image, this->LabelArray, this->Labels, this->UnitOf(image));
+  this->Progress(0.05);
+  const auto before = vtkPalpateCountLabels(grid);
+  for (const auto& [label, parts] : vtkPalpateRemoveIslands(grid, this->SmallestIsland))
+  {
+    report << parts << " islands of label " << label << " were given to what is around them.\n";
+  }
+  if (this->FillHoles)
+  {
+    const int holes = vtkPalpateFillHoles(grid);
+    if (holes > 0)
+    {
+      report << holes << " holes were filled.\n";
+    }
+  }
+  const auto volumes = VolumesOf(vtkPalpateCountLabels(grid), grid.Volume());
+  for (const auto& [label, count] : before)
+  {
+    if (volumes.count(label) == 0)
+    {
+      throw InputError("Label " + std::to_string(label) + " (" + std::to_string(count) +
+        " voxels) consists of islands smaller than SmallestIsland alone. Lower it, or leave the "
+        "label out of Labels.");
+    }
+  }
+  this->Progress(0.1);
+
+  auto sizes = this->Sizes(volumes, grid);
+  grid = this->Resample(grid, volumes, sizes);
+  this->Progress(0.2);
+
+  std::vector<vtkPalpateRegionSeed> seeds;
+  const vtkPalpateLabelParts parts = vtkPalpateFindParts(grid);
+  for (std::size_t part = 1; part < parts.Label.size(); ++part)
+  {
+    const auto& voxel = parts.Voxel[part];
+    seeds.push_back({ grid.Place(voxel[0], voxel[1], voxel[2]), parts.Label[part],
+      VolumeOfEdge * std::pow(sizes.at(parts.Label[part]), 3) });
+  }
+  vtkPalpateBodyMeshOptions options;
+  options.TetGen.MaximumRadiusEdgeRatio = this->MaximumRadiusEdgeRatio;
+  options.Quadratic = this->ElementOrder == 2;
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  vtkPalpateTetGenLimits limits;
+  // Longer than a year is no limit, and would overflow the clock.
+  constexpr double year = 3e7;
+  if (this->TimeOut > 0 && this->TimeOut < year)
+  {
+    limits.Deadline = start +
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(this->TimeOut));
+  }
+  limits.Poll = [this, start]
+  {
+    // Nobody knows how long TetGen takes: halfway at ten seconds.
+    constexpr double half_way = 10;
+    const double time = std::chrono::duration<double>(Clock::now() - start).count();
+    this->Progress(0.4 + 0.55 * time / (half_way + time));
+  };
+
+  // TetGen gives up on some good surfaces. The less they are smoothed, the more they are right
+  // angles.
+  vtkPalpateLabelSurface surface;
+  for (double share = 1;; share = share > 0.5 ? 0.5 : 0)
+  {
+    surface = vtkPalpateMakeLabelSurface(grid, parts, volumes, this->Smoothing, share);
+    this->Progress(0.4);
+    try
+    {
+      vtkPalpateMeshRegions(surface.Walls, seeds, options, limits, body);
+      break;
+    }
+    catch (const vtkPalpateTetGenFailure& failure)
+    {
+      if (share == 0 || this->Smoothing == 0)
+      {
+        throw palpate::BackendError(std::string(failure.what()) + " Try another ElementSize.");
+      }
+      report << "TetGen gave up on the smoothed walls; they are smoothed less.\n";
+    }
+  }
+
+  const auto polydata = vtkPalpateSurfaceToPolyData(surface.Walls);
+  vtkNew<vtkIntArray> sides;
+  sides->SetName("BoundaryLabels");
+  sides->SetNumberOfComponents(2);
+  for (const auto& side : surface.Sides)
+  {
+    sides->InsertNextTuple2(side[0], side[1]);
+  }
+  polydata->GetCellData()->AddArray(sides);
+  walls->ShallowCopy(polydata);
+
+  std::vector<int> labels;
+  std::vector<double> image_volumes, mesh_volumes;
+  std::string thin;
+  for (const auto& [label, volume] : volumes)
+  {
+    labels.push_back(label);
+    image_volumes.push_back(volume);
+    mesh_volumes.push_back(surface.Volumes.count(label) > 0 ? surface.Volumes.at(label) : 0);
+    const double error = mesh_volumes.back() / volume - 1;
+    std::ostringstream line;
+    line.precision(3);
+    line << "Label " << label << ": " << volume << " m³ in the image, " << 100 * error
+         << " % more or less in the body.";
+    report << line.str() << '\n';
+    if (std::abs(error) > VolumeTolerance)
+    {
+      thin += (thin.empty() ? "" : " ") + line.str();
+    }
+  }
+  const Quality quality = QualityOf(body);
+  double b[6];
+  body->GetBounds(b);
+  report.precision(3);
+  report << "The body spans " << b[1] - b[0] << " × " << b[3] - b[2] << " × " << b[5] - b[4]
+         << " m. Of its " << body->GetNumberOfCells()
+         << " tetrahedra the smallest angle between two faces is " << quality.Angle
+         << "°, the largest ratio of radius to edge " << quality.Ratio << '.';
+  AddField<vtkIntArray>(body, "Label", labels);
+  AddField<vtkDoubleArray>(body, "ImageVolume", image_volumes);
+  AddField<vtkDoubleArray>(body, "MeshVolume", mesh_volumes);
+  AddField<vtkStringArray>(body, "Report", std::vector<std::string>{ report.str() });
+  if (!thin.empty())
+  {
+    vtkWarningMacro("Some labels do not keep their volume to 2 %, as where they are thinner than "
+                    "three elements; lower ElementSize or LabelSizes. "
+      << thin);
+  }
+}

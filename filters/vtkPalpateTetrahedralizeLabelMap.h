@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/**
+ * @class   vtkPalpateTetrahedralizeLabelMap
+ * @brief   makes one body of tetrahedra of a segmented image
+ *
+ * The image has a whole number for each voxel (an array of its points or cells), the label of the
+ * tissue there; 0 is not part of the body. The walls between unlike voxels are smoothed and bound
+ * the tetrahedra, so that tissues share the points of the walls between them.
+ *
+ * Output port 0: the tetrahedra, positively oriented, with straight edges, in m; cell array
+ * `RegionId` (int), the label; field arrays `Label` (int), `ImageVolume` and `MeshVolume` (m³) with
+ * a value for each label, and `Report` (string), what was done and how good it is. Port 1: the
+ * walls, with the cell array `BoundaryLabels` (2 components: the labels behind the wall and in
+ * front of it).
+ *
+ * @note Collective. The image of rank 0 is taken, which has to be whole there; the outputs of the
+ * other ranks are empty.
+ */
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "vtkSmartPointer.h"
+#include "vtkUnstructuredGridAlgorithm.h"
+
+class vtkImageData;
+class vtkMultiProcessController;
+class vtkPolyData;
+struct vtkPalpateLabelGrid;
+
+class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeLabelMap : public vtkUnstructuredGridAlgorithm
+{
+public:
+  static vtkPalpateTetrahedralizeLabelMap* New();
+  vtkTypeMacro(vtkPalpateTetrahedralizeLabelMap, vtkUnstructuredGridAlgorithm);
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  ///@{ Number of a vtkPalpateUnit: in which the image has its lengths. It has to be said.
+  vtkSetMacro(Unit, int);
+  vtkGetMacro(Unit, int);
+  ///@}
+
+  ///@{ The array of labels; "" = the active scalars.
+  vtkSetStdStringFromCharMacro(LabelArray);
+  vtkGetCharFromStdStringMacro(LabelArray);
+  ///@}
+
+  ///@{ The labels that are tissues of the body; none = all but 0.
+  void AddLabel(int label);
+  void ClearLabels();
+  ///@}
+
+  ///@{ Edge of the tetrahedra, m; 0 = so that there are some ten thousand of them.
+  vtkSetMacro(ElementSize, double);
+  vtkGetMacro(ElementSize, double);
+  ///@}
+
+  ///@{ The same for single labels: label and edge (m).
+  void AddLabelSize(double label, double size);
+  void ClearLabelSizes();
+  ///@}
+
+  ///@{ Steps in which the walls are smoothed; 0 = they are the faces of voxels.
+  vtkSetMacro(Smoothing, int);
+  vtkGetMacro(Smoothing, int);
+  ///@}
+
+  ///@{ Connected parts of a label below this volume (m³) are given to the label around them.
+  vtkSetMacro(SmallestIsland, double);
+  vtkGetMacro(SmallestIsland, double);
+  ///@}
+
+  ///@{ Whether what the body encloses is given to the label around it.
+  vtkSetMacro(FillHoles, bool);
+  vtkGetMacro(FillHoles, bool);
+  vtkBooleanMacro(FillHoles, bool);
+  ///@}
+
+  ///@{ As of vtkPalpateTetrahedralizeSurface: 1 linear, 2 quadratic.
+  vtkSetMacro(ElementOrder, int);
+  vtkGetMacro(ElementOrder, int);
+  ///@}
+
+  ///@{ Largest ratio of circumscribed radius to shortest edge, ≥ 1; the less, the better shaped.
+  vtkSetMacro(MaximumRadiusEdgeRatio, double);
+  vtkGetMacro(MaximumRadiusEdgeRatio, double);
+  ///@}
+
+  ///@{ TetGen is stopped after this time, s; 0 = never.
+  vtkSetMacro(TimeOut, double);
+  vtkGetMacro(TimeOut, double);
+  ///@}
+
+  ///@{ The ranks; by default those of the global controller, which may be none.
+  virtual void SetController(vtkMultiProcessController* controller);
+  vtkMultiProcessController* GetController() const;
+  ///@}
+
+protected:
+  vtkPalpateTetrahedralizeLabelMap();
+  ~vtkPalpateTetrahedralizeLabelMap() override;
+
+  int FillInputPortInformation(int port, vtkInformation* info) override;
+  int FillOutputPortInformation(int port, vtkInformation* info) override;
+  int RequestUpdateExtent(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+  int RequestData(
+    vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
+
+private:
+  vtkPalpateTetrahedralizeLabelMap(const vtkPalpateTetrahedralizeLabelMap&) = delete;
+  void operator=(const vtkPalpateTetrahedralizeLabelMap&) = delete;
+
+  void Validate() const;
+  void Tetrahedralize(vtkImageData* image, vtkUnstructuredGrid* body, vtkPolyData* walls);
+  void Progress(double fraction);
+  double UnitOf(vtkImageData* image) const;
+  /// The edge of the tetrahedra of each label, m.
+  std::map<int, double> Sizes(
+    const std::map<int, double>& volumes, const vtkPalpateLabelGrid& grid) const;
+  /// Cubes of the least of these edges, which become less where they are automatic and a label
+  /// vanishes.
+  vtkPalpateLabelGrid Resample(const vtkPalpateLabelGrid& grid,
+    const std::map<int, double>& volumes, std::map<int, double>& sizes) const;
+
+  int Unit = -1;
+  std::string LabelArray;
+  std::vector<int> Labels;
+  double ElementSize = 0;
+  std::vector<std::pair<double, double>> LabelSizes;
+  int Smoothing = 20;
+  double SmallestIsland = 0;
+  bool FillHoles = false;
+  int ElementOrder = 1;
+  double MaximumRadiusEdgeRatio = 1.414;
+  double TimeOut = 600;
+  vtkSmartPointer<vtkMultiProcessController> Controller;
+};
