@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateLabelSurface.h"
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 
-#include "vtkMath.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateTriangleIntersection.h"
+#include "vtkVector.h"
+#include "vtkVectorOperators.h"
 
 namespace
 {
-using Vector = Eigen::Vector3d;
+using Vector = vtkVector3d;
 
 /// Shares of a voxel. Beyond half a voxel a wall could pass the middle of one.
 constexpr double Bound = 0.45;
@@ -47,12 +44,12 @@ public:
         const auto& around = this->Neighbours[p];
         if (!around.empty())
         {
-          Vector mean = Vector::Zero();
+          Vector mean(0, 0, 0);
           for (const int q : around)
           {
-            mean += this->Points[q];
+            mean = mean + this->Points[q];
           }
-          mean /= static_cast<double>(around.size());
+          mean = (1.0 / static_cast<double>(around.size())) * mean;
           next[p] = this->Points[p] + relaxation * (mean - this->Points[p]);
           this->Confine(p, next[p]);
         }
@@ -73,8 +70,8 @@ public:
     for (std::size_t f = 0; f < this->Faces.size(); ++f)
     {
       const auto& q = this->Faces[f];
-      const double first = (this->Points[q[0]] - this->Points[q[2]]).squaredNorm();
-      const double second = (this->Points[q[1]] - this->Points[q[3]]).squaredNorm();
+      const double first = (this->Points[q[0]] - this->Points[q[2]]).SquaredNorm();
+      const double second = (this->Points[q[1]] - this->Points[q[3]]).SquaredNorm();
       if (first <= second)
       {
         this->Triangles.push_back({ q[0], q[1], q[2] });
@@ -98,7 +95,7 @@ public:
     {
       const auto& c = this->Triangles[t];
       const double volume =
-        this->Points[c[0]].dot(this->Points[c[1]].cross(this->Points[c[2]])) / 6;
+        this->Points[c[0]].Dot(this->Points[c[1]].Cross(this->Points[c[2]])) / 6;
       volumes[this->Sides[t][0]] += volume;
       volumes[this->Sides[t][1]] -= volume;
     }
@@ -110,67 +107,48 @@ public:
   /// @param wanted In voxels; that of 0 has no meaning.
   void FitVolumes(const std::vector<double>& wanted)
   {
-    const auto size = static_cast<Eigen::Index>(wanted.size()) - 1;
     for (int iteration = 0; iteration < VolumeIterations; ++iteration)
     {
-      Eigen::VectorXd missing(size);
+      std::vector<double> missing(wanted.size(), 0);
       double worst = 0;
       const auto volumes = this->Volumes();
-      for (Eigen::Index i = 0; i < size; ++i)
+      for (std::size_t part = 1; part < wanted.size(); ++part)
       {
-        missing[i] = wanted[i + 1] - volumes[i + 1];
-        worst = std::max(worst, std::abs(missing[i]) / wanted[i + 1]);
+        missing[part] = wanted[part] - volumes[part];
+        worst = std::max(worst, std::abs(missing[part]) / wanted[part]);
       }
       if (worst < VolumeTolerance)
       {
         return;
       }
-      std::vector<Eigen::Triplet<double>> areas;
       std::vector<Vector> normals(this->Triangles.size());
+      std::vector<std::map<int, double>> shared(wanted.size()); // areas of the walls to others
       for (std::size_t t = 0; t < this->Triangles.size(); ++t)
       {
         const auto& c = this->Triangles[t];
         normals[t] = 0.5 *
-          (this->Points[c[1]] - this->Points[c[0]]).cross(this->Points[c[2]] - this->Points[c[0]]);
-        const double area = normals[t].norm();
+          (this->Points[c[1]] - this->Points[c[0]]).Cross(this->Points[c[2]] - this->Points[c[0]]);
         const auto [a, b] = this->Sides[t];
-        for (const int one : { a, b })
-        {
-          if (one > 0)
-          {
-            areas.emplace_back(one - 1, one - 1, area);
-          }
-        }
-        if (a > 0 && b > 0)
-        {
-          areas.emplace_back(std::max(a, b) - 1, std::min(a, b) - 1, -area);
-        }
+        shared[a][b] += normals[t].Norm();
+        shared[b][a] += normals[t].Norm();
       }
-      Eigen::SparseMatrix<double> matrix(size, size);
-      matrix.setFromTriplets(areas.begin(), areas.end());
-      const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
-      const Eigen::VectorXd level = factor.solve(missing);
-      if (factor.info() != Eigen::Success || !level.allFinite())
-      {
-        return;
-      }
-      std::vector<Vector> move(this->Points.size(), Vector::Zero());
+      const std::vector<double> level = Levels(shared, missing);
+      std::vector<Vector> move(this->Points.size(), Vector(0, 0, 0));
       std::vector<double> weight(this->Points.size(), 0);
       for (std::size_t t = 0; t < this->Triangles.size(); ++t)
       {
-        const auto [a, b] = this->Sides[t];
-        const double shift = (a == 0 ? 0 : level[a - 1]) - (b == 0 ? 0 : level[b - 1]);
+        const double shift = level[this->Sides[t][0]] - level[this->Sides[t][1]];
         for (const vtkIdType p : this->Triangles[t])
         {
-          move[p] += shift * normals[t];
-          weight[p] += normals[t].norm();
+          move[p] = move[p] + shift * normals[t];
+          weight[p] += normals[t].Norm();
         }
       }
       for (std::size_t p = 0; p < this->Points.size(); ++p)
       {
         if (weight[p] > 0)
         {
-          this->Points[p] += move[p] / weight[p];
+          this->Points[p] = this->Points[p] + (1 / weight[p]) * move[p];
           this->Confine(p, this->Points[p]);
         }
       }
@@ -230,6 +208,30 @@ public:
   std::vector<std::array<int, 2>> Sides;
 
 private:
+  /// λ of each part with Σ_b A_ab (λ_a − λ_b) = missing_a, λ_0 = 0, by sweeps of Gauss and Seidel:
+  /// it is the start of the next iteration that has to be better, not the solution.
+  static std::vector<double> Levels(
+    const std::vector<std::map<int, double>>& areas, const std::vector<double>& missing)
+  {
+    constexpr int sweeps = 50;
+    std::vector<double> level(missing.size(), 0);
+    for (int sweep = 0; sweep < sweeps; ++sweep)
+    {
+      for (std::size_t a = 1; a < missing.size(); ++a)
+      {
+        double sum = missing[a];
+        double area = 0;
+        for (const auto& [b, between] : areas[a])
+        {
+          sum += between * level[b];
+          area += between;
+        }
+        level[a] = area > 0 ? sum / area : 0;
+      }
+    }
+    return level;
+  }
+
   /// 0 outside the image.
   int PartAt(int i, int j, int k) const
   {

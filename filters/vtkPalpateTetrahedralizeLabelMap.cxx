@@ -165,14 +165,17 @@ void vtkPalpateTetrahedralizeLabelMap::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "ElementOrder: " << this->ElementOrder << "\n"
      << indent << "MaximumRadiusEdgeRatio: " << this->MaximumRadiusEdgeRatio << "\n"
      << indent << "TimeOut: " << this->TimeOut << " s\n";
+  os << indent << "Labels:";
   for (const int label : this->Labels)
   {
-    os << indent << "Label: " << label << "\n";
+    os << ' ' << label;
   }
+  os << '\n' << indent << "LabelSizes:";
   for (const auto& [label, size] : this->LabelSizes)
   {
-    os << indent << "Size of label " << label << ": " << size << " m\n";
+    os << ' ' << label << ' ' << size << " m";
   }
+  os << '\n';
 }
 
 void vtkPalpateTetrahedralizeLabelMap::AddLabel(int label)

@@ -4,9 +4,10 @@
  * @brief   fills a closed surface with tetrahedra
  *
  * The surface (any vtkPolyData: triangles, quads, polygons, strips; in the unit of length that Unit
- * says; several disjoint bodies) is checked first: open edges, edges of more than two triangles, opposite
- * normals, triangles without an area, triangles that cross each other. TetGen then meshes it in a
- * program of its own, palpate-tetgen, so that its abort, crash or hang is an error message here.
+ * says; several disjoint bodies) is checked first: open edges, edges of more than two triangles,
+ * opposite normals, triangles without an area, triangles that cross each other. TetGen then meshes
+ * it in a program of its own, palpate-tetgen, so that its abort, crash or hang is an error message
+ * here.
  *
  * A closed surface within another one is a cavity where its normals point the other way than those
  * of the one around it, and a region of its own where they point the same way. A surface that is
