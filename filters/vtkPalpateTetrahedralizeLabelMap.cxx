@@ -436,8 +436,8 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
 {
   this->Validate();
   std::ostringstream report;
-  vtkPalpateLabelGrid grid =
-    vtkPalpateReadLabels(image, this->LabelArray, this->Labels, this->UnitOf(image));
+  vtkPalpateLabelGrid grid = vtkPalpateReadLabels(
+    image, this->LabelArray == "None" ? "" : this->LabelArray, this->Labels, this->UnitOf(image));
   this->Progress(0.05);
   const auto before = vtkPalpateCountLabels(grid);
   for (const auto& [label, parts] : vtkPalpateRemoveIslands(grid, this->SmallestIsland))

@@ -42,7 +42,7 @@ public:
   vtkGetMacro(Unit, int);
   ///@}
 
-  ///@{ The array of labels; "" = the active scalars.
+  ///@{ The array of labels; "None" or empty: the active scalars.
   vtkSetStdStringFromCharMacro(LabelArray);
   vtkGetCharFromStdStringMacro(LabelArray);
   ///@}
@@ -126,7 +126,7 @@ private:
     const std::map<int, double>& volumes, std::map<int, double>& sizes) const;
 
   int Unit = -1;
-  std::string LabelArray;
+  std::string LabelArray = "None";
   std::vector<int> Labels;
   double ElementSize = 0;
   std::vector<std::pair<double, double>> LabelSizes;

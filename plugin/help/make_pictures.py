@@ -13,7 +13,10 @@ import numpy as np
 from paraview.simple import *
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkFiltersCore import vtkImplicitPolyDataDistance
 from vtkmodules.vtkImagingColor import vtkImageQuantizeRGBToIndex
+from vtkmodules.vtkIOImage import vtkMetaImageWriter
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 
 source_folder = os.environ["PALPATE_SOURCE_DIR"]
 sys.path.append(os.path.join(source_folder, "tests", "paraview"))
@@ -25,6 +28,7 @@ COLOURS = (96, 48)  # the first that makes the picture small enough
 LARGEST = 60_000  # bytes
 SURFACE = os.path.join(source_folder, "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
+NODULE, NODULE_RADIUS = np.array((-0.04, 0.02, 0.0)), 0.015
 # The viewer stands in front of the organ, to its right and above.
 VIEW_FROM = np.array((-0.55, 1.05, 0.75))
 
@@ -87,6 +91,31 @@ def look(source):
     ResetCamera(view)
     view.GetActiveCamera().Zoom(1.3)
     Render()
+
+
+def save_label_map(name, voxel=4.0):
+    """The liver as an image of labels, in mm: 1, and 2 for a nodule in its right lobe."""
+    distance = vtkImplicitPolyDataDistance()
+    reader = vtkXMLPolyDataReader()
+    reader.SetFileName(SURFACE)
+    reader.Update()
+    distance.SetInput(reader.GetOutput())
+    bounds = np.reshape(reader.GetOutput().GetBounds(), (3, 2)) * 1e3
+    size = np.ceil((bounds[:, 1] - bounds[:, 0]) / voxel).astype(int) + 2
+    image = vtkImageData()
+    image.SetDimensions([int(n) for n in size])
+    image.SetSpacing(voxel, voxel, voxel)
+    image.SetOrigin(bounds[:, 0] - voxel / 2)
+    places = [np.array(image.GetPoint(i)) for i in range(image.GetNumberOfPoints())]
+    distances = np.array([distance.EvaluateFunction(place * 1e-3) for place in places])
+    inside = distances * distances[0] < 0  # the first voxel is outside
+    nodule = np.linalg.norm(places - 1e3 * NODULE, axis=1) < 1e3 * NODULE_RADIUS
+    labels = (inside * (1 + nodule)).astype(np.uint8)
+    image.GetPointData().SetScalars(numpy_to_vtk(labels, deep=True))
+    writer = vtkMetaImageWriter()
+    writer.SetFileName(name)
+    writer.SetInputData(image)
+    writer.Write()
 
 
 def main():
@@ -211,6 +240,29 @@ def main():
     picture("ReplayTouch")
     Delete(arrow)
     Delete(replay)
+    SetActiveSource(space)
+    Show(space)
+    save_label_map("liver.mha")
+    for source in GetSources().values():
+        Hide(source)
+    image = OpenDataFile("liver.mha")
+    SetActiveSource(image)
+    wait(0.3)
+    tissues = add("Tetrahedralize Label Map")
+    tissues.Unit, tissues.ElementSize, tissues.ElementOrder = "mm", 0.014, "Quadratic"
+    apply()
+    Hide(image)
+    half = Clip(Input=tissues, ClipType="Plane", Crinkleclip=1)
+    half.ClipType.Origin, half.ClipType.Normal = list(NODULE), [0, 0, 1]
+    Hide(tissues)
+    shown = Show(half)
+    shown.SetRepresentationType("Surface With Edges")
+    ColorBy(shown, ("CELLS", "RegionId"))
+    look(half)
+    SetActiveSource(tissues)
+    picture("TetrahedralizeLabelMap")
+    for proxy in (half, tissues, image):
+        Delete(proxy)
     SetActiveSource(space)
     Show(space)
     report = add("Accuracy Report")

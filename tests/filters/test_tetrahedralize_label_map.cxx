@@ -421,7 +421,7 @@ TEST_F(LabelMap, WhatIsWrongIsSaid) {
 
   this->Filter->SetLabelArray("nowhere");
   this->Fails(good, {"no array 'nowhere'"});
-  this->Filter->SetLabelArray("");
+  this->Filter->SetLabelArray("None");
   this->Filter->AddLabel(3);
   this->Fails(good, {"Labels has 3", "2, 5"});
   this->Filter->ClearLabels();
