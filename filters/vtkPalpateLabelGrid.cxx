@@ -179,6 +179,19 @@ vtkPalpatePoint vtkPalpateLabelGrid::Place(double i, double j, double k) const
   return place;
 }
 
+std::array<double, 3> vtkPalpateLabelGrid::VoxelsOf(const vtkPalpatePoint& place) const
+{
+  std::array<double, 3> voxels{};
+  vtkPalpatePoint away;
+  vtkMath::Subtract(place.data(), Origin.data(), away.data());
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const auto& edge = Axes[axis];
+    voxels[axis] = vtkMath::Dot(away.data(), edge.data()) / vtkMath::Dot(edge.data(), edge.data());
+  }
+  return voxels;
+}
+
 double vtkPalpateLabelGrid::SignedVolume() const
 {
   return vtkMath::Determinant3x3(Axes[0].data(), Axes[1].data(), Axes[2].data());
@@ -340,11 +353,82 @@ int vtkPalpateFillHoles(vtkPalpateLabelGrid& grid)
   return filled;
 }
 
+vtkPalpateLabelShares::vtkPalpateLabelShares(
+  const vtkPalpateLabelGrid& grid, const std::array<double, 3>& box)
+  : Grid(grid)
+  , Box(box)
+  , Samples()
+{
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    constexpr int most = 6;
+    Samples[axis] = std::clamp(static_cast<int>(std::ceil(2 * box[axis])), 2, most);
+  }
+}
+
+void vtkPalpateLabelShares::MoveTo(const std::array<double, 3>& middle)
+{
+  Shares.clear();
+  const int number = Samples[0] * Samples[1] * Samples[2];
+  for (int sample = 0; sample < number; ++sample)
+  {
+    const std::array<int, 3> part = { sample % Samples[0], sample / Samples[0] % Samples[1],
+      sample / (Samples[0] * Samples[1]) };
+    std::array<int, 3> low{};
+    std::array<double, 3> fraction{};
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      const double at = middle[axis] + ((part[axis] + 0.5) / Samples[axis] - 0.5) * Box[axis];
+      low[axis] = static_cast<int>(std::floor(at));
+      fraction[axis] = at - low[axis];
+    }
+    for (int corner = 0; corner < 8; ++corner)
+    {
+      double weight = 1.0 / number;
+      std::array<int, 3> voxel = low;
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        const int up = (corner >> axis) & 1;
+        voxel[axis] += up;
+        weight *= up ? fraction[axis] : 1 - fraction[axis];
+      }
+      if (weight <= 0)
+      {
+        continue;
+      }
+      const int label = Grid.At(voxel[0], voxel[1], voxel[2]);
+      const auto found = std::find_if(Shares.begin(), Shares.end(),
+        [label](const std::pair<int, double>& share) { return share.first == label; });
+      if (found == Shares.end())
+      {
+        Shares.emplace_back(label, weight);
+      }
+      else
+      {
+        found->second += weight;
+      }
+    }
+  }
+}
+
+double vtkPalpateLabelShares::Of(int label) const
+{
+  const auto found = std::find_if(Shares.begin(), Shares.end(),
+    [label](const std::pair<int, double>& share) { return share.first == label; });
+  return found == Shares.end() ? 0 : found->second;
+}
+
+int vtkPalpateLabelShares::Most() const
+{
+  return std::max_element(
+    Shares.begin(), Shares.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
+    ->first;
+}
+
 vtkPalpateLabelGrid vtkPalpateResampleLabels(const vtkPalpateLabelGrid& grid, double edge)
 {
   vtkPalpateLabelGrid cubes;
   std::array<double, 3> step{}; // from a cube to the next, in voxels
-  std::array<int, 3> samples{};
   std::array<double, 3> first{};
   for (int axis = 0; axis < 3; ++axis)
   {
@@ -353,8 +437,6 @@ vtkPalpateLabelGrid vtkPalpateResampleLabels(const vtkPalpateLabelGrid& grid, do
       std::max(1, static_cast<int>(std::ceil(grid.Size[axis] / step[axis] - 1e-9)));
     // The cubes stand over both ends of the image alike.
     first[axis] = 0.5 * (grid.Size[axis] - 1 - (cubes.Size[axis] - 1) * step[axis]);
-    constexpr int most = 6;
-    samples[axis] = std::clamp(static_cast<int>(std::ceil(2 * step[axis])), 2, most);
     for (int c = 0; c < 3; ++c)
     {
       cubes.Axes[axis][c] = step[axis] * grid.Axes[axis][c];
@@ -362,62 +444,15 @@ vtkPalpateLabelGrid vtkPalpateResampleLabels(const vtkPalpateLabelGrid& grid, do
   }
   cubes.Origin = grid.Place(first[0], first[1], first[2]);
   cubes.Labels.assign(static_cast<std::size_t>(cubes.Size[0]) * cubes.Size[1] * cubes.Size[2], 0);
-
-  // Between the middles of voxels the shares of the labels are linear.
-  std::vector<std::pair<int, double>> shares;
-  const auto add = [&shares](int label, double weight)
-  {
-    const auto found = std::find_if(shares.begin(), shares.end(),
-      [label](const std::pair<int, double>& share) { return share.first == label; });
-    if (found == shares.end())
-    {
-      shares.emplace_back(label, weight);
-    }
-    else
-    {
-      found->second += weight;
-    }
-  };
+  vtkPalpateLabelShares shares(grid, step);
   for (int k = 0; k < cubes.Size[2]; ++k)
   {
     for (int j = 0; j < cubes.Size[1]; ++j)
     {
       for (int i = 0; i < cubes.Size[0]; ++i)
       {
-        shares.clear();
-        const std::array<int, 3> cube = { i, j, k };
-        for (int sample = 0; sample < samples[0] * samples[1] * samples[2]; ++sample)
-        {
-          const std::array<int, 3> part = { sample % samples[0], sample / samples[0] % samples[1],
-            sample / (samples[0] * samples[1]) };
-          std::array<int, 3> low{};
-          std::array<double, 3> share{};
-          for (int axis = 0; axis < 3; ++axis)
-          {
-            const double at =
-              first[axis] + (cube[axis] - 0.5 + (part[axis] + 0.5) / samples[axis]) * step[axis];
-            low[axis] = static_cast<int>(std::floor(at));
-            share[axis] = at - low[axis];
-          }
-          for (int corner = 0; corner < 8; ++corner)
-          {
-            double weight = 1;
-            std::array<int, 3> voxel = low;
-            for (int axis = 0; axis < 3; ++axis)
-            {
-              const int up = (corner >> axis) & 1;
-              voxel[axis] += up;
-              weight *= up ? share[axis] : 1 - share[axis];
-            }
-            if (weight > 0)
-            {
-              add(grid.At(voxel[0], voxel[1], voxel[2]), weight);
-            }
-          }
-        }
-        cubes.Labels[cubes.Index(i, j, k)] = std::max_element(shares.begin(), shares.end(),
-          [](const auto& a, const auto& b)
-          { return a.second < b.second; })->first;
+        shares.MoveTo({ first[0] + i * step[0], first[1] + j * step[1], first[2] + k * step[2] });
+        cubes.Labels[cubes.Index(i, j, k)] = shares.Most();
       }
     }
   }

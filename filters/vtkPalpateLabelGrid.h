@@ -32,6 +32,8 @@ struct vtkPalpateLabelGrid
   }
   /// Place of a voxel, whose middle has whole numbers; m.
   vtkPalpatePoint Place(double i, double j, double k) const;
+  /// The other way round.
+  std::array<double, 3> VoxelsOf(const vtkPalpatePoint& place) const;
   /// Of a voxel, m³; negative where the axes are left-handed.
   double SignedVolume() const;
   double Volume() const { return SignedVolume() < 0 ? -SignedVolume() : SignedVolume(); }
@@ -62,6 +64,27 @@ PALPATEFILTERS_EXPORT std::map<int, int> vtkPalpateRemoveIslands(
 /// Gives what is not part of the body but enclosed by it to the label that it touches most.
 /// @returns how many parts.
 PALPATEFILTERS_EXPORT int vtkPalpateFillHoles(vtkPalpateLabelGrid& grid);
+
+/// Which labels are how much of a box anywhere in an image. Between the middles of voxels their
+/// shares are linear.
+class PALPATEFILTERS_EXPORT vtkPalpateLabelShares
+{
+public:
+  /// @param box Its edges, in voxels of the grid.
+  vtkPalpateLabelShares(const vtkPalpateLabelGrid& grid, const std::array<double, 3>& box);
+
+  /// @param middle Of the box, in voxels, as of vtkPalpateLabelGrid::Place.
+  void MoveTo(const std::array<double, 3>& middle);
+  double Of(int label) const;
+  /// The label that has most of it.
+  int Most() const;
+
+private:
+  const vtkPalpateLabelGrid& Grid;
+  std::array<double, 3> Box;
+  std::array<int, 3> Samples;
+  std::vector<std::pair<int, double>> Shares;
+};
 
 /// The same body by cubes with this edge (m), along the same axes: each has the label that fills
 /// most of it.

@@ -19,14 +19,17 @@ constexpr int VolumeIterations = 20;
 /// Of a label's volume; below this there is nothing to be corrected.
 constexpr double VolumeTolerance = 1e-4;
 constexpr int Rounds = 8;
+constexpr int Projections = 5;
 
 /// The walls with points in units of a voxel, where the middle of a voxel has whole numbers.
 class Walls
 {
 public:
-  Walls(const vtkPalpateLabelGrid& grid, const vtkPalpateLabelParts& parts, double share)
+  Walls(const vtkPalpateLabelGrid& grid, const vtkPalpateLabelParts& parts,
+    const vtkPalpateLabelGrid& image, double share)
     : Grid(grid)
     , Parts(parts)
+    , Image(image)
     , Share(share)
   {
     this->FindFaces();
@@ -55,6 +58,10 @@ public:
         }
       }
       this->Points = next;
+      if (iterations - i <= Projections)
+      {
+        this->Project();
+      }
     }
     for (std::size_t p = 0; p < this->Points.size(); ++p)
     {
@@ -208,6 +215,47 @@ public:
   std::vector<std::array<int, 2>> Sides;
 
 private:
+  /// Moves points between two labels alone to where these have the same share of a voxel around
+  /// them.
+  void Project()
+  {
+    std::vector<Vector> normals(this->Points.size(), Vector(0, 0, 0));
+    for (std::size_t f = 0; f < this->Faces.size(); ++f)
+    {
+      const auto& q = this->Faces[f];
+      const Vector normal =
+        (this->Points[q[2]] - this->Points[q[0]]).Cross(this->Points[q[3]] - this->Points[q[1]]);
+      for (const vtkIdType p : q)
+      {
+        const double sign = this->FaceSides[f][0] == this->Between[p][0] ? 1 : -1;
+        normals[p] = normals[p] + sign * normal;
+      }
+    }
+    std::array<double, 3> box{};
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      box[axis] = this->Grid.Spacing(axis) / this->Image.Spacing(axis);
+    }
+    vtkPalpateLabelShares shares(this->Image, box);
+    for (std::size_t p = 0; p < this->Points.size(); ++p)
+    {
+      const double length = normals[p].Norm();
+      const auto [behind, front] = this->Between[p];
+      if (behind == front || length == 0)
+      {
+        continue;
+      }
+      const auto place =
+        this->Grid.Place(this->Points[p][0], this->Points[p][1], this->Points[p][2]);
+      shares.MoveTo(this->Image.VoxelsOf(place));
+      // Across a plane wall the difference falls from 1 to -1 within a voxel.
+      const double difference =
+        shares.Of(this->Parts.Label[behind]) - shares.Of(this->Parts.Label[front]);
+      this->Points[p] = this->Points[p] + (0.5 * difference / length) * normals[p];
+      this->Confine(p, this->Points[p]);
+    }
+  }
+
   /// λ of each part with Σ_b A_ab (λ_a − λ_b) = missing_a, λ_0 = 0, by sweeps of Gauss and Seidel:
   /// it is the start of the next iteration that has to be better, not the solution.
   static std::vector<double> Levels(
@@ -341,6 +389,18 @@ private:
       }
       first = last;
     }
+    this->Between.assign(this->Points.size(), { 0, 0 });
+    for (std::size_t f = 0; f < this->Faces.size(); ++f)
+    {
+      for (const vtkIdType p : this->Faces[f])
+      {
+        if (along[p].empty())
+        {
+          this->Between[p] = { std::min(this->FaceSides[f][0], this->FaceSides[f][1]),
+            std::max(this->FaceSides[f][0], this->FaceSides[f][1]) };
+        }
+      }
+    }
     for (std::size_t p = 0; p < this->Points.size(); ++p)
     {
       if (along[p].size() == 2)
@@ -364,21 +424,24 @@ private:
 
   const vtkPalpateLabelGrid& Grid;
   const vtkPalpateLabelParts& Parts;
+  const vtkPalpateLabelGrid& Image;
   double Share;
   std::vector<Vector> Points;
   std::vector<Vector> Rest;
   std::vector<std::array<vtkIdType, 4>> Faces;
   std::vector<std::array<int, 2>> FaceSides;
   std::vector<std::vector<int>> Neighbours;
+  /// The two parts that alone meet at a point; where others do, too, twice the same.
+  std::vector<std::array<int, 2>> Between;
   std::vector<std::array<vtkIdType, 3>> Triangles;
 };
 }
 
 vtkPalpateLabelSurface vtkPalpateMakeLabelSurface(const vtkPalpateLabelGrid& grid,
-  const vtkPalpateLabelParts& parts, const std::map<int, double>& wanted, int iterations,
-  double share)
+  const vtkPalpateLabelParts& parts, const vtkPalpateLabelGrid& image,
+  const std::map<int, double>& wanted, int iterations, double share)
 {
-  Walls walls(grid, parts, share);
+  Walls walls(grid, parts, image, share);
   walls.Smooth(iterations);
   walls.Split();
   if (iterations > 0 && share > 0)

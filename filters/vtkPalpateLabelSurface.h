@@ -29,4 +29,5 @@ struct vtkPalpateLabelSurface
 /// @pre The voxels are cubes, or nearly so.
 PALPATEFILTERS_EXPORT vtkPalpateLabelSurface vtkPalpateMakeLabelSurface(
   const vtkPalpateLabelGrid& grid, const vtkPalpateLabelParts& parts,
-  const std::map<int, double>& wanted, int iterations, double share);
+  const vtkPalpateLabelGrid& image, const std::map<int, double>& wanted, int iterations,
+  double share);

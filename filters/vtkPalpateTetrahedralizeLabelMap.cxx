@@ -37,8 +37,8 @@ using palpate::InputError;
 
 /// Of a regular tetrahedron of edge 1 it is 0.118. TetGen's have about half of their bound.
 constexpr double VolumeOfEdge = 0.2;
-/// Of a tetrahedron on the average.
-constexpr double MeanVolumeOfEdge = 0.1;
+/// Of a tetrahedron on the average, as measured: those at the walls are smaller.
+constexpr double MeanVolumeOfEdge = 0.04;
 constexpr double AutomaticNumber = 1e4;
 /// More tetrahedra than this are a slip of a unit, not a wish.
 constexpr double MostTetrahedra = 2e7;
@@ -465,7 +465,8 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   this->Progress(0.1);
 
   auto sizes = this->Sizes(volumes, grid);
-  grid = this->Resample(grid, volumes, sizes);
+  const vtkPalpateLabelGrid image_grid = std::move(grid);
+  grid = this->Resample(image_grid, volumes, sizes);
   this->Progress(0.2);
 
   std::vector<vtkPalpateRegionSeed> seeds;
@@ -502,7 +503,7 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   vtkPalpateLabelSurface surface;
   for (double share = 1;; share = share > 0.5 ? 0.5 : 0)
   {
-    surface = vtkPalpateMakeLabelSurface(grid, parts, volumes, this->Smoothing, share);
+    surface = vtkPalpateMakeLabelSurface(grid, parts, image_grid, volumes, this->Smoothing, share);
     this->Progress(0.4);
     try
     {

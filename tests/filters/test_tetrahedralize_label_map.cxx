@@ -274,8 +274,8 @@ TEST_F(LabelMap, LabelsAreChosenAndHaveTheirSizes) {
     ++cells[static_cast<int>(fine.Grid->GetCellData()->GetArray("RegionId")->GetTuple1(cell))];
   }
   EXPECT_GT(fine.Grid->GetNumberOfCells(), coarse);
-  // Of equal volumes the finer one has more.
-  EXPECT_GT(cells[5] / fine.Volumes.at(5), 1.5 * cells[2] / fine.Volumes.at(2));
+  // Of equal volumes the finer one has more, though the other one has two walls.
+  EXPECT_GT(cells[5] / fine.Volumes.at(5), 1.2 * cells[2] / fine.Volumes.at(2));
 
   this->Filter->ClearLabelSizes();
   this->Filter->AddLabel(5);
