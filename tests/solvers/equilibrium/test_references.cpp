@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reaction, energy and displacements against those of GetFEM on the same mesh
-// (tests/reference/make_equilibrium_references.py).
+// (tests/reference/make_equilibrium_references.py, make_nodule_reference.py).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,11 +21,13 @@ namespace {
 /// GetFEM's solves end at 1e-12 of the reaction, ours at 1e-13 of the force scale.
 constexpr double kRelative = 1e-9;
 
+nlohmann::json read(const std::string& name) {
+  std::ifstream file(std::string(PALPATE_TEST_DATA) + "/" + name);
+  return nlohmann::json::parse(file);
+}
+
 const nlohmann::json& references() {
-  static const nlohmann::json all = [] {
-    std::ifstream file(std::string(PALPATE_TEST_DATA) + "/equilibria.json");
-    return nlohmann::json::parse(file);
-  }();
+  static const nlohmann::json all = read("equilibria.json");
   return all;
 }
 
@@ -34,8 +36,7 @@ Vec3 vector(const nlohmann::json& numbers) {
 }
 
 /// The scene of a reference: of Tet10, or of Tet4 of the corners alone.
-Scene make_reference_scene(const nlohmann::json& reference) {
-  const auto& data = references();
+Scene make_reference_scene(const nlohmann::json& data, const nlohmann::json& reference) {
   const int nodes = reference.at("nodes_per_cell");
   Scene scene;
   scene.mesh.order = nodes == 4 ? ElementOrder::linear : ElementOrder::quadratic;
@@ -105,30 +106,42 @@ INSTANTIATE_TEST_SUITE_P(Each, References, testing::ValuesIn(bodies()), [](const
   return name;
 });
 
+void compare(const Scene& scene, const nlohmann::json& reference, const nlohmann::json& samples) {
+  EquilibriumSolver solver(scene, with_tolerance(1e-13));
+  solver.set_interaction(bond_nodes({reference.at("active_node").get<Index>()}));
+  const Equilibrium state = solver.solve(vector(reference.at("displacement")), solver.rest());
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  const Vec3 reaction = vector(reference.at("reaction"));
+  const double energy = reference.at("energy");
+  EXPECT_LT((state.reaction - reaction).norm(), kRelative * reaction.norm());
+  EXPECT_NEAR(state.energy, energy, kRelative * energy);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Index p = samples[i];
+    EXPECT_LT((state.u.segment<3>(3 * p) - vector(reference.at("displacements")[i])).norm(),
+              kRelative * state.t.norm())
+        << "point " << p;
+  }
+}
+
 TEST_P(References, ReactionEnergyAndDisplacementsAreTheirs) {
   int num_compared = 0;
   for (const auto& reference : references().at("equilibria")) {
     if (!GetParam().is_of(reference)) continue;
     ++num_compared;
-    const Scene scene = make_reference_scene(reference);
+    const Scene scene = make_reference_scene(references(), reference);
     if (!is_solvable(scene)) GTEST_SKIP() << "no linear solver that pivots was built in";
-    EquilibriumSolver solver(scene, with_tolerance(1e-13));
-    solver.set_interaction(bond_nodes({reference.at("active_node").get<Index>()}));
-    const Equilibrium state = solver.solve(vector(reference.at("displacement")), solver.rest());
-    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
-    const Vec3 reaction = vector(reference.at("reaction"));
-    const double energy = reference.at("energy");
-    EXPECT_LT((state.reaction - reaction).norm(), kRelative * reaction.norm());
-    EXPECT_NEAR(state.energy, energy, kRelative * energy);
-    const auto& samples = references().at("samples");
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const Index p = samples[i];
-      EXPECT_LT((state.u.segment<3>(3 * p) - vector(reference.at("displacements")[i])).norm(),
-                kRelative * state.t.norm())
-          << "point " << p;
-    }
+    compare(scene, reference, references().at("samples"));
   }
   EXPECT_EQ(num_compared, GetParam().materials.size() == 1 ? 3 : 1);
+}
+
+// A ball with a hidden nodule, meshed as a user would.
+TEST(Nodule, ReactionEnergyAndDisplacementsAreTheirs) {
+  const nlohmann::json data = read("nodule.json");
+  for (const auto& reference : data.at("equilibria")) {
+    compare(make_reference_scene(data, reference), reference, data.at("samples"));
+  }
+  EXPECT_EQ(data.at("equilibria").size(), 4U);
 }
 
 }  // namespace
