@@ -167,6 +167,28 @@ void ForEachPart(const vtkPalpateLabelGrid& grid, Use&& use)
     }
   }
 }
+
+/// Gives the parts that are `unwanted` to the labels that they touch most. @returns how many of
+/// each label.
+template <class Predicate>
+std::map<int, int> GiveAway(vtkPalpateLabelGrid& grid, Predicate&& unwanted)
+{
+  std::map<int, int> given;
+  const vtkPalpateLabelGrid before = grid;
+  ForEachPart(before,
+    [&](const Part& part)
+    {
+      if (unwanted(part))
+      {
+        ++given[part.Label];
+        for (const auto& at : part.Voxels)
+        {
+          grid.Labels[grid.Index(at[0], at[1], at[2])] = part.MostTouched();
+        }
+      }
+    });
+  return given;
+}
 }
 
 vtkPalpatePoint vtkPalpateLabelGrid::Place(double i, double j, double k) const
@@ -313,44 +335,18 @@ std::map<int, std::size_t> vtkPalpateCountLabels(const vtkPalpateLabelGrid& grid
 
 std::map<int, int> vtkPalpateRemoveIslands(vtkPalpateLabelGrid& grid, double smallest)
 {
-  std::map<int, int> removed;
   if (smallest <= 0)
   {
-    return removed;
+    return {};
   }
-  const vtkPalpateLabelGrid before = grid;
-  ForEachPart(before,
-    [&](const Part& part)
-    {
-      if (part.Label != 0 && part.Voxels.size() * grid.Volume() < smallest)
-      {
-        ++removed[part.Label];
-        for (const auto& at : part.Voxels)
-        {
-          grid.Labels[grid.Index(at[0], at[1], at[2])] = part.MostTouched();
-        }
-      }
-    });
-  return removed;
+  const double volume = grid.Volume();
+  return GiveAway(grid,
+    [=](const Part& part) { return part.Label != 0 && part.Voxels.size() * volume < smallest; });
 }
 
 int vtkPalpateFillHoles(vtkPalpateLabelGrid& grid)
 {
-  int filled = 0;
-  const vtkPalpateLabelGrid before = grid;
-  ForEachPart(before,
-    [&](const Part& part)
-    {
-      if (part.Label == 0 && !part.ReachesBorder)
-      {
-        ++filled;
-        for (const auto& at : part.Voxels)
-        {
-          grid.Labels[grid.Index(at[0], at[1], at[2])] = part.MostTouched();
-        }
-      }
-    });
-  return filled;
+  return GiveAway(grid, [](const Part& part) { return part.Label == 0 && !part.ReachesBorder; })[0];
 }
 
 vtkPalpateLabelShares::vtkPalpateLabelShares(

@@ -61,25 +61,32 @@ palpate::RigidTool vtkPalpateRigidTool(
   return tool;
 }
 
+vtkSmartPointer<vtkPolyData> vtkPalpateTriangles(const std::vector<palpate::Vec3>& places,
+  const std::vector<std::array<palpate::Index, 3>>& triangles)
+{
+  vtkNew<vtkPoints> points;
+  for (const palpate::Vec3& place : places)
+  {
+    points->InsertNextPoint(place.data());
+  }
+  vtkNew<vtkCellArray> cells;
+  for (const auto& [a, b, c] : triangles)
+  {
+    cells->InsertNextCell({ a, b, c });
+  }
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
+  surface->SetPoints(points);
+  surface->SetPolys(cells);
+  return surface;
+}
+
 vtkSmartPointer<vtkPolyData> vtkPalpateToolSurface(const palpate::RigidTool& tool)
 {
-  auto surface = vtkSmartPointer<vtkPolyData>::New();
   if (tool.shape == palpate::ToolShape::surface)
   {
-    vtkNew<vtkPoints> points;
-    for (const palpate::Vec3& place : tool.points)
-    {
-      points->InsertNextPoint(place.data());
-    }
-    vtkNew<vtkCellArray> cells;
-    for (const auto& [a, b, c] : tool.triangles)
-    {
-      cells->InsertNextCell({ a, b, c });
-    }
-    surface->SetPoints(points);
-    surface->SetPolys(cells);
-    return surface;
+    return vtkPalpateTriangles(tool.points, tool.triangles);
   }
+  auto surface = vtkSmartPointer<vtkPolyData>::New();
   if (tool.radius == 0)
   {
     vtkNew<vtkPoints> points;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "PalpateFiltersModule.h"
 #include "interaction/rigid_tool.h"
 #include "vtkSmartPointer.h"
@@ -43,6 +46,11 @@ vtkPalpateToolProperties vtkPalpateToolPropertiesOf(Filter& filter)
 /// @throws palpate::InputError the tool is a surface, and that is missing or none.
 palpate::RigidTool vtkPalpateRigidTool(
   const vtkPalpateToolProperties& properties, vtkPolyData* surface);
+
+/// A surface of these triangles, m.
+PALPATEFILTERS_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateTriangles(
+  const std::vector<palpate::Vec3>& places,
+  const std::vector<std::array<palpate::Index, 3>>& triangles);
 
 /// The surface of the tool around its middle, with normals where it is a sphere or capsule. One
 /// without a radius is a vertex.

@@ -277,6 +277,27 @@ std::vector<std::string> Arguments(const vtkPalpateTetGenOptions& options)
 }
 }
 
+vtkPalpateTetGenLimits::vtkPalpateTetGenLimits(
+  double timeOut, const std::function<void(double)>& progress)
+{
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  // Longer than a year is no limit, and would overflow the clock.
+  constexpr double year = 3e7;
+  if (timeOut > 0 && timeOut < year)
+  {
+    this->Deadline =
+      start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(timeOut));
+  }
+  this->Poll = [progress, start]
+  {
+    // Halfway at ten seconds.
+    constexpr double half_way = 10;
+    const double time = std::chrono::duration<double>(Clock::now() - start).count();
+    progress(time / (half_way + time));
+  };
+}
+
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateRunTetGen(vtkPolyData* surface,
   const vtkPalpateTetGenOptions& options, const vtkPalpateTetGenLimits& limits)
 {

@@ -31,6 +31,13 @@ struct vtkPalpateTetGenLimits
   /// Called many times a second while the program runs. What it throws ends the program and is
   /// passed on. May be empty.
   std::function<void()> Poll;
+
+  vtkPalpateTetGenLimits() = default;
+  /// From now on.
+  /// @param timeOut s; 0: none. @param progress Is told how far it may be, from 0 to 1: nobody
+  /// knows how long TetGen takes. What it throws ends the program.
+  PALPATEFILTERS_EXPORT vtkPalpateTetGenLimits(
+    double timeOut, const std::function<void(double)>& progress);
 };
 
 /// TetGen itself gave up or crashed: another surface may fare better.

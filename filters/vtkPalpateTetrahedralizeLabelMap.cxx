@@ -2,7 +2,6 @@
 #include "vtkPalpateTetrahedralizeLabelMap.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <sstream>
 
@@ -27,6 +26,7 @@
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
+#include "vtkTetra.h"
 #include "vtkUnstructuredGrid.h"
 
 vtkStandardNewMacro(vtkPalpateTetrahedralizeLabelMap);
@@ -76,22 +76,9 @@ Quality QualityOf(vtkUnstructuredGrid* body)
     {
       body->GetPoint(ids[i], x[i]);
     }
-    double u[3], v[3], w[3];
-    vtkMath::Subtract(x[1], x[0], u);
-    vtkMath::Subtract(x[2], x[0], v);
-    vtkMath::Subtract(x[3], x[0], w);
-    double vw[3], wu[3], uv[3], centre[3];
-    vtkMath::Cross(v, w, vw);
-    vtkMath::Cross(w, u, wu);
-    vtkMath::Cross(u, v, uv);
-    const double determinant = vtkMath::Dot(u, vw);
-    for (int c = 0; c < 3; ++c)
-    {
-      centre[c] =
-        (vtkMath::Dot(u, u) * vw[c] + vtkMath::Dot(v, v) * wu[c] + vtkMath::Dot(w, w) * uv[c]) /
-        (2 * determinant);
-    }
-    double shortest = vtkMath::Norm(u);
+    double centre[3];
+    const double radius = std::sqrt(vtkTetra::Circumsphere(x[0], x[1], x[2], x[3], centre));
+    double shortest = VTK_DOUBLE_MAX;
     for (int i = 0; i < 4; ++i)
     {
       for (int j = 0; j < i; ++j)
@@ -99,7 +86,15 @@ Quality QualityOf(vtkUnstructuredGrid* body)
         shortest = std::min(shortest, std::sqrt(vtkMath::Distance2BetweenPoints(x[i], x[j])));
       }
     }
-    quality.Ratio = std::max(quality.Ratio, vtkMath::Norm(centre) / shortest);
+    quality.Ratio = std::max(quality.Ratio, radius / shortest);
+    double u[3], v[3], w[3];
+    vtkMath::Subtract(x[1], x[0], u);
+    vtkMath::Subtract(x[2], x[0], v);
+    vtkMath::Subtract(x[3], x[0], w);
+    double vw[3], wu[3], uv[3];
+    vtkMath::Cross(v, w, vw);
+    vtkMath::Cross(w, u, wu);
+    vtkMath::Cross(u, v, uv);
     // Outward normals of the faces opposite to the points 1, 2, 3 and 0.
     double normals[4][3];
     for (int c = 0; c < 3; ++c)
@@ -480,23 +475,8 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   vtkPalpateBodyMeshOptions options;
   options.TetGen.MaximumRadiusEdgeRatio = this->MaximumRadiusEdgeRatio;
   options.Quadratic = this->ElementOrder == 2;
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  vtkPalpateTetGenLimits limits;
-  // Longer than a year is no limit, and would overflow the clock.
-  constexpr double year = 3e7;
-  if (this->TimeOut > 0 && this->TimeOut < year)
-  {
-    limits.Deadline = start +
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(this->TimeOut));
-  }
-  limits.Poll = [this, start]
-  {
-    // Nobody knows how long TetGen takes: halfway at ten seconds.
-    constexpr double half_way = 10;
-    const double time = std::chrono::duration<double>(Clock::now() - start).count();
-    this->Progress(0.4 + 0.55 * time / (half_way + time));
-  };
+  const vtkPalpateTetGenLimits limits(
+    this->TimeOut, [this](double fraction) { this->Progress(0.4 + 0.55 * fraction); });
 
   // TetGen gives up on some good surfaces. The less they are smoothed, the more they are right
   // angles.
@@ -538,7 +518,7 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   {
     labels.push_back(label);
     image_volumes.push_back(volume);
-    mesh_volumes.push_back(surface.Volumes.count(label) > 0 ? surface.Volumes.at(label) : 0);
+    mesh_volumes.push_back(surface.Volumes.at(label));
     const double error = mesh_volumes.back() / volume - 1;
     std::ostringstream line;
     line.precision(3);

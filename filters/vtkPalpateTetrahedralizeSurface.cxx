@@ -250,25 +250,8 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   options.RefineRegion = this->RefineRegion;
   options.RefineVolume = this->RefineVolume;
 
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  const auto elapsed = [start]
-  { return std::chrono::duration<double>(Clock::now() - start).count(); };
-  vtkPalpateTetGenLimits limits;
-  // Longer than a year is no limit, and would overflow the clock.
-  constexpr double year = 3e7;
-  if (this->TimeOut > 0 && this->TimeOut < year)
-  {
-    limits.Deadline = start +
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(this->TimeOut));
-  }
-  limits.Poll = [this, &elapsed]
-  {
-    // Nobody knows how long TetGen takes: halfway at ten seconds.
-    constexpr double half_way = 10;
-    const double time = elapsed();
-    this->Progress(0.4 + 0.5 * time / (half_way + time));
-  };
+  const vtkPalpateTetGenLimits limits(
+    this->TimeOut, [this](double fraction) { this->Progress(0.4 + 0.5 * fraction); });
 
   // TetGen gives up on some good surfaces. One that may be sampled anew gets further chances: on
   // another grid its triangles lie elsewhere.

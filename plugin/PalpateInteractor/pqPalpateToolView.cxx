@@ -84,25 +84,6 @@ void SetPolyData(vtkActor* actor, vtkPolyData* data, double offset)
   producer->SetOutput(data);
   SetMapper(actor, producer->GetOutputPort(), offset);
 }
-
-vtkSmartPointer<vtkPolyData> Triangles(const std::vector<palpate::Vec3>& places,
-  const std::vector<std::array<palpate::Index, 3>>& triangles)
-{
-  vtkNew<vtkPoints> points;
-  for (const palpate::Vec3& place : places)
-  {
-    points->InsertNextPoint(place.data());
-  }
-  vtkNew<vtkCellArray> cells;
-  for (const auto& [a, b, c] : triangles)
-  {
-    cells->InsertNextCell({ a, b, c });
-  }
-  auto data = vtkSmartPointer<vtkPolyData>::New();
-  data->SetPoints(points);
-  data->SetPolys(cells);
-  return data;
-}
 }
 
 pqPalpateToolView::pqPalpateToolView(
@@ -226,7 +207,7 @@ void pqPalpateToolView::MakeVeil(
       veiled.push_back(triangle);
     }
   }
-  const vtkSmartPointer<vtkPolyData> veil = Triangles(surface.points, veiled);
+  const vtkSmartPointer<vtkPolyData> veil = vtkPalpateTriangles(surface.points, veiled);
   vtkNew<vtkFloatArray> normals;
   normals->SetNumberOfComponents(3);
   for (const palpate::Vec3& normal : palpate::point_normals(surface))

@@ -325,20 +325,43 @@ TEST(Fung, WithASmallExponentIsNeoHookean) {
   }
 }
 
-// A trial state of a solver can be anywhere.
+/// A trial state of a solver can be anywhere.
+void expect_finite_and_growing(Law law, const Constants& constants) {
+  double last = 0;
+  for (double stretch : {1.5, 3.0, 10.0, 100.0, 1e4}) {
+    const Vec3 f(stretch, 1 / stretch, 1);
+    const Response<double> r =
+        respond(law, constants, f.asDiagonal().toDenseMatrix() - Mat3::Identity());
+    EXPECT_TRUE(std::isfinite(r.energy));
+    EXPECT_TRUE(stress(r).allFinite());
+    EXPECT_TRUE(tangent(r).allFinite());
+    EXPECT_GT(r.energy, last) << stretch;
+    last = r.energy;
+  }
+}
+
+/// Stress is the derivative of the energy, and the tangent that of the stress: to a share of the
+/// tangent's norm, and of the stress's or `least`.
+void expect_derivatives(const Material& material, const Mat3& h, double step, double tolerance,
+                        double least = 0) {
+  const Mat3 p = first_piola(material, h);
+  const Mat9 a = first_piola_tangent(material, h);
+  ASSERT_TRUE(a.allFinite());
+  for (int i = 0; i < 9; ++i) {
+    const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
+    const double energy =
+        derivative([&](double s) { return respond(material, h + s * direction).energy; }, step);
+    EXPECT_NEAR(p.reshaped()[i], energy, tolerance * std::max(p.norm(), least));
+    const Mat3 change =
+        derivative([&](double s) { return first_piola(material, h + s * direction); }, step);
+    EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), tolerance * a.norm());
+  }
+}
+
 TEST(Fung, IsFiniteAndGrowsHoweverFarOut) {
   for (double exponent : {1e-3, 1.0, 50.0, 1e4}) {
-    double last = 0;
-    for (double stretch : {1.5, 3.0, 10.0, 100.0, 1e4}) {
-      const Vec3 f(stretch, 1 / stretch, 1);
-      const Response<double> r = respond(Law::fung, {1100, exponent, 3200},
-                                         f.asDiagonal().toDenseMatrix() - Mat3::Identity());
-      EXPECT_TRUE(std::isfinite(r.energy));
-      EXPECT_TRUE(stress(r).allFinite());
-      EXPECT_TRUE(tangent(r).allFinite());
-      EXPECT_GT(r.energy, last) << exponent << ' ' << stretch;
-      last = r.energy;
-    }
+    SCOPED_TRACE(exponent);
+    expect_finite_and_growing(Law::fung, {1100, exponent, 3200});
   }
 }
 
@@ -346,17 +369,7 @@ TEST(Fung, BeyondTheLargestExponentEnergyStressAndTangentStillBelongTogether) {
   const Material material = palpate::make_material(Law::fung, {3000, 0.35, 50});
   for (double stretch : {3.0, 4.0}) {  // exponents of 300 and 700
     const Mat3 h = Vec3(stretch, 1, 1 / stretch).asDiagonal().toDenseMatrix() - Mat3::Identity();
-    const Mat3 p = first_piola(material, h);
-    const Mat9 a = first_piola_tangent(material, h);
-    for (int i = 0; i < 9; ++i) {
-      const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
-      const double energy =
-          derivative([&](double s) { return respond(material, h + s * direction).energy; }, 1e-3);
-      EXPECT_NEAR(p.reshaped()[i], energy, 1e-8 * p.norm());
-      const Mat3 change =
-          derivative([&](double s) { return first_piola(material, h + s * direction); }, 1e-3);
-      EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), 1e-8 * a.norm());
-    }
+    expect_derivatives(material, h, 1e-3, 1e-8);
   }
 }
 
@@ -405,36 +418,17 @@ TEST(Ogden, EqualStretchesHaveTheLimitOfUnequalOnes) {
   for (const Vec3& base : {Vec3(1, 1, 1), Vec3(1.3, 1.3, 1.3), Vec3(1.4, 1.4, 0.7),
                            Vec3(0.8, 0.8, 1.6), Vec3(0.6, 1.2, 0.6)}) {
     for (double gap : {0.0, 1e-300, 1e-16, 1e-12, 1e-8, 1e-5, 1e-3}) {
+      SCOPED_TRACE(gap);
       const Mat3 h = with_stretches(base + gap * Vec3(0, 1, -0.3), random);
-      const Mat3 p = first_piola(material, h);
-      const Mat9 a = first_piola_tangent(material, h);
-      ASSERT_TRUE(a.allFinite()) << gap;
-      for (int i = 0; i < 9; ++i) {
-        const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
-        const double energy =
-            derivative([&](double s) { return respond(material, h + s * direction).energy; }, 5e-3);
-        EXPECT_NEAR(p.reshaped()[i], energy, kDifference * std::max(p.norm(), 1250.0)) << gap;
-        const Mat3 change =
-            derivative([&](double s) { return first_piola(material, h + s * direction); }, 5e-3);
-        EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), kDifference * a.norm()) << gap;
-      }
+      expect_derivatives(material, h, 5e-3, kDifference, 1250);
     }
   }
 }
 
 TEST(Ogden, IsFiniteAndGrowsHoweverFarOut) {
   for (double exponent : {-1000.0, -25.0, -1.0, 0.1, 3.0, 40.0, 1000.0}) {
-    double last = 0;
-    for (double stretch : {1.5, 3.0, 10.0, 100.0, 1e4}) {
-      const Vec3 f(stretch, 1 / stretch, 1);
-      const Response<double> r = respond(Law::ogden, {3200, 1100, exponent},
-                                         f.asDiagonal().toDenseMatrix() - Mat3::Identity());
-      EXPECT_TRUE(std::isfinite(r.energy));
-      EXPECT_TRUE(stress(r).allFinite());
-      EXPECT_TRUE(tangent(r).allFinite());
-      EXPECT_GT(r.energy, last) << exponent << ' ' << stretch;
-      last = r.energy;
-    }
+    SCOPED_TRACE(exponent);
+    expect_finite_and_growing(Law::ogden, {3200, 1100, exponent});
   }
 }
 
@@ -443,18 +437,7 @@ TEST(Ogden, BeyondTheLargestExponentEnergyStressAndTangentStillBelongTogether) {
   Random random(13);
   // Exponents of 208 and 416 beside −208 and −416; in the third case one pair is equal.
   for (const Vec3& stretches : {Vec3(4, 1, 0.25), Vec3(16, 1, 1.0 / 16), Vec3(5, 5, 0.04)}) {
-    const Mat3 h = with_stretches(stretches, random);
-    const Mat3 p = first_piola(material, h);
-    const Mat9 a = first_piola_tangent(material, h);
-    for (int i = 0; i < 9; ++i) {
-      const Mat3 direction = Vec9::Unit(i).reshaped(3, 3);
-      const double energy =
-          derivative([&](double s) { return respond(material, h + s * direction).energy; }, 1e-4);
-      EXPECT_NEAR(p.reshaped()[i], energy, 1e-7 * p.norm());
-      const Mat3 change =
-          derivative([&](double s) { return first_piola(material, h + s * direction); }, 1e-4);
-      EXPECT_LT((a.col(i) - Vec9(change.reshaped())).norm(), 1e-7 * a.norm());
-    }
+    expect_derivatives(material, with_stretches(stretches, random), 1e-4, 1e-7);
   }
 }
 
