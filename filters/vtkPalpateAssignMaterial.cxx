@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "materials/material.h"
+#include "materials/tissues.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
@@ -31,12 +32,15 @@ using palpate::Formulation;
 using palpate::InputError;
 using palpate::Law;
 
+constexpr int FirstTissue = 100;
+
 Law CheckedLaw(int number)
 {
   if (number < 0 || number >= palpate::num_laws)
   {
     throw InputError("Law is " + std::to_string(number) + "; there are the laws 0 to " +
-      std::to_string(palpate::num_laws - 1) + ".");
+      std::to_string(palpate::num_laws - 1) + " and the tissues " + std::to_string(FirstTissue) +
+      " to " + std::to_string(FirstTissue + palpate::tissues().size() - 1) + ".");
   }
   return static_cast<Law>(number);
 }
@@ -82,18 +86,15 @@ std::string Join(const std::vector<std::string>& names)
   return text;
 }
 
-Law LawOfName(const std::string& name)
+/// Of those of the property Law: the laws, and from FirstTissue on the tissues.
+std::vector<std::string> NamesOfLaws()
 {
   std::vector<std::string> names;
   for (int number = 0; number < palpate::num_laws; ++number)
   {
     names.push_back(palpate::to_string(static_cast<Law>(number)));
-    if (names.back() == name)
-    {
-      return static_cast<Law>(number);
-    }
   }
-  throw InputError("there is no law '" + name + "'. There are: " + Join(names) + '.');
+  return names;
 }
 
 /// The whole text as a number.
@@ -109,7 +110,7 @@ double NumberOf(const std::string& text)
 }
 
 /// From names and values by turns.
-palpate::Material MaterialFromText(Law law, const std::string& parameters)
+palpate::Material MaterialOfLaw(Law law, const std::string& parameters)
 {
   const std::vector<std::string>& names = palpate::parameter_names(law);
   std::map<std::string, double> values;
@@ -146,6 +147,31 @@ palpate::Material MaterialFromText(Law law, const std::string& parameters)
     }
   }
   return palpate::make_material(law, all);
+}
+
+/// @param name Of a law, with parameters, or of a tissue, without any.
+palpate::Material MaterialFromText(const std::string& name, const std::string& parameters)
+{
+  for (const palpate::Tissue& tissue : palpate::tissues())
+  {
+    if (tissue.name == name)
+    {
+      if (parameters.find_first_not_of(' ') != std::string::npos)
+      {
+        throw InputError("the tissue " + name + " has parameters of its own, but '" + parameters +
+          "' is given. Leave them out, or name a law.");
+      }
+      return tissue.material;
+    }
+  }
+  const std::vector<std::string> laws = NamesOfLaws();
+  const auto law = std::find(laws.begin(), laws.end(), name);
+  if (law == laws.end())
+  {
+    throw InputError("there is no law or tissue '" + name +
+      "'. There are: " + Join(vtkPalpateAssignMaterial::LawNames()) + '.');
+  }
+  return MaterialOfLaw(static_cast<Law>(law - laws.begin()), parameters);
 }
 
 /// Value of the property Formulation: the one that suits the parameters.
@@ -330,9 +356,8 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
       {
         throw InputError("the value is there twice.");
       }
-      all.push_back(
-        { InFormulation(MaterialFromText(LawOfName(law), parameters), this->Formulation),
-          vtkPalpateCellsOfValue(body, this->RegionArray, number) });
+      all.push_back({ InFormulation(MaterialFromText(law, parameters), this->Formulation),
+        vtkPalpateCellsOfValue(body, this->RegionArray, number) });
     }
     catch (const InputError& error)
     {
@@ -344,6 +369,11 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
 
 palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const
 {
+  const int tissue = this->Law - FirstTissue;
+  if (tissue >= 0 && tissue < static_cast<int>(palpate::tissues().size()))
+  {
+    return palpate::tissues()[static_cast<std::size_t>(tissue)].material;
+  }
   const auto law = CheckedLaw(this->Law);
   std::map<std::string, double> values = { { "YoungsModulus", this->YoungsModulus },
     { "PoissonsRatio", this->PoissonsRatio }, { "C10", this->C10 }, { "C01", this->C01 },
@@ -367,24 +397,34 @@ palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const
   return palpate::make_material(law, parameters);
 }
 
-std::string vtkPalpateAssignMaterial::LawName(int law)
+std::vector<std::string> vtkPalpateAssignMaterial::LawNames()
 {
-  static_assert(NumberOfLaws == palpate::num_laws, "each law has its name here");
-  return palpate::to_string(CheckedLaw(law));
+  std::vector<std::string> names = NamesOfLaws();
+  for (const palpate::Tissue& tissue : palpate::tissues())
+  {
+    names.push_back(tissue.name);
+  }
+  return names;
 }
 
-std::string vtkPalpateAssignMaterial::ParametersOfLaw(int law)
+std::string vtkPalpateAssignMaterial::ParametersOfLaw(const std::string& name)
 {
+  const std::vector<std::string> laws = NamesOfLaws();
+  const auto law = std::find(laws.begin(), laws.end(), name);
+  if (law == laws.end())
+  {
+    return "";
+  }
   vtkNew<vtkPalpateAssignMaterial> defaults;
-  defaults->SetLaw(law);
+  defaults->SetLaw(static_cast<int>(law - laws.begin()));
   const palpate::Material material = defaults->MakeMaterial();
   std::ostringstream text;
   const double* value = material.parameters.data();
-  for (const std::string& name : palpate::parameter_names(material.law))
+  for (const std::string& parameter : palpate::parameter_names(material.law))
   {
     if (*value != 0)
     {
-      text << (text.tellp() > 0 ? " " : "") << name << ' ' << *value;
+      text << (text.tellp() > 0 ? " " : "") << parameter << ' ' << *value;
     }
     ++value;
   }

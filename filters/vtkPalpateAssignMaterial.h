@@ -38,7 +38,8 @@ public:
   ///@{
   /// Number of a palpate::Law: 0 linear, 1 St. Venant-Kirchhoff, 2 neo-Hookean, 3 Mooney-Rivlin,
   /// 4 Mooney-Rivlin polynomial, 5 Fung, 6 neo-Hookean incompressible, 7 Mooney-Rivlin
-  /// incompressible, 8 Ogden.
+  /// incompressible, 8 Ogden; or, from 100 on, of one of palpate::tissues(), which has parameters
+  /// of its own.
   vtkSetMacro(Law, int);
   vtkGetMacro(Law, int);
   ///@}
@@ -111,8 +112,8 @@ public:
   ///@}
   ///@{
   /// The material of one of several regions, in place of that of Law.
-  /// @param value Of RegionArray. @param law By name. @param parameters Names and values by turns,
-  /// separated by spaces: "YoungsModulus 5000 PoissonsRatio 0.45".
+  /// @param value Of RegionArray. @param law By name, or the name of a tissue. @param parameters
+  /// Names and values by turns, separated by spaces: "YoungsModulus 5000 PoissonsRatio 0.45".
   void AddRegion(const char* value, const char* law, const char* parameters);
   void ClearRegions();
   ///@}
@@ -122,15 +123,11 @@ public:
   vtkImplicitFunction* GetRegionShape() const;
   ///@}
 
-  enum
-  {
-    NeoHookean = 2,
-    NumberOfLaws = 9
-  };
   ///@{
-  /// The name of a law and, as AddRegion takes them, parameters of soft tissue for it.
-  static std::string LawName(int law);
-  static std::string ParametersOfLaw(int law);
+  /// The names that AddRegion takes, those of the laws and then those of the tissues, and
+  /// parameters of soft tissue for a law; a tissue has none.
+  static std::vector<std::string> LawNames();
+  static std::string ParametersOfLaw(const std::string& name);
   ///@}
 
   vtkMTimeType GetMTime() override;

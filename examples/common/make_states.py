@@ -1,24 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes the states of the examples (.pvsm): pipelines to load in ParaView's window.
 
-They read liver/liver.vtp or roof/roof.vtu, which are made too. Argument: the name of an example.
+They read liver/liver.vtp, roof/roof.vtu or nodule/surface.vtp, which are made too. Argument: the
+name of an example.
 
 Sample runs, in this folder, with the plugin loaded:
     xvfb-run -a pvpython make_states.py liver
-    for example in liver accuracy discretisation tolerance stability cluster roof palpation; do
-      xvfb-run -a pvpython make_states.py $example; done
+    for example in liver accuracy discretisation tolerance stability cluster roof palpation nodule
+      do xvfb-run -a pvpython make_states.py $example; done
 """
 import os
 import sys
 from xml.etree import ElementTree
 
 EXAMPLES = os.path.dirname(sys.path[0])
-sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof")]
+sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof", "nodule")]
 
 import numpy as np
+import organ
 from paraview import servermanager
 from paraview.simple import *
 
+from bodies import Organ
 from liver import choose_active_nodes, make_scene, parser, tetrahedralize, touches
 from make_surface import make_surface
 from pictures import HAND, HELD, PALE, Stage
@@ -200,6 +203,32 @@ def make_palpation():
     return stage.view
 
 
+def make_nodule():
+    """The liver with the nodule in it, pressed over it."""
+    organ.SURFACE = os.path.basename(organ.SURFACE)
+    save_surface(Organ(make_surface(), organ.FRONT, tip_radius=0.022).with_edges(0.02, 0.25),
+                 organ.SURFACE)
+    scene = organ.make_scene()
+    body = scene.Input.Input
+    surface, nodule = body.Input.Input
+    space = PrecomputeStateSpace(Input=scene, Tool="Sphere", ToolRadius=TOOL_RADIUS, Depth=0.008,
+                                 Spacing=0.005, UseToolRegion=1, ToolRegion="Sphere",
+                                 FileName="nodule.palpate")
+    space.ToolRegion.Center, space.ToolRegion.Radius = organ.FRONT, 0.008
+    place = list(np.array(organ.FRONT) + pull(TOOL_RADIUS - 0.006))
+    touch = TouchStateSpace(Input=update(space), ToolPosition=place)
+    tool = Sphere(Center=place, Radius=TOOL_RADIUS, ThetaResolution=32, PhiResolution=32)
+    named(Surface=surface, Nodule=nodule, Both=body.Input, Body=body, Material=scene.Input,
+          Scene=scene, Space=space, Touch=update(touch), Tool=tool)
+    stage = Stage(scene)
+    stage.clear()
+    stage.colour(stage.show(touch, Opacity=0.4), ("POINTS", "ContactPressure"), "Pressure (Pa)",
+                 touch.PointData["ContactPressure"].GetRange())
+    stage.show(nodule, HELD)
+    stage.show(tool, PALE, Opacity=0.3)
+    return stage.view
+
+
 def pull(length):
     return list(length * OUT / np.linalg.norm(OUT))
 
@@ -251,12 +280,13 @@ def save(path):
 
 MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make_discretisation,
           "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
-          "roof": make_roof_touched, "palpation": make_palpation}
+          "roof": make_roof_touched, "palpation": make_palpation, "nodule": make_nodule}
+OWN_DATA = ("roof", "nodule")
 
 
 def main(name):
     # No folder in the names of files: they are looked for in one that the user names.
-    os.chdir(os.path.join(EXAMPLES, "roof" if name == "roof" else "liver"))
+    os.chdir(os.path.join(EXAMPLES, name if name in OWN_DATA else "liver"))
     view = MAKERS[name]()
     # ParaView's window shows no view without a place in a layout.
     AssignViewToLayout(view=view, layout=CreateLayout(name.capitalize()))
@@ -265,8 +295,8 @@ def main(name):
     if os.environ.get("PALPATE_STATE_PICTURES"):
         SaveScreenshot(os.path.join(os.environ["PALPATE_STATE_PICTURES"], name + ".png"), view,
                        ImageResolution=[600, 450])
-    if name == "palpation":
-        os.remove("palpation.palpate")
+    if os.path.exists(name + ".palpate"):
+        os.remove(name + ".palpate")
 
 
 main(*sys.argv[1:])

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Data that a script has made, as a source of the pipeline."""
+import sys
+
 from paraview.simple import *
 from vtkmodules.vtkIOLegacy import vtkGenericDataObjectWriter
 
@@ -24,5 +26,11 @@ def source_of(data):
     writer.Write()
     source = ProgrammableSource(OutputDataSetType=data.GetClassName(),
                                 Script=SCRIPT.format(text=writer.GetOutputString()))
+    # ParaView leaves functions with the names min, max, sum, … in the script that was started, and
+    # those wait for all ranks.
+    names = vars(sys.modules["__main__"])
+    before = dict(names)
     source.UpdatePipeline()
+    names.clear()
+    names.update(before)
     return source

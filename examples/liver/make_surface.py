@@ -17,7 +17,7 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkFiltersCore import vtkFlyingEdges3D, vtkWindowedSincPolyDataFilter
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from remesh import remesh
+from remesh import arrays, poly_data, remesh
 
 BOUNDS = np.array([[-0.12, 0.13], [-0.11, 0.10], [-0.10, 0.10]])  # m
 SPACING = 0.004  # m, of the samples
@@ -105,7 +105,9 @@ def make_surface(edge_length=0.0065):
     smooth.SetPassBand(0.05)
     smooth.NormalizeCoordinatesOn()
     smooth.Update()
-    return remesh(smooth.GetOutput(), edge_length)
+    # A contour's triangles face the side where the values fall: here the inside.
+    points, corners = arrays(remesh(smooth.GetOutput(), edge_length))
+    return poly_data(points, corners[:, ::-1])
 
 
 def main():

@@ -37,6 +37,7 @@ enum Column
 /// An array with more values is not one of regions.
 constexpr std::size_t MostValues = 200;
 constexpr int VisibleRows = 4;
+constexpr const char* FirstLaw = "Neo-Hookean";
 }
 
 pqPalpateMaterialsWidget::pqPalpateMaterialsWidget(
@@ -82,9 +83,7 @@ pqPalpateMaterialsWidget::pqPalpateMaterialsWidget(
   QObject::connect(add, &QPushButton::clicked, this,
     [this]
     {
-      const int law = vtkPalpateAssignMaterial::NeoHookean;
-      this->addRow("0", vtkPalpateAssignMaterial::LawName(law).c_str(),
-        vtkPalpateAssignMaterial::ParametersOfLaw(law).c_str());
+      this->addRow("0", FirstLaw, vtkPalpateAssignMaterial::ParametersOfLaw(FirstLaw).c_str());
       Q_EMIT this->rowsChanged();
     });
   QObject::connect(remove, &QPushButton::clicked, this, &pqPalpateMaterialsWidget::removeRow);
@@ -132,9 +131,9 @@ void pqPalpateMaterialsWidget::addRow(
   // The parameters need the room more than the longest name of a law.
   laws->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   laws->setMinimumContentsLength(9);
-  for (int number = 0; number < vtkPalpateAssignMaterial::NumberOfLaws; ++number)
+  for (const std::string& name : vtkPalpateAssignMaterial::LawNames())
   {
-    laws->addItem(vtkPalpateAssignMaterial::LawName(number).c_str());
+    laws->addItem(name.c_str());
   }
   if (laws->findText(law) < 0)
   {
@@ -144,14 +143,15 @@ void pqPalpateMaterialsWidget::addRow(
   laws->setCurrentText(law);
   this->Table->setCellWidget(row, Law, laws);
   QObject::connect(laws, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
-    [this, laws](int number)
+    [this, laws](int)
     {
       const int changed = this->rowOfCombo(laws);
-      if (changed >= 0 && number < vtkPalpateAssignMaterial::NumberOfLaws)
+      if (changed >= 0)
       {
         const QSignalBlocker quiet(this->Table);
         this->Table->item(changed, Parameters)
-          ->setText(vtkPalpateAssignMaterial::ParametersOfLaw(number).c_str());
+          ->setText(
+            vtkPalpateAssignMaterial::ParametersOfLaw(laws->currentText().toStdString()).c_str());
       }
       Q_EMIT this->rowsChanged();
     });
@@ -226,11 +226,10 @@ void pqPalpateMaterialsWidget::addValues()
   {
     found.erase(this->Table->item(row, Value)->text().toDouble());
   }
-  const int law = vtkPalpateAssignMaterial::NeoHookean;
   for (const double value : found)
   {
-    this->addRow(QString::number(value, 'g', 15), vtkPalpateAssignMaterial::LawName(law).c_str(),
-      vtkPalpateAssignMaterial::ParametersOfLaw(law).c_str());
+    this->addRow(QString::number(value, 'g', 15), FirstLaw,
+      vtkPalpateAssignMaterial::ParametersOfLaw(FirstLaw).c_str());
   }
   if (!found.empty())
   {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs inside ParaView's window, touches what examples/palpation hands out while it grows, and
-quits; test_palpation.py reads what it prints."""
+"""Runs inside ParaView's window, touches what examples/touch hands out while it grows, and quits;
+test_palpation.py reads what it prints."""
 
 import os
 import sys
@@ -10,8 +10,7 @@ import traceback
 from paraview.simple import *
 
 SOURCE = os.environ["PALPATE_SOURCE_DIR"]
-EXAMPLE = os.path.join(SOURCE, "examples", "palpation")
-sys.path += [os.path.join(SOURCE, "tests", "paraview"), EXAMPLE]
+sys.path += [os.path.join(SOURCE, "tests", "paraview"), os.environ["PALPATE_ORGAN_FOLDER"]]
 from dock_support import click_start, click_stop, number, part, wait_for
 from qt import Button, Event, QtCore, application, pixel_of, send, wait
 
@@ -27,7 +26,7 @@ def num_found():
 def main():
     begin = time.monotonic()
     # As the window does with a script: without its __file__.
-    with open(os.path.join(EXAMPLE, "touch.py"), encoding="utf-8") as script:
+    with open(os.path.join(SOURCE, "examples", "common", "touch.py"), encoding="utf-8") as script:
         exec(script.read(), {"__name__": "__main__"})
     view = GetActiveView()
     click_start("Mouse")

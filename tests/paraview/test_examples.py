@@ -16,6 +16,7 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 from image_support import pixels
 from paraview.simple import SaveData
 from support import scene
@@ -414,6 +415,33 @@ def check_palpation():
     assert done.stderr.startswith("palpation.py: the scene has no material"), done.stderr
 
 
+def check_nodule():
+    """A larger nodule in a coarser mesh, on two ranks: its map, what is noticed; one too large."""
+    small = ["--output", "nodule", "--size", "0.02", "--below", "0.003", "--tool-radius", "0.015",
+             "--region", "0.02", "--spacing", "0.008", "--sizes", "0.01", "0.02",
+             "--depths", "0.003", "0.012"]
+    done = run(2 if MPIEXEC else 1, *small, example="nodule")
+    assert done.returncode == 0, done.stderr
+    with open("nodule/table.md", encoding="utf-8") as file:
+        text = file.read()
+    assert text.strip() in done.stdout, done.stdout
+    more = {(float(row["size (mm)"]), float(row["below (mm)"])): float(row["more (%)"])
+            for row in rows_of("nodule/table.csv")}
+    assert more[20, 3] > 10 > more[20, 12] > more[10, 12] > 0 and more[20, 3] > more[10, 3], more
+    where = re.search(r"adds ([0-9.]+) % to the stiffness at the most, ([0-9.]+) mm from", text)
+    assert float(where.group(1)) > 8 and float(where.group(2)) < 10, text
+    off = re.search(r"the spaces are off by ([0-9.]+) mN of ([0-9.]+) N", text)
+    assert float(off.group(1)) < 20 * float(off.group(2)), text
+    assert len(rows_of("nodule/slide.csv")) == 200
+    expect_pictures("nodule", "slide", "noticed")
+    for name in ("map", "of_the_nodule"):
+        coloured = (np.ptp(pixels(f"nodule/{name}.png"), axis=1) > 40).mean()
+        assert 0.1 < coloured < 0.9, (name, coloured)
+
+    done = run(1, "--output", "nodule", "--size", "0.2", example="nodule")
+    assert done.returncode == 1 and "nodule.py: " in done.stderr, done.stderr
+
+
 check_one_rank()
 check_that_the_file_is_used_again()
 if MPIEXEC:
@@ -429,6 +457,7 @@ check_roof()
 check_tolerance()
 check_accuracy()
 check_palpation()
+check_nodule()
 check_cluster()
 check_options_of_the_job()
 if MPIEXEC:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What examples/touch opens: a liver is pressed in the middle of ParaView's window soon after it is
-there, while its space is computed beside it.
+"""What examples/touch opens: a liver, and one with a nodule, is pressed in the middle of ParaView's
+window soon after it is there, while its space is computed beside it.
 
   test_palpation.py <folder of the plugin PalpateInteractor> <pvbatch> [<mpiexec>…]
 """
@@ -16,7 +16,7 @@ from support import SKIPPED
 from test_interactor import run
 
 FIRST = 120  # s; until something is handed out
-GROW = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "palpation", "grow.py")
+EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
 
 
 def main(folder, *command):
@@ -27,20 +27,27 @@ def main(folder, *command):
     # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
     environment = {name: value for name, value in os.environ.items()
                    if not name.startswith(("OMPI_", "PMIX_"))}
+    for organ in (["palpation"], ["nodule", "3"]):
+        check(folder, organ, [*ranks, pvbatch], environment)
+
+
+def check(folder, organ, command, environment):
+    of_organ = os.path.join(EXAMPLES, organ[0])
     with tempfile.TemporaryDirectory() as space:
-        with subprocess.Popen([*ranks, pvbatch, GROW, space], env=environment) as growing:
+        command = [*command, os.path.join(EXAMPLES, "common", "grow.py"), of_organ, space, *organ[1:]]
+        with subprocess.Popen(command, env=environment) as growing:
             try:
                 end = time.monotonic() + FIRST
-                while not os.path.exists(os.path.join(space, "liver.palpate")):
+                while not os.path.exists(os.path.join(space, "space.palpate")):
                     assert growing.poll() is None and time.monotonic() < end
                     time.sleep(0.2)
                 touched = run("touch", folder, script="palpation_script.py",
-                              PALPATE_SPACE_FOLDER=space)
+                              PALPATE_SPACE_FOLDER=space, PALPATE_ORGAN_FOLDER=of_organ)
             finally:
                 growing.terminate()
-    assert 0.01 < touched["force"][0] < 1, touched
+    assert 0.01 < touched["force"][0] < 1, (organ, touched)
     before, after = touched["grown"]
-    assert before < after, touched
+    assert before < after, (organ, touched)
 
 
 if __name__ == "__main__":

@@ -182,6 +182,27 @@ def test_materials_by_table(body):
             "C30": 0, "C21": 0, "C12": 0})
 
 
+def test_tissues(body):
+    """By the panel's list as by a table; both have all of them."""
+    domain = AssignMaterial(Input=body).GetProperty("Law").GetDomain("enum")
+    names = [domain.GetEntryText(i) for i in range(domain.GetNumberOfEntries())
+             if domain.GetEntryValue(i) >= 100]
+    assert len(names) == 11, names
+    for name in names:
+        one = fetch(AssignMaterial(Input=body, Law=name))
+        rows = fetch(AssignMaterial(Input=body, RegionType="Table", RegionArray="Part",
+                                    Regions=["0", name, "", "1", name, ""]))
+        for i in range(one.GetCellData().GetNumberOfArrays()):
+            array = one.GetCellData().GetArrayName(i)
+            assert (cell_array(one, array) == cell_array(rows, array)).all(), (name, array)
+    whole = numpy.ones(one.GetNumberOfCells(), bool)
+    expect_material(fetch(AssignMaterial(Input=body, Law="Liver")), whole,
+                    "Neo-Hookean incompressible", {"YoungsModulus": 6900})
+    white = fetch(AssignMaterial(Input=body, Law="Brain white matter"))
+    assert set(cell_array(white, "OgdenModulus1")) == {631}
+    assert set(cell_array(white, "OgdenExponent1")) == {-24}
+
+
 def test_region_by_shape_and_surface(body):
     soft = AssignMaterial(Input=body, Law="Neo-Hookean", YoungsModulus=2000)
     centre, radius = numpy.array([0.1, 0.05, 0.05]), 0.045

@@ -11,6 +11,7 @@ from paraview.simple import *
 
 EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
 LARGEST_STATE = 100_000  # bytes
+OWN_DATA = ("roof", "nodule")
 
 
 def errors_of(action):
@@ -29,7 +30,7 @@ def errors_of(action):
 
 def open_state(name):
     def load():
-        data = os.path.join(EXAMPLES, "roof" if name == "roof" else "liver")
+        data = os.path.join(EXAMPLES, name if name in OWN_DATA else "liver")
         LoadState(os.path.join(EXAMPLES, name, name + ".pvsm"), data_directory=data)
         SaveScreenshot(name + ".png", GetActiveView(), ImageResolution=[400, 300])
 
@@ -94,7 +95,7 @@ def check_the_old_name(name):
 
 names = sorted(name for name in os.listdir(EXAMPLES)
                if os.path.isfile(os.path.join(EXAMPLES, name, "README.md")))
-assert len(names) == 9, names
+assert len(names) == 10, names
 for name in names:
     if name != "embedding":
         check_the_triple(name)

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Computes the state space of a liver that is pressed with a sphere, and hands it out as it grows.
+"""Computes the state space of an organ that is pressed with a sphere, and hands it out as it grows.
 
-Sample run, with the plugin loaded (PV_PLUGIN_PATH); the argument is a folder, which is there:
-    mpiexec -n 2 pvbatch grow.py folder
+Sample runs, with the plugin loaded (PV_PLUGIN_PATH); the arguments are a folder with an organ.py,
+one for the space, which is there, and what the organ's make_scene() takes:
+    mpiexec -n 2 pvbatch grow.py ../palpation folder
+    mpiexec -n 2 pvbatch grow.py ../nodule folder 3
 
-What was found so far is folder/liver.palpate, which another one takes the place of each time.
+What was found so far is folder/space.palpate, which another one takes the place of each time.
 touch.py shows it in ParaView's window.
 """
 import os
@@ -14,9 +16,8 @@ import time
 
 from paraview.simple import *
 
+sys.path[:0] = [sys.argv[1], os.path.join(sys.path[0], "..", "liver")]
 from organ import FRONT, make_scene
-
-sys.path.append(os.path.join(sys.path[0], "..", "liver"))
 from pipeline import update
 
 # Until it is handed out for the first time, and then, s. The view stands still while it is taken
@@ -31,18 +32,18 @@ def hand_out(file, name):
     os.replace(name + ".part", name)
 
 
-def main(folder):
+def main(folder, *of_scene):
     start = time.monotonic()
-    space = PrecomputeStateSpace(Input=make_scene(), Tool="Sphere", ToolRadius=0.01, Depth=0.008,
-                                 Spacing=0.005, BeginAt=FRONT,
+    space = PrecomputeStateSpace(Input=make_scene(*of_scene), Tool="Sphere", ToolRadius=0.01,
+                                 Depth=0.008, Spacing=0.005, BeginAt=FRONT,
                                  FileName=os.path.join(folder, "growing.palpate"))
     space.UpdateInterval = FIRST
     complete = False
     while not complete:
         update(space)
         complete = space.FieldData["Complete"].GetRange(0)[0] == 1
-        hand_out(space.FileName, os.path.join(folder, "liver.palpate"))
+        hand_out(space.FileName, os.path.join(folder, "space.palpate"))
         space.UpdateInterval = LATER + SHARE * (time.monotonic() - start)
 
 
-main(*sys.argv[1:])
+main(*sys.argv[2:])
