@@ -73,14 +73,18 @@ class Organ:
         self.nearest.FindClosestPoint(tuple(point), found, cell, part, distance)
         return np.array(found)
 
-    def with_edges(self, length, at_tip):
-        """The surface with edges of about `length` m: a vertex at the place that is touched, and
-        none across the rims of the tip and of the part that is held."""
+    def refined(self, length, at_tip):
+        """The surface with edges of about `length` m, and `at_tip` times that around the tip."""
         def finer(point):
             away = math.dist(point, self.place) - FINE_PART * self.tip_radius
             return 1 / min(1, at_tip + GROWTH * max(away, 0) / length)
 
-        points, corners = arrays(remesh(self.surface, length, finer if at_tip != 1 else None))
+        return remesh(self.surface, length, finer if at_tip != 1 else None)
+
+    def with_edges(self, length, at_tip):
+        """The same with a vertex at the place that is touched, and no edge across the rims of the
+        tip and of the part that is held."""
+        points, corners = arrays(self.refined(length, at_tip))
         points[np.argmin(np.linalg.norm(points - self.place, axis=1))] = self.place
         for centre, radius, edge in ((self.place, self.tip_radius, at_tip * length),
                                      (self.held_centre, self.held_radius, length)):

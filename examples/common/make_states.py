@@ -206,7 +206,7 @@ def make_palpation():
 def make_nodule():
     """The liver with the nodule in it, pressed over it."""
     organ.SURFACE = os.path.basename(organ.SURFACE)
-    save_surface(Organ(make_surface(), organ.FRONT, tip_radius=0.022).with_edges(0.02, 0.25),
+    save_surface(Organ(make_surface(), organ.FRONT, tip_radius=0.022).refined(0.02, 0.25),
                  organ.SURFACE)
     scene = organ.make_scene()
     body = scene.Input.Input

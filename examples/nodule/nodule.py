@@ -22,12 +22,12 @@ sys.path += [os.path.join(sys.path[0], "..", folder) for folder in ("common", "l
 import numpy as np
 from paraview.simple import *
 
-from bodies import GROWTH, Organ, add_point_array, read_surface
+from bodies import Organ, add_point_array, read_surface
 from charts import LINE, MARKS, Curve, chart
 from organ import BELOW, POISSON, SIZE, TIMES, YOUNG, fill, materials
 from pictures import INK, PALE, Stage
 from pipeline import Failure, field, output, save_surface, update
-from remesh import arrays, remesh, vertex_normals, volume
+from remesh import arrays, vertex_normals, volume
 from script import Arguments, run
 from tables import markdown, save_csv, vtk_table
 
@@ -83,7 +83,7 @@ class Body:
     m, as two scenes of one mesh: with the nodule, and with the organ's own tissue in its place."""
 
     def __init__(self, organ, size, below, args):
-        surface = save_surface(organ.with_edges(FAR * args.tool_radius, NEAR / FAR),
+        surface = save_surface(organ.refined(FAR * args.tool_radius, NEAR / FAR),
                                os.path.join(args.output, "surface.vtp"))
         out = outwards(organ)
         self.centre = organ.place - (below + size / 2) * out
@@ -162,13 +162,7 @@ def touch_of(scene, organ, name, args):
 def map_stiffness(touches, organ, args):
     """The surface with the stiffness along its normal (N/m) where the sphere is pressed in, and how
     much of it is the nodule's (%)."""
-    far = FAR * args.tool_radius
-
-    def finer(point):
-        away = max(np.linalg.norm(point - organ.place) - args.region, 0)
-        return 1 / min(1, DRAWN_EDGE / FAR + GROWTH * away / far)
-
-    surface = remesh(organ.surface, far, finer)
+    surface = organ.refined(FAR * args.tool_radius, DRAWN_EDGE / FAR)
     points, corners = arrays(surface)
     normals = vertex_normals(points, corners)
     normals /= np.sign(volume(points, corners)) * np.linalg.norm(normals, axis=1, keepdims=True)

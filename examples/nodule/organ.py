@@ -4,7 +4,7 @@ import os
 
 from paraview.simple import *
 
-# The liver of ../liver, with smaller triangles in front; nodule.py made it.
+# The liver of ../liver, with smaller triangles in front; ../common/make_states.py made it.
 SURFACE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "surface.vtp")
 # The point that is farthest in front, and the way out of the body there: y is up, z to the front.
 FRONT, OUT = [-0.0492, 0.0357, 0.0509], [-0.326, 0.380, 0.866]  # m, no unit

@@ -13,6 +13,7 @@ SOURCE = os.environ["PALPATE_SOURCE_DIR"]
 sys.path += [os.path.join(SOURCE, "tests", "paraview"), os.environ["PALPATE_ORGAN_FOLDER"]]
 from dock_support import click_start, click_stop, number, part, wait_for
 from qt import Button, Event, QtCore, application, pixel_of, send, wait
+LATER = 2  # s
 
 
 def presses():
@@ -34,11 +35,13 @@ def main():
     send(Event.MouseMove, at, Button.NoButton, Button.NoButton)
 
     def is_pressed():
-        """As a person does where the body is still grey: once more."""
+        """As a person does where the body is still grey: once more, some time later. While the
+        button is held the view does not take in what was found."""
         send(Event.MouseButtonPress, at)
         wait(0.5)
         if not presses():
             send(Event.MouseButtonRelease, at, buttons=Button.NoButton)
+            wait(LATER)
         return presses()
 
     wait_for(is_pressed, "the middle of the view is pressed")
