@@ -25,10 +25,12 @@ class StateSolver {
   /// @throws InputError a place where the tool cannot be; the body is not held.
   [[nodiscard]] virtual Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                           Tangent tangent) = 0;
-  /// As EquilibriumSolver::solve(), with this tool.
+  /// As EquilibriumSolver::solve(), with this tool. A start that touches nothing may come without
+  /// its fields, as configurations are kept.
   [[nodiscard]] virtual Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                           const Equilibrium& start, Tangent tangent) = 0;
-  /// As EquilibriumSolver::forget(), for a state of the tool space that was solved for last.
+  /// As EquilibriumSolver::forget(), for a state of the tool space that was solved for last, which
+  /// may come without its fields as a start may.
   virtual void forget(const Equilibrium& state) = 0;
 
  protected:
@@ -54,11 +56,14 @@ class InteractionSolver final : public StateSolver {
   [[nodiscard]] Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   const Equilibrium& start, Tangent tangent) override {
     take(setup);
-    return solver_.solve(t, start, tangent);
+    return solver_.solve(t, has_fields(start) ? start : solver_.rest(start.t), tangent);
   }
-  void forget(const Equilibrium& state) override { solver_.forget(state); }
+  void forget(const Equilibrium& state) override {
+    if (has_fields(state)) solver_.forget(state);
+  }
 
  private:
+  [[nodiscard]] static bool has_fields(const Equilibrium& state) { return state.u.size() > 0; }
   void take(const ToolSpaceSetup& setup) {
     if (taken_ == setup.id) return;
     solver_.set_interaction(*tools_.make(setup.interaction));

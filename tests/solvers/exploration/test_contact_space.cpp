@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "exploration/precompute.h"
+#include "exploration/state_solver.h"
 #include "interpolation/interpolator.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
@@ -97,6 +98,43 @@ class ContactSpace : public testing::Test {
     return {};
   }
 
+  void expect_right_forces() {
+    options_.contact->spacing = 0.005;
+    options_.contact->shell.region = [](const Vec3& place) {
+      return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.012;
+    };
+    const PrecomputeResult result = run(*world_);
+    if (world_->rank() != 0) return;
+    const TouchToolSpace& space = result.space.tool_spaces[0];
+    const auto interpolator = make_interpolator(Method::energy_hermite, space);
+    InteractionFactory tools(block_.scene);
+    const InteractionSpec& spec = space.setup.interaction;
+    const auto clearance = tools.clearance(spec);
+    EquilibriumSolver solver(block_.scene, {});
+    solver.set_interaction(*tools.make(spec));
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(0, 1);
+    double largest = 0;
+    double largest_error = 0;
+    int num_pressed = 0;
+    for (int i = 0; i < 60; ++i) {
+      const Vec3 q(0.055 + 0.02 * unit(random), 0.02 + 0.02 * unit(random),
+                   0.055 + 0.015 * unit(random));
+      const auto approach = clearance->approach(q);
+      if (approach.depth > kDepth || !options_.contact->shell.region(approach.touched)) continue;
+      const TouchResult touch = interpolator->evaluate(q);
+      EXPECT_NE(touch.support, Support::none);
+      EXPECT_NE(touch.support, Support::extrapolated) << q.transpose();
+      const Equilibrium exact = solver.solve(q, solver.rest(clearance->start_for(q)));
+      ASSERT_EQ(exact.outcome, Outcome::converged);
+      largest = std::max(largest, exact.reaction.norm());
+      largest_error = std::max(largest_error, (exact.reaction - touch.force).norm());
+      if (approach.depth > 0) ++num_pressed;
+    }
+    EXPECT_GT(num_pressed, 15);
+    EXPECT_LT(largest_error, 0.02 * largest);
+  }
+
   std::unique_ptr<Communicator> world_ = test::make_world();
   std::unique_ptr<Communicator> serial_ = make_serial_communicator();
   test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {5, 3, 3}});
@@ -118,41 +156,34 @@ TEST_F(ContactSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
 
 // On the middle of the top, where one equilibrium belongs to each place: at edges there are
 // several.
-TEST_F(ContactSpace, GivesTheForceWhereverTheToolPresses) {
-  options_.contact->spacing = 0.005;
-  options_.contact->shell.region = [](const Vec3& place) {
-    return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.012;
-  };
-  const PrecomputeResult result = run(*world_);
-  if (world_->rank() != 0) return;
-  const TouchToolSpace& space = result.space.tool_spaces[0];
-  const auto interpolator = make_interpolator(Method::energy_hermite, space);
-  InteractionFactory tools(block_.scene);
-  const InteractionSpec& spec = space.setup.interaction;
-  const auto clearance = tools.clearance(spec);
-  EquilibriumSolver solver(block_.scene, {});
-  solver.set_interaction(*tools.make(spec));
-  std::mt19937 random(5);
-  std::uniform_real_distribution<double> unit(0, 1);
-  double largest = 0;
-  double largest_error = 0;
-  int num_pressed = 0;
-  for (int i = 0; i < 60; ++i) {
-    const Vec3 q(0.055 + 0.02 * unit(random), 0.02 + 0.02 * unit(random),
-                 0.055 + 0.015 * unit(random));
-    const auto approach = clearance->approach(q);
-    if (approach.depth > kDepth || !options_.contact->shell.region(approach.touched)) continue;
-    const TouchResult touch = interpolator->evaluate(q);
-    EXPECT_NE(touch.support, Support::none);
-    EXPECT_NE(touch.support, Support::extrapolated) << q.transpose();
-    const Equilibrium exact = solver.solve(q, solver.rest(clearance->start_for(q)));
-    ASSERT_EQ(exact.outcome, Outcome::converged);
-    largest = std::max(largest, exact.reaction.norm());
-    largest_error = std::max(largest_error, (exact.reaction - touch.force).norm());
-    if (approach.depth > 0) ++num_pressed;
+TEST_F(ContactSpace, GivesTheForceWhereverTheToolPresses) { expect_right_forces(); }
+
+// Of linear cells with a pressure at each corner, and of quadratic ones with some in each cell.
+TEST_F(ContactSpace, OfMixedCellsGivesTheForceWhereverTheToolPresses) {
+  for (const ElementOrder order : {ElementOrder::linear, ElementOrder::quadratic}) {
+    block_ = test::make_block(Law::neo_hookean, {order, {4, 3, 2}, 0.1, 3000, 0.495});
+    expect_right_forces();
   }
-  EXPECT_GT(num_pressed, 15);
-  EXPECT_LT(largest_error, 0.02 * largest);
+}
+
+TEST_F(ContactSpace, AStartThatTouchesNothingNeedsNoFields) {
+  block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {4, 3, 2}, 0.1, 3000, 0.495});
+  EquilibriumSolver solver(block_.scene, {});
+  InteractionFactory tools(block_.scene);
+  InteractionSolver states(solver, tools);
+  const ToolSpaceSetup setup = run(*serial_).space.tool_spaces[0].setup;
+  const Vec3 away(0.065, 0.03, 0.05 + 1.5 * kRadius);
+  const Vec3 place(0.065, 0.03, 0.05 + 0.8 * kRadius);
+  const Equilibrium rest = states.begin(setup, away, Tangent::factorised);
+  ASSERT_NE(rest.flags & flags::touches_nothing, 0U);
+  Equilibrium bare = rest;
+  for (auto* vector : {&bare.u, &bare.p}) vector->resize(0);
+  for (auto* matrix : {&bare.v, &bare.p_v}) matrix->resize(0, 0);
+  const Equilibrium pressed = states.solve(setup, place, bare, Tangent::factorised);
+  EXPECT_EQ(pressed.outcome, Outcome::converged);
+  EXPECT_GT(pressed.reaction.norm(), 0);
+  EXPECT_EQ(pressed.reaction, states.solve(setup, place, rest, Tangent::factorised).reaction);
+  states.forget(bare);
 }
 
 // The place where it begins can be touched long before all is found, and the order does not change
