@@ -39,6 +39,9 @@ using palpate::AccuracyRow;
 constexpr double PerCent = 100;
 /// That are in memory at the same time: of an anchor, of rest and of a step.
 constexpr int FactorsOfReport = 3;
+/// Of a test point beside a configuration, in time: the anchors are reached too, and are farther
+/// away than a neighbour.
+constexpr double TimeOfPoint = 2;
 
 /// All that a report depends on.
 std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
@@ -383,7 +386,7 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
       for (const palpate::TouchToolSpace& of : space.tool_spaces)
       {
         points += this->TestPoints;
-        seconds += this->TestPoints *
+        seconds += TimeOfPoint * this->TestPoints *
           palpate::seconds_of(
             palpate::work_of_configuration(of.setup.interaction.is_contact()), cost, true);
       }

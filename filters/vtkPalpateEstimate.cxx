@@ -92,7 +92,7 @@ std::string vtkPalpateTellNumber(double number)
   std::string text = std::to_string(std::llround(rounded));
   for (auto end = static_cast<std::ptrdiff_t>(text.size()) - 3; end > 0; end -= 3)
   {
-    text.insert(static_cast<std::size_t>(end), " ");
+    text.insert(static_cast<std::size_t>(end), "\u00a0"); // a space at which no line ends
   }
   return text;
 }

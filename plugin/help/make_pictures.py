@@ -168,6 +168,8 @@ def main():
     space = add("Precompute State Space")
     space.ActiveNodes = [NODE]
     space.FileName = "liver.palpate"
+    wait(1)
+    picture("estimates")
     apply()
     wait(1)
     look(space)

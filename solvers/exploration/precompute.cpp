@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "equilibrium/equilibrium.h"
 #include "exploration/engine.h"
 #include "exploration/monitor.h"
 #include "exploration/plan_spaces.h"

@@ -22,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
 #include "linear/group.h"

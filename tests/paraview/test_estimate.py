@@ -27,9 +27,9 @@ def estimate(filter_):
 
 def number_before(word, text):
     """As 12 000 in "12 000 tetrahedra", or 1.5e9 in "1.5 GB"."""
-    found = re.search(rf"([\d][\d. ]*) {word}", text)
+    found = re.search(rf"(\d[\d.\u00a0]*) {word}", text)
     assert found, (word, text)
-    return float(found.group(1).replace(" ", "")) * {"MB": 1e6, "GB": 1e9}.get(word, 1)
+    return float(found.group(1).replace("\u00a0", "")) * {"MB": 1e6, "GB": 1e9}.get(word, 1)
 
 
 def assert_near(told, took, factor, what):
