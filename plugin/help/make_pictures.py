@@ -24,7 +24,7 @@ import qt
 from qt import QtCore, QtGui, QtWidgets, wait, window
 
 SIZE = QtCore.QSize(1120, 760)
-COLOURS = (96, 48)  # the first that makes the picture small enough
+COLOURS = (96, 48, 32)  # the first that makes the picture small enough
 LARGEST = 60_000  # bytes
 SURFACE = os.path.join(source_folder, "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
