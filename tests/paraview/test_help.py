@@ -32,7 +32,8 @@ for proxy in PROXIES:
     assert f'href="../../{proxy}.html"' in own, f"{name}: no link to its properties"
     assert "<img" in own, f"{name}: no picture"
 for page in ("README", "plugin/help/quick_start", "plugin/help/dock", "plugin/help/accuracy",
-             "plugin/help/stability", "plugin/help/estimates", "haptic/README", "examples/cluster/README",
+             "plugin/help/stability", "plugin/help/estimates", "haptic/README",
+             "examples/cluster/README",
              "examples/embedding/README"):
     assert "<img" in pages[page + ".html"], f"{page}: no picture"
 
