@@ -469,9 +469,11 @@ int vtkPalpateFEBioWriter::Write()
 {
   // Written again also where nothing has changed: the file may be gone.
   this->Modified();
+  this->Writes = true;
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   this->UpdatePiece(controller ? controller->GetLocalProcessId() : 0,
     controller ? controller->GetNumberOfProcesses() : 1, 0);
+  this->Writes = false;
   return this->ErrorCode == 0;
 }
 
@@ -484,6 +486,10 @@ int vtkPalpateFEBioWriter::FillInputPortInformation(int, vtkInformation* info)
 int vtkPalpateFEBioWriter::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
+  if (!this->Writes)
+  {
+    return 1;
+  }
   auto* output = vtkUnstructuredGrid::GetData(outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   this->ErrorCode = vtkPalpateProduce(this, output, controller,

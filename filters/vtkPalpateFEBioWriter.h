@@ -51,4 +51,6 @@ private:
   void operator=(const vtkPalpateFEBioWriter&) = delete;
 
   std::string FileName;
+  /// ParaView updates a writer once more after Write(), and that shall not write.
+  bool Writes = false;
 };
