@@ -2,21 +2,26 @@
 // A body in FEBio's file and back.
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 
 #include "assembly/scene.h"
 #include "base/error.h"
+#include "solvers/materials/point.h"
 #include "vtkCellData.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPalpateFEBioLaw.h"
 #include "vtkPalpateFEBioModel.h"
 #include "vtkPalpateFEBioUnits.h"
 #include "vtkPalpateFEBioWriter.h"
@@ -248,6 +253,78 @@ TEST_F(Febio, ALawThatFebioDefinesOtherwiseIsRefused) {
     EXPECT_NE(message.find(words), std::string::npos) << message;
     EXPECT_FALSE(std::filesystem::exists(file()));
   }
+}
+
+/// The energy of FEBio 4 as its source has it (StrainEnergyDensity of the classes that
+/// vtkPalpateFEBioLaw.h names), of its own parameters by their names.
+double EnergyOfFebio(const std::string& type, std::map<std::string, double> p,
+                     const palpate::Mat3& h) {
+  const palpate::Mat3 f = palpate::Mat3::Identity() + h;
+  const palpate::Mat3 c = f.transpose() * f;
+  const double j = f.determinant();
+  const palpate::Mat3 c_bar = c * std::pow(j, -2.0 / 3);
+  const double i1 = c_bar.trace() - 3;
+  const double i2 = (c_bar.trace() * c_bar.trace() - (c_bar * c_bar).trace()) / 2 - 3;
+  const double u_of_j = 0.5 * p["k"] * (j - 1) * (j - 1);
+  const double lam = p["v"] * p["E"] / ((1 + p["v"]) * (1 - 2 * p["v"]));
+  const double mu = 0.5 * p["E"] / (1 + p["v"]);
+  if (type == "isotropic elastic") {
+    const palpate::Mat3 e = (c - palpate::Mat3::Identity()) / 2;
+    return lam * e.trace() * e.trace() / 2 + mu * e.squaredNorm();
+  }
+  if (type == "neo-Hookean") {
+    const double ln_j = std::log(j);
+    return mu * ((c.trace() - 3) / 2 - ln_j) + lam * ln_j * ln_j / 2;
+  }
+  if (type == "Mooney-Rivlin") return p["c1"] * i1 + p["c2"] * i2 + u_of_j;
+  if (type == "Yeoh") {
+    return p["c1"] * i1 + p["c2"] * i1 * i1 + p["c3"] * i1 * i1 * i1 + u_of_j;
+  }
+  if (type == "polynomial") {
+    double w = p["D1"] * (j - 1) * (j - 1);
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) {
+        w += p['c' + std::to_string(a) + std::to_string(b)] * std::pow(i1, a) * std::pow(i2, b);
+      }
+    }
+    return w;
+  }
+  EXPECT_EQ(type, "Ogden");
+  const Eigen::Vector3d squares = Eigen::SelfAdjointEigenSolver<palpate::Mat3>(c_bar).eigenvalues();
+  double w = u_of_j;
+  for (const char* term : {"1", "2", "3"}) {
+    const double m = p[std::string("m") + term];
+    if (m == 0) continue;
+    w += p[std::string("c") + term] / (m * m) * (squares.array().pow(m / 2).sum() - 3);
+  }
+  return w;
+}
+
+TEST_F(Febio, TheEnergiesAreTheSame) {
+  // Of the moduli, for the invariants less 3, whose digits cancel in FEBio's form.
+  constexpr double rounding = 1e-13;
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> entry(-0.2, 0.2);
+  std::set<std::string> types;
+  for (Material material : WrittenMaterials()) {
+    material = palpate::with_formulation(material, Formulation::displacement);
+    const vtkPalpateFEBioLaw& law = vtkPalpateFEBioLawOf(material);
+    types.insert(law.Type);
+    std::map<std::string, double> parameters;
+    double largest = 0;
+    for (const vtkPalpateFEBioLaw::Parameter& parameter : law.Parameters) {
+      const double value = material.parameters[parameter.Index] * parameter.Factor;
+      parameters[parameter.Name] = value;
+      if (parameter.IsPressure) largest = std::max(largest, std::abs(value));
+    }
+    for (int trial = 0; trial < 20; ++trial) {
+      const palpate::Mat3 h = palpate::Mat3::NullaryExpr([&] { return entry(random); });
+      const double ours =
+          palpate::test::respond<false>(material.law, law_constants(material), h).energy;
+      EXPECT_NEAR(EnergyOfFebio(law.Type, parameters, h), ours, rounding * largest) << law.Type;
+    }
+  }
+  EXPECT_EQ(types.size(), vtkPalpateFEBioLaws().size());
 }
 
 TEST_F(Febio, OfSpecification40WithUnitsOfItsOwn) {
