@@ -445,6 +445,7 @@ private:
   {
     palpate::Scene& scene = this->Model.Scene;
     std::vector<Id> ids;
+    std::vector<const Tree*> labels;
     std::vector<int> domains;
     std::vector<Id> nodes;
     std::vector<DomainMaterial> materials;
@@ -465,6 +466,7 @@ private:
       for (const Tree& element : elements.Children)
       {
         ids.push_back(IdOf(element));
+        labels.push_back(&element);
         domains.push_back(static_cast<int>(materials.size()));
         AppendNumbers(element.Text, element, nodes);
         if (nodes.size() != ids.size() * palpate::nodes_per_cell(*order))
@@ -494,7 +496,7 @@ private:
       for (int i = 0; i < nodesPerCell; ++i)
       {
         const Id node = nodes[place * nodesPerCell + i];
-        scene.mesh.cells.push_back(this->IndexOf(node, *this->Mesh));
+        scene.mesh.cells.push_back(this->IndexOf(node, *labels[place]));
       }
       const int domain = domains[place];
       this->Model.RegionOfCell.push_back(domain);

@@ -281,8 +281,8 @@ void WriteMaterial(const Scene& scene, const Part& part, std::size_t number, Out
     {
       xml.Leaf(parameter.Name, { { "type", "map" } }, part.Name + '_' + parameter.Name);
     }
-    // A term of Ogden's that is not there has no exponent, and FEBio admits none of 0.
-    else if (parameter.IsPressure || part.Law->Law != palpate::Law::ogden || value != 0)
+    // Of a term of Ogden's that is not there, FEBio admits no exponent of 0.
+    else if (part.Law->Law != palpate::Law::ogden || value != 0)
     {
       xml.Leaf(parameter.Name, {}, Text(value));
     }

@@ -401,7 +401,7 @@ TEST_F(Febio, SaysWhatIsWrong) {
   expect("<E>0.006</E>", "<E>-1</E>", "Young's modulus is -1e+06");
   expect("<E>0.006</E>", "<E type=\"map\">m</E>", "no map 'm'");
   expect("<E>0.006</E>", "<E>0.006</E><w>3</w>", "has w = 3");
-  expect("2,3,5,6", "2,3,5,4", "the node 4, which is not among the nodes");
+  expect("2,3,5,6", "2,3,5,4", "<elem id=\"7\"> has the node 4, which is not among the nodes");
   expect("2,3,5,6", "2,3,5", "has not the 4 nodes of a tet4");
   expect("2,3,5,6", "2,3,5,x", "'2,3,5,x' where numbers");
   expect("10,10,10", "10,10", "where three coordinates are due");
