@@ -151,6 +151,16 @@ def main():
     apply()
     picture("SetBoundary")
 
+    SaveData("liver.feb", proxy=scene)
+    model = OpenDataFile("liver.feb")
+    Hide(scene)
+    Show(model)
+    SetActiveSource(model)
+    picture("FEBio")
+    Delete(model)
+    SetActiveSource(scene)
+    Show(scene)
+
     solve = add("Solve Equilibrium")
     solve.ActiveNodes, solve.Displacement = [NODE], [0, 0, 0.02]
     apply()
