@@ -413,28 +413,40 @@ void WriteModel(const Scene& scene, const std::vector<Part>& parts, std::ostream
   xml.Close();
 }
 
+/// The file appears whole or not at all, so that one of that name is not lost.
 void WriteFile(const Scene& scene, const std::vector<Part>& parts, const std::string& name)
 {
-  const auto check = [&name](const std::ofstream& file)
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const bool isDevice = fs::exists(name, error) && !fs::is_regular_file(name, error);
+  const std::string written = isDevice ? name : name + ".part";
+  const auto fail = [&](const std::string& reason)
   {
-    if (!file)
+    if (!isDevice)
     {
-      const std::string reason = std::generic_category().message(errno);
-      std::error_code ignored;
-      // What is not whole is of no use; a device stays.
-      if (std::filesystem::is_regular_file(name, ignored))
-      {
-        std::filesystem::remove(name, ignored);
-      }
-      throw BackendError("The file " + name + " cannot be written: " + reason +
-        ". Choose a folder that is there, may be written to and has room.");
+      fs::remove(written, error);
     }
+    throw BackendError("The file " + name + " cannot be written: " + reason +
+      ". Choose a folder that is there, may be written to and has room.");
   };
-  std::ofstream file(name, std::ios::binary);
-  check(file);
-  WriteModel(scene, parts, file);
-  file.close();
-  check(file);
+  std::ofstream file(written, std::ios::binary);
+  if (file)
+  {
+    WriteModel(scene, parts, file);
+    file.close();
+  }
+  if (!file)
+  {
+    fail(std::generic_category().message(errno));
+  }
+  if (!isDevice)
+  {
+    fs::rename(written, name, error);
+    if (error)
+    {
+      fail(error.message());
+    }
+  }
 }
 
 /// A sentence about each thing that FEBio's file does not say; empty where it says all.

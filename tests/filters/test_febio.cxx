@@ -2,11 +2,14 @@
 // A body in FEBio's file and back.
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -449,6 +452,23 @@ TEST_F(Febio, AFileThatCannotBeWrittenIsSaid) {
   EXPECT_NE(Write(grid, "/dev/full").find("No space left"), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists("/dev/full"));
   EXPECT_NE(Write(grid, "").find("No file is named"), std::string::npos);
+}
+
+TEST_F(Febio, AFileThatWasThereStaysWhereWritingFails) {
+  const Scene scene = Row(ElementOrder::linear, 2);
+  const auto grid = vtkPalpateGridFromScene(scene);
+  ASSERT_EQ(Write(grid, file()), "");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  rlimit full = before;
+  full.rlim_cur = 1000;  // bytes, as of a disk that is full
+  std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  const std::string message = Write(vtkPalpateGridFromScene(Row(ElementOrder::linear, 20)), file());
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_NE(message.find("cannot be written"), std::string::npos) << message;
+  ExpectSame(vtkPalpateReadFEBio(file(), kNotSaid).Scene, scene);
+  EXPECT_FALSE(std::filesystem::exists(file() + ".part"));
 }
 
 TEST_F(Febio, SaysWhatTheFileDoesNot) {
