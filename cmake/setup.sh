@@ -10,11 +10,11 @@ palpate_fail() {
   exit 1
 }
 
-# The packages that are listed and not installed.
+# The packages that are listed, or named, and not installed.
 palpate_missing_packages() {
   local package release
   release=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
-  for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt"); do
+  for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt") "$@"; do
     case $package in
       */*"${release:-none}"*) package=${package%/*} ;;
       */*) continue ;;
@@ -25,12 +25,13 @@ palpate_missing_packages() {
   done
 }
 
+# palpate_install_packages [<package>…]: those that are listed and those that are named.
 palpate_install_packages() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
     palpate_fail "this script needs apt, of Debian 12, 13 or unstable" \
       "(see cmake/debian-packages.txt)."
   local missing
-  missing=$(palpate_missing_packages | paste -sd ' ')
+  missing=$(palpate_missing_packages "$@" | paste -sd ' ')
   [ -n "$missing" ] || return 0
 
   local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600)
