@@ -12,9 +12,10 @@ palpate_fail() {
 
 # The packages that are listed, or named, and not installed.
 palpate_missing_packages() {
-  local package release
+  local package release listed
   release=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
-  for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt") "$@"; do
+  listed=$(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt")
+  for package in $listed "$@"; do
     case $package in
       */*"${release:-none}"*) package=${package%/*} ;;
       */*) continue ;;

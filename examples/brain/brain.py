@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A brain of grey and white matter, from maps of how probable they are to a body that is touched.
 
-The maps (NIfTI) become labels, the labels a body of two tissues, and a sphere presses its cortex. What
-the state space gives is compared with what is exact at places that it has never seen, and with the
-same body of one tissue.
+The maps (NIfTI) become labels, the labels a body of two tissues, and a sphere presses its cortex.
+What the state space gives is compared with what is exact at places that it has never seen, and with
+the same body of one tissue.
 
 Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run -a before them);
 ./fetch_maps gets the maps that are read without --grey and --white:
@@ -11,8 +11,9 @@ Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run 
     pvbatch brain.py --grey gm.nii.gz --white wm.nii.gz --touched 0.04 -0.02 0.07
     mpiexec -n 8 pvbatch brain.py --voxel 4 --edge 0.018 --region 0.03
 
-The results go to the folder `out`: labels.vti, body.vtu, table.md, table.csv, slide.csv and pictures
-(.png). The .palpate file there can be touched, and what was solved for is not solved for again.
+The results go to the folder `out`: labels.vti, body.vtu, table.md, table.csv, slide.csv and
+pictures (.png). The .palpate file there can be touched, and what was solved for is not solved for
+again.
 """
 import os
 import sys
@@ -45,8 +46,8 @@ FROM = np.array((-0.75, 0.55, 0.45))  # where the eye is: to the left, in front 
 
 def arguments():
     parser = Arguments("brain.py", __doc__.splitlines()[0])
-    parser.add_argument("--grey", help="map of grey matter (.nii, .nii.gz); without it, that of the "
-                        "MNI template")
+    parser.add_argument("--grey", help="map of grey matter (.nii, .nii.gz); without it, that "
+                        "of the MNI template")
     parser.add_argument("--white", help="map of white matter, with the same voxels")
     parser.add_argument("--certain", type=float, help="value of the maps that stands for certain; "
                         "by default 255 in maps of bytes, and otherwise 1")
@@ -59,8 +60,8 @@ def arguments():
     parser.add_argument("--held", type=float, default=HELD,
                         help="share of the height that is held, from below")
     parser.add_argument("--touched", type=float, nargs=3, metavar=("X", "Y", "Z"),
-                        help="where it is pressed (the nearest point of the surface), m; by default "
-                        "on the left frontal lobe")
+                        help="where it is pressed (the nearest point of the surface), m; by "
+                        "default on the left frontal lobe")
     parser.add_argument("--tool-radius", type=float, default=0.015, help="of the sphere, m")
     parser.add_argument("--depth", type=float, default=0.005,
                         help="how deep the sphere goes into the body at rest, m")
@@ -79,8 +80,8 @@ def read(args):
     if (args.grey is None) != (args.white is None):
         raise Failure("--grey and --white go together.")
     if args.grey is None and not os.path.isfile(GREY):
-        raise Failure("the maps of the template are not there: examples/brain/fetch_maps gets them; "
-                      "or give --grey and --white.")
+        raise Failure("the maps of the template are not there: examples/brain/fetch_maps gets "
+                      "them; or give --grey and --white.")
     os.makedirs(args.output, exist_ok=True)
     paths = (args.grey, args.white) if args.grey else (GREY, WHITE)
     maps = [Map(path, args.certain) for path in paths]
@@ -98,8 +99,8 @@ def make_body(labels, args):
     off = 100 * np.abs(np.divide(field(data, "MeshVolume"), field(data, "ImageVolume")) - 1).max()
     lines = field(data, "Report")[0].splitlines()
     line = (f"the body has {data.GetNumberOfCells()} quadratic tetrahedra and "
-            f"{data.GetNumberOfPoints()} points; the volume of a tissue is off by {off:.2g} % at the "
-            "most; " + " ".join(line for line in lines if "island" in line or "holes" in line))
+            f"{data.GetNumberOfPoints()} points; the volume of a tissue is off by {off:.2g} % at "
+            "the most; " + " ".join(line for line in lines if "island" in line or "holes" in line))
     return save_body(data, os.path.join(args.output, "body.vtu")), line.rstrip(".; ")
 
 
@@ -140,8 +141,8 @@ def lines_of(rows):
              f"and by {np.nanmax(off):.2g} % at the most"]
     for kind, forces in zip(list(KINDS)[1:], alone):
         more = 100 * (forces / both - 1)
-        lines.append(f"{kind} takes {np.nanmin(more):+.3g} to {np.nanmax(more):+.3g} % of the force "
-                     "more than grey and white")
+        lines.append(f"of {kind} it takes another force than of grey and white: "
+                     f"{np.nanmin(more):+.3g} to {np.nanmax(more):+.3g} %")
     return lines
 
 
@@ -222,8 +223,8 @@ def main():
              os.path.join(args.output, "slide.csv"))
     save_csv(vtk_table(rows, COLUMNS), os.path.join(args.output, "table.csv"))
     memory = " and ".join(f"{megabytes:.0f}" for megabytes in peak_memory())
-    lines.append(f"all of it took {time.monotonic() - start:.0f} s and, rank by rank, {memory} MB of "
-                 "memory")
+    lines.append(f"all of it took {time.monotonic() - start:.0f} s and, rank by rank, {memory} MB "
+                 "of memory")
     text = markdown(rows, COLUMNS) + "\n\n" + "\n".join(f"- {line}." for line in lines)
     with open(os.path.join(args.output, "table.md"), "w", encoding="utf-8") as file:
         file.write(text + "\n")

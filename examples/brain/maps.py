@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps of how probable grey and white matter are (NIfTI), made into one image of labels.
 
-ParaView's own reader of NIfTI (plugin AnalyzeNIfTIReaderWriter) knows no compressed file, and of where
-the image lies in the head no more than an offset. So VTK's reader reads the maps, and their place
-and directions are taken from what it says of their header: x is to the right, y to the front, z up.
+ParaView's own reader of NIfTI (plugin AnalyzeNIfTIReaderWriter) knows no compressed file, and of
+where the image lies in the head no more than an offset. So VTK's reader reads the maps, and their
+place and directions are taken from what it says of their header: x is to the right, y to the front,
+z up.
 https://nifti.nimh.nih.gov/pub/dist/src/niftilib/nifti1.h
 """
 import os
@@ -96,7 +97,8 @@ class Map:
         missing = -np.array(self.values.shape) % per_axis
         values = np.pad(self.values, [(0, number) for number in missing])
         whole = np.array(values.shape) // per_axis
-        self.values = values.reshape(np.ravel(np.column_stack((whole, per_axis)))).mean(axis=(1, 3, 5))
+        values = values.reshape(np.ravel(np.column_stack((whole, per_axis))))
+        self.values = values.mean(axis=(1, 3, 5))
         self.origin = self.at((blocks - 1) / 2)
         self.spacing = self.spacing * blocks
 

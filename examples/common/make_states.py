@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes the states of the examples (.pvsm): pipelines to load in ParaView's window.
 
-They read liver/liver.vtp, roof/roof.vtu or nodule/surface.vtp, which are made too; that of the brain
-reads out/brain/labels.vti, which examples/brain/run has made before. Argument: the name of an
+They read liver/liver.vtp, roof/roof.vtu or nodule/surface.vtp, which are made too; that of the
+brain reads out/brain/labels.vti, which examples/brain/run has made before. Argument: the name of an
 example.
 
 Sample runs, in this folder, with the plugin loaded:

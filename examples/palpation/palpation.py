@@ -44,8 +44,8 @@ COLUMNS = {"space": (None, "s", 1), "method": ("Method", "s", 1),
            "surface (%)": ("MeanDisplacementError", ".2g", 1)}
 OF_LARGEST = ("MeanErrorN", "P99ErrorN", "LargestErrorN")
 COUNTS = ("TestPoints", "Counted", "Marked", "Extrapolated", "Irregular", "Failed")
-# Of the slide: how far to both sides of the place that is touched, in radii of the tool, and how many
-# places are drawn and solved for.
+# Of the slide: how far to both sides of the place that is touched, in radii of the tool, and how
+# many places are drawn and solved for.
 REACH, DRAWN, SOLVED = 4, 400, 33
 
 

@@ -33,8 +33,8 @@ PICTURES = ["rest.png", "deformed_push.png", "deformed_pull.png", "deformed_side
 OF_THE_RUN = ("meshing", "ranks", "solved in this run", "taken from the file", "size of the file")
 # The figures of the table have four digits.
 ROUNDING = 2e-3
-# Of the maps of a head that is two eggs: the voxels (mm), middle and half axes of both (mm), and how
-# far the volume of a tissue may be off, by the joining of voxels and the labels that they get.
+# Of the maps of a head that is two eggs: the voxels (mm), middle and half axes of both (mm), and
+# how far the volume of a tissue may be off, by the joining of voxels and the labels that they get.
 VOXEL = 3.0
 HEAD, CORE = ((0, -5, 5), (60, 70, 55)), ((12, 4, -3), (35, 42, 32))
 OF_VOXELS = 0.03

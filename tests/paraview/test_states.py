@@ -15,8 +15,8 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
 LARGEST_STATE = 100_000  # bytes
-# Where the data of a state is, if it is not that of the liver. That of the brain is made of maps that
-# are fetched, and an egg takes its place here.
+# Where the data of a state is, if it is not that of the liver. That of the brain is made of maps
+# that are fetched, and an egg takes its place here.
 DATA = {"roof": os.path.join(EXAMPLES, "roof"), "nodule": os.path.join(EXAMPLES, "nodule"),
         "brain": os.path.abspath("egg")}
 VOXEL = 8.0  # mm
@@ -109,7 +109,8 @@ def save_egg():
     half_axes *= np.linalg.norm((touched - centre) / half_axes)
     corner = centre - half_axes - VOXEL
     numbers = np.ceil(2 * (half_axes + VOXEL) / VOXEL).astype(int) + 1
-    places = corner + VOXEL * np.stack(np.meshgrid(*map(np.arange, numbers), indexing="ij"), axis=-1)
+    axes = np.meshgrid(*map(np.arange, numbers), indexing="ij")
+    places = corner + VOXEL * np.stack(axes, axis=-1)
     away = np.linalg.norm((places - centre) / half_axes, axis=-1)
     labels = np.select([away < 0.6, away < 1], [2, 1], 0).astype(np.uint8)
     image = vtkImageData()
