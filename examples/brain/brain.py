@@ -40,7 +40,7 @@ KINDS = {"grey and white": TISSUES, "grey alone": (TISSUES[0],) * 2,
          "white alone": (TISSUES[1],) * 2}
 COLOURS = ((0.72, 0.55, 0.55), (0.95, 0.93, 0.86))  # of grey and white matter
 REACH = 0.6  # how far the sphere slides to both sides, in those of the region
-DRAWN, SOLVED = 200, 7  # places of a slide
+DRAWN, SOLVED = 200, 5  # places of a slide
 FROM = np.array((-0.75, 0.55, 0.45))  # where the eye is: to the left, in front and above
 
 
@@ -54,9 +54,9 @@ def arguments():
     parser.add_argument("--least", type=float, default=LEAST,
                         help="probability of both together from which on there is brain")
     parser.add_argument("--output", default="out", help="folder of the results")
-    parser.add_argument("--voxel", type=float, default=8.0,
+    parser.add_argument("--voxel", type=float, default=6.0,
                         help="of the labels, mm: the maps' voxels are joined to such")
-    parser.add_argument("--edge", type=float, default=0.035, help="of the tetrahedra, m")
+    parser.add_argument("--edge", type=float, default=0.025, help="of the tetrahedra, m")
     parser.add_argument("--held", type=float, default=HELD,
                         help="share of the height that is held, from below")
     parser.add_argument("--touched", type=float, nargs=3, metavar=("X", "Y", "Z"),
@@ -66,7 +66,7 @@ def arguments():
     parser.add_argument("--depth", type=float, default=0.005,
                         help="how deep the sphere goes into the body at rest, m")
     parser.add_argument("--spacing", type=float, default=0.006, help="of the check-points, m")
-    parser.add_argument("--region", type=float, default=0.012, metavar="RADIUS",
+    parser.add_argument("--region", type=float, default=0.008, metavar="RADIUS",
                         help="of the part of the cortex that can be pressed, m")
     return parser
 

@@ -16,7 +16,7 @@ ISLAND = 2e-6  # m³; smaller parts of a tissue are noise of the maps
 # water, and gives way to a finger.
 HELD = 0.3
 # The place farthest in front, to the left and above: of the frontal lobe; and the way out there.
-FRONT, OUT, UP = [-0.0343, 0.0393, 0.0612], [-0.37, 0.45, 0.81], [0, 0, 1]  # m, no unit
+FRONT, OUT, UP = [-0.0360, 0.0330, 0.0680], [-0.57, 0.32, 0.76], [0, 0, 1]  # m, no unit
 # Brain stiffens as it is pressed, so not as deep as the liver; m.
 PRESSED = {"ToolRadius": 0.015, "Depth": 0.005, "Spacing": 0.006}
 
@@ -39,7 +39,7 @@ def hold(body, tissues=TISSUES, held=HELD):
     return scene
 
 
-def make_scene(voxel=8, edge=35):
+def make_scene(voxel=6, edge=35):
     """A coarse body, of which the first places are found soon; voxel, edge: mm."""
     # Not above: the window, which takes FRONT from here, does not know where pipeline.py is.
     from maps import Map, save_labels

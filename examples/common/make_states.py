@@ -35,6 +35,7 @@ from roof import POISSON, TIP, YOUNG, make_roof, save_grid
 ARGS = parser().parse_args(["--resolution", "5", "--law", "Neo-Hookean"])
 # The point of liver.vtp that is farthest in front, and the way out of the body there.
 NODE_IN_FRONT, OUT = 265, np.array([-0.4, 0.4, 1.0])
+OF_BRAIN = "brain_state.palpate"  # beside brain.palpate, which examples/brain/run makes
 TIP_RADIUS, HALF_WIDTH, TOOL_RADIUS = 0.015, 0.012, 0.01  # m
 
 
@@ -238,8 +239,9 @@ def make_brain():
     body = update(organ.fill(labels, 0.035))
     scene = update(organ.hold(body))
     space = PrecomputeStateSpace(Input=scene, Tool="Sphere", UseToolRegion=1, ToolRegion="Sphere",
-                                 FileName="brain.palpate", **organ.PRESSED)
-    space.ToolRegion.Center, space.ToolRegion.Radius = organ.FRONT, 0.004
+                                 FileName=OF_BRAIN,
+                                 **{**organ.PRESSED, "Depth": 0.003, "Spacing": 0.008})
+    space.ToolRegion.Center, space.ToolRegion.Radius = organ.FRONT, 0.001
     radius = organ.PRESSED["ToolRadius"]
     out = np.array(organ.OUT) / np.linalg.norm(organ.OUT)
     place = list(np.array(organ.FRONT) + (radius - 0.003) * out)
@@ -250,7 +252,7 @@ def make_brain():
     named(**{"labels.vti": labels}, Body=body, Material=scene.Input, Scene=scene, Space=space,
           Touch=update(touch), Tool=tool, Cut=cut)
     stage = Stage(scene)
-    stage.clear()
+    Delete(GetDisplayProperties(scene, stage.view))  # What is hidden would be in the state too.
     stage.view.CameraViewUp = organ.UP
     stage.view.CameraPosition = list(np.array(stage.view.CameraFocalPoint) + [-0.3, 0.9, 0.35])
     stage.colour(stage.show(cut), ("CELLS", "RegionId"), "1 grey, 2 white", (1, 2))
@@ -328,8 +330,9 @@ def main(name):
     if os.environ.get("PALPATE_STATE_PICTURES"):
         SaveScreenshot(os.path.join(os.environ["PALPATE_STATE_PICTURES"], name + ".png"), view,
                        ImageResolution=[600, 450])
-    if os.path.exists(name + ".palpate"):
-        os.remove(name + ".palpate")
+    left = OF_BRAIN if name == "brain" else name + ".palpate"
+    if os.path.exists(left):
+        os.remove(left)
 
 
 main(*sys.argv[1:])
