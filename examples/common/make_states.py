@@ -240,8 +240,8 @@ def make_brain():
     scene = update(organ.hold(body))
     space = PrecomputeStateSpace(Input=scene, Tool="Sphere", UseToolRegion=1, ToolRegion="Sphere",
                                  FileName=OF_BRAIN,
-                                 **{**organ.PRESSED, "Depth": 0.003, "Spacing": 0.008})
-    space.ToolRegion.Center, space.ToolRegion.Radius = organ.FRONT, 0.001
+                                 **{**organ.PRESSED, "Depth": 0.003, "Spacing": 0.01})
+    space.ToolRegion.Center, space.ToolRegion.Radius = organ.FRONT, 0.005
     radius = organ.PRESSED["ToolRadius"]
     out = np.array(organ.OUT) / np.linalg.norm(organ.OUT)
     place = list(np.array(organ.FRONT) + (radius - 0.003) * out)
