@@ -29,7 +29,7 @@ from charts import LINE, MARKS, Curve, chart
 from maps import Map, save_labels
 from measure import peak_memory
 from organ import GREY, HELD, LEAST, TISSUES, WHITE, fill, hold
-from pictures import PALE, Stage, show_arrow
+from pictures import INK, Stage, show_arrow
 from pipeline import Failure, boundary, field, output, update
 from pressing import SHARE, Slide, touch_of
 from script import Arguments, run
@@ -188,8 +188,9 @@ def draw_pressed(slide, scene, touch, path, args):
     stage.show_held()
     stage.colour(stage.show(touch), ("POINTS", "ContactPressure"), "Pressure (Pa)",
                  (0, max(pressure[1], 1)))
-    stage.show(Sphere(Center=slide.at(0), Radius=args.tool_radius, ThetaResolution=32,
-                      PhiResolution=32), PALE)
+    # Not translucent: several ranks would exchange it, which recent releases of Expat prevent.
+    stage.show(Sphere(Center=slide.at(0), Radius=args.tool_radius, ThetaResolution=24,
+                      PhiResolution=16), INK, Representation="Wireframe")
     if size > 0:
         show_arrow(stage, slide.middle, -0.3 * stage.size * force / size)
     stage.write(f"{1e3 * SHARE * args.depth:.1f} mm deep: {size:.2f} N")
