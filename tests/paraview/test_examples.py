@@ -40,8 +40,8 @@ HEAD, CORE = ((0, -5, 5), (60, 70, 55)), ((12, 4, -3), (35, 42, 32))
 OF_VOXELS = 0.03
 # How far the middle of a body of such large cells may lie off, mm: a fourth of an edge.
 OF_WALLS = 10
-# Of the largest force, %: how far a space with check-points at two fifths of the tool's radius may be
-# off between them.
+# Of the largest force, %: how far a space with check-points at two fifths of the tool's radius may
+# be off between them.
 OF_SPACE = 1
 # The ranks blend the border of shapes in another order.
 PIXEL_TOLERANCE = 60
@@ -509,8 +509,9 @@ def check_brain():
         text = file.read()
     assert text.strip() in done.stdout, done.stdout
     labels = fetch(XMLImageDataReader(FileName=["brain/labels.vti"]))
-    inside = np.array([labels.GetPoint(i) for i in np.flatnonzero(point_array(labels, "Label") == 2)])
-    assert np.allclose(inside.mean(axis=0), CORE[0], rtol=0, atol=0.2 * VOXEL), inside.mean(axis=0)
+    core = np.flatnonzero(point_array(labels, "Label") == 2)
+    middle = np.mean([labels.GetPoint(i) for i in core], axis=0)
+    assert np.allclose(middle, CORE[0], rtol=0, atol=0.2 * VOXEL), middle
     body = fetch(XMLUnstructuredGridReader(FileName=["brain/body.vtu"]))
     cells = vtk_to_numpy(body.GetCells().GetConnectivityArray()).reshape(-1, 10)
     region, corners = cell_array(body, "RegionId"), places(body)[cells[:, :4]]
