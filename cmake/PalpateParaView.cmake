@@ -22,6 +22,9 @@ endforeach()
 # Its functions are given empty arguments by its own code, which recent releases of CMake point out.
 set(CMAKE_POLICY_DEFAULT_CMP0174 OLD)
 
+# Behind VTK's reader of tables; its own file does not look for it when only these components are
+# asked for.
+find_package(Freetype REQUIRED)
 # Only what a server-side plugin needs: the whole of ParaView would ask for the development packages
 # of GDAL, FFmpeg and more. The targets of its window are there all the same; they need Qt's
 # widgets, and its component pqCore would ask for Qt's help system too.

@@ -10,41 +10,48 @@ palpate_fail() {
   exit 1
 }
 
-# The packages that are listed and not installed.
-palpate_missing_packages() {
+# The packages of the list that are for this release.
+palpate_listed_packages() {
   local package release
   release=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
   for package in $(sed -e '/^#/d' -e 's/^[a-z]* //' "$palpate_root/cmake/debian-packages.txt"); do
     case $package in
-      */*"${release:-none}"*) package=${package%/*} ;;
-      */*) continue ;;
+      */*"${release:-none}"*) echo "${package%/*}" ;;
+      */*) ;;
+      *) echo "$package" ;;
     esac
-    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
-      echo "$package"
-    fi
   done
 }
 
 palpate_install_packages() {
+  palpate_install $(palpate_listed_packages)
+}
+
+# palpate_install <package>…: those that are not installed yet.
+palpate_install() {
   command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
     palpate_fail "this script needs apt, of Debian 12, 13 or unstable" \
       "(see cmake/debian-packages.txt)."
-  local missing
-  missing=$(palpate_missing_packages | paste -sd ' ')
+  local package missing=
+  for package in "$@"; do
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
+      missing+=" $package"
+    fi
+  done
   [ -n "$missing" ] || return 0
 
   local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600)
   if [ "$(id -u)" -ne 0 ]; then
-    command -v sudo >/dev/null || palpate_fail "root or sudo is needed to install: $missing"
+    command -v sudo >/dev/null || palpate_fail "root or sudo is needed to install:$missing"
     apt=(sudo "${apt[@]}")
   fi
-  echo "palpate: installing $missing"
+  echo "palpate: installing$missing"
   local log
   log=$(mktemp)
   # A stale list or one dead source is no reason to stop: the installation tells.
   "${apt[@]}" update >"$log" 2>&1 || true
   "${apt[@]}" install -y --no-install-recommends $missing >>"$log" 2>&1 </dev/null ||
-    palpate_fail "apt could not install $missing:" \
+    palpate_fail "apt could not install$missing:" \
       "$(grep -m 1 -E '^(E:|W: Failed to fetch)' "$log") (log: $log)"
   rm -f "$log"
 }

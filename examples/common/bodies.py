@@ -58,7 +58,7 @@ class Organ:
         points, corners = arrays(surface)
         self.size = np.ptp(points, axis=0).max()
         self.place = self.closest(points[np.argmax(points @ IN_FRONT)] if touched is None
-                                  else np.array(touched))
+                                  else touched)
         vertex = np.argmin(np.linalg.norm(points - self.place, axis=1))
         self.normal = vertex_normals(points, corners)[vertex]
         self.normal /= np.linalg.norm(self.normal)

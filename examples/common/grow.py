@@ -5,6 +5,7 @@ Sample runs, with the plugin loaded (PV_PLUGIN_PATH); the arguments are a folder
 one for the space, which is there, and what the organ's make_scene() takes:
     mpiexec -n 2 pvbatch grow.py ../palpation folder
     mpiexec -n 2 pvbatch grow.py ../nodule folder 3
+    mpiexec -n 2 pvbatch grow.py ../brain folder
 
 What was found so far is folder/space.palpate, which another one takes the place of each time.
 touch.py shows it in ParaView's window.
@@ -17,7 +18,7 @@ import time
 from paraview.simple import *
 
 sys.path[:0] = [sys.argv[1], os.path.join(sys.path[0], "..", "liver")]
-from organ import FRONT, make_scene
+from organ import FRONT, PRESSED, make_scene
 from pipeline import update
 
 # Until it is handed out for the first time, and then, s. The view stands still while it is taken
@@ -34,9 +35,8 @@ def hand_out(file, name):
 
 def main(folder, *of_scene):
     start = time.monotonic()
-    space = PrecomputeStateSpace(Input=make_scene(*of_scene), Tool="Sphere", ToolRadius=0.01,
-                                 Depth=0.008, Spacing=0.005, BeginAt=FRONT,
-                                 FileName=os.path.join(folder, "growing.palpate"))
+    space = PrecomputeStateSpace(Input=make_scene(*of_scene), Tool="Sphere", BeginAt=FRONT,
+                                 FileName=os.path.join(folder, "growing.palpate"), **PRESSED)
     space.UpdateInterval = FIRST
     complete = False
     while not complete:

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes the states of the examples (.pvsm): pipelines to load in ParaView's window.
 
-They read liver/liver.vtp, roof/roof.vtu or nodule/surface.vtp, which are made too. Argument: the
-name of an example.
+They read liver/liver.vtp, roof/roof.vtu or nodule/surface.vtp, which are made too; that of the
+brain reads out/brain/labels.vti, which examples/brain/run has made before. Argument: the name of an
+example.
 
 Sample runs, in this folder, with the plugin loaded:
     xvfb-run -a pvpython make_states.py liver
-    for example in liver accuracy discretisation tolerance stability cluster roof palpation nodule
-      do xvfb-run -a pvpython make_states.py $example; done
+    for example in liver accuracy discretisation tolerance stability cluster roof palpation nodule \
+      brain; do xvfb-run -a pvpython make_states.py $example; done
 """
 import os
 import sys
 from xml.etree import ElementTree
 
 EXAMPLES = os.path.dirname(sys.path[0])
-sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof", "nodule")]
+# Of the examples that have an organ.py, that of this state.
+OF_ORGAN = "brain" if sys.argv[1:] == ["brain"] else "nodule"
+sys.path += [os.path.join(EXAMPLES, folder) for folder in ("liver", "roof", OF_ORGAN)]
 
 import numpy as np
 import organ
@@ -32,6 +35,7 @@ from roof import POISSON, TIP, YOUNG, make_roof, save_grid
 ARGS = parser().parse_args(["--resolution", "5", "--law", "Neo-Hookean"])
 # The point of liver.vtp that is farthest in front, and the way out of the body there.
 NODE_IN_FRONT, OUT = 265, np.array([-0.4, 0.4, 1.0])
+OF_BRAIN = "brain_state.palpate"  # beside brain.palpate, which examples/brain/run makes
 TIP_RADIUS, HALF_WIDTH, TOOL_RADIUS = 0.015, 0.012, 0.01  # m
 
 
@@ -229,6 +233,35 @@ def make_nodule():
     return stage.view
 
 
+def make_brain():
+    """The brain, cut open where a sphere presses it."""
+    labels = XMLImageDataReader(FileName=["labels.vti"])
+    body = update(organ.fill(labels, 0.035))
+    scene = update(organ.hold(body))
+    space = PrecomputeStateSpace(Input=scene, Tool="Sphere", UseToolRegion=1, ToolRegion="Sphere",
+                                 FileName=OF_BRAIN,
+                                 **{**organ.PRESSED, "Depth": 0.003, "Spacing": 0.01})
+    space.ToolRegion.Center, space.ToolRegion.Radius = organ.FRONT, 0.005
+    radius = organ.PRESSED["ToolRadius"]
+    out = np.array(organ.OUT) / np.linalg.norm(organ.OUT)
+    place = list(np.array(organ.FRONT) + (radius - 0.003) * out)
+    touch = TouchStateSpace(Input=update(space), ToolPosition=place)
+    tool = Sphere(Center=place, Radius=radius, ThetaResolution=32, PhiResolution=32)
+    cut = Clip(Input=body, ClipType="Plane")
+    cut.ClipType.Origin, cut.ClipType.Normal = organ.FRONT, [0, 1, 0]
+    named(**{"labels.vti": labels}, Body=body, Material=scene.Input, Scene=scene, Space=space,
+          Touch=update(touch), Tool=tool, Cut=cut)
+    stage = Stage(scene)
+    Delete(GetDisplayProperties(scene, stage.view))  # What is hidden would be in the state too.
+    stage.view.CameraViewUp = organ.UP
+    stage.view.CameraPosition = list(np.array(stage.view.CameraFocalPoint) + [-0.3, 0.9, 0.35])
+    stage.colour(stage.show(cut), ("CELLS", "RegionId"), "1 grey, 2 white", (1, 2))
+    stage.show(touch, PALE, Representation="Wireframe")
+    stage.show(tool, PALE)
+    ResetCamera(stage.view)
+    return stage.view
+
+
 def pull(length):
     return list(length * OUT / np.linalg.norm(OUT))
 
@@ -280,13 +313,15 @@ def save(path):
 
 MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make_discretisation,
           "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
-          "roof": make_roof_touched, "palpation": make_palpation, "nodule": make_nodule}
-OWN_DATA = ("roof", "nodule")
+          "roof": make_roof_touched, "palpation": make_palpation, "nodule": make_nodule,
+          "brain": make_brain}
+# Where what they read is, if it is not that of the liver.
+DATA = {"roof": "roof", "nodule": "nodule", "brain": os.path.join("..", "out", "brain")}
 
 
 def main(name):
     # No folder in the names of files: they are looked for in one that the user names.
-    os.chdir(os.path.join(EXAMPLES, name if name in OWN_DATA else "liver"))
+    os.chdir(os.path.join(EXAMPLES, DATA.get(name, "liver")))
     view = MAKERS[name]()
     # ParaView's window shows no view without a place in a layout.
     AssignViewToLayout(view=view, layout=CreateLayout(name.capitalize()))
@@ -295,8 +330,9 @@ def main(name):
     if os.environ.get("PALPATE_STATE_PICTURES"):
         SaveScreenshot(os.path.join(os.environ["PALPATE_STATE_PICTURES"], name + ".png"), view,
                        ImageResolution=[600, 450])
-    if os.path.exists(name + ".palpate"):
-        os.remove(name + ".palpate")
+    left = OF_BRAIN if name == "brain" else name + ".palpate"
+    if os.path.exists(left):
+        os.remove(left)
 
 
 main(*sys.argv[1:])

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A solve with what it cost."""
+"""What a solve cost, and a run."""
 import ctypes
 import time
 
 import numpy as np
+from paraview import servermanager
 from paraview.simple import *
 
 from pipeline import field, output, update
+from sources import programmed
 
 
 class Measured:
@@ -57,3 +59,24 @@ class Memory:
 
     def growth(self):
         return None if self.start is None else self.of("VmHWM") - self.start
+
+
+PEAK = """
+import resource
+from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkPoints
+points, array = vtkPoints(), vtkDoubleArray()
+points.InsertNextPoint(0, 0, 0)
+array.SetName("MB")
+array.InsertNextValue(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+self.GetPolyDataOutput().SetPoints(points)
+self.GetPolyDataOutput().GetPointData().AddArray(array)
+"""
+
+
+def peak_memory():
+    """The most that each rank has had so far, MB."""
+    # Points, of which Fetch appends those of the other ranks.
+    source = programmed("vtkPolyData", PEAK)
+    array = servermanager.Fetch(source).GetPointData().GetArray("MB")
+    Delete(source)
+    return [array.GetValue(i) for i in range(array.GetNumberOfValues())]

@@ -24,8 +24,12 @@ def source_of(data):
     writer.SetInputData(data)
     writer.WriteToOutputStringOn()
     writer.Write()
-    source = ProgrammableSource(OutputDataSetType=data.GetClassName(),
-                                Script=SCRIPT.format(text=writer.GetOutputString()))
+    return programmed(data.GetClassName(), SCRIPT.format(text=writer.GetOutputString()))
+
+
+def programmed(kind, script):
+    """What a script makes on each rank, data of the class `kind`."""
+    source = ProgrammableSource(OutputDataSetType=kind, Script=script)
     # ParaView leaves functions with the names min, max, sum, … in the script that was started, and
     # those wait for all ranks.
     names = vars(sys.modules["__main__"])

@@ -10,15 +10,15 @@ import os
 from paraview.simple import *
 
 # ParaView's window does not tell a script where it lies.
-from organ import FRONT, OUT
+from organ import FRONT, OUT, UP
 
 AWAY = 0.35  # of OUT, from the eye to the middle of the view
 
 view = GetActiveViewOrCreate("RenderView")
-space = StateSpaceReader(registrationName="Liver",
+space = StateSpaceReader(registrationName="Organ",
                          FileName=os.path.join(os.environ["PALPATE_SPACE_FOLDER"], "space.palpate"))
 Show(space, view)
 Render(view)  # The first time it moves the camera.
-view.CameraFocalPoint, view.CameraViewUp = FRONT, [0, 1, 0]
+view.CameraFocalPoint, view.CameraViewUp = FRONT, UP
 view.CameraPosition = [place + AWAY * out for place, out in zip(FRONT, OUT)]
 Render(view)

@@ -27,11 +27,11 @@ from charts import LINE, MARKS, Curve, chart
 from organ import BELOW, POISSON, SIZE, TIMES, YOUNG, fill, materials
 from pictures import INK, PALE, Stage
 from pipeline import Failure, field, output, save_surface, update
+from pressing import INSIDE, SHARE, Slide, outwards, touch_of
 from remesh import arrays, vertex_normals, volume
 from script import Arguments, run
 from tables import markdown, save_csv, vtk_table
 
-INSIDE, CONVERGED = 1, 0
 NOTICED = 10  # %; a smaller difference of force is not noticed (Allin, Matsuoka, Klatzky 2002)
 KINDS = ("with the nodule", "without it")
 # Lengths in those of the tool's radius: edges of the surface there, and far from there; how far
@@ -40,7 +40,6 @@ NEAR, FAR, REACH, STUDIED = 0.5, 2.0, 1.8, (-0.5, 0.0, 0.5)
 DRAWN_EDGE = 0.25  # of the surface that is coloured
 RIM = 0.9  # of the region: what lies farther out is not coloured
 DRAWN, SOLVED = 200, 17  # places of a slide
-SHARE = 0.8  # of the space's depth, in which the tool slides
 
 
 def arguments():
@@ -102,61 +101,6 @@ class Body:
         scene.FixedRegion.Center = list(organ.held_centre)
         scene.FixedRegion.Radius = organ.held_radius
         return update(scene)
-
-
-def outwards(organ):
-    # A surface may be inside out.
-    return np.sign(volume(*arrays(organ.surface))) * organ.normal
-
-
-class Slide:
-    """The sphere over the nodule, along the surface there; its places are ways from there, m."""
-
-    def __init__(self, organ, args):
-        self.normal = outwards(organ)
-        across = np.cross(self.normal, np.eye(3)[np.argmin(np.abs(self.normal))])
-        self.along = across / np.linalg.norm(across)
-        self.middle = organ.place + (args.tool_radius - SHARE * args.depth) * self.normal
-
-    def at(self, way):
-        return list(self.middle + way * self.along)
-
-    def exact(self, scene, ways, args):
-        """The force along the normal (N) at each, solved for from outside."""
-        solve = SolveEquilibrium(Input=scene, Tool="Sphere", ToolRadius=args.tool_radius)
-        forces = []
-        for way in ways:
-            solve.ToolPosition = self.at(way)
-            solved = output(update(solve))
-            found = field(solved, "Outcome")[0] == CONVERGED
-            forces.append(self.normal @ field(solved, "ReactionForce") if found else np.nan)
-        Delete(solve)
-        return -np.array(forces)
-
-    def felt(self, touch, ways):
-        """The same by a state space that is touched; NaN where it does not reach."""
-        forces = []
-        for way in ways:
-            touch.ToolPosition = self.at(way)
-            touched = output(update(touch))
-            inside = field(touched, "Found")[0] == INSIDE
-            forces.append(self.normal @ field(touched, "Force") if inside else np.nan)
-        return -np.array(forces)
-
-
-def touch_of(scene, organ, name, args):
-    """A state space around the place that is touched, and a filter that touches it."""
-    space = PrecomputeStateSpace(
-        Input=scene, Tool="Sphere", ToolRadius=args.tool_radius, Depth=args.depth,
-        Spacing=args.spacing, BeginAt=list(organ.place), UseToolRegion=1, ToolRegion="Sphere",
-        FileName=os.path.join(args.output, name + ".palpate"))
-    space.ToolRegion.Center, space.ToolRegion.Radius = list(organ.place), args.region
-    data = output(update(space))
-    line = (f"{name}: {field(data, 'NumberOfConfigurations')[0]:.0f} configurations, of which "
-            f"{field(data, 'Reused')[0]:.0f} were known; the others took "
-            f"{field(data, 'ExplorationSeconds')[0]:.3g} s (ranks: {field(data, 'Ranks')[0]:.0f}); "
-            f"the file has {os.path.getsize(space.FileName) / 1e6:.0f} MB")
-    return TouchStateSpace(Input=space), line
 
 
 def map_stiffness(touches, organ, args):

@@ -7,7 +7,8 @@ from paraview.simple import *
 # The liver of ../liver, with smaller triangles in front; ../common/make_states.py made it.
 SURFACE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "surface.vtp")
 # The point that is farthest in front, and the way out of the body there: y is up, z to the front.
-FRONT, OUT = [-0.0492, 0.0357, 0.0509], [-0.326, 0.380, 0.866]  # m, no unit
+FRONT, OUT, UP = [-0.0492, 0.0357, 0.0509], [-0.326, 0.380, 0.866], [0, 1, 0]  # m, no unit
+PRESSED = {"ToolRadius": 0.01, "Depth": 0.008, "Spacing": 0.005}  # of the sphere, m
 HELD = [-0.03, 0.06, -0.05], 0.04  # a sphere: middle and radius, m
 SIZE, BELOW = 0.012, 0.008  # of the nodule: its diameter, and how deep its top is, m
 YOUNG, POISSON, TIMES = 5000, 0.4, 4  # of the liver, Pa, no unit; how much stiffer the nodule is

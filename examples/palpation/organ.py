@@ -6,7 +6,8 @@ from paraview.simple import *
 
 SURFACE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "liver", "liver.vtp")
 # The point that is farthest in front, and the way out of the body there: y is up, z to the front.
-FRONT, OUT = [-0.0543, 0.0360, 0.0491], [-0.4, 0.4, 1.0]  # m, no unit
+FRONT, OUT, UP = [-0.0543, 0.0360, 0.0491], [-0.4, 0.4, 1.0], [0, 1, 0]  # m, no unit
+PRESSED = {"ToolRadius": 0.01, "Depth": 0.008, "Spacing": 0.005}  # of the sphere, m
 
 
 def make_scene():

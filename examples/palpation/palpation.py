@@ -28,12 +28,11 @@ from charts import LINE, MARKS, Curve, chart
 from materials import add_law_arguments, check_laws, scene_of
 from pictures import PALE, TISSUE, Stage, show_arrow
 from pipeline import Failure, field, output, update
-from remesh import arrays, volume
+from pressing import INSIDE, SHARE, outwards
 from script import Arguments, run
 from tables import markdown, save_csv, vtk_table
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
-INSIDE = 1
 # Of the columns of Accuracy Report; of those in m, B and N what they are multiplied by.
 COLUMNS = {"space": (None, "s", 1), "method": ("Method", "s", 1),
            "configurations": ("Samples", ".0f", 1),
@@ -45,9 +44,9 @@ COLUMNS = {"space": (None, "s", 1), "method": ("Method", "s", 1),
            "surface (%)": ("MeanDisplacementError", ".2g", 1)}
 OF_LARGEST = ("MeanErrorN", "P99ErrorN", "LargestErrorN")
 COUNTS = ("TestPoints", "Counted", "Marked", "Extrapolated", "Irregular", "Failed")
-# Of the slide: how far to both sides of the place that is touched, in radii of the tool, its depth
-# there in those of the space, and how many places are drawn and solved for.
-REACH, SHARE, DRAWN, SOLVED = 4, 0.8, 400, 33
+# Of the slide: how far to both sides of the place that is touched, in radii of the tool, and how
+# many places are drawn and solved for.
+REACH, DRAWN, SOLVED = 4, 400, 33
 
 
 def arguments():
@@ -135,8 +134,8 @@ class Slide:
     """The sphere on a straight line across the place that is touched, along the surface there."""
 
     def __init__(self, organ, args):
-        # Deep at that place, less where the organ is convex. A surface may be inside out.
-        self.normal = np.sign(volume(*arrays(organ.surface))) * organ.normal
+        # Deep at that place, less where the organ is convex.
+        self.normal = outwards(organ)
         across = np.cross(self.normal, np.eye(3)[np.argmin(np.abs(self.normal))])
         self.along = across / np.linalg.norm(across)
         self.middle = organ.place + (args.tool_radius - SHARE * args.depth) * self.normal

@@ -21,7 +21,7 @@ def presses():
 
 
 def num_found():
-    return FindSource("Liver").GetDataInformation().GetNumberOfPoints()
+    return FindSource("Organ").GetDataInformation().GetNumberOfPoints()
 
 
 def main():

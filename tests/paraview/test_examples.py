@@ -18,8 +18,12 @@ import time
 
 import numpy as np
 from image_support import pixels
-from paraview.simple import SaveData
-from support import scene
+from paraview.simple import SaveData, XMLImageDataReader, XMLUnstructuredGridReader
+from support import cell_array, fetch, places, point_array, scene
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkCommonMath import vtkMatrix4x4
+from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
 
 PVBATCH, MPIEXEC = sys.argv[1], sys.argv[2:]
 EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
@@ -29,6 +33,16 @@ PICTURES = ["rest.png", "deformed_push.png", "deformed_pull.png", "deformed_side
 OF_THE_RUN = ("meshing", "ranks", "solved in this run", "taken from the file", "size of the file")
 # The figures of the table have four digits.
 ROUNDING = 2e-3
+# Of the maps of a head that is two eggs: the voxels (mm), middle and half axes of both (mm), and
+# how far the volume of a tissue may be off, by the joining of voxels and the labels that they get.
+VOXEL = 3.0
+HEAD, CORE = ((0, -5, 5), (60, 70, 55)), ((12, 4, -3), (35, 42, 32))
+OF_VOXELS = 0.03
+# How far the middle of a body of such large cells may lie off, mm: a fourth of an edge.
+OF_WALLS = 10
+# Of the largest force, %: how far a space with check-points at two fifths of the tool's radius may
+# be off between them.
+OF_SPACE = 1
 # The ranks blend the border of shapes in another order.
 PIXEL_TOLERANCE = 60
 SHARE_OF_PIXELS = 1e-3
@@ -442,6 +456,93 @@ def check_nodule():
     assert done.returncode == 1 and "nodule.py: " in done.stderr, done.stderr
 
 
+def save_map(name, shares, kind, matrix):
+    """A map (x, y, z) between 0 and 1 as NIfTI: as bytes, or as numbers in which nothing is nan."""
+    image = vtkImageData()
+    image.SetDimensions(shares.shape)
+    image.SetSpacing(VOXEL, VOXEL, VOXEL)
+    if kind == "bytes":
+        values = np.rint(255 * shares).astype(np.uint8)
+    else:
+        values = np.where(shares > 0, shares, np.nan).astype(np.float32)
+    image.GetPointData().SetScalars(numpy_to_vtk(values.ravel(order="F"), deep=True))
+    writer = vtkNIFTIImageWriter()
+    writer.SetFileName(name)
+    writer.SetInputData(image)
+    rows = vtkMatrix4x4()
+    rows.DeepCopy(np.ravel(matrix))
+    writer.SetSFormMatrix(rows)
+    writer.Write()
+
+
+def save_head():
+    """Maps of an egg of grey matter with white matter in it, off its middle to the right, in front
+    and below; the first axis of the image points to the left, as that of many scanners does. Gives
+    their volumes, m³, and the middles, m."""
+    axes = [VOXEL * np.arange(number) for number in (52, 58, 48)]  # mm
+    corner = np.array((80.0, -90.0, -60.0))  # of the first voxel in the head, mm
+    x, y, z = np.meshgrid(*axes, indexing="ij")
+    places = np.stack((corner[0] - x, corner[1] + y, corner[2] + z), axis=-1)
+
+    def within(centre, radii):
+        """1 in an ellipsoid, and less and less within a few mm around its surface."""
+        away = np.linalg.norm((places - centre) / radii, axis=-1)
+        return np.clip(0.5 - (away - 1) * min(radii) / 6, 0, 1)
+
+    (whole, of_whole), (core, of_core) = ((within(*egg), 4e-9 / 3 * math.pi * np.prod(egg[1]))
+                                          for egg in (HEAD, CORE))
+    matrix = np.diag((-1.0, 1, 1, 1))
+    matrix[:3, 3] = corner
+    save_map("grey.nii.gz", np.maximum(whole - core, 0), "bytes", matrix)
+    save_map("white.nii", core, "numbers", matrix)
+    return of_whole - of_core, of_core
+
+
+def check_brain():
+    """Eggs in place of a brain, on two ranks: where they are, how large, and how they are felt."""
+    grey, white = save_head()
+    small = ["--grey", "grey.nii.gz", "--white", "white.nii", "--voxel", "6", "--edge", "0.04",
+             "--region", "0.004", "--output", "brain"]
+    done = run(2 if MPIEXEC else 1, *small, example="brain")
+    assert done.returncode == 0, done.stderr
+    with open("brain/table.md", encoding="utf-8") as file:
+        text = file.read()
+    assert text.strip() in done.stdout, done.stdout
+    labels = fetch(XMLImageDataReader(FileName=["brain/labels.vti"]))
+    core = np.flatnonzero(point_array(labels, "Label") == 2)
+    middle = np.mean([labels.GetPoint(i) for i in core], axis=0)
+    assert np.allclose(middle, CORE[0], rtol=0, atol=0.2 * VOXEL), middle
+    body = fetch(XMLUnstructuredGridReader(FileName=["brain/body.vtu"]))
+    cells = vtk_to_numpy(body.GetCells().GetConnectivityArray()).reshape(-1, 10)
+    region, corners = cell_array(body, "RegionId"), places(body)[cells[:, :4]]
+    volumes = abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6
+    for label, volume in ((1, grey), (2, white)):
+        of_label = volumes[region == label].sum()
+        assert math.isclose(of_label, volume, rel_tol=OF_VOXELS), (label, of_label)
+    middle = volumes @ corners.mean(axis=1) / volumes.sum()
+    assert np.allclose(1e3 * middle, HEAD[0], rtol=0, atol=OF_WALLS), middle
+    rows = [{name: float(value) for name, value in row.items()}
+            for row in rows_of("brain/table.csv")]
+    assert len(rows) == 5 and all(row["off (% of the largest)"] < OF_SPACE for row in rows), rows
+    for row in rows:
+        assert row["white alone (N)"] < row["grey and white (N)"] < row["grey alone (N)"], row
+    memory = re.search(r"took [0-9]+ s and, rank by rank, ([0-9 and]+) MB", text)
+    assert len(memory.group(1).split(" and ")) == (2 if MPIEXEC else 1), text
+    expect_pictures("brain", "tissues", "pressed", "slide")
+
+    with open("grey.nii.gz", "rb") as file, open("cut.nii.gz", "wb") as cut:
+        cut.write(file.read()[:-1000])
+    for arguments, message in (
+            (["--grey", "cut.nii.gz", "--white", "white.nii"], "cut.nii.gz cannot be read"),
+            (["--grey", "brain/table.md", "--white", "white.nii"], "is no NIfTI image"),
+            (["--grey", "grey.nii.gz"], "--grey and --white go together"),
+            (["--certain", "100", *small], "which value stands for certain?")):
+        done = run(1, *arguments, example="brain")
+        lines = [line for line in done.stderr.splitlines() if line]
+        assert done.returncode == 1 and lines[-1].startswith("brain.py: "), (arguments, lines)
+        assert message in lines[-1], lines
+
+
 check_one_rank()
 check_that_the_file_is_used_again()
 if MPIEXEC:
@@ -458,6 +559,7 @@ check_tolerance()
 check_accuracy()
 check_palpation()
 check_nodule()
+check_brain()
 check_cluster()
 check_options_of_the_job()
 if MPIEXEC:

@@ -6,12 +6,20 @@ import os
 import re
 import tempfile
 
+import numpy as np
 from image_support import share_drawn
 from paraview.simple import *
+from vtkmodules.util.numpy_support import numpy_to_vtk
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
 LARGEST_STATE = 100_000  # bytes
-OWN_DATA = ("roof", "nodule")
+# Where the data of a state is, if it is not that of the liver. That of the brain is made of maps
+# that are fetched, and an egg takes its place here.
+DATA = {"roof": os.path.join(EXAMPLES, "roof"), "nodule": os.path.join(EXAMPLES, "nodule"),
+        "brain": os.path.abspath("egg")}
+VOXEL = 8.0  # mm
 
 
 def errors_of(action):
@@ -30,7 +38,7 @@ def errors_of(action):
 
 def open_state(name):
     def load():
-        data = os.path.join(EXAMPLES, name if name in OWN_DATA else "liver")
+        data = DATA.get(name, os.path.join(EXAMPLES, "liver"))
         LoadState(os.path.join(EXAMPLES, name, name + ".pvsm"), data_directory=data)
         SaveScreenshot(name + ".png", GetActiveView(), ImageResolution=[400, 300])
 
@@ -93,9 +101,37 @@ def check_the_old_name(name):
     assert nodes and all(ids == [int(old.group(1))] for ids in nodes), (nodes, old.group(1))
 
 
+def save_egg():
+    """Labels of an egg of grey matter with white matter in it, whose surface goes through the place
+    at which the state of the brain presses."""
+    touched = np.array((-36.0, 33.0, 68.0))  # mm; FRONT of examples/brain/organ.py
+    centre, half_axes = np.array((0.0, -17.0, 8.0)), np.array((70.0, 88.0, 72.0))  # mm
+    half_axes *= np.linalg.norm((touched - centre) / half_axes)
+    corner = centre - half_axes - VOXEL
+    numbers = np.ceil(2 * (half_axes + VOXEL) / VOXEL).astype(int) + 1
+    axes = np.meshgrid(*map(np.arange, numbers), indexing="ij")
+    places = corner + VOXEL * np.stack(axes, axis=-1)
+    away = np.linalg.norm((places - centre) / half_axes, axis=-1)
+    labels = np.select([away < 0.6, away < 1], [2, 1], 0).astype(np.uint8)
+    image = vtkImageData()
+    image.SetDimensions(labels.shape)
+    image.SetSpacing(VOXEL, VOXEL, VOXEL)
+    image.SetOrigin(corner)
+    array = numpy_to_vtk(labels.ravel(order="F"), deep=True)
+    array.SetName("Label")
+    image.GetPointData().SetScalars(array)
+    os.makedirs(DATA["brain"], exist_ok=True)
+    writer = vtkXMLImageDataWriter()
+    writer.SetFileName(os.path.join(DATA["brain"], "labels.vti"))
+    writer.SetDataModeToBinary()
+    writer.SetInputData(image)
+    writer.Write()
+
+
+save_egg()
 names = sorted(name for name in os.listdir(EXAMPLES)
                if os.path.isfile(os.path.join(EXAMPLES, name, "README.md")))
-assert len(names) == 10, names
+assert len(names) == 11, names
 for name in names:
     if name != "embedding":
         check_the_triple(name)
