@@ -8,12 +8,22 @@ namespace {
 
 [[noreturn]] void refuse() {
   throw InputError(
-      "The iterative solver takes tangents whose unknowns are the three displacements of each node, "
-      "and this one has others, such as the pressures of the mixed formulation. Use a direct solver "
+      "The iterative solver takes tangents whose unknowns are the three displacements of each "
+      "node, "
+      "and this one has others, such as the pressures of the mixed formulation. Use a direct "
+      "solver "
       "for this body, or the displacement formulation.");
 }
 
 }  // namespace
+
+bool all_finite(const std::vector<double>& values) {
+  // The product is zero, and NaN for what is infinite or NaN.
+  return (Eigen::Map<const Eigen::ArrayXd>(values.data(),
+                                           static_cast<Eigen::Index>(values.size())) *
+          0.0)
+             .sum() == 0;
+}
 
 BlockPattern make_block_pattern(const SymmetricPattern& pattern) {
   if (pattern.size % 3 != 0) refuse();

@@ -68,6 +68,9 @@ struct BlockColumns {
   return block;
 }
 
+/// Whether no value is infinite or NaN.
+[[nodiscard]] bool all_finite(const std::vector<double>& values);
+
 /// @throws InputError the unknowns do not come in threes that have the same neighbours, as with
 ///   pressures among them.
 [[nodiscard]] BlockPattern make_block_pattern(const SymmetricPattern& pattern);

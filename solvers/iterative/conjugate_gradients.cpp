@@ -32,6 +32,7 @@ std::string to_string(SolveStatus status) {
     case SolveStatus::indefinite_preconditioner: return "indefinite preconditioner";
     case SolveStatus::stagnated: return "stagnated";
     case SolveStatus::not_finite: return "not finite";
+    case SolveStatus::no_preconditioner: return "no preconditioner";
   }
   return "unknown";
 }
@@ -39,11 +40,14 @@ std::string to_string(SolveStatus status) {
 SolveSummary KrylovSolver::solve(const Operator& k, Preconditioner& preconditioner,
                                  Eigen::Ref<Eigen::MatrixXd> columns) {
   SolveSummary all;
-  if (!columns.allFinite() || !std::isfinite(k.largest_diagonal())) {
+  const auto refuse = [&](SolveStatus status) {
     columns.setZero();
-    all.status = SolveStatus::not_finite;
+    all.status = status;
+    all.residual = 1;
     return all;
-  }
+  };
+  if (!preconditioner.is_ready()) return refuse(SolveStatus::no_preconditioner);
+  if (!columns.allFinite() || !k.is_finite()) return refuse(SolveStatus::not_finite);
   for (Eigen::Index first = 0; first < columns.cols();) {
     const Eigen::Index together = columns.cols() - first >= kMaxColumns ? kMaxColumns : 1;
     auto part = columns.middleCols(first, together);

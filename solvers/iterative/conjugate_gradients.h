@@ -31,6 +31,8 @@ enum class SolveStatus {
   stagnated,
   /// A right-hand side or a value of K is no number.
   not_finite,
+  /// The preconditioner was never refreshed with success.
+  no_preconditioner,
 };
 
 /// "converged", "negative curvature", …
@@ -62,7 +64,6 @@ class KrylovSolver {
   /// its own directions, which share the passes over K. Where a column ends otherwise than by
   /// convergence, all of its three do, and no other begins; columns that were not begun are 0. A
   /// column that has ended is the last iterate, and never holds what is no number.
-  /// @param preconditioner Refreshed.
   [[nodiscard]] SolveSummary solve(const Operator& k, Preconditioner& preconditioner,
                                    Eigen::Ref<Eigen::MatrixXd> columns);
 

@@ -102,8 +102,7 @@ void check(const NodeLevels& levels, const BlockPattern& pattern) {
 
 void galerkin_product(const BlockPattern& pattern, const NodeLevels& levels,
                       const std::vector<double>& values, double unit, const BlockPattern& coarse,
-                      const Neighbourhoods& coarse_neighbours,
-                      std::vector<double>& coarse_values) {
+                      const Neighbourhoods& coarse_neighbours, std::vector<double>& coarse_values) {
   coarse_values.assign(coarse.num_values(), 0);
   // The place of the block of each corner with the one that is looked at, −1: they are no
   // neighbours.
@@ -124,9 +123,9 @@ void galerkin_product(const BlockPattern& pattern, const NodeLevels& levels,
   for (Index node = 0; node < pattern.num_nodes; ++node) {
     const Parents own = parents_of(levels, node);
     for (int i = 0; i < own.count; ++i) mark(i, own.corner[i], true);
-    const Mat3 diagonal =
-        unit * own.weight * own.weight * diagonal_block(pattern, values, node);
-    for (int i = 0; i < own.count; ++i) add_diagonal(coarse, own.corner[i], diagonal, coarse_values);
+    const Mat3 diagonal = unit * own.weight * own.weight * diagonal_block(pattern, values, node);
+    for (int i = 0; i < own.count; ++i)
+      add_diagonal(coarse, own.corner[i], diagonal, coarse_values);
     if (own.count == 2) {
       const Index low = std::min(own.corner[0], own.corner[1]);
       add_block(coarse, low, find(0, own.corner[1]), diagonal, coarse_values);

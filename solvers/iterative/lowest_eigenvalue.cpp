@@ -62,6 +62,7 @@ std::string to_string(EigenStatus status) {
     case EigenStatus::negative: return "negative";
     case EigenStatus::iteration_limit: return "iteration limit";
     case EigenStatus::not_finite: return "not finite";
+    case EigenStatus::no_preconditioner: return "no preconditioner";
   }
   return "unknown";
 }
@@ -72,6 +73,12 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
   LowestEigenvalue result;
   if (n == 0) {
     result.value = std::numeric_limits<double>::infinity();
+    return result;
+  }
+  if (!preconditioner.is_ready() || !k.is_finite()) {
+    result.status = k.is_finite() ? EigenStatus::no_preconditioner : EigenStatus::not_finite;
+    result.value = std::numeric_limits<double>::quiet_NaN();
+    result.vector.setZero(3 * Eigen::Index{n});
     return result;
   }
   NodeVectors<double> x, kx, p, kp, z, kz, r, sums, room;
@@ -119,7 +126,8 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
     const Eigen::VectorXd lengths = mass.diagonal().cwiseSqrt();
     const Eigen::VectorXd inverse_lengths =
         lengths.unaryExpr([](double length) { return length > 0 ? 1 / length : 0.0; });
-    mass = inverse_lengths.asDiagonal() * mass.selfadjointView<Eigen::Lower>().toDenseMatrix().eval() *
+    mass = inverse_lengths.asDiagonal() *
+           mass.selfadjointView<Eigen::Lower>().toDenseMatrix().eval() *
            inverse_lengths.asDiagonal();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_mass(mass);
     const auto num_dependent =
@@ -129,7 +137,8 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
         inverse_lengths.asDiagonal() * of_mass.eigenvectors().rightCols(rank) *
         of_mass.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
     const Eigen::MatrixXd projected =
-        basis.transpose() * stiffness.selfadjointView<Eigen::Lower>().toDenseMatrix().eval() * basis;
+        basis.transpose() * stiffness.selfadjointView<Eigen::Lower>().toDenseMatrix().eval() *
+        basis;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(projected);
     // A body of one or two nodes may have fewer modes than there are vectors.
     const Eigen::Index num_modes = std::min<Eigen::Index>(rank, kVectors);

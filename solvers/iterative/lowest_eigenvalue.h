@@ -10,6 +10,9 @@
 // K⁻¹ the error of the value is about rᵀMr / xᵀx with r = Kx − λx.
 #pragma once
 
+#include <limits>
+#include <string>
+
 #include "iterative/operator.h"
 #include "iterative/preconditioner.h"
 
@@ -30,13 +33,15 @@ enum class EigenStatus {
   iteration_limit,
   /// A value of K, or what the preconditioner makes of it, is no number.
   not_finite,
+  /// The preconditioner was never refreshed with success.
+  no_preconditioner,
 };
 
 [[nodiscard]] std::string to_string(EigenStatus status);
 
 struct LowestEigenvalue {
   EigenStatus status = EigenStatus::converged;
-  /// xᵀKx for |x| = 1, N/m; infinite for a matrix without rows.
+  /// xᵀKx for |x| = 1, N/m; infinite for a matrix without rows, NaN where none was found.
   double value = 0;
   /// The relative error of the value, roughly.
   double error = 0;

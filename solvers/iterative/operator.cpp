@@ -2,14 +2,14 @@
 #include "iterative/operator.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "iterative/passes.h"
 
 namespace palpate {
 
 Operator::Operator(std::shared_ptr<const BlockPattern> pattern, const std::vector<double>& values)
-    : pattern_(std::move(pattern)), values_(&values) {
+    : pattern_(std::move(pattern)), values_(&values), is_finite_(all_finite(values)) {
   for (Index node = 0; node < num_nodes(); ++node) {
     const Vec3 diagonal = diagonal_block(node).diagonal();
     largest_diagonal_ = std::max(largest_diagonal_, diagonal.cwiseAbs().maxCoeff());

@@ -23,6 +23,9 @@ class Operator {
   /// The largest value on the diagonal: a stiffness of which the rounding of products is a share.
   [[nodiscard]] double largest_diagonal() const { return largest_diagonal_; }
 
+  /// No value is infinite or NaN.
+  [[nodiscard]] bool is_finite() const { return is_finite_; }
+
   /// y = K x. @param sums Room, zero before and after.
   void apply(const NodeVectors<double>& x, NodeVectors<double>& sums, NodeVectors<double>& y) const;
   /// r = b − K x. r may be b.
@@ -33,6 +36,7 @@ class Operator {
   std::shared_ptr<const BlockPattern> pattern_;
   const std::vector<double>* values_;
   double largest_diagonal_ = 0;
+  bool is_finite_ = true;
 };
 
 }  // namespace palpate

@@ -237,8 +237,9 @@ struct VectorPass {
 template <class X, class Y, class F>
 void run_over_vectors(Index num_nodes, int columns, const double* factors, const X* x, Y* y,
                       const F& f) {
-  with_columns(columns,
-               [&](auto n) { run(VectorPass<n(), X, Y, F>{num_nodes, factors, x, y, f}); });
+  with_columns(columns, [&](auto n) {
+    run(VectorPass<n(), X, Y, F>{num_nodes, factors, x, y, f});
+  });
 }
 
 struct Add {
@@ -432,8 +433,9 @@ void chebyshev_step(const BlockMatrixView<float>& a, const float* inverse_diagon
 
 void chebyshev_start(Index num_nodes, const float* inverse_diagonal, int columns, float step,
                      const float* b, float* x, float* d) {
-  with_columns(columns,
-               [&](auto n) { run(StartPass<n()>{num_nodes, inverse_diagonal, step, b, x, d}); });
+  with_columns(columns, [&](auto n) {
+    run(StartPass<n()>{num_nodes, inverse_diagonal, step, b, x, d});
+  });
 }
 
 void prolong(const std::vector<std::array<Index, 2>>& parents, int columns, const float* coarse,

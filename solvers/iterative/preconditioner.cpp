@@ -16,17 +16,6 @@ class CyclePreconditioner final : public Preconditioner {
   CyclePreconditioner(std::shared_ptr<const BlockPattern> pattern, std::unique_ptr<Cycle> cycle)
       : pattern_(std::move(pattern)), cycle_(std::move(cycle)) {}
 
-  SetupReport refresh(const std::vector<double>& values) override {
-    const double largest =
-        Eigen::Map<const Eigen::ArrayXd>(values.data(), pattern_->num_values()).abs().maxCoeff();
-    int exponent = 0;
-    (void)std::frexp(largest, &exponent);
-    const double unit = std::isfinite(largest) ? std::ldexp(1.0, -exponent) : 1;
-    const SetupReport report = cycle_->refresh(values, unit);
-    if (report.status == SetupStatus::ok) unit_ = unit;
-    return report;
-  }
-
   void reserve(int columns) override {
     cycle_->reserve(columns);
     b_.set_zero(pattern_->num_nodes, columns);
@@ -50,6 +39,18 @@ class CyclePreconditioner final : public Preconditioner {
 
   [[nodiscard]] std::size_t bytes() const override {
     return cycle_->bytes() + b_.bytes() + x_.bytes();
+  }
+
+ protected:
+  SetupReport prepare(const std::vector<double>& values) override {
+    const double largest =
+        Eigen::Map<const Eigen::ArrayXd>(values.data(), pattern_->num_values()).abs().maxCoeff();
+    int exponent = 0;
+    (void)std::frexp(largest, &exponent);
+    const double unit = std::isfinite(largest) ? std::ldexp(1.0, -exponent) : 1;
+    const SetupReport report = cycle_->refresh(values, unit);
+    if (report.status == SetupStatus::ok) unit_ = unit;
+    return report;
   }
 
  private:
@@ -78,7 +79,8 @@ std::unique_ptr<Preconditioner> make_preconditioner(std::shared_ptr<const BlockP
   };
   // Where all nodes are corners there is no second level.
   const bool is_linear = levels.num_corners() == levels.num_nodes();
-  auto cycle = is_linear ? make_coarse(pattern) : make_two_level_cycle(pattern, levels, make_coarse);
+  auto cycle =
+      is_linear ? make_coarse(pattern) : make_two_level_cycle(pattern, levels, make_coarse);
   return make_preconditioner(std::move(pattern), std::move(cycle));
 }
 

@@ -26,10 +26,16 @@ class Preconditioner {
   Preconditioner(const Preconditioner&) = delete;
   Preconditioner& operator=(const Preconditioner&) = delete;
 
-  /// Prepares for a matrix with these values on the pattern that it was made for. The first time it
-  /// must succeed before apply() may be called; where it fails later, the one before stays: a
-  /// tangent that is indefinite has that of another state.
-  [[nodiscard]] virtual SetupReport refresh(const std::vector<double>& values) = 0;
+  /// Prepares for a matrix with these values on the pattern that it was made for. Where it fails,
+  /// the preconditioner of the matrix before stays: a tangent that is indefinite is solved for with
+  /// that of another state, such as that at rest.
+  [[nodiscard]] SetupReport refresh(const std::vector<double>& values) {
+    const SetupReport report = prepare(values);
+    is_ready_ = is_ready_ || report.status == SetupStatus::ok;
+    return report;
+  }
+  /// A refresh has succeeded. Nothing else may be called before.
+  [[nodiscard]] bool is_ready() const { return is_ready_; }
   /// Makes room for so many columns, 1 or 3.
   virtual void reserve(int columns) = 0;
   /// z ≈ K⁻¹ r, symmetric and positive definite but for rounding. It does not allocate.
@@ -38,6 +44,10 @@ class Preconditioner {
 
  protected:
   Preconditioner() = default;
+  [[nodiscard]] virtual SetupReport prepare(const std::vector<double>& values) = 0;
+
+ private:
+  bool is_ready_ = false;
 };
 
 enum class CoarseSolver {

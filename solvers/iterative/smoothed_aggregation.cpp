@@ -98,9 +98,8 @@ std::optional<BlockRows<6, 6>> coarsen(const BlockRows<B, B>& matrix,
   if (aggregates.count > kLeastReduction * matrix.num_rows()) return std::nullopt;
   // The damping that minimises the largest eigenvalue of the smoothed motions.
   const double omega = 4 / (3 * largest);
-  const BlockRows<B, 6> rows =
-      smoothed_prolongation(matrix, inverse, omega,
-                            tentative_prolongation(aggregates, motions, coarse_motions));
+  const BlockRows<B, 6> rows = smoothed_prolongation(
+      matrix, inverse, omega, tentative_prolongation(aggregates, motions, coarse_motions));
   BlockRows<6, 6> coarse = coarse_matrix(matrix, rows);
   prolongation = as_prolongation(rows);
   return coarse;
@@ -221,9 +220,8 @@ void AggregationCycle::solve(std::size_t at, int columns, const Eigen::VectorXf&
       using Part = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(vector)>>,
                                       const Eigen::Matrix<float, 6, Eigen::Dynamic>,
                                       Eigen::Matrix<float, 6, Eigen::Dynamic>>;
-      return Eigen::Map<Part, 0, Eigen::OuterStride<>>(vector.data() + 8 * column, 6,
-                                                       level.num_nodes,
-                                                       Eigen::OuterStride<>(8 * columns));
+      return Eigen::Map<Part, 0, Eigen::OuterStride<>>(
+          vector.data() + 8 * column, 6, level.num_nodes, Eigen::OuterStride<>(8 * columns));
     };
     for (int column = 0; column < columns; ++column) {
       // r and d are room for the vector without its zeros.

@@ -24,8 +24,7 @@ struct Prolongation {
   std::vector<float> values;
 
   [[nodiscard]] AggregationView view() const {
-    return {rows, static_cast<Index>(start.size()) - 1, start.data(), column.data(),
-            values.data()};
+    return {rows, static_cast<Index>(start.size()) - 1, start.data(), column.data(), values.data()};
   }
   [[nodiscard]] std::size_t bytes() const {
     return (start.size() + column.size()) * sizeof(Index) + values.size() * sizeof(float);

@@ -78,9 +78,7 @@ double largest_eigenvalue(Eigen::Index size, const ApplyFloat& multiply, const A
 
 SetupReport check_diagonal(const BlockPattern& pattern, const std::vector<double>& values) {
   SetupReport report;
-  const auto all = Eigen::Map<const Eigen::ArrayXd>(values.data(), pattern.num_values());
-  // A sum of finite numbers may overflow; a product with zero is NaN for what is no number.
-  if (!((all * 0.0).sum() == 0)) {
+  if (!all_finite(values)) {
     report.status = SetupStatus::not_finite;
     return report;
   }
@@ -88,10 +86,10 @@ SetupReport check_diagonal(const BlockPattern& pattern, const std::vector<double
     const Mat3 block = diagonal_block(pattern, values, node);
     const double least = kRounding * block.cwiseAbs().maxCoeff();
     // Sylvester's criterion.
-    const bool is_definite = block(0, 0) > least &&
-                             block(0, 0) * block(1, 1) - block(0, 1) * block(0, 1) >
-                                 least * block(0, 0) &&
-                             block.determinant() > least * least * block(0, 0);
+    const bool is_definite =
+        block(0, 0) > least &&
+        block(0, 0) * block(1, 1) - block(0, 1) * block(0, 1) > least * block(0, 0) &&
+        block.determinant() > least * least * block(0, 0);
     if (is_definite) continue;
     if (report.num_indefinite_blocks++ == 0) report.node = node;
   }
@@ -126,7 +124,8 @@ void SmoothedMatrix::refresh(const std::vector<double>& values, double unit) {
   const auto times = [&](const Eigen::VectorXf& x, Eigen::VectorXf& result) {
     multiply(view(), 1, x.data(), sums_.data(), result.data());
   };
-  largest_ = palpate::largest_eigenvalue(Eigen::Index{4} * pattern_->num_nodes, times, times_inverse);
+  largest_ =
+      palpate::largest_eigenvalue(Eigen::Index{4} * pattern_->num_nodes, times, times_inverse);
   polynomial_ = Chebyshev(largest_);
 }
 

@@ -102,8 +102,8 @@ class TwoLevelCycle final : public Cycle {
     if (report.status != SetupStatus::ok) return report;
     {
       std::vector<double> coarse_values;
-      galerkin_product(fine_.pattern(), levels_, values, unit, *coarse_pattern_,
-                       coarse_neighbours_, coarse_values);
+      galerkin_product(fine_.pattern(), levels_, values, unit, *coarse_pattern_, coarse_neighbours_,
+                       coarse_values);
       report = coarse_->refresh(coarse_values, 1);
     }
     if (report.status != SetupStatus::ok) {
