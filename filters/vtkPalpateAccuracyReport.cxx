@@ -8,6 +8,7 @@
 
 #include "accuracy/accuracy.h"
 #include "base/error.h"
+#include "exploration/exploration_estimate.h"
 #include "vtkCellArray.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -17,6 +18,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
+#include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
@@ -35,6 +37,11 @@ using palpate::AccuracyResult;
 using palpate::AccuracyRow;
 
 constexpr double PerCent = 100;
+/// That are in memory at the same time: of an anchor, of rest and of a step.
+constexpr int FactorsOfReport = 3;
+/// Of a test point beside a configuration, in time: the anchors are reached too, and are farther
+/// away than a neighbour.
+constexpr double TimeOfPoint = 2;
 
 /// All that a report depends on.
 std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
@@ -353,6 +360,44 @@ int vtkPalpateAccuracyReport::RequestData(
   return 1;
 }
 
+void vtkPalpateAccuracyReport::UpdateEstimate()
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->Estimate = vtkPalpateEstimate(controller,
+    [&]
+    {
+      const auto communicator = vtkPalpateCommunicator(controller);
+      auto* input = vtkPartitionedDataSetCollection::SafeDownCast(this->GetInputDataObject(0, 0));
+      if (!input)
+      {
+        vtkPalpateNothingToEstimate();
+      }
+      palpate::TouchSpace space;
+      palpate::agree(
+        *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
+      const auto scene = vtkPalpateSceneToEstimate(vtkPalpateBody(input), controller);
+      if (!scene)
+      {
+        return std::string();
+      }
+      const palpate::SolveCost& cost = this->Cost.Of(*scene);
+      double points = 0;
+      double seconds = 0;
+      for (const palpate::TouchToolSpace& of : space.tool_spaces)
+      {
+        points += this->TestPoints;
+        seconds += TimeOfPoint * this->TestPoints *
+          palpate::seconds_of(
+            palpate::work_of_configuration(of.setup.interaction.is_contact()), cost, true);
+      }
+      return "About " + vtkPalpateTellNumber(points) + " equilibria of " +
+        vtkPalpateTellNumber(cost.num_unknowns) + " unknowns. They take " +
+        vtkPalpateTellSeconds(seconds / communicator->size()) + " and " +
+        vtkPalpateTellBytes(palpate::solver_bytes(cost, FactorsOfReport, true)) +
+        " of memory a rank.";
+    });
+}
+
 void vtkPalpateAccuracyReport::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
@@ -366,5 +411,6 @@ void vtkPalpateAccuracyReport::PrintSelf(ostream& os, vtkIndent indent)
   os << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
-     << indent << "LogInterval: " << this->LogInterval << '\n';
+     << indent << "LogInterval: " << this->LogInterval << '\n'
+     << indent << "Estimate: " << this->Estimate << '\n';
 }

@@ -47,6 +47,7 @@
 
 #include "PalpateFiltersModule.h"
 #include "vtkNew.h"
+#include "vtkPalpateSolveCost.h"
 #include "vtkPolyData.h"
 #include "vtkTable.h"
 #include "vtkTableAlgorithm.h"
@@ -89,6 +90,12 @@ public:
   vtkGetMacro(LogInterval, double);
   ///@}
 
+  ///@{ What the filter will take, by its properties and what its input is now.
+  /// @note Collective.
+  void UpdateEstimate();
+  vtkGetCharFromStdStringMacro(Estimate);
+  ///@}
+
 protected:
   vtkPalpateAccuracyReport();
   ~vtkPalpateAccuracyReport() override;
@@ -107,6 +114,8 @@ private:
   std::string FileName;
   double SolverTolerance = 1e-9;
   double LogInterval = 10;
+  std::string Estimate;
+  vtkPalpateSolveCost Cost;
 
   /// The last complete result and what it is of, as in vtkPalpatePrecomputeStateSpace.
   std::string LastOf;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <sstream>
@@ -20,6 +19,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
+#include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateGrowth.h"
 #include "vtkPalpateInput.h"
@@ -80,13 +80,22 @@ std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptio
 
 std::string ToText(const palpate::ExplorationEstimate& estimate)
 {
-  std::ostringstream text;
-  const bool minutes = estimate.seconds >= 90;
-  text << "about " << estimate.num_configurations << " configurations, "
-       << std::lround(minutes ? estimate.seconds / 60 : estimate.seconds)
-       << (minutes ? " min, " : " s, ") << std::lround(estimate.bytes_per_rank / 1e6)
-       << " MB of memory a rank, " << std::lround(estimate.file_bytes / 1e6) << " MB of disk";
-  return text.str();
+  std::string text = "About " +
+    vtkPalpateTellNumber(static_cast<double>(estimate.num_configurations)) + " configurations of " +
+    vtkPalpateTellNumber(estimate.num_unknowns) + " unknowns";
+  if (estimate.num_free > 0)
+  {
+    text += ", and " + vtkPalpateTellNumber(static_cast<double>(estimate.num_free)) +
+      " places where the tool touches nothing";
+  }
+  return text + ". They take " + vtkPalpateTellSeconds(estimate.seconds) + ", " +
+    vtkPalpateTellBytes(estimate.bytes_per_rank) + " of memory a rank and " +
+    vtkPalpateTellBytes(estimate.file_bytes) + " of disk, if there is a file.";
+}
+
+int NumberOfRanks(vtkMultiProcessController* controller)
+{
+  return controller ? controller->GetNumberOfProcesses() : 1;
 }
 
 /// Of the window itself between two executions of a space that grows. It asks every second, and for
@@ -228,6 +237,59 @@ palpate::ContactOptions vtkPalpatePrecomputeStateSpace::Contact(vtkPolyData* sur
   return contact;
 }
 
+palpate::PrecomputeOptions vtkPalpatePrecomputeStateSpace::Options(
+  vtkPolyData* surface, vtkMultiProcessController* controller)
+{
+  palpate::PrecomputeOptions options;
+  const bool isRigid = this->Tool != vtkPalpateBondedNode;
+  if (isRigid && this->Graspable && this->ActiveNodes.empty())
+  {
+    throw palpate::InputError("The rigid tool is to grasp active nodes, but none is named. Name "
+                              "some as ActiveNodes, or set Graspable to 0.");
+  }
+  if (!isRigid || this->Graspable)
+  {
+    options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
+  }
+  options.tip_radius = this->TipRadius;
+  options.half_width = this->HalfWidth;
+  options.resolution = this->Tolerance > 0 ? CoarsestResolution : this->Resolution;
+  options.tolerance = this->Tolerance;
+  options.tolerance_is_relative = this->ToleranceType == RELATIVE;
+  options.force_limit = this->ForceLimit;
+  options.history = static_cast<palpate::History>(this->History);
+  options.intermediate_states = this->IntermediateStates;
+  options.equilibrium.third_derivatives = this->ThirdDerivatives;
+  options.file = this->FileName;
+  options.touch_bound = this->DisplacementBound;
+  options.equilibrium.tolerance = this->SolverTolerance;
+  options.equilibrium.max_seconds = this->MaximumSeconds;
+  options.equilibrium.single_precision = this->SinglePrecisionFactors;
+  options.ranks_per_solve = this->RanksPerSolve;
+  if (isRigid)
+  {
+    options.contact = this->Contact(
+      vtkPalpateShareSurface(vtkPalpateGatherSurface(surface, controller), controller));
+  }
+  return options;
+}
+
+void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->Estimate = vtkPalpateEstimate(controller,
+    [&]
+    {
+      const auto scene = vtkPalpateSceneToEstimate(
+        { vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) }, controller);
+      const palpate::PrecomputeOptions options =
+        this->Options(vtkPolyData::SafeDownCast(this->GetInputDataObject(1, 0)), controller);
+      return scene ? ToText(palpate::estimate_exploration(
+                       *scene, options, this->Cost.Of(*scene), NumberOfRanks(controller)))
+                   : std::string();
+    });
+}
+
 int vtkPalpatePrecomputeStateSpace::FillInputPortInformation(int port, vtkInformation* info)
 {
   if (port == 1)
@@ -267,38 +329,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
                                 "FileName, or the interval to 0.");
     }
 
-    palpate::PrecomputeOptions options;
-    const bool isRigid = this->Tool != vtkPalpateBondedNode;
-    if (isRigid && this->Graspable && this->ActiveNodes.empty())
-    {
-      throw palpate::InputError("The rigid tool is to grasp active nodes, but none is named. Name "
-                                "some as ActiveNodes, or set Graspable to 0.");
-    }
-    if (!isRigid || this->Graspable)
-    {
-      options.active_nodes = vtkPalpateActiveNodes(this->ActiveNodes);
-    }
-    options.tip_radius = this->TipRadius;
-    options.half_width = this->HalfWidth;
-    options.resolution = this->Tolerance > 0 ? CoarsestResolution : this->Resolution;
-    options.tolerance = this->Tolerance;
-    options.tolerance_is_relative = this->ToleranceType == RELATIVE;
-    options.force_limit = this->ForceLimit;
-    options.history = static_cast<palpate::History>(this->History);
-    options.intermediate_states = this->IntermediateStates;
-    options.equilibrium.third_derivatives = this->ThirdDerivatives;
-    options.file = this->FileName;
-    options.touch_bound = this->DisplacementBound;
-    options.equilibrium.tolerance = this->SolverTolerance;
-    options.equilibrium.max_seconds = this->MaximumSeconds;
-    options.equilibrium.single_precision = this->SinglePrecisionFactors;
-    options.ranks_per_solve = this->RanksPerSolve;
-    if (isRigid)
-    {
-      auto* surface = vtkPalpateInput<vtkPolyData>(inputVector[1]);
-      options.contact = this->Contact(
-        vtkPalpateShareSurface(vtkPalpateGatherSurface(surface, controller), controller));
-    }
+    palpate::PrecomputeOptions options =
+      this->Options(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller);
     if (!goesOn)
     {
       // Of a space that goes on growing it was said before.
@@ -439,5 +471,6 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "RanksPerSolve: " << this->RanksPerSolve << '\n'
      << indent << "UpdateInterval: " << this->UpdateInterval << '\n'
      << indent << "LogInterval: " << this->LogInterval << '\n'
-     << indent << "DisplacementBound: " << this->DisplacementBound << '\n';
+     << indent << "DisplacementBound: " << this->DisplacementBound << '\n'
+     << indent << "Estimate: " << this->Estimate << '\n';
 }

@@ -30,16 +30,19 @@
 
 #include "PalpateFiltersModule.h"
 #include "vtkNew.h"
+#include "vtkPalpateSolveCost.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPartitionedDataSetCollectionAlgorithm.h"
 #include "vtkSmartPointer.h"
 
 class vtkImplicitFunction;
+class vtkMultiProcessController;
 class vtkPolyData;
 
 namespace palpate
 {
 struct ContactOptions;
+struct PrecomputeOptions;
 }
 
 class PALPATEFILTERS_EXPORT vtkPalpatePrecomputeStateSpace
@@ -229,6 +232,12 @@ public:
   vtkGetMacro(DisplacementBound, double);
   ///@}
 
+  ///@{ What the filter will take, by its properties and what its input is now.
+  /// @note Collective.
+  void UpdateEstimate();
+  vtkGetCharFromStdStringMacro(Estimate);
+  ///@}
+
   /// Whether the space grows on; then the next update goes on, on all ranks. ParaView's window asks
   /// rank 0 now and then (the hint LiveSource).
   bool GetNeedsUpdate();
@@ -248,6 +257,9 @@ private:
   std::vector<vtkIdType> ActiveNodes;
   /// What the properties of a rigid tool ask for.
   palpate::ContactOptions Contact(vtkPolyData* surface);
+  /// What all properties ask for, but for what is told on the way.
+  /// @param surface What this rank has of that of the tool. @note Collective.
+  palpate::PrecomputeOptions Options(vtkPolyData* surface, vtkMultiProcessController* controller);
 
   double TipRadius = 0;
   int Tool = 0;
@@ -279,6 +291,9 @@ private:
   double LogInterval = 10;
   double UpdateInterval = 0;
   double DisplacementBound = 1e-3;
+
+  std::string Estimate;
+  vtkPalpateSolveCost Cost;
 
   /// When the last execution ended.
   std::chrono::steady_clock::time_point LastEnd;

@@ -208,6 +208,21 @@ void vtkPalpateAddChoice(
   grid->GetPointData()->AddArray(array);
 }
 
+void vtkPalpateAddBoundaryKinds(
+  vtkUnstructuredGrid* grid, const std::vector<char>& fixed, const std::vector<char>& touchable)
+{
+  vtkNew<vtkUnsignedCharArray> kinds;
+  kinds->SetName("BoundaryKind");
+  kinds->SetNumberOfValues(static_cast<vtkIdType>(fixed.size()));
+  std::transform(fixed.begin(), fixed.end(), touchable.begin(), kinds->GetPointer(0),
+    [](char isFixed, char isTouchable) {
+      return static_cast<unsigned char>(isFixed != 0 ? 2 : isTouchable != 0 ? 1 : 0);
+    });
+  // Not SetScalars(), which would drop those that are there.
+  grid->GetPointData()->AddArray(kinds);
+  grid->GetPointData()->SetActiveScalars(kinds->GetName());
+}
+
 vtkSmartPointer<vtkDoubleArray> vtkPalpateNodalArray(
   const char* name, const palpate::NodalVector& values)
 {

@@ -53,6 +53,11 @@ PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromSce
 PALPATEFILTERS_EXPORT void vtkPalpateAddChoice(
   vtkUnstructuredGrid* grid, const char* name, const std::vector<char>& chosen);
 
+/// Adds the point array `BoundaryKind`, to be seen: 0 free, 1 touchable, 2 fixed; their names are
+/// in plugin/Palpate/PalpateLooks.cxx.
+PALPATEFILTERS_EXPORT void vtkPalpateAddBoundaryKinds(
+  vtkUnstructuredGrid* grid, const std::vector<char>& fixed, const std::vector<char>& touchable);
+
 /// A point array with three components.
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkDoubleArray> vtkPalpateNodalArray(
   const char* name, const palpate::NodalVector& values);

@@ -13,9 +13,7 @@
 #include "vtkPalpatePointChoice.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
-#include "vtkPointData.h"
 #include "vtkSelection.h"
-#include "vtkUnsignedCharArray.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
@@ -61,22 +59,6 @@ std::vector<char> ChosenPoints(vtkUnstructuredGrid* body, const Choice& choice)
         "; it must be 0 (Region), 1 (Array)" +
         (choice.Name == "Fixed" ? " or 2 (Selection)." : ", 2 (Selection) or 3 (Surface)."));
   }
-}
-
-/// To be seen: 0 free, 1 touchable, 2 fixed; names in plugin/Palpate/PalpateLooks.cxx.
-void AddKinds(
-  const std::vector<char>& fixed, const std::vector<char>& touchable, vtkPointData* arrays)
-{
-  vtkNew<vtkUnsignedCharArray> kinds;
-  kinds->SetName("BoundaryKind");
-  kinds->SetNumberOfValues(static_cast<vtkIdType>(fixed.size()));
-  std::transform(fixed.begin(), fixed.end(), touchable.begin(), kinds->GetPointer(0),
-    [](char isFixed, char isTouchable) {
-      return static_cast<unsigned char>(isFixed != 0 ? 2 : isTouchable != 0 ? 1 : 0);
-    });
-  // Not SetScalars(), which would drop those that are there.
-  arrays->AddArray(kinds);
-  arrays->SetActiveScalars(kinds->GetName());
 }
 
 bool Any(const std::vector<char>& chosen)
@@ -198,7 +180,7 @@ int vtkPalpateSetBoundary::RequestData(
       output->ShallowCopy(body);
       vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, fixed);
       vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, touchable);
-      AddKinds(fixed, touchable, output->GetPointData());
+      vtkPalpateAddBoundaryKinds(output, fixed, touchable);
     });
   return 1;
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "equilibrium/equilibrium.h"
+#include "equilibrium/solve_cost.h"
 #include "interaction/bonded_patch.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
@@ -19,6 +20,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
+#include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateRigidTool.h"
@@ -39,6 +41,8 @@ constexpr const char* GroupSolver = "MUMPS";
 /// How many iterations go by until the progress bar is half full. How many there will be is not
 /// known; a solve of a moderate displacement has about ten.
 constexpr double IterationsAtHalf = 10;
+/// A rigid tool comes from where it touches nothing: in so many steps as a rule.
+constexpr double StepsOfContact = 3;
 
 /// One row after the other, as tuples of `components`.
 template <class Array, class Matrix>
@@ -276,6 +280,33 @@ int vtkPalpateSolveEquilibrium::RequestData(
   return 1;
 }
 
+void vtkPalpateSolveEquilibrium::UpdateEstimate()
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->Estimate = vtkPalpateEstimate(controller,
+    [&]
+    {
+      const auto scene = vtkPalpateSceneToEstimate(
+        { vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) }, controller);
+      if (!scene)
+      {
+        return std::string();
+      }
+      const palpate::SolveCost& cost = this->Cost.Of(*scene);
+      const palpate::EquilibriumOptions options;
+      const bool isRigid = this->Tool != vtkPalpateBondedNode;
+      palpate::WorkCount work = palpate::work_of_equilibrium();
+      work.right_hand_sides += 3. * static_cast<double>(this->ActiveNodes.size());
+      const double seconds = this->Increments * (isRigid ? StepsOfContact : 1) *
+        palpate::seconds_of(work, cost, options.single_precision);
+      return "An equilibrium of " + vtkPalpateTellNumber(cost.num_unknowns) +
+        " unknowns. It takes " + vtkPalpateTellSeconds(seconds) + " and " +
+        vtkPalpateTellBytes(
+          palpate::solver_bytes(cost, options.kept_factors, options.single_precision)) +
+        " of memory.";
+    });
+}
+
 bool vtkPalpateSolveEquilibrium::SolvesTogether(const palpate::Scene& scene, int numRanks) const
 {
   const bool suits = this->LinearSolver == GroupSolver ||
@@ -416,5 +447,6 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
      << indent << "Stress: " << this->Stress << '\n'
      << indent << "GroupUnknowns: " << this->GroupUnknowns << '\n'
-     << indent << "LinearSolver: " << this->LinearSolver << '\n';
+     << indent << "LinearSolver: " << this->LinearSolver << '\n'
+     << indent << "Estimate: " << this->Estimate << '\n';
 }

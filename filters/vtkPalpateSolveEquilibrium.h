@@ -37,6 +37,7 @@
 
 #include "PalpateFiltersModule.h"
 #include "vtkNew.h"
+#include "vtkPalpateSolveCost.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
 class vtkPolyData;
@@ -155,6 +156,12 @@ public:
   /// "Automatic", and the solvers that were built in.
   vtkStringArray* GetLinearSolverNames();
 
+  ///@{ What the filter will take, by its properties and what its input is now.
+  /// @note Collective.
+  void UpdateEstimate();
+  vtkGetCharFromStdStringMacro(Estimate);
+  ///@}
+
 protected:
   vtkPalpateSolveEquilibrium();
   ~vtkPalpateSolveEquilibrium() override;
@@ -197,4 +204,6 @@ private:
   int GroupUnknowns = 30000;
   std::string LinearSolver = "Automatic";
   vtkNew<vtkStringArray> LinearSolverNames;
+  std::string Estimate;
+  vtkPalpateSolveCost Cost;
 };

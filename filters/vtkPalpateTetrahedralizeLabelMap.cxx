@@ -18,6 +18,7 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateBodyMesh.h"
+#include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateLabelGrid.h"
@@ -50,11 +51,11 @@ constexpr double AlmostEqual = 0.2;
 constexpr int MostSmoothing = 1000;
 /// Of an automatic size that lets labels vanish.
 constexpr int MostTrials = 6;
-
-/// The user wants no result any more.
-struct Aborted
-{
-};
+/// On one core.
+constexpr double SecondsOfTetrahedron = 1e-5;
+constexpr double SecondsOfVoxel = 2e-8;
+/// The label and the number of the part.
+constexpr double BytesOfVoxel = 8;
 
 /// How well the tetrahedra are shaped.
 struct Quality
@@ -141,9 +142,8 @@ void AddField(vtkDataObject* output, const char* name, const Values& values)
 }
 
 vtkPalpateTetrahedralizeLabelMap::vtkPalpateTetrahedralizeLabelMap()
-  : Controller(vtkMultiProcessController::GetGlobalController())
 {
-  this->SetNumberOfOutputPorts(2);
+  this->Unit = vtkPalpateUnit::NotSaid;
 }
 
 vtkPalpateTetrahedralizeLabelMap::~vtkPalpateTetrahedralizeLabelMap() = default;
@@ -151,15 +151,11 @@ vtkPalpateTetrahedralizeLabelMap::~vtkPalpateTetrahedralizeLabelMap() = default;
 void vtkPalpateTetrahedralizeLabelMap::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Unit: " << this->Unit << "\n"
-     << indent << "LabelArray: " << this->LabelArray << "\n"
+  os << indent << "LabelArray: " << this->LabelArray << "\n"
      << indent << "ElementSize: " << this->ElementSize << " m\n"
      << indent << "Smoothing: " << this->Smoothing << "\n"
      << indent << "SmallestIsland: " << this->SmallestIsland << " m³\n"
-     << indent << "FillHoles: " << this->FillHoles << "\n"
-     << indent << "ElementOrder: " << this->ElementOrder << "\n"
-     << indent << "MaximumRadiusEdgeRatio: " << this->MaximumRadiusEdgeRatio << "\n"
-     << indent << "TimeOut: " << this->TimeOut << " s\n";
+     << indent << "FillHoles: " << this->FillHoles << "\n";
   os << indent << "Labels:";
   for (const int label : this->Labels)
   {
@@ -197,29 +193,9 @@ void vtkPalpateTetrahedralizeLabelMap::ClearLabelSizes()
   this->Modified();
 }
 
-void vtkPalpateTetrahedralizeLabelMap::SetController(vtkMultiProcessController* controller)
-{
-  if (this->Controller != controller)
-  {
-    this->Controller = controller;
-    this->Modified();
-  }
-}
-
-vtkMultiProcessController* vtkPalpateTetrahedralizeLabelMap::GetController() const
-{
-  return this->Controller;
-}
-
 int vtkPalpateTetrahedralizeLabelMap::FillInputPortInformation(int, vtkInformation* info)
 {
   vtkPalpateTakeWhole(info, "vtkImageData");
-  return 1;
-}
-
-int vtkPalpateTetrahedralizeLabelMap::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkUnstructuredGrid" : "vtkPolyData");
   return 1;
 }
 
@@ -274,42 +250,46 @@ int vtkPalpateTetrahedralizeLabelMap::RequestData(
 
 void vtkPalpateTetrahedralizeLabelMap::Validate() const
 {
-  const auto require = [](bool holds, const std::string& name, auto value, const char* range)
-  {
-    if (!holds)
-    {
-      std::ostringstream message;
-      message << name << " is " << value << ", but must be " << range << ".";
-      throw InputError(message.str());
-    }
-  };
+  this->Superclass::Validate();
   const auto notNegative = [](double value) { return value >= 0 && std::isfinite(value); };
-  require(notNegative(this->ElementSize), "ElementSize", this->ElementSize,
+  Require(notNegative(this->ElementSize), "ElementSize", this->ElementSize,
     "a length in m, or 0 for an automatic one");
-  require(notNegative(this->SmallestIsland), "SmallestIsland", this->SmallestIsland,
+  Require(notNegative(this->SmallestIsland), "SmallestIsland", this->SmallestIsland,
     "a volume in m³, or 0 for none");
-  require(this->Smoothing >= 0 && this->Smoothing <= MostSmoothing, "Smoothing", this->Smoothing,
+  Require(this->Smoothing >= 0 && this->Smoothing <= MostSmoothing, "Smoothing", this->Smoothing,
     "a number of steps from 0 to 1000");
-  require(this->ElementOrder == 1 || this->ElementOrder == 2, "ElementOrder", this->ElementOrder,
-    "1 (Linear) or 2 (Quadratic)");
-  require(this->MaximumRadiusEdgeRatio >= 1 && std::isfinite(this->MaximumRadiusEdgeRatio),
-    "MaximumRadiusEdgeRatio", this->MaximumRadiusEdgeRatio, "at least 1");
-  require(this->TimeOut >= 0, "TimeOut", this->TimeOut, "a time in s, or 0 for none");
   for (const auto& [label, size] : this->LabelSizes)
   {
     std::ostringstream name;
     name << "LabelSizes of label " << label;
-    require(size > 0 && std::isfinite(size), name.str(), size, "a length in m, greater than 0");
+    Require(size > 0 && std::isfinite(size), name.str(), size, "a length in m, greater than 0");
   }
 }
 
-void vtkPalpateTetrahedralizeLabelMap::Progress(double fraction)
+std::string vtkPalpateTetrahedralizeLabelMap::MakeEstimate()
 {
-  this->UpdateProgress(fraction);
-  if (this->GetAbortExecute())
+  auto* image = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
+  if (this->Controller && this->Controller->GetLocalProcessId() != 0)
   {
-    throw Aborted();
+    return "";
   }
+  if (!image || image->GetNumberOfPoints() == 0)
+  {
+    vtkPalpateNothingToEstimate();
+  }
+  this->Validate();
+  const vtkPalpateLabelGrid grid = this->ReadLabels(image);
+  const auto volumes = VolumesOf(vtkPalpateCountLabels(grid), grid.Volume());
+  const double number = this->CountTetrahedra(volumes, this->Sizes(volumes, grid));
+  const auto voxels = static_cast<double>(grid.Labels.size());
+  return vtkPalpateTellBody(number, this->ElementOrder == Quadratic,
+    number * SecondsOfTetrahedron + voxels * SecondsOfVoxel, voxels * BytesOfVoxel);
+}
+
+vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::ReadLabels(vtkImageData* image) const
+{
+  return vtkPalpateReadLabels(
+    image, this->LabelArray == "None" ? "" : this->LabelArray, this->Labels, this->UnitOf(image));
 }
 
 double vtkPalpateTetrahedralizeLabelMap::UnitOf(vtkImageData* image) const
@@ -357,10 +337,18 @@ std::map<int, double> vtkPalpateTetrahedralizeLabelMap::Sizes(
     }
     found->second = size;
   }
+  return sizes;
+}
+
+double vtkPalpateTetrahedralizeLabelMap::CountTetrahedra(
+  const std::map<int, double>& volumes, const std::map<int, double>& sizes) const
+{
   double number = 0;
+  double total = 0;
   for (const auto& [label, volume] : volumes)
   {
-    number += volume / (MeanVolumeOfEdge * std::pow(sizes[label], 3));
+    number += volume / (MeanVolumeOfEdge * std::pow(sizes.at(label), 3));
+    total += volume;
   }
   if (number > MostTetrahedra)
   {
@@ -369,7 +357,7 @@ std::map<int, double> vtkPalpateTetrahedralizeLabelMap::Sizes(
          << ". Raise ElementSize, or correct the Unit: the body has " << total << " m³.";
     throw InputError(text.str());
   }
-  return sizes;
+  return number;
 }
 
 vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::Resample(const vtkPalpateLabelGrid& grid,
@@ -431,8 +419,7 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
 {
   this->Validate();
   std::ostringstream report;
-  vtkPalpateLabelGrid grid = vtkPalpateReadLabels(
-    image, this->LabelArray == "None" ? "" : this->LabelArray, this->Labels, this->UnitOf(image));
+  vtkPalpateLabelGrid grid = this->ReadLabels(image);
   this->Progress(0.05);
   const auto before = vtkPalpateCountLabels(grid);
   for (const auto& [label, parts] : vtkPalpateRemoveIslands(grid, this->SmallestIsland))
@@ -460,6 +447,7 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   this->Progress(0.1);
 
   auto sizes = this->Sizes(volumes, grid);
+  (void)this->CountTetrahedra(volumes, sizes);
   const vtkPalpateLabelGrid image_grid = std::move(grid);
   grid = this->Resample(image_grid, volumes, sizes);
   this->Progress(0.2);

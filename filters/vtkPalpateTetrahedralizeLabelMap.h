@@ -22,25 +22,18 @@
 #include <vector>
 
 #include "PalpateFiltersModule.h"
-#include "vtkSmartPointer.h"
-#include "vtkUnstructuredGridAlgorithm.h"
+#include "vtkPalpateTetrahedralize.h"
 
 class vtkImageData;
-class vtkMultiProcessController;
 class vtkPolyData;
 struct vtkPalpateLabelGrid;
 
-class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeLabelMap : public vtkUnstructuredGridAlgorithm
+class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeLabelMap : public vtkPalpateTetrahedralize
 {
 public:
   static vtkPalpateTetrahedralizeLabelMap* New();
-  vtkTypeMacro(vtkPalpateTetrahedralizeLabelMap, vtkUnstructuredGridAlgorithm);
+  vtkTypeMacro(vtkPalpateTetrahedralizeLabelMap, vtkPalpateTetrahedralize);
   void PrintSelf(ostream& os, vtkIndent indent) override;
-
-  ///@{ Number of a vtkPalpateUnit: in which the image has its lengths. It has to be said.
-  vtkSetMacro(Unit, int);
-  vtkGetMacro(Unit, int);
-  ///@}
 
   ///@{ The array of labels; "None" or empty: the active scalars.
   vtkSetStdStringFromCharMacro(LabelArray);
@@ -78,54 +71,37 @@ public:
   vtkBooleanMacro(FillHoles, bool);
   ///@}
 
-  ///@{ As of vtkPalpateTetrahedralizeSurface: 1 linear, 2 quadratic.
-  vtkSetMacro(ElementOrder, int);
-  vtkGetMacro(ElementOrder, int);
-  ///@}
-
-  ///@{ Largest ratio of circumscribed radius to shortest edge, ≥ 1; the less, the better shaped.
-  vtkSetMacro(MaximumRadiusEdgeRatio, double);
-  vtkGetMacro(MaximumRadiusEdgeRatio, double);
-  ///@}
-
-  ///@{ TetGen is stopped after this time, s; 0 = never.
-  vtkSetMacro(TimeOut, double);
-  vtkGetMacro(TimeOut, double);
-  ///@}
-
-  ///@{ The ranks; by default those of the global controller, which may be none.
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkMultiProcessController* GetController() const;
-  ///@}
-
 protected:
   vtkPalpateTetrahedralizeLabelMap();
   ~vtkPalpateTetrahedralizeLabelMap() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
+  std::string MakeEstimate() override;
+  void Validate() const override;
+
 private:
   vtkPalpateTetrahedralizeLabelMap(const vtkPalpateTetrahedralizeLabelMap&) = delete;
   void operator=(const vtkPalpateTetrahedralizeLabelMap&) = delete;
 
-  void Validate() const;
   void Tetrahedralize(vtkImageData* image, vtkUnstructuredGrid* body, vtkPolyData* walls);
-  void Progress(double fraction);
+  vtkPalpateLabelGrid ReadLabels(vtkImageData* image) const;
   double UnitOf(vtkImageData* image) const;
   /// The edge of the tetrahedra of each label, m.
   std::map<int, double> Sizes(
     const std::map<int, double>& volumes, const vtkPalpateLabelGrid& grid) const;
+  /// How many tetrahedra they ask for. @throws palpate::InputError more than would be made.
+  double CountTetrahedra(
+    const std::map<int, double>& volumes, const std::map<int, double>& sizes) const;
   /// Cubes of the least of these edges, which become less where they are automatic and a label
   /// vanishes.
   vtkPalpateLabelGrid Resample(const vtkPalpateLabelGrid& grid,
     const std::map<int, double>& volumes, std::map<int, double>& sizes) const;
 
-  int Unit = -1;
   std::string LabelArray = "None";
   std::vector<int> Labels;
   double ElementSize = 0;
@@ -133,8 +109,4 @@ private:
   int Smoothing = 20;
   double SmallestIsland = 0;
   bool FillHoles = false;
-  int ElementOrder = 1;
-  double MaximumRadiusEdgeRatio = 1.414;
-  double TimeOut = 600;
-  vtkSmartPointer<vtkMultiProcessController> Controller;
 };

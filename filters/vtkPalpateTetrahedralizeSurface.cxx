@@ -2,6 +2,7 @@
 #include "vtkPalpateTetrahedralizeSurface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <sstream>
 #include <vector>
@@ -11,10 +12,12 @@
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkMath.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateBodyMesh.h"
+#include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateSurfaceCheck.h"
@@ -37,10 +40,64 @@ constexpr int GreatestResolution = 300; // half a gigabyte for a cube
 /// More tetrahedra than this are a slip of a unit, not a wish.
 constexpr double MostTetrahedra = 2e7;
 
-/// The user wants no result any more.
-struct Aborted
+/// How many tetrahedra TetGen makes, as it did of sixteen surfaces of balls, livers, plates and
+/// cylinders, to a factor of 2.5: where it may divide triangles, of each that is left, and else of
+/// each that there is.
+constexpr double TetrahedraOfPart = 1.6;
+constexpr double TetrahedraOfTriangle = 2.5;
+/// Of a triangle with edges of 1.
+constexpr double AreaOfEdge = 0.433;
+/// A bound of the shape that is stricter than the default one, and one that is less.
+constexpr double DefaultRatio = 1.414;
+constexpr double FinerExponent = 6;
+constexpr double CoarserExponent = 2;
+/// Mean volume of a tetrahedron beside its bound.
+constexpr double ShareOfBound = 0.22;
+/// On one core.
+constexpr double SecondsOfTetrahedron = 1e-5;
+constexpr double SecondsOfTriangle = 1e-4;
+constexpr double BytesOfTriangle = 500;
+
+/// Of each point the shortest edge that ends there, m.
+std::vector<double> ShortestEdges(const vtkPalpateSurface& surface)
 {
-};
+  std::vector<double> shortest(surface.Points.size(), VTK_DOUBLE_MAX);
+  for (const auto& triangle : surface.Triangles)
+  {
+    for (int i = 0; i < 3; ++i)
+    {
+      const vtkIdType a = triangle[i];
+      const vtkIdType b = triangle[(i + 1) % 3];
+      const double edge = std::sqrt(
+        vtkMath::Distance2BetweenPoints(surface.Points[a].data(), surface.Points[b].data()));
+      shortest[a] = std::min(shortest[a], edge);
+      shortest[b] = std::min(shortest[b], edge);
+    }
+  }
+  return shortest;
+}
+
+/// The volume of the part of the surface's box in which a function is negative, m³.
+double VolumeWithin(vtkImplicitFunction* function, const vtkPalpateSurface& surface)
+{
+  constexpr int samples = 32;
+  const std::array<double, 6> box = vtkPalpateBounds(surface);
+  const auto at = [&](int axis, int i)
+  { return box[2 * axis] + (i + 0.5) / samples * (box[2 * axis + 1] - box[2 * axis]); };
+  int within = 0;
+  for (int i = 0; i < samples; ++i)
+  {
+    for (int j = 0; j < samples; ++j)
+    {
+      for (int k = 0; k < samples; ++k)
+      {
+        within += function->FunctionValue(at(0, i), at(1, j), at(2, k)) < 0 ? 1 : 0;
+      }
+    }
+  }
+  return (box[1] - box[0]) * (box[3] - box[2]) * (box[5] - box[4]) * within /
+    (samples * samples * samples);
+}
 
 void AddText(vtkDataObject* output, const char* name, const std::string& text)
 {
@@ -51,27 +108,19 @@ void AddText(vtkDataObject* output, const char* name, const std::string& text)
 }
 }
 
-vtkPalpateTetrahedralizeSurface::vtkPalpateTetrahedralizeSurface()
-  : Controller(vtkMultiProcessController::GetGlobalController())
-{
-  this->SetNumberOfOutputPorts(2);
-}
+vtkPalpateTetrahedralizeSurface::vtkPalpateTetrahedralizeSurface() = default;
 
 vtkPalpateTetrahedralizeSurface::~vtkPalpateTetrahedralizeSurface() = default;
 
 void vtkPalpateTetrahedralizeSurface::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "Unit: " << this->Unit << "\n"
-     << indent << "ElementOrder: " << this->ElementOrder << "\n"
-     << indent << "MaximumRadiusEdgeRatio: " << this->MaximumRadiusEdgeRatio << "\n"
-     << indent << "MaximumVolume: " << this->MaximumVolume << " m³\n"
+  os << indent << "MaximumVolume: " << this->MaximumVolume << " m³\n"
      << indent << "PreserveSurface: " << this->PreserveSurface << "\n"
      << indent << "RepairSurface: " << this->RepairSurface << "\n"
      << indent << "RepairResolution: " << this->RepairResolution << "\n"
      << indent << "RefineRegion: " << this->RefineRegion.Get() << "\n"
-     << indent << "RefineVolume: " << this->RefineVolume << " m³\n"
-     << indent << "TimeOut: " << this->TimeOut << " s\n";
+     << indent << "RefineVolume: " << this->RefineVolume << " m³\n";
 }
 
 void vtkPalpateTetrahedralizeSurface::SetRefineRegion(vtkImplicitFunction* function)
@@ -88,20 +137,6 @@ vtkImplicitFunction* vtkPalpateTetrahedralizeSurface::GetRefineRegion() const
   return this->RefineRegion;
 }
 
-void vtkPalpateTetrahedralizeSurface::SetController(vtkMultiProcessController* controller)
-{
-  if (this->Controller != controller)
-  {
-    this->Controller = controller;
-    this->Modified();
-  }
-}
-
-vtkMultiProcessController* vtkPalpateTetrahedralizeSurface::GetController() const
-{
-  return this->Controller;
-}
-
 vtkMTimeType vtkPalpateTetrahedralizeSurface::GetMTime()
 {
   const vtkMTimeType own = this->Superclass::GetMTime();
@@ -114,12 +149,6 @@ vtkMTimeType vtkPalpateTetrahedralizeSurface::GetMTime()
 int vtkPalpateTetrahedralizeSurface::FillInputPortInformation(int, vtkInformation* info)
 {
   vtkPalpateTakeWhole(info, "vtkPolyData");
-  return 1;
-}
-
-int vtkPalpateTetrahedralizeSurface::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkUnstructuredGrid" : "vtkPolyData");
   return 1;
 }
 
@@ -163,42 +192,72 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
 
 void vtkPalpateTetrahedralizeSurface::Validate() const
 {
-  const auto require = [](bool holds, const char* name, auto value, const char* range)
-  {
-    if (!holds)
-    {
-      std::ostringstream message;
-      message << name << " is " << value << ", but must be " << range << ".";
-      throw InputError(message.str());
-    }
-  };
+  this->Superclass::Validate();
   const auto volume = [](double value) { return value >= 0 && std::isfinite(value); };
-  require(this->ElementOrder == Linear || this->ElementOrder == Quadratic, "ElementOrder",
-    this->ElementOrder, "1 (Linear) or 2 (Quadratic)");
-  require(this->MaximumRadiusEdgeRatio >= 1 && std::isfinite(this->MaximumRadiusEdgeRatio),
-    "MaximumRadiusEdgeRatio", this->MaximumRadiusEdgeRatio, "at least 1");
-  require(volume(this->MaximumVolume), "MaximumVolume", this->MaximumVolume,
+  Require(volume(this->MaximumVolume), "MaximumVolume", this->MaximumVolume,
     "a volume in m³, or 0 for none");
-  require(volume(this->RefineVolume), "RefineVolume", this->RefineVolume,
+  Require(volume(this->RefineVolume), "RefineVolume", this->RefineVolume,
     "a volume in m³, or 0 for none");
-  require(this->RepairResolution >= LeastResolution && this->RepairResolution <= GreatestResolution,
+  Require(this->RepairResolution >= LeastResolution && this->RepairResolution <= GreatestResolution,
     "RepairResolution", this->RepairResolution, "from 16 to 300 points");
-  require(this->TimeOut >= 0, "TimeOut", this->TimeOut, "a time in s, or 0 for none");
 }
 
-void vtkPalpateTetrahedralizeSurface::Progress(double fraction)
+double vtkPalpateTetrahedralizeSurface::CountTetrahedra(const vtkPalpateSurface& surface) const
 {
-  this->UpdateProgress(fraction);
-  if (this->GetAbortExecute())
+  double number = surface.Triangles.size() * TetrahedraOfTriangle;
+  if (!this->PreserveSurface)
   {
-    throw Aborted();
+    // Triangles are divided until they are as small as the shortest edge that meets them.
+    const std::vector<double> shortest = ShortestEdges(surface);
+    double triangles = 0;
+    for (const auto& [a, b, c] : surface.Triangles)
+    {
+      const auto& x = surface.Points;
+      const vtkPalpatePoint normal = vtkPalpateNormal(x[a], x[b], x[c]);
+      const double area = 0.5 * vtkMath::Norm(normal.data());
+      const double edge = std::min({ shortest[a], shortest[b], shortest[c] });
+      triangles += std::max(1., area / (AreaOfEdge * edge * edge));
+    }
+    const double finer = DefaultRatio / this->MaximumRadiusEdgeRatio;
+    number =
+      triangles * TetrahedraOfPart * std::pow(finer, finer > 1 ? FinerExponent : CoarserExponent);
   }
+  const double volume = std::abs(vtkPalpateVolume(surface));
+  if (this->MaximumVolume > 0)
+  {
+    number += volume / (ShareOfBound * this->MaximumVolume);
+  }
+  if (this->RefineRegion && this->RefineVolume > 0)
+  {
+    const double part = std::min(volume, VolumeWithin(this->RefineRegion, surface));
+    number += part / (ShareOfBound * this->RefineVolume);
+  }
+  return number;
 }
 
-void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
-  vtkPolyData* input, vtkUnstructuredGrid* body, vtkPolyData* fault_output)
+std::string vtkPalpateTetrahedralizeSurface::MakeEstimate()
 {
+  const auto whole = vtkPalpateGatherSurface(
+    vtkPolyData::SafeDownCast(this->GetInputDataObject(0, 0)), this->Controller);
+  if (!whole)
+  {
+    return "";
+  }
+  if (whole->GetNumberOfCells() == 0)
+  {
+    vtkPalpateNothingToEstimate();
+  }
   this->Validate();
+  const auto surface = this->SurfaceOf(whole);
+  const double number = this->CountTetrahedra(surface);
+  this->RequireFewEnough(std::abs(vtkPalpateVolume(surface)));
+  return vtkPalpateTellBody(number, this->ElementOrder == Quadratic,
+    number * SecondsOfTetrahedron + surface.Triangles.size() * SecondsOfTriangle,
+    surface.Triangles.size() * BytesOfTriangle);
+}
+
+vtkPalpateSurface vtkPalpateTetrahedralizeSurface::SurfaceOf(vtkPolyData* input) const
+{
   auto surface = vtkPalpateSurfaceFromPolyData(input);
   const double unit = vtkPalpateUnit::Length(this->Unit);
   for (vtkPalpatePoint& point : surface.Points)
@@ -208,6 +267,26 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
       coordinate *= unit;
     }
   }
+  return surface;
+}
+
+void vtkPalpateTetrahedralizeSurface::RequireFewEnough(double volume) const
+{
+  if (this->MaximumVolume > 0 && volume / this->MaximumVolume > MostTetrahedra)
+  {
+    std::ostringstream message;
+    message << "MaximumVolume, " << this->MaximumVolume << " m³, asks for more than "
+            << MostTetrahedra << " tetrahedra in a body of " << volume
+            << " m³. Raise it, or correct the unit of the surface.";
+    throw InputError(message.str());
+  }
+}
+
+void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
+  vtkPolyData* input, vtkUnstructuredGrid* body, vtkPolyData* fault_output)
+{
+  this->Validate();
+  const auto surface = this->SurfaceOf(input);
   this->Progress(0.05);
   const auto faults = vtkPalpateCheckSurface(surface);
   vtkPalpateFaultsToPolyData(surface, faults, fault_output);
@@ -233,14 +312,7 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   }
 
   const double volume = std::abs(vtkPalpateVolume(repaired.Surface));
-  if (this->MaximumVolume > 0 && volume / this->MaximumVolume > MostTetrahedra)
-  {
-    std::ostringstream message;
-    message << "MaximumVolume, " << this->MaximumVolume << " m³, asks for more than "
-            << MostTetrahedra << " tetrahedra in a body of " << volume
-            << " m³. Raise it, or correct the unit of the surface.";
-    throw InputError(message.str());
-  }
+  this->RequireFewEnough(volume);
 
   vtkPalpateBodyMeshOptions options;
   options.TetGen.MaximumRadiusEdgeRatio = this->MaximumRadiusEdgeRatio;

@@ -25,38 +25,18 @@
 #pragma once
 
 #include "PalpateFiltersModule.h"
-#include "vtkSmartPointer.h"
-#include "vtkUnstructuredGridAlgorithm.h"
+#include "vtkPalpateTetrahedralize.h"
 
 class vtkImplicitFunction;
-class vtkMultiProcessController;
 class vtkPolyData;
+struct vtkPalpateSurface;
 
-class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeSurface : public vtkUnstructuredGridAlgorithm
+class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeSurface : public vtkPalpateTetrahedralize
 {
 public:
   static vtkPalpateTetrahedralizeSurface* New();
-  vtkTypeMacro(vtkPalpateTetrahedralizeSurface, vtkUnstructuredGridAlgorithm);
+  vtkTypeMacro(vtkPalpateTetrahedralizeSurface, vtkPalpateTetrahedralize);
   void PrintSelf(ostream& os, vtkIndent indent) override;
-
-  ///@{ Number of a vtkPalpateUnit: in which the surface has its lengths. All lengths and volumes of
-  /// the properties are in m, and so is the body.
-  vtkSetMacro(Unit, int);
-  vtkGetMacro(Unit, int);
-  ///@}
-
-  enum ElementOrders
-  {
-    Linear = 1,   ///< VTK_TETRA
-    Quadratic = 2 ///< VTK_QUADRATIC_TETRA, with points in the middle of straight edges
-  };
-  vtkSetMacro(ElementOrder, int);
-  vtkGetMacro(ElementOrder, int);
-
-  ///@{ Largest ratio of circumscribed radius to shortest edge, ≥ 1; the less, the better shaped.
-  vtkSetMacro(MaximumRadiusEdgeRatio, double);
-  vtkGetMacro(MaximumRadiusEdgeRatio, double);
-  ///@}
 
   ///@{ Largest volume of a tetrahedron, m³; 0 = no bound.
   vtkSetMacro(MaximumVolume, double);
@@ -90,16 +70,6 @@ public:
   vtkGetMacro(RefineVolume, double);
   ///@}
 
-  ///@{ TetGen is stopped after this time, s; 0 = never.
-  vtkSetMacro(TimeOut, double);
-  vtkGetMacro(TimeOut, double);
-  ///@}
-
-  ///@{ The ranks; by default those of the global controller, which may be none.
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkMultiProcessController* GetController() const;
-  ///@}
-
   vtkMTimeType GetMTime() override;
 
 protected:
@@ -107,29 +77,29 @@ protected:
   ~vtkPalpateTetrahedralizeSurface() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
   int RequestData(
     vtkInformation* request, vtkInformationVector** input, vtkInformationVector* output) override;
 
+  std::string MakeEstimate() override;
+  void Validate() const override;
+
 private:
   vtkPalpateTetrahedralizeSurface(const vtkPalpateTetrahedralizeSurface&) = delete;
   void operator=(const vtkPalpateTetrahedralizeSurface&) = delete;
 
-  void Validate() const;
   void Tetrahedralize(vtkPolyData* input, vtkUnstructuredGrid* body, vtkPolyData* faults);
-  void Progress(double fraction);
+  vtkPalpateSurface SurfaceOf(vtkPolyData* input) const;
+  /// @param volume Of the body, m³. @throws palpate::InputError it is far beyond MaximumVolume.
+  void RequireFewEnough(double volume) const;
+  /// About how many of them the mesher will make.
+  double CountTetrahedra(const vtkPalpateSurface& surface) const;
 
-  int Unit = 0;
-  int ElementOrder = Linear;
-  double MaximumRadiusEdgeRatio = 1.414;
   double MaximumVolume = 0;
   bool PreserveSurface = false;
   bool RepairSurface = false;
   int RepairResolution = 80;
   vtkSmartPointer<vtkImplicitFunction> RefineRegion;
   double RefineVolume = 0;
-  double TimeOut = 600;
-  vtkSmartPointer<vtkMultiProcessController> Controller;
 };

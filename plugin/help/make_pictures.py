@@ -24,7 +24,7 @@ import qt
 from qt import QtCore, QtGui, QtWidgets, wait, window
 
 SIZE = QtCore.QSize(1120, 760)
-COLOURS = (96, 48)  # the first that makes the picture small enough
+COLOURS = (96, 48, 32)  # the first that makes the picture small enough
 LARGEST = 60_000  # bytes
 SURFACE = os.path.join(source_folder, "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
@@ -151,6 +151,16 @@ def main():
     apply()
     picture("SetBoundary")
 
+    SaveData("liver.feb", proxy=scene)
+    model = OpenDataFile("liver.feb")
+    Hide(scene)
+    Show(model)
+    SetActiveSource(model)
+    picture("FEBio")
+    Delete(model)
+    SetActiveSource(scene)
+    Show(scene)
+
     solve = add("Solve Equilibrium")
     solve.ActiveNodes, solve.Displacement = [NODE], [0, 0, 0.02]
     apply()
@@ -168,6 +178,8 @@ def main():
     space = add("Precompute State Space")
     space.ActiveNodes = [NODE]
     space.FileName = "liver.palpate"
+    wait(1)
+    picture("estimates")
     apply()
     wait(1)
     look(space)

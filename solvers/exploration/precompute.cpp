@@ -2,7 +2,6 @@
 #include "exploration/precompute.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -14,163 +13,26 @@
 #include <utility>
 
 #include "base/error.h"
+#include "equilibrium/equilibrium.h"
 #include "exploration/engine.h"
 #include "exploration/monitor.h"
+#include "exploration/plan_spaces.h"
 #include "exploration/record.h"
+#include "exploration/start_graph.h"
 #include "exploration/transfer.h"
 #include "interaction/interaction_spec.h"
 #include "interpolation/error_estimate.h"
 #include "linear/group.h"
-#include "state_space/pod.h"
 
 namespace palpate {
 namespace {
 
-/// Cells are halved this often at the most.
-constexpr int kMaxDepth = 6;
-
-/// Side of the coarsest cells of a rigid tool's space where it is not given, in half-widths of the
-/// tool.
-constexpr double kSpacingOfRadius = 0.4;
-/// How many configurations more than the first round a tolerance takes, about: what the liver took
-/// for 0.1 %.
-constexpr double kMoreByTolerance = 3;
 /// What the error of a cell is in one of its halves at the most where halving helps: it falls to an
 /// eighth or less where the force is smooth, and where contact begins.
 constexpr double kShrinks = 1.0 / 3;
 /// A step onto another branch, as at a ridge, is halved this often before the body jumps. What it
 /// jumps to is the same after eight halvings, in three times the time.
 constexpr int kMostHalvingsOfStep = 3;
-/// From so many places the time of a configuration is estimated.
-constexpr std::size_t kTrials = 3;
-/// A configuration without fields, in a file.
-constexpr double kSummaryBytes = 512;
-
-/// Makes the grid of a tool space that of the smallest cells that a tolerance may ask for.
-void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
-  setup.policy.tolerance = options.tolerance;
-  setup.policy.tolerance_is_relative = options.tolerance_is_relative;
-  setup.policy.history = History::flat;
-  for (int depth = 0; depth < kMaxDepth; ++depth) {
-    const std::int32_t finer = 2 * setup.grid.resolution - 1;
-    if (finer > kLargestResolution) break;
-    setup.grid.resolution = finer;
-    setup.grid.coarsest *= 2;
-  }
-}
-
-/// What the policies of all tool spaces have in common.
-ExplorationPolicy policy_of(const PrecomputeOptions& options) {
-  ExplorationPolicy policy;
-  policy.force_limit = options.force_limit;
-  policy.history = options.history;
-  policy.intermediate_states = options.intermediate_states;
-  policy.third_derivatives = options.equilibrium.third_derivatives;
-  return policy;
-}
-
-/// @throws InputError a node where the tool cannot be.
-std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions& options) {
-  std::vector<Index> nodes = options.active_nodes;
-  if (nodes.empty()) {
-    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-      if (scene.touchable[p] != 0 && scene.fixed[p] == 0) nodes.push_back(p);
-    }
-    if (nodes.empty()) {
-      throw InputError(
-          "No point of the body is touchable. Choose touchable points with Set "
-          "Boundary or name active nodes.");
-    }
-  }
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  const BondedPatches patches(scene, options.tip_radius);
-  std::vector<PlannedSpace> spaces;
-  for (const Index node : nodes) {
-    (void)patches.around(node);
-    ToolSpaceSetup setup;
-    setup.id = node;
-    setup.interaction = bonded_patch_spec(scene, node, options.tip_radius);
-    setup.grid.half_width = options.half_width;
-    setup.grid.resolution = options.resolution;
-    setup.policy = policy_of(options);
-    if (options.tolerance > 0) refine(options, setup);
-    spaces.push_back({setup, make_grid_plan(setup)});
-  }
-  return spaces;
-}
-
-/// @throws InputError a tool that is none, or that there is nothing to press with.
-std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions& options,
-                                     InteractionFactory& tools) {
-  const ContactOptions& contact = *options.contact;
-  ToolSpaceSetup setup;
-  setup.id = kContactToolSpace;
-  setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
-  const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
-  const double width = half_width(setup.interaction.tool);
-  const double spacing = contact.spacing > 0 ? contact.spacing : kSpacingOfRadius * width;
-  if (spacing > 2 * width) {
-    throw InputError("The spacing is " + std::to_string(spacing) + " m, larger than the tool of " +
-                     std::to_string(2 * width) +
-                     " m: most contacts would lie between the places "
-                     "that are computed. Take a quarter of the tool's size or less.");
-  }
-  setup.grid = make_shell_grid(*clearance, spacing);
-  setup.policy = policy_of(options);
-  setup.policy.history = History::flat;
-  setup.policy.tolerance = options.tolerance;
-  setup.policy.tolerance_is_relative = options.tolerance_is_relative;
-  setup.policy.depth = contact.shell.depth;
-  auto graph = std::make_shared<const StartGraph>(
-      setup.id, shell_targets(*clearance, setup.grid, scene.touchable, contact.shell));
-  return {{setup, std::move(graph)}};
-}
-
-/// What is expected of the first round of a shell, and with a tolerance of those after it too.
-/// @throws InputError more configurations are to be expected than are allowed.
-ExplorationEstimate estimate_shell(const PrecomputeOptions& options, const PlannedSpace& space,
-                                   const StartGraph& graph, StateSolver& solver,
-                                   const Assembly& assembly, int num_ranks) {
-  ExplorationEstimate estimate;
-  std::vector<CheckPoint> from_none;
-  for (const StartGraph::Target& target : graph.targets()) {
-    ++(target.is_free ? estimate.num_free : estimate.num_configurations);
-    const bool begins = !target.starts.empty() && target.starts.front() == target.check_point;
-    if (begins && !target.is_free) from_none.push_back(target.check_point);
-  }
-  const double more = options.tolerance > 0 ? kMoreByTolerance : 1;
-  estimate.num_configurations =
-      std::llround(more * static_cast<double>(estimate.num_configurations));
-  estimate.num_free = std::llround(more * static_cast<double>(estimate.num_free));
-  const auto number = static_cast<double>(estimate.num_configurations);
-  // u and v, p and p_v; in a file of single precision.
-  const double numbers = 4 * static_cast<double>(assembly.state_size());
-  const double with_fields = numbers * sizeof(float) + kSummaryBytes;
-  estimate.file_bytes =
-      number * with_fields + kSummaryBytes * static_cast<double>(estimate.num_free);
-  estimate.bytes_per_rank =
-      number * (options.file.empty() ? (numbers * sizeof(double) + kSummaryBytes) / num_ranks
-                                     : sizeof(ConfigurationSummary));
-  if (estimate.num_configurations > options.contact->most_configurations) {
-    throw InputError(
-        "The space would have about " + std::to_string(estimate.num_configurations) +
-        " configurations and take " + std::to_string(std::llround(estimate.file_bytes / 1e6)) +
-        " MB; at most " + std::to_string(options.contact->most_configurations) +
-        " are allowed. Take a larger spacing, less depth or a smaller region, or allow "
-        "more.");
-  }
-  // Trials take a while.
-  if (!options.expects) return estimate;
-  double seconds = 0;
-  const std::size_t trials = std::min(kTrials, from_none.size());
-  for (std::size_t i = 0; i < trials; ++i) {
-    const CheckPoint& p = from_none[(2 * i + 1) * from_none.size() / (2 * trials)];
-    seconds += solver.begin(space.setup, space.setup.grid.place(p), Tangent::factorised).seconds;
-  }
-  if (trials > 0) estimate.seconds = seconds / static_cast<double>(trials) * number / num_ranks;
-  return estimate;
-}
 
 EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& monitor) {
   EquilibriumOptions result = options.equilibrium;
@@ -374,17 +236,11 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
     solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
                                                  std::move(linear_solver));
     state_solver.emplace(*solver, tools);
-    if (!options.contact) {
-      spaces = plan_grids(scene, options);
-      return;
-    }
-    spaces = plan_shell(scene, options, tools);
-    if (communicator.rank() != 0) return;
-    const PlannedSpace& space = spaces.front();
-    const ExplorationEstimate estimate =
-        estimate_shell(options, space, static_cast<const StartGraph&>(*space.plan), *state_solver,
-                       solver->assembly(), communicator.size());
-    if (options.expects) options.expects(estimate);
+    spaces = plan_spaces(scene, options, tools);
+    require_few_enough(options, spaces);
+    if (communicator.rank() != 0 || !options.expects) return;
+    const SolveCost cost = measure_solve_cost(scene, options.linear_solver);
+    options.expects(estimate_exploration(options, spaces, cost, communicator.size()));
   });
   std::vector<ToolSpaceSetup> setups;
   for (const PlannedSpace& space : spaces) setups.push_back(space.setup);
@@ -472,68 +328,6 @@ void append(PrecomputeResult& all, PrecomputeResult newer, bool in_memory) {
 }
 
 }  // namespace
-
-void validate(const PrecomputeOptions& options) {
-  if (options.contact) {
-    const auto& [tool, spacing, shell, most_configurations] = *options.contact;
-    if (!(std::isfinite(spacing) && spacing >= 0)) {
-      throw InputError("The spacing is " + std::to_string(spacing) +
-                       "; it must be a length in m, or 0 for two fifths of the tool's radius.");
-    }
-    if (!(std::isfinite(shell.depth) && shell.depth >= 0)) {
-      throw InputError("The depth is " + std::to_string(shell.depth) +
-                       "; it must be a length in m, or 0 to go as deep as the force limit allows.");
-    }
-    if (!shell.begin_at.allFinite()) {
-      throw InputError("The place where the exploration begins is not finite.");
-    }
-    if (shell.depth == 0 && options.force_limit == 0) {
-      throw InputError(
-          "Neither a depth nor a force limit is given: the tool would be pressed "
-          "through the body. Set one of them.");
-    }
-    if (options.intermediate_states > 0 || options.history == History::levels) {
-      throw InputError(
-          "The space of a rigid tool has no levels or intermediate states. Set History "
-          "to another value and IntermediateStates to 0.");
-    }
-  }
-  const bool has_boxes = !options.contact || !options.active_nodes.empty();
-  if (has_boxes && !(std::isfinite(options.half_width) && options.half_width > 0)) {
-    throw InputError("The half-width is " + std::to_string(options.half_width) +
-                     "; it must be a positive length in m.");
-  }
-  if (options.resolution < 3 || options.resolution % 2 == 0 ||
-      options.resolution > kLargestCoarsestResolution) {
-    throw InputError(
-        "The resolution is " + std::to_string(options.resolution) +
-        "; it must be odd, so that the rest position is a check-point, and from 3 to " +
-        std::to_string(kLargestCoarsestResolution) + '.');
-  }
-  if (!(std::isfinite(options.force_limit) && options.force_limit >= 0)) {
-    throw InputError("The force limit is " + std::to_string(options.force_limit) +
-                     "; it must be a force in N, or 0 for none.");
-  }
-  if (!(std::isfinite(options.tolerance) && options.tolerance >= 0)) {
-    throw InputError(
-        "The tolerance is " + std::to_string(options.tolerance) +
-        "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
-  }
-  if (options.history == History::levels && options.tolerance > 0) {
-    throw InputError(
-        "Levels are explored on a uniform grid. Choose a resolution instead of a "
-        "tolerance, or another history.");
-  }
-  if (options.intermediate_states < 0 || options.intermediate_states > kMostIntermediateStates) {
-    throw InputError("The intermediate states are " + std::to_string(options.intermediate_states) +
-                     "; they must be from 0 to " + std::to_string(kMostIntermediateStates) + '.');
-  }
-  if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
-    throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +
-                     "; it must be a share from 0.00001 to below 1.");
-  }
-  validate(options.equilibrium);
-}
 
 PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
                             Communicator& communicator, const Progress& progress) {

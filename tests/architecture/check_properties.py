@@ -53,7 +53,8 @@ def faults_of(proxy):
             yield f"{name}: no unit; write it in SI or 'no unit'"
         if element.tag == "IdTypeVectorProperty":
             yield f"{name}: the panel shows no IdTypeVectorProperty; an IntVectorProperty does"
-        if (not any(child.tag.endswith("Domain") for child in element)
+        if (element.tag != "Property"  # A command has no value.
+                and not any(child.tag.endswith("Domain") for child in element)
                 and element.get("repeat_command") != "1"):
             yield f"{name}: no domain"
         if name == "Input":
@@ -63,7 +64,8 @@ def faults_of(proxy):
         elif groups[name][0] in ADVANCED and element.get("panel_visibility") != "advanced":
             yield f"{name}: not advanced, in the group {groups[name][0]}"
     basic = [name for name, element in properties.items()
-             if name in groups and element.get("panel_visibility") != "advanced"
+             if name in groups and element.tag != "Property"
+             and element.get("panel_visibility") != "advanced"
              and not is_decorated(element)]
     if len(basic) > MOST_AT_ONCE:
         yield f"{len(basic)} properties that are not advanced, more than {MOST_AT_ONCE}: {basic}"

@@ -38,6 +38,7 @@
 #include "accuracy/surface_places.h"
 #include "base/error.h"
 #include "equilibrium/condensed_system.h"
+#include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
 #include "interpolation/error_estimate.h"

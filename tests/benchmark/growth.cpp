@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "benchmark/table.h"
+#include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
 #include "linear/group.h"

@@ -20,7 +20,7 @@ from dock_support import (click_start, click_stop, number, runs, said, touch_fil
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
                 application, canvas, choose, click, dialogs, dock, drag, in_dialog, is_shown, menu,
                 open_file, part, pixel_of, pixel_of_node, press_escape, property_widget, send,
-                turn_wheel, wait, window, write)
+                turn_wheel, wait, wait_until, window, write)
 
 HOST = "127.0.0.1"  # A bare system knows no name for it.
 # The block's active nodes are at the end of large x: a place far from them that is seen from there,
@@ -351,13 +351,25 @@ def fill_in_materials():
     assert modulus == (5000, 5000), modulus
 
 
+def estimate_with(*words):
+    """Waits until the panel's estimate has them, before anything is applied."""
+    def text():
+        return property_widget("UpdateEstimate", QtWidgets.QLabel).text()
+    wait_until(lambda: all(word in text() for word in words), text)
+
+
 def road():
     """From a surface to touching it, as the quick start says, by menus, panels and the mouse."""
     open_file(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples", "liver", "liver.vtp"))
     apply()
     menu("Filters", "Palpate", "Tetrahedralize Surface")
     choose("ElementOrder", "Quadratic")
+    estimate_with("tetrahedra")
+    write("MaximumVolume", "1e-16")
+    estimate_with("MaximumVolume", "more than 2e+07 tetrahedra")
+    write("MaximumVolume", "0")
     property_widget("PreserveSurface", QtWidgets.QCheckBox).click()
+    estimate_with("About 1\u00a0500 tetrahedra")
     apply()
     menu("Filters", "Palpate", "Assign Material")
     choose("Law", "Neo-Hookean")
@@ -377,8 +389,10 @@ def road():
     apply()
     menu("Filters", "Palpate", "Precompute State Space")
     pick_nodes()
+    estimate_with("About 340 configurations")
     write("HalfWidth", "0.004")
     write("Resolution", "3")
+    estimate_with("About 27 configurations")
     write("FileName", os.path.abspath("road.palpate"))
     apply()
     view = GetActiveView()

@@ -16,7 +16,9 @@ PROXIES = ["filters.TetrahedralizeSurface", "filters.TetrahedralizeLabelMap",
            "filters.AssignMaterial", "filters.SetBoundary",
            "filters.SolveEquilibrium", "filters.PrecomputeStateSpace", "filters.TouchStateSpace",
            "filters.AccuracyReport", "filters.EstimateError", "filters.ReplayTouch",
-           "sources.StateSpaceReader"]
+           "sources.StateSpaceReader", "sources.FEBioReader", "writers.FEBioWriter"]
+# Both on one page.
+PAGES = {"FEBioReader": "FEBio", "FEBioWriter": "FEBio"}
 SIZE_BYTES = 4  # before what zlib has packed
 
 help_file = sqlite3.connect(f"file:{os.path.abspath(sys.argv[1])}?mode=ro", uri=True)
@@ -28,11 +30,12 @@ pages = {name: data.decode("utf-8") for name, data in files.items() if name.ends
 for proxy in PROXIES:
     name = proxy.partition(".")[2]
     assert "Description" in pages[f"{proxy}.html"], proxy
-    own = pages[f"plugin/help/{name}.html"]
+    own = pages[f"plugin/help/{PAGES.get(name, name)}.html"]
     assert f'href="../../{proxy}.html"' in own, f"{name}: no link to its properties"
     assert "<img" in own, f"{name}: no picture"
 for page in ("README", "plugin/help/quick_start", "plugin/help/dock", "plugin/help/accuracy",
-             "plugin/help/stability", "haptic/README", "examples/cluster/README",
+             "plugin/help/stability", "plugin/help/estimates", "haptic/README",
+             "examples/cluster/README",
              "examples/embedding/README"):
     assert "<img" in pages[page + ".html"], f"{page}: no picture"
 

@@ -11,6 +11,7 @@
 #include "accuracy/draw.h"
 #include "accuracy/statistics.h"
 #include "base/error.h"
+#include "equilibrium/equilibrium.h"
 #include "solvers/support/block.h"
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/communicators.h"

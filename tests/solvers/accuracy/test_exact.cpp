@@ -6,6 +6,7 @@
 #include "accuracy/draw.h"
 #include "accuracy/exact.h"
 #include "base/error.h"
+#include "equilibrium/equilibrium.h"
 #include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"

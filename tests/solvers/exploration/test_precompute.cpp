@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"

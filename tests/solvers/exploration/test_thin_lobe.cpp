@@ -9,6 +9,7 @@
 #include <memory>
 #include <random>
 
+#include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "interpolation/error_estimate.h"
 #include "interpolation/interpolator.h"

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "exploration/transfer.h"
 #include "interaction/bonded_patch.h"

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body read from FEBio's file (.feb), specifications 2.5, 3.0 and 4.0: nodes, tetrahedra, the
+// materials of vtkPalpateFEBioLaw, and where it is held.
+//
+// What is part of the body but is not read is an error: other elements and materials, points held
+// along one axis alone, contact, springs, rigid bodies, prestrain. What acts on the body from
+// outside is left out with a warning: loads and prescribed displacements. What is about the
+// computation is passed over: Control, Globals, LoadData, Output.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "PalpateFiltersModule.h"
+#include "assembly/scene.h"
+
+struct vtkPalpateFEBioModel
+{
+  /// In m and Pa; points and cells in the order of their ids in the file.
+  palpate::Scene Scene;
+  /// Index into `Regions` [num_cells].
+  std::vector<int> RegionOfCell;
+  /// The name of each domain, in the order of the file.
+  std::vector<std::string> Regions;
+  /// What is left out, a sentence each.
+  std::vector<std::string> Warnings;
+};
+
+/// @param units vtkPalpateFEBioUnits::NotSaid, or index into vtkPalpateFEBioUnits::All().
+/// @throws palpate::InputError what is wrong, where, and what to do.
+PALPATEFILTERS_EXPORT vtkPalpateFEBioModel vtkPalpateReadFEBio(
+  const std::string& fileName, int units);

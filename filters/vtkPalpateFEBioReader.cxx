@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateFEBioReader.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "vtkAlgorithm.h"
+#include "vtkCellData.h"
+#include "vtkFieldData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkIntArray.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateFEBioModel.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateScene.h"
+#include "vtkStringArray.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+void AddRegions(const vtkPalpateFEBioModel& model, vtkUnstructuredGrid* body)
+{
+  vtkNew<vtkIntArray> ids;
+  ids->SetName("RegionId");
+  ids->SetNumberOfValues(body->GetNumberOfCells());
+  std::copy(model.RegionOfCell.begin(), model.RegionOfCell.end(), ids->GetPointer(0));
+  body->GetCellData()->AddArray(ids);
+  vtkNew<vtkStringArray> names;
+  names->SetName("Regions");
+  for (const std::string& name : model.Regions)
+  {
+    names->InsertNextValue(name);
+  }
+  body->GetFieldData()->AddArray(names);
+}
+}
+
+vtkStandardNewMacro(vtkPalpateFEBioReader);
+
+vtkPalpateFEBioReader::vtkPalpateFEBioReader()
+{
+  this->SetNumberOfInputPorts(0);
+}
+
+vtkPalpateFEBioReader::~vtkPalpateFEBioReader() = default;
+
+int vtkPalpateFEBioReader::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  // So that every rank comes to RequestData, where they agree whether it failed.
+  outputVector->GetInformationObject(0)->Set(vtkAlgorithm::CAN_HANDLE_PIECE_REQUEST(), 1);
+  return 1;
+}
+
+int vtkPalpateFEBioReader::RequestData(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  auto* output = vtkUnstructuredGrid::GetData(outputVector);
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
+    [&]
+    {
+      if (controller && controller->GetLocalProcessId() != 0)
+      {
+        return;
+      }
+      if (this->FileName.empty())
+      {
+        throw palpate::InputError("No file is named. Set FileName to a .feb file.");
+      }
+      const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(this->FileName, this->Units);
+      output->ShallowCopy(vtkPalpateGridFromScene(model.Scene));
+      vtkPalpateAddBoundaryKinds(output, model.Scene.fixed, model.Scene.touchable);
+      AddRegions(model, output);
+      if (!model.Warnings.empty())
+      {
+        std::string text;
+        for (const std::string& warning : model.Warnings)
+        {
+          text += (text.empty() ? "" : " ") + warning;
+        }
+        vtkWarningMacro(<< "The file " << this->FileName << ": " << text);
+      }
+    });
+  return 1;
+}
+
+void vtkPalpateFEBioReader::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "FileName: " << this->FileName << '\n'
+     << indent << "Units: " << this->Units << '\n';
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateSolveCost.h"
+
+#include "assembly/scene.h"
+#include "equilibrium/solve_cost.h"
+
+vtkPalpateSolveCost::vtkPalpateSolveCost() = default;
+vtkPalpateSolveCost::~vtkPalpateSolveCost() = default;
+
+const palpate::SolveCost& vtkPalpateSolveCost::Of(const palpate::Scene& scene)
+{
+  const std::string hash = palpate::hash(scene);
+  if (!this->Cost || hash != this->Hash)
+  {
+    this->Cost = std::make_unique<const palpate::SolveCost>(palpate::measure_solve_cost(scene));
+    this->Hash = hash;
+  }
+  return *this->Cost;
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "equilibrium/solve_cost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "assembly/assembly.h"
+#include "equilibrium/work.h"
+#include "linear/linear_solver.h"
+
+namespace palpate {
+namespace {
+
+/// A factor of so many points is timed: some hundredths of a second.
+constexpr std::size_t kTimedPoints = 2500;
+constexpr int kRuns = 3;
+
+constexpr double kFactorisationExponent = 1.28;
+/// Of a factor's numbers: what they take with the indices and the work space of MUMPS.
+constexpr double kWithWorkSpace = 1.35;
+/// Pattern, values and their copy in MUMPS, and the arrays of the elements.
+constexpr double kBytesOfUnknown = 2100;
+/// Of a factor of single precision beside one of full precision.
+constexpr double kSingleSeconds = 0.64;
+constexpr double kSingleBytes = 0.5;
+
+double least_seconds(const std::function<void()>& work) {
+  double least = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    const Clock::time_point start = Clock::now();
+    work();
+    const double seconds = seconds_since(start);
+    least = run == 0 ? seconds : std::min(least, seconds);
+  }
+  return least;
+}
+
+/// The same body, of which all but the points nearest to one of the free ones are held.
+Scene hold_most(const Scene& scene) {
+  const std::vector<char> used = points_in_use(scene.mesh);
+  std::vector<std::size_t> points;
+  for (std::size_t p = 0; p < used.size(); ++p) {
+    if (used[p] != 0 && scene.fixed[p] == 0) points.push_back(p);
+  }
+  if (points.size() <= kTimedPoints) return scene;
+  const Vec3 middle = scene.mesh.points[points.front()];
+  const auto distance = [&](std::size_t p) {
+    return (scene.mesh.points[p] - middle).squaredNorm();
+  };
+  std::nth_element(points.begin(), points.begin() + kTimedPoints, points.end(),
+                   [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+  Scene part = scene;
+  std::for_each(points.begin() + kTimedPoints, points.end(),
+                [&](std::size_t p) { part.fixed[p] = 1; });
+  return part;
+}
+
+std::unique_ptr<LinearSolver> make_solver(const std::string& name) {
+  return name.empty() ? make_linear_solver() : make_linear_solver(name);
+}
+
+}  // namespace
+
+SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solver) {
+  SolveCost cost;
+  const Assembly body(scene);
+  NodalVector force;
+  std::vector<double> values;
+  const NodalVector rest = NodalVector::Zero(body.state_size());
+  cost.num_unknowns = body.pattern().size;
+  cost.state_size = body.state_size();
+  cost.residual_seconds = least_seconds([&] { body.residual(rest, force); });
+  cost.assembly_seconds = least_seconds([&] { body.tangent(rest, force, values); });
+  cost.body_bytes = kBytesOfUnknown * static_cast<double>(cost.num_unknowns);
+  if (cost.num_unknowns == 0) return cost;
+  const std::unique_ptr<LinearSolver> whole = make_solver(linear_solver);
+  whole->analyse(body.pattern());
+  const auto bytes = static_cast<double>(whole->factor_bytes());
+  cost.factor_bytes = kWithWorkSpace * bytes;
+
+  const Assembly timed(hold_most(scene));
+  timed.tangent(rest, force, values);
+  const std::unique_ptr<LinearSolver> solver = make_solver(linear_solver);
+  solver->analyse(timed.pattern());
+  const double larger = bytes / static_cast<double>(solver->factor_bytes());
+  cost.factorisation_seconds = std::pow(larger, kFactorisationExponent) *
+                               least_seconds([&] { (void)solver->factorise(values); });
+  // A body that is held nowhere has no factor to solve with; the solve itself says so.
+  if (solver->factorise(values) == FactorStatus::ok) {
+    Eigen::MatrixXd column = Eigen::MatrixXd::Ones(timed.pattern().size, 1);
+    cost.solve_seconds = larger * least_seconds([&] { solver->solve(column); });
+  }
+  return cost;
+}
+
+double seconds_of(const WorkCount& work, const SolveCost& cost, bool single_precision) {
+  const double factor = single_precision ? kSingleSeconds : 1;
+  return factor * (work.factorisations * cost.factorisation_seconds +
+                   work.right_hand_sides * cost.solve_seconds) +
+         work.residuals * cost.residual_seconds + work.assemblies * cost.assembly_seconds;
+}
+
+WorkCount work_of_equilibrium() { return {3, 25, 25, 3}; }
+
+double solver_bytes(const SolveCost& cost, double kept_factors, bool single_precision) {
+  return cost.body_bytes + kept_factors * cost.factor_bytes * (single_precision ? kSingleBytes : 1);
+}
+
+}  // namespace palpate

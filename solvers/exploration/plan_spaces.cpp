@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/plan_spaces.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "exploration/start_graph.h"
+#include "interaction/bonded_patch.h"
+
+namespace palpate {
+namespace {
+
+/// Cells are halved this often at the most.
+constexpr int kMaxDepth = 6;
+
+/// Side of the coarsest cells of a rigid tool's space where it is not given, in half-widths of the
+/// tool.
+constexpr double kSpacingOfRadius = 0.4;
+
+/// Makes the grid of a tool space that of the smallest cells that a tolerance may ask for.
+void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
+  setup.policy.tolerance = options.tolerance;
+  setup.policy.tolerance_is_relative = options.tolerance_is_relative;
+  setup.policy.history = History::flat;
+  for (int depth = 0; depth < kMaxDepth; ++depth) {
+    const std::int32_t finer = 2 * setup.grid.resolution - 1;
+    if (finer > kLargestResolution) break;
+    setup.grid.resolution = finer;
+    setup.grid.coarsest *= 2;
+  }
+}
+
+/// What the policies of all tool spaces have in common.
+ExplorationPolicy policy_of(const PrecomputeOptions& options) {
+  ExplorationPolicy policy;
+  policy.force_limit = options.force_limit;
+  policy.history = options.history;
+  policy.intermediate_states = options.intermediate_states;
+  policy.third_derivatives = options.equilibrium.third_derivatives;
+  return policy;
+}
+
+}  // namespace
+
+std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions& options) {
+  std::vector<Index> nodes = options.active_nodes;
+  if (nodes.empty()) {
+    for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+      if (scene.touchable[p] != 0 && scene.fixed[p] == 0) nodes.push_back(p);
+    }
+    if (nodes.empty()) {
+      throw InputError(
+          "No point of the body is touchable. Choose touchable points with Set "
+          "Boundary or name active nodes.");
+    }
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  const BondedPatches patches(scene, options.tip_radius);
+  std::vector<PlannedSpace> spaces;
+  for (const Index node : nodes) {
+    (void)patches.around(node);
+    ToolSpaceSetup setup;
+    setup.id = node;
+    setup.interaction = bonded_patch_spec(scene, node, options.tip_radius);
+    setup.grid.half_width = options.half_width;
+    setup.grid.resolution = options.resolution;
+    setup.policy = policy_of(options);
+    if (options.tolerance > 0) refine(options, setup);
+    spaces.push_back({setup, make_grid_plan(setup)});
+  }
+  return spaces;
+}
+
+std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions& options,
+                                     InteractionFactory& tools) {
+  const ContactOptions& contact = *options.contact;
+  ToolSpaceSetup setup;
+  setup.id = kContactToolSpace;
+  setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
+  const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
+  const double width = half_width(setup.interaction.tool);
+  const double spacing = contact.spacing > 0 ? contact.spacing : kSpacingOfRadius * width;
+  if (spacing > 2 * width) {
+    throw InputError("The spacing is " + std::to_string(spacing) + " m, larger than the tool of " +
+                     std::to_string(2 * width) +
+                     " m: most contacts would lie between the places "
+                     "that are computed. Take a quarter of the tool's size or less.");
+  }
+  setup.grid = make_shell_grid(*clearance, spacing);
+  setup.policy = policy_of(options);
+  setup.policy.history = History::flat;
+  setup.policy.tolerance = options.tolerance;
+  setup.policy.tolerance_is_relative = options.tolerance_is_relative;
+  setup.policy.depth = contact.shell.depth;
+  auto graph = std::make_shared<const StartGraph>(
+      setup.id, shell_targets(*clearance, setup.grid, scene.touchable, contact.shell));
+  return {{setup, std::move(graph)}};
+}
+
+std::vector<PlannedSpace> plan_spaces(const Scene& scene, const PrecomputeOptions& options,
+                                      InteractionFactory& tools) {
+  return options.contact ? plan_shell(scene, options, tools) : plan_grids(scene, options);
+}
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/precompute_options.h"
+
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "state_space/pod.h"
+
+namespace palpate {
+
+void validate(const PrecomputeOptions& options) {
+  if (options.contact) {
+    const auto& [tool, spacing, shell, most_configurations] = *options.contact;
+    if (!(std::isfinite(spacing) && spacing >= 0)) {
+      throw InputError("The spacing is " + std::to_string(spacing) +
+                       "; it must be a length in m, or 0 for two fifths of the tool's radius.");
+    }
+    if (!(std::isfinite(shell.depth) && shell.depth >= 0)) {
+      throw InputError("The depth is " + std::to_string(shell.depth) +
+                       "; it must be a length in m, or 0 to go as deep as the force limit allows.");
+    }
+    if (!shell.begin_at.allFinite()) {
+      throw InputError("The place where the exploration begins is not finite.");
+    }
+    if (shell.depth == 0 && options.force_limit == 0) {
+      throw InputError(
+          "Neither a depth nor a force limit is given: the tool would be pressed "
+          "through the body. Set one of them.");
+    }
+    if (options.intermediate_states > 0 || options.history == History::levels) {
+      throw InputError(
+          "The space of a rigid tool has no levels or intermediate states. Set History "
+          "to another value and IntermediateStates to 0.");
+    }
+  }
+  const bool has_boxes = !options.contact || !options.active_nodes.empty();
+  if (has_boxes && !(std::isfinite(options.half_width) && options.half_width > 0)) {
+    throw InputError("The half-width is " + std::to_string(options.half_width) +
+                     "; it must be a positive length in m.");
+  }
+  if (options.resolution < 3 || options.resolution % 2 == 0 ||
+      options.resolution > kLargestCoarsestResolution) {
+    throw InputError(
+        "The resolution is " + std::to_string(options.resolution) +
+        "; it must be odd, so that the rest position is a check-point, and from 3 to " +
+        std::to_string(kLargestCoarsestResolution) + '.');
+  }
+  if (!(std::isfinite(options.force_limit) && options.force_limit >= 0)) {
+    throw InputError("The force limit is " + std::to_string(options.force_limit) +
+                     "; it must be a force in N, or 0 for none.");
+  }
+  if (!(std::isfinite(options.tolerance) && options.tolerance >= 0)) {
+    throw InputError(
+        "The tolerance is " + std::to_string(options.tolerance) +
+        "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
+  }
+  if (options.history == History::levels && options.tolerance > 0) {
+    throw InputError(
+        "Levels are explored on a uniform grid. Choose a resolution instead of a "
+        "tolerance, or another history.");
+  }
+  if (options.intermediate_states < 0 || options.intermediate_states > kMostIntermediateStates) {
+    throw InputError("The intermediate states are " + std::to_string(options.intermediate_states) +
+                     "; they must be from 0 to " + std::to_string(kMostIntermediateStates) + '.');
+  }
+  if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
+    throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +
+                     "; it must be a share from 0.00001 to below 1.");
+  }
+  validate(options.equilibrium);
+}
+
+}  // namespace palpate
