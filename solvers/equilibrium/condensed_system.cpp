@@ -508,7 +508,9 @@ void CondensedSystem::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> c
 SolveSummary CondensedSystem::solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance) {
   const Timer timer(work_.solve_seconds);
   work_.right_hand_sides += columns.cols();
-  return krylov_->solve(columns, tolerance);
+  SolveSummary summary = krylov_->solve(columns, tolerance);
+  work_.krylov_iterations += summary.iterations;
+  return summary;
 }
 
 Inertia CondensedSystem::find_inertia() {
