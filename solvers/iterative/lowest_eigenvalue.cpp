@@ -4,7 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "iterative/passes.h"
 
@@ -17,12 +21,6 @@ constexpr int kVectors = 3;
 constexpr double kDependent = 1e-10;
 /// A value below minus this share of the largest stiffness is negative, and no rounding.
 constexpr double kRounding = 1e-14;
-
-/// A basis that grows by blocks, each with its product with K.
-struct BasisBlock {
-  NodeVectors<double> vectors;
-  NodeVectors<double> products;
-};
 
 /// Aᵀ B.
 Eigen::Matrix3d gram(const NodeVectors<double>& a, const NodeVectors<double>& b) {
@@ -40,18 +38,68 @@ Eigen::Matrix3d gram(const NodeVectors<double>& a, const NodeVectors<double>& b)
   return result;
 }
 
-/// Σ_k blocks_k coefficients_k.
-void combine(const std::vector<const NodeVectors<double>*>& blocks,
-             const std::vector<Eigen::Matrix3d>& coefficients, NodeVectors<double>& result) {
+/// Vectors, and the share of each of them in each of three others.
+struct Term {
+  const NodeVectors<double>* vectors;
+  Eigen::Matrix3d shares;
+};
+
+/// The sum of vectors times shares.
+void combine(std::initializer_list<Term> terms, NodeVectors<double>& result) {
   using Node = Eigen::Matrix<double, 4, kVectors>;
   for (Index node = 0; node < result.num_nodes(); ++node) {
     const std::size_t at = std::size_t{4 * kVectors} * node;
     Node sum = Node::Zero();
-    for (std::size_t k = 0; k < blocks.size(); ++k) {
-      sum += Node::Map(blocks[k]->data() + at) * coefficients[k];
+    for (const Term& term : terms) {
+      sum.noalias() += Node::Map(term.vectors->data() + at) * term.shares;
     }
     Node::Map(result.data() + at) = sum;
   }
+}
+
+/// The lowest values of xᵀKx / xᵀx among the combinations of some vectors.
+struct Ritz {
+  Eigen::Vector3d values = Eigen::Vector3d::Zero();
+  /// Of each vector in the three combinations [number of vectors × 3].
+  Eigen::MatrixXd shares;
+};
+
+/// Rayleigh and Ritz's method on an orthonormal basis of what the vectors span. Nothing where one
+/// of them is no number.
+/// @param products Those of K with the vectors.
+std::optional<Ritz> rayleigh_ritz(const std::vector<const NodeVectors<double>*>& vectors,
+                                  const std::vector<const NodeVectors<double>*>& products) {
+  const Eigen::Index size = kVectors * static_cast<Eigen::Index>(vectors.size());
+  Eigen::MatrixXd mass(size, size);
+  Eigen::MatrixXd stiffness(size, size);
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      const auto put = [&](Eigen::MatrixXd& matrix, const Eigen::Matrix3d& block) {
+        matrix.block<kVectors, kVectors>(kVectors * i, kVectors * j) = block;
+        matrix.block<kVectors, kVectors>(kVectors * j, kVectors * i) = block.transpose();
+      };
+      put(mass, gram(*vectors[i], *vectors[j]));
+      put(stiffness, gram(*vectors[i], *products[j]));
+    }
+  }
+  if (!mass.allFinite() || !stiffness.allFinite()) return std::nullopt;
+  const Eigen::VectorXd inverse_lengths = mass.diagonal().unaryExpr(
+      [](double square) { return square > 0 ? 1 / std::sqrt(square) : 0.0; });
+  mass = (inverse_lengths.asDiagonal() * mass * inverse_lengths.asDiagonal()).eval();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_mass(mass);
+  const Eigen::VectorXd& squares = of_mass.eigenvalues();
+  const Eigen::Index rank = (squares.array() > kDependent * squares.maxCoeff()).count();
+  const Eigen::MatrixXd basis = inverse_lengths.asDiagonal() *
+                                of_mass.eigenvectors().rightCols(rank) *
+                                squares.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(basis.transpose() * stiffness * basis);
+  Ritz ritz;
+  ritz.shares.setZero(size, kVectors);
+  // A body of one node has fewer modes than there are vectors.
+  const Eigen::Index count = std::min<Eigen::Index>(rank, kVectors);
+  ritz.shares.leftCols(count) = basis * modes.eigenvectors().leftCols(count);
+  ritz.values.head(count) = modes.eigenvalues().head(count);
+  return ritz;
 }
 
 }  // namespace
@@ -104,83 +152,41 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
     return result;
   };
   for (bool has_z = false;; has_z = true) {
-    // Rayleigh and Ritz's method on all that there is, of which an orthonormal basis is taken.
     std::vector<const NodeVectors<double>*> vectors{&x};
     std::vector<const NodeVectors<double>*> products{&kx};
     if (has_z) vectors.push_back(&z), products.push_back(&kz);
     if (has_p) vectors.push_back(&p), products.push_back(&kp);
-    const auto blocks = static_cast<Eigen::Index>(vectors.size());
-    Eigen::MatrixXd mass(kVectors * blocks, kVectors * blocks);
-    Eigen::MatrixXd stiffness(kVectors * blocks, kVectors * blocks);
-    for (Eigen::Index i = 0; i < blocks; ++i) {
-      for (Eigen::Index j = 0; j <= i; ++j) {
-        mass.block<3, 3>(3 * i, 3 * j) = gram(*vectors[i], *vectors[j]);
-        stiffness.block<3, 3>(3 * i, 3 * j) = gram(*vectors[i], *products[j]);
-      }
-    }
-    if (!mass.triangularView<Eigen::Lower>().toDenseMatrix().allFinite() ||
-        !stiffness.triangularView<Eigen::Lower>().toDenseMatrix().allFinite()) {
+    const std::optional<Ritz> ritz = rayleigh_ritz(vectors, products);
+    if (!ritz) {
       result.value = std::numeric_limits<double>::quiet_NaN();
       return end(EigenStatus::not_finite);
     }
-    const Eigen::VectorXd lengths = mass.diagonal().cwiseSqrt();
-    const Eigen::VectorXd inverse_lengths =
-        lengths.unaryExpr([](double length) { return length > 0 ? 1 / length : 0.0; });
-    mass = inverse_lengths.asDiagonal() *
-           mass.selfadjointView<Eigen::Lower>().toDenseMatrix().eval() *
-           inverse_lengths.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_mass(mass);
-    const auto num_dependent =
-        (of_mass.eigenvalues().array() <= kDependent * of_mass.eigenvalues().maxCoeff()).count();
-    const Eigen::Index rank = mass.rows() - num_dependent;
-    const Eigen::MatrixXd basis =
-        inverse_lengths.asDiagonal() * of_mass.eigenvectors().rightCols(rank) *
-        of_mass.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-    const Eigen::MatrixXd projected =
-        basis.transpose() * stiffness.selfadjointView<Eigen::Lower>().toDenseMatrix().eval() *
-        basis;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz(projected);
-    // A body of one or two nodes may have fewer modes than there are vectors.
-    const Eigen::Index num_modes = std::min<Eigen::Index>(rank, kVectors);
-    Eigen::MatrixXd coefficients = Eigen::MatrixXd::Zero(mass.rows(), kVectors);
-    coefficients.leftCols(num_modes) = basis * ritz.eigenvectors().leftCols(num_modes);
-    Eigen::Vector3d values = Eigen::Vector3d::Zero();
-    values.head(num_modes) = ritz.eigenvalues().head(num_modes);
+    const Eigen::Vector3d& values = ritz->values;
     result.value = values[0];
 
-    std::vector<Eigen::Matrix3d> of_x(blocks);
-    for (Eigen::Index i = 0; i < blocks; ++i) of_x[i] = coefficients.middleRows<3>(3 * i);
-    // The next p is what the step adds to x.
-    std::vector<Eigen::Matrix3d> of_p = of_x;
-    of_p[0].setZero();
-    const auto replace = [&](NodeVectors<double>& target,
-                             const std::vector<const NodeVectors<double>*>& from,
-                             const std::vector<Eigen::Matrix3d>& with) {
-      combine(from, with, room);
-      std::swap(target, room);
+    // What the step adds to x is the next p, and the same for their products with K.
+    const auto move = [&](NodeVectors<double>& of_x, const NodeVectors<double>& of_z,
+                          NodeVectors<double>& of_p) {
+      const auto share = [&](Eigen::Index i) -> Eigen::Matrix3d {
+        return ritz->shares.middleRows<kVectors>(kVectors * i);
+      };
+      if (has_p) {
+        combine({{&of_z, share(1)}, {&of_p, share(2)}}, room);
+      } else if (has_z) {
+        combine({{&of_z, share(1)}}, room);
+      }
+      if (has_z) std::swap(of_p, room);
+      combine({{&of_x, share(0)}, {&of_p, Eigen::Matrix3d::Identity()}}, room);
+      std::swap(of_x, room);
     };
-    if (has_z) {
-      NodeVectors<double> next_p = p;
-      combine(vectors, of_p, room);
-      std::swap(next_p, room);
-      NodeVectors<double> next_kp = kp;
-      combine(products, of_p, next_kp);
-      replace(x, vectors, of_x);
-      replace(kx, products, of_x);
-      std::swap(p, next_p);
-      std::swap(kp, next_kp);
-      has_p = true;
-    } else {
-      replace(x, vectors, of_x);
-      replace(kx, products, of_x);
-    }
+    move(x, z, p);
+    move(kx, kz, kp);
+    has_p = has_z;
 
     const bool is_negative = result.value < -kRounding * k.largest_diagonal();
     if (is_negative && options.stop_when_negative) return end(EigenStatus::negative);
     // r = K x − x λ, and what the preconditioner makes of it.
-    std::vector<Eigen::Matrix3d> of_r{Eigen::Matrix3d::Identity(),
-                                      Eigen::Matrix3d((-values).asDiagonal())};
-    combine({&kx, &x}, of_r, r);
+    combine({{&kx, Eigen::Matrix3d::Identity()}, {&x, Eigen::Matrix3d((-values).asDiagonal())}}, r);
     preconditioner.apply(r, z);
     double products_rz[kVectors];
     dot(n, kVectors, r.data(), z.data(), products_rz);

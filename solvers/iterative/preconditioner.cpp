@@ -43,8 +43,8 @@ class CyclePreconditioner final : public Preconditioner {
 
  protected:
   SetupReport prepare(const std::vector<double>& values) override {
-    const double largest =
-        Eigen::Map<const Eigen::ArrayXd>(values.data(), pattern_->num_values()).abs().maxCoeff();
+    double largest = 0;
+    for (double value : values) largest = std::max(largest, std::abs(value));
     int exponent = 0;
     (void)std::frexp(largest, &exponent);
     const double unit = std::isfinite(largest) ? std::ldexp(1.0, -exponent) : 1;
@@ -82,22 +82,6 @@ std::unique_ptr<Preconditioner> make_preconditioner(std::shared_ptr<const BlockP
   auto cycle =
       is_linear ? make_coarse(pattern) : make_two_level_cycle(pattern, levels, make_coarse);
   return make_preconditioner(std::move(pattern), std::move(cycle));
-}
-
-std::string to_string(const SetupReport& report) {
-  switch (report.status) {
-    case SetupStatus::ok: return "ready";
-    case SetupStatus::not_finite: return "a value of the tangent is no number";
-    case SetupStatus::indefinite_block:
-      return "at " + std::to_string(report.num_indefinite_blocks) +
-             " nodes the tangent is not positive definite by itself, the first is node " +
-             std::to_string(report.node);
-    case SetupStatus::indefinite:
-      return "the tangent has at least " + std::to_string(report.negative_at_least) +
-             " negative eigenvalues";
-    case SetupStatus::singular: return "a part of the body can move freely";
-  }
-  return "unknown";
 }
 
 }  // namespace palpate

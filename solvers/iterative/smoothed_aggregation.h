@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A cycle of smoothed aggregation (aggregation.h) for a matrix of 3 × 3 blocks: a hierarchy of
-// aggregates of aggregates, down to a few that are solved for exactly. On each level but the last
-// two, the next one is visited twice (a W-cycle): with one visit, iterations grow with the size of
-// the body.
+// aggregates of aggregates, down to a few that are solved for exactly. Every level of aggregates
+// above these is visited twice (a W-cycle): with one visit, iterations grow with the size of the
+// body.
 //
 // The matrices are made in double precision, and the cycle works in single precision.
 #pragma once

@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(Each, Difficult, testing::ValuesIn(multigrid_kinds()),
 
 TEST_P(Solving, AtRest) {
   const int iterations = expect_solved(tangent_of(block_scene()));
-  if (GetParam().is_multigrid) {
+  if (GetParam().is_multigrid()) {
     EXPECT_LT(iterations, 60);
   }
 }
@@ -78,7 +78,7 @@ TEST_P(Solving, AtRest) {
 TEST_P(Solving, WhereTheBodyIsStrained) {
   const Scene scene = block_scene();
   const int iterations = expect_solved(tangent_of(scene, stretched(scene, 0.6)));
-  if (GetParam().is_multigrid) {
+  if (GetParam().is_multigrid()) {
     EXPECT_LT(iterations, 80);
   }
 }
@@ -190,7 +190,7 @@ TEST(ConjugateGradients, IterationsDoNotGrowWithTheBody) {
 
 class Endings : public testing::Test {
  protected:
-  Endings() : tangent_(tangent_of(block_scene())) {
+  Endings() : tangent_(tangent_of(small_scene())) {
     preconditioner_ = make_preconditioner(tangent_.pattern, tangent_.levels);
     (void)preconditioner_->refresh(tangent_.values);
     b_ = random_columns(tangent_.size(), 1);
@@ -262,7 +262,7 @@ TEST_F(Endings, AToleranceBelowRounding) {
 class Floating : public Endings {
  protected:
   Floating() {
-    tangent_ = tangent_of(floating(block_scene()));
+    tangent_ = tangent_of(floating(small_scene()));
     Tangent held = tangent_;
     held.shift(1e-3);
     preconditioner_ = make_preconditioner(held.pattern, held.levels);
@@ -360,7 +360,7 @@ TEST_F(Endings, APreconditionerThatGivesNoNumber) {
 // A tangent that is indefinite where the body has buckled is solved for, as far as it goes, with
 // the preconditioner of the state at rest.
 TEST_F(Endings, ThePreconditionerOfAnotherState) {
-  const Scene scene = block_scene();
+  const Scene scene = small_scene();
   tangent_ = tangent_of(scene, stretched(scene, 0.6));
   Eigen::MatrixXd x = b_;
   const SolveSummary summary = solve(x);

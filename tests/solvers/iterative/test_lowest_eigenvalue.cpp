@@ -24,6 +24,9 @@ int negative_pivots(const Tangent& tangent) {
   return solver->negative_pivots();
 }
 
+/// The error of a value may be so many times its estimate, which takes the preconditioner for K⁻¹.
+constexpr double kOfEstimate = 10;
+
 class Lowest : public testing::TestWithParam<Kind> {
  protected:
   static std::unique_ptr<Preconditioner> ready(const Tangent& tangent) {
@@ -32,11 +35,12 @@ class Lowest : public testing::TestWithParam<Kind> {
     return preconditioner;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Each, Lowest, testing::ValuesIn(kinds()),
+// With the smoother alone, which is far from the inverse, the estimate is worth nothing.
+INSTANTIATE_TEST_SUITE_P(Each, Lowest, testing::ValuesIn(multigrid_kinds()),
                          [](const auto& each) { return each.param.name; });
 
 TEST_P(Lowest, IsThatOfTheMatrix) {
-  const Scene scene = block_scene();
+  const Scene scene = small_scene();
   for (const NodalVector& state : {NodalVector(), stretched(scene, 0.6)}) {
     const Tangent tangent = tangent_of(scene, state);
     const double exact = eigenvalues_of(tangent)[0];
@@ -49,8 +53,7 @@ TEST_P(Lowest, IsThatOfTheMatrix) {
           find_lowest_eigenvalue({tangent.pattern, tangent.values}, *preconditioner, options);
       ASSERT_EQ(found.status, EigenStatus::converged) << to_string(found.status);
       EXPECT_GE(found.value, exact * (1 - 1e-9)) << "a value of xᵀKx is never below";
-      // The smoother alone is far from the inverse, and its estimate is small by that.
-      EXPECT_LE(found.value, exact * (1 + (GetParam().is_multigrid ? 3 : 1000) * tolerance));
+      EXPECT_LE(found.value, exact * (1 + kOfEstimate * tolerance));
       const Eigen::VectorXd& x = found.vector;
       EXPECT_NEAR(x.norm(), 1, 1e-6);
       EXPECT_NEAR(x.dot(tangent.matrix() * x), found.value, 1e-6 * found.value);
@@ -59,7 +62,7 @@ TEST_P(Lowest, IsThatOfTheMatrix) {
 }
 
 TEST_P(Lowest, OfAnIndefiniteMatrixWithThePreconditionerOfAnother) {
-  const Tangent rest = tangent_of(block_scene());
+  const Tangent rest = tangent_of(small_scene());
   const Eigen::VectorXd eigenvalues = eigenvalues_of(rest);
   const auto preconditioner = ready(rest);
   for (double shift :
@@ -138,7 +141,7 @@ TEST(LowestEigenvalue, ABuckledColumnIsSeenOnTheCorners) {
 
 // Many eigenvalues in one place: two bodies that are the same.
 TEST(LowestEigenvalue, OfTwins) {
-  Scene scene = block_scene(ElementOrder::quadratic, {3, 2, 2});
+  Scene scene = small_scene();
   const double alone = eigenvalues_of(tangent_of(scene))[0];
   const auto fixed = scene.fixed;
   add_copy(scene.mesh, Vec3(0, 1, 0));
@@ -169,7 +172,7 @@ TEST(LowestEigenvalue, OfOneNode) {
 }
 
 TEST(LowestEigenvalue, OfNothingAndOfWhatIsNoNumber) {
-  Tangent tangent = tangent_of(block_scene());
+  Tangent tangent = tangent_of(small_scene());
   const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
   const LowestEigenvalue unprepared =
       find_lowest_eigenvalue({tangent.pattern, tangent.values}, *preconditioner);
@@ -188,7 +191,7 @@ TEST(LowestEigenvalue, OfNothingAndOfWhatIsNoNumber) {
 }
 
 TEST(LowestEigenvalue, WhatWasNotFoundIsNotKnown) {
-  const Tangent tangent = tangent_of(block_scene());
+  const Tangent tangent = tangent_of(small_scene());
   const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
   ASSERT_EQ(preconditioner->refresh(tangent.values).status, SetupStatus::ok);
   EigenOptions options;
