@@ -14,10 +14,10 @@ namespace palpate {
 /// The name of the way without a factor.
 inline constexpr const char* kConjugateGradients = "Conjugate gradients";
 
-/// From so many unknowns on, a body is better solved for without a factor: an equilibrium takes
-/// less time from ten thousand on, and less memory always, but a configuration, of which many share
-/// a factor, takes as much at this size.
-inline constexpr long kUnknownsWithoutFactor = 50'000;
+/// From so many unknowns on, a body is solved for without a factor where nobody says how. The time
+/// of a configuration is less from six thousand on (tests/benchmark/large.cpp), but a factor tells
+/// more: the inertia, and what is beyond a fold.
+inline constexpr long kUnknownsWithoutFactor = 10'000;
 
 /// The names of linear solvers (linear/linear_solver.h), the default first, and the one above.
 [[nodiscard]] std::vector<std::string> tangent_solver_names();
@@ -29,11 +29,13 @@ inline constexpr long kUnknownsWithoutFactor = 50'000;
 /// The number of components of points that are free.
 [[nodiscard]] long count_unknowns(const Scene& scene);
 
-/// Whether a body is to be solved for without a factor where nobody says how: it is large, and has
-/// no pressures.
-[[nodiscard]] bool suits_conjugate_gradients(const Scene& scene);
+/// Whether a body may be solved for without a factor where nobody says how: it is large, and has no
+/// pressures.
+[[nodiscard]] bool may_do_without_factor(const Scene& scene);
 
-/// The one that suits a body, as EquilibriumSolver takes it.
+/// The one that suits a body, as EquilibriumSolver takes it. Conjugate gradients are tried at rest:
+/// where they take many iterations, as with tissues that differ ten thousandfold, it is a factor.
+/// @param scene It was checked, see check().
 [[nodiscard]] std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene);
 
 }  // namespace palpate
