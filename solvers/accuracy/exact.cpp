@@ -14,6 +14,7 @@
 
 #include "accuracy/draw.h"
 #include "base/error.h"
+#include "equilibrium/tangent_solver.h"
 #include "exploration/monitor.h"
 #include "exploration/rank_files.h"
 #include "exploration/state_solver.h"
@@ -361,7 +362,7 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
     of_solver.follow_folds = false;
     of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
-    solver = std::make_unique<EquilibriumSolver>(scene, of_solver);
+    solver = std::make_unique<EquilibriumSolver>(scene, of_solver, choose_tangent_solver(scene));
     for (const ToolSpaceSetup& setup : setups) (void)tools.make(setup.interaction);
     if (communicator.rank() == 0) drawn.put(draw(scene, setups, options, tools));
   });

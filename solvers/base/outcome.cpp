@@ -14,6 +14,7 @@ std::string to_string(Outcome outcome) {
     case Outcome::budget_used_up: return "budget used up";
     case Outcome::aborted: return "aborted";
     case Outcome::invalid_scene: return "invalid scene";
+    case Outcome::tangent_not_solved: return "tangent could not be solved for without a factor";
   }
   return "unknown";
 }

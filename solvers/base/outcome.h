@@ -15,6 +15,8 @@ enum class Outcome : std::int32_t {
   budget_used_up = 3,
   aborted = 4,
   invalid_scene = 5,
+  /// Conjugate gradients did not solve for the tangent, where there was no factor.
+  tangent_not_solved = 6,
 };
 
 /// Properties of a configuration, as bits.

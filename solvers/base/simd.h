@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several doubles that are computed with as one, and the instruction sets that compute with them.
+// Several numbers that are computed with as one, and the instruction sets that compute with them.
 //
 // This is written with the vector extension of GCC and Clang, so that one source serves SSE2, AVX2
 // and AVX-512. Code is compiled for more than the baseline in one of two ways.
@@ -34,17 +34,19 @@ enum class InstructionSet { baseline, avx2, avx512 };
 using Two = double __attribute__((vector_size(16)));
 using Four = double __attribute__((vector_size(32)));
 using Eight = double __attribute__((vector_size(64)));
+using FourFloats = float __attribute__((vector_size(16)));
+using EightFloats = float __attribute__((vector_size(32)));
 
 template <class V>
 inline constexpr int kSizeOf = sizeof(V) / sizeof(double);
 
-template <class V>
-[[gnu::always_inline]] inline void load(const double* from, V& v) {
+template <class T, class V>
+[[gnu::always_inline]] inline void load(const T* from, V& v) {
   __builtin_memcpy(&v, from, sizeof v);
 }
 
-template <class V>
-[[gnu::always_inline]] inline void store(const V& v, double* to) {
+template <class T, class V>
+[[gnu::always_inline]] inline void store(const V& v, T* to) {
   __builtin_memcpy(to, &v, sizeof v);
 }
 

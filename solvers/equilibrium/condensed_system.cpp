@@ -52,6 +52,22 @@ CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolve
       kept_factors_(static_cast<std::size_t>(kept_factors)),
       precision_(is_saddle() ? Precision::full : precision) {
   const SymmetricPattern& pattern = assembly_.pattern();
+  if (solver != nullptr) {
+    take_solver(std::move(solver));
+  }
+  assemble(NodalVector::Zero(assembly_.state_size()), rest_values_);
+  const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
+  double sum = 0;
+  for (Index c = 0; c < num_displacements; ++c) sum += rest_values_[pattern.column_start[c]];
+  mean_diagonal_ = sum / num_displacements;
+  inverse_row_norm_ = row_norms(pattern, rest_values_).cwiseInverse();
+  if (spare_solver_ == nullptr) {
+    krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, rest_values_);
+  }
+}
+
+void CondensedSystem::take_solver(std::unique_ptr<LinearSolver> solver) {
+  const SymmetricPattern& pattern = assembly_.pattern();
   if (!assembly_.multipliers().empty() && !assembly_.has_stabilised_pressures() &&
       !solver->pivots()) {
     throw InputError(std::string("The linear solver ") + solver->name() +
@@ -68,12 +84,6 @@ CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolve
   }
   spare_solver_ = std::move(solver);
   factors_.reserve(kept_factors_);  // so that pointers to them stay good
-  assemble(NodalVector::Zero(assembly_.state_size()), rest_values_);
-  const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
-  double sum = 0;
-  for (Index c = 0; c < num_displacements; ++c) sum += rest_values_[pattern.column_start[c]];
-  mean_diagonal_ = sum / num_displacements;
-  inverse_row_norm_ = row_norms(pattern, rest_values_).cwiseInverse();
 }
 
 std::vector<char> CondensedSystem::find_idle_multipliers() const {
@@ -130,6 +140,13 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
   idle_.clear();
   idle_diagonal_.clear();
   for (KeptFactor& factor : factors_) factor.state.resize(0);
+  if (krylov_ != nullptr) {
+    std::vector<char> held(static_cast<std::size_t>(pattern.size / 3));
+    for (std::size_t node = 0; node < held.size(); ++node) {
+      held[node] = coordinate_of_unknown_[3 * node] >= 0 ? 1 : 0;
+    }
+    krylov_->hold(held);
+  }
   is_shared_.reset();
   has_tangent_ = false;
   for (Index c = 0; c < pattern.size; ++c) {
@@ -351,6 +368,7 @@ void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVect
   for (Index position : idle_) values_[position] = 0;
   // Negative, as every pressure's: the count of negative pivots stays right.
   for (Index position : idle_diagonal_) values_[position] = -mean_diagonal_;
+  if (krylov_ != nullptr) krylov_->take(values_);
 }
 
 Eigen::MatrixXd CondensedSystem::times_tangent(const Eigen::MatrixXd& columns) const {
@@ -431,6 +449,7 @@ TangentFactor* CondensedSystem::factorise(const Eigen::VectorXd& q, const NodalV
 }
 
 void CondensedSystem::begin_solve() {
+  if (krylov_ != nullptr) krylov_->begin_solve();
   single_fails_ = false;
   for (KeptFactor& factor : factors_) {
     if (factor.is_provisional) factor.state.resize(0);
@@ -484,6 +503,19 @@ void CondensedSystem::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> c
   const Timer timer(work_.solve_seconds);
   work_.right_hand_sides += columns.cols();
   factor.solve(columns);
+}
+
+SolveSummary CondensedSystem::solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance) {
+  const Timer timer(work_.solve_seconds);
+  work_.right_hand_sides += columns.cols();
+  SolveSummary summary = krylov_->solve(columns, tolerance);
+  work_.krylov_iterations += summary.iterations;
+  return summary;
+}
+
+Inertia CondensedSystem::find_inertia() {
+  const Timer timer(work_.solve_seconds);
+  return krylov_->inertia();
 }
 
 int CondensedSystem::negative_pivots(const TangentFactor& factor) const {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "equilibrium/krylov_tangent.h"
 #include "equilibrium/rest_factor.h"
 #include "equilibrium/state.h"
 #include "equilibrium/work.h"
@@ -24,6 +25,7 @@ namespace palpate {
 class CondensedSystem {
  public:
   /// @param scene It was checked, see check().
+  /// @param solver Null: there is no factor, and tangents are solved for by iteration.
   /// @param kept_factors At least 2: the factors at the start of a step and where it has come to.
   /// @throws InputError a body that the linear solver cannot factorise.
   /// @param precision That of factors. They have full precision in any case for a saddle, and for a
@@ -51,6 +53,8 @@ class CondensedSystem {
   }
   /// Whether the body is at rest and the tool away from it, so that nothing is felt.
   [[nodiscard]] bool feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const;
+  /// Tangents have no factor, so that nothing may be asked for that needs one.
+  [[nodiscard]] bool is_iterative() const { return krylov_ != nullptr; }
   /// The tangent is the same at all states.
   [[nodiscard]] bool is_linear() const { return assembly_.is_linear() && !has_potential(); }
   /// The equilibrium is a saddle of the energy: there are pressures.
@@ -111,6 +115,10 @@ class CondensedSystem {
   [[nodiscard]] TangentFactor* factorise_accurately(const Eigen::VectorXd& q,
                                                     const NodalVector& state);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
+  /// By iteration, for the last tangent, see KrylovTangent::solve().
+  [[nodiscard]] SolveSummary solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance);
+  /// The same of its inertia.
+  [[nodiscard]] Inertia find_inertia();
   /// The number of negative pivots beyond the one that belongs to each pressure.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
   /// K_ii x of the last tangent for each column x.
@@ -158,6 +166,8 @@ class CondensedSystem {
   [[nodiscard]] bool has_potential() const {
     return interaction_ != nullptr && interaction_->has_potential();
   }
+  /// Orders the body.
+  void take_solver(std::unique_ptr<LinearSolver> solver);
   void assemble(const NodalVector& state, std::vector<double>& values);
   /// Adds the second derivatives of the tool's potential to the last tangent.
   void add_potential(const Eigen::VectorXd& q, const NodalVector& state);
@@ -212,6 +222,8 @@ class CondensedSystem {
   std::vector<Index> coordinate_of_unknown_;
   std::vector<Coupling> couplings_;
   std::vector<Held> held_;
+  /// For tangents without a factor; else null.
+  std::unique_ptr<KrylovTangent> krylov_;
   /// Positions of the values of multipliers that no free unknown feels, off the diagonal and on it.
   std::vector<Index> idle_;
   std::vector<Index> idle_diagonal_;

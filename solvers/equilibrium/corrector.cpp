@@ -18,6 +18,11 @@ constexpr int kMaxBacktracks = 15;
 constexpr double kShortStep = 0.02;
 /// A factor is not judged by how the steps shrink before this many of them.
 constexpr int kStepsBeforeJudging = 8;
+/// The shares of a residual that conjugate gradients may leave.
+constexpr double kLargestForcing = 0.1;
+constexpr double kLeastForcing = 1e-7;
+/// A solve that leaves more than this is of no use.
+constexpr double kUseless = 0.9;
 
 /// A state on the way, with what is known of it.
 struct Iterate {
@@ -161,6 +166,55 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
       if (length < kShortStep && !fresh) factor = nullptr;
     }
     fresh = false;
+  }
+}
+
+Correction correct_by_iteration(CondensedSystem& system, const EquilibriumOptions& options,
+                                const Interruption& interruption, const Eigen::VectorXd& t,
+                                NodalVector& x) {
+  Correction result;
+  const auto end = [&result](Outcome outcome) {
+    result.outcome = outcome;
+    return std::move(result);
+  };
+  const double scale = system.displacement_scale(t);
+  Iterate iterate;
+  iterate.state = x;
+  if (!evaluate(system, t, iterate)) return end(Outcome::not_converged);
+  double forcing = kLargestForcing;
+  double last_norm = 0;
+  for (;;) {
+    result.residual = iterate.norm / scale;
+    if (result.residual <= options.tolerance) {
+      x = iterate.state;
+      return end(Outcome::converged);
+    }
+    if (result.iterations == options.max_iterations) return end(Outcome::not_converged);
+    const Outcome interrupted = interruption();
+    if (interrupted != Outcome::converged) return end(interrupted);
+    ++result.iterations;
+
+    if (last_norm > 0) {
+      const double ratio = iterate.norm / last_norm;
+      const double before = 0.9 * forcing * forcing;
+      forcing = 0.9 * ratio * ratio;
+      if (before > kLargestForcing) forcing = std::max(forcing, before);
+      // No better than the end needs.
+      forcing = std::max(forcing, 0.5 * options.tolerance / result.residual);
+      forcing = std::clamp(forcing, kLeastForcing, kLargestForcing);
+    }
+    last_norm = iterate.norm;
+    system.assemble_tangent(t, iterate.state);
+    Eigen::MatrixXd step = -iterate.r;
+    const SolveSummary summary = system.solve(step, forcing);
+    if (!(summary.residual <= kUseless)) return end(Outcome::tangent_not_solved);
+    Eigen::VectorXd direction = step.col(0);
+    double slope = direction.dot(iterate.r);
+    if (slope > 0) {
+      direction = -direction;
+      slope = -slope;
+    }
+    if (search(system, t, direction, slope, iterate) == 0) return end(Outcome::not_converged);
   }
 }
 

@@ -35,4 +35,13 @@ struct Correction {
                                  const Interruption& interruption, const LinearisedState& start,
                                  const Eigen::VectorXd& t, NodalVector& x);
 
+/// Does the same without a factor, by Newton's method with the tangent at each state, for which
+/// conjugate gradients solve no better than is of use: the share of the residual that they leave
+/// follows how it shrinks (Eisenstat & Walker, Choosing the forcing terms in an inexact Newton
+/// method, SIAM J. Sci. Comput. 17, 1996, choice 2).
+[[nodiscard]] Correction correct_by_iteration(CondensedSystem& system,
+                                              const EquilibriumOptions& options,
+                                              const Interruption& interruption,
+                                              const Eigen::VectorXd& t, NodalVector& x);
+
 }  // namespace palpate

@@ -33,6 +33,9 @@ constexpr double kMostDisplacementError = 1e-6;
 constexpr double kMostPolish = 1e-2;
 /// A step that failed this often in a row is followed along the path instead of being halved on.
 constexpr int kFailuresBeforeFollowing = 3;
+/// The share of a right-hand side that may be left of v without a factor: that of k is its square,
+/// and the third derivative is good to as much.
+constexpr double kSensitivityErrorWithoutFactor = 1e-6;
 /// Points of a path that a solve follows; each costs two or three factorisations.
 constexpr int kMaxPathPoints = 150;
 
@@ -117,7 +120,16 @@ class EquilibriumSolver::Impl {
   Equilibrium step(double stride, const Eigen::VectorXd& next_t, Tangent tangent,
                    Progress& progress);
   /// Completes the equilibrium at x, after Newton steps where the displacement needs them.
-  Outcome polish(NodalVector& x, Equilibrium& next, Progress& progress);
+  Outcome polish(NodalVector& x, Equilibrium& next, Tangent tangent, Progress& progress);
+  /// With a factor or without, as the system is. @param tangent What is wanted without.
+  std::optional<Linearisation> linearise_at(const Eigen::VectorXd& t, const NodalVector& x,
+                                            Tangent tangent);
+  /// That there is no linearisation.
+  Outcome no_tangent() const {
+    return system_.is_iterative() ? Outcome::tangent_not_solved : Outcome::tangent_not_factorised;
+  }
+  /// @throws InputError there is none. @param what It is needed for.
+  void require_factor(const char* what) const;
   /// Sets the flag of a displacement that is less accurate than was asked for.
   void tell_accuracy(Equilibrium& state) const;
   /// Of one that has converged, if it is asked for.
@@ -178,12 +190,12 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
                      ". Let the tool start outside of it.");
   }
   std::optional<Linearisation> at_rest =
-      linearise(system_, state.t, NodalVector::Zero(assembly.state_size()));
+      linearise_at(state.t, NodalVector::Zero(assembly.state_size()), Tangent::factorised);
   if (at_rest) {
     take(std::move(at_rest->state), state);
     state.outcome = Outcome::converged;
   } else {
-    state.outcome = Outcome::tangent_not_factorised;
+    state.outcome = no_tangent();
   }
   tell_accuracy(state);
   state.message = state.outcome == Outcome::converged ? explain(system_, state, state.t, 1)
@@ -226,8 +238,11 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
   next.t = next_t;
   std::optional<NodalVector> state = predict(stride, next_t, progress);
   if (!state) return next;
-  const Correction correction = correct(
-      system_, options_, [this] { return interruption(); }, progress.state, next_t, *state);
+  const auto interrupted = [this] { return interruption(); };
+  const Correction correction =
+      system_.is_iterative()
+          ? correct_by_iteration(system_, options_, interrupted, next_t, *state)
+          : correct(system_, options_, interrupted, progress.state, next_t, *state);
   progress.iterations += correction.iterations;
   next.residual = correction.residual;
   next.outcome = correction.outcome;
@@ -239,7 +254,7 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
     return next;
   }
   const double error = tangent == Tangent::rough ? kRoughSensitivityError : kSensitivityError;
-  if (tangent != Tangent::factorised && !is_linear) {
+  if (tangent != Tangent::factorised && !is_linear && !system_.is_iterative()) {
     std::optional<LinearisedState> iterated = linearise_by_iteration(
         system_, options_, correction, progress.state, next_t, *state, error);
     if (iterated) {
@@ -247,13 +262,33 @@ Equilibrium EquilibriumSolver::Impl::step(double stride, const Eigen::VectorXd& 
       return next;
     }
   }
-  next.outcome = polish(*state, next, progress);
+  next.outcome = polish(*state, next, tangent, progress);
   return next;
 }
 
-Outcome EquilibriumSolver::Impl::polish(NodalVector& x, Equilibrium& next, Progress& progress) {
-  std::optional<Linearisation> first = linearise(system_, next.t, x);
-  if (!first) return Outcome::tangent_not_factorised;
+std::optional<Linearisation> EquilibriumSolver::Impl::linearise_at(const Eigen::VectorXd& t,
+                                                                   const NodalVector& x,
+                                                                   Tangent tangent) {
+  if (!system_.is_iterative()) return linearise(system_, t, x);
+  const double error =
+      tangent == Tangent::rough ? kRoughSensitivityError : kSensitivityErrorWithoutFactor;
+  return linearise_without_factor(
+      system_, t, x, error,
+      tangent == Tangent::factorised ? InertiaSearch::lowest_eigenvalue : InertiaSearch::none);
+}
+
+void EquilibriumSolver::Impl::require_factor(const char* what) const {
+  if (system_.is_iterative()) {
+    throw InputError(std::string(what) +
+                     " needs a factor of the tangent, and this body is solved for by iteration. "
+                     "Choose a direct linear solver.");
+  }
+}
+
+Outcome EquilibriumSolver::Impl::polish(NodalVector& x, Equilibrium& next, Tangent tangent,
+                                        Progress& progress) {
+  std::optional<Linearisation> first = linearise_at(next.t, x, tangent);
+  if (!first) return no_tangent();
   Linearisation here = std::move(*first);
   while (here.state.displacement_error > options_.displacement_error()) {
     const double before = here.state.displacement_error;
@@ -265,8 +300,8 @@ Outcome EquilibriumSolver::Impl::polish(NodalVector& x, Equilibrium& next, Progr
     const double residual = system_.norm(r) / system_.displacement_scale(next.t);
     if (!(residual <= options_.tolerance)) break;
     ++progress.iterations;
-    std::optional<Linearisation> there = linearise(system_, next.t, improved);
-    if (!there) return Outcome::tangent_not_factorised;
+    std::optional<Linearisation> there = linearise_at(next.t, improved, tangent);
+    if (!there) return no_tangent();
     // Another inertia is that of another branch. And where the error grows, rounding is what is
     // left.
     if (there->state.negative_pivots != here.state.negative_pivots ||
@@ -307,7 +342,7 @@ Outcome EquilibriumSolver::Impl::follow(const Eigen::VectorXd& t, Progress& prog
   progress.iterations += path.end.iterations;
   if (path.end.outcome != Outcome::converged) return path.end.outcome;
   NodalVector end = system_.vector_of(path.end);
-  const Outcome outcome = polish(end, path.end, progress);
+  const Outcome outcome = polish(end, path.end, Tangent::factorised, progress);
   if (outcome != Outcome::converged) return outcome;
   for (Fold& fold : path.end.folds) {
     fold.way = progress.way + (1 - progress.way) * fold.way;
@@ -337,7 +372,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   double stride = longest_stride;
   Outcome outcome = Outcome::converged;
   const double least_stride = std::ldexp(longest_stride, -options_.max_halvings);
-  bool may_follow = options_.follow_folds;
+  bool may_follow = options_.follow_folds && !system_.is_iterative();
   int failures = 0;  // in a row
   while (progress.way < 1) {
     if (progress.steps >= options_.max_steps) {
@@ -396,6 +431,7 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
                                     const PathOptions& options) {
   begin();
   validate(options);
+  require_factor("A path");
   require_coordinates(t);
   if (start.outcome != Outcome::converged) return {{}, {}, start};
   if (t == start.t) throw InputError("A path needs a target that differs from its start.");
@@ -409,6 +445,7 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
 }
 
 double EquilibriumSolver::Impl::condition(const Equilibrium& state) {
+  require_factor("The condition number");
   TangentFactor* factor = system_.factorise_accurately(state.t, system_.vector_of(state));
   return factor == nullptr ? std::numeric_limits<double>::infinity() : system_.condition(*factor);
 }

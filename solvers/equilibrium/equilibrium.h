@@ -53,8 +53,11 @@ enum class Tangent {
 
 class EquilibriumSolver {
  public:
+  /// @param linear_solver Null: tangents are solved for by iteration, which needs little memory and
+  ///   a time in proportion to the size of the body. There are no paths round folds then, and of
+  ///   the inertia no more is known than the sign of the lowest eigenvalue.
   /// @throws InputError an invalid scene or option; an incompressible law with a linear solver that
-  ///   cannot factorise it.
+  ///   cannot factorise it, or a body with pressures without one.
   EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
                     std::unique_ptr<LinearSolver> linear_solver = make_linear_solver());
   ~EquilibriumSolver();

@@ -78,6 +78,9 @@ constexpr int kMaxIterations = 14;
 constexpr double kLastRefinement = 1e-4;
 constexpr int kMaxRefinements = 4;
 
+/// The share of a residual that may be left of a Newton step of which the length alone counts.
+constexpr double kNewtonStepError = 1e-2;
+
 /// Takes a step of refinement of v, with a factor of the last tangent.
 Eigen::MatrixXd refine_once(CondensedSystem& system, TangentFactor& factor,
                             Eigen::Ref<Eigen::MatrixXd> v) {
@@ -155,6 +158,8 @@ LinearisedState superpose(CondensedSystem& system, const LinearisedState& start,
   state.displacement_error = start.displacement_error;
   take_vector(system, x, state);
   take_inertia(start.negative_pivots, state);
+  state.lowest_eigenvalue = start.lowest_eigenvalue;
+  state.flags |= start.flags & flags::inertia_not_computed;
   return state;
 }
 
@@ -215,6 +220,50 @@ std::optional<LinearisedState> linearise_by_iteration(
   state.negative_pivots = 0;
   state.flags |= flags::inertia_not_computed;
   return state;
+}
+
+std::optional<Linearisation> linearise_without_factor(CondensedSystem& system,
+                                                      const Eigen::VectorXd& t,
+                                                      const NodalVector& x, double error,
+                                                      InertiaSearch search) {
+  if (system.feels_nothing(t, x)) return at_rest_alone(system, t, x);
+  system.assemble_tangent(t, x);
+  Linearisation result;
+  LinearisedState& state = result.state;
+  state.t = t;
+  state.energy = system.evaluate(t, x);
+  state.reaction = system.reaction();
+  Eigen::MatrixXd v = -system.mixed();
+  if (system.solve(v, error).status != SolveStatus::converged) return std::nullopt;
+  Eigen::VectorXd r;
+  system.residual(r);
+  Eigen::MatrixXd step = -r;
+  if (system.solve(step, kNewtonStepError).status == SolveStatus::not_finite) return std::nullopt;
+  result.newton_step = system.as_state(step.col(0));
+  state.displacement_error = error_of(system, result.newton_step, t);
+  Eigen::MatrixXd residual = -system.mixed() - system.times_tangent(v);
+  if (system.is_linear()) {
+    // All displacements are made of v.
+    Eigen::MatrixXd refinement = residual;
+    if (system.solve(refinement, error).status != SolveStatus::converged) return std::nullopt;
+    v += refinement;
+    state.displacement_error =
+        std::max(state.displacement_error, error * refinement.rowwise().lpNorm<1>().maxCoeff());
+    residual = -system.mixed() - system.times_tangent(v);
+  }
+  take_stiffness(
+      system.of_coordinates() + system.mixed().transpose() * v - v.transpose() * residual, state);
+  take_sensitivity(system, v, state);
+  take_vector(system, x, state);
+  if (search == InertiaSearch::none) {
+    state.flags |= flags::inertia_not_computed;
+    return result;
+  }
+  const Inertia inertia = system.find_inertia();
+  take_inertia(inertia.num_negative, state);
+  state.lowest_eigenvalue = inertia.lowest_eigenvalue;
+  if (inertia.knowledge == Inertia::Knowledge::unknown) state.flags |= flags::inertia_not_computed;
+  return result;
 }
 
 }  // namespace palpate

@@ -48,4 +48,16 @@ inline constexpr double kRoughSensitivityError = 1e-2;
     CondensedSystem& system, const EquilibriumOptions& options, const Correction& correction,
     const LinearisedState& start, const Eigen::VectorXd& t, const NodalVector& x, double error);
 
+/// What is done about the inertia where there is no factor.
+enum class InertiaSearch { none, lowest_eigenvalue };
+
+/// Does what linearise() does without a factor of any tangent, by conjugate gradients from 0. k
+/// comes from the functional that is stationary in v, as in linearise_by_iteration().
+/// @param error The share of each right-hand side that may be left.
+[[nodiscard]] std::optional<Linearisation> linearise_without_factor(CondensedSystem& system,
+                                                                    const Eigen::VectorXd& t,
+                                                                    const NodalVector& x,
+                                                                    double error,
+                                                                    InertiaSearch search);
+
 }  // namespace palpate

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "equilibrium/krylov_tangent.h"
+#include "equilibrium/tangent_solver.h"
 #include "equilibrium/work.h"
 #include "linear/linear_solver.h"
 
@@ -20,6 +22,10 @@ constexpr std::size_t kTimedPoints = 2500;
 constexpr int kRuns = 3;
 
 constexpr double kFactorisationExponent = 1.28;
+/// The error of the sensitivity of an equilibrium without a factor, and how many times as long as
+/// that the whole takes, of cubes of 20 000 to 300 000 unknowns (tests/benchmark/large.cpp).
+constexpr double kColumnError = 1e-6;
+constexpr double kIterationsOfEquilibrium = 3;
 /// Of a factor's numbers: what they take with the indices and the work space of MUMPS.
 constexpr double kWithWorkSpace = 1.35;
 /// Pattern, values and their copy in MUMPS, and the arrays of the elements.
@@ -59,8 +65,41 @@ Scene hold_most(const Scene& scene) {
   return part;
 }
 
-std::unique_ptr<LinearSolver> make_solver(const std::string& name) {
-  return name.empty() ? make_linear_solver() : make_linear_solver(name);
+std::unique_ptr<LinearSolver> make_solver(const Scene& scene, const std::string& name) {
+  return name.empty() ? choose_tangent_solver(scene) : make_tangent_solver(name);
+}
+
+void measure_factor(const Scene& scene, const Assembly& body, LinearSolver& whole,
+                    SolveCost& cost) {
+  whole.analyse(body.pattern());
+  const auto bytes = static_cast<double>(whole.factor_bytes());
+  cost.factor_bytes = kWithWorkSpace * bytes;
+
+  const Assembly timed(hold_most(scene));
+  NodalVector force;
+  std::vector<double> values;
+  timed.tangent(NodalVector::Zero(timed.state_size()), force, values);
+  const std::unique_ptr<LinearSolver> solver = make_linear_solver(whole.name());
+  solver->analyse(timed.pattern());
+  const double larger = bytes / static_cast<double>(solver->factor_bytes());
+  cost.factorisation_seconds = std::pow(larger, kFactorisationExponent) *
+                               least_seconds([&] { (void)solver->factorise(values); });
+  // A body that is held nowhere has no factor to solve with; the solve itself says so.
+  if (solver->factorise(values) == FactorStatus::ok) {
+    Eigen::MatrixXd column = Eigen::MatrixXd::Ones(timed.pattern().size, 1);
+    cost.solve_seconds = larger * least_seconds([&] { solver->solve(column); });
+  }
+}
+
+void measure_iteration(const Scene& scene, const Assembly& body, const std::vector<double>& values,
+                       SolveCost& cost) {
+  KrylovTangent tangent(scene.mesh, body, values);
+  tangent.take(values);
+  Eigen::MatrixXd columns(body.pattern().size, 3);
+  for (Eigen::Index i = 0; i < columns.size(); ++i) columns(i) = static_cast<double>(i % 7) - 3;
+  const Clock::time_point start = Clock::now();
+  (void)tangent.solve(columns, kColumnError);
+  cost.iteration_seconds = seconds_since(start);
 }
 
 }  // namespace
@@ -77,27 +116,16 @@ SolveCost measure_solve_cost(const Scene& scene, const std::string& linear_solve
   cost.assembly_seconds = least_seconds([&] { body.tangent(rest, force, values); });
   cost.body_bytes = kBytesOfUnknown * static_cast<double>(cost.num_unknowns);
   if (cost.num_unknowns == 0) return cost;
-  const std::unique_ptr<LinearSolver> whole = make_solver(linear_solver);
-  whole->analyse(body.pattern());
-  const auto bytes = static_cast<double>(whole->factor_bytes());
-  cost.factor_bytes = kWithWorkSpace * bytes;
-
-  const Assembly timed(hold_most(scene));
-  timed.tangent(rest, force, values);
-  const std::unique_ptr<LinearSolver> solver = make_solver(linear_solver);
-  solver->analyse(timed.pattern());
-  const double larger = bytes / static_cast<double>(solver->factor_bytes());
-  cost.factorisation_seconds = std::pow(larger, kFactorisationExponent) *
-                               least_seconds([&] { (void)solver->factorise(values); });
-  // A body that is held nowhere has no factor to solve with; the solve itself says so.
-  if (solver->factorise(values) == FactorStatus::ok) {
-    Eigen::MatrixXd column = Eigen::MatrixXd::Ones(timed.pattern().size, 1);
-    cost.solve_seconds = larger * least_seconds([&] { solver->solve(column); });
+  if (const std::unique_ptr<LinearSolver> whole = make_solver(scene, linear_solver)) {
+    measure_factor(scene, body, *whole, cost);
+  } else {
+    measure_iteration(scene, body, values, cost);
   }
   return cost;
 }
 
 double seconds_of(const WorkCount& work, const SolveCost& cost, bool single_precision) {
+  if (!cost.has_factor()) return kIterationsOfEquilibrium * cost.iteration_seconds;
   const double factor = single_precision ? kSingleSeconds : 1;
   return factor * (work.factorisations * cost.factorisation_seconds +
                    work.right_hand_sides * cost.solve_seconds) +

@@ -10,6 +10,9 @@
 //
 // which is what cubes of 6 000 to 300 000 unknowns take (tests/benchmark/growth.cpp); the count of
 // operations grows with b^1.5, and large factors are made more efficiently than small ones.
+//
+// Where the body is solved for without a factor (tangent_solver.h), three columns are solved for at
+// rest: an equilibrium takes a multiple of that.
 #pragma once
 
 #include <string>
@@ -18,7 +21,7 @@
 
 namespace palpate {
 
-/// The parts of a solve, in full precision.
+/// The parts of a solve, of which factors are in full precision.
 struct SolveCost {
   Index num_unknowns = 0;
   /// The length of a state, see Assembly::state_size().
@@ -28,6 +31,9 @@ struct SolveCost {
   double assembly_seconds = 0;
   double factorisation_seconds = 0;
   double solve_seconds = 0;
+  /// Without a factor: a preconditioner and three columns. Then the two above are 0.
+  double iteration_seconds = 0;
+  [[nodiscard]] bool has_factor() const { return iteration_seconds == 0; }
   /// What a factor takes in memory with the indices and the work space of its library, bytes.
   double factor_bytes = 0;
   /// The same of all else that a solver has of the body.
@@ -36,7 +42,7 @@ struct SolveCost {
 
 /// It takes about a second for 100 000 unknowns, and next to nothing for 10 000.
 /// @param scene It was checked, see check().
-/// @param linear_solver Its name; empty: the default.
+/// @param linear_solver One of tangent_solver_names(); empty: the one that suits the body.
 /// @throws InputError as Assembly, or no solver of that name; BackendError the body cannot be
 ///   ordered.
 [[nodiscard]] SolveCost measure_solve_cost(const Scene& scene,
@@ -50,6 +56,7 @@ struct WorkCount {
   double assemblies = 0;
 };
 
+/// @param work With a factor. Without one an equilibrium takes the same however it is reached.
 /// @param single_precision Of the factors.
 [[nodiscard]] double seconds_of(const WorkCount& work, const SolveCost& cost,
                                 bool single_precision);

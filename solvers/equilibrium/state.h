@@ -2,6 +2,7 @@
 // A state in equilibrium with what follows from it, and the result of a solve.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -56,7 +57,11 @@ struct LinearisedState {
   Index minimum_det_f_cell = -1;
   Index num_inverted_cells = 0;
   /// Negative pivots of the tangent K_ii at u, beyond the one that belongs to each pressure.
+  /// Without a factor there are so many or more.
   int negative_pivots = 0;
+  /// The lowest eigenvalue of the tangent where it was looked for, as it is without a factor, N/m;
+  /// else NaN. It is an upper bound: where it is negative the state is unstable.
+  double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// An equilibrium of the body. Where the solve did not converge it is the last one on the way, so

@@ -16,6 +16,7 @@ Work& Work::operator+=(const Work& other) {
   analyses += other.analyses;
   factorisations += other.factorisations;
   right_hand_sides += other.right_hand_sides;
+  krylov_iterations += other.krylov_iterations;
   residual_seconds += other.residual_seconds;
   assembly_seconds += other.assembly_seconds;
   analysis_seconds += other.analysis_seconds;

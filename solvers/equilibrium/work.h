@@ -9,6 +9,8 @@ namespace palpate {
 /// The work done so far.
 struct Work {
   long residuals = 0, assemblies = 0, analyses = 0, factorisations = 0, right_hand_sides = 0;
+  /// Of conjugate gradients, where there is no factor; of three columns together they count once.
+  long krylov_iterations = 0;
   double residual_seconds = 0, assembly_seconds = 0, analysis_seconds = 0,
          factorisation_seconds = 0, solve_seconds = 0;
 

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
+#include "equilibrium/tangent_solver.h"
 #include "exploration/engine.h"
 #include "exploration/monitor.h"
 #include "exploration/plan_spaces.h"
@@ -278,8 +279,8 @@ PrecomputeResult explore_on_ranks(const Scene& scene, const PrecomputeOptions& o
   PrecomputeResult result;
   if (options.ranks_per_solve == 1) {
     result = explore(scene, options, communicator, progress, [&] {
-      return options.linear_solver.empty() ? make_linear_solver()
-                                           : make_linear_solver(options.linear_solver);
+      return options.linear_solver.empty() ? choose_tangent_solver(scene)
+                                           : make_tangent_solver(options.linear_solver);
     });
   } else {
     const Groups groups(communicator, options.ranks_per_solve);

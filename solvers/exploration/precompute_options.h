@@ -65,7 +65,7 @@ struct PrecomputeOptions {
   /// Options of each solve. The number of kept factors follows from the resolution; with
   /// third_derivatives, each configuration has its third derivative.
   EquilibriumOptions equilibrium;
-  /// Name of a linear solver; empty: the default.
+  /// One of tangent_solver_names(); empty: the one that suits the body.
   std::string linear_solver;
   /// Neighbouring ranks that factorise and solve together, with MUMPS, for bodies that are too
   /// large for the memory of one. The first of each group explores, the others serve it and are not

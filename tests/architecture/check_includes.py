@@ -65,6 +65,7 @@ def solver_units():
         "schedule": {"MPI"},
     }
     parts = ["base", "mesh", "materials", "elements", "assembly", "interaction", "linear",
+             "iterative",
              "equilibrium", "state_space", "interpolation", "schedule", "exploration", "accuracy"]
     return {
         f"solvers/{part}": Unit({"std", "Eigen"} | wrapped.get(part, set()),

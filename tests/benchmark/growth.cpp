@@ -12,16 +12,12 @@
 // The argument is the number of unknowns not to exceed; 310 000 takes 11 GB.
 #include <mpi.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
-#include <functional>
-#include <string>
 #include <vector>
 
+#include "benchmark/table.h"
 #include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
@@ -31,6 +27,8 @@
 
 namespace palpate {
 namespace {
+
+using namespace benchmarks;
 
 /// Bricks along an edge: 6 084, 13 872, 45 000, 147 852, 304 842 unknowns.
 constexpr int kBricks[] = {6, 8, 12, 18, 23};
@@ -65,32 +63,6 @@ BondedPatch bond_patch(const TetMesh& mesh) {
   return BondedPatch(std::move(points));
 }
 
-double seconds(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// Of the quickest of some runs.
-double least_seconds(const std::function<void()>& work) {
-  double least = seconds(work);
-  for (int i = 0; i < 4; ++i) least = std::min(least, seconds(work));
-  return least;
-}
-
-/// The largest size of this rank begins anew.
-void forget_peak() { std::ofstream("/proc/self/clear_refs") << '5'; }
-
-/// Largest size of this rank since then.
-double peak_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kilobytes = 0;
-    if (word == "VmHWM:" && status >> kilobytes) return 1024 * kilobytes;
-  }
-  return 0;
-}
-
 std::unique_ptr<LinearSolver> make_solver() {
   const MPI_Comm world = MPI_COMM_WORLD;
   return make_group_solver(&world);
@@ -116,15 +88,7 @@ PrecomputeReport explore(const Scene& scene) {
       .report;
 }
 
-struct Figure {
-  const char* name;
-  double unit;  // of the table, in SI
-  double value;
-};
-
 std::vector<Figure> measure(int bricks) {
-  constexpr double kMilli = 1e-3;
-  constexpr double kMega = 1e6;
   const Scene scene = make_cube(bricks);
   forget_peak();
   std::vector<Figure> figures = {{"unknowns", 1, static_cast<double>(num_unknowns(bricks))}};
@@ -169,25 +133,6 @@ std::vector<Figure> measure(int bricks) {
   return figures;
 }
 
-void print_header(const std::vector<Figure>& figures) {
-  std::string line = "|";
-  for (std::size_t i = 0; i < figures.size(); ++i) line += "---|";
-  for (const Figure& figure : figures) std::printf("| %s ", figure.name);
-  std::printf("|\n%s\n", line.c_str());
-}
-
-/// Slope of the logarithms, by least squares.
-double exponent(const std::vector<std::vector<Figure>>& rows, std::size_t column) {
-  double x = 0, y = 0, xx = 0, xy = 0;
-  for (const auto& row : rows) {
-    const double u = std::log(row.front().value);
-    const double v = std::log(row[column].value);
-    x += u, y += v, xx += u * u, xy += u * v;
-  }
-  const auto n = static_cast<double>(rows.size());
-  return (n * xy - x * y) / (n * xx - x * x);
-}
-
 void serve(int most_unknowns) {
   const MPI_Comm world = MPI_COMM_WORLD;
   for (int bricks : kBricks) {
@@ -203,16 +148,9 @@ void print_table(int most_unknowns) {
   for (int bricks : kBricks) {
     if (num_unknowns(bricks) > most_unknowns) break;
     rows.push_back(measure(bricks));
-    if (rows.size() == 1) print_header(rows.front());
-    for (const Figure& figure : rows.back()) std::printf("| %.4g ", figure.value / figure.unit);
-    std::printf("|\n");
-    std::fflush(stdout);
+    print_row(rows);
   }
-  if (rows.size() < 2) return;
-  for (std::size_t column = 0; column < rows.front().size(); ++column) {
-    std::printf("| **%.2f** ", exponent(rows, column));
-  }
-  std::printf("|\n");
+  print_exponents(rows);
 }
 
 }  // namespace

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "equilibrium/krylov_tangent.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+/// As many iterations as a factorisation of a body of a hundred thousand unknowns costs.
+constexpr int kMaxIterations = 300;
+/// A preconditioner that needs more than so many times the iterations of its first solve is made
+/// anew: that costs about as much as five of them.
+constexpr double kMuchWorse = 1.5;
+/// More negative eigenvalues than an elastic body has where anything of it is of interest.
+constexpr int kMostTurned = 12;
+
+}  // namespace
+
+KrylovTangent::KrylovTangent(const TetMesh& mesh, const Assembly& assembly,
+                             const std::vector<double>& rest_values)
+    : levels_(make_node_levels(mesh, assembly.unknown_of_point())), rest_values_(rest_values) {
+  if (assembly.num_pressures() > 0) {
+    throw InputError(
+        "The body has mixed cells, of a nearly incompressible material, whose tangent conjugate "
+        "gradients cannot solve for. Choose the linear solver MUMPS, or Displacement as the "
+        "Formulation of the material.");
+  }
+  pattern_ = std::make_shared<const BlockPattern>(make_block_pattern(assembly.pattern()));
+  hold(std::vector<char>(static_cast<std::size_t>(pattern_->num_nodes), 0));
+}
+
+void KrylovTangent::hold(const std::vector<char>& held) {
+  if (held == held_ && preconditioner_ != nullptr) return;
+  held_ = held;
+  preconditioner_ = make_preconditioner(pattern_, without(levels_, held));
+  is_stale_ = true;
+  values_ = nullptr;
+}
+
+void KrylovTangent::take(const std::vector<double>& values) {
+  values_ = &values;
+  operator_ = std::make_unique<Operator>(pattern_, values);
+  setup_ = {};
+}
+
+void KrylovTangent::prepare() {
+  if (!is_stale_) return;
+  is_stale_ = false;
+  first_rate_ = 0;
+  setup_ = preconditioner_->refresh(*values_);
+  if (setup_.status == SetupStatus::ok || preconditioner_->is_ready()) return;
+  // The rows of what the tool holds do no harm.
+  (void)preconditioner_->refresh(rest_values_);
+}
+
+SolveSummary KrylovTangent::solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance) {
+  prepare();
+  solver_.set_options({tolerance, kMaxIterations});
+  const Eigen::MatrixXd right_hand_sides = columns;
+  SolveSummary summary = solver_.solve(*operator_, *preconditioner_, columns);
+  while (summary.status == SolveStatus::negative_curvature &&
+         operator_->num_turned() < kMostTurned) {
+    const int turned = operator_->num_turned();
+    operator_->turn(summary.direction);
+    if (operator_->num_turned() == turned) break;
+    columns = right_hand_sides;
+    const int before = summary.iterations;
+    summary = solver_.solve(*operator_, *preconditioner_, columns);
+    summary.iterations += before;
+  }
+  operator_->turn_back(right_hand_sides, columns);
+  if (summary.iterations > 0 && summary.residual > 0 && summary.residual < 1) {
+    const double rate = summary.iterations / -std::log10(summary.residual);
+    if (first_rate_ == 0) first_rate_ = rate;
+    is_stale_ = rate > kMuchWorse * first_rate_;
+  }
+  return summary;
+}
+
+Inertia KrylovTangent::inertia() {
+  prepare();
+  const Operator plain(pattern_, *values_);
+  Inertia inertia = inertia_of(find_lowest_eigenvalue(plain, *preconditioner_), setup_);
+  if (operator_->num_turned() > 0) {
+    inertia.knowledge = Inertia::Knowledge::at_least;
+    inertia.num_negative = std::max(inertia.num_negative, operator_->num_turned());
+  }
+  return inertia;
+}
+
+}  // namespace palpate

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "iterative/aggregation.h"
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+/// Of a motion, what is left of it when the others are taken out of it: less is rounding.
+constexpr double kRounding = 1e-8;
+
+/// Sums of blocks by column while a row is made.
+template <class Block>
+class RowSums {
+ public:
+  explicit RowSums(Index num_columns) : place_(num_columns, -1) {}
+
+  Block& at(Index column) {
+    if (place_[column] < 0) {
+      place_[column] = static_cast<Index>(columns_.size());
+      columns_.push_back(column);
+      sums_.push_back(Block::Zero());
+    }
+    return sums_[place_[column]];
+  }
+
+  /// Appends the row to a matrix and begins anew.
+  template <class Rows>
+  void finish(Rows& rows) {
+    std::sort(columns_.begin(), columns_.end());
+    for (Index column : columns_) {
+      rows.column.push_back(column);
+      rows.block.push_back(sums_[place_[column]]);
+      place_[column] = -1;
+    }
+    rows.start.push_back(static_cast<Index>(rows.column.size()));
+    columns_.clear();
+    sums_.clear();
+  }
+
+ private:
+  std::vector<Index> place_;
+  std::vector<Index> columns_;
+  std::vector<Block> sums_;
+};
+
+/// The rows of each column.
+struct ByColumn {
+  struct Entry {
+    Index row;
+    Index place;
+  };
+  std::vector<Index> start;
+  std::vector<Entry> entry;
+};
+
+template <int R, int C>
+ByColumn by_column(const BlockRows<R, C>& matrix) {
+  ByColumn result;
+  result.start.assign(matrix.num_columns + 2, 0);
+  for (Index column : matrix.column) ++result.start[column + 2];
+  for (Index c = 0; c < matrix.num_columns; ++c) result.start[c + 2] += result.start[c + 1];
+  result.entry.resize(matrix.column.size());
+  for (Index row = 0; row < matrix.num_rows(); ++row) {
+    for (Index k = matrix.start[row]; k < matrix.start[row + 1]; ++k) {
+      result.entry[result.start[matrix.column[k] + 1]++] = {row, k};
+    }
+  }
+  result.start.pop_back();
+  return result;
+}
+
+}  // namespace
+
+BlockRows<3, 3> all_blocks(const BlockPattern& pattern, const Neighbourhoods& neighbours,
+                           const std::vector<double>& values) {
+  BlockRows<3, 3> rows;
+  rows.num_columns = pattern.num_nodes;
+  const std::size_t count = neighbours.all.size() + pattern.num_nodes;
+  rows.column.reserve(count);
+  rows.block.reserve(count);
+  rows.start.reserve(pattern.num_nodes + 1);
+  for (Index node = 0; node < pattern.num_nodes; ++node) {
+    bool has_diagonal = false;
+    const auto add_diagonal = [&] {
+      has_diagonal = true;
+      rows.column.push_back(node);
+      rows.block.push_back(diagonal_block(pattern, values, node));
+    };
+    for (Index k = neighbours.start[node]; k < neighbours.start[node + 1]; ++k) {
+      const auto& [other, place] = neighbours.all[k];
+      if (other > node && !has_diagonal) add_diagonal();
+      const Mat3 block = block_at(pattern, values, std::min(node, other), place);
+      rows.column.push_back(other);
+      rows.block.push_back(other < node ? block : Mat3(block.transpose()));
+    }
+    if (!has_diagonal) add_diagonal();
+    rows.start.push_back(static_cast<Index>(rows.column.size()));
+  }
+  return rows;
+}
+
+template <int B>
+Aggregates aggregate(const BlockRows<B, B>& matrix, double threshold) {
+  const Index num_nodes = matrix.num_rows();
+  std::vector<double> size(num_nodes, 0);
+  for (Index node = 0; node < num_nodes; ++node) {
+    for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+      if (matrix.column[k] == node) size[node] = matrix.block[k].norm();
+    }
+  }
+  std::vector<char> is_strong(matrix.column.size());
+  for (Index node = 0; node < num_nodes; ++node) {
+    for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+      const Index other = matrix.column[k];
+      const double coupling = matrix.block[k].squaredNorm();
+      is_strong[k] =
+          other != node && coupling > threshold * threshold * size[node] * size[other] ? 1 : 0;
+    }
+  }
+  Aggregates result;
+  result.of_node.assign(num_nodes, -1);
+  std::vector<Index>& of_node = result.of_node;
+  const auto for_strong = [&](Index node, auto&& f) {
+    for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+      if (is_strong[k] != 0) f(matrix.column[k], k);
+    }
+  };
+  // Whole neighbourhoods that are still free.
+  for (Index node = 0; node < num_nodes; ++node) {
+    bool is_free = of_node[node] < 0;
+    for_strong(node, [&](Index other, Index) { is_free = is_free && of_node[other] < 0; });
+    if (!is_free) continue;
+    of_node[node] = result.count;
+    for_strong(node, [&](Index other, Index) { of_node[other] = result.count; });
+    ++result.count;
+  }
+  // A node that is left has a neighbour in one of them: it joins the one to which it is coupled
+  // most.
+  std::vector<Index> joined = of_node;
+  for (Index node = 0; node < num_nodes; ++node) {
+    if (of_node[node] >= 0) continue;
+    double most = -1;
+    for_strong(node, [&](Index other, Index k) {
+      if (of_node[other] < 0 || matrix.block[k].squaredNorm() <= most) return;
+      most = matrix.block[k].squaredNorm();
+      joined[node] = of_node[other];
+    });
+  }
+  of_node = std::move(joined);
+  return result;
+}
+
+Motions<3> rigid_motions(const std::vector<Vec3>& places) {
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& x : places) middle += x / static_cast<double>(places.size());
+  Motions<3> motions(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Vec3 x = places[i] - middle;
+    motions[i].leftCols<3>().setIdentity();
+    motions[i].rightCols<3>() << 0, x.z(), -x.y(), -x.z(), 0, x.x(), x.y(), -x.x(), 0;
+  }
+  return motions;
+}
+
+template <int B>
+BlockRows<B, 6> tentative_prolongation(const Aggregates& aggregates, const Motions<B>& motions,
+                                       Motions<6>& coarse_motions) {
+  const auto num_nodes = static_cast<Index>(motions.size());
+  // The nodes of each aggregate.
+  std::vector<Index> start(aggregates.count + 2, 0);
+  for (Index a : aggregates.of_node) ++start[a + 2];
+  for (Index a = 0; a < aggregates.count; ++a) start[a + 2] += start[a + 1];
+  std::vector<Index> member(num_nodes);
+  for (Index node = 0; node < num_nodes; ++node) {
+    member[start[aggregates.of_node[node] + 1]++] = node;
+  }
+  BlockRows<B, 6> result;
+  result.num_columns = aggregates.count;
+  result.column = aggregates.of_node;
+  result.block.resize(num_nodes);
+  result.start.resize(num_nodes + 1);
+  for (Index node = 0; node <= num_nodes; ++node) result.start[node] = node;
+  coarse_motions.resize(aggregates.count);
+  Eigen::Matrix<double, Eigen::Dynamic, 6> local;
+  for (Index a = 0; a < aggregates.count; ++a) {
+    const Index count = start[a + 1] - start[a];
+    local.resize(Eigen::Index{B} * count, 6);
+    for (Index i = 0; i < count; ++i) {
+      local.template middleRows<B>(B * i) = motions[member[start[a] + i]];
+    }
+    // Gram and Schmidt's method, twice, which is stable.
+    Block<6, 6>& r = coarse_motions[a];
+    r.setZero();
+    for (int c = 0; c < 6; ++c) {
+      const double before = local.col(c).norm();
+      for (int round = 0; round < 2; ++round) {
+        for (int k = 0; k < c; ++k) {
+          const double share = local.col(k).dot(local.col(c));
+          r(k, c) += share;
+          local.col(c) -= share * local.col(k);
+        }
+      }
+      const double left = local.col(c).norm();
+      if (left > kRounding * before) {
+        r(c, c) = left;
+        local.col(c) /= left;
+      } else {
+        local.col(c).setZero();
+      }
+    }
+    for (Index i = 0; i < count; ++i) {
+      result.block[member[start[a] + i]] = local.template middleRows<B>(B * i);
+    }
+  }
+  return result;
+}
+
+template <int B>
+BlockRows<B, 6> smoothed_prolongation(const BlockRows<B, B>& matrix,
+                                      const std::vector<Block<B, B>>& inverse_diagonal,
+                                      double omega, const BlockRows<B, 6>& tentative) {
+  BlockRows<B, 6> result;
+  result.num_columns = tentative.num_columns;
+  RowSums<Block<B, 6>> sums(result.num_columns);
+  for (Index node = 0; node < matrix.num_rows(); ++node) {
+    for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+      const Index other = matrix.column[k];
+      sums.at(tentative.column[other]).noalias() -= matrix.block[k] * tentative.block[other];
+    }
+    const Index first = static_cast<Index>(result.block.size());
+    const Index own = tentative.column[node];
+    (void)sums.at(own);
+    sums.finish(result);
+    for (std::size_t k = first; k < result.block.size(); ++k) {
+      result.block[k] = omega * inverse_diagonal[node] * result.block[k];
+      if (result.column[k] == own) result.block[k] += tentative.block[node];
+    }
+  }
+  return result;
+}
+
+template <int B>
+BlockRows<6, 6> coarse_matrix(const BlockRows<B, B>& matrix, const BlockRows<B, 6>& prolongation) {
+  BlockRows<B, 6> product;  // AP
+  product.num_columns = prolongation.num_columns;
+  {
+    RowSums<Block<B, 6>> sums(product.num_columns);
+    for (Index node = 0; node < matrix.num_rows(); ++node) {
+      for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+        const Index other = matrix.column[k];
+        for (Index i = prolongation.start[other]; i < prolongation.start[other + 1]; ++i) {
+          sums.at(prolongation.column[i]).noalias() += matrix.block[k] * prolongation.block[i];
+        }
+      }
+      sums.finish(product);
+    }
+  }
+  BlockRows<6, 6> result;
+  result.num_columns = prolongation.num_columns;
+  RowSums<Block<6, 6>> sums(result.num_columns);
+  const ByColumn rows = by_column(prolongation);
+  for (Index aggregate = 0; aggregate < result.num_columns; ++aggregate) {
+    for (Index e = rows.start[aggregate]; e < rows.start[aggregate + 1]; ++e) {
+      const auto& [node, place] = rows.entry[e];
+      const auto transposed = prolongation.block[place].transpose();
+      for (Index i = product.start[node]; i < product.start[node + 1]; ++i) {
+        sums.at(product.column[i]).noalias() += transposed * product.block[i];
+      }
+    }
+    Block<6, 6>& diagonal = sums.at(aggregate);
+    const double largest = diagonal.diagonal().cwiseAbs().maxCoeff();
+    for (int c = 0; c < 6; ++c) {
+      if (diagonal(c, c) == 0) diagonal(c, c) = largest > 0 ? largest : 1;
+    }
+    sums.finish(result);
+  }
+  return result;
+}
+
+template Aggregates aggregate(const BlockRows<3, 3>&, double);
+template Aggregates aggregate(const BlockRows<6, 6>&, double);
+template BlockRows<3, 6> tentative_prolongation(const Aggregates&, const Motions<3>&, Motions<6>&);
+template BlockRows<6, 6> tentative_prolongation(const Aggregates&, const Motions<6>&, Motions<6>&);
+template BlockRows<3, 6> smoothed_prolongation(const BlockRows<3, 3>&,
+                                               const std::vector<Block<3, 3>>&, double,
+                                               const BlockRows<3, 6>&);
+template BlockRows<6, 6> smoothed_prolongation(const BlockRows<6, 6>&,
+                                               const std::vector<Block<6, 6>>&, double,
+                                               const BlockRows<6, 6>&);
+template BlockRows<6, 6> coarse_matrix(const BlockRows<3, 3>&, const BlockRows<3, 6>&);
+template BlockRows<6, 6> coarse_matrix(const BlockRows<6, 6>&, const BlockRows<6, 6>&);
+
+}  // namespace palpate

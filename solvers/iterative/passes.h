@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The innermost loops: passes over a matrix of blocks, and over vectors (node_vectors.h). They are
+// compiled for AVX2 too, and the processor picks at run time. None of them allocates.
+//
+// A pass over the lower triangle reads each block once and uses it twice. When it has come to a
+// node, all that the nodes before contribute is there, so that the row of that node is complete,
+// and nothing after it reads the vector there: what is done with the row, such as a step of a
+// smoother, is done in the same pass and in place.
+#pragma once
+
+#include <cstddef>
+
+#include "iterative/block_pattern.h"
+
+namespace palpate {
+
+/// A matrix whose values, of type T, are laid out as block_pattern.h says.
+template <class T>
+struct BlockMatrixView {
+  const BlockPattern* pattern;
+  const T* values;
+};
+
+// In what follows vectors are of `columns` = 1 or 3 columns, and `sums` is room for one that is
+// zero before and after.
+
+/// y = A x.
+template <class T>
+void multiply(const BlockMatrixView<T>& a, int columns, const T* x, T* sums, T* y);
+
+/// y = b − A x. y may be b.
+template <class T>
+void residual(const BlockMatrixView<T>& a, int columns, const T* b, const T* x, T* sums, T* y);
+
+/// d ← momentum d + step D⁻¹ (b − A x), x ← x + d.
+/// @param inverse_diagonal The columns of D⁻¹, each followed by a zero [num_nodes × 12].
+struct ChebyshevStep {
+  float momentum;
+  float step;
+};
+void chebyshev_step(const BlockMatrixView<float>& a, const float* inverse_diagonal, int columns,
+                    ChebyshevStep coefficients, const float* b, float* sums, float* x, float* d);
+
+/// x = d = step D⁻¹ b: the first step from x = 0.
+void chebyshev_start(Index num_nodes, const float* inverse_diagonal, int columns, float step,
+                     const float* b, float* x, float* d);
+
+/// fine += P coarse, with ½ or 1 of each parent [num_nodes].
+void prolong(const std::vector<std::array<Index, 2>>& parents, int columns, const float* coarse,
+             float* fine);
+/// coarse = Pᵀ fine. @param coarse Zero before.
+void restrict_to(const std::vector<std::array<Index, 2>>& parents, int columns, const float* fine,
+                 float* coarse);
+
+/// The scalar product of each column [columns].
+void dot(Index num_nodes, int columns, const double* a, const double* b, double* products);
+/// y ← y + factor x, column by column.
+void add(Index num_nodes, int columns, const double* factors, const double* x, double* y);
+/// y ← x + factor y, column by column.
+void scale_and_add(Index num_nodes, int columns, const double* factors, const double* x, double* y);
+/// y = factor x, column by column, from one precision to the other.
+void convert(Index num_nodes, int columns, const double* factors, const double* x, float* y);
+void convert(Index num_nodes, int columns, const double* factors, const float* x, double* y);
+
+// Matrices of 6 × 6 blocks, with vectors of 6 components and two zeros for each node and column.
+
+/// All blocks, row by row. The columns of a block follow one another; two numbers more at the end.
+struct SixBlockView {
+  Index num_nodes;
+  const Index* start;
+  const Index* column;
+  const float* values;
+};
+
+/// y = b − A x.
+void residual(const SixBlockView& a, int columns, const float* b, const float* x, float* y);
+/// d ← momentum d + step D⁻¹ r, x ← x + d. @param inverse_diagonal [num_nodes × 36], and two more.
+void chebyshev_update(Index num_nodes, const float* inverse_diagonal, int columns,
+                      ChebyshevStep coefficients, const float* r, float* x, float* d);
+
+/// The prolongation of an aggregation, row by row. Its blocks have as many rows as a node of the
+/// finer level has components, 3 or 6, and 6 columns, which follow one another; two numbers more at
+/// the end.
+struct AggregationView {
+  int rows;
+  Index num_nodes;
+  const Index* start;
+  const Index* column;
+  const float* values;
+};
+
+/// fine += P coarse.
+void prolong(const AggregationView& p, int columns, const float* coarse, float* fine);
+/// coarse = Pᵀ fine. @param coarse Zero before.
+void restrict_to(const AggregationView& p, int columns, const float* fine, float* coarse);
+
+}  // namespace palpate

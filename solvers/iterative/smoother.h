@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A copy of a matrix in single precision, with a smoother: Chebyshev's polynomial of degree two for
+// the eigenvalues of D⁻¹A in [ρ/8, ρ], where D are its 3 × 3 diagonal blocks and ρ is the largest
+// (Adams, Brezina, Hu & Tuminaro, Parallel multigrid smoothing, J. Comput. Phys. 188, 2003). It is
+// a polynomial in D⁻¹A, so that a cycle with it before and after the coarse correction is
+// symmetric.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "iterative/block_pattern.h"
+#include "iterative/node_vectors.h"
+#include "iterative/passes.h"
+#include "iterative/setup_report.h"
+
+namespace palpate {
+
+/// The steps of the polynomial for [ρ/8, ρ].
+struct Chebyshev {
+  explicit Chebyshev(double largest);
+  /// The first step is along D⁻¹r.
+  float first;
+  ChebyshevStep second;
+};
+
+/// The largest eigenvalue of D⁻¹A, from above but for what ten steps of Lanczos's method miss of it
+/// beyond a twentieth.
+/// @param multiply Gives A x.
+/// @param divide Gives D⁻¹ x.
+using ApplyFloat = std::function<void(const Eigen::VectorXf& x, Eigen::VectorXf& result)>;
+[[nodiscard]] double largest_eigenvalue(Eigen::Index size, const ApplyFloat& multiply,
+                                        const ApplyFloat& divide);
+
+/// What is wrong with the diagonal blocks of a matrix.
+[[nodiscard]] SetupReport check_diagonal(const BlockPattern& pattern,
+                                         const std::vector<double>& values);
+
+class SmoothedMatrix {
+ public:
+  explicit SmoothedMatrix(std::shared_ptr<const BlockPattern> pattern);
+
+  /// Takes the matrix `unit` times these values, which passed check_diagonal().
+  void refresh(const std::vector<double>& values, double unit);
+  /// Makes room for so many columns.
+  void reserve(int columns);
+
+  [[nodiscard]] const BlockPattern& pattern() const { return *pattern_; }
+  [[nodiscard]] double largest_eigenvalue() const { return largest_; }
+
+  // None of these allocates.
+
+  /// x = the smoother's answer to A x = b from x = 0.
+  void start(int columns, const float* b, float* x);
+  /// x ← what it makes of x.
+  void smooth(int columns, const float* b, float* x);
+  /// r = b − A x.
+  void residual(int columns, const float* b, const float* x, float* r);
+
+  [[nodiscard]] std::size_t bytes() const;
+
+ private:
+  [[nodiscard]] BlockMatrixView<float> view() const { return {pattern_.get(), values_.data()}; }
+
+  std::shared_ptr<const BlockPattern> pattern_;
+  std::vector<float> values_;
+  std::vector<float> inverse_diagonal_;
+  double largest_ = 1;
+  Chebyshev polynomial_{1};
+  NodeVectors<float> direction_;
+  NodeVectors<float> sums_;
+};
+
+}  // namespace palpate

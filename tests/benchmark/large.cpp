@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a configuration of a large body takes, without a factor and with one: a cube of Tet10,
+// neo-Hookean, held at its bottom, a patch of its top pulled by a tenth of its height from rest,
+// with sensitivity, stiffness and inertia; and one of the 27 of a space around that place. Prints a
+// Markdown table and the exponents of the growth.
+//
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_large 1100000 160000 0.45
+//
+// The arguments are the numbers of unknowns not to exceed, without a factor and with one, and
+// Poisson's ratio.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <vector>
+
+#include "benchmark/table.h"
+#include "equilibrium/equilibrium.h"
+#include "equilibrium/tangent_solver.h"
+#include "exploration/precompute.h"
+#include "interaction/bonded_patch.h"
+#include "schedule/communicator.h"
+#include "solvers/support/box_mesh.h"
+
+namespace palpate {
+namespace {
+
+using namespace benchmarks;
+
+/// Bricks along an edge: 6 084, 20 400, 45 000, 102 480, 147 852, 304 842, 553 500, 1 036 728
+/// unknowns.
+constexpr int kBricks[] = {6, 9, 12, 16, 18, 23, 28, 35};
+constexpr double kEdge = 0.1;  // m
+constexpr double kPatch = 0.2 * kEdge;
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+
+int num_unknowns(int bricks) {
+  const int points = 2 * bricks + 1;
+  return 3 * points * points * (points - 1);
+}
+
+Scene make_cube(int bricks, double nu) {
+  Scene scene;
+  scene.mesh =
+      test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Constant(kEdge));
+  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(p.z() == 0 ? 1 : 0);
+  scene.touchable.assign(scene.fixed.size(), 1);
+  scene.materials = {
+      with_formulation(make_isotropic(Law::neo_hookean, 10e3, nu), Formulation::displacement)};
+  return scene;
+}
+
+/// The points of the top within the patch move as one.
+BondedPatch bond_patch(const TetMesh& mesh) {
+  std::vector<Index> points;
+  const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    const Vec3& x = mesh.points[p];
+    if (std::abs(x.z() - kEdge) < 1e-9 && (x - middle).norm() <= kPatch) points.push_back(p);
+  }
+  return BondedPatch(std::move(points));
+}
+
+struct Run {
+  Equilibrium pulled;
+  Work work;
+  double rest_seconds = 0;
+  double bytes = 0;
+};
+
+Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver) {
+  Run run;
+  forget_peak();
+  const double before = peak_bytes();
+  EquilibriumSolver solver(scene, {}, std::move(linear_solver));
+  solver.set_interaction(bond_patch(scene.mesh));
+  const Equilibrium rest = solver.rest();
+  run.rest_seconds = rest.seconds;
+  run.pulled = solver.solve(Vec3(0, 0, kEdge / 10), rest);
+  run.work = solver.work();
+  run.bytes = peak_bytes() - before;
+  if (run.pulled.outcome != Outcome::converged) std::printf("%s\n", run.pulled.message.c_str());
+  return run;
+}
+
+/// Seconds for a configuration in the mean.
+double explore(const Scene& scene, const std::string& linear_solver) {
+  PrecomputeOptions options;
+  const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
+  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+    if ((scene.mesh.points[p] - middle).norm() < 1e-9) options.active_nodes = {p};
+  }
+  options.tip_radius = kPatch;
+  options.half_width = kEdge / 20;
+  options.resolution = 3;
+  options.linear_solver = linear_solver;
+  options.equilibrium.single_precision = true;
+  const auto communicator = make_serial_communicator();
+  const PrecomputeReport report = precompute(scene, options, *communicator, {}).report;
+  return report.exploration_seconds / static_cast<double>(report.num_solved);
+}
+
+std::vector<Figure> measure(int bricks, int most_direct, double nu) {
+  const Scene scene = make_cube(bricks, nu);
+  const int unknowns = num_unknowns(bricks);
+  const Run iterative = run(scene, nullptr);
+  std::vector<Figure> figures = {
+      {"unknowns", 1, static_cast<double>(unknowns)},
+      {"rest, s", 1, iterative.rest_seconds},
+      {"configuration, s", 1, iterative.pulled.seconds},
+      {"Newton", 1, static_cast<double>(iterative.pulled.iterations)},
+      {"iterations", 1, static_cast<double>(iterative.work.krylov_iterations)},
+      {"memory, MB", kMega, iterative.bytes},
+      {"bytes an unknown", 1, iterative.bytes / unknowns},
+      {"explored, s", 1, explore(scene, kConjugateGradients)},
+  };
+  double explored = kNothing, seconds = kNothing, bytes = kNothing, force = kNothing,
+         stiffness = kNothing;
+  if (unknowns <= most_direct) {
+    const Run direct = run(scene, make_linear_solver());
+    explored = explore(scene, linear_solver_names().front());
+    seconds = direct.pulled.seconds;
+    bytes = direct.bytes;
+    force =
+        (direct.pulled.reaction - iterative.pulled.reaction).norm() / direct.pulled.reaction.norm();
+    stiffness = (direct.pulled.stiffness - iterative.pulled.stiffness).norm() /
+                direct.pulled.stiffness.norm();
+  }
+  figures.push_back({"with a factor, s", 1, seconds});
+  figures.push_back({"explored, s", 1, explored});
+  figures.push_back({"its memory, MB", kMega, bytes});
+  figures.push_back({"difference of the force", 1, force});
+  figures.push_back({"of the stiffness", 1, stiffness});
+  return figures;
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int argc, char** argv) {
+  const int most = argc > 1 ? std::atoi(argv[1]) : 160'000;
+  const int most_direct = argc > 2 ? std::atoi(argv[2]) : 50'000;
+  const double nu = argc > 3 ? std::atof(argv[3]) : 0.45;
+  std::vector<std::vector<palpate::benchmarks::Figure>> rows;
+  for (const int bricks : palpate::kBricks) {
+    if (palpate::num_unknowns(bricks) > most) break;
+    rows.push_back(palpate::measure(bricks, most_direct, nu));
+    palpate::benchmarks::print_row(rows);
+  }
+  palpate::benchmarks::print_exponents(rows);
+}

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Equilibria without a factor of any tangent, by conjugate gradients: they are those that a factor
+// gives, what is known of their stability is true, and what cannot be had is said.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <tuple>
+
+#include "base/error.h"
+#include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
+#include "interaction/rigid_tool.h"
+#include "interaction/tool_clearance.h"
+#include "solvers/equilibrium/options.h"
+#include "solvers/equilibrium/soundness.h"
+#include "solvers/support/block.h"
+#include "solvers/support/bodies.h"
+#include "solvers/support/box_mesh.h"
+#include "solvers/support/laws.h"
+#include "solvers/support/orders.h"
+
+namespace palpate::test {
+namespace {
+
+/// Forces and stiffnesses of both solvers agree to this share: the equilibria are to 1e-10, and the
+/// sensitivity that is left with an error of 1e-6 has no part in them but by its square.
+constexpr double kAgreement = 1e-8;
+constexpr double kSensitivityAgreement = 1e-4;
+
+const Vec3 kPush(-0.006, 0.003, -0.005);
+
+EquilibriumSolver make_direct(const Scene& scene, const EquilibriumOptions& options = {}) {
+  return {scene, options};
+}
+EquilibriumSolver make_iterative(const Scene& scene, const EquilibriumOptions& options = {}) {
+  return {scene, options, nullptr};
+}
+
+void expect_equal(const Equilibrium& one, const Equilibrium& other) {
+  ASSERT_EQ(one.outcome, Outcome::converged) << one.message;
+  ASSERT_EQ(other.outcome, Outcome::converged) << other.message;
+  EXPECT_LE((one.u - other.u).norm(), kAgreement * other.u.norm());
+  EXPECT_LE((one.reaction - other.reaction).norm(), kAgreement * other.reaction.norm());
+  EXPECT_LE((one.stiffness - other.stiffness).norm(), kAgreement * other.stiffness.norm());
+  EXPECT_NEAR(one.energy, other.energy, kAgreement * other.energy);
+  EXPECT_LE((one.v - other.v).norm(), kSensitivityAgreement * other.v.norm());
+  EXPECT_EQ(one.minimum_det_f_cell, other.minimum_det_f_cell);
+}
+
+class LawsWithoutFactor : public testing::TestWithParam<std::tuple<Law, ElementOrder>> {
+ protected:
+  [[nodiscard]] static Law law() { return std::get<0>(GetParam()); }
+  [[nodiscard]] static ElementOrder order() { return std::get<1>(GetParam()); }
+};
+INSTANTIATE_TEST_SUITE_P(Each, LawsWithoutFactor,
+                         testing::Combine(testing::Values(Law::linear, Law::st_venant_kirchhoff,
+                                                          Law::neo_hookean, Law::mooney_rivlin,
+                                                          Law::fung, Law::ogden),
+                                          testing::ValuesIn(kOrders)),
+                         [](const auto& each) {
+                           return letters(to_string(std::get<0>(each.param))) +
+                                  (std::get<1>(each.param) == ElementOrder::linear ? "Tet4"
+                                                                                   : "Tet10");
+                         });
+
+TEST_P(LawsWithoutFactor, EquilibriaAreThoseOfAFactor) {
+  const Block block = make_block(law(), {order(), {4, 3, 3}});
+  const BondedPatch tool = BondedPatches(block.scene, 0.012).around(block.middle);
+  EquilibriumOptions options;
+  options.third_derivatives = true;
+  EquilibriumSolver direct = make_direct(block.scene, options);
+  EquilibriumSolver iterative = make_iterative(block.scene, options);
+  direct.set_interaction(tool);
+  iterative.set_interaction(tool);
+  const Equilibrium rest = iterative.rest();
+  expect_equal(rest, direct.rest());
+  EXPECT_GT(rest.lowest_eigenvalue, 0);
+  const Equilibrium one = iterative.solve(kPush, rest);
+  const Equilibrium other = direct.solve(kPush, direct.rest());
+  expect_equal(one, other);
+  EXPECT_EQ(one.flags, 0) << one.message;
+  EXPECT_GT(one.lowest_eigenvalue, 0);
+  EXPECT_EQ(one.negative_pivots, 0);
+  EXPECT_TRUE(std::isnan(other.lowest_eigenvalue)) << "a factor tells it better";
+  EXPECT_LE((one.third_derivative - other.third_derivative).norm(),
+            1e-4 * other.third_derivative.norm());
+  expect_sound(one, iterative, tool);
+  // The one that is not asked for its stability does not look for it.
+  const Equilibrium quick = iterative.solve(kPush, rest, Tangent::iterated);
+  expect_equal(quick, other);
+  // A linear body has that of rest.
+  EXPECT_EQ(quick.flags, law() == Law::linear ? 0 : flags::inertia_not_computed);
+}
+
+TEST(WithoutFactor, ARigidToolPressesAsWithOne) {
+  const Block block = make_block(Law::neo_hookean, {ElementOrder::quadratic, {6, 4, 4}});
+  RigidTool tool;
+  tool.radius = 0.012;
+  const RigidContact contact = make_contact(block.scene, with_defaults(tool, block.scene));
+  const Vec3 end = block.scene.mesh.points[block.middle] + Vec3(0.004, 0, 0);
+  const Vec3 start = ToolClearance(block.scene, contact).start_for(end);
+  EquilibriumSolver direct = make_direct(block.scene);
+  EquilibriumSolver iterative = make_iterative(block.scene);
+  direct.set_interaction(contact);
+  iterative.set_interaction(contact);
+  const Equilibrium one = iterative.solve(end, iterative.rest(start));
+  expect_equal(one, direct.solve(end, direct.rest(start)));
+  EXPECT_GT(one.reaction.norm(), 0);
+}
+
+// Bit for bit, as with a factor.
+TEST(WithoutFactor, WhatWasSolvedBeforeDoesNotMatter) {
+  const Block block = make_block(Law::neo_hookean);
+  const auto make = [&] {
+    EquilibriumSolver solver = make_iterative(block.scene);
+    solver.set_interaction(bond_nodes({block.corner}));
+    return solver;
+  };
+  EquilibriumSolver solver = make();
+  const Equilibrium rest = solver.rest();
+  const Equilibrium pushed = solver.solve(kPush, rest);
+  (void)solver.solve(-kPush, pushed);
+  (void)solver.solve(0.5 * kPush, rest);
+  const Equilibrium again = solver.solve(kPush, rest);
+  EXPECT_EQ(again.u, pushed.u);
+  EXPECT_EQ(again.v, pushed.v);
+  EXPECT_EQ(make().solve(kPush, rest).u, pushed.u);
+}
+
+/// A column along x that should buckle, see test_stability.cpp.
+struct Column {
+  Scene scene;
+  InteractionList end;
+};
+
+Column make_column() {
+  TetMesh mesh = make_box(ElementOrder::quadratic, {6, 1, 1}, {6, 1, 1});
+  std::vector<char> fixed;
+  for (const Vec3& p : mesh.points) fixed.push_back(p.x() == 0 ? 1 : 0);
+  const std::vector<Index> end = points_where(mesh, [](const Vec3& p) { return p.x() == 6; });
+  Column column;
+  column.end = bond_as_one(end);
+  column.scene =
+      make_scene(std::move(mesh), make_isotropic(Law::st_venant_kirchhoff, 1000, 0), fixed);
+  return column;
+}
+
+/// Of the same state, what is known without a factor is what a factor tells.
+void expect_same_stability(const Equilibrium& state, const Equilibrium& exact) {
+  ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+  ASSERT_EQ(exact.outcome, Outcome::converged) << exact.message;
+  EXPECT_LE((state.reaction - exact.reaction).norm(), kAgreement * exact.reaction.norm());
+  EXPECT_LE((state.stiffness - exact.stiffness).norm(), kAgreement * exact.stiffness.norm());
+  const bool is_unstable = exact.negative_pivots > 0;
+  EXPECT_EQ((state.flags & flags::unstable) != 0, is_unstable);
+  EXPECT_EQ(state.lowest_eigenvalue < 0, is_unstable);
+  EXPECT_LE(state.negative_pivots, exact.negative_pivots) << "there are so many or more";
+  EXPECT_EQ(state.message.find("not stable") != std::string::npos, is_unstable);
+}
+
+TEST(WithoutFactor, AColumnThatShouldBuckleIsToldUnstable) {
+  const Column column = make_column();
+  EquilibriumSolver direct = make_direct(column.scene);
+  EquilibriumSolver iterative = make_iterative(column.scene);
+  direct.set_interaction(column.end);
+  iterative.set_interaction(column.end);
+  for (const double strain : {0.02, 0.1, 0.15, 0.2, 0.3}) {
+    const Vec3 t(-6 * strain, 0, 0);
+    // The straight column.
+    const Equilibrium straight = direct.solve(t, direct.rest());
+    expect_same_stability(iterative.solve(t, straight), straight);
+    // Beyond the point where its path branches, rounding decides which branch is found.
+    const Equilibrium found = iterative.solve(t, iterative.rest());
+    expect_same_stability(found, direct.solve(t, found));
+  }
+}
+
+TEST(WithoutFactor, SlenderThinAndStiffBodiesEndRightOrByName) {
+  struct Case {
+    const char* name;
+    TetMesh mesh;
+    double poissons_ratio;
+    double contrast;
+  };
+  const auto box = [](std::array<int, 3> cells, const Vec3& size) {
+    return make_box(ElementOrder::quadratic, cells, size);
+  };
+  const Case cases[] = {
+      {"compressible", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.3, 1},
+      {"nearly incompressible", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.49, 1},
+      {"contrast of 10⁴", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.4, 1e4},
+      {"thin plate", box({10, 10, 1}, {0.1, 0.1, 0.002}), 0.3, 1},
+      {"sliver", make_sliver_box(ElementOrder::quadratic, 0.5, 0.1), 0.4, 1},
+  };
+  for (const Case& each : cases) {
+    std::vector<char> fixed;
+    double top = 0;
+    for (const Vec3& p : each.mesh.points) {
+      fixed.push_back(p.x() == 0 ? 1 : 0);
+      top = std::max(top, p.x());
+    }
+    Material material = with_formulation(
+        make_isotropic(Law::neo_hookean, 5000, each.poissons_ratio), Formulation::displacement);
+    Scene scene = make_scene(each.mesh, material, fixed);
+    if (each.contrast > 1) {
+      put_inside(scene, scaled(material, each.contrast),
+                 [](const Vec3& p) { return (p - Vec3(0.05, 0.05, 0.05)).norm() < 0.03; });
+    }
+    const Index node = nearest_point(scene.mesh, Vec3(top, 0.05, 0.05));
+    const Vec3 t(0, 0, -1e-3);
+    EquilibriumSolver direct = make_direct(scene);
+    EquilibriumSolver iterative = make_iterative(scene);
+    direct.set_interaction(bond_nodes({node}));
+    iterative.set_interaction(bond_nodes({node}));
+    const Equilibrium exact = direct.solve(t, direct.rest());
+    const Equilibrium state = iterative.solve(t, iterative.rest());
+    ASSERT_EQ(exact.outcome, Outcome::converged) << each.name;
+    ASSERT_EQ(state.outcome, Outcome::converged) << each.name << ": " << state.message;
+    EXPECT_LE((state.reaction - exact.reaction).norm(), 1e-7 * exact.reaction.norm()) << each.name;
+    EXPECT_LE((state.stiffness - exact.stiffness).norm(), 1e-7 * exact.stiffness.norm())
+        << each.name;
+  }
+}
+
+TEST(WithoutFactor, ABodyThatIsNotHeldIsSaid) {
+  Block block = make_block(Law::neo_hookean);
+  block.scene.fixed.assign(block.scene.fixed.size(), 0);
+  block.scene.fixed[0] = 1;
+  EquilibriumSolver solver = make_iterative(block.scene);
+  solver.set_interaction(bond_nodes({block.corner}));
+  const Equilibrium rest = solver.rest();
+  EXPECT_EQ(rest.outcome, Outcome::tangent_not_solved);
+  EXPECT_NE(rest.message.find("Fix three points"), std::string::npos) << rest.message;
+  EXPECT_TRUE(rest.u.allFinite());
+}
+
+TEST(WithoutFactor, HardPushesEndWithAnOutcome) {
+  for (const Law law : {Law::st_venant_kirchhoff, Law::neo_hookean, Law::fung}) {
+    const Block block = make_block(law);
+    EquilibriumSolver solver = make_iterative(block.scene);
+    const InteractionList tool = bond_nodes({block.corner});
+    solver.set_interaction(tool);
+    for (const double length : {0.03, 0.1}) {
+      const Equilibrium state =
+          solver.solve(length * Vec3(-1, 0.2, 0.1), solver.rest(), Tangent::iterated);
+      EXPECT_TRUE(state.u.allFinite() && state.reaction.allFinite());
+      EXPECT_TRUE(state.outcome == Outcome::converged || !state.message.empty());
+      expect_sound(state, solver, tool);
+    }
+  }
+}
+
+template <class Action>
+std::string error_of(Action&& action) {
+  try {
+    action();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(WithoutFactor, WhatNeedsOneIsRefused) {
+  const Block block = make_block(Law::neo_hookean);
+  EquilibriumSolver solver = make_iterative(block.scene);
+  solver.set_interaction(bond_nodes({block.corner}));
+  const Equilibrium rest = solver.rest();
+  EXPECT_NE(error_of([&] { (void)solver.condition(rest); }).find("direct linear solver"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { (void)solver.trace(kPush, rest); }).find("direct linear solver"),
+            std::string::npos);
+  const Block mixed = make_block(Law::neo_hookean_incompressible);
+  EXPECT_NE(error_of([&] { (void)make_iterative(mixed.scene); }).find("MUMPS"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::test
