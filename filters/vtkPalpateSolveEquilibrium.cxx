@@ -2,12 +2,14 @@
 #include "vtkPalpateSolveEquilibrium.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/solve_cost.h"
+#include "equilibrium/tangent_solver.h"
 #include "interaction/bonded_patch.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
@@ -43,6 +45,8 @@ constexpr const char* GroupSolver = "MUMPS";
 constexpr double IterationsAtHalf = 10;
 /// A rigid tool comes from where it touches nothing: in so many steps as a rule.
 constexpr double StepsOfContact = 3;
+/// A factor of more takes too long to be made without being asked for.
+constexpr long MostUnknownsTriedAgain = 150000;
 
 /// One row after the other, as tuples of `components`.
 template <class Array, class Matrix>
@@ -96,6 +100,10 @@ void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
   AddNumber(output, "DisplacementError", state.displacement_error);
   AddNumber(output, "MinimumDetF", state.minimum_det_f);
   AddInteger(output, "NegativePivots", state.negative_pivots);
+  if (!std::isnan(state.lowest_eigenvalue))
+  {
+    AddNumber(output, "LowestEigenvalue", state.lowest_eigenvalue);
+  }
 }
 
 void AddFolds(vtkDataObject* output, const std::vector<palpate::Fold>& folds)
@@ -153,17 +161,6 @@ palpate::Equilibrium Follow(palpate::EquilibriumSolver& solver, const Eigen::Vec
   return state;
 }
 
-/// The components of the free points.
-long CountUnknowns(const palpate::Scene& scene)
-{
-  const std::vector<char> used = palpate::points_in_use(scene.mesh);
-  long count = 0;
-  for (std::size_t point = 0; point < used.size(); ++point)
-  {
-    count += used[point] != 0 && scene.fixed[point] == 0 ? 3 : 0;
-  }
-  return count;
-}
 }
 
 vtkStandardNewMacro(vtkPalpateSolveEquilibrium);
@@ -181,7 +178,7 @@ vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
 {
   this->SetNumberOfInputPorts(2);
   this->LinearSolverNames->InsertNextValue(AutomaticSolver);
-  for (const std::string& name : palpate::linear_solver_names())
+  for (const std::string& name : palpate::tangent_solver_names())
   {
     this->LinearSolverNames->InsertNextValue(name);
   }
@@ -266,7 +263,8 @@ int vtkPalpateSolveEquilibrium::RequestData(
     const void* comm = together ? vtkPalpateMpiComm(controller) : nullptr;
     if (scene)
     {
-      auto linearSolver = together ? palpate::make_group_solver(comm) : this->MakeLinearSolver();
+      auto linearSolver =
+        together ? palpate::make_group_solver(comm) : this->MakeLinearSolver(*scene);
       output->ShallowCopy(body);
       this->Solve(*scene, route, std::move(linearSolver), output);
     }
@@ -311,14 +309,20 @@ bool vtkPalpateSolveEquilibrium::SolvesTogether(const palpate::Scene& scene, int
 {
   const bool suits = this->LinearSolver == GroupSolver ||
     (this->LinearSolver == AutomaticSolver &&
-      palpate::linear_solver_names().front() == GroupSolver);
-  return numRanks > 1 && suits && CountUnknowns(scene) >= this->GroupUnknowns;
+      palpate::linear_solver_names().front() == GroupSolver &&
+      !palpate::may_do_without_factor(scene));
+  return numRanks > 1 && suits && palpate::count_unknowns(scene) >= this->GroupUnknowns;
 }
 
-std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver() const
+std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver(
+  const palpate::Scene& scene) const
 {
-  return this->LinearSolver == AutomaticSolver ? palpate::make_linear_solver()
-                                               : palpate::make_linear_solver(this->LinearSolver);
+  if (this->LinearSolver != AutomaticSolver)
+  {
+    return palpate::make_tangent_solver(this->LinearSolver);
+  }
+  return this->EstimateCondition ? palpate::make_linear_solver()
+                                 : palpate::choose_tangent_solver(scene);
 }
 
 vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
@@ -384,9 +388,20 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
     this->UpdateProgress(iterations / (iterations + IterationsAtHalf));
     return this->GetAbortExecute() != 0;
   };
+  // What is beyond a fold, and tangents that are hard to solve for, need a factor.
+  const bool mayTryAgain = this->LinearSolver == AutomaticSolver && !linearSolver &&
+    palpate::count_unknowns(scene) <= MostUnknownsTriedAgain;
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
   solver.set_interaction(*route.Tool);
-  const palpate::Equilibrium state = Follow(solver, route.Start, route.End, this->Increments);
+  palpate::Equilibrium state = Follow(solver, route.Start, route.End, this->Increments);
+  if (mayTryAgain &&
+    (state.outcome == palpate::Outcome::not_converged ||
+      state.outcome == palpate::Outcome::tangent_not_solved))
+  {
+    solver = palpate::EquilibriumSolver(scene, options, palpate::make_linear_solver());
+    solver.set_interaction(*route.Tool);
+    state = Follow(solver, route.Start, route.End, this->Increments);
+  }
 
   AddResult(output, state);
   AddInteger(output, "Unknowns", solver.assembly().pattern().size);

@@ -14,6 +14,7 @@
  *   `Outcome`, `Flags`, `Message`   how it ended, see solvers/base/outcome.h
  *   `Iterations`, `Steps`, `Seconds`, `Unknowns`, `Residual`, `DisplacementError`, `MinimumDetF`,
  *   `NegativePivots`  see solvers/equilibrium/state.h
+ *   `LowestEigenvalue` only where there was no factor: of the tangent, N/m
  *   `Condition`       only where it is asked for: of the tangent, estimated
  *   `Folds`           only where folds were passed: a tuple a fold, `Way` (share of the way),
  *                     `EnergyBefore`, `EnergyAfter` (J), `ForceBefore`, `ForceAfter` (N, the norm
@@ -175,7 +176,8 @@ private:
 
   /// Whether all of `numRanks` ranks solve for this body, or one of them.
   bool SolvesTogether(const palpate::Scene& scene, int numRanks) const;
-  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver() const;
+  /// Null: there is no factor.
+  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(const palpate::Scene& scene) const;
   /// A tool, and where it starts and ends.
   struct Route;
   Route BondedRoute(const palpate::Scene& scene) const;

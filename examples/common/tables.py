@@ -8,7 +8,7 @@ from vtkmodules.vtkIOCore import vtkDelimitedTextWriter
 from pipeline import Failure
 
 OUTCOMES = ("converged", "not converged", "not factorised", "budget used up", "aborted",
-            "refused")
+            "refused", "not solved without a factor")
 FLAGS = {1: "inverted", 2: "unstable", 4: "beyond the force limit", 8: "near a fold",
          16: "inertia not computed", 32: "inaccurate",
          64: "touches nothing"}

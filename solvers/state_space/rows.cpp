@@ -48,7 +48,7 @@ std::int64_t checksum_of(const void* data, std::size_t bytes, std::int64_t seed)
 constexpr double kOffCheckPoint = 1e-4;
 
 bool is_possible(Outcome outcome) {
-  return outcome >= Outcome::converged && outcome <= Outcome::invalid_scene;
+  return outcome >= Outcome::converged && outcome <= Outcome::tangent_not_solved;
 }
 
 bool is_possible(Flags of_solve) { return (of_solve & ~flags::all) == 0; }
