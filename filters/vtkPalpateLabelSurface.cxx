@@ -7,7 +7,9 @@
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateTriangleIntersection.h"
 #include "vtkVector.h"
+#if __has_include("vtkVectorOperators.h") // In later versions vtkVector.h has them.
 #include "vtkVectorOperators.h"
+#endif
 
 namespace
 {
