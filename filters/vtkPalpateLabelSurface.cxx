@@ -8,7 +8,7 @@
 #include "vtkPalpateTriangleIntersection.h"
 #include "vtkVector.h"
 #if __has_include("vtkVectorOperators.h") // In later versions vtkVector.h has them.
-#include "vtkVectorOperators.h"
+#  include "vtkVectorOperators.h"
 #endif
 
 namespace
