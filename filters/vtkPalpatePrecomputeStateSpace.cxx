@@ -339,7 +339,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
         const std::string text = ToText(estimate);
         this->SetProgressText(text.c_str());
         this->UpdateProgress(0);
-        if (this->LogInterval > 0)
+        // What is over before the first line says how far it is needs no announcement.
+        if (this->LogInterval > 0 && estimate.seconds > this->LogInterval)
         {
           std::cerr << "Precompute State Space: " << text << std::endl;
         }

@@ -290,6 +290,8 @@ void pqPalpateNodesWidget::toggle(vtkIdType node)
     nodes.removeAt(found);
   }
   this->List->setScalars(nodes);
+  // The list says so by itself only where it is edited by hand.
+  Q_EMIT this->List->scalarsChanged();
   this->Message->setText(
     QString(isNew ? "Point %1 is chosen." : "Point %1 is not chosen any more.").arg(node));
   this->showChosen();

@@ -26,7 +26,8 @@ TEST(SolveCost, IsOfTheWholeBodyAlsoWhereAPartIsTimed) {
     const Assembly assembly(scene);
     const std::unique_ptr<LinearSolver> solver = make_linear_solver();
     solver->analyse(assembly.pattern());
-    const SolveCost cost = measure_solve_cost(scene);
+    const SolveCost cost = measure_solve_cost(scene, solver->name());
+    EXPECT_TRUE(cost.has_factor());
     EXPECT_EQ(cost.num_unknowns, assembly.pattern().size);
     EXPECT_EQ(cost.state_size, assembly.state_size());
     EXPECT_GE(cost.factor_bytes, static_cast<double>(solver->factor_bytes()));
@@ -36,6 +37,18 @@ TEST(SolveCost, IsOfTheWholeBodyAlsoWhereAPartIsTimed) {
       EXPECT_GT(seconds, 0);
     }
   }
+}
+
+TEST(SolveCost, OfALargeBodyIsThatWithoutAFactor) {
+  EXPECT_TRUE(measure_solve_cost(make_cube(3)).has_factor());
+  const Scene scene = make_cube(8);
+  const SolveCost cost = measure_solve_cost(scene);
+  EXPECT_FALSE(cost.has_factor());
+  EXPECT_EQ(cost.num_unknowns, Assembly(scene).pattern().size);
+  EXPECT_EQ(cost.factor_bytes, 0);
+  EXPECT_GT(seconds_of(work_of_equilibrium(), cost, false), 0);
+  EXPECT_LT(solver_bytes(cost, 10, false),
+            solver_bytes(measure_solve_cost(scene, make_linear_solver()->name()), 10, false));
 }
 
 TEST(SolveCost, IsToldOfABodyThatIsHeldNowhereOrThroughout) {
