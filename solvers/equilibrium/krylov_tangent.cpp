@@ -36,8 +36,13 @@ void KrylovTangent::hold(const std::vector<char>& held) {
   if (held == held_ && preconditioner_ != nullptr) return;
   held_ = held;
   preconditioner_ = make_preconditioner(pattern_, without(levels_, held));
-  is_stale_ = true;
+  begin_solve();
   values_ = nullptr;
+}
+
+void KrylovTangent::begin_solve() {
+  is_stale_ = true;
+  is_of_this_solve_ = false;
 }
 
 void KrylovTangent::take(const std::vector<double>& values) {
@@ -51,9 +56,12 @@ void KrylovTangent::prepare() {
   is_stale_ = false;
   first_rate_ = 0;
   setup_ = preconditioner_->refresh(*values_);
-  if (setup_.status == SetupStatus::ok || preconditioner_->is_ready()) return;
-  // The rows of what the tool holds do no harm.
-  (void)preconditioner_->refresh(rest_values_);
+  if (setup_.status == SetupStatus::ok) {
+    is_of_this_solve_ = true;
+  } else if (!is_of_this_solve_) {
+    // The rows of what the tool holds do no harm.
+    (void)preconditioner_->refresh(rest_values_);
+  }
 }
 
 SolveSummary KrylovTangent::solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance) {

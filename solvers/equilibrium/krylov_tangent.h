@@ -4,9 +4,9 @@
 //
 // The preconditioner is made for the first tangent of a solve, and again where it serves a later
 // one much worse than that: what a solve gives depends on nothing that was solved before it. Where
-// a tangent is indefinite, so that none can be made for it, that of the body at rest stays, and
-// directions of negative curvature are turned (iterative/operator.h): so a body is followed where
-// it is unstable, too, as it is with a factor.
+// a tangent is indefinite, so that none can be made for it, one of the same solve or that of the
+// body at rest stays, and directions of negative curvature are turned (iterative/operator.h): so a
+// body is followed where it is unstable, too, as it is with a factor.
 #pragma once
 
 #include <memory>
@@ -32,7 +32,7 @@ class KrylovTangent {
   void hold(const std::vector<char>& held);
 
   /// Begins a solve: the next tangent gets a preconditioner of its own.
-  void begin_solve() { is_stale_ = true; }
+  void begin_solve();
 
   /// Takes a tangent, which must outlive its use.
   void take(const std::vector<double>& values);
@@ -61,6 +61,8 @@ class KrylovTangent {
   /// Of the preconditioner for the tangent that was taken, where one was tried.
   SetupReport setup_;
   bool is_stale_ = true;
+  /// The preconditioner is that of a tangent of this solve.
+  bool is_of_this_solve_ = false;
   /// Iterations for a tenfold smaller residual, when the preconditioner was new; 0: not known yet.
   double first_rate_ = 0;
 };

@@ -25,7 +25,7 @@ constexpr double kFactorisationExponent = 1.28;
 /// The error of the sensitivity of an equilibrium without a factor, and how many times as long as
 /// that the whole takes, of cubes of 20 000 to 300 000 unknowns (tests/benchmark/large.cpp).
 constexpr double kColumnError = 1e-6;
-constexpr double kIterationsOfEquilibrium = 3;
+constexpr double kIterationsOfEquilibrium = 3.5;
 /// Of a factor's numbers: what they take with the indices and the work space of MUMPS.
 constexpr double kWithWorkSpace = 1.35;
 /// Pattern, values and their copy in MUMPS, and the arrays of the elements.

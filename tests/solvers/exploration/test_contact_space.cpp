@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "equilibrium/tangent_solver.h"
 #include "exploration/precompute.h"
 #include "exploration/state_solver.h"
 #include "interpolation/interpolator.h"
@@ -335,6 +336,24 @@ TEST_F(ContactSpace, GoesNoDeeperThanTheForceLimit) {
     ASSERT_NE(found, all.end());
     EXPECT_EQ(found->check_point, c.parent);
     EXPECT_TRUE(found->leads_on());
+  }
+}
+
+TEST_F(ContactSpace, WithoutAFactorItIsTheSameOnAnyNumberOfRanks) {
+  constexpr double kAgreement = 1e-7;
+  options_.linear_solver = kConjugateGradients;
+  const PrecomputeResult parallel = run(*world_);
+  EXPECT_TRUE(parallel.report.complete);
+  if (world_->rank() != 0) return;
+  expect_equal(parallel.space.tool_spaces[0], run(*serial_).space.tool_spaces[0]);
+  options_.linear_solver.clear();
+  const auto exact = run(*serial_).space.tool_spaces[0].configurations;
+  const auto& found = parallel.space.tool_spaces[0].configurations;
+  ASSERT_EQ(found.size(), exact.size());
+  const double largest = largest_force(exact);
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    EXPECT_EQ(found[i].outcome, exact[i].outcome);
+    EXPECT_LE((found[i].force - exact[i].force).norm(), kAgreement * largest);
   }
 }
 

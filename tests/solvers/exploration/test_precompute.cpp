@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
+#include "equilibrium/tangent_solver.h"
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
 #include "solvers/support/block.h"
@@ -135,6 +136,37 @@ TEST_F(Precompute, SoTheyDoWithFactorsOfSinglePrecision) {
   const PrecomputeResult parallel = run(*world_);
   EXPECT_GT(parallel.report.num_by_flag.at(flags::inverted), 0);
   if (world_->rank() == 0) expect_equal(parallel.space, run(*serial_).space);
+}
+
+TEST_F(Precompute, WithoutAFactorTheSpaceIsTheSameOnAnyNumberOfRanks) {
+  constexpr double kAgreement = 1e-7;
+  // With a factor, v of a configuration from which none is reached has an error of 1e-4, which k
+  // has the square of and the third derivative has some of.
+  constexpr double kStiffnessAgreement = 1e-6;
+  constexpr double kThirdDerivativeAgreement = 2e-3;
+  options_.half_width = 0.008;
+  options_.equilibrium.third_derivatives = true;
+  options_.linear_solver = kConjugateGradients;
+  const PrecomputeResult parallel = run(*world_);
+  EXPECT_TRUE(parallel.report.complete);
+  EXPECT_EQ(parallel.report.num_by_outcome.at(Outcome::converged), 250);
+  if (world_->rank() != 0) return;
+  expect_equal(parallel.space, run(*serial_).space);
+  options_.linear_solver.clear();
+  const PrecomputeResult with_factor = run(*serial_);
+  for (std::size_t s = 0; s < parallel.space.tool_spaces.size(); ++s) {
+    const auto& found = parallel.space.tool_spaces[s].configurations;
+    const auto& exact = with_factor.space.tool_spaces[s].configurations;
+    ASSERT_EQ(found.size(), exact.size());
+    const double largest = largest_force(exact);
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      EXPECT_LE((found[i].force - exact[i].force).norm(), kAgreement * largest);
+      EXPECT_LE((found[i].stiffness - exact[i].stiffness).norm(),
+                kStiffnessAgreement * exact[i].stiffness.norm());
+      EXPECT_LE((found[i].third_derivative - exact[i].third_derivative).norm(),
+                kThirdDerivativeAgreement * exact[i].third_derivative.norm());
+    }
+  }
 }
 
 TEST_F(Precompute, AFileGivesTheSpaceOfTheMemoryAndIsOneFile) {
