@@ -9,7 +9,7 @@ Sample runs, with the plugin loaded (PV_PLUGIN_PATH) and a display (or xvfb-run 
 ./fetch_maps gets the maps that are read without --grey and --white:
     mpiexec -n 2 pvbatch brain.py
     pvbatch brain.py --grey gm.nii.gz --white wm.nii.gz --touched 0.04 -0.02 0.07
-    mpiexec -n 8 pvbatch brain.py --voxel 4 --edge 0.018 --region 0.03
+    mpiexec -n 8 pvbatch brain.py --voxel 4 --edge 0.014 --region 0.03
 
 The results go to the folder `out`: labels.vti, body.vtu, table.md, table.csv, slide.csv and
 pictures (.png). The .palpate file there can be touched, and what was solved for is not solved for
@@ -54,9 +54,9 @@ def arguments():
     parser.add_argument("--least", type=float, default=LEAST,
                         help="probability of both together from which on there is brain")
     parser.add_argument("--output", default="out", help="folder of the results")
-    parser.add_argument("--voxel", type=float, default=6.0,
+    parser.add_argument("--voxel", type=float, default=5.0,
                         help="of the labels, mm: the maps' voxels are joined to such")
-    parser.add_argument("--edge", type=float, default=0.025, help="of the tetrahedra, m")
+    parser.add_argument("--edge", type=float, default=0.018, help="of the tetrahedra, m")
     parser.add_argument("--held", type=float, default=HELD,
                         help="share of the height that is held, from below")
     parser.add_argument("--touched", type=float, nargs=3, metavar=("X", "Y", "Z"),
