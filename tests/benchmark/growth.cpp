@@ -12,18 +12,16 @@
 // The argument is the number of unknowns not to exceed; 310 000 takes 11 GB.
 #include <mpi.h>
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
 
+#include "benchmark/cube.h"
 #include "benchmark/table.h"
 #include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
-#include "interaction/bonded_patch.h"
 #include "linear/group.h"
 #include "schedule/mpi_communicator.h"
-#include "solvers/support/box_mesh.h"
 
 namespace palpate {
 namespace {
@@ -32,36 +30,7 @@ using namespace benchmarks;
 
 /// Bricks along an edge: 6 084, 13 872, 45 000, 147 852, 304 842 unknowns.
 constexpr int kBricks[] = {6, 8, 12, 18, 23};
-constexpr double kEdge = 0.1;  // m
-constexpr double kPatch = 0.2 * kEdge;
-
-int num_unknowns(int bricks) {
-  const int points = 2 * bricks + 1;
-  return 3 * points * points * (points - 1);
-}
-
-Scene make_cube(int bricks) {
-  Scene scene;
-  scene.mesh =
-      test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Constant(kEdge));
-  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(p.z() == 0 ? 1 : 0);
-  scene.touchable.assign(scene.fixed.size(), 1);
-  scene.materials = {make_isotropic(Law::neo_hookean, 10e3, 0.45)};
-  return scene;
-}
-
-/// The points of the top within the patch move as one.
-BondedPatch bond_patch(const TetMesh& mesh) {
-  std::vector<Index> points;
-  const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
-  for (Index p = 0; p < mesh.num_points(); ++p) {
-    const Vec3& x = mesh.points[p];
-    if (std::abs(x.z() - kEdge) < 1e-9 && (x - middle).norm() <= kPatch) {
-      points.push_back(p);
-    }
-  }
-  return BondedPatch(std::move(points));
-}
+constexpr double kPoissonsRatio = 0.45;
 
 std::unique_ptr<LinearSolver> make_solver() {
   const MPI_Comm world = MPI_COMM_WORLD;
@@ -74,22 +43,16 @@ constexpr int kExplored = 12;
 PrecomputeReport explore(const Scene& scene) {
   const MPI_Comm world = MPI_COMM_WORLD;
   const auto communicator = make_mpi_communicator(&world);
-  PrecomputeOptions options;
-  const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if ((scene.mesh.points[p] - middle).norm() < 1e-9) options.active_nodes = {p};
-  }
-  options.tip_radius = kPatch;
-  options.half_width = kEdge / 10;
-  options.resolution = 7;
+  PrecomputeOptions options = space_of_patch(scene.mesh, kEdge / 10, 7);
   options.ranks_per_solve = communicator->size();
+  options.linear_solver = linear_solver_names().front();
   return precompute(scene, options, *communicator,
                     [](const ProgressState& state) { return state.num_done < kExplored; })
       .report;
 }
 
 std::vector<Figure> measure(int bricks) {
-  const Scene scene = make_cube(bricks);
+  const Scene scene = make_cube(bricks, kPoissonsRatio);
   forget_peak();
   std::vector<Figure> figures = {{"unknowns", 1, static_cast<double>(num_unknowns(bricks))}};
   EquilibriumOptions options;
@@ -139,7 +102,7 @@ void serve(int most_unknowns) {
     if (num_unknowns(bricks) > most_unknowns) break;
     serve_group_solver(&world);
     serve_group_solver(&world);
-    (void)explore(make_cube(bricks));
+    (void)explore(make_cube(bricks, kPoissonsRatio));
   }
 }
 

@@ -8,19 +8,17 @@
 //
 // The arguments are the numbers of unknowns not to exceed, without a factor and with one, and
 // Poisson's ratio.
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <vector>
 
+#include "benchmark/cube.h"
 #include "benchmark/table.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tangent_solver.h"
 #include "exploration/precompute.h"
-#include "interaction/bonded_patch.h"
 #include "schedule/communicator.h"
-#include "solvers/support/box_mesh.h"
 
 namespace palpate {
 namespace {
@@ -30,36 +28,7 @@ using namespace benchmarks;
 /// Bricks along an edge: 6 084, 20 400, 45 000, 102 480, 147 852, 304 842, 553 500, 1 036 728
 /// unknowns.
 constexpr int kBricks[] = {6, 9, 12, 16, 18, 23, 28, 35};
-constexpr double kEdge = 0.1;  // m
-constexpr double kPatch = 0.2 * kEdge;
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
-
-int num_unknowns(int bricks) {
-  const int points = 2 * bricks + 1;
-  return 3 * points * points * (points - 1);
-}
-
-Scene make_cube(int bricks, double nu) {
-  Scene scene;
-  scene.mesh =
-      test::make_box(ElementOrder::quadratic, {bricks, bricks, bricks}, Vec3::Constant(kEdge));
-  for (const Vec3& p : scene.mesh.points) scene.fixed.push_back(p.z() == 0 ? 1 : 0);
-  scene.touchable.assign(scene.fixed.size(), 1);
-  scene.materials = {
-      with_formulation(make_isotropic(Law::neo_hookean, 10e3, nu), Formulation::displacement)};
-  return scene;
-}
-
-/// The points of the top within the patch move as one.
-BondedPatch bond_patch(const TetMesh& mesh) {
-  std::vector<Index> points;
-  const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
-  for (Index p = 0; p < mesh.num_points(); ++p) {
-    const Vec3& x = mesh.points[p];
-    if (std::abs(x.z() - kEdge) < 1e-9 && (x - middle).norm() <= kPatch) points.push_back(p);
-  }
-  return BondedPatch(std::move(points));
-}
 
 struct Run {
   Equilibrium pulled;
@@ -85,14 +54,7 @@ Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver) {
 
 /// Seconds for a configuration in the mean.
 double explore(const Scene& scene, const std::string& linear_solver) {
-  PrecomputeOptions options;
-  const Vec3 middle(kEdge / 2, kEdge / 2, kEdge);
-  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if ((scene.mesh.points[p] - middle).norm() < 1e-9) options.active_nodes = {p};
-  }
-  options.tip_radius = kPatch;
-  options.half_width = kEdge / 20;
-  options.resolution = 3;
+  PrecomputeOptions options = space_of_patch(scene.mesh, kEdge / 20, 3);
   options.linear_solver = linear_solver;
   options.equilibrium.single_precision = true;
   const auto communicator = make_serial_communicator();
