@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace palpate {
@@ -93,6 +94,16 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
   return 0;
 }
 
+/// Nothing: the iteration goes on.
+std::optional<Outcome> reason_to_end(const Correction& so_far, const EquilibriumOptions& options,
+                                     const Interruption& interruption) {
+  if (so_far.residual <= options.tolerance) return Outcome::converged;
+  if (so_far.iterations == options.max_iterations) return Outcome::not_converged;
+  const Outcome interrupted = interruption();
+  if (interrupted != Outcome::converged) return interrupted;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
@@ -121,13 +132,10 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
   };
   for (;;) {
     result.residual = iterate.norm / scale;
-    if (result.residual <= options.tolerance) {
-      x = iterate.state;
-      return end(Outcome::converged);
+    if (const auto reason = reason_to_end(result, options, interruption)) {
+      if (*reason == Outcome::converged) x = iterate.state;
+      return end(*reason);
     }
-    if (result.iterations == options.max_iterations) return end(Outcome::not_converged);
-    const Outcome interrupted = interruption();
-    if (interrupted != Outcome::converged) return end(interrupted);
 
     if (result.iterations == 0) {
       const NodalVector start_x = system.vector_of(start);
@@ -185,22 +193,16 @@ Correction correct_by_iteration(CondensedSystem& system, const EquilibriumOption
   double last_norm = 0;
   for (;;) {
     result.residual = iterate.norm / scale;
-    if (result.residual <= options.tolerance) {
-      x = iterate.state;
-      return end(Outcome::converged);
+    if (const auto reason = reason_to_end(result, options, interruption)) {
+      if (*reason == Outcome::converged) x = iterate.state;
+      return end(*reason);
     }
-    if (result.iterations == options.max_iterations) return end(Outcome::not_converged);
-    const Outcome interrupted = interruption();
-    if (interrupted != Outcome::converged) return end(interrupted);
     ++result.iterations;
 
     if (last_norm > 0) {
       const double ratio = iterate.norm / last_norm;
-      const double before = 0.9 * forcing * forcing;
-      forcing = 0.9 * ratio * ratio;
-      if (before > kLargestForcing) forcing = std::max(forcing, before);
-      // No better than the end needs.
-      forcing = std::max(forcing, 0.5 * options.tolerance / result.residual);
+      // No better than the end needs. (The safeguard of the method is for larger shares.)
+      forcing = std::max(0.9 * ratio * ratio, 0.5 * options.tolerance / result.residual);
       forcing = std::clamp(forcing, kLeastForcing, kLargestForcing);
     }
     last_norm = iterate.norm;
