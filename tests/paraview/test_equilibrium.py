@@ -278,7 +278,7 @@ def test_large_body():
     """From ten thousand unknowns on there is no factor, unless somebody asks for one, or for what
     only a factor gives."""
     agreement = 1e-7
-    boundary = held_box((18, 9, 9))
+    boundary = held_box((12, 6, 6))
     node = node_at(boundary, [0.2, 0.1, 0.1])
     way = [0.01, 0.005, 0]
     alone = solve(boundary, [node], way)
