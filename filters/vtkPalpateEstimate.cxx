@@ -20,8 +20,9 @@ namespace
 /// Of a tetrahedron, as TetGen's meshes of organs have them.
 constexpr double PointsOfLinear = 0.25;
 constexpr double PointsOfQuadratic = 1.65;
-/// Of one in palpate-tetgen and in the filter, bytes.
+/// Of one in palpate-tetgen and in the filter, bytes, and s on one core.
 constexpr double BytesOfTetrahedron = 1200;
+constexpr double SecondsOfTetrahedron = 1e-5;
 
 /// A number with two figures.
 double Round(double value)
@@ -133,6 +134,6 @@ std::string vtkPalpateTellBody(double tetrahedra, bool quadratic, double seconds
   const double points = (quadratic ? PointsOfQuadratic : PointsOfLinear) * tetrahedra;
   return "About " + vtkPalpateTellNumber(tetrahedra) + " tetrahedra with " +
     vtkPalpateTellNumber(points) + " points, so up to " + vtkPalpateTellNumber(3 * points) +
-    " unknowns. It takes " + vtkPalpateTellSeconds(seconds) + " and " +
-    vtkPalpateTellBytes(bytes + BytesOfTetrahedron * tetrahedra) + " of memory.";
+    " unknowns. It takes " + vtkPalpateTellSeconds(seconds + SecondsOfTetrahedron * tetrahedra) +
+    " and " + vtkPalpateTellBytes(bytes + BytesOfTetrahedron * tetrahedra) + " of memory.";
 }

@@ -39,6 +39,7 @@ PALPATEFILTERS_EXPORT std::string vtkPalpateTellSeconds(double seconds);
 PALPATEFILTERS_EXPORT std::string vtkPalpateTellBytes(double bytes);
 ///@}
 
-/// A body of so many tetrahedra, and what it takes to make it, s and, beside the tetrahedra, bytes.
+/// A body of so many tetrahedra, and what it takes to make it.
+/// @param seconds, bytes Beside the tetrahedra, s and bytes.
 [[nodiscard]] PALPATEFILTERS_EXPORT std::string vtkPalpateTellBody(
   double tetrahedra, bool quadratic, double seconds, double bytes);

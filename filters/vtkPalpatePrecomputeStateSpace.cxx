@@ -93,11 +93,6 @@ std::string ToText(const palpate::ExplorationEstimate& estimate)
     vtkPalpateTellBytes(estimate.file_bytes) + " of disk, if there is a file.";
 }
 
-int NumberOfRanks(vtkMultiProcessController* controller)
-{
-  return controller ? controller->GetNumberOfProcesses() : 1;
-}
-
 /// Of the window itself between two executions of a space that grows. It asks every second, and for
 /// what it has not asked meanwhile at once.
 constexpr std::chrono::seconds TimeForWindow(1);
@@ -284,9 +279,10 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
         { vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) }, controller);
       const palpate::PrecomputeOptions options =
         this->Options(vtkPolyData::SafeDownCast(this->GetInputDataObject(1, 0)), controller);
-      return scene ? ToText(palpate::estimate_exploration(
-                       *scene, options, this->Cost.Of(*scene), NumberOfRanks(controller)))
-                   : std::string();
+      const int numRanks = vtkPalpateCommunicator(controller)->size();
+      return scene
+        ? ToText(palpate::estimate_exploration(*scene, options, this->Cost.Of(*scene), numRanks))
+        : std::string();
     });
 }
 

@@ -63,6 +63,9 @@ protected:
 
   int FillOutputPortInformation(int port, vtkInformation* info) override;
 
+  /// More of them are a slip of a unit, not a wish.
+  static constexpr double MostTetrahedra = 2e7;
+
   /// The user wants no result any more.
   struct Aborted
   {

@@ -41,8 +41,6 @@ constexpr double VolumeOfEdge = 0.2;
 /// Of a tetrahedron on the average, as measured: those at the walls are smaller.
 constexpr double MeanVolumeOfEdge = 0.04;
 constexpr double AutomaticNumber = 1e4;
-/// More tetrahedra than this are a slip of a unit, not a wish.
-constexpr double MostTetrahedra = 2e7;
 /// Of a label's volume.
 constexpr double VolumeTolerance = 0.02;
 /// A voxel whose edges differ by no more is taken for a cube, and one that is as long as the
@@ -52,7 +50,6 @@ constexpr int MostSmoothing = 1000;
 /// Of an automatic size that lets labels vanish.
 constexpr int MostTrials = 6;
 /// On one core.
-constexpr double SecondsOfTetrahedron = 1e-5;
 constexpr double SecondsOfVoxel = 2e-8;
 /// The label and the number of the part.
 constexpr double BytesOfVoxel = 8;
@@ -282,8 +279,8 @@ std::string vtkPalpateTetrahedralizeLabelMap::MakeEstimate()
   const auto volumes = VolumesOf(vtkPalpateCountLabels(grid), grid.Volume());
   const double number = this->CountTetrahedra(volumes, this->Sizes(volumes, grid));
   const auto voxels = static_cast<double>(grid.Labels.size());
-  return vtkPalpateTellBody(number, this->ElementOrder == Quadratic,
-    number * SecondsOfTetrahedron + voxels * SecondsOfVoxel, voxels * BytesOfVoxel);
+  return vtkPalpateTellBody(
+    number, this->ElementOrder == Quadratic, voxels * SecondsOfVoxel, voxels * BytesOfVoxel);
 }
 
 vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::ReadLabels(vtkImageData* image) const

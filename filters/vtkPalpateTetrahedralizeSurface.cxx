@@ -37,8 +37,6 @@ using palpate::InputError;
 
 constexpr int LeastResolution = 16;
 constexpr int GreatestResolution = 300; // half a gigabyte for a cube
-/// More tetrahedra than this are a slip of a unit, not a wish.
-constexpr double MostTetrahedra = 2e7;
 
 /// How many tetrahedra TetGen makes, as it did of sixteen surfaces of balls, livers, plates and
 /// cylinders, to a factor of 2.5: where it may divide triangles, of each that is left, and else of
@@ -54,7 +52,6 @@ constexpr double CoarserExponent = 2;
 /// Mean volume of a tetrahedron beside its bound.
 constexpr double ShareOfBound = 0.22;
 /// On one core.
-constexpr double SecondsOfTetrahedron = 1e-5;
 constexpr double SecondsOfTriangle = 1e-4;
 constexpr double BytesOfTriangle = 500;
 
@@ -252,8 +249,7 @@ std::string vtkPalpateTetrahedralizeSurface::MakeEstimate()
   const double number = this->CountTetrahedra(surface);
   this->RequireFewEnough(std::abs(vtkPalpateVolume(surface)));
   return vtkPalpateTellBody(number, this->ElementOrder == Quadratic,
-    number * SecondsOfTetrahedron + surface.Triangles.size() * SecondsOfTriangle,
-    surface.Triangles.size() * BytesOfTriangle);
+    surface.Triangles.size() * SecondsOfTriangle, surface.Triangles.size() * BytesOfTriangle);
 }
 
 vtkPalpateSurface vtkPalpateTetrahedralizeSurface::SurfaceOf(vtkPolyData* input) const

@@ -29,13 +29,13 @@ KrylovTangent::KrylovTangent(const TetMesh& mesh, const Assembly& assembly,
         "Formulation of the material.");
   }
   pattern_ = std::make_shared<const BlockPattern>(make_block_pattern(assembly.pattern()));
-  hold(std::vector<char>(static_cast<std::size_t>(pattern_->num_nodes), 0));
+  held_.assign(static_cast<std::size_t>(pattern_->num_nodes), 0);
 }
 
 void KrylovTangent::hold(const std::vector<char>& held) {
-  if (held == held_ && preconditioner_ != nullptr) return;
+  if (held == held_) return;
   held_ = held;
-  preconditioner_ = make_preconditioner(pattern_, without(levels_, held));
+  preconditioner_.reset();
   begin_solve();
   values_ = nullptr;
 }
@@ -55,6 +55,9 @@ void KrylovTangent::prepare() {
   if (!is_stale_) return;
   is_stale_ = false;
   first_rate_ = 0;
+  if (preconditioner_ == nullptr) {
+    preconditioner_ = make_preconditioner(pattern_, without(levels_, held_));
+  }
   setup_ = preconditioner_->refresh(*values_);
   if (setup_.status == SetupStatus::ok) {
     is_of_this_solve_ = true;

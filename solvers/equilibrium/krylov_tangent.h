@@ -44,9 +44,6 @@ class KrylovTangent {
   /// What can be said of the inertia of the tangent that was taken.
   [[nodiscard]] Inertia inertia();
 
-  /// Of the preconditioner and the vectors.
-  [[nodiscard]] std::size_t bytes() const { return preconditioner_->bytes() + solver_.bytes(); }
-
  private:
   void prepare();
 
@@ -54,6 +51,7 @@ class KrylovTangent {
   NodeLevels levels_;
   const std::vector<double>& rest_values_;
   std::vector<char> held_;
+  /// Null until a tangent is solved for with what is held.
   std::unique_ptr<Preconditioner> preconditioner_;
   KrylovSolver solver_{{}};
   const std::vector<double>* values_ = nullptr;

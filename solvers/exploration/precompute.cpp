@@ -234,13 +234,15 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
     std::unique_ptr<LinearSolver> linear_solver = make_solver();
+    const std::string solver_name =
+        linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
     solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
                                                  std::move(linear_solver));
     state_solver.emplace(*solver, tools);
     spaces = plan_spaces(scene, options, tools);
     require_few_enough(options, spaces);
     if (communicator.rank() != 0 || !options.expects) return;
-    const SolveCost cost = measure_solve_cost(scene, options.linear_solver);
+    const SolveCost cost = measure_solve_cost(scene, solver_name);
     options.expects(estimate_exploration(options, spaces, cost, communicator.size()));
   });
   std::vector<ToolSpaceSetup> setups;
