@@ -47,14 +47,14 @@ constexpr double TimeOfPoint = 2;
 std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
 {
   std::ostringstream text;
-  text << std::hexfloat << space.scene_hash << ' ' << space.file << ' ' << space.modes.sum();
+  text << std::hexfloat << space.scene_hash << ' ' << space.file;
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
     const palpate::ToolSpaceSetup& s = toolSpace.setup;
     text << ' ' << s.interaction.active_node << ' ' << s.interaction.tip_radius << ' '
          << s.grid.half_width << ' ' << s.grid.resolution << ' ' << s.grid.coarsest << ' '
          << s.policy.force_limit << ' ' << s.policy.depth << ' ' << s.name() << ' '
-         << toolSpace.coefficients.sum();
+         << toolSpace.modes.sum() << ' ' << toolSpace.coefficients.sum();
     for (const palpate::ConfigurationSummary& c : toolSpace.configurations)
     {
       text << ' ' << c.energy << ' ' << c.force.transpose() << ' ' << c.stiffness.sum() << ' '

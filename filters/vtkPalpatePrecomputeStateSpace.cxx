@@ -256,6 +256,7 @@ palpate::PrecomputeOptions vtkPalpatePrecomputeStateSpace::Options(
   options.intermediate_states = this->IntermediateStates;
   options.equilibrium.third_derivatives = this->ThirdDerivatives;
   options.file = this->FileName;
+  options.keep = static_cast<palpate::Keep>(this->Keep);
   options.touch_bound = this->DisplacementBound;
   options.equilibrium.tolerance = this->SolverTolerance;
   options.equilibrium.max_seconds = this->MaximumSeconds;
@@ -462,6 +463,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "IntermediateStates: " << this->IntermediateStates << '\n'
      << indent << "ThirdDerivatives: " << this->ThirdDerivatives << '\n'
      << indent << "FileName: " << this->FileName << '\n'
+     << indent << "Keep: " << this->Keep << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'

@@ -193,6 +193,18 @@ public:
   vtkSetStdStringFromCharMacro(FileName);
   vtkGetCharFromStdStringMacro(FileName);
   ///@}
+  /// Numbers of palpate::Keep.
+  enum Keeps
+  {
+    TOUCH = 0,
+    SURFACE = 1,
+    ALL = 2
+  };
+  ///@{
+  /// What the file keeps of the displacements when the space is complete, see Keeps.
+  vtkSetClampMacro(Keep, int, TOUCH, ALL);
+  vtkGetMacro(Keep, int);
+  ///@}
   ///@{
   /// Largest residual of an equilibrium, as a share of the scene's force scale.
   vtkSetMacro(SolverTolerance, double);
@@ -284,6 +296,7 @@ private:
   int IntermediateStates = 0;
   bool ThirdDerivatives = true;
   std::string FileName;
+  int Keep = SURFACE;
   double SolverTolerance = 1e-9;
   bool SinglePrecisionFactors = true;
   double MaximumSeconds = 0;

@@ -67,6 +67,46 @@ void AddNumber(vtkFieldData* data, const char* name, double value)
   AddArray<vtkDoubleArray>(data, name, 1, 1)->SetValue(0, value);
 }
 
+bool IsContact(const TouchToolSpace& toolSpace)
+{
+  return toolSpace.setup.interaction.is_contact();
+}
+
+/// The array of the modes of an active node: one has no other beside it.
+std::string ModesName(bool isOnly, Index node)
+{
+  return isOnly ? "Modes" : "Modes " + std::to_string(node);
+}
+
+bool HasOneNode(const TouchSpace& space)
+{
+  return std::count_if(space.tool_spaces.begin(), space.tool_spaces.end(),
+           [](const TouchToolSpace& toolSpace) { return !IsContact(toolSpace); }) == 1;
+}
+
+void AddModes(const TouchSpace& space, const TouchToolSpace& toolSpace, vtkPointData* arrays)
+{
+  const Eigen::MatrixXf& modes = toolSpace.modes;
+  // VTK has no arrays without components.
+  if (modes.cols() == 0)
+  {
+    return;
+  }
+  const std::string name = ModesName(HasOneNode(space), toolSpace.setup.interaction.active_node);
+  auto* array = AddArray<vtkFloatArray>(
+    arrays, name.c_str(), static_cast<int>(3 * modes.cols()), space.surface.num_points());
+  for (Index p = 0; p < space.surface.num_points(); ++p)
+  {
+    for (int m = 0; m < modes.cols(); ++m)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        array->SetTypedComponent(p, 3 * m + c, modes(3 * p + c, m));
+      }
+    }
+  }
+}
+
 vtkSmartPointer<vtkPolyData> SurfaceData(const TouchSpace& space)
 {
   const palpate::Surface& surface = space.surface;
@@ -76,21 +116,14 @@ vtkSmartPointer<vtkPolyData> SurfaceData(const TouchSpace& space)
   points->SetNumberOfPoints(surface.num_points());
   auto* meshPoints =
     AddArray<vtkIdTypeArray>(data->GetPointData(), "MeshPoint", 1, surface.num_points());
-  // VTK has no arrays without components.
-  auto* modes = space.num_modes() == 0 ? nullptr
-                                       : AddArray<vtkFloatArray>(data->GetPointData(), "Modes",
-                                           3 * space.num_modes(), surface.num_points());
   for (Index p = 0; p < surface.num_points(); ++p)
   {
     points->SetPoint(p, surface.points[p].data());
     meshPoints->SetValue(p, surface.mesh_points[p]);
-    for (Index m = 0; m < space.num_modes(); ++m)
-    {
-      for (int c = 0; c < 3; ++c)
-      {
-        modes->SetTypedComponent(p, 3 * m + c, space.modes(3 * p + c, m));
-      }
-    }
+  }
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    AddModes(space, toolSpace, data->GetPointData());
   }
   vtkNew<vtkCellArray> triangles;
   for (const auto& [a, b, c] : surface.triangles)
@@ -190,11 +223,6 @@ unsigned char SolveStatus(const ConfigurationSummary& c)
                                               : 0;
 }
 
-bool IsContact(const TouchToolSpace& toolSpace)
-{
-  return toolSpace.setup.interaction.is_contact();
-}
-
 vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
 {
   auto data = vtkSmartPointer<vtkPolyData>::New();
@@ -257,7 +285,12 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
       reached->SetTypedTuple(i, all[i]->reached.data());
     }
   }
-  const int modes = space.num_modes();
+  Eigen::Index most = 0;
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    most = std::max(most, toolSpace.modes.cols());
+  }
+  const int modes = static_cast<int>(most);
   auto* nodes = AddArray<vtkIdTypeArray>(arrays, "ActiveNode", 1, count);
   vtkFloatArray* coefficients = nullptr;
   vtkFloatArray* gradients = nullptr;
@@ -265,7 +298,7 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
   {
     coefficients = AddArray<vtkFloatArray>(arrays, "Coefficients", modes, count);
     gradients = AddArray<vtkFloatArray>(arrays, "CoefficientGradient", 3 * modes, count);
-    // A rigid tool has none.
+    // Those that an active node does not have; a rigid tool has none.
     coefficients->Fill(0);
     gradients->Fill(0);
   }
@@ -275,10 +308,15 @@ vtkSmartPointer<vtkPolyData> ConfigurationData(const TouchSpace& space)
     for (Eigen::Index i = 0; i < toolSpace.coefficients.cols(); ++i, ++next)
     {
       nodes->SetValue(next, toolSpace.setup.interaction.active_node);
-      if (modes > 0 && !IsContact(toolSpace))
+      const Eigen::Index own = toolSpace.modes.cols();
+      for (Eigen::Index m = 0; m < own; ++m)
       {
-        coefficients->SetTypedTuple(next, toolSpace.coefficients.col(i).data());
-        gradients->SetTypedTuple(next, toolSpace.coefficient_gradients.col(i).data());
+        coefficients->SetTypedComponent(next, static_cast<int>(m), toolSpace.coefficients(m, i));
+        for (int a = 0; a < 3; ++a)
+        {
+          gradients->SetTypedComponent(
+            next, static_cast<int>(a * most + m), toolSpace.coefficient_gradients(a * own + m, i));
+        }
       }
     }
   }
@@ -437,34 +475,39 @@ vtkDataArray* Required(vtkFieldData* data, const char* name, int components)
   return array;
 }
 
-/// Number of modes: where there are none, there is no array.
-int NumberOfModes(vtkFieldData* data)
+/// The modes of an active node [3 x points, modes]; where there are none, there is no array.
+Eigen::MatrixXf ReadModes(vtkPointData* data, vtkIdType points, Index node)
 {
-  vtkDataArray* array = data->GetArray("Modes");
-  return array ? array->GetNumberOfComponents() / 3 : 0;
+  vtkDataArray* array = data->GetArray(ModesName(false, node).c_str());
+  if (!array)
+  {
+    array = data->GetArray(ModesName(true, node).c_str());
+  }
+  Eigen::MatrixXf modes(3 * points, array ? array->GetNumberOfComponents() / 3 : 0);
+  for (vtkIdType p = 0; p < points; ++p)
+  {
+    for (int m = 0; m < modes.cols(); ++m)
+    {
+      for (int c = 0; c < 3; ++c)
+      {
+        modes(3 * p + c, m) = static_cast<float>(array->GetComponent(p, 3 * m + c));
+      }
+    }
+  }
+  return modes;
 }
 
 void ReadSurface(vtkDataSet* data, TouchSpace& space)
 {
   const vtkIdType count = data->GetNumberOfPoints();
   vtkDataArray* meshPoints = Required(data->GetPointData(), "MeshPoint", 1);
-  const int modes = NumberOfModes(data->GetPointData());
-  vtkDataArray* values = modes > 0 ? Required(data->GetPointData(), "Modes", 3 * modes) : nullptr;
   palpate::Surface& surface = space.surface;
   surface.points.resize(count);
   surface.mesh_points.resize(count);
-  space.modes.resize(3 * count, modes);
   for (vtkIdType p = 0; p < count; ++p)
   {
     data->GetPoint(p, surface.points[p].data());
     surface.mesh_points[p] = static_cast<Index>(meshPoints->GetComponent(p, 0));
-    for (int m = 0; m < modes; ++m)
-    {
-      for (int c = 0; c < 3; ++c)
-      {
-        space.modes(3 * p + c, m) = static_cast<float>(values->GetComponent(p, 3 * m + c));
-      }
-    }
   }
   vtkNew<vtkIdList> corners;
   for (vtkIdType t = 0; t < data->GetNumberOfCells(); ++t)
@@ -561,7 +604,8 @@ std::string SceneHash(vtkDataSet* configurations)
   return hash && hash->GetNumberOfValues() > 0 ? hash->GetValue(0) : "";
 }
 
-void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
+/// @param surface What has the modes.
+void ReadConfigurations(vtkDataSet* data, vtkDataSet* surface, TouchSpace& space)
 {
   vtkPointData* arrays = data->GetPointData();
   const vtkIdType count = data->GetNumberOfPoints();
@@ -599,10 +643,9 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
   vtkDataArray* toolSpaces = Required(fields, "ActiveNodes", 1);
 
   vtkDataArray* nodes = Required(arrays, "ActiveNode", 1);
-  const int modes = space.num_modes();
-  vtkDataArray* coefficients = modes > 0 ? Required(arrays, "Coefficients", modes) : nullptr;
-  vtkDataArray* gradients =
-    modes > 0 ? Required(arrays, "CoefficientGradient", 3 * modes) : nullptr;
+  vtkDataArray* coefficients = arrays->GetArray("Coefficients");
+  const int most = coefficients ? coefficients->GetNumberOfComponents() : 0;
+  vtkDataArray* gradients = most > 0 ? Required(arrays, "CoefficientGradient", 3 * most) : nullptr;
   for (vtkIdType s = 0; s < toolSpaces->GetNumberOfTuples(); ++s)
   {
     TouchToolSpace& toolSpace = space.tool_spaces.emplace_back();
@@ -625,7 +668,17 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
     }
     // A stock filter may have changed their order.
     std::sort(ids.begin(), ids.end(), [&](vtkIdType a, vtkIdType b) { return all[a] < all[b]; });
-    const int own = node < 0 ? 0 : modes;
+    if (node >= 0)
+    {
+      toolSpace.modes = ReadModes(surface->GetPointData(), surface->GetNumberOfPoints(), node);
+    }
+    const int own = static_cast<int>(toolSpace.modes.cols());
+    if (own > most)
+    {
+      throw InputError("The array Coefficients of the state space has " + std::to_string(most) +
+        " components, fewer than the " + std::to_string(own) + " modes of active node " +
+        std::to_string(node) + ". Compute the state space again.");
+    }
     toolSpace.coefficients.resize(own, static_cast<Eigen::Index>(ids.size()));
     toolSpace.coefficient_gradients.resize(3 * own, static_cast<Eigen::Index>(ids.size()));
     for (std::size_t i = 0; i < ids.size(); ++i)
@@ -638,7 +691,7 @@ void ReadConfigurations(vtkDataSet* data, TouchSpace& space)
       for (int m = 0; m < 3 * own; ++m)
       {
         toolSpace.coefficient_gradients(m, i) =
-          static_cast<float>(gradients->GetComponent(ids[i], m));
+          static_cast<float>(gradients->GetComponent(ids[i], m / own * most + m % own));
       }
     }
     if (node < 0)
@@ -848,7 +901,7 @@ TouchSpace vtkPalpateSpaceFromCollection(
                      "State Space Reader.");
   }
   ReadSurface(surface, space);
-  ReadConfigurations(configurations, space);
+  ReadConfigurations(configurations, surface, space);
   if (states)
   {
     ReadIntermediateStates(states, space);

@@ -103,7 +103,7 @@ void AddInteger(vtkDataObject* output, const char* name, int value)
 
 /// The displacement of the surface by the modes of the space [3 x points], m.
 Eigen::VectorXf BySurfaceModes(
-  const TouchSpace& space, const palpate::DisplayField& field, const palpate::Vec3& t)
+  const TouchToolSpace& toolSpace, const palpate::DisplayField& field, const palpate::Vec3& t)
 {
   Eigen::VectorXf coefficients(field.num_modes());
   if (field.coefficients(t, coefficients.data()) == palpate::Support::none ||
@@ -111,8 +111,8 @@ Eigen::VectorXf BySurfaceModes(
   {
     coefficients.setZero();
   }
-  Eigen::VectorXf u(3 * static_cast<Eigen::Index>(space.surface.num_points()));
-  palpate::apply_modes(space.modes, coefficients.data(), u.data());
+  Eigen::VectorXf u(toolSpace.modes.rows());
+  palpate::apply_modes(toolSpace.modes, coefficients.data(), u.data());
   return u;
 }
 
@@ -250,7 +250,10 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
       ? std::make_unique<palpate::BodyField>(site, interpolator.grid())
       : std::make_unique<palpate::BodyField>(site);
   }
-  field->evaluate(palpate::Vec3(t), whole.Fields, whole.Displacement, whole.Pressure);
+  const palpate::Keep needed = this->WholeBody ? palpate::Keep::all
+    : this->Stress                             ? palpate::Keep::surface
+                                               : palpate::Keep::touch;
+  field->evaluate(palpate::Vec3(t), whole.Fields, needed, whole.Displacement, whole.Pressure);
   if (whole.Displacement.size() == 0)
   {
     whole.Displacement.setZero(3 * static_cast<Eigen::Index>(whole.Scene.mesh.num_points()));
@@ -394,7 +397,7 @@ int vtkPalpateTouchStateSpace::RequestData(
         }
         if (touch.support != palpate::Support::none)
         {
-          u = BySurfaceModes(space, *branch.Field, t);
+          u = BySurfaceModes(toolSpace, *branch.Field, t);
         }
       }
       else if (problem.empty())

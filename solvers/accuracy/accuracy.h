@@ -116,7 +116,7 @@ struct AccuracyResult {
 /// @returns The result, whole on rank 0, empty elsewhere.
 /// @note Collective
 /// @throws InputError the space is not of this scene, or has no tool space, or none that one of the
-/// methods serves; or as solve_test_points(); also as FieldCache::get, which may throw
+/// methods serves; or as solve_test_points(); also as FieldCache::add_up, which may throw
 /// BackendError.
 [[nodiscard]] AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                               const AccuracyOptions& options,

@@ -383,7 +383,7 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
     }
   }
   const std::vector<Bytes> tasks = communicator.all_gather(to_solve.take());
-  InteractionSolver states(*solver, tools);
+  InteractionSolver states(scene, *solver, tools);
   Solver worker(
       scene, setups, points, result.num_reused, states, monitor,
       [&](std::int32_t tool_space, const TestPoint& point) { record.keep(tool_space, point); });

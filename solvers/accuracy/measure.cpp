@@ -106,6 +106,7 @@ class Shown {
   Shown(const TouchSpace& space, const TouchToolSpace& tool_space, FieldCache* fields,
         const std::vector<TestPoint>& points)
       : space_(space),
+        of_space_(space.find(tool_space.setup.id)),
         is_contact_(tool_space.setup.interaction.is_contact()),
         fields_(fields),
         samples_(sample_points(space.surface)),
@@ -141,14 +142,14 @@ class Shown {
       field.coefficients(t, c.data());
       for (std::size_t s = 0; s < samples_.size(); ++s) {
         u_.segment<3>(3 * static_cast<Eigen::Index>(s)) =
-            space_.modes.middleRows<3>(3 * Eigen::Index{samples_[s]}) * c;
+            of_space_->modes.middleRows<3>(3 * Eigen::Index{samples_[s]}) * c;
       }
       return true;
     }
     if (fields_ == nullptr) return false;
     NodalVector u;
     NodalVector p;
-    (void)subject.body_field().evaluate(t, *fields_, u, p);
+    (void)subject.body_field().evaluate(t, *fields_, Keep::touch, u, p);
     if (u.size() == 0) return false;
     for (std::size_t s = 0; s < samples_.size(); ++s) {
       const Eigen::Index point = space_.surface.mesh_points[samples_[s]];
@@ -158,6 +159,8 @@ class Shown {
   }
 
   const TouchSpace& space_;
+  /// The tool space with its modes, of which the one that is measured is a part.
+  const TouchToolSpace* of_space_;
   bool is_contact_;
   FieldCache* fields_;
   std::vector<Index> samples_;

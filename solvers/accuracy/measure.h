@@ -122,7 +122,7 @@ struct PointError {
 /// @param points Test points of the tool space, solved.
 /// @param errors Is set to the error at each of them [points.size()].
 /// @param fields Of the file of the space; null: there is none.
-/// @throws InputError, BackendError as FieldCache::get.
+/// @throws InputError, BackendError as FieldCache::add_up.
 [[nodiscard]] Measurement measure(const TouchSpace& space, const TouchToolSpace& whole,
                                   const Variant& variant, const std::vector<TestPoint>& points,
                                   std::vector<PointError>& errors, FieldCache* fields = nullptr);

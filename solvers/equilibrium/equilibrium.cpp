@@ -88,6 +88,7 @@ class EquilibriumSolver::Impl {
   void set_interaction(const Interaction& interaction) { system_.set_interaction(interaction); }
   Equilibrium rest(const Eigen::VectorXd& t);
   Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start, Tangent tangent);
+  Equilibrium settle(const Equilibrium& near);
   void forget(const Equilibrium& state) { system_.forget(state.t, system_.vector_of(state)); }
   Path trace(const Eigen::VectorXd& t, const Equilibrium& start, const PathOptions& options);
   double condition(const Equilibrium& state);
@@ -427,6 +428,23 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   return std::move(progress.state);
 }
 
+Equilibrium EquilibriumSolver::Impl::settle(const Equilibrium& near) {
+  begin();
+  require_coordinates(near.t);
+  Progress progress;
+  progress.state = near;
+  const Assembly& assembly = system_.assembly();
+  if (near.p.size() == 0) progress.state.p.setZero(assembly.num_pressures());
+  progress.state.v.setZero(near.u.size(), system_.num_coordinates());
+  progress.state.p_v.setZero(assembly.num_pressures(), system_.num_coordinates());
+  Equilibrium settled = step(1, near.t, Tangent::factorised, progress);
+  settled.iterations = progress.iterations;
+  settled.steps = progress.steps;
+  add_third_derivative(settled);
+  settled.seconds = seconds_since(start_);
+  return settled;
+}
+
 Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium& start,
                                     const PathOptions& options) {
   begin();
@@ -470,6 +488,7 @@ Equilibrium EquilibriumSolver::solve(const Eigen::VectorXd& t, const Equilibrium
                                      Tangent tangent) {
   return impl_->solve(t, start, tangent);
 }
+Equilibrium EquilibriumSolver::settle(const Equilibrium& near) { return impl_->settle(near); }
 Path EquilibriumSolver::trace(const Eigen::VectorXd& t, const Equilibrium& start,
                               const PathOptions& options) {
   return impl_->trace(t, start, options);

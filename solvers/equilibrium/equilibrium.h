@@ -86,6 +86,11 @@ class EquilibriumSolver {
   [[nodiscard]] Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                   Tangent tangent = Tangent::factorised);
 
+  /// The equilibrium near a state that is one but for small errors, with the tool where it is: of a
+  /// configuration whose fields were reduced.
+  /// @param near t, u [3 × num_points] and the pressures p, or none, count alone.
+  [[nodiscard]] Equilibrium settle(const Equilibrium& near);
+
   /// Tells that no solve will start from this state again: if its factor is kept, it is the next to
   /// be replaced.
   void forget(const Equilibrium& state);

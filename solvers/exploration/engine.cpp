@@ -496,10 +496,12 @@ void Engine::tell() {
                 std::move(message));
 }
 
-void Engine::load_state(Batch& batch) const {
+void Engine::load_state(Batch& batch) {
   if (!batch.has_start() || batch.state != nullptr) return;
-  batch.state = std::make_shared<const Equilibrium>(
-      to_equilibrium(record_.load(batch.tool_space, batch.start)));
+  Equilibrium state = to_equilibrium(record_.load(batch.tool_space, batch.start));
+  const Keep kept = record_.kept(batch.tool_space, batch.start);
+  if (kept < Keep::all) state = solver_.restore(setup_of(batch.tool_space), state, kept);
+  batch.state = std::make_shared<const Equilibrium>(std::move(state));
 }
 
 /// @throws InputError the body is not held.

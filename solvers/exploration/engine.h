@@ -145,8 +145,9 @@ class Engine final : public Worker {
   ///   not have it.
   void pack(Batch& batch, bool with_state, Packer& message);
   [[nodiscard]] static Batch unpack(Unpacker& message);
-  /// Reads the state of a batch's start, unless it is there.
-  void load_state(Batch& batch) const;
+  /// Reads the state of a batch's start, unless it is there. Where no more than a part of it was
+  /// kept, it is solved for again; one that is not found again leads nowhere.
+  void load_state(Batch& batch);
   [[nodiscard]] const PlannedSpace& space(ToolSpaceId tool_space) const;
   [[nodiscard]] const ToolSpaceSetup& setup_of(ToolSpaceId tool_space) const {
     return space(tool_space).setup;

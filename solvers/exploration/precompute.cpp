@@ -238,7 +238,7 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
         linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
     solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
                                                  std::move(linear_solver));
-    state_solver.emplace(*solver, tools);
+    state_solver.emplace(scene, *solver, tools);
     spaces = plan_spaces(scene, options, tools);
     require_few_enough(options, spaces);
     if (communicator.rank() != 0 || !options.expects) return;
@@ -249,8 +249,9 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   for (const PlannedSpace& space : spaces) setups.push_back(space.setup);
   const double tolerance = options.equilibrium.tolerance;
   const std::unique_ptr<Record> record =
-      options.file.empty() ? make_memory_record(scene, setups, tolerance, communicator)
-                           : make_file_record(options.file, scene, setups, tolerance, communicator);
+      options.file.empty()
+          ? make_memory_record(scene, setups, communicator)
+          : make_file_record(options.file, scene, setups, tolerance, options.keep, communicator);
   result.damaged = record->damaged();
 
   Engine engine(spaces, *state_solver, *record, communicator.network(), monitor, report);

@@ -64,6 +64,11 @@ void validate(const PrecomputeOptions& options) {
     throw InputError("The intermediate states are " + std::to_string(options.intermediate_states) +
                      "; they must be from 0 to " + std::to_string(kMostIntermediateStates) + '.');
   }
+  if (options.keep < Keep::touch || options.keep > Keep::all) {
+    throw InputError("What is kept has the number " +
+                     std::to_string(static_cast<int>(options.keep)) +
+                     "; it is 0 (touch), 1 (surface) or 2 (all).");
+  }
   if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
     throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +
                      "; it must be a share from 0.00001 to below 1.");

@@ -62,6 +62,9 @@ struct PrecomputeOptions {
   std::filesystem::path file;
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
   double touch_bound = kDefaultTouchBound;
+  /// What of the fields a file keeps of a space that is complete. Until then all is kept. A file
+  /// that keeps less cannot keep more again.
+  Keep keep = Keep::surface;
   /// Options of each solve. The number of kept factors follows from the resolution; with
   /// third_derivatives, each configuration has its third derivative.
   EquilibriumOptions equilibrium;

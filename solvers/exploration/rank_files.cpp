@@ -11,6 +11,16 @@
 namespace palpate {
 namespace fs = std::filesystem;
 
+namespace {
+
+[[noreturn]] void throw_not_removed(const fs::path& file, const std::error_code& error) {
+  throw BackendError("The file " + file.string() +
+                     ", whose content is in that of the state space now, cannot be removed: " +
+                     error.message() + ". Remove it by hand.");
+}
+
+}  // namespace
+
 void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
   // Rank 0 first: where it fails, no other rank leaves a file behind.
   agree(communicator_, [&] {
@@ -39,6 +49,17 @@ void RankFiles::merge() {
   });
   agree(communicator_, [&] {
     if (communicator_.rank() == 0) take_over();
+  });
+}
+
+void RankFiles::discard_others() {
+  agree(communicator_, [&] {
+    if (communicator_.rank() == 0) return;
+    const fs::path path = own_->path();
+    own_->close();
+    std::error_code error;
+    if (!fs::remove(path, error)) throw_not_removed(path, error);
+    sync_folder_of(path_);
   });
 }
 
@@ -71,10 +92,7 @@ void RankFiles::take_over() {
                        "what is missing is computed again.");
     }
     std::error_code error;
-    if (!fs::remove(file, error)) {
-      throw BackendError("The file " + file.string() + ", whose content is in " + path_.string() +
-                         " now, cannot be removed: " + error.message() + ". Remove it by hand.");
-    }
+    if (!fs::remove(file, error)) throw_not_removed(file, error);
   }
   // Of a file that was half made or half removed when the power was lost.
   for (const char* ending : {".part", "-journal", "-wal"}) {

@@ -40,6 +40,10 @@ class RankFiles {
   /// StateSpaceFile::left_out(); empty on other ranks than 0.
   [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
 
+  /// Removes the files of the other ranks, whose content is in that of rank 0 by other means.
+  /// @note Collective
+  void discard_others();
+
   /// Moves everything into the file of rank 0, and removes the other files.
   /// @throws InputError the file of a rank is damaged: what is sound in it was taken over, and it
   ///   stays.

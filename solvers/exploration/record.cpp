@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "exploration/record.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <utility>
 
 #include "base/error.h"
 #include "exploration/rank_files.h"
+#include "exploration/reduction.h"
 #include "exploration/transfer.h"
 
 namespace palpate {
@@ -13,17 +18,100 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// What the ranks have found, without fields.
+struct Parts {
+  std::vector<std::pair<ToolSpaceId, ConfigurationSummary>> configurations;
+  std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions;
+  std::vector<std::pair<ToolSpaceId, IntermediateState>> intermediate_states;
+
+  /// On rank 0 all, elsewhere nothing.
+  /// @note Collective
+  void gather_all(Communicator& communicator) {
+    gather(configurations, communicator);
+    gather(transitions, communicator);
+    gather(intermediate_states, communicator);
+  }
+};
+
+/// The spaces of active nodes are reduced to modes of the surface, region by region on all ranks.
+ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& setups, Keep keep,
+                      double bound) {
+  ReductionTask task;
+  task.keep = keep;
+  task.bound = bound;
+  task.points = kept_points(scene.mesh, make_surface(scene.mesh), keep);
+  for (const ToolSpaceSetup& setup : setups) {
+    if (setup.interaction.is_contact()) continue;
+    for (ReductionRegion& region : plan_regions(setup, {}, {})) {
+      task.regions.push_back(std::move(region));
+    }
+  }
+  return task;
+}
+
+/// Makes the touch space of what all ranks have found.
+/// @param parts, whole What this rank has, and of which it has the fields.
+/// @returns The whole on rank 0, empty elsewhere.
+/// @note Collective
+TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Parts parts,
+                    std::vector<StateKey> whole, std::function<Configuration(const StateKey&)> load,
+                    double bound, Communicator& communicator) {
+  TouchSpace space;
+  ReductionTask task;
+  agree(communicator, [&] {
+    std::sort(setups.begin(), setups.end(),
+              [](const ToolSpaceSetup& a, const ToolSpaceSetup& b) { return a.id < b.id; });
+    task = task_of(scene, setups, Keep::touch, bound);
+    task.own = std::move(whole);
+    task.load = std::move(load);
+    if (communicator.rank() == 0) space = make_empty_touch_space(scene);
+  });
+  std::map<ToolSpaceId, FieldBasis> bases;
+  std::map<StateKey, ReducedFields> fields;
+  reduce_on_ranks(
+      task, communicator,
+      [&](const ReductionRegion& region, const std::vector<StateKey>& keys, Reduction reduction) {
+        bases[region.tool_space] = std::move(reduction.basis);
+        for (std::size_t i = 0; i < keys.size(); ++i) {
+          fields.emplace(keys[i], std::move(reduction.fields[i]));
+        }
+      });
+  parts.gather_all(communicator);
+  agree(communicator, [&] {
+    if (communicator.rank() != 0) return;
+    std::map<StateKey, ConfigurationSummary> found;
+    for (const auto& [id, c] : parts.configurations) found.emplace(key_of(id, c), c);
+    for (const auto& [id, transition] : parts.transitions) {
+      found.at({id, transition.start, transition.start_level})
+          .reached[neighbour_number(transition.start, transition.target)] = transition.reached;
+    }
+    std::sort(parts.intermediate_states.begin(), parts.intermediate_states.end());
+    for (const ToolSpaceSetup& setup : setups) {
+      std::vector<ConfigurationSummary> configurations;
+      std::vector<const ReducedFields*> of_configurations;
+      for (auto c = found.lower_bound({setup.id, {INT32_MIN, INT32_MIN, INT32_MIN}, INT32_MIN});
+           c != found.end() && c->first.tool_space == setup.id; ++c) {
+        configurations.push_back(c->second);
+        const auto reduced = fields.find(c->first);
+        of_configurations.push_back(reduced == fields.end() ? nullptr : &reduced->second);
+      }
+      std::vector<IntermediateState> states;
+      for (const auto& [id, state] : parts.intermediate_states) {
+        if (id == setup.id) states.push_back(state);
+      }
+      const auto basis = bases.find(setup.id);
+      add_tool_space(scene, setup, configurations, std::move(states),
+                     basis == bases.end() ? nullptr : &basis->second, of_configurations, space);
+    }
+  });
+  return space;
+}
+
 class MemoryRecord final : public Record {
  public:
   MemoryRecord(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
-               double solver_tolerance, Communicator& communicator)
-      : communicator_(communicator) {
-    space_.scene = scene;
-    space_.scene_hash = hash(scene);
-    space_.solver_tolerance = solver_tolerance;
-    for (const ToolSpaceSetup& setup : setups) space_.tool_spaces.push_back({setup, false, {}, {}});
-    sort(space_);
-  }
+               Communicator& communicator)
+      : scene_(scene), setups_(setups), communicator_(communicator) {}
 
   [[nodiscard]] Known known(ToolSpaceId /*tool_space*/) const override { return {}; }
   [[nodiscard]] std::vector<std::string> damaged() const override { return {}; }
@@ -54,43 +142,25 @@ class MemoryRecord final : public Record {
     return found_.at(key_of(tool_space, summary));
   }
 
-  [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
-    std::vector<std::pair<ToolSpaceId, Configuration>> configurations;
-    for (auto& [key, c] : found_) configurations.emplace_back(key.tool_space, std::move(c));
-    found_.clear();
-    gather(configurations, communicator_);
-    gather(transitions_, communicator_);
-    gather(intermediate_states_, communicator_);
-    TouchSpace result;
-    agree(communicator_, [&] {
-      if (communicator_.rank() != 0) return;
-      for (auto& [id, c] : configurations) found_.emplace(key_of(id, c), std::move(c));
-      for (const auto& [id, transition] : transitions_) {
-        found_.at({id, transition.start, transition.start_level})
-            .reached[neighbour_number(transition.start, transition.target)] = transition.reached;
-      }
-      std::map<ToolSpaceId, ToolSpace*> tool_spaces;
-      for (ToolSpace& tool_space : space_.tool_spaces) {
-        tool_space.complete = complete;
-        tool_spaces[tool_space.setup.id] = &tool_space;
-      }
-      for (auto& [key, c] : found_) {
-        if (c.level < 0) continue;
-        tool_spaces.at(key.tool_space)->configurations.push_back(std::move(c));
-      }
-      for (const auto& [id, state] : intermediate_states_) {
-        tool_spaces.at(id)->intermediate_states.push_back(state);
-      }
-      sort(space_);
-      found_.clear();
-      result = make_touch_space(space_, bound);
-    });
-    return result;
+  [[nodiscard]] TouchSpace finish(bool /*complete*/, double bound) override {
+    Parts parts;
+    std::vector<StateKey> whole;
+    for (const auto& [key, c] : found_) {
+      if (c.level < 0) continue;
+      parts.configurations.emplace_back(key.tool_space, c);
+      if (c.usable()) whole.push_back(key);
+    }
+    parts.transitions = std::exchange(transitions_, {});
+    parts.intermediate_states = std::exchange(intermediate_states_, {});
+    return assemble(
+        scene_, setups_, std::move(parts), whole,
+        [this](const StateKey& key) { return found_.at(key); }, bound, communicator_);
   }
 
  private:
+  const Scene& scene_;
+  std::vector<ToolSpaceSetup> setups_;
   Communicator& communicator_;
-  StateSpace space_;
   std::map<StateKey, Configuration> found_;
   std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions_;
   std::vector<std::pair<ToolSpaceId, IntermediateState>> intermediate_states_;
@@ -99,12 +169,20 @@ class MemoryRecord final : public Record {
 class FileRecord final : public Record {
  public:
   FileRecord(const fs::path& path, const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
-             double solver_tolerance, Communicator& communicator)
+             double solver_tolerance, Keep keep, Communicator& communicator)
       : path_(path),
+        scene_(scene),
         setups_(setups),
+        keep_(keep),
         communicator_(communicator),
         files_(path, scene, solver_tolerance, communicator) {
     files_.open([&](StateSpaceFile& file) {
+      if (file.keep() < keep) {
+        throw InputError(path_.string() + " keeps less of the displacements (Keep is " +
+                         name_of(file.keep()) + ") than is asked for (" + name_of(keep) +
+                         "), and what it has left out is lost. Ask for " + name_of(file.keep()) +
+                         ", or give another file name.");
+      }
       for (const ToolSpaceSetup& setup : setups) file.add_tool_space(setup);
     });
   }
@@ -147,15 +225,25 @@ class FileRecord final : public Record {
     return configuration;
   }
 
+  [[nodiscard]] Keep kept(ToolSpaceId tool_space,
+                          const ConfigurationSummary& summary) const override {
+    return files_.own().keep_of(tool_space, summary);
+  }
+
   [[nodiscard]] TouchSpace finish(bool complete, double bound) override {
-    files_.merge();
+    if (complete && keep_ < Keep::all) {
+      reduce_into_file(bound);
+      files_.discard_others();
+    } else {
+      if (!is_reduced_anywhere()) return finish_whole(complete, bound);
+      files_.merge();
+    }
     TouchSpace result;
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
       StateSpaceFile& file = files_.own();
-      if (complete) {
-        for (const ToolSpaceSetup& setup : setups_) file.set_complete(setup.id, true);
-      }
+      if (complete) set_complete();
+      file.shrink();
       file.close();
       result = make_touch_space(StateSpaceFile::open_read_only(path_), bound);
     });
@@ -163,8 +251,201 @@ class FileRecord final : public Record {
   }
 
  private:
+  void set_complete() {
+    for (const ToolSpaceSetup& setup : setups_) files_.own().set_complete(setup.id, true);
+  }
+
+  /// @note Collective
+  [[nodiscard]] bool is_reduced_anywhere() {
+    bool is_reduced = false;
+    agree(communicator_, [&] { is_reduced = files_.own().keep() < Keep::all; });
+    return any(communicator_, is_reduced);
+  }
+
+  /// Those of the file of rank 0, on all ranks.
+  /// @note Collective
+  [[nodiscard]] std::vector<ToolSpaceSetup> all_setups() {
+    Packer mine;
+    agree(communicator_, [&] {
+      std::vector<ToolSpaceSetup> setups;
+      if (communicator_.rank() != 0) return;
+      for (const ToolSpace& space : files_.own().read_tool_spaces()) setups.push_back(space.setup);
+      mine.put_list(setups);
+    });
+    const std::vector<Bytes> all = communicator_.all_gather(mine.take());
+    return Unpacker(all.front()).take_list<std::vector<ToolSpaceSetup>>();
+  }
+
+  /// What the file of this rank has of some tool spaces.
+  [[nodiscard]] Parts read_parts(const std::vector<ToolSpaceSetup>& setups) const {
+    Parts parts;
+    for (const ToolSpaceSetup& setup : setups) {
+      const StateSpaceFile& file = files_.own();
+      for (const Configuration& c : file.read_summaries(setup.id)) {
+        ConfigurationSummary summary = c;
+        summary.reached = ConfigurationSummary().reached;
+        parts.configurations.emplace_back(setup.id, summary);
+      }
+      for (const LevelTransition& transition : file.read_transitions(setup.id)) {
+        parts.transitions.emplace_back(setup.id, transition);
+      }
+      for (const IntermediateState& state : file.read_intermediate_states(setup.id)) {
+        parts.intermediate_states.emplace_back(setup.id, state);
+      }
+    }
+    return parts;
+  }
+
+  [[nodiscard]] std::vector<StateKey> list_whole(const std::vector<ToolSpaceSetup>& setups) const {
+    std::vector<StateKey> whole;
+    for (const ToolSpaceSetup& setup : setups) {
+      const std::vector<StateKey> of_space = files_.own().list_whole(setup.id);
+      whole.insert(whole.end(), of_space.begin(), of_space.end());
+    }
+    return whole;
+  }
+
+  [[nodiscard]] Configuration load(const StateKey& key) const {
+    ConfigurationSummary summary;
+    summary.check_point = key.check_point;
+    summary.level = key.level;
+    return load(key.tool_space, summary);
+  }
+
+  /// The file has all fields, those of other tool spaces too.
+  /// @note Collective
+  [[nodiscard]] TouchSpace finish_whole(bool complete, double bound) {
+    const std::vector<ToolSpaceSetup> setups = all_setups();
+    Parts parts;
+    std::vector<StateKey> whole;
+    agree(communicator_, [&] {
+      parts = read_parts(setups);
+      whole = list_whole(setups);
+    });
+    TouchSpace result = assemble(
+        scene_, setups, std::move(parts), std::move(whole),
+        [this](const StateKey& key) { return load(key); }, bound, communicator_);
+    files_.merge();
+    agree(communicator_, [&] {
+      if (communicator_.rank() != 0) return;
+      if (complete) set_complete();
+      result.left_out = files_.own().left_out();
+      result.file = path_.string();
+      files_.own().close();
+    });
+    return result;
+  }
+
+  /// Reduces what was found in the spaces of this run into the file of rank 0: all of it at once or
+  /// not at all.
+  /// @note Collective
+  void reduce_into_file(double bound) {
+    ReductionTask task;
+    Parts parts;
+    std::vector<std::vector<StateSpaceFile::BasisBox>> boxes(setups_.size());
+    agree(communicator_, [&] {
+      task.own = list_whole(setups_);
+      if (communicator_.rank() == 0) return;
+      parts = read_parts(setups_);
+    });
+    parts.gather_all(communicator_);
+    // What is there already tells what is kept of the rest.
+    Packer mine;
+    agree(communicator_, [&] {
+      std::int32_t num_pressures = 0;
+      if (communicator_.rank() == 0) {
+        for (const ToolSpaceSetup& setup : setups_) {
+          const auto of_space = files_.own().list_bases(setup.id);
+          mine.put_list(of_space);
+        }
+      }
+      if (!task.own.empty()) {
+        num_pressures = static_cast<std::int32_t>(load(task.own.front()).p.size());
+      }
+      mine.put(num_pressures);
+    });
+    const std::vector<Bytes> all = communicator_.all_gather(mine.take());
+    const std::vector<StateKey> keys = all_of(task.own, communicator_);
+    agree(communicator_, [&] {
+      Keep keep = keep_;
+      Unpacker of_first(all.front());
+      for (auto& of_space : boxes) {
+        of_space = of_first.take_list<std::vector<StateSpaceFile::BasisBox>>();
+        for (const StateSpaceFile::BasisBox& box : of_space) keep = box.keep;
+      }
+      task.num_pressures = of_first.take<std::int32_t>();
+      for (std::size_t rank = 1; rank < all.size(); ++rank) {
+        const auto of_rank = Unpacker(all[rank]).take<std::int32_t>();
+        task.num_pressures = std::max<Eigen::Index>(task.num_pressures, of_rank);
+      }
+      if (keep == Keep::touch) task.num_pressures = 0;
+      task.keep = keep;
+      task.bound = bound;
+      task.points = kept_points(scene_.mesh, make_surface(scene_.mesh), keep);
+      task.load = [this](const StateKey& key) { return load(key); };
+      for (std::size_t s = 0; s < setups_.size(); ++s) {
+        plan(setups_[s], boxes[s], keys, task.regions);
+      }
+    });
+    if (communicator_.rank() == 0) {
+      files_.own().change_together([&] { take_reduced(task, parts); });
+    } else {
+      reduce_on_ranks(task, communicator_, {});
+    }
+  }
+
+  /// Adds the regions of a tool space.
+  void plan(const ToolSpaceSetup& setup, const std::vector<StateSpaceFile::BasisBox>& boxes,
+            const std::vector<StateKey>& keys, std::vector<ReductionRegion>& regions) {
+    std::vector<ReductionRegion> there;
+    for (const StateSpaceFile::BasisBox& box : boxes) {
+      ReductionRegion& region = there.emplace_back();
+      region.number = box.number;
+      region.first = box.first;
+      region.last = box.last;
+      if (communicator_.rank() == 0) region.begin = files_.own().read_basis(setup.id, box.number);
+    }
+    std::vector<StateKey> of_space;
+    std::copy_if(keys.begin(), keys.end(), std::back_inserter(of_space),
+                 [&](const StateKey& key) { return key.tool_space == setup.id; });
+    for (ReductionRegion& region : plan_regions(setup, of_space, there)) {
+      regions.push_back(std::move(region));
+    }
+  }
+
+  /// On rank 0, while the other ranks reduce too.
+  /// @param parts What the others have found.
+  void take_reduced(const ReductionTask& task, const Parts& parts) {
+    StateSpaceFile& file = files_.own();
+    std::map<StateKey, ConfigurationSummary> found;
+    agree(communicator_, [&] {
+      for (const auto& [id, c] : parts.configurations) {
+        if (!file.is_of_use(id, c)) continue;
+        file.add(id, c, ReducedFields());
+        found.emplace(key_of(id, c), c);
+      }
+      for (const auto& [id, transition] : parts.transitions) file.add(id, transition);
+      for (const auto& [id, state] : parts.intermediate_states) file.add(id, state);
+      for (const ToolSpaceSetup& setup : setups_) {
+        for (const Configuration& c : file.read_summaries(setup.id)) {
+          found.emplace(key_of(setup.id, c), c);
+        }
+      }
+    });
+    reduce_on_ranks(
+        task, communicator_,
+        [&](const ReductionRegion& region, const std::vector<StateKey>& keys, Reduction reduction) {
+          file.add_basis(region.tool_space, region.number, reduction.basis);
+          for (std::size_t i = 0; i < keys.size(); ++i) {
+            file.add(region.tool_space, found.at(keys[i]), reduction.fields[i]);
+          }
+        });
+  }
+
   fs::path path_;
+  const Scene& scene_;
   std::vector<ToolSpaceSetup> setups_;
+  Keep keep_;
   Communicator& communicator_;
   RankFiles files_;
 };
@@ -173,14 +454,15 @@ class FileRecord final : public Record {
 
 std::unique_ptr<Record> make_memory_record(const Scene& scene,
                                            const std::vector<ToolSpaceSetup>& setups,
-                                           double solver_tolerance, Communicator& communicator) {
-  return std::make_unique<MemoryRecord>(scene, setups, solver_tolerance, communicator);
+                                           Communicator& communicator) {
+  return std::make_unique<MemoryRecord>(scene, setups, communicator);
 }
 
 std::unique_ptr<Record> make_file_record(const fs::path& path, const Scene& scene,
                                          const std::vector<ToolSpaceSetup>& setups,
-                                         double solver_tolerance, Communicator& communicator) {
-  return std::make_unique<FileRecord>(path, scene, setups, solver_tolerance, communicator);
+                                         double solver_tolerance, Keep keep,
+                                         Communicator& communicator) {
+  return std::make_unique<FileRecord>(path, scene, setups, solver_tolerance, keep, communicator);
 }
 
 }  // namespace palpate

@@ -45,9 +45,15 @@ class Record {
   /// A configuration that was kept on this rank or is known here, with its fields.
   [[nodiscard]] virtual Configuration load(ToolSpaceId tool_space,
                                            const ConfigurationSummary& summary) const = 0;
+  /// What load() gives of the fields: less than all where an earlier run has reduced them.
+  [[nodiscard]] virtual Keep kept(ToolSpaceId /*tool_space*/,
+                                  const ConfigurationSummary& /*summary*/) const {
+    return Keep::all;
+  }
   /// Brings together all that was found or was known. The result is whole on rank 0, empty
   /// elsewhere.
   /// @param complete Whether nothing is left to find.
+  /// @param bound The largest error of a displacement that modes make, as a share of the largest.
   /// @note Collective
   [[nodiscard]] virtual TouchSpace finish(bool complete, double bound) = 0;
 
@@ -58,17 +64,18 @@ class Record {
 /// A record in memory.
 [[nodiscard]] std::unique_ptr<Record> make_memory_record(const Scene& scene,
                                                          const std::vector<ToolSpaceSetup>& setups,
-                                                         double solver_tolerance,
                                                          Communicator& communicator);
 
 /// A record in a state-space file, which may hold a part of the space already, see rank_files.h.
+/// @param keep What the file keeps of the fields when nothing is left to find.
 /// @throws InputError a file of another scene, tolerance, tip or grid, with another number of
-///   intermediate states, or where third derivatives are there or asked for alone.
+///   intermediate states, or where third derivatives are there or asked for alone; one that keeps
+///   less than is asked for.
 /// @note Collective
 [[nodiscard]] std::unique_ptr<Record> make_file_record(const std::filesystem::path& path,
                                                        const Scene& scene,
                                                        const std::vector<ToolSpaceSetup>& setups,
-                                                       double solver_tolerance,
+                                                       double solver_tolerance, Keep keep,
                                                        Communicator& communicator);
 
 }  // namespace palpate

@@ -4,12 +4,15 @@
 // stands in for it.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
+#include "equilibrium/inner_extension.h"
 #include "interaction/interaction_spec.h"
+#include "state_space/reduced_fields.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {
@@ -29,6 +32,13 @@ class StateSolver {
   /// its fields, as configurations are kept.
   [[nodiscard]] virtual Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                           const Equilibrium& start, Tangent tangent) = 0;
+  /// The equilibrium of which `near` has a part of the fields, as they were reduced, and all
+  /// figures. Where it is not found, the outcome says so.
+  /// @param kept What it has of them.
+  [[nodiscard]] virtual Equilibrium restore(const ToolSpaceSetup& /*setup*/,
+                                            const Equilibrium& near, Keep /*kept*/) {
+    return near;
+  }
   /// As EquilibriumSolver::forget(), for a state of the tool space that was solved for last, which
   /// may come without its fields as a start may.
   virtual void forget(const Equilibrium& state) = 0;
@@ -40,9 +50,9 @@ class StateSolver {
 /// Solves with the tools that a factory makes.
 class InteractionSolver final : public StateSolver {
  public:
-  /// Both arguments must outlive this object.
-  InteractionSolver(EquilibriumSolver& solver, InteractionFactory& tools)
-      : solver_(solver), tools_(tools) {}
+  /// All arguments must outlive this object.
+  InteractionSolver(const Scene& scene, EquilibriumSolver& solver, InteractionFactory& tools)
+      : scene_(scene), solver_(solver), tools_(tools) {}
 
   [[nodiscard]] Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                   Tangent tangent) override {
@@ -58,6 +68,8 @@ class InteractionSolver final : public StateSolver {
     take(setup);
     return solver_.solve(t, has_fields(start) ? start : solver_.rest(start.t), tangent);
   }
+  [[nodiscard]] Equilibrium restore(const ToolSpaceSetup& setup, const Equilibrium& near,
+                                    Keep kept) override;
   void forget(const Equilibrium& state) override {
     if (has_fields(state)) solver_.forget(state);
   }
@@ -71,12 +83,16 @@ class InteractionSolver final : public StateSolver {
     taken_ = setup.id;
   }
 
+  const Scene& scene_;
   EquilibriumSolver& solver_;
   InteractionFactory& tools_;
+  [[nodiscard]] const InnerExtension& extension(Keep kept);
+
   /// The tool space whose tool is taken.
   std::optional<ToolSpaceId> taken_;
   /// Of that tool, if it is rigid.
   std::shared_ptr<const ToolClearance> clearance_;
+  std::map<Keep, InnerExtension> extensions_;
 };
 
 }  // namespace palpate

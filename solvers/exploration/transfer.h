@@ -14,6 +14,7 @@
 
 #include "schedule/communicator.h"
 #include "state_space/configuration.h"
+#include "state_space/reduced_fields.h"
 #include "state_space/test_point.h"
 #include "state_space/tool_space.h"
 
@@ -73,6 +74,37 @@ template <class Visit>
 void for_each_part(TestPoint& point, Visit&& visit) {
   for_each_number_of_test_point(point, visit);
   visit(point.displacement);
+}
+
+template <class Visit>
+void for_each_part(FieldBasis& basis, Visit&& visit) {
+  visit(basis.first);
+  visit(basis.last);
+  visit(basis.keep);
+  visit(basis.modes);
+  visit(basis.pressure_modes);
+  visit(basis.largest_displacement);
+  visit(basis.displacement_error);
+  visit(basis.sensitivity_error);
+}
+template <class Visit>
+void for_each_part(ReducedFields& fields, Visit&& visit) {
+  visit(fields.u);
+  visit(fields.v);
+  visit(fields.p);
+  visit(fields.p_v);
+}
+template <class Visit>
+void for_each_part(Reduction& reduction, Visit&& visit) {
+  visit(reduction.basis);
+  visit(reduction.fields);
+}
+template <class Visit>
+void for_each_part(Snapshots& snapshots, Visit&& visit) {
+  visit(snapshots.u);
+  visit(snapshots.w);
+  visit(snapshots.p);
+  visit(snapshots.p_w);
 }
 
 class Packer {

@@ -40,7 +40,7 @@ void BodyField::add_node(std::int32_t node, double a, const Vec3& d, Weights& we
                       });
 }
 
-Support BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
+Support BodyField::evaluate(const Vec3& t, FieldCache& fields, Keep needed, NodalVector& u,
                             NodalVector& p) const {
   u.resize(0);
   p.resize(0);
@@ -56,19 +56,12 @@ Support BodyField::evaluate(const Vec3& t, FieldCache& fields, NodalVector& u,
   // Of a body at rest any configuration tells the sizes.
   if (weights.empty() && any_touching_ >= 0) weights[any_touching_] = {};
   if (weights.empty()) return Support::none;
-  std::vector<ConfigurationSummary> wanted;
+  std::vector<FieldCache::Share> shares;
   for (const auto& [configuration, weight] : weights) {
-    wanted.push_back(configurations_[static_cast<std::size_t>(configuration)]);
+    shares.push_back(
+        {configurations_[static_cast<std::size_t>(configuration)], weight.a, weight.d});
   }
-  const std::vector<const Configuration*> read = fields.get(setup_, wanted);
-  u.setZero(read.front()->u.size());
-  p.setZero(read.front()->p.size());
-  auto c = read.begin();
-  for (const auto& [configuration, weight] : weights) {
-    u += weight.a * (*c)->u + (*c)->v * weight.d;
-    if (p.size() > 0) p += weight.a * (*c)->p + (*c)->p_v * weight.d;
-    ++c;
-  }
+  fields.add_up(setup_, shares, needed, u, p);
   // So far out that it overflows there is nothing to go by.
   if (!u.allFinite() || !p.allFinite()) {
     u.resize(0);

@@ -23,11 +23,13 @@ class BodyField {
   BodyField(const TouchToolSpace& tool_space, CheckPointGrid grid);
 
   /// @param fields Of the file of the space; what is needed at t is read, if it is not there.
+  /// @param needed The points whose displacement is needed; that of others may be zero.
   /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
   ///   body without. Both are empty where nothing is found,
   ///   or where no configuration of the tool space touches the body.
-  /// @throws InputError, BackendError as FieldCache::get.
-  Support evaluate(const Vec3& t, FieldCache& fields, NodalVector& u, NodalVector& p) const;
+  /// @throws InputError, BackendError as FieldCache::add_up.
+  Support evaluate(const Vec3& t, FieldCache& fields, Keep needed, NodalVector& u,
+                   NodalVector& p) const;
 
  private:
   struct Weight {

@@ -52,7 +52,7 @@ class SolutionBranches {
 };
 
 /// Makes a tool space of these configurations alone, with the intermediate states on the way to
-/// them.
+/// them, and without the modes.
 /// @param configurations Places in the tool space's list, ascending.
 [[nodiscard]] TouchToolSpace restricted(const TouchToolSpace& tool_space,
                                         const std::vector<std::int32_t>& configurations);

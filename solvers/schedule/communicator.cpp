@@ -15,6 +15,7 @@ class SerialCommunicator final : public Communicator {
   [[nodiscard]] int size() const override { return 1; }
   [[nodiscard]] std::vector<Bytes> all_gather(const Bytes& mine) override { return {mine}; }
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override { return {mine}; }
+  [[nodiscard]] std::vector<Bytes> exchange(const std::vector<Bytes>& to) override { return to; }
   [[nodiscard]] std::unique_ptr<Communicator> split(int /*colour*/) override {
     return make_serial_communicator();
   }

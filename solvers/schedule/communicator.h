@@ -29,6 +29,13 @@ class Communicator {
   /// @throws BackendError more than 16 GiB in all.
   [[nodiscard]] virtual std::vector<Bytes> gather(const Bytes& mine) = 0;
 
+  /// Gives each rank what every rank had for it.
+  /// @param to What this rank has for each rank [size()].
+  /// @returns What each rank had for this one, by rank.
+  /// @note Collective
+  /// @throws BackendError more than 16 GiB from or to one rank.
+  [[nodiscard]] virtual std::vector<Bytes> exchange(const std::vector<Bytes>& to) = 0;
+
   /// The ranks that give the same colour, in their order here.
   /// @note Collective, and so is the end of the object among its ranks.
   [[nodiscard]] virtual std::unique_ptr<Communicator> split(int colour) = 0;

@@ -56,6 +56,30 @@ class MpiCommunicator final : public Communicator {
     return rank_ == 0 ? take_apart(layout, received) : std::vector<Bytes>();
   }
 
+  [[nodiscard]] std::vector<Bytes> exchange(const std::vector<Bytes>& to) override {
+    std::vector<std::int64_t> sent_bytes;
+    for (const Bytes& message : to) {
+      sent_bytes.push_back(static_cast<std::int64_t>(message.size()));
+    }
+    std::vector<std::int64_t> received_bytes(to.size());
+    check(MPI_Alltoall(sent_bytes.data(), 1, MPI_INT64_T, received_bytes.data(), 1, MPI_INT64_T,
+                       comm_),
+          "MPI_Alltoall");
+    const Layout from_here = lay_out(std::move(sent_bytes));
+    const Layout to_here = lay_out(std::move(received_bytes));
+    std::vector<std::int64_t> sent(from_here.total);
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      if (to[r].empty()) continue;
+      std::memcpy(sent.data() + from_here.offsets[r], to[r].data(), to[r].size());
+    }
+    std::vector<std::int64_t> received(to_here.total);
+    check(MPI_Alltoallv(sent.data(), from_here.counts.data(), from_here.offsets.data(), MPI_INT64_T,
+                        received.data(), to_here.counts.data(), to_here.offsets.data(), MPI_INT64_T,
+                        comm_),
+          "MPI_Alltoallv");
+    return take_apart(to_here, received);
+  }
+
   [[nodiscard]] std::unique_ptr<Communicator> split(int colour) override {
     MPI_Comm part = MPI_COMM_NULL;
     check(MPI_Comm_split(comm_, colour, rank_, &part), "MPI_Comm_split");
@@ -78,11 +102,18 @@ class MpiCommunicator final : public Communicator {
     std::int64_t total = 0;
   };
 
+  /// Of what each rank gives to all.
   [[nodiscard]] Layout lay_out(const Bytes& mine) const {
     const auto my_bytes = static_cast<std::int64_t>(mine.size());
-    Layout layout{std::vector<std::int64_t>(size_), {}, {}, 0};
-    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, layout.bytes.data(), 1, MPI_INT64_T, comm_),
+    std::vector<std::int64_t> bytes(size_);
+    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, bytes.data(), 1, MPI_INT64_T, comm_),
           "MPI_Allgather");
+    return lay_out(std::move(bytes));
+  }
+
+  /// Of messages of these sizes.
+  [[nodiscard]] static Layout lay_out(std::vector<std::int64_t> sizes) {
+    Layout layout{std::move(sizes), {}, {}, 0};
     for (const std::int64_t bytes : layout.bytes) {
       const std::int64_t units = (bytes + kUnit - 1) / kUnit;
       if (layout.total + units > std::numeric_limits<int>::max()) {

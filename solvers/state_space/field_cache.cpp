@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "base/error.h"
@@ -21,24 +24,42 @@ bool is_same_grid(const ToolSpaceSetup& a, const ToolSpaceSetup& b) {
          (a.grid.origin - b.grid.origin).norm() <= kSpacingRounding * a.grid.spacing();
 }
 
-std::size_t bytes_of(const Configuration& c) {
+template <class Fields>
+std::size_t bytes_of(const Fields& fields) {
   std::size_t bytes = 0;
-  for_each_field(c, [&](const auto& field) {
-    bytes += static_cast<std::size_t>(field.size()) * sizeof(double);
+  for_each_field(fields, [&](const auto& field) {
+    using Number = typename std::decay_t<decltype(field)>::Scalar;
+    bytes += static_cast<std::size_t>(field.size()) * sizeof(Number);
   });
   return bytes;
 }
 
+std::size_t bytes_of(const FieldBasis& basis) {
+  return static_cast<std::size_t>(basis.modes.size() + basis.pressure_modes.size()) * sizeof(float);
+}
+
+/// The coefficients of a field by the modes of a basis.
+struct Coefficients {
+  Eigen::VectorXf u;
+  Eigen::VectorXf p;
+};
+
+/// Adds a f + g d, where f may have fewer coefficients.
+void add(const Eigen::VectorXf& f, const Eigen::MatrixXf& g, double a, const Vec3& d,
+         Eigen::VectorXf& sum) {
+  sum.head(f.size()) += static_cast<float>(a) * f + g * d.cast<float>();
+}
+
 }  // namespace
 
-std::vector<const Configuration*> FieldCache::get(const ToolSpaceSetup& setup,
-                                                  const std::vector<ConfigurationSummary>& wanted) {
+void FieldCache::add_up(const ToolSpaceSetup& setup, const std::vector<Share>& shares, Keep needed,
+                        NodalVector& u, NodalVector& p) {
   ++uses_;
   std::vector<ConfigurationSummary> missing;
-  for (const ConfigurationSummary& c : wanted) {
-    const auto found = entries_.find(key_of(setup.id, c));
+  for (const Share& share : shares) {
+    const auto found = entries_.find(key_of(setup.id, share.configuration));
     if (found == entries_.end()) {
-      missing.push_back(c);
+      missing.push_back(share.configuration);
     } else {
       found->second.last_use = uses_;
     }
@@ -47,11 +68,46 @@ std::vector<const Configuration*> FieldCache::get(const ToolSpaceSetup& setup,
     read(setup, missing);
     forget_old_ones();
   }
-  std::vector<const Configuration*> fields;
-  for (const ConfigurationSummary& c : wanted) {
-    fields.push_back(&entries_.at(key_of(setup.id, c)).configuration);
+  u.setZero(3 * static_cast<Eigen::Index>(points_.at(Keep::all).size()));
+  p.resize(0);
+  std::map<const FieldBasis*, Coefficients> reduced;
+  for (const Share& share : shares) {
+    const StoredFields& fields = entries_.at(key_of(setup.id, share.configuration)).fields;
+    if (fields.basis == nullptr) {
+      const Configuration& whole = fields.whole;
+      u += share.a * whole.u + whole.v * share.d;
+      if (p.size() == 0) p.setZero(whole.p.size());
+      if (p.size() > 0) p += share.a * whole.p + whole.p_v * share.d;
+      continue;
+    }
+    const FieldBasis& basis = *fields.basis;
+    if (basis.keep < needed) {
+      throw InputError(
+          path_.string() + " keeps the displacement of the " +
+          (basis.keep == Keep::touch ? "points of the surface" : "cells at the surface") +
+          " alone (Keep is " + name_of(basis.keep) + "). Compute the state space " + "with Keep " +
+          name_of(needed) + " for what is asked for.");
+    }
+    const auto [sum, is_new] = reduced.try_emplace(&basis);
+    if (is_new) {
+      sum->second.u.setZero(basis.modes.cols());
+      sum->second.p.setZero(basis.pressure_modes.cols());
+    }
+    add(fields.reduced.u, fields.reduced.v, share.a, share.d, sum->second.u);
+    add(fields.reduced.p, fields.reduced.p_v, share.a, share.d, sum->second.p);
   }
-  return fields;
+  for (const auto& [basis, sum] : reduced) {
+    const std::vector<Index>& points = points_.at(needed);
+    const Eigen::VectorXf at_points =
+        basis->modes.topRows(3 * static_cast<Eigen::Index>(points.size())) * sum.u;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      u.segment<3>(3 * Eigen::Index{points[i]}) +=
+          at_points.segment<3>(3 * static_cast<Eigen::Index>(i)).cast<double>();
+    }
+    if (basis->pressure_modes.cols() == 0) continue;
+    if (p.size() == 0) p.setZero(basis->pressure_modes.rows());
+    p += (basis->pressure_modes * sum.p).cast<double>();
+  }
 }
 
 Scene FieldCache::read_scene() const { return open().read_scene(); }
@@ -71,32 +127,59 @@ StateSpaceFile FieldCache::open() const {
 
 void FieldCache::read(const ToolSpaceSetup& setup,
                       const std::vector<ConfigurationSummary>& missing) {
-  const StateSpaceFile file = open();
+  StateSpaceFile file = open();
+  file.share_bases(bases_);
+  if (points_.empty()) {
+    const TetMesh mesh = file.read_scene().mesh;
+    const Surface surface = make_surface(mesh);
+    for (const Keep keep : {Keep::touch, Keep::surface, Keep::all}) {
+      points_[keep] = kept_points(mesh, surface, keep);
+    }
+  }
   const std::vector<ToolSpace> there = file.read_tool_spaces();
   if (std::none_of(there.begin(), there.end(),
                    [&](const ToolSpace& s) { return is_same_grid(s.setup, setup); })) {
     fail(setup.name() + " has another tip or grid there");
   }
   for (const ConfigurationSummary& summary : missing) {
-    Configuration c;
-    static_cast<ConfigurationSummary&>(c) = summary;
-    if (!file.read_fields(setup.id, c)) fail("a configuration is damaged there");
-    if (c.u.size() == 0 || c.v.rows() != c.u.size()) {
+    StoredFields fields;
+    if (!file.read_stored(setup.id, summary, fields)) fail("a configuration is damaged there");
+    const bool is_whole = fields.basis == nullptr;
+    if (is_whole &&
+        (fields.whole.u.size() == 0 || fields.whole.v.rows() != fields.whole.u.size())) {
       fail("a configuration has no displacement, or no derivative of it, there");
     }
-    bytes_ += bytes_of(c);
-    entries_[key_of(setup.id, c)] = {std::move(c), uses_};
+    entries_[key_of(setup.id, summary)] = {std::move(fields), uses_};
   }
 }
 
+std::size_t FieldCache::bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [key, entry] : entries_) {
+    sum += bytes_of(entry.fields.whole) + bytes_of(entry.fields.reduced);
+  }
+  for (const auto& [key, basis] : bases_) sum += bytes_of(*basis);
+  return sum;
+}
+
+/// Of those that were used longest ago, and of a basis with the last that needs it.
 void FieldCache::forget_old_ones() {
-  while (bytes_ > most_bytes_) {
+  while (bytes() > most_bytes_) {
     const auto oldest = std::min_element(
         entries_.begin(), entries_.end(),
         [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; });
     if (oldest->second.last_use == uses_) return;
-    bytes_ -= bytes_of(oldest->second.configuration);
-    entries_.erase(oldest);
+    const std::uint64_t old = oldest->second.last_use;
+    for (auto entry = entries_.begin(); entry != entries_.end();) {
+      const bool goes = entry->second.last_use == old;
+      entry = goes ? entries_.erase(entry) : std::next(entry);
+    }
+    for (auto known = bases_.begin(); known != bases_.end();) {
+      const bool is_needed = std::any_of(entries_.begin(), entries_.end(), [&](const auto& entry) {
+        return entry.second.fields.basis == known->second;
+      });
+      known = is_needed ? std::next(known) : bases_.erase(known);
+    }
   }
 }
 

@@ -11,18 +11,17 @@
 #include <vector>
 
 #include "assembly/scene.h"
+#include "state_space/state_space_file.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {
-
-class StateSpaceFile;
 
 class FieldCache {
  public:
   static constexpr std::size_t default_bytes = std::size_t{256} << 20;
 
   /// @param scene_hash The hash of the scene whose configurations are asked for.
-  /// @param bytes The memory of the fields that are kept: those that were used last.
+  /// @param bytes The memory of the fields and modes that are kept: those that were used last.
   FieldCache(std::filesystem::path path, std::string scene_hash, std::size_t bytes = default_bytes)
       : path_(std::move(path)), scene_hash_(std::move(scene_hash)), most_bytes_(bytes) {}
 
@@ -30,31 +29,44 @@ class FieldCache {
   /// @throws InputError, BackendError as get() does.
   [[nodiscard]] Scene read_scene() const;
 
-  /// The configurations with their fields, which are valid until the next call. The file is open
-  /// only while something is read from it.
+  /// A configuration's share of a field: a u + v d.
+  struct Share {
+    ConfigurationSummary configuration;
+    double a = 0;
+    /// m.
+    Vec3 d = Vec3::Zero();
+  };
+  /// Adds up shares of the fields of a tool space's configurations. The file is open only while
+  /// something is read from it.
+  /// @param needed The points whose displacement is needed; that of others may be zero.
+  /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
+  ///   body without, and where they are not needed.
   /// @throws InputError the file is missing or damaged, or was replaced: it is of another scene or
-  ///   grid, or lacks one of the configurations.
+  ///   grid, or lacks one of the configurations; or it keeps less than what is needed.
   /// @throws BackendError as StateSpaceFile does.
-  std::vector<const Configuration*> get(const ToolSpaceSetup& setup,
-                                        const std::vector<ConfigurationSummary>& wanted);
+  void add_up(const ToolSpaceSetup& setup, const std::vector<Share>& shares, Keep needed,
+              NodalVector& u, NodalVector& p);
 
  private:
   struct Entry {
-    Configuration configuration;
+    StoredFields fields;
     std::uint64_t last_use = 0;
   };
 
   [[nodiscard]] StateSpaceFile open() const;
   [[noreturn]] void fail(const std::string& what) const;
   void read(const ToolSpaceSetup& setup, const std::vector<ConfigurationSummary>& missing);
+  [[nodiscard]] std::size_t bytes() const;
   void forget_old_ones();
 
   std::filesystem::path path_;
   std::string scene_hash_;
   std::size_t most_bytes_;
-  std::size_t bytes_ = 0;
   std::uint64_t uses_ = 0;
   std::map<StateKey, Entry> entries_;
+  StateSpaceFile::KnownBases bases_;
+  /// As kept_points(); empty until something is read. All: the number of points is theirs.
+  std::map<Keep, std::vector<Index>> points_;
 };
 
 }  // namespace palpate

@@ -5,6 +5,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "base/error.h"
 
@@ -13,32 +15,19 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXf;
-using Fields = Eigen::Ref<const MatrixXf>;
 
 /// Directions taken at a time: enough for products of matrices to be fast, few enough not to
 /// overshoot the rank by much.
 constexpr Index kBlock = 32;
 
-/// The range finder goes to this share of the bound, to leave the rest to truncation.
+/// The range finder goes to this share of the limit, to leave the rest to truncation.
 constexpr double kRangeShare = 0.25;
 
-/// Truncation goes to this share, so that the rounding of what is stored fits in.
+/// Truncation goes to this share, so that rounding fits in.
 constexpr double kTruncationShare = 0.9;
 
-/// Rounding of a field to single precision, relative to the largest displacement.
-constexpr double kSinglePrecision = 6e-8;
-
-/// Largest length of a point's vector in any column.
-double largest_at_a_point(const Fields& fields) {
-  float largest = 0;
-  for (Index c = 0; c < fields.cols(); ++c) {
-    const float* f = fields.col(c).data();
-    for (Index i = 0; i < fields.rows(); i += 3) {
-      largest = std::max(largest, f[i] * f[i] + f[i + 1] * f[i + 1] + f[i + 2] * f[i + 2]);
-    }
-  }
-  return std::sqrt(static_cast<double>(largest));
-}
+/// Fields that are made of modes at a time.
+constexpr Index kColumnsAtATime = 256;
 
 /// ±1 at random, the same on every machine.
 MatrixXf random_signs(Index rows, Index cols, std::mt19937_64& random) {
@@ -47,45 +36,27 @@ MatrixXf random_signs(Index rows, Index cols, std::mt19937_64& random) {
   return signs;
 }
 
-void append_columns(MatrixXf& matrix, const Fields& columns) {
+void append_columns(MatrixXf& matrix, const Eigen::Ref<const MatrixXf>& columns) {
   matrix.conservativeResize(Eigen::NoChange, matrix.cols() + columns.cols());
   matrix.rightCols(columns.cols()) = columns;
 }
 
-void append_rows(MatrixXf& matrix, const Fields& rows) {
-  matrix.conservativeResize(matrix.rows() + rows.rows(), Eigen::NoChange);
-  matrix.bottomRows(rows.rows()) = rows;
-}
-
-void remove_span(MatrixXf& block, const MatrixXf& basis) {
-  if (basis.cols() == 0) return;
-  const MatrixXf coefficients = basis.transpose() * block;
-  block.noalias() -= basis * coefficients;
-}
-
-/// Makes the columns orthonormal, and orthogonal to two bases. Twice: what one projection leaves
-/// by rounding is removed by the second.
-void orthonormalise(MatrixXf& block, const MatrixXf& first, const MatrixXf& second) {
+/// Makes the columns orthonormal, and orthogonal to a basis. Twice: what one projection leaves by
+/// rounding is removed by the second.
+void orthonormalise(MatrixXf& block, const MatrixXf& basis) {
   for (int pass = 0; pass < 2; ++pass) {
-    remove_span(block, first);
-    remove_span(block, second);
+    if (basis.cols() > 0) {
+      const MatrixXf coefficients = basis.transpose() * block;
+      block.noalias() -= basis * coefficients;
+    }
     const Eigen::HouseholderQR<MatrixXf> qr(block);
     block = qr.householderQ() * MatrixXf::Identity(block.rows(), block.cols());
   }
 }
 
-/// Turns Q, B so that the rows of B are orthogonal and descend in length.
-void sort_by_energy(MatrixXf& q, MatrixXf& b) {
-  const Eigen::MatrixXd wide = b.cast<double>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(wide * wide.transpose());
-  const MatrixXf w = eigen.eigenvectors().rowwise().reverse().cast<float>();
-  q = (q * w).eval();
-  b = (w.transpose() * b).eval();
-}
-
 }  // namespace
 
-PodBasis::PodBasis(Index num_dofs, double bound) : modes_(num_dofs, 0), bound_(bound) {
+void validate_pod_bound(double bound) {
   if (!(bound >= kLeastPodBound && bound < 1)) {
     throw InputError("The bound on the error of the surface displacement is " +
                      std::to_string(bound) + "; give one from " + std::to_string(kLeastPodBound) +
@@ -93,65 +64,138 @@ PodBasis::PodBasis(Index num_dofs, double bound) : modes_(num_dofs, 0), bound_(b
   }
 }
 
-PodFit PodBasis::extend(const MatrixXf& snapshots) {
-  const Index n = snapshots.cols() / 4;
+double largest_at_a_point(const Eigen::Ref<const MatrixXf>& fields, int components) {
+  float largest = 0;
+  for (Index c = 0; c < fields.cols(); ++c) {
+    for (Index i = 0; i < fields.rows(); i += components) {
+      largest = std::max(largest, fields.col(c).segment(i, components).squaredNorm());
+    }
+  }
+  return std::sqrt(static_cast<double>(largest));
+}
+
+double largest_product_at_a_point(const Eigen::Ref<const MatrixXf>& modes,
+                                  const Eigen::Ref<const MatrixXf>& coefficients, int components) {
+  double largest = 0;
+  for (Index first = 0; first < coefficients.cols(); first += kColumnsAtATime) {
+    const Index count = std::min(kColumnsAtATime, coefficients.cols() - first);
+    const MatrixXf fields = modes * coefficients.middleCols(first, count);
+    largest = std::max(largest, largest_at_a_point(fields, components));
+  }
+  return largest;
+}
+
+PodBasis::PodBasis(Index num_rows, int components, double limit, MatrixXf begin)
+    : components_(components), limit_(limit), begin_(std::move(begin)), modes_(num_rows, 0) {
+  if (begin_.cols() == 0) {
+    begin_.resize(num_rows, 0);
+    return;
+  }
+  modes_ = begin_;
+  orthonormalise(modes_, MatrixXf(num_rows, 0));
+}
+
+void PodBasis::add(const MatrixXf& bound, const MatrixXf& following) {
+  Batch& batch = batches_.emplace_back();
+  batch.bound = modes_.transpose() * bound;
+  batch.following = modes_.transpose() * following;
+  MatrixXf rest(bound.rows(), bound.cols() + following.cols());
+  rest << bound, following;
+  rest.leftCols(bound.cols()).noalias() -= modes_ * batch.bound;
+  rest.rightCols(following.cols()).noalias() -= modes_ * batch.following;
+  const auto error_of_bound = [&] {
+    return largest_at_a_point(rest.leftCols(bound.cols()), components_);
+  };
+  double error = error_of_bound();
+  if (error > kTruncationShare * limit_) {
+    // More than there are fields: few random signs may be dependent.
+    while (modes_.cols() < modes_.rows() && error > kRangeShare * limit_) {
+      const Index size = std::min(kBlock, modes_.rows() - modes_.cols());
+      MatrixXf block = rest * random_signs(rest.cols(), size, random_);
+      orthonormalise(block, modes_);
+      const MatrixXf coefficients = block.transpose() * rest;
+      rest.noalias() -= block * coefficients;
+      append_columns(modes_, block);
+      const auto append = [&](MatrixXf& to, const Eigen::Ref<const MatrixXf>& rows) {
+        to.conservativeResize(to.rows() + rows.rows(), Eigen::NoChange);
+        to.bottomRows(rows.rows()) = rows;
+      };
+      append(batch.bound, coefficients.leftCols(bound.cols()));
+      append(batch.following, coefficients.rightCols(following.cols()));
+      error = error_of_bound();
+    }
+  }
+  bound_error_ = std::max(bound_error_, error);
+  following_error_ =
+      std::max(following_error_, largest_at_a_point(rest.rightCols(following.cols()), components_));
+}
+
+/// Modes that came with later batches have the coefficient 0 in earlier ones.
+MatrixXf PodBasis::all_of(MatrixXf Batch::*columns) const {
+  Index count = 0;
+  for (const Batch& batch : batches_) count += (batch.*columns).cols();
+  MatrixXf all = MatrixXf::Zero(modes_.cols(), count);
+  Index at = 0;
+  for (const Batch& batch : batches_) {
+    const MatrixXf& part = batch.*columns;
+    all.block(0, at, part.rows(), part.cols()) = part;
+    at += part.cols();
+  }
+  return all;
+}
+
+double PodBasis::error_without(Index dropped, const MatrixXf& modes,
+                               const MatrixXf& coefficients) const {
+  return largest_product_at_a_point(modes.rightCols(dropped), coefficients.bottomRows(dropped),
+                                    components_);
+}
+
+Index PodBasis::sufficient(const MatrixXf& modes, const MatrixXf& coefficients) const {
+  const double allowed = kTruncationShare * limit_ - bound_error_;
+  Index too_few = -1;
+  Index enough = modes.cols();
+  while (enough - too_few > 1) {
+    const Index middle = (too_few + enough) / 2;
+    const bool keeps = error_without(modes.cols() - middle, modes, coefficients) <= allowed;
+    (keeps ? enough : too_few) = middle;
+  }
+  return enough;
+}
+
+PodFit PodBasis::finish() {
   PodFit fit;
-  fit.largest_displacement = largest_at_a_point(snapshots.leftCols(n));
-  const bool moves = fit.largest_displacement > 0;
-  // The columns that the bound holds for.
-  const Index first = moves ? 0 : n;
-  const Index count = moves ? n : 3 * n;
-  const double scale =
-      moves ? fit.largest_displacement : largest_at_a_point(snapshots.rightCols(3 * n));
-  const double limit = (bound_ - kSinglePrecision) * scale;
-
-  fit.coefficients = modes_.transpose() * snapshots;
-  MatrixXf residual = snapshots;
-  residual.noalias() -= modes_ * fit.coefficients;
-  if (largest_at_a_point(residual.middleCols(first, count)) > limit) {
-    MatrixXf q(snapshots.rows(), 0);
-    MatrixXf b(0, snapshots.cols());
-    // More than there are snapshots: few random signs may be dependent.
-    const Index most = snapshots.rows() - modes_.cols();
-    while (q.cols() < most &&
-           largest_at_a_point(residual.middleCols(first, count)) > kRangeShare * limit) {
-      const Index size = std::min(kBlock, most - q.cols());
-      MatrixXf block = residual * random_signs(snapshots.cols(), size, random_);
-      orthonormalise(block, modes_, q);
-      const MatrixXf coefficients = block.transpose() * residual;
-      residual.noalias() -= block * coefficients;
-      append_columns(q, block);
-      append_rows(b, coefficients);
-    }
-    sort_by_energy(q, b);
-
-    const auto error_with = [&](Index rank) {
-      const Index rest = q.cols() - rank;
-      MatrixXf error = residual.middleCols(first, count);
-      error.noalias() += q.rightCols(rest) * b.bottomRows(rest).middleCols(first, count);
-      return largest_at_a_point(error);
-    };
-    Index too_few = 0;
-    Index enough = q.cols();
-    while (enough - too_few > 1) {
-      const Index middle = (too_few + enough) / 2;
-      (error_with(middle) > kTruncationShare * limit ? too_few : enough) = middle;
-    }
-    append_columns(modes_, q.leftCols(enough));
-    append_rows(fit.coefficients, b.topRows(enough));
-    // The errors are those of what is stored.
-    residual = snapshots;
-    residual.noalias() -= modes_ * fit.coefficients;
+  fit.bound = all_of(&Batch::bound);
+  fit.following = all_of(&Batch::following);
+  const Index given = begin_.cols();
+  const Index found = modes_.cols() - given;
+  MatrixXf added = modes_.rightCols(found);
+  if (found > 0) {
+    // By the energy of what they represent.
+    const Eigen::MatrixXd b = fit.bound.bottomRows(found).cast<double>();
+    const Eigen::MatrixXd f = fit.following.bottomRows(found).cast<double>();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(b * b.transpose() +
+                                                               f * f.transpose());
+    const MatrixXf w = eigen.eigenvectors().rowwise().reverse().cast<float>();
+    added = (added * w).eval();
+    fit.bound.bottomRows(found) = (w.transpose() * fit.bound.bottomRows(found)).eval();
+    fit.following.bottomRows(found) = (w.transpose() * fit.following.bottomRows(found)).eval();
+    const Index kept = sufficient(added, fit.bound.bottomRows(found));
+    bound_error_ += error_without(found - kept, added, fit.bound);
+    following_error_ += error_without(found - kept, added, fit.following);
+    added.conservativeResize(Eigen::NoChange, kept);
+    fit.bound.conservativeResize(given + kept, Eigen::NoChange);
+    fit.following.conservativeResize(given + kept, Eigen::NoChange);
   }
-  const double rounding = kSinglePrecision * scale;
-  fit.displacement_error = largest_at_a_point(residual.leftCols(n)) + rounding;
-  fit.sensitivity_error = largest_at_a_point(residual.rightCols(3 * n)) + rounding;
-  const double checked = moves ? fit.displacement_error : fit.sensitivity_error;
-  if (checked > bound_ * scale) {
-    throw BackendError("The basis of the surface displacement keeps " +
-                       std::to_string(checked / scale) + " of the bound " + std::to_string(bound_) +
-                       ". Give a larger bound.");
+  if (given > 0) {
+    // The modes that were given are not those that were made orthonormal of them: U = begin T.
+    const MatrixXf t = begin_.householderQr().solve(MatrixXf(modes_.leftCols(given)));
+    fit.bound.topRows(given) = (t * fit.bound.topRows(given)).eval();
+    fit.following.topRows(given) = (t * fit.following.topRows(given)).eval();
   }
+  fit.modes.resize(begin_.rows(), given + added.cols());
+  fit.modes << begin_, added;
+  fit.bound_error = bound_error_;
+  fit.following_error = following_error_;
   return fit;
 }
 

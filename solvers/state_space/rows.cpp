@@ -139,6 +139,35 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
   });
 }
 
+Fields fields_of(const ReducedFields& reduced) {
+  const auto blob = [](const auto& numbers) {
+    const auto size = static_cast<std::size_t>(numbers.size());
+    return sqlite::Statement::Blob{size == 0 ? nullptr : numbers.data(), size * sizeof(float)};
+  };
+  return {blob(reduced.u), blob(reduced.v), blob(reduced.p), blob(reduced.p_v)};
+}
+
+ReducedFields reduced_of(const Fields& fields) {
+  const auto vector = [](const sqlite::Statement::Blob& blob, Eigen::Index columns) {
+    Eigen::MatrixXf numbers(static_cast<Eigen::Index>(blob.bytes / sizeof(float)) / columns,
+                            columns);
+    if (blob.bytes > 0) std::memcpy(numbers.data(), blob.data, blob.bytes);
+    return numbers;
+  };
+  return {vector(fields[0], 1), vector(fields[1], 3), vector(fields[2], 1), vector(fields[3], 3)};
+}
+
+std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row) {
+  std::vector<std::int64_t> bits{tool_space};
+  for_each_number_of_basis(row, Gather{bits});
+  return checksum_of(bits);
+}
+
+std::int64_t checksum(ToolSpaceId tool_space, const ModeKey& key, sqlite::Statement::Blob field) {
+  const std::vector<std::int64_t> bits{tool_space, key.basis, key.of_pressure, key.number};
+  return checksum_of(field.data, field.bytes, checksum_of(bits));
+}
+
 std::int64_t checksum(const Fields& fields) {
   std::int64_t sum = 0;
   for (const auto& [data, bytes] : fields) sum = checksum_of(data, bytes, sum);
@@ -228,6 +257,27 @@ bool is_possible(const Grid& grid, const IntermediateState& state) {
 bool is_possible(const TestPoint& point) {
   return point.kind >= TestKind::uniform && point.kind <= TestKind::near_rest &&
          point.number >= 0 && is_possible(point.outcome) && is_possible(point.flags);
+}
+
+bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_cells) {
+  const FieldBasis& basis = row.basis;
+  return (basis.keep == Keep::touch || basis.keep == Keep::surface) && row.number >= 0 &&
+         row.num_modes >= 0 && row.num_modes < 3 * num_kept && row.num_pressures >= 0 &&
+         row.num_pressures <= 4 * num_cells && row.num_pressure_modes >= 0 &&
+         row.num_pressure_modes <= row.num_pressures && is_length(basis.largest_displacement) &&
+         is_length(basis.displacement_error) && is_length(basis.sensitivity_error);
+}
+
+bool fit_basis(const Fields& fields, const FieldBasis& basis, std::int64_t num_points) {
+  const auto& [u, v, p, p_v] = fields;
+  const auto of_modes = [](const Eigen::MatrixXf& modes) {
+    return static_cast<std::size_t>(modes.cols()) * sizeof(float);
+  };
+  return u.bytes % sizeof(float) == 0 && v.bytes == 3 * u.bytes &&
+         u.bytes <= of_modes(basis.modes) &&
+         u.bytes < static_cast<std::size_t>(num_points) * 3 * sizeof(float) &&
+         p.bytes % sizeof(float) == 0 && p_v.bytes == 3 * p.bytes &&
+         p.bytes <= of_modes(basis.pressure_modes);
 }
 
 bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells) {

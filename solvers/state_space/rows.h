@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "state_space/reduced_fields.h"
 #include "state_space/sqlite.h"
 #include "state_space/state_space.h"
 #include "state_space/test_point.h"
@@ -99,6 +100,40 @@ inline constexpr char summary_columns[] =
     "third_derivative";
 inline constexpr int num_summary_columns = 35;
 inline constexpr char field_columns[] = "u, v, p, p_v";
+
+/// A basis without its modes.
+struct BasisRow {
+  std::int64_t number = 0;
+  FieldBasis basis;
+  std::int64_t num_modes = 0;
+  std::int64_t num_pressure_modes = 0;
+  std::int64_t num_pressures = 0;
+};
+/// The same for a basis.
+template <class Row, class Visit>
+void for_each_number_of_basis(Row& row, Visit&& visit) {
+  visit(row.number);
+  for (auto& x : row.basis.first) visit(x);
+  for (auto& x : row.basis.last) visit(x);
+  visit(row.basis.keep);
+  visit(row.num_modes);
+  visit(row.num_pressure_modes);
+  visit(row.num_pressures);
+  visit(row.basis.largest_displacement);
+  visit(row.basis.displacement_error);
+  visit(row.basis.sensitivity_error);
+}
+inline constexpr char basis_columns[] =
+    "number, first_i, first_j, first_k, last_i, last_j, last_k, keep, num_modes, "
+    "num_pressure_modes, num_pressures, largest_displacement, displacement_error, "
+    "sensitivity_error";
+
+/// Which mode it is.
+struct ModeKey {
+  std::int64_t basis = 0;
+  std::int64_t of_pressure = 0;
+  std::int64_t number = 0;
+};
 
 /// The same for a transition.
 template <class Transition, class Visit>
@@ -204,7 +239,15 @@ using SingleFields = std::array<Eigen::MatrixXf, 4>;
 /// Gives a configuration fields of either precision. @param fields They fit, see fit().
 void set_fields(const Fields& fields, std::int64_t num_points, Configuration& configuration);
 
+/// What is reduced; valid as long as that is.
+[[nodiscard]] Fields fields_of(const ReducedFields& reduced);
+/// Gives a configuration's fields by modes. @param fields They fit a basis, see fit_basis().
+[[nodiscard]] ReducedFields reduced_of(const Fields& fields);
+
 [[nodiscard]] std::int64_t checksum(const Fields& fields);
+[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row);
+[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const ModeKey& key,
+                                    sqlite::Statement::Blob field);
 [[nodiscard]] std::int64_t checksum(const ToolSpace& space, Checked checked = Checked::all);
 /// @param of_fields The checksum of its fields.
 [[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, ConfigurationSummary summary,
@@ -223,8 +266,14 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] bool is_possible(const Grid& grid, const LevelTransition& transition);
 [[nodiscard]] bool is_possible(const Grid& grid, const IntermediateState& state);
 [[nodiscard]] bool is_possible(const TestPoint& point);
+/// @param num_cells Of the body. @param num_kept The points that the basis is for.
+[[nodiscard]] bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_cells);
 /// Whether the fields have the sizes that they have for such a body, all in the same precision.
 [[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells);
+
+/// Whether they are the coefficients of modes of a basis, and not of the sizes of whole fields.
+[[nodiscard]] bool fit_basis(const Fields& fields, const FieldBasis& basis,
+                             std::int64_t num_points);
 
 /// "(1, 0, −1)"
 [[nodiscard]] std::string describe(const CheckPoint& check_point);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <map>
 #include <string>
 
@@ -38,6 +39,8 @@ constexpr char kNoRigidTool[] =
     "tool_axis, 0.0 AS tool_length, NULL AS tool_points, NULL AS tool_triangles, 0.0 AS "
     "contact_thickness, 0.0 AS contact_stiffness, zeroblob(24) AS origin, 0 AS sparse, 0.0 AS "
     "depth";
+/// The tables that are new in version 9.
+constexpr const char* kTablesOf9[] = {"basis", "mode"};
 /// What version 5 does not have, in the tables `scene` and `site`.
 constexpr char kChecksumColumn[] = "checksum INTEGER";
 /// The tables whose key has the number of a tool space, which was an active node before version 7.
@@ -74,6 +77,10 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
+bool is_new_in_9(const std::string& table) {
+  return std::find(std::begin(kTablesOf9), std::end(kTablesOf9), table) != std::end(kTablesOf9);
+}
+
 /// The statements that make the tables of a version, by table.
 std::map<std::string, std::string> expected_tables(std::int64_t version) {
   constexpr char kCreate[] = "CREATE TABLE ";
@@ -84,6 +91,8 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
     std::string statement = all.substr(begin, end - begin);
     const std::size_t at = sizeof kCreate - 1;
     std::string name = statement.substr(at, statement.find('(') - at);
+    begin = end + 1;
+    if (version < 9 && is_new_in_9(name)) continue;
     if (version < 7 && name == "tool_space") {
       name = "site";
       statement = kSite;
@@ -97,7 +106,6 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
       statement.erase(statement.find(added), added.size());
     }
     tables[name] = statement;
-    begin = end + 1;
   }
   return tables;
 }
@@ -151,7 +159,7 @@ std::int64_t check_schema(const Database& database) {
 }
 
 void show_as_this_version(const Database& database, std::int64_t version) {
-  if (version == kSchemaVersion) return;
+  if (version >= 8) return;
   if (version == 7) {
     database.execute(std::string("CREATE TEMP VIEW tool_space AS SELECT rowid AS rowid, *, ") +
                      kNoRigidTool + " FROM main.tool_space");
@@ -193,7 +201,9 @@ void convert_schema(const Database& database, std::int64_t version) {
     }
   }
   database.execute(version < 7 ? "DROP TABLE site" : "DROP TABLE tool_space");
-  database.execute(expected_tables(kSchemaVersion).at("tool_space"));
+  const std::map<std::string, std::string> tables = expected_tables(kSchemaVersion);
+  database.execute(tables.at("tool_space"));
+  for (const char* table : kTablesOf9) database.execute(tables.at(table));
   database.execute("PRAGMA user_version = " + std::to_string(kSchemaVersion));
 }
 

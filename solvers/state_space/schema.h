@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-inline constexpr std::int64_t kSchemaVersion = 8;
+inline constexpr std::int64_t kSchemaVersion = 9;
 /// The oldest version that is read. The next writer of such a file makes it one of this version.
 inline constexpr std::int64_t kOldestSchemaVersion = 5;
 

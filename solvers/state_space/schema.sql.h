@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tables of a state-space file, see state_space/state_space_file.h.
 //
-// Files of versions 5 and 6 are read too. There a table "site" is in place of "tool_space" and its
-// key in the other tables is the active node: that was the number of a tool space. Its checksum
-// takes in the columns from active_node on. A file of version 5 has no checksum of a scene or a
-// tool space; its summary_checksum does not take in the column checksum; this and that of an
+// Files of versions 5 to 8 are read too. Those before version 9 have no reduced fields, and no
+// tables "basis" and "mode". In versions 5 and 6 there a table "site" is in place of "tool_space"
+// and its key in the other tables is the active node: that was the number of a tool space. Its
+// checksum takes in the columns from active_node on. A file of version 5 has no checksum of a scene
+// or a tool space; its summary_checksum does not take in the column checksum; this and that of an
 // intermediate state take flags without bit 4.
 #pragma once
 
@@ -119,13 +120,46 @@ CREATE TABLE configuration (
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of u, then with it as the seed
                                       -- that of v, and so on for p and p_v
   -- The fields: NULL where the transition failed, and where a rigid tool touches nothing. Of a
-  -- rigid tool they are of single precision, float32.
+  -- rigid tool they are of single precision, float32. In a finished space they may be reduced to
+  -- coefficients of the modes of the basis in whose box the check-point lies, float32: then u has
+  -- [up to num_modes] of them, v [3 x as many], p [up to num_pressure_modes], p_v [3 x as many].
   u           BLOB,                   -- float64 [num_points x 3], displacement, m
   v           BLOB,                   -- float64 [3 x num_points x 3], du/dt_x, du/dt_y, du/dt_z
   p           BLOB,                   -- float64 [num_pressures], of mixed cells, Pa; NULL also where
                                       -- no material is mixed
   p_v         BLOB,                   -- float64 [3 x num_pressures], dp/dt_x, dp/dt_y, dp/dt_z
   PRIMARY KEY (scene_id, tool_space_id, i, j, k, level)
+);
+CREATE TABLE basis (                  -- of the fields of some configurations, in a finished space
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  tool_space_id INTEGER NOT NULL,
+  number      INTEGER NOT NULL,       -- among those of the tool space, from 0
+  first_i INTEGER NOT NULL, first_j INTEGER NOT NULL, first_k INTEGER NOT NULL,  -- the box of the
+  last_i INTEGER NOT NULL, last_j INTEGER NOT NULL, last_k INTEGER NOT NULL,     -- check-points
+  keep        INTEGER NOT NULL,       -- points: 0 those of the surface, 1 those of the cells that
+                                      -- have one there; first those of the surface, ascending, then
+                                      -- the others, ascending
+  num_modes   INTEGER NOT NULL,
+  num_pressure_modes INTEGER NOT NULL,
+  num_pressures INTEGER NOT NULL,     -- that are kept
+  largest_displacement,               -- of a point that is kept, m
+  displacement_error,                 -- that the modes make, at any of these points, m
+  sensitivity_error,                  -- the same of the spacing times du/dt, m
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from tool_space_id to
+                                      -- sensitivity_error, 8 bytes each
+  PRIMARY KEY (scene_id, tool_space_id, number)
+);
+CREATE TABLE mode (                   -- of a basis; of half precision, float16, where that is exact,
+                                      -- else of single precision, float32
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  tool_space_id INTEGER NOT NULL,
+  basis       INTEGER NOT NULL,       -- its number
+  of_pressure INTEGER NOT NULL,       -- 0: field is [points kept x 3], 1: [num_pressures]
+  number      INTEGER NOT NULL,       -- among these, from 0
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of field, seeded with that of the
+                                      -- columns from tool_space_id to number, 8 bytes each
+  field       BLOB NOT NULL,
+  PRIMARY KEY (scene_id, tool_space_id, basis, of_pressure, number)
 );
 CREATE TABLE transition (             -- between neighbours, where history matters
   scene_id    INTEGER NOT NULL REFERENCES scene,

@@ -115,6 +115,18 @@ void Database::limit_row(std::int64_t bytes) const {
   sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, static_cast<int>(bytes));
 }
 
+void Database::vacuum() const {
+  // It attaches what it writes.
+  const int attached = sqlite3_limit(handle_, SQLITE_LIMIT_ATTACHED, 1);
+  try {
+    execute("VACUUM");
+  } catch (...) {
+    sqlite3_limit(handle_, SQLITE_LIMIT_ATTACHED, attached);
+    throw;
+  }
+  sqlite3_limit(handle_, SQLITE_LIMIT_ATTACHED, attached);
+}
+
 std::int64_t Database::changes() const { return sqlite3_changes64(handle_); }
 
 void Database::fail() const {

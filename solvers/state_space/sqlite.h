@@ -36,6 +36,8 @@ class Database {
   [[nodiscard]] std::string text(const std::string& sql) const;
   /// From now on a value or a row that is larger counts as damaged.
   void limit_row(std::int64_t bytes) const;
+  /// Writes the file anew without what is free in it.
+  void vacuum() const;
   /// The number of rows that the last INSERT, UPDATE or DELETE has touched.
   [[nodiscard]] std::int64_t changes() const;
 

@@ -281,6 +281,9 @@ struct Reset {
 /// What SQLite keeps in one row at the most.
 constexpr std::int64_t kLargestRow = 1'000'000'000;
 
+/// The part of a file that is free when it is worth the time to make it smaller.
+constexpr double kFreeShare = 0.1;
+
 /// A commit waits for the disk when the last one that did is so long ago: a loss of power takes no
 /// more than what was computed meanwhile, and the disk is waited for once in that time.
 constexpr std::chrono::seconds kSyncEvery{1};
@@ -288,6 +291,20 @@ constexpr std::chrono::seconds kSyncEvery{1};
 }  // namespace
 
 struct StateSpaceFile::Impl {
+  /// A transaction, or a part of the one that is under way.
+  class Change {
+   public:
+    explicit Change(const Impl& impl) {
+      if (!impl.is_in_change) transaction_.emplace(impl.database);
+    }
+    void commit() {
+      if (transaction_) transaction_->commit();
+    }
+
+   private:
+    std::optional<Transaction> transaction_;
+  };
+
   explicit Impl(Database opened)
       : database(std::move(opened)), version(database.integer("PRAGMA user_version")) {
     Statement select(database,
@@ -311,6 +328,10 @@ struct StateSpaceFile::Impl {
     if (version < 6) return rows::Checked::as_version_5;
     if (version < 7) return rows::Checked::as_version_6;
     return version < 8 ? rows::Checked::as_version_7 : rows::Checked::all;
+  }
+  /// A displacement that is whole has no fewer bytes; coefficients of modes have.
+  [[nodiscard]] std::int64_t bytes_of_whole() const {
+    return num_points * 3 * static_cast<std::int64_t>(sizeof(float));
   }
   /// Whether a scene and a tool space have a checksum.
   [[nodiscard]] bool has_checksums() const { return version >= 6; }
@@ -341,6 +362,35 @@ struct StateSpaceFile::Impl {
                const ConfigurationSummary& summary) const;
   void write(ToolSpaceId tool_space, const IntermediateState& state) const;
   void set_touchable(const std::vector<char>& touchable) const;
+  /// Inserts a row of the table of configurations, in place of one with the same key.
+  void insert_configuration(ToolSpaceId tool_space, const ConfigurationSummary& summary,
+                            const rows::Fields& fields);
+  /// A row of the table of bases. The modes are read when they are first asked for.
+  struct StoredBasis {
+    std::int64_t row_id = 0;
+    std::int64_t checksum = 0;
+    rows::BasisRow row;
+    bool is_read = false;
+    std::shared_ptr<const FieldBasis> basis;
+  };
+  /// Those of a tool space, in the order of their numbers.
+  [[nodiscard]] std::vector<StoredBasis>& bases_of(ToolSpaceId tool_space) const;
+  /// Null where it is damaged, which is left out.
+  [[nodiscard]] std::shared_ptr<const FieldBasis> basis_of(ToolSpaceId tool_space,
+                                                           StoredBasis& stored) const;
+  [[nodiscard]] std::shared_ptr<const FieldBasis> read_basis(ToolSpaceId tool_space,
+                                                             const StoredBasis& stored) const;
+  /// @throws InputError its arrays have not the size of the body.
+  [[nodiscard]] TetMesh read_mesh() const;
+  /// As kept_points(), made when it is first asked for.
+  [[nodiscard]] const std::vector<Index>& points_of(Keep keep) const;
+  /// A change is under way that others are a part of.
+  bool is_in_change = false;
+  mutable std::map<ToolSpaceId, std::vector<StoredBasis>> bases;
+  KnownBases own_known_bases;
+  KnownBases* known_bases = &own_known_bases;
+  mutable std::map<Keep, std::vector<Index>> points;
+  mutable std::optional<TetMesh> mesh;
 
   Database database;
   std::int64_t version;
@@ -438,6 +488,7 @@ std::vector<std::pair<std::int64_t, CheckPoint>> StateSpaceFile::Impl::list_rows
 }
 
 void StateSpaceFile::Impl::before_change() {
+  if (is_in_change) return;
   const auto now = std::chrono::steady_clock::now();
   const bool waits = !commits_wait || now - last_wait >= kSyncEvery;
   if (waits) last_wait = now;
@@ -501,6 +552,150 @@ void StateSpaceFile::Impl::set_touchable(const std::vector<char>& touchable) con
   bind_array(update, touchable);
   update.bind(rows::checksum(touchable, solver_tolerance));
   update.run();
+}
+
+void StateSpaceFile::Impl::insert_configuration(ToolSpaceId tool_space,
+                                                const ConfigurationSummary& summary,
+                                                const rows::Fields& fields) {
+  if (!insert) {
+    std::string parameters = "?1";
+    for (int c = 1; c < rows::num_summary_columns + 7; ++c) {
+      parameters += ", ?" + std::to_string(c + 1);
+    }
+    // Through the table of tool spaces, so that nothing is stored for a tool space that is not
+    // there.
+    insert.emplace(database, "INSERT OR REPLACE INTO configuration (scene_id, tool_space_id, " +
+                                 std::string(rows::summary_columns) +
+                                 ", summary_checksum, checksum, " + rows::field_columns +
+                                 ") SELECT 1, " + parameters +
+                                 " FROM tool_space WHERE scene_id = 1 AND tool_space_id = ?1");
+  }
+  insert->bind(tool_space);
+  rows::for_each_number_of_summary(summary, rows::Bind{*insert});
+  const std::int64_t of_fields = rows::checksum(fields);
+  insert->bind(rows::checksum(tool_space, summary, of_fields));
+  insert->bind(of_fields);
+  for (const auto& [data, bytes] : fields) insert->bind(data, bytes);
+  insert->run();
+}
+
+TetMesh StateSpaceFile::Impl::read_mesh() const {
+  Statement select(database, "SELECT element_order, points, cells FROM scene WHERE scene_id = 1");
+  select.step();
+  TetMesh read;
+  const std::int64_t order = select.take_integer();
+  if (order != 1 && order != 2) throw_damaged(path(), "an unknown order of elements");
+  read.order = static_cast<ElementOrder>(order);
+  read.points = take_array<Vec3>(select, num_points, database, "points");
+  read.cells = take_array<Index>(select, num_cells * nodes_per_cell(read.order), database, "cells");
+  return read;
+}
+
+const std::vector<Index>& StateSpaceFile::Impl::points_of(Keep keep) const {
+  const auto [found, is_new] = points.try_emplace(keep);
+  if (!is_new) return found->second;
+  if (!mesh) {
+    mesh = read_mesh();
+    if (std::any_of(mesh->cells.begin(), mesh->cells.end(),
+                    [&](Index p) { return p < 0 || p >= num_points; })) {
+      throw_damaged(path(), "a cell of the body is none");
+    }
+  }
+  found->second = kept_points(*mesh, make_surface(*mesh), keep);
+  return found->second;
+}
+
+std::vector<StateSpaceFile::Impl::StoredBasis>& StateSpaceFile::Impl::bases_of(
+    ToolSpaceId tool_space) const {
+  const auto [found, is_new] = bases.try_emplace(tool_space);
+  std::vector<StoredBasis>& all = found->second;
+  if (!is_new || version < 9) return all;
+  Statement select(database, std::string("SELECT rowid, ") + rows::basis_columns +
+                                 ", checksum FROM basis WHERE scene_id = 1 AND tool_space_id = ? "
+                                 "ORDER BY number");
+  select.bind(tool_space);
+  while (select.step()) {
+    StoredBasis& stored = all.emplace_back();
+    stored.row_id = select.take_integer();
+    bool sound = true;
+    rows::for_each_number_of_basis(stored.row, rows::Take{select, sound});
+    stored.checksum = select.take_integer();
+    if (sound && stored.checksum == rows::checksum(tool_space, stored.row)) continue;
+    leave_out("a basis of " + number_of(tool_space), "basis", stored.row_id);
+    all.pop_back();
+  }
+  return all;
+}
+
+std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::basis_of(ToolSpaceId tool_space,
+                                                                 StoredBasis& stored) const {
+  if (stored.is_read) return stored.basis;
+  stored.is_read = true;
+  const auto known = known_bases->find({tool_space, stored.checksum});
+  if (known != known_bases->end()) return stored.basis = known->second;
+  stored.basis = read_basis(tool_space, stored);
+  if (stored.basis != nullptr) (*known_bases)[{tool_space, stored.checksum}] = stored.basis;
+  return stored.basis;
+}
+
+std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::read_basis(
+    ToolSpaceId tool_space, const StoredBasis& stored_basis) const {
+  rows::BasisRow row = stored_basis.row;
+  const std::string name = "basis " + std::to_string(row.number) + " of " + number_of(tool_space);
+  const auto damaged = [&] {
+    leave_out(name, "basis", stored_basis.row_id);
+    return nullptr;
+  };
+  const auto num_kept = static_cast<std::int64_t>(points_of(row.basis.keep).size());
+  if (!rows::is_possible(row, num_kept, num_cells)) return damaged();
+  constexpr char kOfBasis[] = " FROM mode WHERE scene_id = 1 AND tool_space_id = ? AND basis = ?";
+  // No memory is taken for modes that are not there.
+  {
+    Statement count(database, std::string("SELECT count(*)") + kOfBasis);
+    count.bind(tool_space);
+    count.bind(row.number);
+    count.step();
+    if (count.take_integer() != row.num_modes + row.num_pressure_modes) return damaged();
+  }
+  row.basis.modes.resize(3 * num_kept, row.num_modes);
+  row.basis.pressure_modes.resize(row.num_pressures, row.num_pressure_modes);
+  bool sound = true;
+  Statement select(database, std::string("SELECT rowid, of_pressure, number, checksum, field") +
+                                 kOfBasis + " ORDER BY of_pressure, number");
+  select.bind(tool_space);
+  select.bind(row.number);
+  for (std::int64_t m = 0; m < row.num_modes + row.num_pressure_modes && select.step(); ++m) {
+    const std::int64_t row_of_mode = select.take_integer();
+    rows::ModeKey key{row.number, 0, 0};
+    key.of_pressure = select.take_integer();
+    key.number = select.take_integer();
+    const std::int64_t stored = select.take_integer();
+    const Statement::Blob field = select.take_blob();
+    const bool of_pressure = m >= row.num_modes;
+    Eigen::MatrixXf& modes = of_pressure ? row.basis.pressure_modes : row.basis.modes;
+    const std::int64_t number = of_pressure ? m - row.num_modes : m;
+    const auto size = static_cast<std::size_t>(modes.rows());
+    const bool is_half = field.bytes == size * sizeof(Eigen::half);
+    if (key.of_pressure != (of_pressure ? 1 : 0) || key.number != number ||
+        !(is_half || field.bytes == size * sizeof(float)) ||
+        rows::checksum(tool_space, key, field) != stored) {
+      leave_out("mode " + std::to_string(m) + " of " + name, "mode", row_of_mode);
+      sound = false;
+      continue;
+    }
+    auto column = modes.col(number);
+    if (is_half) {
+      Eigen::Matrix<Eigen::half, Eigen::Dynamic, 1> halves(modes.rows());
+      if (size > 0) std::memcpy(halves.data(), field.data, field.bytes);
+      column = halves.cast<float>();
+    } else if (size > 0) {
+      std::memcpy(column.data(), field.data, field.bytes);
+    }
+  }
+  if (!sound || !row.basis.modes.allFinite() || !row.basis.pressure_modes.allFinite()) {
+    return damaged();
+  }
+  return std::make_shared<const FieldBasis>(std::move(row.basis));
 }
 
 StateSpaceFile::StateSpaceFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -646,26 +841,35 @@ double StateSpaceFile::solver_tolerance() const { return impl_->solver_tolerance
 std::vector<std::string> StateSpaceFile::left_out() const {
   std::vector<std::string> names;
   for (const auto& [name, place] : impl_->left_out) names.push_back(name);
-  // A row whose key was damaged may belong to nothing that is read.
-  constexpr char kOfNoToolSpace[] =
-      " OR tool_space_id NOT IN (SELECT tool_space_id FROM tool_space WHERE scene_id = 1)";
-  for (const auto& [table, condition] :
-       {std::pair{"tool_space", ""}, std::pair{"test_point", ""},
-        std::pair{"configuration", kOfNoToolSpace}, std::pair{"transition", kOfNoToolSpace},
-        std::pair{"intermediate", kOfNoToolSpace}}) {
-    const std::string of_table = std::string("rows of the table ") + table;
-    const auto count = [&](const std::string& which) {
-      return impl_->database.integer(std::string("SELECT count(*) FROM ") + table + which);
+  // A row whose key was damaged may belong to nothing that is read, and where the index is damaged
+  // a row is not found by its key.
+  for (const auto& [table, key] :
+       {std::pair{"tool_space", ""}, std::pair{"test_point", "tip_radius, half_width, seed"},
+        std::pair{"configuration", ""}, std::pair{"transition", ""}, std::pair{"intermediate", ""},
+        std::pair{"basis", ""}, std::pair{"mode", "basis"}}) {
+    const std::string name = table;
+    if (impl_->version < 9 && (name == "basis" || name == "mode")) continue;
+    const std::string of_table = "rows of the table " + name;
+    const auto count = [&](const std::string& from) {
+      return impl_->database.integer("SELECT count(*) FROM " + from);
     };
+    const std::string no_tool_space =
+        name == "tool_space" || name == "test_point"
+            ? ""
+            : " OR tool_space_id NOT IN (SELECT tool_space_id FROM tool_space WHERE scene_id = 1)";
+    const std::string columns =
+        std::string("scene_id, tool_space_id") + (*key != '\0' ? ", " : "") + key;
     try {
-      const std::int64_t of_nothing = count(std::string(" WHERE scene_id <> 1") + condition);
+      const std::int64_t of_nothing = count(name + " WHERE scene_id <> 1" + no_tool_space);
       if (of_nothing > 0) {
         names.push_back(std::to_string(of_nothing) + ' ' + of_table +
                         " that belong to no tool space");
       }
-      // By their keys, and one after the other.
-      if (count("") != count(" NOT INDEXED"))
+      const std::string found = "(SELECT DISTINCT " + columns + " FROM " + name +
+                                " NOT INDEXED) CROSS JOIN " + name + " USING (" + columns + ")";
+      if (count(found) != count(name + " NOT INDEXED") || count(name) != count(found)) {
         names.push_back(of_table + " that are not in its index");
+      }
     } catch (const InputError&) {
       names.push_back(of_table + " that cannot be listed");
     }
@@ -676,7 +880,11 @@ std::vector<std::string> StateSpaceFile::left_out() const {
 std::vector<std::string> StateSpaceFile::remove_damaged() {
   for (const ToolSpace& space : read_tool_spaces()) {
     const ToolSpaceId id = space.setup.id;
-    for (Configuration& c : read_where(id, "true")) (void)read_fields(id, c);
+    for (const BasisBox& box : list_bases(id)) (void)read_basis(id, box.number);
+    for (const Configuration& c : read_where(id, "true")) {
+      StoredFields stored;
+      (void)read_stored(id, c, stored);
+    }
     (void)read_transitions(id);
     (void)read_intermediate_states(id);
   }
@@ -704,28 +912,30 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
         "intermediate_states FROM tool_space AS s WHERE s.scene_id = 1 AND s.tool_space_id = "
         "c.tool_space_id)");
   }
+  // A basis goes with all its modes.
+  impl_->database.execute(
+      "DELETE FROM mode WHERE (tool_space_id, basis) NOT IN (SELECT tool_space_id, number FROM "
+      "basis)");
   transaction.commit();
   impl_->left_out.clear();
+  impl_->bases.clear();
+  impl_->known_bases->clear();
   return names;
 }
 
 Scene StateSpaceFile::read_scene() const {
   const Database& database = impl_->database;
   const bool has_checksum = impl_->has_checksums();
-  Statement select(database, std::string("SELECT element_order, points, cells, material_of_cell IS "
-                                         "NULL, material_of_cell, fixed, touchable, ") +
-                                 (has_checksum ? "checksum" : "NULL") +
-                                 " FROM scene WHERE scene_id = 1");
-  select.step();
-  Scene scene;
-  TetMesh& mesh = scene.mesh;
-  const std::int64_t order = select.take_integer();
-  if (order != 1 && order != 2) throw_damaged(database.path(), "an unknown order of elements");
-  mesh.order = static_cast<ElementOrder>(order);
   const std::int64_t num_points = impl_->num_points;
   const std::int64_t num_cells = impl_->num_cells;
-  mesh.points = take_array<Vec3>(select, num_points, database, "points");
-  mesh.cells = take_array<Index>(select, num_cells * nodes_per_cell(mesh.order), database, "cells");
+  Scene scene;
+  scene.mesh = impl_->read_mesh();
+  const TetMesh& mesh = scene.mesh;
+  Statement select(database,
+                   std::string("SELECT material_of_cell IS NULL, material_of_cell, fixed, "
+                               "touchable, ") +
+                       (has_checksum ? "checksum" : "NULL") + " FROM scene WHERE scene_id = 1");
+  select.step();
   const bool uniform = select.take_integer() != 0;
   scene.material_of_cell =
       take_array<Index>(select, uniform ? 0 : num_cells, database, "material_of_cell");
@@ -870,7 +1080,7 @@ void StateSpaceFile::add(ToolSpaceId tool_space, const Configuration& configurat
                          const std::vector<IntermediateState>& way) {
   impl_->before_change();
   if (way.empty()) return add_alone(tool_space, configuration);
-  Transaction transaction(impl_->database);
+  Impl::Change transaction(*impl_);
   for (const IntermediateState& state : way) impl_->write(tool_space, state);
   add_alone(tool_space, configuration);
   transaction.commit();
@@ -887,30 +1097,16 @@ void StateSpaceFile::add_alone(ToolSpaceId tool_space, const Configuration& conf
                      name_of(tool_space) + " has fields of another size than the " +
                      std::to_string(impl_->num_points) + " points of the body.");
   }
-  if (!impl_->insert) {
-    std::string parameters = "?1";
-    for (int c = 1; c < rows::num_summary_columns + 7; ++c) {
-      parameters += ", ?" + std::to_string(c + 1);
-    }
-    // Through the table of tool spaces, so that nothing is stored for a tool space that is not
-    // there.
-    impl_->insert.emplace(
-        impl_->database, "INSERT OR REPLACE INTO configuration (scene_id, tool_space_id, " +
-                             std::string(rows::summary_columns) + ", summary_checksum, checksum, " +
-                             rows::field_columns + ") SELECT 1, " + parameters +
-                             " FROM tool_space WHERE scene_id = 1 AND tool_space_id = ?1");
-  }
-  Statement& insert = *impl_->insert;
-  insert.bind(tool_space);
-  rows::for_each_number_of_summary(configuration, rows::Bind{insert});
-  const std::int64_t of_fields = rows::checksum(fields);
-  insert.bind(rows::checksum(tool_space, configuration, of_fields));
-  insert.bind(of_fields);
-  for (const auto& [data, bytes] : fields) insert.bind(data, bytes);
-  insert.run();
+  impl_->insert_configuration(tool_space, configuration, fields);
   if (impl_->database.changes() == 0) {
     throw InputError(quoted(path()) + " has no " + name_of(tool_space) + ". Add it first.");
   }
+}
+
+void StateSpaceFile::add(ToolSpaceId tool_space, const ConfigurationSummary& summary,
+                         const ReducedFields& reduced) {
+  impl_->before_change();
+  impl_->insert_configuration(tool_space, summary, rows::fields_of(reduced));
 }
 
 std::vector<Configuration> StateSpaceFile::read_where(ToolSpaceId tool_space,
@@ -972,6 +1168,11 @@ void StateSpaceFile::settle(ToolSpaceId tool_space, const ConfigurationSummary& 
 void StateSpaceFile::add(ToolSpaceId tool_space, const LevelTransition& transition) {
   impl_->before_change();
   add_alone(tool_space, transition, "REPLACE");
+}
+
+void StateSpaceFile::add(ToolSpaceId tool_space, const IntermediateState& state) {
+  impl_->before_change();
+  impl_->write(tool_space, state);
 }
 
 void StateSpaceFile::add_alone(ToolSpaceId tool_space, const LevelTransition& transition,
@@ -1048,8 +1249,167 @@ std::vector<IntermediateState> StateSpaceFile::read_intermediate_states(
   return states;
 }
 
+std::vector<StateSpaceFile::BasisBox> StateSpaceFile::list_bases(ToolSpaceId tool_space) const {
+  std::vector<BasisBox> boxes;
+  for (const Impl::StoredBasis& stored : impl_->bases_of(tool_space)) {
+    const FieldBasis& basis = stored.row.basis;
+    boxes.push_back({stored.row.number, basis.first, basis.last, basis.keep});
+  }
+  return boxes;
+}
+
+std::shared_ptr<const FieldBasis> StateSpaceFile::read_basis(ToolSpaceId tool_space,
+                                                             std::int64_t number) const {
+  for (Impl::StoredBasis& stored : impl_->bases_of(tool_space)) {
+    if (stored.row.number == number) return impl_->basis_of(tool_space, stored);
+  }
+  return nullptr;
+}
+
+void StateSpaceFile::share_bases(KnownBases& known) { impl_->known_bases = &known; }
+
+Keep StateSpaceFile::keep_of(ToolSpaceId tool_space, const ConfigurationSummary& summary) const {
+  const std::vector<Impl::StoredBasis>& bases = impl_->bases_of(tool_space);
+  const auto serving =
+      std::find_if(bases.begin(), bases.end(), [&](const Impl::StoredBasis& stored) {
+        return stored.row.basis.serves(summary.check_point);
+      });
+  if (serving == bases.end()) return Keep::all;
+  Statement select(impl_->database, std::string("SELECT length(u) FROM configuration") + kAtKey);
+  select.bind(tool_space);
+  for (std::int32_t x : summary.check_point) select.bind(std::int64_t{x});
+  select.bind(std::int64_t{summary.level});
+  const bool is_whole = !select.step() || select.take_integer() >= impl_->bytes_of_whole();
+  return is_whole ? Keep::all : serving->row.basis.keep;
+}
+
+std::vector<StateKey> StateSpaceFile::list_whole(ToolSpaceId tool_space) const {
+  Statement select(
+      impl_->database,
+      "SELECT i, j, k, level FROM configuration WHERE scene_id = 1 AND tool_space_id = "
+      "? AND level >= 0 AND outcome = 0 AND length(u) >= ? ORDER BY i, j, k, level");
+  select.bind(tool_space);
+  select.bind(impl_->bytes_of_whole());
+  std::vector<StateKey> keys;
+  while (select.step()) {
+    StateKey& key = keys.emplace_back();
+    key.tool_space = tool_space;
+    for (auto& x : key.check_point) x = static_cast<std::int32_t>(select.take_integer());
+    key.level = static_cast<std::int32_t>(select.take_integer());
+  }
+  return keys;
+}
+
+Keep StateSpaceFile::keep() const {
+  if (impl_->version < 9) return Keep::all;
+  const std::int64_t number = impl_->database.integer("SELECT count(*) FROM basis");
+  if (number == 0) return Keep::all;
+  return impl_->database.integer("SELECT min(keep) FROM basis") == 0 ? Keep::touch : Keep::surface;
+}
+
+void StateSpaceFile::add_basis(ToolSpaceId tool_space, std::int64_t number,
+                               const FieldBasis& basis) {
+  impl_->before_change();
+  Impl::Change change(*impl_);
+  rows::BasisRow row;
+  row.number = number;
+  row.basis.first = basis.first;
+  row.basis.last = basis.last;
+  row.basis.keep = basis.keep;
+  row.basis.largest_displacement = basis.largest_displacement;
+  row.basis.displacement_error = basis.displacement_error;
+  row.basis.sensitivity_error = basis.sensitivity_error;
+  row.num_modes = basis.modes.cols();
+  row.num_pressure_modes = basis.pressure_modes.cols();
+  row.num_pressures = basis.pressure_modes.rows();
+  Statement insert(impl_->database,
+                   std::string("INSERT OR REPLACE INTO basis (scene_id, tool_space_id, ") +
+                       rows::basis_columns +
+                       ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  insert.bind(tool_space);
+  rows::for_each_number_of_basis(row, rows::Bind{insert});
+  insert.bind(rows::checksum(tool_space, row));
+  insert.run();
+  Statement remove(impl_->database,
+                   "DELETE FROM mode WHERE scene_id = 1 AND tool_space_id = ? AND basis = ?");
+  remove.bind(tool_space);
+  remove.bind(number);
+  remove.run();
+  Statement insert_mode(impl_->database,
+                        "INSERT INTO mode (scene_id, tool_space_id, basis, of_pressure, number, "
+                        "checksum, field) VALUES (1, ?, ?, ?, ?, ?, ?)");
+  for (const std::int64_t of_pressure : {0, 1}) {
+    const Eigen::MatrixXf& modes = of_pressure != 0 ? basis.pressure_modes : basis.modes;
+    const bool is_half = is_in_half_precision(modes);
+    const auto size = static_cast<std::size_t>(modes.rows());
+    for (Eigen::Index m = 0; m < modes.cols(); ++m) {
+      const Eigen::Matrix<Eigen::half, Eigen::Dynamic, 1> halves =
+          is_half ? modes.col(m).cast<Eigen::half>().eval()
+                  : Eigen::Matrix<Eigen::half, Eigen::Dynamic, 1>();
+      const Statement::Blob field =
+          is_half ? Statement::Blob{halves.data(), size * sizeof(Eigen::half)}
+                  : Statement::Blob{modes.col(m).data(), size * sizeof(float)};
+      const rows::ModeKey key{number, of_pressure, m};
+      insert_mode.bind(tool_space);
+      insert_mode.bind(key.basis);
+      insert_mode.bind(key.of_pressure);
+      insert_mode.bind(key.number);
+      insert_mode.bind(rows::checksum(tool_space, key, field));
+      insert_mode.bind(field.data, field.bytes);
+      insert_mode.run();
+    }
+  }
+  change.commit();
+  impl_->bases.erase(tool_space);
+}
+
+void StateSpaceFile::shrink() {
+  const auto of_pragma = [&](const char* name) {
+    return static_cast<double>(impl_->database.integer(std::string("PRAGMA ") + name));
+  };
+  if (of_pragma("freelist_count") < kFreeShare * of_pragma("page_count")) return;
+  impl_->database.vacuum();
+}
+
+void StateSpaceFile::change_together(const std::function<void()>& body) {
+  impl_->before_change();
+  Transaction transaction(impl_->database);
+  impl_->is_in_change = true;
+  try {
+    body();
+    transaction.commit();
+  } catch (...) {
+    impl_->is_in_change = false;
+    throw;
+  }
+  impl_->is_in_change = false;
+  checkpoint(impl_->database);
+}
+
 bool StateSpaceFile::read_fields(ToolSpaceId tool_space, Configuration& configuration) const {
+  StoredFields stored;
+  if (!read_stored(tool_space, configuration, stored)) return false;
+  if (stored.basis != nullptr) {
+    expand(*stored.basis, stored.reduced, impl_->points_of(stored.basis->keep),
+           static_cast<Index>(impl_->num_points), configuration);
+    return true;
+  }
+  configuration.u = std::move(stored.whole.u);
+  configuration.v = std::move(stored.whole.v);
+  configuration.p = std::move(stored.whole.p);
+  configuration.p_v = std::move(stored.whole.p_v);
+  return true;
+}
+
+bool StateSpaceFile::read_stored(ToolSpaceId tool_space, const ConfigurationSummary& configuration,
+                                 StoredFields& stored) const {
   const auto which = [&] { return rows::describe(configuration, name_of(tool_space)); };
+  std::shared_ptr<const FieldBasis> basis;
+  for (Impl::StoredBasis& of_space : impl_->bases_of(tool_space)) {
+    if (of_space.row.basis.serves(configuration.check_point)) {
+      basis = impl_->basis_of(tool_space, of_space);
+    }
+  }
   bool is_there = true;
   std::int64_t row = 0;
   try {
@@ -1074,11 +1434,18 @@ bool StateSpaceFile::read_fields(ToolSpaceId tool_space, Configuration& configur
     const std::int64_t of_fields = select.take_integer();
     rows::Fields fields;
     for (Statement::Blob& field : fields) field = select.take_blob();
-    if (sound && rows::fit(fields, impl_->num_points, impl_->num_cells) &&
-        rows::checksum(fields) == of_fields &&
+    if (sound && rows::checksum(fields) == of_fields &&
         rows::checksum(tool_space, summary, of_fields, impl_->checked()) == of_summary) {
-      rows::set_fields(fields, impl_->num_points, configuration);
-      return true;
+      const bool has_fields = fields[0].bytes > 0;
+      if (has_fields && basis != nullptr && rows::fit_basis(fields, *basis, impl_->num_points)) {
+        stored.basis = std::move(basis);
+        stored.reduced = rows::reduced_of(fields);
+        return true;
+      }
+      if (rows::fit(fields, impl_->num_points, impl_->num_cells)) {
+        rows::set_fields(fields, impl_->num_points, stored.whole);
+        return true;
+      }
     }
   } catch (const InputError&) {
     // Else it cannot be read, or is larger than the fields of this body.
@@ -1196,6 +1563,10 @@ std::vector<std::string> StateSpaceFile::merge(const fs::path& other_path) {
                      ": its scene has the hash " + other.scene_hash() + " and the tolerance " +
                      number(other.solver_tolerance()) + ", here they are " + scene_hash() +
                      " and " + number(solver_tolerance()) + ". Leave it out.");
+  }
+  if (other.keep() != Keep::all) {
+    throw InputError(quoted(other_path) + " cannot be merged into " + quoted(path()) +
+                     ": it is a finished space, whose fields are reduced. Leave it out.");
   }
   const std::vector<ToolSpace> tool_spaces = other.read_tool_spaces();
   for (const ToolSpace& space : tool_spaces) {

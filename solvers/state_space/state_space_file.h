@@ -9,6 +9,7 @@
 //                  find
 //   configuration  one row each: all of state_space/configuration.h; outcome and flags are those of
 //                  base/outcome.h
+//   basis, mode    what the fields of a finished space are reduced to, see reduced_fields.h
 //   transition     which level is reached from where, in a space with levels
 //   intermediate   states on the way to each configuration, where they were asked for
 //   test_point     equilibria beside the configurations, see state_space/test_point.h
@@ -20,8 +21,8 @@
 //   import sqlite3, numpy
 //   file = sqlite3.connect("liver.palpate")
 //   rest = numpy.frombuffer(file.execute("SELECT points FROM scene").fetchone()[0]).reshape(-1, 3)
-//   for i, j, k, h, u in file.execute("SELECT i, j, k, force_x, u FROM configuration"):
-//       print((i, j, k), h, abs(numpy.frombuffer(u).reshape(-1, 3)).max())
+//   for i, j, k, h in file.execute("SELECT i, j, k, force_x FROM configuration"):
+//       print((i, j, k), h)
 //
 // Durability. A writer keeps a write-ahead log beside the file ("-wal"): when add() returns, the
 // configuration outlives the death of the process at any instant, also by kill -9. A loss of power
@@ -36,11 +37,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "state_space/reduced_fields.h"
 #include "state_space/state_space.h"
 #include "state_space/test_point.h"
 
@@ -122,6 +127,8 @@ class StateSpaceFile {
   void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate, std::int32_t level);
 
   void add(ToolSpaceId tool_space, const LevelTransition& transition);
+  /// Adds an intermediate state, in place of one of the same number on the same way.
+  void add(ToolSpaceId tool_space, const IntermediateState& state);
   [[nodiscard]] std::vector<LevelTransition> read_transitions(ToolSpaceId tool_space) const;
   /// The transitions of which both ends are among the configurations: others may have been lost.
   /// @param configurations Those of the tool space, in the order of operator<.
@@ -132,9 +139,51 @@ class StateSpaceFile {
   [[nodiscard]] std::vector<IntermediateState> read_intermediate_states(
       ToolSpaceId tool_space) const;
 
-  /// Fills in the fields u, v, p and p_v of a configuration.
+  /// Fills in the fields u, v, p and p_v of a configuration: what is kept of them, and zero
+  /// elsewhere.
   /// @returns False where the fields are damaged; then they are left out.
   [[nodiscard]] bool read_fields(ToolSpaceId tool_space, Configuration& configuration) const;
+  /// The usable configurations of a tool space whose fields are whole, in the order of operator<.
+  [[nodiscard]] std::vector<StateKey> list_whole(ToolSpaceId tool_space) const;
+  /// Reads the fields as they are stored.
+  /// @returns False where they are damaged; then they are left out.
+  [[nodiscard]] bool read_stored(ToolSpaceId tool_space, const ConfigurationSummary& summary,
+                                 StoredFields& stored) const;
+
+  /// What is kept of the fields of all configurations: the least of any.
+  [[nodiscard]] Keep keep() const;
+  /// What is kept of those of one.
+  [[nodiscard]] Keep keep_of(ToolSpaceId tool_space, const ConfigurationSummary& summary) const;
+  /// Whether there is no such configuration here, or one that did not converge while the other did.
+  [[nodiscard]] bool is_of_use(ToolSpaceId tool_space, const ConfigurationSummary& other) const;
+  /// The numbers of the bases of a tool space, ascending, and their boxes.
+  struct BasisBox {
+    std::int64_t number = 0;
+    CheckPoint first{};
+    CheckPoint last{};
+    Keep keep = Keep::touch;
+  };
+  [[nodiscard]] std::vector<BasisBox> list_bases(ToolSpaceId tool_space) const;
+  /// A basis, read when it is first asked for; null where it is damaged, and so left out.
+  [[nodiscard]] std::shared_ptr<const FieldBasis> read_basis(ToolSpaceId tool_space,
+                                                             std::int64_t number) const;
+  /// Bases that were read, by tool space and checksum.
+  using KnownBases =
+      std::map<std::pair<ToolSpaceId, std::int64_t>, std::shared_ptr<const FieldBasis>>;
+  /// Has bases taken from here, and put here, that another object has read of the same file before.
+  void share_bases(KnownBases& known);
+  /// Stores a basis, in place of one of the same number. That one's modes must be the first of its
+  /// own: what was reduced by them stays so.
+  void add_basis(ToolSpaceId tool_space, std::int64_t number, const FieldBasis& basis);
+  /// Adds a configuration with its fields by the modes of the basis that serves its check-point, in
+  /// place of one with the same check-point and level.
+  void add(ToolSpaceId tool_space, const ConfigurationSummary& summary,
+           const ReducedFields& reduced);
+  /// Gives the disk what is free in the file. It may be called where nothing else is under way.
+  void shrink();
+  /// Runs `body`; what it changes becomes durable together, or where it throws not at all.
+  void change_together(const std::function<void()>& body);
+
   /// Reads everything but test points; fields only if `with_fields`.
   [[nodiscard]] StateSpace read(bool with_fields) const;
 
@@ -149,7 +198,9 @@ class StateSpaceFile {
   /// it can be done again. What was taken over is durable when this returns: the other file may be
   /// removed, if nothing was left out.
   /// @returns What is damaged in the other file, as left_out().
-  /// @throws InputError another scene or tolerance, or another tip or grid of the same tool space.
+  /// @throws InputError another scene or tolerance, or another tip or grid of the same tool space;
+  /// a
+  ///   file with reduced fields, which no run leaves to be merged.
   [[nodiscard]] std::vector<std::string> merge(const std::filesystem::path& other);
 
  private:
@@ -163,8 +214,6 @@ class StateSpaceFile {
   [[nodiscard]] std::vector<Configuration> read_where(ToolSpaceId tool_space,
                                                       const std::string& condition) const;
   [[nodiscard]] std::vector<TestSet> read_test_sets() const;
-  /// Whether there is no such configuration here, or one that did not converge while the other did.
-  [[nodiscard]] bool is_of_use(ToolSpaceId tool_space, const ConfigurationSummary& other) const;
   void extend(const ToolSpaceSetup& setup);
   void add_alone(ToolSpaceId tool_space, const Configuration& configuration);
   /// @param where_there_is_one What SQLite does where there is one already: REPLACE or IGNORE.

@@ -2,9 +2,11 @@
 #include "state_space/touch_space.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "base/error.h"
-#include "state_space/pod.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -12,16 +14,6 @@ namespace {
 
 /// Gives w = step · v the unit of u; where there is no grid any length does.
 double step_of(const Grid& grid) { return grid.spacing() > 0 ? grid.spacing() : 1; }
-
-/// The rows of a field that belong to the surface, rounded to single precision.
-template <class Field, class Column>
-void gather(const Surface& surface, const Field& field, double factor, Column&& column) {
-  for (Index p = 0; p < surface.num_points(); ++p) {
-    column.template segment<3>(3 * p) =
-        (factor * field.template segment<3>(3 * Eigen::Index{surface.mesh_points[p]}))
-            .template cast<float>();
-  }
-}
 
 std::string describe(const ConfigurationSummary& configuration, const ToolSpaceSetup& setup) {
   const CheckPoint& c = configuration.check_point;
@@ -60,124 +52,65 @@ void check_active_node(const ToolSpaceSetup& setup, const TetMesh& mesh) {
   }
 }
 
-/// A tool space without modes. That of a rigid tool has none: it deforms the body at so many places
-/// that they have no small basis in common.
-TouchToolSpace without_modes(const Scene& scene, const ToolSpaceSetup& setup,
-                             std::vector<ConfigurationSummary> configurations,
-                             std::vector<IntermediateState> intermediate_states) {
+/// Reduces the usable configurations of an active node, and adds its tool space.
+/// @param fields_of Gives the configuration with its fields for an index, valid until the next
+/// call,
+///   the same each time; null: it is left out.
+template <class FieldsOf>
+void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
+                    const std::vector<ConfigurationSummary>& summaries,
+                    std::vector<IntermediateState> intermediate_states, double bound,
+                    FieldsOf&& fields_of, TouchSpace& space) {
   check_active_node(setup, scene.mesh);
-  TouchToolSpace made;
-  made.setup = setup;
-  add_clearance(scene, made);
-  made.configurations = std::move(configurations);
-  made.intermediate_states = std::move(intermediate_states);
-  const auto num_configurations = static_cast<Eigen::Index>(made.configurations.size());
-  made.coefficients.resize(0, num_configurations);
-  made.coefficient_gradients.resize(0, num_configurations);
-  return made;
+  const std::vector<Index>& points = space.surface.mesh_points;
+  const auto num_points = static_cast<Eigen::Index>(points.size());
+  const double step = step_of(setup.grid);
+  const auto take = [&](std::size_t s, Eigen::Index at, Snapshots& to) {
+    const Configuration* configuration = fields_of(s);
+    if (configuration == nullptr) return false;
+    check_fields(*configuration, scene.mesh.num_points(), setup);
+    to.set(at, *configuration, points, step);
+    return true;
+  };
+  FieldScale scale;
+  std::vector<std::size_t> usable;
+  Snapshots one(num_points, 0, 1);
+  for (std::size_t s = 0; s < summaries.size(); ++s) {
+    if (!summaries[s].usable() || !take(s, 0, one)) continue;
+    scale.take(one);
+    usable.push_back(s);
+  }
+  FieldReducer reducer(num_points, 0, scale, step, bound, nullptr);
+  const auto most = static_cast<std::size_t>(batch_size(num_points, 0));
+  for (std::size_t first = 0; first < usable.size(); first += most) {
+    const std::size_t count = std::min(most, usable.size() - first);
+    Snapshots batch(num_points, 0, static_cast<Eigen::Index>(count));
+    for (std::size_t c = 0; c < count; ++c) {
+      take(usable[first + c], static_cast<Eigen::Index>(c), batch);
+    }
+    reducer.add(batch);
+  }
+  const Reduction reduction = reducer.finish();
+  std::vector<const ReducedFields*> fields(summaries.size(), nullptr);
+  for (std::size_t i = 0; i < usable.size(); ++i) fields[usable[i]] = &reduction.fields[i];
+  add_tool_space(scene, setup, summaries, std::move(intermediate_states), &reduction.basis, fields,
+                 space);
 }
 
-/// Adds tool spaces one by one to a touch space without any.
-class Builder {
- public:
-  Builder(const Scene& scene, std::string scene_hash, double bound)
-      : scene_(scene),
-        mesh_(scene.mesh),
-        surface_(make_surface(scene.mesh)),
-        basis_(3 * Eigen::Index{surface_.num_points()}, bound) {
-    space_.scene_hash = std::move(scene_hash);
+/// What is reduced of the configurations, by index, empty of those that are damaged; nothing where
+/// one has its fields whole.
+std::optional<std::vector<ReducedFields>> read_reduced(
+    const StateSpaceFile& file, ToolSpaceId tool_space,
+    const std::vector<ConfigurationSummary>& summaries) {
+  std::vector<ReducedFields> reduced(summaries.size());
+  for (std::size_t s = 0; s < summaries.size(); ++s) {
+    StoredFields stored;
+    if (!summaries[s].usable() || !file.read_stored(tool_space, summaries[s], stored)) continue;
+    if (stored.basis == nullptr) return std::nullopt;
+    reduced[s] = std::move(stored.reduced);
   }
-
-  /// @param fields_of Gives the configuration with its fields for an index; null: it is left out.
-  template <class FieldsOf>
-  void add(const ToolSpaceSetup& setup, const std::vector<ConfigurationSummary>& summaries,
-           std::vector<IntermediateState> intermediate_states, FieldsOf&& fields_of) {
-    if (setup.interaction.is_contact()) {
-      space_.tool_spaces.push_back(
-          without_modes(scene_, setup, summaries, std::move(intermediate_states)));
-      return;
-    }
-    check_active_node(setup, mesh_);
-    std::vector<ConfigurationSummary> configurations;
-    std::vector<std::size_t> usable;
-    const std::ptrdiff_t most =
-        std::count_if(summaries.begin(), summaries.end(), [](const auto& c) { return c.usable(); });
-    const Eigen::Index rows = 3 * Eigen::Index{surface_.num_points()};
-    Eigen::MatrixXf displacements(rows, most);
-    Eigen::MatrixXf sensitivities(rows, 3 * most);
-    for (std::size_t s = 0; s < summaries.size(); ++s) {
-      if (summaries[s].usable()) {
-        const Configuration* configuration = fields_of(s);
-        if (configuration == nullptr) continue;
-        check_fields(*configuration, mesh_.num_points(), setup);
-        const auto c = static_cast<Eigen::Index>(usable.size());
-        gather(surface_, configuration->u, 1, displacements.col(c));
-        for (int a = 0; a < 3; ++a) {
-          gather(surface_, configuration->v.col(a), step_of(setup.grid),
-                 sensitivities.col(3 * c + a));
-        }
-        usable.push_back(configurations.size());
-      }
-      configurations.push_back(summaries[s]);
-    }
-    const auto n = static_cast<Eigen::Index>(usable.size());
-    Eigen::MatrixXf snapshots(rows, 4 * n);
-    snapshots << displacements.leftCols(n), sensitivities.leftCols(3 * n);
-    displacements.resize(0, 0);
-    sensitivities.resize(0, 0);
-    const PodFit fit = basis_.extend(snapshots);
-    space_.largest_displacement = std::max(space_.largest_displacement, fit.largest_displacement);
-    space_.displacement_error = std::max(space_.displacement_error, fit.displacement_error);
-    space_.sensitivity_error = std::max(space_.sensitivity_error, fit.sensitivity_error);
-
-    TouchToolSpace& added = space_.tool_spaces.emplace_back();
-    added.setup = setup;
-    added.configurations = std::move(configurations);
-    added.intermediate_states = std::move(intermediate_states);
-    const Eigen::Index rank = fit.coefficients.rows();
-    const auto total = static_cast<Eigen::Index>(added.configurations.size());
-    added.coefficients.setZero(rank, total);
-    added.coefficient_gradients.setZero(3 * rank, total);
-    const auto per_metre = static_cast<float>(1 / step_of(setup.grid));
-    for (Eigen::Index c = 0; c < n; ++c) {
-      const auto column = static_cast<Eigen::Index>(usable[c]);
-      added.coefficients.col(column) = fit.coefficients.col(c);
-      for (int a = 0; a < 3; ++a) {
-        added.coefficient_gradients.col(column).segment(a * rank, rank) =
-            per_metre * fit.coefficients.col(n + 3 * c + a);
-      }
-    }
-  }
-
-  /// Modes that came with later tool spaces have the coefficient 0 at earlier ones.
-  TouchSpace finish() {
-    const Eigen::Index rank = basis_.modes().cols();
-    for (TouchToolSpace& tool_space : space_.tool_spaces) {
-      if (tool_space.setup.interaction.is_contact()) continue;
-      const Eigen::Index own = tool_space.coefficients.rows();
-      const Eigen::Index total = tool_space.coefficients.cols();
-      Eigen::MatrixXf coefficients = Eigen::MatrixXf::Zero(rank, total);
-      Eigen::MatrixXf gradients = Eigen::MatrixXf::Zero(3 * rank, total);
-      coefficients.topRows(own) = tool_space.coefficients;
-      for (int a = 0; a < 3; ++a) {
-        gradients.middleRows(a * rank, own) =
-            tool_space.coefficient_gradients.middleRows(a * own, own);
-      }
-      tool_space.coefficients = std::move(coefficients);
-      tool_space.coefficient_gradients = std::move(gradients);
-    }
-    space_.modes = basis_.modes();
-    space_.surface = std::move(surface_);
-    return std::move(space_);
-  }
-
- private:
-  const Scene& scene_;
-  const TetMesh& mesh_;
-  Surface surface_;
-  PodBasis basis_;
-  TouchSpace space_;
-};
+  return reduced;
+}
 
 std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>& configurations) {
   return {configurations.begin(), configurations.end()};
@@ -199,37 +132,121 @@ const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {
   return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
 }
 
-TouchSpace make_touch_space(const StateSpace& space, double bound) {
-  Builder builder(space.scene, space.scene_hash, bound);
-  for (const ToolSpace& tool_space : space.tool_spaces) {
-    builder.add(tool_space.setup, summaries_of(tool_space.configurations),
-                tool_space.intermediate_states,
-                [&](std::size_t c) { return &tool_space.configurations[c]; });
+TouchSpace make_empty_touch_space(const Scene& scene) {
+  TouchSpace space;
+  space.scene_hash = hash(scene);
+  space.surface = make_surface(scene.mesh);
+  return space;
+}
+
+void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
+                    const std::vector<ConfigurationSummary>& configurations,
+                    std::vector<IntermediateState> intermediate_states, const FieldBasis* basis,
+                    const std::vector<const ReducedFields*>& fields, TouchSpace& space) {
+  check_active_node(setup, scene.mesh);
+  TouchToolSpace added;
+  added.setup = setup;
+  add_clearance(scene, added);
+  added.intermediate_states = std::move(intermediate_states);
+  const bool has_modes = basis != nullptr && !setup.interaction.is_contact();
+  std::vector<const ReducedFields*> kept;
+  for (std::size_t s = 0; s < configurations.size(); ++s) {
+    if (has_modes && configurations[s].usable() && fields[s] == nullptr) continue;
+    added.configurations.push_back(configurations[s]);
+    kept.push_back(has_modes ? fields[s] : nullptr);
   }
-  return builder.finish();
+  const Eigen::Index rank = has_modes ? basis->modes.cols() : 0;
+  added.modes.resize(3 * Eigen::Index{space.surface.num_points()}, rank);
+  const auto total = static_cast<Eigen::Index>(kept.size());
+  added.coefficients.setZero(rank, total);
+  added.coefficient_gradients.setZero(3 * rank, total);
+  if (has_modes) {
+    added.modes = basis->modes.topRows(added.modes.rows());
+    for (Eigen::Index c = 0; c < total; ++c) {
+      const ReducedFields* of = kept[static_cast<std::size_t>(c)];
+      if (of == nullptr) continue;
+      // One that was reduced before modes were added has no share of these.
+      const Eigen::Index own = of->u.size();
+      added.coefficients.col(c).head(own) = of->u;
+      for (int a = 0; a < 3; ++a) {
+        added.coefficient_gradients.col(c).segment(a * rank, own) = of->v.col(a);
+      }
+    }
+    space.largest_displacement = std::max(space.largest_displacement, basis->largest_displacement);
+    space.displacement_error = std::max(space.displacement_error, basis->displacement_error);
+    space.sensitivity_error = std::max(space.sensitivity_error, basis->sensitivity_error);
+  }
+  space.tool_spaces.push_back(std::move(added));
+}
+
+TouchSpace make_touch_space(const StateSpace& space, double bound) {
+  validate_pod_bound(bound);
+  TouchSpace made = make_empty_touch_space(space.scene);
+  made.scene_hash = space.scene_hash;
+  for (const ToolSpace& tool_space : space.tool_spaces) {
+    const std::vector<ConfigurationSummary> summaries = summaries_of(tool_space.configurations);
+    if (tool_space.setup.interaction.is_contact()) {
+      add_tool_space(space.scene, tool_space.setup, summaries, tool_space.intermediate_states,
+                     nullptr, {}, made);
+      continue;
+    }
+    reduce_and_add(
+        space.scene, tool_space.setup, summaries, tool_space.intermediate_states, bound,
+        [&](std::size_t c) { return &tool_space.configurations[c]; }, made);
+  }
+  return made;
 }
 
 TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
+  validate_pod_bound(bound);
   const Scene scene = file.read_scene();
-  Builder builder(scene, file.scene_hash(), bound);
-  Configuration current;
+  TouchSpace space = make_empty_touch_space(scene);
   std::vector<std::string> without_fields;
   for (const ToolSpace& tool_space : file.read_tool_spaces()) {
     const ToolSpaceId id = tool_space.setup.id;
     const std::vector<ConfigurationSummary> summaries = summaries_of(file.read_summaries(id));
-    builder.add(tool_space.setup, summaries, file.read_intermediate_states(id),
-                [&](std::size_t c) -> const Configuration* {
-                  static_cast<ConfigurationSummary&>(current) = summaries[c];
-                  if (!file.read_fields(id, current)) return nullptr;
-                  if (has_fields(current, scene.mesh.num_points()) && has_finite_fields(current)) {
-                    return &current;
-                  }
-                  without_fields.push_back(describe(current, tool_space.setup) +
-                                           ", whose fields are no numbers");
-                  return nullptr;
-                });
+    std::vector<IntermediateState> states = file.read_intermediate_states(id);
+    if (tool_space.setup.interaction.is_contact()) {
+      add_tool_space(scene, tool_space.setup, summaries, std::move(states), nullptr, {}, space);
+      continue;
+    }
+    // Of an active node there is one at the most.
+    const auto bases = file.list_bases(id);
+    const auto basis = bases.empty() ? nullptr : file.read_basis(id, bases.front().number);
+    if (const auto reduced = basis == nullptr ? std::nullopt : read_reduced(file, id, summaries)) {
+      std::vector<const ReducedFields*> fields;
+      for (const ReducedFields& of : *reduced) fields.push_back(of.v.cols() > 0 ? &of : nullptr);
+      add_tool_space(scene, tool_space.setup, summaries, std::move(states), basis.get(), fields,
+                     space);
+      continue;
+    }
+    Configuration current;
+    std::set<std::size_t> damaged;
+    reduce_and_add(
+        scene, tool_space.setup, summaries, std::move(states), bound,
+        [&](std::size_t c) -> const Configuration* {
+          static_cast<ConfigurationSummary&>(current) = summaries[c];
+          if (damaged.count(c) > 0) return nullptr;
+          if (!file.read_fields(id, current)) {
+            damaged.insert(c);
+            return nullptr;
+          }
+          if (has_fields(current, scene.mesh.num_points()) && has_finite_fields(current)) {
+            return &current;
+          }
+          damaged.insert(c);
+          without_fields.push_back(describe(current, tool_space.setup) +
+                                   ", whose fields are no numbers");
+          return nullptr;
+        },
+        space);
+    // What is made of modes is off by their error besides.
+    if (basis != nullptr) {
+      space.displacement_error += basis->displacement_error;
+      space.sensitivity_error += basis->sensitivity_error;
+    }
   }
-  TouchSpace space = builder.finish();
+  space.scene_hash = file.scene_hash();
   space.left_out = file.left_out();
   space.left_out.insert(space.left_out.end(), without_fields.begin(), without_fields.end());
   space.file = file.path().string();
@@ -238,16 +255,13 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
 
 TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
   const Scene scene = file.read_scene();
-  TouchSpace space;
+  TouchSpace space = make_empty_touch_space(scene);
   space.scene_hash = file.scene_hash();
   space.file = file.path().string();
-  space.surface = make_surface(scene.mesh);
-  space.modes.resize(3 * Eigen::Index{space.surface.num_points()}, 0);
   for (const ToolSpace& from : file.read_tool_spaces()) {
     const ToolSpaceId id = from.setup.id;
-    space.tool_spaces.push_back(without_modes(scene, from.setup,
-                                              summaries_of(file.read_summaries(id)),
-                                              file.read_intermediate_states(id)));
+    add_tool_space(scene, from.setup, summaries_of(file.read_summaries(id)),
+                   file.read_intermediate_states(id), nullptr, {}, space);
   }
   space.left_out = file.left_out();
   return space;

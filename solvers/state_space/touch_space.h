@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "state_space/reduced_fields.h"
 #include "state_space/state_space.h"
 #include "state_space/surface.h"
 
@@ -27,6 +28,9 @@ struct TouchToolSpace {
   std::vector<ConfigurationSummary> configurations;
   /// These are in the order of operator<; empty where the tool space has none.
   std::vector<IntermediateState> intermediate_states;
+  /// Modes of the surface displacement [3 × surface points, r], see reduced_fields.h; that of a
+  /// rigid tool has none here.
+  Eigen::MatrixXf modes;
   /// c of the surface displacement u ≈ modes · c [r × num_configurations], m; 0 where a
   /// configuration is not usable.
   Eigen::MatrixXf coefficients;
@@ -43,8 +47,6 @@ struct TouchSpace {
   /// The file that has the fields; empty: there is none.
   std::string file;
   Surface surface;
-  /// Orthonormal modes of the surface displacement [3 × surface.num_points() × r], see pod.h.
-  Eigen::MatrixXf modes;
   /// The tool spaces in the order of their numbers.
   std::vector<TouchToolSpace> tool_spaces;
   /// What is damaged in the file, and so is missing here, see StateSpaceFile::left_out().
@@ -57,22 +59,34 @@ struct TouchSpace {
   /// The same error of spacing · ∂u/∂t, m.
   double sensitivity_error = 0;
 
-  [[nodiscard]] Index num_modes() const { return static_cast<Index>(modes.cols()); }
   /// The tool space at an active node, or nullptr.
   [[nodiscard]] const TouchToolSpace* find(ToolSpaceId id) const;
 };
 
-/// The default bound of a surface point's error, as a share of the largest displacement.
-inline constexpr double kDefaultTouchBound = 1e-3;
+/// The touch space of a scene, without tool spaces yet.
+[[nodiscard]] TouchSpace make_empty_touch_space(const Scene& scene);
+
+/// Adds a tool space.
+/// @param configurations All, in their order.
+/// @param basis For those of an active node; ignored for a rigid tool. Null: nothing is shown.
+/// @param fields By the modes of the basis, for each configuration that is usable; one that is null
+///   is left out. Empty where there is no basis.
+/// @throws InputError an active node that is no point of the body; as add_clearance().
+void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
+                    const std::vector<ConfigurationSummary>& configurations,
+                    std::vector<IntermediateState> intermediate_states, const FieldBasis* basis,
+                    const std::vector<const ReducedFields*>& fields, TouchSpace& space);
 
 /// Makes the touch space of a state space.
 /// @param space It has u and v of every usable configuration.
-/// @throws InputError u or v is missing or not finite, or the bound is out of range, see PodBasis.
+/// @param bound Of a surface point's error, as a share of the largest displacement.
+/// @throws InputError u or v is missing or not finite, or the bound is out of range.
 [[nodiscard]] TouchSpace make_touch_space(const StateSpace& space,
                                           double bound = kDefaultTouchBound);
 
-/// Does the same from a file, with the fields of one configuration in memory at a time.
-/// Configurations whose fields are damaged or not finite are left out.
+/// Does the same from a file, with the fields of a batch of configurations in memory at a time.
+/// Where the file has modes, these are taken, and the bound does not matter. Configurations whose
+/// fields are damaged or not finite are left out.
 [[nodiscard]] TouchSpace make_touch_space(const StateSpaceFile& file,
                                           double bound = kDefaultTouchBound);
 

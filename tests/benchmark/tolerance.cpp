@@ -153,10 +153,10 @@ double largest_jump(const TouchToolSpace& tool_space, const Interpolator& interp
 
 /// Of what a touch space holds.
 double megabytes(const TouchSpace& space) {
-  double bytes = static_cast<double>(sizeof(float)) * static_cast<double>(space.modes.size());
+  double bytes = 0;
   for (const TouchToolSpace& tool_space : space.tool_spaces) {
     bytes += static_cast<double>(sizeof(float)) *
-                 static_cast<double>(tool_space.coefficients.size() +
+                 static_cast<double>(tool_space.modes.size() + tool_space.coefficients.size() +
                                      tool_space.coefficient_gradients.size()) +
              static_cast<double>(sizeof(ConfigurationSummary) * tool_space.configurations.size());
   }

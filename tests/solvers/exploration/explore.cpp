@@ -4,7 +4,7 @@
 // file.
 //
 //   mpiexec -n 2 palpate_test_explore block.palpate <tolerance of the force, 0: a uniform grid>
-//     bonded | sphere
+//     bonded | sphere   all | surface, what is kept of the fields
 #include <mpi.h>
 #include <unistd.h>
 
@@ -20,7 +20,7 @@
 namespace palpate {
 namespace {
 
-int explore(const char* path, double tolerance, const std::string& tool) {
+int explore(const char* path, double tolerance, const std::string& tool, const std::string& keep) {
   const MPI_Comm world = MPI_COMM_WORLD;
   const auto communicator = make_mpi_communicator(&world);
   const test::Block block =
@@ -42,6 +42,7 @@ int explore(const char* path, double tolerance, const std::string& tool) {
   }
   options.equilibrium.third_derivatives = true;
   options.file = path;
+  options.keep = keep == "all" ? Keep::all : Keep::surface;
   try {
     const auto report = precompute(block.scene, options, *communicator, nullptr).report;
     if (communicator->rank() == 0) {
@@ -59,11 +60,11 @@ int explore(const char* path, double tolerance, const std::string& tool) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  if (argc != 4) return EXIT_FAILURE;
+  if (argc != 5) return EXIT_FAILURE;
   MPI_Init(&argc, &argv);
   std::printf("pid %d\n", static_cast<int>(getpid()));
   std::fflush(stdout);
-  const int result = palpate::explore(argv[1], std::atof(argv[2]), argv[3]);
+  const int result = palpate::explore(argv[1], std::atof(argv[2]), argv[3], argv[4]);
   MPI_Finalize();
   return result;
 }

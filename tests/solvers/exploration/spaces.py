@@ -62,7 +62,7 @@ def numbers(blob, single):
     return struct.unpack(f"<{len(blob) // 4}f" if single else f"<{len(blob) // 8}d", blob)
 
 
-def compare(found, expected):
+def compare(found, expected, with_fields=True):
     assert found.keys() == expected.keys(), (len(found), len(expected))
     largest = max(abs(x) for _, force, _ in expected.values() for x in force)
     for key, (energy, force, u) in found.items():
@@ -70,6 +70,8 @@ def compare(found, expected):
         assert abs(energy - right_energy) <= AGREEMENT * max(abs(right_energy), 1e-9), key
         for a, b in zip(force, right_force):
             assert abs(a - b) <= AGREEMENT * largest, (key, a, b)
+        if not with_fields:
+            continue
         single = key[0] == CONTACT
         ours, theirs = numbers(u, single), numbers(right_u, single)
         assert len(ours) == len(theirs), key

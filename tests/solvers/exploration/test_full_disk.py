@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run that fills the disk ends with one clear error, and with more room goes on where it was.
 
-  test_full_disk.py <palpate_test_explore> <mpiexec and its options …>
+  test_full_disk.py <all | surface> <palpate_test_explore> <mpiexec and its options …>
 
 The disk is a file system in memory, which becomes larger from run to run: too small for an empty
 file, for the configurations, for the files of the ranks beside the merged one, and at last large
@@ -28,16 +28,16 @@ def mount(folder, options):
                           capture_output=True, text=True, check=False)
 
 
-def explore(program, mpiexec, ranks, file):
-    return subprocess.run([*mpiexec, "-n", str(ranks), program, file, "0", "bonded"],
+def explore(program, mpiexec, ranks, file, keep):
+    return subprocess.run([*mpiexec, "-n", str(ranks), program, file, "0", "bonded", keep],
                           capture_output=True, text=True, timeout=200, check=False)
 
 
 def main():
-    program, *mpiexec = sys.argv[1:]
+    keep, program, *mpiexec = sys.argv[1:]
     with tempfile.TemporaryDirectory() as folder:
         whole = os.path.join(folder, "whole.palpate")
-        done = explore(program, mpiexec, 1, whole)
+        done = explore(program, mpiexec, 1, whole, keep)
         assert done.returncode == 0, done.stderr
         num_solved, _ = solved_and_reused(done.stdout)
         expected = configurations(whole)
@@ -55,7 +55,7 @@ def main():
                 grown = mount(disk, f"remount,size={size}k")
                 assert grown.returncode == 0, grown.stderr
                 before = configurations(file)
-                done = explore(program, mpiexec, RANKS, file)
+                done = explore(program, mpiexec, RANKS, file, keep)
                 after = configurations(file)
                 assert before.keys() <= after.keys(), "something that was found is lost"
                 print(f"{size} kB: {len(after)} configurations, exit code {done.returncode}")
@@ -70,7 +70,7 @@ def main():
             assert num_failures >= 3 and num_found >= 2, (num_failures, num_found)
             solved_now, reused = solved_and_reused(done.stdout)
             assert reused >= len(before) and solved_now + reused == num_solved, (solved_now, reused)
-            compare(after, expected)
+            compare(after, expected, keep == "all")
             assert glob.glob(os.path.join(disk, "*")) == [file]
         finally:
             subprocess.run(["umount", disk], check=True)

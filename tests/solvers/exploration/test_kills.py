@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run that is killed at any instant goes on, on any number of ranks, to the same space.
 
-  test_kills.py <tolerance> <tool> <kills> <palpate_test_explore> <mpiexec and its options …>
+  test_kills.py <tolerance> <tool> <all | surface> <kills> <palpate_test_explore>
+    <mpiexec and its options …>
 
 Kills one rank or the whole job at a random instant, again and again until a run comes to its end,
 and counts: what was in the files is not computed again, and the space is that of a run that nobody
@@ -40,8 +41,8 @@ def finish(job):
 
 
 def main():
-    tolerance, tool, kills, program, *mpiexec = sys.argv[1:]
-    how = (tolerance, tool)
+    tolerance, tool, keep, kills, program, *mpiexec = sys.argv[1:]
+    how = (tolerance, tool, keep)
     rng = random.Random(2007)
     with tempfile.TemporaryDirectory() as folder:
         whole = os.path.join(folder, "whole.palpate")
@@ -82,7 +83,7 @@ def main():
             solved_now, reused = finish(process)
             assert reused >= total, (reused, total)
             assert solved_now + reused == solved, (solved_now, reused, solved)
-            compare(configurations(file), expected)
+            compare(configurations(file), expected, keep == "all")
             assert sorted(glob.glob(file + "*")) == [file]
         print(f"{kills} kills in {num_runs} runs of {len(expected)} configurations")
 

@@ -85,13 +85,13 @@ TEST_F(BodyFieldTest, IsTheDisplayFieldOfAllPoints) {
     for (int i = 0; i < 200; ++i) {
       const Vec3 t = points();
       const Support support = expected.coefficients(t, c.data());
-      EXPECT_EQ(field.evaluate(t, fields, u, p), support);
+      EXPECT_EQ(field.evaluate(t, fields, Keep::all, u, p), support);
       ASSERT_LT((u - c.cast<double>()).lpNorm<Eigen::Infinity>(), kSingle) << t.transpose();
       EXPECT_EQ(p, u.head(kPressures));
     }
-    EXPECT_EQ(field.evaluate(Vec3::Constant(std::nan("")), fields, u, p), Support::none);
+    EXPECT_EQ(field.evaluate(Vec3::Constant(std::nan("")), fields, Keep::all, u, p), Support::none);
     EXPECT_EQ(u.size(), 0);
-    EXPECT_EQ(field.evaluate(Vec3::Constant(1e308), fields, u, p), Support::none);
+    EXPECT_EQ(field.evaluate(Vec3::Constant(1e308), fields, Keep::all, u, p), Support::none);
     EXPECT_EQ(p.size(), 0);
   }
 }
@@ -104,12 +104,15 @@ TEST_F(BodyFieldTest, ReadsWhatItNeedsOnce) {
   NodalVector u;
   NodalVector p;
   const double h = tool_space.setup.grid.spacing();
-  field.evaluate(Vec3(0.2 * h, 0.3 * h, 0.4 * h), fields, u, p);
+  field.evaluate(Vec3(0.2 * h, 0.3 * h, 0.4 * h), fields, Keep::all, u, p);
   std::filesystem::remove(path());
-  EXPECT_EQ(field.evaluate(Vec3(0.7 * h, 0.6 * h, 0.1 * h), fields, u, p), Support::inside);
-  EXPECT_THROW(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), InputError);
+  EXPECT_EQ(field.evaluate(Vec3(0.7 * h, 0.6 * h, 0.1 * h), fields, Keep::all, u, p),
+            Support::inside);
+  EXPECT_THROW(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, Keep::all, u, p),
+               InputError);
   write(tool_space);
-  EXPECT_EQ(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, u, p), Support::inside);
+  EXPECT_EQ(field.evaluate(Vec3(1.2 * h, 0.3 * h, 0.4 * h), fields, Keep::all, u, p),
+            Support::inside);
 }
 
 TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {
@@ -120,7 +123,7 @@ TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {
   const auto message = [&](const std::string& scene_hash) -> std::string {
     FieldCache fields(path(), scene_hash);
     try {
-      field.evaluate(Vec3::Constant(1e-3), fields, u, p);
+      field.evaluate(Vec3::Constant(1e-3), fields, Keep::all, u, p);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -176,7 +179,7 @@ TEST_F(BodyFieldTest, WhatTouchesNothingIsNotRead) {
   test::RandomPoints random;
   for (int i = 0; i < 300; ++i) {
     const Vec3 q = random();
-    const Support support = field.evaluate(q, fields, u, p);
+    const Support support = field.evaluate(q, fields, Keep::all, u, p);
     EXPECT_EQ(support, expected.coefficients(q, c.data()));
     ASSERT_EQ(u.size(), c.size());
     EXPECT_LT((u - c.cast<double>()).norm(), kSingle * (1 + u.norm()));

@@ -70,6 +70,9 @@ class LateCommunicator final : public Communicator {
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override {
     return communicator_.gather(mine);
   }
+  [[nodiscard]] std::vector<Bytes> exchange(const std::vector<Bytes>& to) override {
+    return communicator_.exchange(to);
+  }
   [[nodiscard]] std::unique_ptr<Communicator> split(int colour) override {
     return communicator_.split(colour);
   }

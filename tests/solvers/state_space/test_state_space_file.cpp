@@ -666,8 +666,8 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0\11", 4));  // user_version
-  expect_mentions(message_of<InputError>(open), {"version 9", "newer"});
+  poke(60, std::string("\0\0\0\12", 4));  // user_version
+  expect_mentions(message_of<InputError>(open), {"version 10", "newer"});
   for (char older : {'\1', '\2', '\3', '\4'}) {
     poke(60, std::string("\0\0\0", 3) + older);
     expect_mentions(message_of<InputError>(open),

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/reduction.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+
+#include "exploration/transfer.h"
+
+namespace palpate {
+namespace {
+
+/// A region of a rigid tool's space has no more states, if it can be halved. With more, a basis has
+/// to serve more of the organ; with fewer, the bases take most of the file.
+constexpr std::size_t kMostInRegion = 1024;
+/// The side of the octree's root cells, in steps of the grid: they reach beyond any grid.
+constexpr std::int32_t kRootSide = 1024;
+static_assert(kRootSide > kLargestResolution / 2);
+
+/// The part of a region that a rank has, of one batch.
+struct Share {
+  /// Places in the batch.
+  std::vector<Eigen::Index> places;
+  Snapshots snapshots;
+};
+template <class Visit>
+void for_each_part(Share& share, Visit&& visit) {
+  visit(share.places);
+  visit(share.snapshots);
+}
+
+bool is_in(const CheckPoint& p, const CheckPoint& first, const CheckPoint& last) {
+  for (int a = 0; a < 3; ++a) {
+    if (p[a] < first[a] || p[a] > last[a]) return false;
+  }
+  return true;
+}
+
+/// Cuts a cell of the octree into regions.
+void cut(const CheckPoint& first, std::int32_t side, std::vector<StateKey> keys,
+         const std::vector<ReductionRegion>& there, std::vector<ReductionRegion>& regions) {
+  if (keys.empty()) return;
+  CheckPoint last = first;
+  for (auto& x : last) x += side - 1;
+  const auto has = [&](const ReductionRegion& box) { return is_in(box.first, first, last); };
+  const auto is_in_box = [&](const ReductionRegion& box) {
+    return is_in(first, box.first, box.last) && is_in(last, box.first, box.last);
+  };
+  if (std::any_of(there.begin(), there.end(), is_in_box)) return;
+  const bool splits = std::any_of(there.begin(), there.end(), has) || keys.size() > kMostInRegion;
+  if (!splits || side == 1) {
+    ReductionRegion& region = regions.emplace_back();
+    region.first = first;
+    region.last = last;
+    return;
+  }
+  const std::int32_t half = side / 2;
+  std::array<std::vector<StateKey>, 8> parts;
+  for (const StateKey& key : keys) {
+    std::size_t part = 0;
+    for (int a = 0; a < 3; ++a) part = 2 * part + (key.check_point[a] >= first[a] + half ? 1 : 0);
+    parts[part].push_back(key);
+  }
+  keys = {};
+  for (std::size_t part = 0; part < parts.size(); ++part) {
+    const CheckPoint corner = {first[0] + (part & 4 ? half : 0), first[1] + (part & 2 ? half : 0),
+                               first[2] + (part & 1 ? half : 0)};
+    cut(corner, half, std::move(parts[part]), there, regions);
+  }
+}
+
+/// A state of a region, and the lowest rank that has it.
+struct Placed {
+  StateKey key;
+  int rank = 0;
+};
+
+/// The states of each region on all ranks, in order, each once.
+/// @note Collective
+std::vector<std::vector<Placed>> place(const ReductionTask& task, Communicator& communicator) {
+  Packer mine;
+  mine.put_list(task.own);
+  std::map<StateKey, int> rank_of;
+  int rank = 0;
+  for (const Bytes& bytes : communicator.all_gather(mine.take())) {
+    for (const StateKey& key : Unpacker(bytes).take_list<std::vector<StateKey>>()) {
+      rank_of.emplace(key, rank);
+    }
+    ++rank;
+  }
+  std::vector<std::vector<Placed>> placed(task.regions.size());
+  for (const auto& [key, holder] : rank_of) {
+    for (std::size_t r = 0; r < task.regions.size(); ++r) {
+      const ReductionRegion& region = task.regions[r];
+      if (region.tool_space != key.tool_space ||
+          !is_in(key.check_point, region.first, region.last)) {
+        continue;
+      }
+      placed[r].push_back({key, holder});
+      break;
+    }
+  }
+  return placed;
+}
+
+/// How large the fields of each region are.
+/// @note Collective
+std::vector<FieldScale> find_scales(const ReductionTask& task,
+                                    const std::vector<std::vector<Placed>>& placed,
+                                    Communicator& communicator) {
+  std::vector<FieldScale> scales(task.regions.size());
+  agree(communicator, [&] {
+    Snapshots one(static_cast<Eigen::Index>(task.points.size()), task.num_pressures, 1);
+    for (std::size_t r = 0; r < scales.size(); ++r) {
+      for (const Placed& state : placed[r]) {
+        if (state.rank != communicator.rank()) continue;
+        one.set(0, task.load(state.key), task.points, task.regions[r].step);
+        scales[r].take(one);
+      }
+    }
+  });
+  Packer mine;
+  mine.put_list(scales);
+  for (const Bytes& bytes : communicator.all_gather(mine.take())) {
+    const auto of_rank = Unpacker(bytes).take_list<std::vector<FieldScale>>();
+    for (std::size_t r = 0; r < scales.size(); ++r) scales[r].take(of_rank[r]);
+  }
+  return scales;
+}
+
+/// Reduces so many regions as there are ranks.
+class Round {
+ public:
+  Round(const ReductionTask& task, const std::vector<std::vector<Placed>>& placed,
+        const std::vector<FieldScale>& scales, const std::vector<std::size_t>& regions,
+        Communicator& communicator)
+      : task_(task),
+        placed_(placed),
+        scales_(scales),
+        regions_(regions),
+        communicator_(communicator),
+        batch_(batch_size(num_points(), task.num_pressures)) {}
+
+  /// @returns What this rank has reduced; nothing: it had no region.
+  /// @note Collective
+  std::optional<Reduction> run() {
+    std::size_t longest = 0;
+    for (const std::size_t r : regions_) longest = std::max(longest, placed_[r].size());
+    for (std::size_t first = 0; first < longest; first += static_cast<std::size_t>(batch_)) {
+      std::vector<Bytes> to(static_cast<std::size_t>(communicator_.size()));
+      agree(communicator_, [&] {
+        for (std::size_t rank = 0; rank < regions_.size(); ++rank) to[rank] = packed(rank, first);
+      });
+      std::vector<Bytes> from = communicator_.exchange(to);
+      to.clear();
+      agree(communicator_, [&] { take(std::move(from), first); });
+    }
+    std::optional<Reduction> reduction;
+    agree(communicator_, [&] {
+      if (!reducer_) return;
+      reduction = reducer_->finish();
+      const ReductionRegion& region = task_.regions[own_region()];
+      reduction->basis.first = region.first;
+      reduction->basis.last = region.last;
+      reduction->basis.keep = task_.keep;
+    });
+    return reduction;
+  }
+
+ private:
+  [[nodiscard]] Eigen::Index num_points() const {
+    return static_cast<Eigen::Index>(task_.points.size());
+  }
+  [[nodiscard]] std::size_t own_region() const {
+    return regions_[static_cast<std::size_t>(communicator_.rank())];
+  }
+  [[nodiscard]] std::size_t end_of(const std::vector<Placed>& states, std::size_t first) const {
+    return std::min(first + static_cast<std::size_t>(batch_), states.size());
+  }
+
+  /// What this rank has of a batch of a rank's region, and with the first of them on rank 0 the
+  /// basis that is there already.
+  [[nodiscard]] Bytes packed(std::size_t rank, std::size_t first) const {
+    const ReductionRegion& region = task_.regions[regions_[rank]];
+    const std::vector<Placed>& states = placed_[regions_[rank]];
+    Packer message;
+    if (first == 0) {
+      message.put(region.begin != nullptr);
+      if (region.begin != nullptr) message.put(*region.begin);
+    }
+    Share share;
+    for (std::size_t s = first; s < end_of(states, first); ++s) {
+      if (states[s].rank != communicator_.rank()) continue;
+      share.places.push_back(static_cast<Eigen::Index>(s - first));
+    }
+    share.snapshots = Snapshots(num_points(), task_.num_pressures,
+                                static_cast<Eigen::Index>(share.places.size()));
+    for (std::size_t i = 0; i < share.places.size(); ++i) {
+      const StateKey& key = states[first + static_cast<std::size_t>(share.places[i])].key;
+      share.snapshots.set(static_cast<Eigen::Index>(i), task_.load(key), task_.points, region.step);
+    }
+    message.put(share);
+    return message.take();
+  }
+
+  /// Adds a batch of this rank's region.
+  void take(std::vector<Bytes> from, std::size_t first) {
+    if (static_cast<std::size_t>(communicator_.rank()) >= regions_.size()) return;
+    const std::vector<Placed>& states = placed_[own_region()];
+    std::optional<FieldBasis> begin;
+    const std::size_t count = first < states.size() ? end_of(states, first) - first : 0;
+    Snapshots batch(num_points(), task_.num_pressures, static_cast<Eigen::Index>(count));
+    for (Bytes& bytes : from) {
+      Unpacker message(bytes);
+      if (first == 0 && message.take<bool>()) begin = message.take<FieldBasis>();
+      const auto share = message.take<Share>();
+      for (std::size_t i = 0; i < share.places.size(); ++i) {
+        batch.set(share.places[i], share.snapshots, static_cast<Eigen::Index>(i));
+      }
+      bytes = {};
+    }
+    if (first == 0) {
+      reducer_ = std::make_unique<FieldReducer>(
+          num_points(), task_.num_pressures, scales_[own_region()],
+          task_.regions[own_region()].step, task_.bound, begin ? &*begin : nullptr);
+    }
+    if (count > 0) reducer_->add(batch);
+  }
+
+  const ReductionTask& task_;
+  const std::vector<std::vector<Placed>>& placed_;
+  const std::vector<FieldScale>& scales_;
+  /// The region of each rank.
+  const std::vector<std::size_t>& regions_;
+  Communicator& communicator_;
+  Eigen::Index batch_;
+  std::unique_ptr<FieldReducer> reducer_;
+};
+
+}  // namespace
+
+std::vector<ReductionRegion> plan_regions(const ToolSpaceSetup& setup,
+                                          const std::vector<StateKey>& keys,
+                                          const std::vector<ReductionRegion>& there) {
+  std::vector<ReductionRegion> regions = there;
+  if (!setup.interaction.is_contact()) {
+    if (regions.empty()) {
+      ReductionRegion& whole = regions.emplace_back();
+      whole.first.fill(-kRootSide);
+      whole.last.fill(kRootSide - 1);
+    }
+  } else {
+    for (int root = 0; root < 8; ++root) {
+      CheckPoint first;
+      for (int a = 0; a < 3; ++a) first[a] = (root >> a & 1) != 0 ? 0 : -kRootSide;
+      CheckPoint last = first;
+      for (auto& x : last) x += kRootSide - 1;
+      std::vector<StateKey> inside;
+      std::copy_if(keys.begin(), keys.end(), std::back_inserter(inside),
+                   [&](const StateKey& key) { return is_in(key.check_point, first, last); });
+      cut(first, kRootSide, std::move(inside), there, regions);
+    }
+  }
+  std::int64_t number = 0;
+  for (const ReductionRegion& box : there) number = std::max(number, box.number + 1);
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    regions[r].tool_space = setup.id;
+    regions[r].step = setup.grid.spacing() > 0 ? setup.grid.spacing() : 1;
+    if (r >= there.size()) regions[r].number = number++;
+  }
+  return regions;
+}
+
+std::vector<StateKey> all_of(const std::vector<StateKey>& own, Communicator& communicator) {
+  Packer mine;
+  mine.put_list(own);
+  std::vector<StateKey> all;
+  for (const Bytes& bytes : communicator.all_gather(mine.take())) {
+    for (const StateKey& key : Unpacker(bytes).take_list<std::vector<StateKey>>()) {
+      all.push_back(key);
+    }
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+void reduce_on_ranks(const ReductionTask& task, Communicator& communicator,
+                     const TakeReduction& take) {
+  const std::vector<std::vector<Placed>> placed = place(task, communicator);
+  const std::vector<FieldScale> scales = find_scales(task, placed, communicator);
+  std::vector<std::size_t> due;
+  for (std::size_t r = 0; r < placed.size(); ++r) {
+    if (!placed[r].empty()) due.push_back(r);
+  }
+  const auto num_ranks = static_cast<std::size_t>(communicator.size());
+  for (std::size_t first = 0; first < due.size(); first += num_ranks) {
+    const std::vector<std::size_t> regions(
+        due.begin() + static_cast<std::ptrdiff_t>(first),
+        due.begin() + static_cast<std::ptrdiff_t>(std::min(first + num_ranks, due.size())));
+    std::optional<Reduction> reduction = Round(task, placed, scales, regions, communicator).run();
+    Packer mine;
+    if (reduction) mine.put(*reduction);
+    reduction.reset();
+    std::vector<Bytes> all = communicator.gather(mine.take());
+    agree(communicator, [&] {
+      for (std::size_t i = 0; i < all.size() && i < regions.size(); ++i) {
+        std::vector<StateKey> keys;
+        for (const Placed& state : placed[regions[i]]) keys.push_back(state.key);
+        take(task.regions[regions[i]], keys, Unpacker(all[i]).take<Reduction>());
+        all[i] = {};
+      }
+    });
+  }
+}
+
+}  // namespace palpate

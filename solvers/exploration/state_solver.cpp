@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/state_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace palpate {
+namespace {
+
+/// What was stored and what is found again differ by no more than what the solver leaves: of the
+/// force of the tool, as a share of what it takes to move it as far as it is, and of the energy.
+constexpr double kSameForce = 1e-6;
+constexpr double kSameEnergy = 1e-6;
+
+/// Whether two equilibria at the same place of the tool are one: on different branches of a body
+/// their energies and forces differ.
+bool is_same(const Equilibrium& a, const Equilibrium& b) {
+  const double force = std::max(a.reaction.norm(), b.reaction.norm());
+  return (a.reaction - b.reaction).norm() <= kSameForce * force &&
+         std::abs(a.energy - b.energy) <= kSameEnergy * std::abs(a.energy);
+}
+
+}  // namespace
+
+const InnerExtension& InteractionSolver::extension(Keep kept) {
+  const auto found = extensions_.find(kept);
+  if (found != extensions_.end()) return found->second;
+  const std::vector<Index> known = kept_points(scene_.mesh, make_surface(scene_.mesh), kept);
+  return extensions_
+      .emplace(std::piecewise_construct, std::forward_as_tuple(kept),
+               std::forward_as_tuple(solver_.assembly(), known))
+      .first->second;
+}
+
+Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equilibrium& near,
+                                       Keep kept) {
+  if (!has_fields(near)) return near;
+  take(setup);
+  Equilibrium filled = near;
+  extension(kept).fill(filled.u);
+  Equilibrium restored = solver_.settle(filled);
+  if (restored.outcome == Outcome::converged && is_same(restored, near)) return restored;
+  // By the straight way from where the tool touches nothing, or from rest.
+  const Eigen::VectorXd from = clearance_ == nullptr
+                                   ? Eigen::VectorXd::Zero(near.t.size())
+                                   : Eigen::VectorXd(clearance_->start_for(near.t));
+  restored = solver_.solve(near.t, solver_.rest(from), Tangent::factorised);
+  if (restored.outcome == Outcome::converged && !is_same(restored, near)) {
+    restored.outcome = Outcome::not_converged;
+    restored.message = "The equilibrium of which the file has kept a part was not found again.";
+  }
+  return restored;
+}
+
+}  // namespace palpate

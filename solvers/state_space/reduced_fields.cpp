@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/reduced_fields.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+
+namespace palpate {
+namespace {
+
+using Eigen::MatrixXf;
+
+/// The memory that the snapshots of a batch take, bytes.
+constexpr double kBytesOfBatch = 64e6;
+/// More configurations are not taken at a time.
+constexpr double kMostInBatch = 1024;
+/// Rounding of a field to single precision, relative to the largest displacement.
+constexpr double kSinglePrecision = 6e-8;
+/// Modes are rounded to half precision where that takes no more than this share of the bound.
+constexpr double kRoundingShare = 0.4;
+/// A limit for fields that are all zero.
+constexpr double kAnyLimit = 1;
+
+MatrixXf rounded_to_half(const MatrixXf& modes) { return modes.cast<Eigen::half>().cast<float>(); }
+
+/// Displacements, or pressures: a field f and g = step · ∂f/∂t.
+class Part {
+ public:
+  Part(Eigen::Index num_rows, int components, double scale, double scale_of_slopes, double bound,
+       MatrixXf begin)
+      : components_(components),
+        moves_(scale > 0),
+        scale_(moves_ ? scale : scale_of_slopes),
+        bound_(bound),
+        may_round_(is_in_half_precision(begin)),
+        pod_(num_rows, components, limit(), std::move(begin)) {}
+
+  void add(const MatrixXf& f, const MatrixXf& g) { moves_ ? pod_.add(f, g) : pod_.add(g, f); }
+
+  /// Modes, coefficients of f and g, and their errors.
+  struct Result {
+    MatrixXf modes;
+    MatrixXf f;
+    MatrixXf g;
+    double error = 0;
+    double slope_error = 0;
+  };
+  [[nodiscard]] Result finish() {
+    PodFit fit = pod_.finish();
+    const double allowed =
+        may_round_ ? std::min(kRoundingShare * limit(), limit() - fit.bound_error) : -1;
+    MatrixXf rounded = rounded_to_half(fit.modes);
+    const MatrixXf difference = fit.modes - rounded;
+    const double rounding = largest_product_at_a_point(difference, fit.bound, components_);
+    if (rounding <= allowed) {
+      fit.bound_error += rounding;
+      fit.following_error += largest_product_at_a_point(difference, fit.following, components_);
+      fit.modes = std::move(rounded);
+    }
+    const double of_single = kSinglePrecision * scale_;
+    if (scale_ > 0 && fit.bound_error + of_single > bound_ * scale_) {
+      throw BackendError("The modes of the fields keep " +
+                         std::to_string(fit.bound_error / scale_) + " of the bound " +
+                         std::to_string(bound_) + ". Give a larger bound.");
+    }
+    Result result{std::move(fit.modes), std::move(fit.bound), std::move(fit.following),
+                  fit.bound_error + of_single, fit.following_error + of_single};
+    if (!moves_) {
+      std::swap(result.f, result.g);
+      std::swap(result.error, result.slope_error);
+    }
+    return result;
+  }
+
+ private:
+  [[nodiscard]] double limit() const {
+    return scale_ > 0 ? (bound_ - kSinglePrecision) * scale_ : kAnyLimit;
+  }
+
+  int components_;
+  /// f is not zero throughout: the bound is that of f.
+  bool moves_;
+  double scale_;
+  double bound_;
+  /// The modes that it began with are not changed by it.
+  bool may_round_;
+  PodBasis pod_;
+};
+
+}  // namespace
+
+const char* name_of(Keep keep) {
+  switch (keep) {
+    case Keep::touch: return "Touch";
+    case Keep::surface: return "Surface";
+    default: return "All";
+  }
+}
+
+std::vector<Index> kept_points(const TetMesh& mesh, const Surface& surface, Keep keep) {
+  std::vector<Index> points = surface.mesh_points;
+  if (keep == Keep::touch) return points;
+  std::vector<char> on_surface(mesh.points.size(), 0);
+  for (const Index p : surface.mesh_points) on_surface[static_cast<std::size_t>(p)] = 1;
+  std::vector<char> beside(mesh.points.size(), keep == Keep::all ? 1 : 0);
+  const Index nodes = nodes_per_cell(mesh.order);
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    const Index* cell = mesh.cell(c);
+    if (std::none_of(cell, cell + nodes,
+                     [&](Index p) { return on_surface[static_cast<std::size_t>(p)] != 0; })) {
+      continue;
+    }
+    for (Index a = 0; a < nodes; ++a) beside[static_cast<std::size_t>(cell[a])] = 1;
+  }
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    const auto i = static_cast<std::size_t>(p);
+    if (beside[i] != 0 && on_surface[i] == 0) points.push_back(p);
+  }
+  return points;
+}
+
+void expand(const FieldBasis& basis, const ReducedFields& reduced, const std::vector<Index>& points,
+            Index num_points, Configuration& configuration) {
+  // One that was reduced before modes were added has no share of these.
+  const Eigen::Index rank = reduced.u.size();
+  Eigen::MatrixXf coefficients(rank, 4);
+  coefficients << reduced.u, reduced.v;
+  const MatrixXf fields = basis.modes.leftCols(rank) * coefficients;
+  configuration.u.setZero(3 * Eigen::Index{num_points});
+  configuration.v.setZero(3 * Eigen::Index{num_points}, 3);
+  Eigen::Index row = 0;
+  for (const Index point : points) {
+    const Eigen::Index at = 3 * Eigen::Index{point};
+    configuration.u.segment<3>(at) = fields.block<3, 1>(row, 0).cast<double>();
+    configuration.v.block<3, 3>(at, 0) = fields.block<3, 3>(row, 1).cast<double>();
+    row += 3;
+  }
+  const auto pressures = basis.pressure_modes.leftCols(reduced.p.size());
+  configuration.p = (pressures * reduced.p).cast<double>();
+  configuration.p_v = (pressures * reduced.p_v).cast<double>();
+}
+
+Snapshots::Snapshots(Eigen::Index num_points, Eigen::Index num_pressures, Eigen::Index count)
+    : u(3 * num_points, count),
+      w(3 * num_points, 3 * count),
+      p(num_pressures, count),
+      p_w(num_pressures, 3 * count) {}
+
+void Snapshots::set(Eigen::Index number, const Configuration& from,
+                    const std::vector<Index>& points, double step) {
+  Eigen::Index row = 0;
+  for (const Index point : points) {
+    const Eigen::Index at = 3 * Eigen::Index{point};
+    u.block<3, 1>(row, number) = from.u.segment<3>(at).cast<float>();
+    w.block<3, 3>(row, 3 * number) = (step * from.v.block<3, 3>(at, 0)).cast<float>();
+    row += 3;
+  }
+  if (p.rows() == 0) return;
+  p.col(number) = from.p.cast<float>();
+  p_w.middleCols<3>(3 * number) = (step * from.p_v).cast<float>();
+}
+
+void Snapshots::set(Eigen::Index number, const Snapshots& others, Eigen::Index of_others) {
+  u.col(number) = others.u.col(of_others);
+  w.middleCols<3>(3 * number) = others.w.middleCols<3>(3 * of_others);
+  p.col(number) = others.p.col(of_others);
+  p_w.middleCols<3>(3 * number) = others.p_w.middleCols<3>(3 * of_others);
+}
+
+void FieldScale::take(const Snapshots& snapshots) {
+  take(FieldScale{largest_at_a_point(snapshots.u, 3), largest_at_a_point(snapshots.w, 3),
+                  largest_at_a_point(snapshots.p, 1), largest_at_a_point(snapshots.p_w, 1)});
+}
+
+void FieldScale::take(const FieldScale& other) {
+  u = std::max(u, other.u);
+  w = std::max(w, other.w);
+  p = std::max(p, other.p);
+  p_w = std::max(p_w, other.p_w);
+}
+
+struct FieldReducer::Impl {
+  FieldBasis basis;
+  double step;
+  Part displacements;
+  Part pressures;
+};
+
+FieldReducer::FieldReducer(Eigen::Index num_points, Eigen::Index num_pressures,
+                           const FieldScale& scale, double step, double bound,
+                           const FieldBasis* begin) {
+  validate_pod_bound(bound);
+  FieldBasis basis = begin == nullptr ? FieldBasis() : *begin;
+  basis.largest_displacement = std::max(basis.largest_displacement, scale.u);
+  impl_ = std::make_unique<Impl>(
+      Impl{basis, step, Part(3 * num_points, 3, scale.u, scale.w, bound, basis.modes),
+           Part(num_pressures, 1, scale.p, scale.p_w, bound, basis.pressure_modes)});
+}
+
+FieldReducer::~FieldReducer() = default;
+
+void FieldReducer::add(const Snapshots& batch) {
+  impl_->displacements.add(batch.u, batch.w);
+  impl_->pressures.add(batch.p, batch.p_w);
+}
+
+Reduction FieldReducer::finish() {
+  Part::Result of_u = impl_->displacements.finish();
+  Part::Result of_p = impl_->pressures.finish();
+  Reduction reduction{std::move(impl_->basis), {}};
+  FieldBasis& basis = reduction.basis;
+  basis.displacement_error = std::max(basis.displacement_error, of_u.error);
+  basis.sensitivity_error = std::max(basis.sensitivity_error, of_u.slope_error);
+  const auto per_metre = static_cast<float>(1 / impl_->step);
+  for (Eigen::Index c = 0; c < of_u.f.cols(); ++c) {
+    reduction.fields.push_back({of_u.f.col(c), per_metre * of_u.g.middleCols<3>(3 * c),
+                                of_p.f.col(c), per_metre * of_p.g.middleCols<3>(3 * c)});
+  }
+  basis.modes = std::move(of_u.modes);
+  basis.pressure_modes = std::move(of_p.modes);
+  return reduction;
+}
+
+Eigen::Index batch_size(Eigen::Index num_points, Eigen::Index num_pressures) {
+  const double of_one = 4 * sizeof(float) * static_cast<double>(3 * num_points + num_pressures);
+  return static_cast<Eigen::Index>(std::clamp(kBytesOfBatch / of_one, 1.0, kMostInBatch));
+}
+
+bool is_in_half_precision(const MatrixXf& modes) { return modes == rounded_to_half(modes); }
+
+}  // namespace palpate
