@@ -431,10 +431,20 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
 Equilibrium EquilibriumSolver::Impl::settle(const Equilibrium& near) {
   begin();
   require_coordinates(near.t);
+  const Assembly& assembly = system_.assembly();
   Progress progress;
   progress.state = near;
-  const Assembly& assembly = system_.assembly();
-  if (near.p.size() == 0) progress.state.p.setZero(assembly.num_pressures());
+  // What is no unknown is zero in a state, and would stay what it is here.
+  const Eigen::Index displacements = near.u.size();
+  progress.state.u.setZero();
+  progress.state.p.setZero(assembly.num_pressures());
+  for (const Index place : assembly.state_of_unknown()) {
+    if (place < displacements) {
+      progress.state.u[place] = near.u[place];
+    } else if (near.p.size() > 0) {
+      progress.state.p[place - displacements] = near.p[place - displacements];
+    }
+  }
   progress.state.v.setZero(near.u.size(), system_.num_coordinates());
   progress.state.p_v.setZero(assembly.num_pressures(), system_.num_coordinates());
   Equilibrium settled = step(1, near.t, Tangent::factorised, progress);

@@ -388,9 +388,9 @@ class FileRecord final : public Record {
       }
     });
     if (communicator_.rank() == 0) {
-      files_.own().change_together([&] { take_reduced(task, parts); });
+      files_.own().change_together([&] { reduce(task, parts); });
     } else {
-      reduce_on_ranks(task, communicator_, {});
+      reduce(task, parts);
     }
   }
 
@@ -413,12 +413,13 @@ class FileRecord final : public Record {
     }
   }
 
-  /// On rank 0, while the other ranks reduce too.
-  /// @param parts What the others have found.
-  void take_reduced(const ReductionTask& task, const Parts& parts) {
+  /// @param parts On rank 0: what the others have found.
+  /// @note Collective
+  void reduce(const ReductionTask& task, const Parts& parts) {
     StateSpaceFile& file = files_.own();
     std::map<StateKey, ConfigurationSummary> found;
     agree(communicator_, [&] {
+      if (communicator_.rank() != 0) return;
       for (const auto& [id, c] : parts.configurations) {
         if (!file.is_of_use(id, c)) continue;
         file.add(id, c, ReducedFields());
