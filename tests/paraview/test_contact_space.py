@@ -83,7 +83,8 @@ def test_file():
 
 def test_touch():
     boundary = scene("contact_space_touch")
-    space = space_of(boundary, FileName="contact_touch.palpate", ThirdDerivatives=1)
+    space = space_of(boundary, FileName="contact_touch.palpate", ThirdDerivatives=1,
+                     Keep="All")
     touch = TouchStateSpace(Input=space, ToolPosition=ABOVE, WholeBody=1)
     touched = expect_silence(lambda: touch.UpdatePipeline() or servermanager.Fetch(touch, 0))
     solved = SolveEquilibrium(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, ToolPosition=ABOVE)

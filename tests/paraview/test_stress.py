@@ -113,6 +113,32 @@ def test_touch(law):
     assert fetch(touch, 1).GetNumberOfPoints() == 0
 
 
+def test_what_is_kept():
+    """The stress of the surface needs no more than what is kept by default, and is that of a file
+    that has kept all; the whole body is not there, and that is told once."""
+    boundary = scene("kept")
+    node = node_at(boundary, CORNER)
+    place = [0.01, -0.01, 0.02]
+    surfaces = []
+    for keep in ("All", "Surface"):
+        space = precompute(boundary, [node], FileName=f"kept_{keep}.palpate", Keep=keep)
+        touch = TouchStateSpace(Input=space, ActiveNode=node, Displacement=place, Stress=1)
+        surfaces.append(expect_silence(lambda: fetch(touch)))
+    for array in BETWEEN:
+        right, found = (point_array(surface, array) for surface in surfaces)
+        # A thousandth of the largest displacement, over the edge of a cell.
+        assert abs(found - right).max() <= 0.02 * abs(right).max(), array
+    assert (os.path.getsize("kept_Surface.palpate") * 3
+            < os.path.getsize("kept_All.palpate")), os.listdir()
+    touch.WholeBody = 1
+    expect_error(touch.UpdatePipeline, "Keep All")
+    force = field(fetch(touch), "Force")[0]
+    assert numpy.allclose(force, field(surfaces[0], "Force")[0], rtol=1e-7)
+    small = precompute(boundary, [node], FileName="kept_Touch.palpate", Keep="Touch")
+    touch = TouchStateSpace(Input=small, ActiveNode=node, Displacement=place, Stress=1)
+    expect_error(touch.UpdatePipeline, "Keep Surface")
+
+
 def test_without_its_file():
     """What is touched goes on, and it is told once."""
     boundary = scene("no_file")
@@ -149,4 +175,5 @@ test_touch("Neo-Hookean")
 if servermanager.ActiveConnection.GetNumberOfDataPartitions() == 1:
     test_equilibrium()
     test_touch("Neo-Hookean incompressible")
+    test_what_is_kept()
     test_without_its_file()
