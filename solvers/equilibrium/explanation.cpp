@@ -80,6 +80,12 @@ std::string explain_singular(const CondensedSystem& system) {
     text << ". Fix three points of every connected piece that are not on a line.";
     return text.str();
   }
+  if (system.is_iterative()) {
+    return "Conjugate gradients do not solve for the tangent of the body at rest: it is much "
+           "thinner "
+           "than long, its cells are very flat, or its stiffnesses differ by very much. Choose the "
+           "linear solver MUMPS, or refine the mesh.";
+  }
   return "The tangent of the body at rest is singular, though every piece of it is held: the body "
          "is incompressible and its mesh too coarse near points that are held, or its stiffnesses "
          "differ by more than can be computed with. Refine the mesh or use a law with a bulk "
@@ -122,6 +128,9 @@ std::string explain(const CondensedSystem& system, const Equilibrium& state,
   }
   if ((state.flags & flags::unstable) != 0) {
     text << "The equilibrium is not stable (" << state.negative_pivots << " negative pivots). ";
+  }
+  if ((state.flags & flags::inertia_not_computed) != 0 && !std::isnan(state.lowest_eigenvalue)) {
+    text << "Whether the equilibrium is stable was not found out without a factor. ";
   }
   if ((state.flags & flags::inaccurate) != 0) {
     text << "Rounding leaves the displacement with an error of " << state.displacement_error

@@ -46,10 +46,14 @@ class KrylovTangent {
 
  private:
   void prepare();
+  /// Makes a preconditioner for a tangent that is indefinite.
+  void refresh_with_rest();
 
   std::shared_ptr<const BlockPattern> pattern_;
   NodeLevels levels_;
   const std::vector<double>& rest_values_;
+  /// Of one solve.
+  int max_iterations_ = 0;
   std::vector<char> held_;
   /// Null until a tangent is solved for with what is held.
   std::unique_ptr<Preconditioner> preconditioner_;

@@ -15,8 +15,13 @@ constexpr double kRounding = 1e-15;
 /// Between two true residuals of one solve the later one is at most this share of the earlier one,
 /// or the solve stagnates.
 constexpr double kLeastProgress = 0.5;
-/// So many iterations without a smaller residual, by the recurrence, and the true one is asked.
+/// So many iterations without a smaller residual, by the recurrence, and the true one is asked,
+/// unless the energy xᵀKx/2 − bᵀx has fallen meanwhile by more than this share of what it fell in
+/// all. What the iteration makes smaller at each step is the energy: in a plate or a shell, of
+/// which bending is a thousand times softer than stretch, the residual first grows for hundreds of
+/// iterations.
 constexpr int kPatience = 60;
+constexpr double kLeastFall = 1e-6;
 
 constexpr int kMaxColumns = 3;
 using Numbers = std::array<double, kMaxColumns>;
@@ -116,6 +121,9 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
   Numbers last_true{1, 1, 1};
   Numbers least{1, 1, 1};
   std::array<int, kMaxColumns> since_least{};
+  // Of the energy, N m: all of it, and before the last one of these iterations.
+  Numbers fall{};
+  Numbers last_fall{};
   while (is_active[0] || is_active[1] || is_active[2]) {
     if (summary.iterations == options_.max_iterations) return end(SolveStatus::iteration_limit);
     ++summary.iterations;
@@ -164,8 +172,15 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
     for (int c = 0; c < m; ++c) {
       if (!is_active[c]) continue;
       if (!std::isfinite(relative[c])) return end(SolveStatus::not_finite);
-      since_least[c] = relative[c] < least[c] ? 0 : since_least[c] + 1;
+      fall[c] += 0.5 * alpha[c] * slope[c];
+      const bool is_less = relative[c] < least[c];
       least[c] = std::min(least[c], relative[c]);
+      ++since_least[c];
+      if (is_less ||
+          (since_least[c] == kPatience && fall[c] - last_fall[c] > kLeastFall * fall[c])) {
+        since_least[c] = 0;
+        last_fall[c] = fall[c];
+      }
       asks[c] = relative[c] <= options_.tolerance || since_least[c] >= kPatience;
     }
     if (!(asks[0] || asks[1] || asks[2])) continue;

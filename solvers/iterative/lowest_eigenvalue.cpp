@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "iterative/conjugate_gradients.h"
 #include "iterative/passes.h"
 
 namespace palpate {
@@ -21,6 +22,8 @@ constexpr int kVectors = 3;
 constexpr double kDependent = 1e-10;
 /// A value below minus this share of the largest stiffness is negative, and no rounding.
 constexpr double kRounding = 1e-14;
+/// The chance that a negative mode is missed, about.
+constexpr double kChance = 1e-3;
 
 /// Aᵀ B.
 Eigen::Matrix3d gram(const NodeVectors<double>& a, const NodeVectors<double>& b) {
@@ -102,6 +105,29 @@ std::optional<Ritz> rayleigh_ritz(const std::vector<const NodeVectors<double>*>&
   return ritz;
 }
 
+Eigen::MatrixXd noise(Index num_nodes) {
+  std::mt19937 engine(1);
+  Eigen::MatrixXd columns(3 * Eigen::Index{num_nodes}, kVectors);
+  for (double& x : columns.reshaped()) x = (engine() & 1U) != 0 ? 1 : -1;
+  return columns;
+}
+
+/// What conjugate gradients make of noise: K⁻¹ of it, or a direction of negative curvature.
+struct Search {
+  Eigen::VectorXd vector;
+  /// There is no negative mode.
+  bool is_definite = false;
+};
+
+Search search(const Operator& k, Preconditioner& preconditioner, const Eigen::VectorXd& b,
+              int max_iterations) {
+  KrylovSolver solver({kChance / std::sqrt(static_cast<double>(b.size())), max_iterations});
+  Eigen::MatrixXd x = b;
+  const SolveSummary summary = solver.solve(k, preconditioner, x);
+  const bool is_negative = summary.status == SolveStatus::negative_curvature;
+  return {is_negative ? summary.direction : x.col(0), summary.status == SolveStatus::converged};
+}
+
 }  // namespace
 
 std::string to_string(EigenStatus status) {
@@ -109,6 +135,7 @@ std::string to_string(EigenStatus status) {
     case EigenStatus::converged: return "converged";
     case EigenStatus::negative: return "negative";
     case EigenStatus::iteration_limit: return "iteration limit";
+    case EigenStatus::sign_unknown: return "sign unknown";
     case EigenStatus::not_finite: return "not finite";
     case EigenStatus::no_preconditioner: return "no preconditioner";
   }
@@ -129,20 +156,16 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
     result.vector.setZero(3 * Eigen::Index{n});
     return result;
   }
+  const Search found = search(k, preconditioner, noise(n).col(0), options.max_solve_iterations);
   NodeVectors<double> x, kx, p, kp, z, kz, r, sums, room;
   for (NodeVectors<double>* vector : {&x, &kx, &p, &kp, &z, &kz, &r, &sums, &room}) {
     vector->set_zero(n, kVectors);
   }
   preconditioner.reserve(kVectors);
-  std::mt19937 engine(1);
-  for (int c = 0; c < kVectors; ++c) {
-    auto column = r.column(c);
-    for (Index node = 0; node < n; ++node) {
-      for (int i = 0; i < 3; ++i) column(i, node) = (engine() & 1U) != 0 ? 1 : -1;
-    }
-  }
-  // What the preconditioner makes of noise has much of the lowest modes.
+  // What the preconditioner makes of noise has much of the lowest modes, and the solution more.
+  r.assign(noise(n));
   preconditioner.apply(r, x);
+  x.column(0) = found.vector.reshaped(3, n);
   k.apply(x, sums, kx);
   bool has_p = false;
   const auto end = [&](EigenStatus status) {
@@ -194,7 +217,9 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
     const double scale = std::max(std::abs(result.value), kRounding * k.largest_diagonal());
     result.error = std::abs(products_rz[0]) / scale;
     if (result.error <= options.tolerance) {
-      return end(is_negative ? EigenStatus::negative : EigenStatus::converged);
+      if (is_negative) return end(EigenStatus::negative);
+      const bool is_positive = found.is_definite && result.value > kRounding * k.largest_diagonal();
+      return end(is_positive ? EigenStatus::converged : EigenStatus::sign_unknown);
     }
     if (result.iterations == options.max_iterations) return end(EigenStatus::iteration_limit);
     ++result.iterations;

@@ -2,6 +2,7 @@
 #include "iterative/operator.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "iterative/passes.h"
@@ -53,6 +54,14 @@ void Operator::turn(const Eigen::VectorXd& direction) {
   added.product = q.column(0).reshaped();
   added.curvature = added.direction.dot(added.product);
   if (added.curvature < 0) turned_.push_back(std::move(added));
+}
+
+double Operator::least_turned() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Turned& turned : turned_) {
+    least = std::min(least, turned.curvature / turned.direction.squaredNorm());
+  }
+  return least;
 }
 
 void Operator::turn_back(const Eigen::Ref<const Eigen::MatrixXd>& b,

@@ -40,6 +40,8 @@ class Operator {
   void turn(const Eigen::VectorXd& direction);
   /// K has at least so many negative eigenvalues.
   [[nodiscard]] int num_turned() const { return static_cast<int>(turned_.size()); }
+  /// The least wᵀKw / wᵀw of those that were turned, N/m; infinite: there are none.
+  [[nodiscard]] double least_turned() const;
   /// Makes solutions for K of those for K'.
   /// @param b The right-hand sides. @param x The solutions.
   void turn_back(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) const;

@@ -296,6 +296,60 @@ def test_large_body():
         LinearSolver="Conjugate gradients")), "needs a factor", "direct linear solver")
 
 
+WITHOUT_FACTOR = {"LinearSolver": "Conjugate gradients"}
+
+
+def both_ways(boundary, node, displacement, **settings):
+    """The equilibrium without a factor and with one; each tells one thing of its stability."""
+    grids = []
+    for solver in (WITHOUT_FACTOR, {"LinearSolver": "Eigen LDLT"}):
+        equilibrium = SolveEquilibrium(Input=boundary, ActiveNodes=[node],
+                                       Displacement=displacement, **settings, **solver)
+        with Messages() as messages:
+            grids.append(fetch(equilibrium))
+        assert messages.errors == 0, messages.text
+        assert field(grids[-1], "Outcome")[0] == CONVERGED
+    alone = grids[0]
+    unstable = bool(field(alone, "Flags")[0] & UNSTABLE)
+    assert unstable == (field(alone, "LowestEigenvalue")[0] < 0)
+    assert unstable == (field(alone, "NegativePivots")[0] > 0)
+    assert unstable == ("not stable" in message(alone))
+    return grids
+
+
+def test_roof_without_a_factor():
+    """A thin shell, before it snaps."""
+    body, crown = roof()
+    for deflection in (0.002, 0.010):
+        alone, with_factor = both_ways(body, crown, [0, 0, -deflection])
+        assert field(alone, "Flags")[0] == field(with_factor, "Flags")[0] == 0
+        for name in ("ReactionForce", "Energy"):
+            assert numpy.allclose(field(alone, name), field(with_factor, name), rtol=1e-6,
+                                  atol=1e-6 * abs(field(with_factor, name)).max()), name
+
+
+def test_column_without_a_factor():
+    """Compressed beyond where its path branches it is never called stable where a factor says
+    otherwise. On which branch it is there, rounding decides."""
+    length = 7.2
+    column = produce(box_body((12, 1, 1), (length, 1, 1)))
+    boundary = SetBoundary(Input=AssignMaterial(Input=column, Law="St. Venant-Kirchhoff",
+                                                YoungsModulus=1000, PoissonsRatio=0),
+                           FixedRegion="Plane")
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
+    node = node_at(boundary, [length, 0.5, 0.5])
+    num_unstable = 0
+    for strain in (0.03, 0.05, 0.06, 0.08, 0.1, 0.2):
+        alone, with_factor = both_ways(boundary, node, [-strain * length, 0, 0], TipRadius=0.75)
+        flags, exact = (field(grid, "Flags")[0] & UNSTABLE for grid in (alone, with_factor))
+        forces = [field(grid, "ReactionForce") for grid in (alone, with_factor)]
+        same = numpy.allclose(*forces, rtol=1e-7, atol=1e-7 * numpy.abs(forces[1]).max())
+        assert same or strain > 0.055, strain
+        assert not same or flags == exact, strain
+        num_unstable += flags != 0
+    assert num_unstable > 0
+
+
 def unfinished(boundary, prepare=None, **settings):
     """The solve ends early: a warning, no error, and a state from before."""
     displacement = [0.01, 0.005, 0]

@@ -3,11 +3,16 @@
 // gives, what is known of their stability is true, and what cannot be had is said.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "equilibrium/condensed_system.h"
 #include "equilibrium/equilibrium.h"
 #include "interaction/bonded_patch.h"
 #include "interaction/rigid_tool.h"
@@ -178,12 +183,86 @@ TEST(WithoutFactor, AColumnThatShouldBuckleIsToldUnstable) {
   }
 }
 
+/// What is known of the inertia at an equilibrium without a factor, beside that of a factor.
+void expect_same_inertia(CondensedSystem& without_factor, const Equilibrium& exact) {
+  without_factor.begin_solve();
+  without_factor.assemble_tangent(exact.t, without_factor.vector_of(exact));
+  const Inertia inertia = without_factor.find_inertia();
+  ASSERT_EQ(inertia.knowledge, Inertia::Knowledge::at_least);
+  EXPECT_EQ(inertia.num_negative > 0, exact.negative_pivots > 0);
+  EXPECT_LE(inertia.num_negative, exact.negative_pivots);
+  EXPECT_EQ(inertia.lowest_eigenvalue<0, exact.negative_pivots> 0);
+}
+
+// The roof that snaps through (test_roof.cpp): on the branch of rest, on the unstable one between
+// the folds, and beyond. Linear elements of one layer are far too stiff in bending, so that the
+// corners do not see that it is unstable, and the preconditioner is far from the inverse.
+TEST(WithoutFactor, TheRoofIsToldUnstableWhereAFactorTellsSo) {
+  RoofOptions of_roof;
+  of_roof.cells_arc = of_roof.cells_length = 3;
+  Roof roof = make_roof(of_roof);
+  const InteractionList centre = roof.centre;
+  const Scene scene = make_scene(
+      std::move(roof.mesh), make_isotropic(Law::st_venant_kirchhoff, 3102.75e6, 0.3), roof.fixed);
+  EquilibriumSolver direct = make_direct(scene);
+  direct.set_interaction(centre);
+  CondensedSystem system(scene, nullptr, 2, Precision::full);
+  system.set_interaction(centre);
+  const Equilibrium rest = direct.rest();
+  int num_stable = 0;
+  int num_unstable = 0;
+  bool is_beyond = false;
+  PathOptions options;
+  options.first_step = 0.025;
+  for (const int points : {2, 10, 15, 17, 18, 19, 20, 21, 22, 23, 24, 27, 33}) {
+    SCOPED_TRACE(points);
+    options.max_points = points;
+    const Path path = direct.trace(Vec3(0, 0, -0.03), rest, options);
+    expect_same_inertia(system, path.end);
+    ++(path.end.negative_pivots > 0 ? num_unstable : num_stable);
+    is_beyond = is_beyond || (num_unstable > 0 && path.end.negative_pivots == 0);
+  }
+  EXPECT_GE(num_stable, 5);
+  EXPECT_GE(num_unstable, 5);
+  EXPECT_TRUE(is_beyond);
+}
+
+// The slender column whose inertia test_stability.cpp follows through its branchings: nothing but
+// the inertia shows there.
+TEST(WithoutFactor, TheInertiaOfAPerfectColumnIsThatOfAFactorAtEachOfItsBranchings) {
+  constexpr double kLength = 20;
+  TetMesh mesh = make_box(ElementOrder::quadratic, {16, 1, 1}, {kLength, 1, 0.8});
+  std::vector<char> fixed;
+  for (const Vec3& p : mesh.points) fixed.push_back(p.x() == 0 ? 1 : 0);
+  const InteractionList end =
+      bond_as_one(points_where(mesh, [](const Vec3& p) { return p.x() == kLength; }));
+  const Scene scene =
+      make_scene(std::move(mesh), make_isotropic(Law::st_venant_kirchhoff, 1000, 0), fixed);
+  EquilibriumSolver direct = make_direct(scene);
+  direct.set_interaction(end);
+  CondensedSystem system(scene, nullptr, 2, Precision::full);
+  system.set_interaction(end);
+  const Equilibrium rest = direct.rest();
+  int most = 0;
+  // It branches first at 0.00522 and next at 0.0081.
+  for (const double strain : {0.001, 0.004, 0.0052, 0.00524, 0.006, 0.0079, 0.0083, 0.011, 0.03}) {
+    SCOPED_TRACE(strain);
+    const Equilibrium state = direct.solve(Vec3(-strain * kLength, 0, 0), rest);
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    expect_same_inertia(system, state);
+    most = std::max(most, state.negative_pivots);
+  }
+  EXPECT_GE(most, 4);
+}
+
 TEST(WithoutFactor, SlenderThinAndStiffBodiesEndRightOrByName) {
   struct Case {
     const char* name;
     TetMesh mesh;
     double poissons_ratio;
     double contrast;
+    /// Of the cells, at random; 0: those of a sphere in the middle.
+    double stiff_share = 0;
   };
   const auto box = [](std::array<int, 3> cells, const Vec3& size) {
     return make_box(ElementOrder::quadratic, cells, size);
@@ -192,8 +271,12 @@ TEST(WithoutFactor, SlenderThinAndStiffBodiesEndRightOrByName) {
       {"compressible", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.3, 1},
       {"nearly incompressible", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.49, 1},
       {"contrast of 10⁴", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.4, 1e4},
+      {"contrast of 10⁴ cell by cell", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.4, 1e4, 0.3},
+      {"nearly as water", box({4, 4, 4}, {0.1, 0.1, 0.1}), 0.499, 1},
       {"thin plate", box({10, 10, 1}, {0.1, 0.1, 0.002}), 0.3, 1},
+      {"thinner plate", box({10, 10, 1}, {0.1, 0.1, 0.001}), 0.3, 1},
       {"sliver", make_sliver_box(ElementOrder::quadratic, 0.5, 0.1), 0.4, 1},
+      {"thinner sliver", make_sliver_box(ElementOrder::quadratic, 0.05, 0.1), 0.4, 1},
   };
   for (const Case& each : cases) {
     std::vector<char> fixed;
@@ -206,11 +289,14 @@ TEST(WithoutFactor, SlenderThinAndStiffBodiesEndRightOrByName) {
         make_isotropic(Law::neo_hookean, 5000, each.poissons_ratio), Formulation::displacement);
     Scene scene = make_scene(each.mesh, material, fixed);
     if (each.contrast > 1) {
-      put_inside(scene, scaled(material, each.contrast),
-                 [](const Vec3& p) { return (p - Vec3(0.05, 0.05, 0.05)).norm() < 0.03; });
+      std::mt19937 engine(1);
+      put_inside(scene, scaled(material, each.contrast), [&](const Vec3& p) {
+        return each.stiff_share > 0 ? engine() % 1000 < 1000 * each.stiff_share
+                                    : (p - Vec3(0.05, 0.05, 0.05)).norm() < 0.03;
+      });
     }
     const Index node = nearest_point(scene.mesh, Vec3(top, 0.05, 0.05));
-    const Vec3 t(0, 0, -1e-3);
+    const Vec3 t(0, 0, -2e-4);
     EquilibriumSolver direct = make_direct(scene);
     EquilibriumSolver iterative = make_iterative(scene);
     direct.set_interaction(bond_nodes({node}));
@@ -223,6 +309,22 @@ TEST(WithoutFactor, SlenderThinAndStiffBodiesEndRightOrByName) {
     EXPECT_LE((state.stiffness - exact.stiffness).norm(), 1e-7 * exact.stiffness.norm())
         << each.name;
   }
+}
+
+// Three hundred times as long as thick, and every cell thirty times: rounding alone forbids it.
+TEST(WithoutFactor, APlateThatIsTooThinIsSaid) {
+  TetMesh mesh = make_box(ElementOrder::quadratic, {10, 10, 1}, {0.1, 0.1, 0.1 / 300});
+  std::vector<char> fixed;
+  for (const Vec3& p : mesh.points) fixed.push_back(p.x() == 0 ? 1 : 0);
+  const Index node = nearest_point(mesh, Vec3(0.1, 0.05, 0));
+  const Scene scene =
+      make_scene(std::move(mesh), make_isotropic(Law::neo_hookean, 5000, 0.3), fixed);
+  EquilibriumSolver solver = make_iterative(scene);
+  solver.set_interaction(bond_nodes({node}));
+  const Equilibrium rest = solver.rest();
+  EXPECT_EQ(rest.outcome, Outcome::tangent_not_solved);
+  EXPECT_NE(rest.message.find("Choose the linear solver MUMPS"), std::string::npos) << rest.message;
+  EXPECT_TRUE(rest.u.allFinite() && rest.v.allFinite());
 }
 
 TEST(WithoutFactor, ABodyThatIsNotHeldIsSaid) {

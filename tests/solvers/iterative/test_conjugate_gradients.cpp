@@ -258,6 +258,29 @@ TEST_F(Endings, AToleranceBelowRounding) {
   EXPECT_LT(summary.residual, 1e-13) << "it goes as far as it can";
 }
 
+// Bending is ten thousand times softer than stretch: for a hundred iterations and more the residual
+// is larger than the right-hand side, while the energy falls.
+TEST(ThinPlate, TheResidualGrowsBeforeItFalls) {
+  Scene scene = small_scene();
+  scene.mesh = make_box(ElementOrder::quadratic, {8, 8, 1}, {0.1, 0.1, 0.002});
+  scene.fixed.clear();
+  for (const Vec3& x : scene.mesh.points) scene.fixed.push_back(x.x() == 0 ? 1 : 0);
+  scene.touchable.assign(scene.fixed.size(), 1);
+  const Tangent tangent = tangent_of(scene);
+  const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
+  ASSERT_EQ(preconditioner->refresh(tangent.values).status, SetupStatus::ok);
+  const Operator k(tangent.pattern, tangent.values);
+  const Eigen::MatrixXd b = Eigen::MatrixXd::Ones(tangent.size(), 1);
+  Eigen::MatrixXd x = b;
+  const SolveSummary early = KrylovSolver({1e-5, 100}).solve(k, *preconditioner, x);
+  EXPECT_EQ(early.status, SolveStatus::iteration_limit) << to_string(early.status);
+  EXPECT_GT(early.residual, 1);
+  x = b;
+  const SolveSummary late = KrylovSolver({1e-5, 2000}).solve(k, *preconditioner, x);
+  EXPECT_EQ(late.status, SolveStatus::converged) << to_string(late.status);
+  EXPECT_LT(residual_of(tangent, x, b), 1e-5);
+}
+
 /// The matrix of a body that floats, with the preconditioner of one that is hardly held.
 class Floating : public Endings {
  protected:

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <limits>
 
+#include "iterative/cycle.h"
 #include "solvers/iterative/tangents.h"
 
 namespace palpate::test {
@@ -137,6 +138,49 @@ TEST(LowestEigenvalue, ABuckledColumnIsSeenOnTheCorners) {
     EXPECT_LE(report.negative_at_least, negative);
     EXPECT_EQ(inertia_of({}, report).num_negative, report.negative_at_least);
   }
+}
+
+// A preconditioner that is far from the inverse makes the estimate of the error worth nothing, and
+// the value that it ends with may be a hundred times the lowest. Its sign is right all the same.
+TEST(LowestEigenvalue, ItsSignIsRightWithAPoorPreconditioner) {
+  const Tangent rest = column_at(0);
+  const auto preconditioner = make_preconditioner(rest.pattern, make_smoother_cycle(rest.pattern));
+  ASSERT_EQ(preconditioner->refresh(rest.values).status, SetupStatus::ok);
+  for (double strain : {0.0, 0.004, 0.0050, 0.0055, 0.0060, 0.02}) {
+    const Tangent tangent = column_at(strain);
+    EigenOptions options;
+    options.max_iterations = options.max_solve_iterations = 4000;
+    const LowestEigenvalue found =
+        find_lowest_eigenvalue({tangent.pattern, tangent.values}, *preconditioner, options);
+    EXPECT_EQ(found.status,
+              negative_pivots(tangent) > 0 ? EigenStatus::negative : EigenStatus::converged)
+        << "strain " << strain << ": " << to_string(found.status) << ", " << found.value;
+  }
+}
+
+TEST(LowestEigenvalue, OneThatIsRoundingHasNoSign) {
+  Tangent tangent = tangent_of(small_scene());
+  const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
+  ASSERT_EQ(preconditioner->refresh(tangent.values).status, SetupStatus::ok);
+  tangent.shift(-eigenvalues_of(tangent)[0]);
+  const LowestEigenvalue found =
+      find_lowest_eigenvalue({tangent.pattern, tangent.values}, *preconditioner);
+  EXPECT_EQ(found.status, EigenStatus::sign_unknown) << to_string(found.status);
+  EXPECT_EQ(inertia_of(found).knowledge, Inertia::Knowledge::unknown);
+  EXPECT_EQ(inertia_of(found).num_negative, 0);
+}
+
+TEST(LowestEigenvalue, WhereTheSolveForNoiseDoesNotEndTheSignIsNotKnown) {
+  const Tangent tangent = tangent_of(small_scene());
+  const auto preconditioner = make_preconditioner(tangent.pattern, tangent.levels);
+  ASSERT_EQ(preconditioner->refresh(tangent.values).status, SetupStatus::ok);
+  EigenOptions options;
+  options.max_solve_iterations = 2;
+  const LowestEigenvalue found =
+      find_lowest_eigenvalue({tangent.pattern, tangent.values}, *preconditioner, options);
+  EXPECT_EQ(found.status, EigenStatus::sign_unknown) << to_string(found.status);
+  EXPECT_GT(found.value, 0) << "what was found is told";
+  EXPECT_EQ(inertia_of(found).knowledge, Inertia::Knowledge::unknown);
 }
 
 // Many eigenvalues in one place: two bodies that are the same.
