@@ -90,7 +90,7 @@ std::string ToText(const palpate::ExplorationEstimate& estimate)
   }
   return text + ". They take " + vtkPalpateTellSeconds(estimate.seconds) + ", " +
     vtkPalpateTellBytes(estimate.bytes_per_rank) + " of memory a rank and " +
-    vtkPalpateTellBytes(estimate.file_bytes) + " of disk, if there is a file.";
+    vtkPalpateTellBytes(estimate.file_bytes) + " of disk until it is complete, if there is a file.";
 }
 
 /// Of the window itself between two executions of a space that grows. It asks every second, and for

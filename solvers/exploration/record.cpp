@@ -80,10 +80,21 @@ TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Part
   agree(communicator, [&] {
     if (communicator.rank() != 0) return;
     std::map<StateKey, ConfigurationSummary> found;
-    for (const auto& [id, c] : parts.configurations) found.emplace(key_of(id, c), c);
+    for (const auto& [id, c] : parts.configurations) {
+      const auto [there, is_new] = found.emplace(key_of(id, c), c);
+      // One that failed in an earlier run may have been found in this one.
+      if (!is_new && !there->second.usable()) there->second = c;
+    }
     for (const auto& [id, transition] : parts.transitions) {
-      found.at({id, transition.start, transition.start_level})
-          .reached[neighbour_number(transition.start, transition.target)] = transition.reached;
+      const auto start = found.find({id, transition.start, transition.start_level});
+      // The end of a run that was killed may have been lost.
+      if (start == found.end()) continue;
+      if (transition.reached >= 0 &&
+          found.count({id, transition.target, transition.reached}) == 0) {
+        continue;
+      }
+      start->second.reached[neighbour_number(transition.start, transition.target)] =
+          transition.reached;
     }
     std::sort(parts.intermediate_states.begin(), parts.intermediate_states.end());
     for (const ToolSpaceSetup& setup : setups) {

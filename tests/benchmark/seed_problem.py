@@ -46,7 +46,7 @@ scene = AssignMaterial(Input=body, Law=arguments.law, Exponent=arguments.exponen
                        **LAWS[arguments.law])
 space = PrecomputeStateSpace(Input=scene, ActiveNodes=arguments.active_nodes,
                              HalfWidth=arguments.half_width, TipRadius=arguments.tip_radius,
-                             Resolution=arguments.resolution, FileName=arguments.file,
+                             Resolution=arguments.resolution, FileName=arguments.file, Keep="All",
                              ThirdDerivatives=int(arguments.third_derivatives))
 # The floor is that of full precision: of a few configurations.
 few = PrecomputeStateSpace(Input=scene, ActiveNodes=arguments.active_nodes[:1],

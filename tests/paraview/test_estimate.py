@@ -119,7 +119,8 @@ def test_equilibrium(boundary, node):
 
 def test_space(boundary, node):
     space = PrecomputeStateSpace(Input=boundary, ActiveNodes=[node], HalfWidth=0.003, Resolution=5,
-                                 FileName="estimate.palpate", LogInterval=0)
+                                 FileName="estimate.palpate", Keep="All",
+                                 LogInterval=0)
     text = estimate(space)
     assert_near(number_before("configurations", text), 125, ROUNDED, text)
     expect_silence(space.UpdatePipeline)
