@@ -14,8 +14,8 @@ TIMES = {"Seconds"}
 
 
 def precompute(boundary, nodes, **settings):
-    # A space in a file is compared with one in memory, to the bit; test_stress.py has one that keeps
-    # less.
+    # A space in a file is compared with one in memory, to the bit; test_stress.py has one that
+    # keeps less.
     settings = {"HalfWidth": 0.02, "Resolution": 5, "Keep": "All", **settings}
     return PrecomputeStateSpace(Input=boundary, ActiveNodes=nodes, **settings)
 

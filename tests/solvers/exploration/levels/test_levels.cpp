@@ -93,6 +93,7 @@ class RoofLevels : public testing::Test {
 
   static PrecomputeOptions options(const fs::path& file) {
     PrecomputeOptions options;
+    options.keep = Keep::all;
     options.active_nodes = {node_};
     options.tip_radius = 0.04;
     options.half_width = 0.03;
