@@ -51,3 +51,36 @@ function(palpate_resolve_targets result)
   endforeach()
   set(${result} "${targets}" PARENT_SCOPE)
 endfunction()
+
+#[[
+palpate_add_instruction_sets(<part> <source>)
+
+Compiles a source of a part once more for each instruction set that is known for this kind of
+processor; it is one that uses PALPATE_INSTRUCTION_SET (solvers/base/simd.h). Where there are any,
+the part sees PALPATE_X86_KERNELS.
+]]
+function(palpate_add_instruction_sets part source)
+  # -Wpsabi warns of passing wide vectors between sources compiled differently: none are.
+  target_compile_options(palpate_${part} PRIVATE -Wno-psabi)
+  if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    return()
+  endif()
+  target_compile_definitions(palpate_${part} PRIVATE PALPATE_X86_KERNELS)
+  foreach(set IN ITEMS
+      "avx2;-mavx2;-mfma"
+      "avx512;-mavx512f;-mavx512dq;-mfma;-mprefer-vector-width=512")
+    list(POP_FRONT set name)
+    set(target palpate_${part}_${name})
+    add_library(${target} OBJECT ${source})
+    set_target_properties(${target} PROPERTIES
+      POSITION_INDEPENDENT_CODE ON
+      CXX_VISIBILITY_PRESET hidden
+      VISIBILITY_INLINES_HIDDEN ON)
+    target_compile_features(${target} PRIVATE cxx_std_17)
+    target_compile_definitions(${target} PRIVATE PALPATE_INSTRUCTION_SET=${name})
+    target_compile_options(${target} PRIVATE ${set} -Wno-psabi)
+    target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/solvers")
+    target_link_libraries(${target} PRIVATE palpate_warnings)
+    target_sources(palpate_${part} PRIVATE $<TARGET_OBJECTS:${target}>)
+  endforeach()
+endfunction()

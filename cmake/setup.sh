@@ -69,7 +69,8 @@ palpate_build() {
 
 # Asked before OMP_NUM_THREADS is set, which nproc heeds.
 palpate_cores=$(env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc)
-# The ranks are the parallelism: a threaded BLAS would only get in their way.
+# The ranks are the parallelism, one a core: a threaded BLAS would only get in their way, and each
+# has one thread for a large body.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 palpate_mpiexec=(mpiexec --oversubscribe --bind-to none -n "$palpate_cores")

@@ -285,22 +285,20 @@ int vtkPalpateAccuracyReport::RequestData(
   // Nobody else takes back the abort of an earlier run.
   this->SetAbortExecute(0);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  const auto compute = [&]
+  const auto compute = [&](palpate::Communicator& communicator)
   {
     auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
-    const auto communicator = vtkPalpateCommunicator(controller);
-    const int rank = communicator->rank();
-    if (palpate::any(*communicator, vtkPalpatePassFailure(input, rows)))
+    const int rank = communicator.rank();
+    if (palpate::any(communicator, vtkPalpatePassFailure(input, rows)))
     {
       return;
     }
     palpate::TouchSpace space;
     vtkSmartPointer<vtkUnstructuredGrid> body;
     // One after the other: both are collective, and may fail on the first rank alone.
+    palpate::agree(communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
     palpate::agree(
-      *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
-    palpate::agree(
-      *communicator, [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
+      communicator, [&] { body = vtkPalpateGatherBody(vtkPalpateBody(input), controller); });
 
     palpate::AccuracyOptions options;
     options.exact.test_points = this->TestPoints;
@@ -308,13 +306,14 @@ int vtkPalpateAccuracyReport::RequestData(
     options.exact.file = this->FileName;
     options.exact.equilibrium.tolerance = this->SolverTolerance;
     options.exact.equilibrium.single_precision = true;
+    options.exact.equilibrium.threads = this->Threads;
     for (const int method : this->Methods)
     {
       options.methods.push_back(static_cast<palpate::Method>(method));
     }
     const std::string of = rank == 0 ? Describe(space, options) : "";
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
-    if (!palpate::any(*communicator, rank == 0 && (of != this->LastOf || !fileIsThere)))
+    if (!palpate::any(communicator, rank == 0 && (of != this->LastOf || !fileIsThere)))
     {
       rows->ShallowCopy(this->LastRows);
       points->ShallowCopy(this->LastPoints);
@@ -324,8 +323,8 @@ int vtkPalpateAccuracyReport::RequestData(
     }
     this->LastOf.clear();
 
-    const palpate::Scene scene = vtkPalpateShareScene(body, controller);
-    const AccuracyResult result = palpate::measure_accuracy(scene, space, options, *communicator,
+    const palpate::Scene scene = vtkPalpateShareScene(body, communicator);
+    const AccuracyResult result = palpate::measure_accuracy(scene, space, options, communicator,
       vtkPalpateProgress(this, rank, this->LogInterval, "Accuracy Report", "test points"));
     if (rank != 0)
     {
@@ -335,7 +334,7 @@ int vtkPalpateAccuracyReport::RequestData(
     FillPoints(space, result, points);
     FillTable(result.rows_of_tool_spaces, true, rowsOfNodes);
     FillChart(result.rows, chart);
-    AddRun(result, communicator->size(), rows->GetFieldData());
+    AddRun(result, communicator.size(), rows->GetFieldData());
     if (!result.complete)
     {
       vtkWarningMacro(
@@ -376,11 +375,12 @@ void vtkPalpateAccuracyReport::UpdateEstimate()
       palpate::agree(
         *communicator, [&] { space = vtkPalpateSpaceFromCollection(input, controller); });
       const auto scene = vtkPalpateSceneToEstimate(vtkPalpateBody(input), controller);
+      const int threads = palpate::num_threads(*communicator, this->Threads);
       if (!scene)
       {
         return std::string();
       }
-      const palpate::SolveCost& cost = this->Cost.Of(*scene);
+      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads);
       double points = 0;
       double seconds = 0;
       for (const palpate::TouchToolSpace& of : space.tool_spaces)
@@ -411,6 +411,7 @@ void vtkPalpateAccuracyReport::PrintSelf(ostream& os, vtkIndent indent)
   os << '\n'
      << indent << "FileName: " << this->FileName << '\n'
      << indent << "SolverTolerance: " << this->SolverTolerance << '\n'
+     << indent << "Threads: " << this->Threads << '\n'
      << indent << "LogInterval: " << this->LogInterval << '\n'
      << indent << "Estimate: " << this->Estimate << '\n';
 }

@@ -85,6 +85,12 @@ public:
   vtkGetMacro(SolverTolerance, double);
   ///@}
   ///@{
+  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
+  /// are cores for it.
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
+  ///@}
+  ///@{
   /// A line on the terminal says how far the run is each time so many s have gone by; 0: none.
   vtkSetMacro(LogInterval, double);
   vtkGetMacro(LogInterval, double);
@@ -113,6 +119,7 @@ private:
   std::vector<int> Methods;
   std::string FileName;
   double SolverTolerance = 1e-9;
+  int Threads = 0;
   double LogInterval = 10;
   std::string Estimate;
   vtkPalpateSolveCost Cost;

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 
 #include "base/error.h"
 #include "materials/material.h"
+#include "materials/rheology.h"
 #include "materials/tissues.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
@@ -109,19 +111,13 @@ double NumberOf(const std::string& text)
   return number;
 }
 
-/// From names and values by turns.
-palpate::Material MaterialOfLaw(Law law, const std::string& parameters)
+/// Names and values by turns.
+std::map<std::string, double> NumbersByName(const std::string& text)
 {
-  const std::vector<std::string>& names = palpate::parameter_names(law);
   std::map<std::string, double> values;
-  std::istringstream words(parameters);
+  std::istringstream words(text);
   for (std::string name, value; words >> name;)
   {
-    if (std::find(names.begin(), names.end(), name) == names.end())
-    {
-      throw InputError("the law " + palpate::to_string(law) + " has no parameter '" + name +
-        "'. It has: " + Join(names) + '.');
-    }
     if (!(words >> value))
     {
       throw InputError(name + " has no value.");
@@ -129,6 +125,39 @@ palpate::Material MaterialOfLaw(Law law, const std::string& parameters)
     if (!values.emplace(name, NumberOf(value)).second)
     {
       throw InputError(name + " is given twice.");
+    }
+  }
+  return values;
+}
+
+/// Takes those of a rheology out of `values`; nothing where there are none.
+std::optional<palpate::Rheology> TakeRheology(std::map<std::string, double>& values)
+{
+  palpate::RheologyValues own{};
+  bool isOwn = false;
+  for (int i = 0; i < palpate::num_rheology_values; ++i)
+  {
+    const auto found = values.find(palpate::rheology_names()[i]);
+    if (found != values.end())
+    {
+      own[i] = found->second;
+      isOwn = true;
+      values.erase(found);
+    }
+  }
+  return isOwn ? std::optional(palpate::make_rheology(own)) : std::nullopt;
+}
+
+palpate::Material MaterialOfLaw(Law law, const std::map<std::string, double>& values)
+{
+  const std::vector<std::string>& names = palpate::parameter_names(law);
+  for (const auto& [name, value] : values)
+  {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+    {
+      throw InputError("the law " + palpate::to_string(law) + " has no parameter '" + name +
+        "'. It has: " + Join(names) + "; and every law: " +
+        Join({ palpate::rheology_names().begin(), palpate::rheology_names().end() }) + '.');
     }
   }
   std::array<double, palpate::max_parameters> all{};
@@ -150,16 +179,17 @@ palpate::Material MaterialOfLaw(Law law, const std::string& parameters)
 }
 
 /// @param name Of a law, with parameters, or of a tissue, without any.
-palpate::Material MaterialFromText(const std::string& name, const std::string& parameters)
+palpate::Material MaterialOfName(
+  const std::string& name, const std::map<std::string, double>& parameters)
 {
   for (const palpate::Tissue& tissue : palpate::tissues())
   {
     if (tissue.name == name)
     {
-      if (parameters.find_first_not_of(' ') != std::string::npos)
+      if (!parameters.empty())
       {
-        throw InputError("the tissue " + name + " has parameters of its own, but '" + parameters +
-          "' is given. Leave them out, or name a law.");
+        throw InputError("the tissue " + name + " has parameters of its own, but '" +
+          parameters.begin()->first + "' is given. Leave them out, or name a law.");
       }
       return tissue.material;
     }
@@ -209,6 +239,8 @@ vtkStandardNewMacro(vtkPalpateAssignMaterial);
 struct vtkPalpateAssignMaterial::Assignment
 {
   palpate::Material Material;
+  /// Empty: the cells keep theirs.
+  std::optional<palpate::Rheology> Rheology;
   std::vector<char> Cells;
 };
 
@@ -294,6 +326,13 @@ int vtkPalpateAssignMaterial::RequestData(
       }
       output->ShallowCopy(body);
       vtkPalpateWriteMaterials(materials, output);
+      for (const Assignment& each : assignments)
+      {
+        if (each.Rheology)
+        {
+          vtkPalpateAssignRheology(*each.Rheology, each.Cells, output);
+        }
+      }
     });
   return 1;
 }
@@ -331,7 +370,7 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
 {
   if (this->RegionType != Table)
   {
-    return { { InFormulation(this->MakeMaterial(), this->Formulation),
+    return { { InFormulation(this->MakeMaterial(), this->Formulation), this->MakeRheology(),
       this->ChooseCells(body, surface) } };
   }
   if (this->Regions.empty())
@@ -345,6 +384,7 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
       "RegionType is 'Table', but there is no RegionArray. Choose the cell array that "
       "tells the regions apart.");
   }
+  const std::optional<palpate::Rheology> rheology = this->MakeRheology();
   std::vector<Assignment> all;
   std::set<double> values;
   for (const auto& [value, law, parameters] : this->Regions)
@@ -356,8 +396,10 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
       {
         throw InputError("the value is there twice.");
       }
-      all.push_back({ InFormulation(MaterialFromText(law, parameters), this->Formulation),
-        vtkPalpateCellsOfValue(body, this->RegionArray, number) });
+      std::map<std::string, double> numbers = NumbersByName(parameters);
+      const std::optional<palpate::Rheology> own = TakeRheology(numbers);
+      all.push_back({ InFormulation(MaterialOfName(law, numbers), this->Formulation),
+        own ? own : rheology, vtkPalpateCellsOfValue(body, this->RegionArray, number) });
     }
     catch (const InputError& error)
     {
@@ -395,6 +437,37 @@ palpate::Material vtkPalpateAssignMaterial::MakeMaterial() const
     parameters[i++] = values[name];
   }
   return palpate::make_material(law, parameters);
+}
+
+std::optional<palpate::Rheology> vtkPalpateAssignMaterial::MakeRheology() const
+{
+  const std::size_t terms = this->PronyModuli.size();
+  if (terms != this->PronyTimes.size())
+  {
+    throw InputError("PronyModuli has " + std::to_string(terms) + " numbers, and PronyTimes has " +
+      std::to_string(this->PronyTimes.size()) + ". Give one of each for every term.");
+  }
+  if (terms > palpate::max_prony_terms)
+  {
+    throw InputError("PronyModuli and PronyTimes have " + std::to_string(terms) +
+      " terms; there may be " + std::to_string(palpate::max_prony_terms) + " at the most.");
+  }
+  palpate::Rheology rheology;
+  rheology.density = this->Density;
+  rheology.viscous_time = this->ViscousTime;
+  for (std::size_t term = 0; term < terms; ++term)
+  {
+    // A term of the list is there.
+    if (this->PronyModuli[term] == 0 && this->PronyTimes[term] == 0)
+    {
+      throw InputError("Term " + std::to_string(term + 1) +
+        " of PronyModuli and PronyTimes is 0. Give both numbers above 0, or leave it out.");
+    }
+    rheology.prony_moduli[term] = this->PronyModuli[term];
+    rheology.prony_times[term] = this->PronyTimes[term];
+  }
+  palpate::validate(rheology);
+  return rheology == palpate::Rheology() ? std::nullopt : std::optional(rheology);
 }
 
 std::vector<std::string> vtkPalpateAssignMaterial::LawNames()
@@ -443,6 +516,30 @@ void vtkPalpateAssignMaterial::ClearCoefficients()
   this->Modified();
 }
 
+void vtkPalpateAssignMaterial::AddPronyModulus(double modulus)
+{
+  this->PronyModuli.push_back(modulus);
+  this->Modified();
+}
+
+void vtkPalpateAssignMaterial::ClearPronyModuli()
+{
+  this->PronyModuli.clear();
+  this->Modified();
+}
+
+void vtkPalpateAssignMaterial::AddPronyTime(double time)
+{
+  this->PronyTimes.push_back(time);
+  this->Modified();
+}
+
+void vtkPalpateAssignMaterial::ClearPronyTimes()
+{
+  this->PronyTimes.clear();
+  this->Modified();
+}
+
 void vtkPalpateAssignMaterial::AddRegion(const char* value, const char* law, const char* parameters)
 {
   this->Regions.push_back({ value, law, parameters });
@@ -470,10 +567,23 @@ void vtkPalpateAssignMaterial::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "OgdenExponents: " << this->OgdenExponents[0] << ' ' << this->OgdenExponents[1]
      << ' ' << this->OgdenExponents[2] << '\n'
      << indent << "Formulation: " << this->Formulation << '\n'
+     << indent << "Density: " << this->Density << " kg/m^3\n"
+     << indent << "ViscousTime: " << this->ViscousTime << " s\n"
      << indent << "RegionType: " << this->RegionType << '\n'
      << indent << "RegionShape: " << this->RegionShape.Get() << '\n'
      << indent << "RegionArray: " << this->RegionArray << '\n'
      << indent << "RegionValue: " << this->RegionValue << '\n';
+  const auto printList = [&](const char* name, const std::vector<double>& list)
+  {
+    os << indent << name << ':';
+    for (const double number : list)
+    {
+      os << ' ' << number;
+    }
+    os << '\n';
+  };
+  printList("PronyModulus", this->PronyModuli);
+  printList("PronyTime", this->PronyTimes);
   for (const auto& [r, s, value] : this->Coefficients)
   {
     os << indent << "Coefficient of the powers " << r << ' ' << s << ": " << value << " Pa\n";

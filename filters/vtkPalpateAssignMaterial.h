@@ -8,11 +8,15 @@
  * keep the material that they have; a cell that has none yet gets the Law -1. A parameter that the
  * law of a cell does not use is 0 there.
  *
+ * Density and viscosity make cell arrays too (`Density`, `ViscousTime`, `PronyModulus1`,
+ * `PronyTime1`, …), where any of them is given; else those that are there stay as they are.
+ *
  * The second input is the surface of a region, where RegionType says so.
  */
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +30,7 @@ class vtkPolyData;
 namespace palpate
 {
 struct Material;
+struct Rheology;
 }
 
 class PALPATEFILTERS_EXPORT vtkPalpateAssignMaterial : public vtkUnstructuredGridAlgorithm
@@ -88,6 +93,24 @@ public:
   vtkSetMacro(Formulation, int);
   vtkGetMacro(Formulation, int);
   ///@}
+  ///@{
+  /// kg/m^3, not negative.
+  vtkSetMacro(Density, double);
+  vtkGetMacro(Density, double);
+  ///@}
+  ///@{
+  /// Of Kelvin's and Voigt's viscosity, s, not negative.
+  vtkSetMacro(ViscousTime, double);
+  vtkGetMacro(ViscousTime, double);
+  ///@}
+  ///@{
+  /// The terms of a Prony series, as many as palpate::max_prony_terms at the most: their moduli in
+  /// long-term ones of the law, without unit, and their times, s, ascending.
+  void AddPronyModulus(double modulus);
+  void ClearPronyModuli();
+  void AddPronyTime(double time);
+  void ClearPronyTimes();
+  ///@}
   enum RegionTypes
   {
     Array = 0,   ///< RegionArray and RegionValue
@@ -113,7 +136,9 @@ public:
   ///@{
   /// The material of one of several regions, in place of that of Law.
   /// @param value Of RegionArray. @param law By name, or the name of a tissue. @param parameters
-  /// Names and values by turns, separated by spaces: "YoungsModulus 5000 PoissonsRatio 0.45".
+  /// Names and values by turns, separated by spaces: "YoungsModulus 5000 PoissonsRatio 0.45". A
+  /// region that names none of palpate::rheology_names() has the density and viscosity of the
+  /// properties.
   void AddRegion(const char* value, const char* law, const char* parameters);
   void ClearRegions();
   ///@}
@@ -147,6 +172,8 @@ private:
   struct Assignment;
 
   palpate::Material MakeMaterial() const;
+  /// Empty where none of its properties is given.
+  std::optional<palpate::Rheology> MakeRheology() const;
   std::vector<char> ChooseCells(vtkUnstructuredGrid* body, vtkPolyData* surface) const;
   std::vector<Assignment> Assignments(vtkUnstructuredGrid* body, vtkPolyData* surface) const;
 
@@ -162,6 +189,10 @@ private:
   double OgdenModuli[3] = { 3448.3, 0, 0 };
   double OgdenExponents[3] = { 2, 0, 0 };
   int Formulation = -1;
+  double Density = 0;
+  double ViscousTime = 0;
+  std::vector<double> PronyModuli;
+  std::vector<double> PronyTimes;
   int RegionType = Array;
   std::string RegionArray = "None";
   double RegionValue = 0;

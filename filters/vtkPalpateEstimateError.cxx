@@ -116,17 +116,16 @@ int vtkPalpateEstimateError::RequestData(
   auto* output = vtkPartitionedDataSetCollection::GetData(outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
-    [&]
+    [&](palpate::Communicator& ranks)
     {
       auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
-      const auto ranks = vtkPalpateCommunicator(controller);
-      if (palpate::any(*ranks, vtkPalpatePassFailure(input, output)))
+      if (palpate::any(ranks, vtkPalpatePassFailure(input, output)))
       {
         return;
       }
       std::vector<double> rows;
       palpate::agree(
-        *ranks, [&] { rows = Estimate(vtkPalpateSpaceFromCollection(input, controller)); });
+        ranks, [&] { rows = Estimate(vtkPalpateSpaceFromCollection(input, controller)); });
       const std::map<Key, double> estimates = Share(std::move(rows), controller);
       output->CompositeShallowCopy(input);
       for (const auto& partition : vtkPalpateConfigurations(output))

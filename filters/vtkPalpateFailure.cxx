@@ -3,6 +3,8 @@
 
 #include <exception>
 
+#include "base/memory_error.h"
+#include "schedule/communicator.h"
 #include "vtkCommunicator.h"
 #include "vtkDataObject.h"
 #include "vtkErrorCode.h"
@@ -11,6 +13,7 @@
 #include "vtkInformationIntegerKey.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
+#include "vtkPalpateCommunicator.h"
 #include "vtkPalpateGuard.h"
 #include "vtkStringArray.h"
 
@@ -83,12 +86,13 @@ unsigned long vtkPalpateProduce(vtkObject* self, vtkDataObject* output,
     {
       try
       {
-        body();
+        palpate::with_memory(nullptr, body);
       }
       catch (const std::exception& exception)
       {
         error = std::current_exception();
-        vtkPalpateMarkFailed(output, exception.what());
+        // Without the memory for a mark the ranks agree all the same.
+        vtkPalpateGuard(nullptr, [&] { vtkPalpateMarkFailed(output, exception.what()); });
       }
       catch (...)
       {
@@ -113,4 +117,16 @@ unsigned long vtkPalpateProduce(vtkObject* self, vtkDataObject* output,
       }
     });
   return code;
+}
+
+unsigned long vtkPalpateProduce(vtkObject* self, vtkDataObject* output,
+  vtkMultiProcessController* controller,
+  const std::function<void(palpate::Communicator&)>& body) noexcept
+{
+  return vtkPalpateProduce(self, output, controller,
+    [&]
+    {
+      const auto communicator = vtkPalpateCommunicator(controller);
+      palpate::agree(*communicator, [&] { body(*communicator); });
+    });
 }

@@ -14,6 +14,10 @@
 
 #include "PalpateFiltersModule.h"
 
+namespace palpate
+{
+class Communicator;
+}
 class vtkDataObject;
 class vtkMultiProcessController;
 class vtkObject;
@@ -35,3 +39,9 @@ PALPATEFILTERS_EXPORT bool vtkPalpatePassFailure(vtkDataObject* input, vtkDataOb
 [[nodiscard]] PALPATEFILTERS_EXPORT unsigned long vtkPalpateProduce(vtkObject* self,
   vtkDataObject* output, vtkMultiProcessController* controller,
   const std::function<void()>& body) noexcept;
+
+/// The same for a body that has collective operations of the communicator in it: it may throw on
+/// one rank between two of them, see palpate::agree().
+[[nodiscard]] PALPATEFILTERS_EXPORT unsigned long vtkPalpateProduce(vtkObject* self,
+  vtkDataObject* output, vtkMultiProcessController* controller,
+  const std::function<void(palpate::Communicator&)>& body) noexcept;

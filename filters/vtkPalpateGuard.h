@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/memory_error.h"
 #include "vtkObject.h"
 #include "vtkSetGet.h"
 
@@ -49,7 +50,9 @@ int vtkPalpateGuard(vtkObject* self, Body&& body) noexcept
   }
   catch (const std::bad_alloc&)
   {
-    return report("Out of memory. Use a smaller mesh or a coarser setting.");
+    char text[palpate::kMemoryTextBytes];
+    palpate::describe_memory(nullptr, text);
+    return report(text);
   }
   catch (const std::exception& error)
   {

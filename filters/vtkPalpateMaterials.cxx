@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <sstream>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "base/error.h"
 #include "vtkCellData.h"
@@ -199,4 +201,76 @@ void vtkPalpateWriteMaterials(const vtkPalpateMaterials& materials, vtkUnstructu
   {
     Replace<vtkIntArray>(body, vtkPalpateArray::Formulation, materials, 0, formulations);
   }
+}
+
+void vtkPalpateAssignRheology(
+  const palpate::Rheology& rheology, const std::vector<char>& wanted, vtkUnstructuredGrid* body)
+{
+  const palpate::RheologyValues values = palpate::values_of(rheology);
+  for (int i = 0; i < palpate::num_rheology_values; ++i)
+  {
+    const std::string& name = palpate::rheology_names()[i];
+    vtkDataArray* before = ScalarArray(body, name.c_str());
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(name.c_str());
+    array->SetNumberOfValues(static_cast<vtkIdType>(wanted.size()));
+    bool isThere = false;
+    for (std::size_t cell = 0; cell < wanted.size(); ++cell)
+    {
+      const auto id = static_cast<vtkIdType>(cell);
+      const double kept = before ? before->GetComponent(id, 0) : 0;
+      const double value = wanted[cell] != 0 ? values[i] : kept;
+      array->SetValue(id, value);
+      isThere = isThere || value != 0;
+    }
+    body->GetCellData()->RemoveArray(name.c_str());
+    if (isThere)
+    {
+      body->GetCellData()->AddArray(array);
+    }
+  }
+}
+
+std::vector<palpate::Rheology> vtkPalpateReadRheologies(
+  vtkUnstructuredGrid* body, vtkPalpateMaterials& materials)
+{
+  std::array<vtkDataArray*, palpate::num_rheology_values> arrays{};
+  for (int i = 0; i < palpate::num_rheology_values; ++i)
+  {
+    arrays[i] = ScalarArray(body, palpate::rheology_names()[i].c_str());
+  }
+  std::map<std::pair<Index, palpate::RheologyValues>, Index> indices;
+  std::vector<palpate::Rheology> rheologies;
+  std::vector<Material> each;
+  for (std::size_t cell = 0; cell < materials.OfCell.size(); ++cell)
+  {
+    palpate::RheologyValues values{};
+    for (int i = 0; i < palpate::num_rheology_values; ++i)
+    {
+      values[i] = arrays[i] ? arrays[i]->GetComponent(static_cast<vtkIdType>(cell), 0) : 0;
+    }
+    // A number that is none has no place in an order.
+    const bool isNumber =
+      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+    const auto known = isNumber ? indices.find({ materials.OfCell[cell], values }) : indices.end();
+    if (known != indices.end())
+    {
+      materials.OfCell[cell] = known->second;
+      continue;
+    }
+    try
+    {
+      rheologies.push_back(palpate::make_rheology(values));
+    }
+    catch (const InputError& error)
+    {
+      throw InputError("Material of cell " + std::to_string(cell) + ": " + error.what());
+    }
+    const auto added = static_cast<Index>(each.size());
+    each.push_back(materials.Each[materials.OfCell[cell]]);
+    indices.emplace(std::pair(materials.OfCell[cell], values), added);
+    materials.OfCell[cell] = added;
+  }
+  materials.Each = std::move(each);
+  return rheologies;
 }

@@ -6,6 +6,15 @@
 //                    those that some law of the body has; 0 where a cell has no use for one
 //   `Formulation`    number of a palpate::Formulation; only where some cell has another one than
 //                    suits its parameters
+//
+// and what they are besides elastic, only where some cell has it:
+//
+//   `Density`          kg/m³
+//   `ViscousTime`      s
+//   `PronyModulus1`, `PronyTime1`, … to 4   without unit, and s; both 0 where a cell has no such
+//                      term
+//
+// see palpate::Rheology.
 #pragma once
 
 #include <vector>
@@ -13,6 +22,7 @@
 #include "PalpateFiltersModule.h"
 #include "base/types.h"
 #include "materials/material.h"
+#include "materials/rheology.h"
 
 class vtkUnstructuredGrid;
 
@@ -40,3 +50,14 @@ PALPATEFILTERS_EXPORT vtkPalpateMaterials vtkPalpateReadMaterials(
 /// Adds or replaces the arrays above, and removes those that are not needed.
 PALPATEFILTERS_EXPORT void vtkPalpateWriteMaterials(
   const vtkPalpateMaterials& materials, vtkUnstructuredGrid* body);
+
+/// The cells that are `wanted` get a rheology [number of cells], and the others keep theirs; an
+/// array that is 0 throughout then is removed.
+PALPATEFILTERS_EXPORT void vtkPalpateAssignRheology(
+  const palpate::Rheology& rheology, const std::vector<char>& wanted, vtkUnstructuredGrid* body);
+
+/// The rheology of each material, 0 where there are no arrays. A material whose cells differ in it
+/// becomes several.
+/// @throws palpate::InputError the first cell whose arrays make no rheology, and why.
+PALPATEFILTERS_EXPORT std::vector<palpate::Rheology> vtkPalpateReadRheologies(
+  vtkUnstructuredGrid* body, vtkPalpateMaterials& materials);

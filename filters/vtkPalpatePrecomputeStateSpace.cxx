@@ -262,6 +262,7 @@ palpate::PrecomputeOptions vtkPalpatePrecomputeStateSpace::Options(
   options.equilibrium.max_seconds = this->MaximumSeconds;
   options.equilibrium.single_precision = this->SinglePrecisionFactors;
   options.ranks_per_solve = this->RanksPerSolve;
+  options.equilibrium.threads = this->Threads;
   if (isRigid)
   {
     options.contact = this->Contact(
@@ -280,10 +281,11 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
         { vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) }, controller);
       const palpate::PrecomputeOptions options =
         this->Options(vtkPolyData::SafeDownCast(this->GetInputDataObject(1, 0)), controller);
-      const int numRanks = vtkPalpateCommunicator(controller)->size();
-      return scene
-        ? ToText(palpate::estimate_exploration(*scene, options, this->Cost.Of(*scene), numRanks))
-        : std::string();
+      const auto communicator = vtkPalpateCommunicator(controller);
+      const int threads = palpate::num_threads(*communicator, this->Threads);
+      return scene ? ToText(palpate::estimate_exploration(
+                       *scene, options, this->Cost.Of(*scene, threads), communicator->size()))
+                   : std::string();
     });
 }
 
@@ -307,19 +309,18 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
   this->SetAbortExecute(0);
   const bool goesOn = vtkPalpateStopGrowing(this);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-  const auto compute = [&]
+  const auto compute = [&](palpate::Communicator& communicator)
   {
     auto* piece = vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]);
-    const auto communicator = vtkPalpateCommunicator(controller);
     vtkPalpateNameBlocks(output, this->IntermediateStates > 0);
 
     vtkSmartPointer<vtkUnstructuredGrid> body;
-    palpate::agree(*communicator, [&] { body = vtkPalpateGatherBody(piece, controller); });
-    if (palpate::any(*communicator, body && vtkPalpatePassFailure(body, output)))
+    palpate::agree(communicator, [&] { body = vtkPalpateGatherBody(piece, controller); });
+    if (palpate::any(communicator, body && vtkPalpatePassFailure(body, output)))
     {
       return;
     }
-    const palpate::Scene scene = vtkPalpateShareScene(body, controller);
+    const palpate::Scene scene = vtkPalpateShareScene(body, communicator);
     if (this->UpdateInterval > 0 && this->FileName.empty())
     {
       throw palpate::InputError("A space with an update interval goes on from its file. Set "
@@ -346,7 +347,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
 
     const std::string of = Describe(scene, options);
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
-    if (!palpate::any(*communicator, of != this->LastOf || !fileIsThere))
+    if (!palpate::any(communicator, of != this->LastOf || !fileIsThere))
     {
       output->ShallowCopy(this->Last);
       return;
@@ -356,16 +357,16 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     // Something is found each time, however short the interval.
     const palpate::Progress progress =
       [this,
-        tell = vtkPalpateProgress(this, communicator->rank(), this->LogInterval,
+        tell = vtkPalpateProgress(this, communicator.rank(), this->LogInterval,
           "Precompute State Space", "configurations")](const palpate::ProgressState& state)
     {
       const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
       return tell(state) && !(isDue && state.num_solved > 0);
     };
     const palpate::PrecomputeResult result =
-      palpate::precompute(scene, options, *communicator, progress);
+      palpate::precompute(scene, options, communicator, progress);
     const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
-      !palpate::any(*communicator, this->GetAbortExecute() != 0);
+      !palpate::any(communicator, this->GetAbortExecute() != 0);
     const auto keep = [&]
     {
       if (grows)
@@ -378,7 +379,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
         this->Last->ShallowCopy(output);
       }
     };
-    if (communicator->rank() != 0)
+    if (communicator.rank() != 0)
     {
       keep();
       return;
@@ -468,6 +469,7 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "SinglePrecisionFactors: " << this->SinglePrecisionFactors << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
      << indent << "RanksPerSolve: " << this->RanksPerSolve << '\n'
+     << indent << "Threads: " << this->Threads << '\n'
      << indent << "UpdateInterval: " << this->UpdateInterval << '\n'
      << indent << "LogInterval: " << this->LogInterval << '\n'
      << indent << "DisplacementBound: " << this->DisplacementBound << '\n'

@@ -239,6 +239,12 @@ public:
   vtkGetMacro(RanksPerSolve, int);
   ///@}
   ///@{
+  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
+  /// are cores for it.
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
+  ///@}
+  ///@{
   /// Largest error of the displacement that is carried for touching, as a share of the largest.
   vtkSetMacro(DisplacementBound, double);
   vtkGetMacro(DisplacementBound, double);
@@ -301,6 +307,7 @@ private:
   bool SinglePrecisionFactors = true;
   double MaximumSeconds = 0;
   int RanksPerSolve = 1;
+  int Threads = 0;
   double LogInterval = 10;
   double UpdateInterval = 0;
   double DisplacementBound = 1e-3;

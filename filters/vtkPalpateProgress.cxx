@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iostream>
 #include <sstream>
+#include <utility>
 
 #include "vtkAlgorithm.h"
 
@@ -26,6 +27,21 @@ std::string ToText(const palpate::ProgressState& state, const std::string& thing
   }
   return text.str();
 }
+}
+
+std::function<bool()> vtkPalpateAbortRequested(vtkAlgorithm* filter, std::function<double()> share)
+{
+  using Clock = std::chrono::steady_clock;
+  return [filter, share = std::move(share), last = Clock::time_point()]() mutable
+  {
+    const Clock::time_point now = Clock::now();
+    if (std::chrono::duration<double>(now - last).count() >= ProgressInterval)
+    {
+      last = now;
+      filter->UpdateProgress(share());
+    }
+    return filter->GetAbortExecute() != 0;
+  };
 }
 
 palpate::Progress vtkPalpateProgress(vtkAlgorithm* filter, int rank, double logInterval,

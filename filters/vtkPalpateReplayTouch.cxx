@@ -251,11 +251,11 @@ struct vtkPalpateReplayTouch::Replay
   std::map<vtkIdType, vtkSmartPointer<vtkPolyData>> Shapes;
 
   /// Reads the recording, on rank 0, if it is another one than before. @note Collective.
-  void Read(const std::string& fileName, vtkMultiProcessController* controller)
+  void Read(const std::string& fileName, vtkMultiProcessController* controller,
+    palpate::Communicator& ranks)
   {
-    const auto ranks = vtkPalpateCommunicator(controller);
     const bool reads = !controller || controller->GetLocalProcessId() == 0;
-    palpate::agree(*ranks,
+    palpate::agree(ranks,
       [&]
       {
         std::error_code missing; // Reading it says so.
@@ -422,7 +422,8 @@ int vtkPalpateReplayTouch::RequestInformation(
   std::vector<double> times;
   try
   {
-    this->Cache->Read(this->FileName, vtkMultiProcessController::GetGlobalController());
+    vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+    this->Cache->Read(this->FileName, controller, *vtkPalpateCommunicator(controller));
     times = this->Cache->TickTimes;
   }
   catch (const std::exception&)
@@ -467,11 +468,10 @@ int vtkPalpateReplayTouch::RequestData(
   const double time = port->Has(timeKey) ? port->Get(timeKey) : 0;
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   this->ErrorCode = vtkPalpateProduce(this, surface, controller,
-    [&]
+    [&](palpate::Communicator& ranks)
     {
       auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
-      const auto ranks = vtkPalpateCommunicator(controller);
-      if (palpate::any(*ranks, vtkPalpatePassFailure(input, surface)))
+      if (palpate::any(ranks, vtkPalpatePassFailure(input, surface)))
       {
         return;
       }
@@ -481,10 +481,10 @@ int vtkPalpateReplayTouch::RequestData(
           "; it must be a number of time steps in a second, or 0 for every tick.");
       }
       Replay& replay = *this->Cache;
-      replay.Read(this->FileName, controller);
+      replay.Read(this->FileName, controller, ranks);
       const bool shows = !controller || controller->GetLocalProcessId() == 0;
       Frame frame;
-      palpate::agree(*ranks,
+      palpate::agree(ranks,
         [&]
         {
           replay.Take(input, controller);

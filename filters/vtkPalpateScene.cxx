@@ -38,7 +38,9 @@ vtkDataArray* ScalarArray(vtkDataSetAttributes* attributes, const char* name)
 }
 
 /// Fills `materials`, each once, and `material_of_cell`.
-void ReadMaterials(vtkUnstructuredGrid* grid, palpate::Scene& scene)
+/// @param rheologies Null: they are not read.
+void ReadMaterials(
+  vtkUnstructuredGrid* grid, palpate::Scene& scene, std::vector<palpate::Rheology>* rheologies)
 {
   if (!ScalarArray(grid->GetCellData(), vtkPalpateArray::Law))
   {
@@ -53,6 +55,10 @@ void ReadMaterials(vtkUnstructuredGrid* grid, palpate::Scene& scene)
     throw InputError("Cell " + std::to_string(without - read.OfCell.begin()) +
       " has no material. Apply Assign Material to that part of the body too.");
   }
+  if (rheologies)
+  {
+    *rheologies = vtkPalpateReadRheologies(grid, read);
+  }
   scene.materials = std::move(read.Each);
   scene.material_of_cell = std::move(read.OfCell);
 }
@@ -62,6 +68,27 @@ std::string CellTypeName(int type)
 {
   const auto cell = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
   return cell ? cell->GetClassName() : "cell of the unknown type " + std::to_string(type);
+}
+
+palpate::Scene ReadScene(vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>* rheologies)
+{
+  palpate::Scene scene;
+  scene.mesh = vtkPalpateMeshFromGrid(grid);
+  // Before anything else looks at the geometry.
+  palpate::check_and_orient(scene.mesh);
+  ReadMaterials(grid, scene, rheologies);
+  vtkDataArray* fixed = ScalarArray(grid->GetPointData(), vtkPalpateArray::Fixed);
+  if (!fixed)
+  {
+    throw InputError("No point of the body is fixed: the point array Fixed is missing. Apply Set "
+                     "Boundary to it.");
+  }
+  scene.fixed = vtkPalpateChosenPoints(fixed);
+  vtkDataArray* touchable = ScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
+  scene.touchable = touchable ? vtkPalpateChosenPoints(touchable)
+                              : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
+  palpate::check(scene);
+  return scene;
 }
 
 void AddMaterials(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
@@ -148,23 +175,13 @@ std::vector<char> vtkPalpateTouchableSurface(
 
 palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid)
 {
-  palpate::Scene scene;
-  scene.mesh = vtkPalpateMeshFromGrid(grid);
-  // Before anything else looks at the geometry.
-  palpate::check_and_orient(scene.mesh);
-  ReadMaterials(grid, scene);
-  vtkDataArray* fixed = ScalarArray(grid->GetPointData(), vtkPalpateArray::Fixed);
-  if (!fixed)
-  {
-    throw InputError("No point of the body is fixed: the point array Fixed is missing. Apply Set "
-                     "Boundary to it.");
-  }
-  scene.fixed = vtkPalpateChosenPoints(fixed);
-  vtkDataArray* touchable = ScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
-  scene.touchable = touchable ? vtkPalpateChosenPoints(touchable)
-                              : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
-  palpate::check(scene);
-  return scene;
+  return ReadScene(grid, nullptr);
+}
+
+palpate::Scene vtkPalpateSceneFromGrid(
+  vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>& rheologies)
+{
+  return ReadScene(grid, &rheologies);
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(const palpate::Scene& scene)

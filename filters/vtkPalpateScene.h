@@ -7,6 +7,7 @@
 //   point array `Touchable`       not 0 where the body may be touched; where there is no such
 //   array:
 //                                 corners on the surface, not fixed
+//   cell arrays of the rheology   `Density`, …: vtkPalpateMaterials.h; for motion and weight alone
 //
 // Ids of points and cells are the same in the grid and in the scene.
 #pragma once
@@ -19,6 +20,11 @@
 
 class vtkDoubleArray;
 class vtkUnstructuredGrid;
+
+namespace palpate
+{
+struct Rheology;
+}
 
 namespace vtkPalpateArray
 {
@@ -44,6 +50,12 @@ PALPATEFILTERS_EXPORT std::vector<char> vtkPalpateTouchableSurface(
 /// The scene, checked.
 /// @throws palpate::InputError what is wrong, where, and which filter mends it.
 PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid);
+
+/// The scene, checked, and the rheology of each of its materials. Its equilibria are those of the
+/// scene above, but cells that differ in their rheology have materials of their own.
+/// @throws palpate::InputError the same, and a cell whose arrays make no rheology.
+PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
+  vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>& rheologies);
 
 /// The grid with its materials, `Fixed` and `Touchable`.
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(

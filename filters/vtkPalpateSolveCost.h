@@ -23,9 +23,10 @@ public:
   vtkPalpateSolveCost& operator=(const vtkPalpateSolveCost&) = delete;
 
   /// @throws palpate::InputError, palpate::BackendError as palpate::measure_solve_cost.
-  const palpate::SolveCost& Of(const palpate::Scene& scene);
+  const palpate::SolveCost& Of(const palpate::Scene& scene, int threads);
 
 private:
   std::unique_ptr<const palpate::SolveCost> Cost;
   std::string Hash; ///< of the scene that it is of
+  int Threads = 0;  ///< with which it was measured
 };

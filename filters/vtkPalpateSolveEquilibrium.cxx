@@ -7,24 +7,28 @@
 #include <optional>
 #include <utility>
 
+#include "assembly/mass.h"
+#include "base/error.h"
+#include "base/memory_error.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/solve_cost.h"
 #include "equilibrium/tangent_solver.h"
 #include "interaction/bonded_patch.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
+#include "materials/rheology.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
-#include "vtkFieldData.h"
 #include "vtkInformation.h"
-#include "vtkIntArray.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateActiveNodes.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateFields.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateLinearSolver.h"
 #include "vtkPalpateRigidTool.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateStress.h"
@@ -37,9 +41,6 @@
 
 namespace
 {
-constexpr const char* AutomaticSolver = "Automatic";
-/// The one that a group of ranks can share.
-constexpr const char* GroupSolver = "MUMPS";
 /// How many iterations go by until the progress bar is half full. How many there will be is not
 /// known; a solve of a moderate displacement has about ten.
 constexpr double IterationsAtHalf = 10;
@@ -48,61 +49,29 @@ constexpr double StepsOfContact = 3;
 /// A factor of more takes too long to be made without being asked for.
 constexpr long MostUnknownsTriedAgain = 150000;
 
-/// One row after the other, as tuples of `components`.
-template <class Array, class Matrix>
-void AddField(vtkDataObject* output, const char* name, int components, const Matrix& values)
-{
-  vtkNew<Array> array;
-  array->SetName(name);
-  array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(values.size() / components);
-  vtkIdType next = 0;
-  for (Eigen::Index row = 0; row < values.rows(); ++row)
-  {
-    for (Eigen::Index column = 0; column < values.cols(); ++column)
-    {
-      array->SetValue(next++, values(row, column));
-    }
-  }
-  output->GetFieldData()->AddArray(array);
-}
-
-void AddNumber(vtkDataObject* output, const char* name, double value)
-{
-  AddField<vtkDoubleArray>(output, name, 1, Eigen::Matrix<double, 1, 1>(value));
-}
-
-void AddInteger(vtkDataObject* output, const char* name, int value)
-{
-  AddField<vtkIntArray>(output, name, 1, Eigen::Matrix<int, 1, 1>(value));
-}
-
 void AddResult(vtkUnstructuredGrid* output, const palpate::Equilibrium& state)
 {
   output->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, state.u));
   output->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
   output->GetPointData()->SetActiveScalars(vtkPalpateArray::Displacement);
 
-  AddField<vtkDoubleArray>(output, "ReactionForce", 3, state.reaction);
-  AddField<vtkDoubleArray>(
+  vtkPalpateAddField<vtkDoubleArray>(output, "ReactionForce", 3, state.reaction);
+  vtkPalpateAddField<vtkDoubleArray>(
     output, "HapticStiffness", static_cast<int>(state.stiffness.size()), state.stiffness);
-  AddNumber(output, "Energy", state.energy);
-  AddInteger(output, "Outcome", static_cast<int>(state.outcome));
-  AddInteger(output, "Flags", state.flags);
-  vtkNew<vtkStringArray> message;
-  message->SetName("Message");
-  message->InsertNextValue(state.message);
-  output->GetFieldData()->AddArray(message);
-  AddInteger(output, "Iterations", state.iterations);
-  AddInteger(output, "Steps", state.steps);
-  AddNumber(output, "Seconds", state.seconds);
-  AddNumber(output, "Residual", state.residual);
-  AddNumber(output, "DisplacementError", state.displacement_error);
-  AddNumber(output, "MinimumDetF", state.minimum_det_f);
-  AddInteger(output, "NegativePivots", state.negative_pivots);
+  vtkPalpateAddNumber(output, "Energy", state.energy);
+  vtkPalpateAddInteger(output, "Outcome", static_cast<int>(state.outcome));
+  vtkPalpateAddInteger(output, "Flags", state.flags);
+  vtkPalpateAddText(output, "Message", state.message);
+  vtkPalpateAddInteger(output, "Iterations", state.iterations);
+  vtkPalpateAddInteger(output, "Steps", state.steps);
+  vtkPalpateAddNumber(output, "Seconds", state.seconds);
+  vtkPalpateAddNumber(output, "Residual", state.residual);
+  vtkPalpateAddNumber(output, "DisplacementError", state.displacement_error);
+  vtkPalpateAddNumber(output, "MinimumDetF", state.minimum_det_f);
+  vtkPalpateAddInteger(output, "NegativePivots", state.negative_pivots);
   if (!std::isnan(state.lowest_eigenvalue))
   {
-    AddNumber(output, "LowestEigenvalue", state.lowest_eigenvalue);
+    vtkPalpateAddNumber(output, "LowestEigenvalue", state.lowest_eigenvalue);
   }
 }
 
@@ -170,18 +139,17 @@ struct vtkPalpateSolveEquilibrium::Route
   std::unique_ptr<palpate::Interaction> Tool;
   Eigen::VectorXd Start;
   Eigen::VectorXd End;
-  /// The same tool where it is a rigid one, else null.
+  /// The same tool where it is a rigid one, else null, and what it is made of.
   const palpate::RigidContact* Contact = nullptr;
+  palpate::RigidTool Rigid;
+  /// Of each material of the scene, kg/m³; empty where there is no gravity.
+  std::vector<double> Densities;
 };
 
 vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
+  : LinearSolverNames(vtkPalpateLinearSolverNames())
 {
   this->SetNumberOfInputPorts(2);
-  this->LinearSolverNames->InsertNextValue(AutomaticSolver);
-  for (const std::string& name : palpate::tangent_solver_names())
-  {
-    this->LinearSolverNames->InsertNextValue(name);
-  }
 }
 
 vtkPalpateSolveEquilibrium::~vtkPalpateSolveEquilibrium() = default;
@@ -234,14 +202,13 @@ int vtkPalpateSolveEquilibrium::RequestData(
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   // A request that ended the run before is not for this one, and nobody else takes it back.
   this->SetAbortExecute(0);
-  const auto compute = [&]
+  const auto compute = [&](palpate::Communicator& communicator)
   {
-    const auto communicator = vtkPalpateCommunicator(controller);
     // On rank 0 alone.
     vtkSmartPointer<vtkUnstructuredGrid> body;
     std::optional<palpate::Scene> scene;
     Route route;
-    palpate::agree(*communicator,
+    palpate::agree(communicator,
       [&]
       {
         body =
@@ -253,20 +220,34 @@ int vtkPalpateSolveEquilibrium::RequestData(
         {
           return;
         }
-        scene = vtkPalpateSceneFromGrid(body);
+        std::vector<double> densities;
+        scene = this->MakeScene(body, densities);
         route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
                                                    : this->ContactRoute(*scene, surface);
+        route.Densities = densities;
       });
 
-    const bool together =
-      palpate::any(*communicator, scene && this->SolvesTogether(*scene, communicator->size()));
+    const bool together = palpate::any(communicator,
+      scene &&
+        vtkPalpateSolvesTogether(
+          this->LinearSolver, this->GroupUnknowns, *scene, communicator.size()));
+    const int threads = palpate::num_threads(communicator, this->Threads);
     const void* comm = together ? vtkPalpateMpiComm(controller) : nullptr;
+    palpate::agree(communicator,
+      [&]
+      {
+        if (together)
+        {
+          palpate::prepare_group_solver();
+        }
+      });
     if (scene)
     {
       auto linearSolver =
-        together ? palpate::make_group_solver(comm) : this->MakeLinearSolver(*scene);
+        together ? palpate::make_group_solver(comm) : this->MakeLinearSolver(*scene, threads);
       output->ShallowCopy(body);
-      this->Solve(*scene, route, std::move(linearSolver), output);
+      palpate::with_memory("to solve for the equilibrium of the body",
+        [&] { this->Solve(*scene, route, std::move(linearSolver), threads, output); });
     }
     else if (together)
     {
@@ -286,11 +267,12 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
     {
       const auto scene = vtkPalpateSceneToEstimate(
         { vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) }, controller);
+      const int threads = palpate::num_threads(*vtkPalpateCommunicator(controller), this->Threads);
       if (!scene)
       {
         return std::string();
       }
-      const palpate::SolveCost& cost = this->Cost.Of(*scene);
+      const palpate::SolveCost& cost = this->Cost.Of(*scene, threads);
       const palpate::EquilibriumOptions options;
       const bool isRigid = this->Tool != vtkPalpateBondedNode;
       palpate::WorkCount work = palpate::work_of_equilibrium();
@@ -305,24 +287,71 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
     });
 }
 
-bool vtkPalpateSolveEquilibrium::SolvesTogether(const palpate::Scene& scene, int numRanks) const
+palpate::Scene vtkPalpateSolveEquilibrium::MakeScene(
+  vtkUnstructuredGrid* body, std::vector<double>& densities) const
 {
-  const bool suits = this->LinearSolver == GroupSolver ||
-    (this->LinearSolver == AutomaticSolver &&
-      palpate::linear_solver_names().front() == GroupSolver &&
-      !palpate::may_do_without_factor(scene));
-  return numRanks > 1 && suits && palpate::count_unknowns(scene) >= this->GroupUnknowns;
+  const palpate::Vec3 gravity(this->BodyForce);
+  if (!gravity.allFinite())
+  {
+    throw palpate::InputError("BodyForce has a component that is no number.");
+  }
+  if (gravity.isZero(0))
+  {
+    return vtkPalpateSceneFromGrid(body);
+  }
+  std::vector<palpate::Rheology> rheologies;
+  palpate::Scene scene = vtkPalpateSceneFromGrid(body, rheologies);
+  for (const palpate::Rheology& rheology : rheologies)
+  {
+    densities.push_back(rheology.density);
+  }
+  if (*std::max_element(densities.begin(), densities.end()) == 0)
+  {
+    throw palpate::InputError(
+      "There is a BodyForce, but the body has no density, so that it has no weight. Give it one "
+      "(Density of Assign Material, kg/m³; soft tissue has about 1000), or no BodyForce.");
+  }
+  return scene;
+}
+
+palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
+  palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const
+{
+  Eigen::VectorXd start = route.Start;
+  if (!route.Densities.empty())
+  {
+    const palpate::MassMatrix mass(scene, route.Densities, solver.assembly());
+    palpate::Equilibrium rest = solver.set_load(mass.weight(palpate::Vec3(this->BodyForce)));
+    if (rest.outcome != palpate::Outcome::converged)
+    {
+      const Eigen::Index coordinates = start.size();
+      rest.t = start;
+      rest.reaction.setZero(coordinates);
+      rest.stiffness.setZero(coordinates, coordinates);
+      return rest;
+    }
+    if (route.Contact)
+    {
+      // The tool starts where it is clear of the body as it lies.
+      palpate::Scene settled = scene;
+      for (std::size_t point = 0; point < settled.mesh.points.size(); ++point)
+      {
+        settled.mesh.points[point] += rest.u.segment<3>(3 * static_cast<Eigen::Index>(point));
+      }
+      start = palpate::ToolClearance(settled, palpate::make_contact(settled, route.Rigid))
+                .start_for(route.End);
+    }
+  }
+  solver.set_interaction(*route.Tool);
+  return Follow(solver, start, route.End, this->Increments);
 }
 
 std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver(
-  const palpate::Scene& scene) const
+  const palpate::Scene& scene, int threads) const
 {
-  if (this->LinearSolver != AutomaticSolver)
-  {
-    return palpate::make_tangent_solver(this->LinearSolver);
-  }
-  return this->EstimateCondition ? palpate::make_linear_solver()
-                                 : palpate::choose_tangent_solver(scene);
+  return this->EstimateCondition && this->LinearSolver == vtkPalpateAutomaticSolver
+    ? palpate::make_linear_solver()
+    : vtkPalpateMakeLinearSolver(this->LinearSolver, scene, threads);
 }
 
 vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::BondedRoute(
@@ -345,6 +374,7 @@ vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
     palpate::with_defaults(vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface), scene);
   const palpate::RigidContact contact = palpate::make_contact(scene, tool);
   Route route;
+  route.Rigid = tool;
   route.End = palpate::Vec3(this->ToolPosition);
   route.Start = palpate::ToolClearance(scene, contact).start_for(route.End);
   route.Tool = contact.clone();
@@ -361,7 +391,7 @@ void vtkPalpateSolveEquilibrium::AddContact(
   pressure->SetNumberOfTuples(static_cast<vtkIdType>(patch.pressure.size()));
   std::copy(patch.pressure.begin(), patch.pressure.end(), pressure->GetPointer(0));
   output->GetPointData()->AddArray(pressure);
-  AddNumber(output, "ContactArea", patch.area);
+  vtkPalpateAddNumber(output, "ContactArea", patch.area);
   const double radius = 0.5 * route.Contact->shape().bounds().sizes().minCoeff();
   if (patch.longest_edge > radius)
   {
@@ -375,9 +405,10 @@ void vtkPalpateSolveEquilibrium::AddContact(
 }
 
 void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route& route,
-  std::unique_ptr<palpate::LinearSolver> linearSolver, vtkUnstructuredGrid* output)
+  std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output)
 {
   palpate::EquilibriumOptions options;
+  options.threads = threads;
   options.tolerance = this->Tolerance;
   options.max_iterations = this->MaximumIterations;
   options.max_seconds = this->MaximumSeconds;
@@ -389,22 +420,27 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
     return this->GetAbortExecute() != 0;
   };
   // What is beyond a fold, and tangents that are hard to solve for, need a factor.
-  const bool mayTryAgain = this->LinearSolver == AutomaticSolver && !linearSolver &&
+  const bool mayTryAgain = this->LinearSolver == vtkPalpateAutomaticSolver && !linearSolver &&
     palpate::count_unknowns(scene) <= MostUnknownsTriedAgain;
   palpate::EquilibriumSolver solver(scene, options, std::move(linearSolver));
-  solver.set_interaction(*route.Tool);
-  palpate::Equilibrium state = Follow(solver, route.Start, route.End, this->Increments);
+  palpate::Equilibrium state = this->SolveWith(solver, scene, route);
   if (mayTryAgain &&
     (state.outcome == palpate::Outcome::not_converged ||
       state.outcome == palpate::Outcome::tangent_not_solved))
   {
     solver = palpate::EquilibriumSolver(scene, options, palpate::make_linear_solver());
-    solver.set_interaction(*route.Tool);
-    state = Follow(solver, route.Start, route.End, this->Increments);
+    state = this->SolveWith(solver, scene, route);
   }
 
+  // What is added to each point and each cell, in numbers, at the most.
+  constexpr std::size_t perPoint = 30;
+  constexpr std::size_t perCell = 20;
+  palpate::require_memory(sizeof(double) *
+      (perPoint * scene.mesh.points.size() +
+        perCell * static_cast<std::size_t>(scene.mesh.num_cells())),
+    "for the deformed body");
   AddResult(output, state);
-  AddInteger(output, "Unknowns", solver.assembly().pattern().size);
+  vtkPalpateAddInteger(output, "Unknowns", solver.assembly().pattern().size);
   AddCells(output, "MinimumDetF", solver.assembly().minimum_det_f_of_cells(state.u));
   if (this->Stress)
   {
@@ -423,7 +459,7 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
   }
   if (this->EstimateCondition)
   {
-    AddNumber(output, "Condition", solver.condition(state));
+    vtkPalpateAddNumber(output, "Condition", solver.condition(state));
   }
   if (!state.message.empty())
   {
@@ -455,9 +491,12 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
      << this->ToolPosition[2] << " m\n"
      << indent << "ContactThickness: " << this->ContactThickness << " m\n"
      << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n"
+     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
+     << this->BodyForce[2] << " m/s^2\n"
      << indent << "Tolerance: " << this->Tolerance << '\n'
      << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
      << indent << "MaximumSeconds: " << this->MaximumSeconds << '\n'
+     << indent << "Threads: " << this->Threads << '\n'
      << indent << "Increments: " << this->Increments << '\n'
      << indent << "EstimateCondition: " << this->EstimateCondition << '\n'
      << indent << "Stress: " << this->Stress << '\n'

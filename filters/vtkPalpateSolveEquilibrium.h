@@ -37,8 +37,8 @@
 #include <vector>
 
 #include "PalpateFiltersModule.h"
-#include "vtkNew.h"
 #include "vtkPalpateSolveCost.h"
+#include "vtkSmartPointer.h"
 #include "vtkUnstructuredGridAlgorithm.h"
 
 class vtkPolyData;
@@ -46,6 +46,7 @@ class vtkStringArray;
 
 namespace palpate
 {
+class EquilibriumSolver;
 class LinearSolver;
 struct Equilibrium;
 struct Scene;
@@ -111,6 +112,12 @@ public:
   vtkGetMacro(ContactStiffness, double);
   ///@}
   ///@{
+  /// The field of gravity, m/s^2: the body rests under its weight, and the displacements of active
+  /// nodes count from that rest.
+  vtkSetVector3Macro(BodyForce, double);
+  vtkGetVector3Macro(BodyForce, double);
+  ///@}
+  ///@{
   /// Largest residual of an equilibrium, see palpate::EquilibriumOptions::tolerance (between 0 and
   /// 1).
   vtkSetMacro(Tolerance, double);
@@ -125,6 +132,12 @@ public:
   /// Time for an increment, s; 0 is no bound.
   vtkSetMacro(MaximumSeconds, double);
   vtkGetMacro(MaximumSeconds, double);
+  ///@}
+  ///@{
+  /// Threads of a rank that solve for a large body without a factor, to 1024; 0: as many as there
+  /// are cores for it.
+  vtkSetMacro(Threads, int);
+  vtkGetMacro(Threads, int);
   ///@}
   ///@{
   /// The way is gone in so many equal parts, at least 1, each from the equilibrium of the one
@@ -174,18 +187,21 @@ private:
   vtkPalpateSolveEquilibrium(const vtkPalpateSolveEquilibrium&) = delete;
   void operator=(const vtkPalpateSolveEquilibrium&) = delete;
 
-  /// Whether all of `numRanks` ranks solve for this body, or one of them.
-  bool SolvesTogether(const palpate::Scene& scene, int numRanks) const;
+  /// @param densities Of its materials, kg/m³; empty where there is no gravity.
+  palpate::Scene MakeScene(vtkUnstructuredGrid* body, std::vector<double>& densities) const;
   /// Null: there is no factor.
-  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(const palpate::Scene& scene) const;
+  std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(
+    const palpate::Scene& scene, int threads) const;
   /// A tool, and where it starts and ends.
   struct Route;
   Route BondedRoute(const palpate::Scene& scene) const;
   Route ContactRoute(const palpate::Scene& scene, vtkPolyData* surface);
+  palpate::Equilibrium SolveWith(
+    palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const;
   void AddContact(
     const Route& route, const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
   void Solve(const palpate::Scene& scene, const Route& route,
-    std::unique_ptr<palpate::LinearSolver> linearSolver, vtkUnstructuredGrid* output);
+    std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
 
   std::vector<vtkIdType> ActiveNodes = { 0 };
   std::vector<double> Displacements = { 0, 0, 0 };
@@ -197,15 +213,17 @@ private:
   double ToolPosition[3] = { 0, 0, 0 };
   double ContactThickness = 0;
   double ContactStiffness = 0;
+  double BodyForce[3] = { 0, 0, 0 };
   double Tolerance = 1e-10;
   int MaximumIterations = 60;
   double MaximumSeconds = 0;
+  int Threads = 0;
   int Increments = 1;
   bool EstimateCondition = false;
   bool Stress = false;
   int GroupUnknowns = 30000;
   std::string LinearSolver = "Automatic";
-  vtkNew<vtkStringArray> LinearSolverNames;
+  vtkSmartPointer<vtkStringArray> LinearSolverNames;
   std::string Estimate;
   vtkPalpateSolveCost Cost;
 };

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/memory_error.h"
 #include "state_space/schema.h"
 #include "vtkCellArray.h"
 #include "vtkDataArray.h"
@@ -821,9 +822,28 @@ void vtkPalpateNameBlocks(vtkPartitionedDataSetCollection* output, bool hasInter
   }
 }
 
+namespace
+{
+/// What the data of a space take, roughly, in bytes: arrays grow by doubling.
+std::size_t DataBytes(const palpate::Scene& scene, const TouchSpace& space)
+{
+  std::size_t bytes =
+    sizeof(palpate::Vec3) * scene.mesh.points.size() + sizeof(vtkIdType) * scene.mesh.cells.size();
+  for (const TouchToolSpace& toolSpace : space.tool_spaces)
+  {
+    bytes += sizeof(palpate::ConfigurationSummary) * toolSpace.configurations.size() +
+      sizeof(float) *
+        static_cast<std::size_t>(toolSpace.modes.size() + toolSpace.coefficients.size() +
+          toolSpace.coefficient_gradients.size());
+  }
+  return 2 * bytes;
+}
+}
+
 void vtkPalpateFillCollection(
   const palpate::Scene& scene, const TouchSpace& space, vtkPartitionedDataSetCollection* output)
 {
+  palpate::require_memory(DataBytes(scene, space), "for the data of the state space");
   const auto configurations = ConfigurationData(space);
   AddSpaceFields(space, configurations->GetFieldData());
   output->SetPartition(0, 0, vtkPalpateGridFromScene(scene));

@@ -53,13 +53,12 @@ int vtkPalpateStateSpaceReader::RequestData(
   vtkPalpateStopGrowing(this);
   const bool reads = !controller || controller->GetLocalProcessId() == 0;
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
-    [&]
+    [&](palpate::Communicator& communicator)
     {
-      const auto communicator = vtkPalpateCommunicator(controller);
       palpate::Scene scene;
       palpate::TouchSpace space;
       bool complete = false;
-      palpate::agree(*communicator,
+      palpate::agree(communicator,
         [&]
         {
           if (!reads)
@@ -80,13 +79,13 @@ int vtkPalpateStateSpaceReader::RequestData(
             std::all_of(toolSpaces.begin(), toolSpaces.end(),
               [](const auto& toolSpace) { return toolSpace.complete; });
         });
-      if (!palpate::any(*communicator, complete))
+      if (!palpate::any(communicator, complete))
       {
         vtkPalpateGrow(this, controller);
       }
       // The blocks are the same on every rank.
       vtkPalpateNameBlocks(
-        output, palpate::any(*communicator, vtkPalpateHasIntermediateStates(space)));
+        output, palpate::any(communicator, vtkPalpateHasIntermediateStates(space)));
       if (!reads)
       {
         return;

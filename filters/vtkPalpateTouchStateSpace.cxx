@@ -9,6 +9,7 @@
 
 #include "assembly/assembly.h"
 #include "base/error.h"
+#include "base/memory_error.h"
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
@@ -318,16 +319,15 @@ int vtkPalpateTouchStateSpace::RequestData(
   auto* output = vtkPolyData::GetData(outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
-    [&]
+    [&](palpate::Communicator& ranks)
     {
       auto* input = vtkPalpateInput<vtkPartitionedDataSetCollection>(inputVector[0]);
       // Decided together: where rank 0 alone meets an error, the others must not wait for it.
-      const auto ranks = vtkPalpateCommunicator(controller);
-      if (palpate::any(*ranks, vtkPalpatePassFailure(input, output)))
+      if (palpate::any(ranks, vtkPalpatePassFailure(input, output)))
       {
         return;
       }
-      if (palpate::any(*ranks, !this->Cache || this->Cache->InputTime != input->GetMTime()))
+      if (palpate::any(ranks, !this->Cache || this->Cache->InputTime != input->GetMTime()))
       {
         this->Cache.reset();
         auto prepared = std::make_unique<Prepared>();
@@ -375,7 +375,7 @@ int vtkPalpateTouchStateSpace::RequestData(
         {
           if (needsBody && problem.empty())
           {
-            part();
+            palpate::with_memory("to find the displacement inside the body", part);
           }
         }
         catch (const std::exception& error)

@@ -2,34 +2,20 @@
 #include "vtkPalpateWholeBody.h"
 
 #include <algorithm>
-#include <exception>
 #include <iterator>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assembly/scene.h"
 #include "base/error.h"
+#include "exploration/transfer.h"
+#include "materials/rheology.h"
+#include "schedule/communicator.h"
 #include "vtkMultiProcessController.h"
-#include "vtkNew.h"
 #include "vtkPalpateScene.h"
 #include "vtkPointData.h"
 #include "vtkUnstructuredGrid.h"
-
-namespace
-{
-/// The text of rank 0 on every rank.
-std::string Broadcast(std::string text, vtkMultiProcessController* controller)
-{
-  auto length = static_cast<vtkIdType>(text.size());
-  controller->Broadcast(&length, 1, 0);
-  text.resize(static_cast<std::size_t>(length));
-  if (length > 0)
-  {
-    controller->Broadcast(text.data(), length, 0);
-  }
-  return text;
-}
-}
 
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
   const vtkPalpatePieces& own, vtkMultiProcessController* controller)
@@ -72,33 +58,54 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
   return vtkPalpateGatherBody(vtkPalpatePieces{ piece }, controller);
 }
 
-palpate::Scene vtkPalpateShareScene(
-  vtkUnstructuredGrid* body, vtkMultiProcessController* controller)
+namespace
 {
-  if (!controller || controller->GetNumberOfProcesses() == 1)
-  {
-    return vtkPalpateSceneFromGrid(body);
-  }
-  palpate::Scene scene;
-  std::string error;
-  vtkNew<vtkUnstructuredGrid> shared;
-  if (controller->GetLocalProcessId() == 0)
-  {
-    try
+/// @param read Reads it of the body, on rank 0. @note Collective.
+template <class Data, class Read>
+Data Share(palpate::Communicator& communicator, Read&& read)
+{
+  Data data;
+  palpate::Packer mine;
+  palpate::agree(communicator,
+    [&]
     {
-      scene = vtkPalpateSceneFromGrid(body);
-      shared->ShallowCopy(body);
-    }
-    catch (const std::exception& exception)
+      if (communicator.rank() == 0)
+      {
+        data = read();
+      }
+      if (communicator.rank() == 0 && communicator.size() > 1)
+      {
+        mine.put(data);
+      }
+    });
+  const std::vector<palpate::Bytes> all = communicator.all_gather(mine.take());
+  palpate::agree(communicator,
+    [&]
     {
-      error = exception.what();
-    }
-  }
-  error = Broadcast(error, controller);
-  if (!error.empty())
-  {
-    throw palpate::InputError(error);
-  }
-  controller->Broadcast(shared, 0);
-  return controller->GetLocalProcessId() == 0 ? scene : vtkPalpateSceneFromGrid(shared);
+      if (communicator.rank() != 0)
+      {
+        data = palpate::Unpacker(all.front()).take<Data>();
+      }
+    });
+  return data;
+}
+}
+
+palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body, palpate::Communicator& communicator)
+{
+  return Share<palpate::Scene>(communicator, [&] { return vtkPalpateSceneFromGrid(body); });
+}
+
+palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body, palpate::Communicator& communicator,
+  std::vector<palpate::Rheology>& rheologies)
+{
+  auto both = Share<std::pair<palpate::Scene, std::vector<palpate::Rheology>>>(communicator,
+    [&]
+    {
+      std::vector<palpate::Rheology> read;
+      palpate::Scene scene = vtkPalpateSceneFromGrid(body, read);
+      return std::make_pair(std::move(scene), std::move(read));
+    });
+  rheologies = std::move(both.second);
+  return std::move(both.first);
 }

@@ -3,6 +3,8 @@
 // filters of ours work on the whole body: on rank 0, or on every rank.
 #pragma once
 
+#include <vector>
+
 #include "PalpateFiltersModule.h"
 #include "vtkPalpatePieces.h"
 #include "vtkSmartPointer.h"
@@ -12,6 +14,8 @@ class vtkUnstructuredGrid;
 
 namespace palpate
 {
+class Communicator;
+struct Rheology;
 struct Scene;
 }
 
@@ -28,6 +32,9 @@ PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
 
 /// The scene of rank 0, on every rank: vtkPalpateSceneFromGrid of `body`, which only rank 0 has.
 /// @note Collective.
-/// @throws palpate::InputError on every rank, with the same message, what it throws on rank 0.
+/// @throws palpate::InputError and palpate::MemoryError on every rank, with the same message.
 PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateShareScene(
-  vtkUnstructuredGrid* body, vtkMultiProcessController* controller);
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator);
+/// The same with the rheology of each of its materials.
+PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body,
+  palpate::Communicator& communicator, std::vector<palpate::Rheology>& rheologies);

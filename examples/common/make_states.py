@@ -7,8 +7,8 @@ example.
 
 Sample runs, in this folder, with the plugin loaded:
     xvfb-run -a pvpython make_states.py liver
-    for example in liver accuracy discretisation tolerance stability cluster roof palpation nodule \
-      brain; do xvfb-run -a pvpython make_states.py $example; done
+    for example in liver accuracy discretisation tolerance stability cluster roof palpation \
+      two_hands wobble nodule brain; do xvfb-run -a pvpython make_states.py $example; done
 """
 import os
 import sys
@@ -35,6 +35,8 @@ from roof import POISSON, TIP, YOUNG, make_roof, save_grid
 ARGS = parser().parse_args(["--resolution", "5", "--law", "Neo-Hookean"])
 # The point of liver.vtp that is farthest in front, and the way out of the body there.
 NODE_IN_FRONT, OUT = 265, np.array([-0.4, 0.4, 1.0])
+# A point below it, for a second tool.
+NODE_BELOW = 277
 OF_BRAIN = "brain_state.palpate"  # beside brain.palpate, which examples/brain/run makes
 TIP_RADIUS, HALF_WIDTH, TOOL_RADIUS = 0.015, 0.012, 0.01  # m
 
@@ -207,6 +209,32 @@ def make_palpation():
     return stage.view
 
 
+def moving_liver(nodes):
+    """A reduced model of a liver that swings, with tools at these points of liver.vtp."""
+    scene = liver_scene("Linear", YoungsModulus=5000, PoissonsRatio=0.4, Density=1060,
+                        ViscousTime=0.01)
+    model = BuildReducedModel(Input=scene, ActiveNodes=nodes, TipRadius=TIP_RADIUS, Reach=0.013,
+                              Modes=40, TrainingPaths=2, PathDuration=1, TestPaths=0)
+    named(Model=update(model))
+    stage = Stage(scene)
+    stage.clear()
+    stage.show(model, PALE)
+    for node in nodes:
+        place = model.GetClientSideObject().GetOutputDataObject(0).GetPoint(node)
+        stage.show(Sphere(Center=list(place), Radius=0.02 * stage.size), HAND)
+    return stage.view
+
+
+def make_two_hands():
+    """Two tools on the left lobe."""
+    return moving_liver([NODE_IN_FRONT, NODE_BELOW])
+
+
+def make_wobble():
+    """One tool in front."""
+    return moving_liver([NODE_IN_FRONT])
+
+
 def make_nodule():
     """The liver with the nodule in it, pressed over it."""
     organ.SURFACE = os.path.basename(organ.SURFACE)
@@ -313,8 +341,8 @@ def save(path):
 
 MAKERS = {"liver": make_liver, "accuracy": make_accuracy, "discretisation": make_discretisation,
           "tolerance": make_tolerance, "stability": make_stability, "cluster": make_cluster,
-          "roof": make_roof_touched, "palpation": make_palpation, "nodule": make_nodule,
-          "brain": make_brain}
+          "roof": make_roof_touched, "palpation": make_palpation, "two_hands": make_two_hands,
+          "wobble": make_wobble, "nodule": make_nodule, "brain": make_brain}
 # Where what they read is, if it is not that of the liver.
 DATA = {"roof": "roof", "nodule": "nodule", "brain": os.path.join("..", "out", "brain")}
 

@@ -603,7 +603,9 @@ void LimitProcess()
   constexpr double share = 0.8;
   const double memory =
     static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  const auto most = static_cast<rlim_t>(share * memory);
+  rlimit inherited;
+  getrlimit(RLIMIT_AS, &inherited);
+  const auto most = std::min(static_cast<rlim_t>(share * memory), inherited.rlim_cur);
   const rlimit address_space = { most, most };
   setrlimit(RLIMIT_AS, &address_space);
 }

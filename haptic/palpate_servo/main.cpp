@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/memory_error.h"
 #include "base/quantity.h"
 #include "haptic/palpate_servo/command_line.h"
 #include "haptic/palpate_servo/report.h"
@@ -358,6 +359,11 @@ int main(int argc, char** argv) {
       return EXIT_SUCCESS;
     }
     return line->replay.empty() ? palpate::run(*line) : palpate::replay(*line);
+  } catch (const std::bad_alloc&) {
+    char text[palpate::kMemoryTextBytes];
+    palpate::describe_memory(nullptr, text);
+    std::fprintf(stderr, "palpate-servo: %s\n", text);
+    return EXIT_FAILURE;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "palpate-servo: %s\n", error.what());
     return EXIT_FAILURE;

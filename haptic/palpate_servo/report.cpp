@@ -64,9 +64,10 @@ void print(const Counters& c, double limit) {
               c.touching_ticks);
   std::printf("interlock    %" PRIu64 " ticks without force; tripped %" PRIu64
               " times by stale reports, %" PRIu64 " by failed writes, %" PRIu64
-              " by disengaging, %" PRIu64 " by the guardian\n",
+              " by disengaging, %" PRIu64 " by the guardian, %" PRIu64
+              " by a body that stood still\n",
               c.tripped_ticks, c.trips_by_stale_reports, c.trips_by_failed_writes,
-              c.trips_by_disengaging, c.trips_by_guardian);
+              c.trips_by_disengaging, c.trips_by_guardian, c.trips_by_body);
   std::printf("sent         mean %.4f N while touching, largest %.4f N, limit %.4f N\n",
               rates.mean_force(), c.largest_force, limit);
   std::printf("limiter      %" PRIu64 " ticks by size, %" PRIu64 " by change, %" PRIu64

@@ -90,6 +90,7 @@ void visit_columns(Record& record, Visit&& visit) {
   }
   visit(Name{"sent"}, record.sent);
   visit(Name{"write_failed"}, record.write_failed);
+  visit(Name{"trust", {}, {}, true}, record.tick.contact.trust);
 }
 
 /// The name of the last column.

@@ -46,11 +46,12 @@ class Cells {
   std::vector<std::string> cells_;
 };
 
-std::vector<std::string> column_names() {
+std::vector<std::string> column_names(bool with_newer) {
   std::vector<std::string> names;
   const TickRecord any;
-  recording::visit_columns(
-      any, [&](const recording::Name& name, const auto&) { names.push_back(name.text()); });
+  recording::visit_columns(any, [&](const recording::Name& name, const auto&) {
+    if (with_newer || !name.is_newer) names.push_back(name.text());
+  });
   names.emplace_back(recording::kSettings);
   return names;
 }
@@ -59,9 +60,12 @@ std::vector<std::string> column_names() {
 
 struct RecordingReader::Impl {
   explicit Impl(const std::filesystem::path& path)
-      : name(path.string()), stream(path, std::ios::binary), names(column_names()) {
+      : name(path.string()), stream(path, std::ios::binary), names(column_names(true)) {
     if (!stream) throw InputError("The recording " + name + " cannot be opened.");
-    if (!read_cells() || cells.cells() != names) {
+    const bool has_header = read_cells();
+    has_newer = has_header && cells.cells() == names;
+    if (!has_newer) names = column_names(false);
+    if (!has_header || cells.cells() != names) {
       throw InputError(name +
                        " is no recording, or of another version: its first row does not name"
                        " the columns " +
@@ -93,7 +97,8 @@ struct RecordingReader::Impl {
                   std::to_string(names.size()) + " columns");
     }
     std::size_t column = 0;
-    recording::visit_columns(record, [&](const recording::Name&, auto& value) {
+    recording::visit_columns(record, [&](const recording::Name& what, auto& value) {
+      if (what.is_newer && !has_newer) return;
       if (!recording::parse(texts[column], value)) {
         throw error('"' + texts[column] + "\" is no value of the column " + names[column]);
       }
@@ -153,6 +158,8 @@ struct RecordingReader::Impl {
   std::string name;
   std::ifstream stream;
   std::vector<std::string> names;
+  /// It has the columns that are newer.
+  bool has_newer = false;
   Cells cells;
   std::string line;
   /// The header is 1.

@@ -2,9 +2,9 @@
 // The interlock holds the force off after a fault, until the hand has left the body.
 //
 // A cause (the reports are too old, writes fail, nobody holds the dead-man switch, the guardian had
-// to set the motors to zero) holds for a while. What it has tripped stays tripped when the cause is
-// over: the hand may be anywhere by then, and a force must not rise wherever it is. Outside of the
-// body, where no force is due, the interlock is armed again.
+// to set the motors to zero, the body was not stepped) holds for a while. What it has tripped stays
+// tripped when the cause is over: the hand may be anywhere by then, and a force must not rise
+// wherever it is. Outside of the body, where no force is due, the interlock is armed again.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +22,8 @@ inline constexpr std::uint32_t failed_writes = 2;
 inline constexpr std::uint32_t disengaged = 4;
 /// The guardian has latched a trip or does not look, or there is neither a guardian nor a watchdog.
 inline constexpr std::uint32_t guardian = 8;
+/// The reduced body was not stepped for SimulatedToolOptions::release_after.
+inline constexpr std::uint32_t body = 16;
 }  // namespace trips
 
 /// The first of the causes in words, as the end of "There is no force: …"; empty: there is none.
@@ -31,6 +33,7 @@ inline constexpr std::uint32_t guardian = 8;
   if ((tripped & trips::disengaged) != 0) {
     return "it is not permitted, or the button of the device is not held";
   }
+  if ((tripped & trips::body) != 0) return "the body was not stepped in time";
   return {};
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -124,6 +125,12 @@ double coupling_stiffness_for(const Specification& device, double body_stiffness
   return device.max_linear_stiffness > 0 && body_stiffness > displayed ? displayed : 0;
 }
 
+double coupling_stiffness_of_tool(const Specification& device, double wanted,
+                                  const ServoSettings& settings) {
+  const double displayed = coupling_stiffness_for(device, wanted, settings);
+  return displayed > 0 ? displayed : wanted;
+}
+
 Loop::Loop(Transport& transport, const Profile& profile, Clock& clock, const ServoOptions& options,
            LoopInbox& inbox, LoopOutbox& outbox)
     : clock_(clock),
@@ -139,12 +146,13 @@ void Loop::tick() noexcept {
   session_.poll();
   take_settings();
   const Touchable* body = inbox_.body.take();
+  SimulatedTool* tool = inbox_.tool.take();
   TickRing* recording = inbox_.recording.take();
 
   locate(settings_.servo);
-  touch(body, settings_);
-  observe_energy(body, settings_);
-  send_force(settings_.servo);
+  touch(body, tool, settings_);
+  observe_energy(tool != nullptr ? static_cast<const void*>(tool) : body, settings_);
+  send_force(settings_.servo, tool != nullptr);
 
   const Duration in_device = session_.take_device_time();
   const Duration taken = clock_.now() - begin_;
@@ -206,7 +214,7 @@ void Loop::take_settings() noexcept {
     settings.touch.coupling_stiffness *=
         newest.servo.workspace_scale / settings_.servo.workspace_scale;
   } else if (is_other) {
-    tool_.release();
+    release();
   }
   energy_goes_on_ = same_energy(settings_, settings);
   settings_ = settings;
@@ -223,25 +231,38 @@ void Loop::locate(const ServoSettings& settings) noexcept {
   tick_.velocity = to_scene * session_.velocity();
 }
 
-void Loop::touch(const Touchable* body, const LoopInbox::Settings& settings) noexcept {
+void Loop::release() noexcept {
+  tool_.release();
+  coupled_tool_.release();
+}
+
+void Loop::touch(const Touchable* body, SimulatedTool* tool,
+                 const LoopInbox::Settings& settings) noexcept {
   const auto is_held = [&](std::int32_t button) {
     return (session_.state().buttons >> button & 1U) != 0;
   };
   const std::int32_t dead_man = settings.servo.dead_man_button;
   const bool permitted = settings.servo.engaged && (dead_man < 0 || is_held(dead_man));
   session_.interlock().set(trips::disengaged, !permitted);
-  if (session_.interlock().tripped() != 0) tool_.release();
-  // Before the device has said where it is there is no place to move the tool to.
+  const Time now = clock_.now();
+  session_.interlock().set(trips::body, !coupled_tool_.listen(tool, now));
+  if (session_.interlock().tripped() != 0) release();
   const std::int32_t grasp = settings.servo.grasp_button;
   const bool grasps = grasp >= 0 && is_held(grasp);
-  tick_.contact =
-      session_.known() ? tool_.move(body, tick_.position, settings.touch, grasps) : Contact{};
+  if (!session_.known()) {
+    // There is no place to move the tool to yet.
+    tick_.contact = {};
+  } else if (tool != nullptr) {
+    tick_.contact = coupled_tool_.move(tick_.position, tick_.velocity, grasps || grasp < 0, now);
+  } else {
+    tick_.contact = tool_.move(body, tick_.position, settings.touch, grasps);
+  }
   const bool is_outside =
       tick_.contact.status == ContactStatus::free || tick_.contact.status == ContactStatus::nothing;
   if (is_outside) session_.interlock().rearm();
 }
 
-void Loop::observe_energy(const Touchable* body, const LoopInbox::Settings& settings) noexcept {
+void Loop::observe_energy(const void* body, const LoopInbox::Settings& settings) noexcept {
   const ServoSettings& servo = settings.servo;
   const double stored = servo.force_scale / servo.workspace_scale * tick_.contact.energy;
   // Of the tick before: one that was not running has sent nothing.
@@ -275,7 +296,7 @@ ServoState Loop::state(const ServoSettings& settings) const noexcept {
 }
 
 // The session limits it, whatever came before.
-void Loop::send_force(const ServoSettings& settings) noexcept {
+void Loop::send_force(const ServoSettings& settings, bool has_coupled_tool) noexcept {
   // As late as can be: the thread may have been held up since it has read the device.
   tick_.state = state(settings);
   tick_.limited = 0;
@@ -288,7 +309,11 @@ void Loop::send_force(const ServoSettings& settings) noexcept {
           settings.force_scale * (settings.workspace_rotation.transpose() * tick_.contact.force) -
           (settings.damping + tick_.added_damping) * session_.velocity();
     }
-    const double step = settings.slew_limit * std::min(interval_, 2 * seconds(options_.period));
+    // A hand that opens has nothing in it, at once.
+    const bool may_jump = has_coupled_tool && !touches(tick_.contact.status);
+    const double step =
+        may_jump ? std::numeric_limits<double>::infinity()
+                 : settings.slew_limit * std::min(interval_, 2 * seconds(options_.period));
     session_.send(wanted, largest_force(specification_, settings.force_limit), step, tick_.limited);
   }
   tick_.force = settings.workspace_rotation * session_.force();
@@ -302,6 +327,7 @@ void Loop::count_trips(std::uint32_t before) noexcept {
   if (is_new & trips::failed_writes) ++counters_.trips_by_failed_writes;
   if (is_new & trips::disengaged) ++counters_.trips_by_disengaging;
   if (is_new & trips::guardian) ++counters_.trips_by_guardian;
+  if (is_new & trips::body) ++counters_.trips_by_body;
 }
 
 void Loop::count() noexcept {
@@ -319,6 +345,7 @@ void Loop::count() noexcept {
     counters_.sum_of_forces += force;
     counters_.least_dissipated = std::min(counters_.least_dissipated, tick_.dissipated);
     if (tick_.added_damping > 0) ++counters_.damped_ticks;
+    if (tick_.contact.trust > kLargestTrusted) ++counters_.untrusted_ticks;
   }
 }
 

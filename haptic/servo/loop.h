@@ -18,6 +18,7 @@
 #include "haptic/servo/options.h"
 #include "haptic/servo/record.h"
 #include "haptic/servo/session.h"
+#include "haptic/simulating/coupled_tool.h"
 #include "haptic/touching/tool.h"
 
 namespace palpate {
@@ -25,6 +26,8 @@ namespace palpate {
 /// What one other thread gives the loop.
 struct LoopInbox {
   Handover<const Touchable> body;
+  /// A tool of a reduced body, which is moved in place of touching `body`.
+  Handover<SimulatedTool> tool;
   Handover<TickRing> recording;
   struct Settings {
     ServoSettings servo;
@@ -70,10 +73,15 @@ class Loop {
   /// to touch.
   void take_settings() noexcept;
   void locate(const ServoSettings& settings) noexcept;
-  void touch(const Touchable* body, const LoopInbox::Settings& settings) noexcept;
-  void observe_energy(const Touchable* body, const LoopInbox::Settings& settings) noexcept;
+  void touch(const Touchable* body, SimulatedTool* tool,
+             const LoopInbox::Settings& settings) noexcept;
+  /// Lets go of whatever is touched.
+  void release() noexcept;
+  /// @param body What is touched.
+  void observe_energy(const void* body, const LoopInbox::Settings& settings) noexcept;
   [[nodiscard]] ServoState state(const ServoSettings& settings) const noexcept;
-  void send_force(const ServoSettings& settings) noexcept;
+  /// @param has_coupled_tool The tool is that of a reduced body.
+  void send_force(const ServoSettings& settings, bool has_coupled_tool) noexcept;
   void count_trips(std::uint32_t before) noexcept;
   void count() noexcept;
 
@@ -84,6 +92,7 @@ class Loop {
   LoopOutbox& outbox_;
   DeviceSession session_;
   Tool tool_;
+  CoupledTool coupled_tool_;
   EnergyBalance balance_;
   /// The settings of the tick, and whether the energy that was counted under those of the tick
   /// before goes on under them.
@@ -98,7 +107,7 @@ class Loop {
   Vec3 device_moved_ = Vec3::Zero();
   /// The body, and how it was touched, that the observed energy belongs to: with another it begins
   /// anew. nothing: there is none that could be observed.
-  const Touchable* observed_body_ = nullptr;
+  const void* observed_body_ = nullptr;
   ContactStatus observed_ = ContactStatus::nothing;
   /// When the tick began, and the time since the one before, s.
   Time begin_{0};

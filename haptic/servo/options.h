@@ -40,7 +40,8 @@ struct ServoSettings {
   /// counted from 0; −1: no button is required.
   std::int32_t dead_man_button = -1;
   /// A rigid tool holds the active node at which it presses as long as this button of the device is
-  /// held, counted from 0; −1: it presses alone.
+  /// held, counted from 0; −1: it presses alone. The tool of a reduced body is held as long as this
+  /// button is; −1: whenever the hand has come within its reach.
   std::int32_t grasp_button = -1;
   /// Place in the scene of the centre of the device's workspace [3], m. This, the rotation and the
   /// scale stay as they are while the tool touches: others take effect when it is free, and
@@ -76,5 +77,11 @@ void validate(const ServoSettings& settings, const Specification& device);
 /// @param body_stiffness The largest stiffness of the body, N/m.
 [[nodiscard]] double coupling_stiffness_for(const Specification& device, double body_stiffness,
                                             const ServoSettings& settings);
+
+/// The stiffness of the virtual coupling (simulating/simulated_tool.h) of a tool that this device
+/// moves, N/m in the scene: no larger than what the device displays stably, where that is known.
+/// @param wanted N/m.
+[[nodiscard]] double coupling_stiffness_of_tool(const Specification& device, double wanted,
+                                                const ServoSettings& settings);
 
 }  // namespace palpate

@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "haptic/servo/servo.h"
 
-#include <pthread.h>
-#include <sched.h>
-#include <signal.h>
-
-#include <algorithm>
 #include <atomic>
-#include <cstdint>
-#include <cstring>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -18,13 +11,10 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "haptic/realtime/memory_lock.h"
+#include "haptic/realtime/realtime_thread.h"
 
 namespace palpate {
 namespace {
-
-constexpr const char* kHowToPermit =
-    " Give the user 'rtprio 95' and 'memlock unlimited' in /etc/security/limits.conf, and log in "
-    "again; or run without, where other work may delay the loop.";
 
 /// Of what is wrong with the device, in words; empty: nothing.
 std::string why_tripped(const Tick& tick) {
@@ -42,41 +32,9 @@ std::string why_tripped(const Tick& tick) {
     text +=
         "The guardian has set the motors to zero, because the loop was silent, or looks no more. ";
   }
+  if (tick.tripped & trips::body) text += "The body was not stepped for too long. ";
   if (!text.empty()) text += "There is no force until the tool was outside of the body.";
   return text;
-}
-
-/// Blocks all signals of this thread, and those that it starts meanwhile.
-class SignalsBlocked {
- public:
-  SignalsBlocked() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-
- private:
-  sigset_t before_;
-};
-
-/// Below what the thread's function has on its stack the loop and the driver need less than that.
-constexpr std::uintptr_t kStack = 256 << 10;
-
-/// Of the calling thread: what a function that is called now needs, and all above it.
-MemoryRange own_stack() {
-  pthread_attr_t attributes;
-  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return {};
-  void* lowest = nullptr;
-  std::size_t size = 0;
-  pthread_attr_getstack(&attributes, &lowest, &size);
-  pthread_attr_destroy(&attributes);
-  const auto here = reinterpret_cast<std::uintptr_t>(&attributes);
-  const auto begin = std::max(reinterpret_cast<std::uintptr_t>(lowest), here - kStack);
-  const std::uintptr_t end = reinterpret_cast<std::uintptr_t>(lowest) + size;
-  return {reinterpret_cast<const void*>(begin), end - begin};
 }
 
 /// A body that stays in memory as long as the loop may read it.
@@ -113,15 +71,10 @@ struct Servo::Shared {
 
   void be_realtime() {
     if (options.priority == 0) return;
-    sched_param parameters{};
-    parameters.sched_priority = options.priority;
-    const int failed = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-    realtime_priority = failed == 0;
-    if (failed != 0) {
-      const std::lock_guard lock(mutex);
-      problem = std::string("The servo loop has no real-time priority: ") + std::strerror(failed) +
-                "." + kHowToPermit;
-    }
+    const std::string why_not = take_realtime_priority(options.priority, "The servo loop");
+    realtime_priority = why_not.empty();
+    const std::lock_guard lock(mutex);
+    problem = why_not;
   }
 
   void run() noexcept {
@@ -202,6 +155,10 @@ void Servo::set_body(std::shared_ptr<const Touchable> body) {
   shared_->inbox.body.offer(std::move(body));
 }
 
+void Servo::set_tool(std::shared_ptr<SimulatedTool> tool) {
+  shared_->inbox.tool.offer(std::move(tool));
+}
+
 void Servo::set_settings(const ServoSettings& settings) {
   validate(settings, specification());
   shared_->settings.servo = settings;
@@ -260,6 +217,10 @@ std::string Servo::problem() {
   const LoopOutbox::Newest& newest = shared_->outbox.newest.read();
   const Counters& counters = newest.counters;
   if (shared_->running && why_off.empty()) add(why_tripped(newest.tick));
+  if (newest.tick.contact.trust > kLargestTrusted) {
+    add("The body is moved by " + quantity(newest.tick.contact.trust, "") +
+        " times what its reduced model was trained for: its force is not to be trusted.");
+  }
   // A few are stale at the beginning and after each pause of the machine.
   constexpr std::uint64_t kManyTicks = 1000;
   constexpr std::uint64_t kShare = 50;

@@ -49,6 +49,11 @@ class Servo {
   /// Gives the body that is touched from the next tick on, also while another is touched; nullptr:
   /// none.
   void set_body(std::shared_ptr<const Touchable> body);
+  /// Gives a tool of a reduced body (ReducedBodyThread), which is moved from the next tick on in
+  /// place of touching a body of set_body(); nullptr: none. It is held while the button
+  /// ServoSettings::grasp_button is, or without one whenever the hand has come within its reach. No
+  /// other servo loop may have it.
+  void set_tool(std::shared_ptr<SimulatedTool> tool);
   /// @throws InputError a value is out of range, or the device lacks what is required.
   void set_settings(const ServoSettings& settings);
   /// @throws InputError a value is out of range.

@@ -32,6 +32,7 @@ struct Counters {
   std::uint64_t trips_by_failed_writes = 0;
   std::uint64_t trips_by_disengaging = 0;
   std::uint64_t trips_by_guardian = 0;
+  std::uint64_t trips_by_body = 0;
   /// Ticks in which the force was cut, held back, or not finite.
   std::uint64_t magnitude_limited = 0;
   std::uint64_t slew_limited = 0;
@@ -45,6 +46,9 @@ struct Counters {
   double least_dissipated = 0;
   /// Ticks in which the passivity controller added damping.
   std::uint64_t damped_ticks = 0;
+  /// Ticks in which a reduced body was held beyond what its model was trained for
+  /// (kLargestTrusted).
+  std::uint64_t untrusted_ticks = 0;
 };
 
 struct Statistics : Counters {

@@ -41,18 +41,21 @@ struct Contact {
   std::array<std::int32_t, 3> branches{};
   /// The point of the surface at rest that the tool is attached to; while it is free, the nearest
   /// point; while a rigid tool presses, where its centre is, from which the hand may be away by
-  /// what a coupling gives way [3], m.
+  /// what a coupling gives way; of a reduced body the place of its tool at rest [3], m.
   Vec3 anchor = Vec3::Zero();
-  /// Displacement of the active nodes [3], m.
+  /// Displacement of the active nodes, or of the tool of a reduced body [3], m.
   Vec3 displacement = Vec3::Zero();
   /// Force on the tool [3], N: the opposite of that which holds the nodes, or the tool.
   Vec3 force = Vec3::Zero();
   /// −∂force/∂(tool) [3×3], N/m.
   Mat3 stiffness = Mat3::Zero();
-  /// Energy that body, coupling and sticking friction store, J.
+  /// Energy that body, coupling and sticking friction store, J; of a reduced body see
+  /// coupled_tool.h.
   double energy = 0;
   /// The least certain support of the nodes, or that of the tool's place.
   Support support = Support::none;
+  /// Of a reduced body, see ReducedState::trust: above 2 do not trust the force. 0: it is none.
+  double trust = 0;
 };
 
 }  // namespace palpate

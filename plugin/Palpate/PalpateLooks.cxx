@@ -42,6 +42,13 @@ constexpr const char* Looks = R"json({
         "Energy Hermite", "0.84", "0.15", "0.16",
         "Energy Hermite, no third derivatives", "0.95", "0.6", "0.2",
         "Linear", "0", "0", "0"]
+    },
+    "PalpateMotionChartRepresentation": {
+      "UseIndexForXAxis": 0,
+      "XArrayName": "Time",
+      "SeriesColor": ["KineticEnergy", "0.84", "0.15", "0.16", "ElasticEnergy", "0.12", "0.47",
+        "0.71", "WeightEnergy", "0.6", "0.6", "0.6", "ViscousEnergy", "0.27", "0.62", "0.36",
+        "Dissipated", "0.95", "0.6", "0.2", "Work", "0", "0", "0"]
     }
   },
   "standard_presets": {
@@ -80,6 +87,15 @@ constexpr const char* HiddenSeries = R"json({
       "SeriesVisibility": ["Time", "0", "Bytes", "0", "PrecomputeSeconds", "0",
         "RBF linear, no polynomial", "0", "RBF linear, no intermediate states", "0",
         "RBF cubic, no polynomial", "0", "RBF cubic, no intermediate states", "0"]
+    },
+    "PalpateMotionChartRepresentation": {
+      "SeriesVisibility": ["Time", "0", "StepLength", "0", "MinimumDetF", "0", "LocalError", "0",
+        "Residual", "0", "Iterations", "0", "Halvings", "0", "Outcome", "0", "Trust", "0",
+        "Tangents", "0", "StepSeconds", "0", "Position0_X", "0",
+        "Position0_Y", "0", "Position0_Z", "0", "Position0_Magnitude", "0", "Force0_X", "0",
+        "Force0_Y", "0", "Force0_Z", "0", "Force0_Magnitude", "0", "Position1_X", "0",
+        "Position1_Y", "0", "Position1_Z", "0", "Position1_Magnitude", "0", "Force1_X", "0",
+        "Force1_Y", "0", "Force1_Z", "0", "Force1_Magnitude", "0"]
     }
   }
 })json";
@@ -90,6 +106,10 @@ constexpr const char* ShownSeries = R"json({
     "PalpateErrorChartRepresentation": {
       "SeriesVisibility": ["Energy Hermite", "1", "Energy Hermite, no third derivatives", "1",
         "Linear", "1", "RBF cubic", "1", "RBF linear", "1", "Tricubic", "1", "Trilinear", "1"]
+    },
+    "PalpateMotionChartRepresentation": {
+      "SeriesVisibility": ["KineticEnergy", "1", "ElasticEnergy", "1", "WeightEnergy", "1",
+        "ViscousEnergy", "1", "Dissipated", "1", "Work", "1"]
     }
   }
 })json";

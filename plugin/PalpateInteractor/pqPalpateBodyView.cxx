@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include "pqApplicationCore.h"
 #include "pqObjectBuilder.h"
@@ -26,6 +27,8 @@ namespace
 {
 /// A frame that comes later than this after the one before is late: 25 Hz.
 constexpr qint64 LatestFrame = 40; // ms
+constexpr const char* TouchSpace = "TouchStateSpace";
+constexpr const char* TouchReduced = "TouchReducedModel";
 /// So many more late than punctual ones, and the picture becomes plainer.
 constexpr int Patience = 8;
 /// Of a render view.
@@ -37,11 +40,11 @@ constexpr int FirstOfSpace = -1;
 constexpr int LikeTheFront = 400;
 constexpr int Culled = 401;
 
-pqPipelineSource* FindFilter(pqOutputPort* space)
+pqPipelineSource* FindFilter(pqOutputPort* space, const char* name)
 {
   for (pqPipelineSource* consumer : space->getConsumers())
   {
-    if (QString(consumer->getProxy()->GetXMLName()) == "TouchStateSpace")
+    if (QString(consumer->getProxy()->GetXMLName()) == name)
     {
       return consumer;
     }
@@ -50,14 +53,14 @@ pqPipelineSource* FindFilter(pqOutputPort* space)
 }
 
 pqPipelineSource* MakeFilter(
-  pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most)
+  pqOutputPort* space, pqRenderView* view, const char* name, const char* colouredBy, double most)
 {
   pqPipelineSource* filter = pqApplicationCore::instance()->getObjectBuilder()->createFilter(
-    "filters", "TouchStateSpace", space->getSource(), space->getPortNumber());
+    "filters", name, space->getSource(), space->getPortNumber());
   if (!filter)
   {
-    throw std::runtime_error("The server has no filter Touch State Space: load the plugin Palpate "
-                             "on it, too.");
+    throw std::runtime_error(
+      std::string("The server has no filter ") + name + ": load the plugin Palpate on it, too.");
   }
   filter->setModifiedState(pqProxy::UNMODIFIED);
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
@@ -79,13 +82,28 @@ pqPipelineSource* MakeFilter(
 
 pqPalpateBodyView::pqPalpateBodyView(
   pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most, const double* free)
-  : Free{ free[0], free[1], free[2] }
-  , Filter(FindFilter(space))
+  : pqPalpateBodyView(space, view, TouchSpace, colouredBy, most, free)
+{
+}
+
+pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* model, pqRenderView* view, double most)
+  : pqPalpateBodyView(model, view, TouchReduced, "Displacement", most, nullptr)
+{
+}
+
+pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* filter,
+  const char* colouredBy, double most, const double* free)
+  : IsReduced(!free)
+  , Filter(FindFilter(space, filter))
   , View(view)
 {
+  if (free)
+  {
+    std::copy_n(free, 3, this->Free);
+  }
   if (!this->Filter)
   {
-    this->Filter = MakeFilter(space, view, colouredBy, most);
+    this->Filter = MakeFilter(space, view, filter, colouredBy, most);
   }
   // It may be a person's own, and show another place, or nothing here.
   this->SetRest();
@@ -140,6 +158,16 @@ void pqPalpateBodyView::ShowPressed(const double* place)
   this->Take(filter, isKnown);
 }
 
+void pqPalpateBodyView::ShowReduced(const double* coordinates, unsigned int number)
+{
+  vtkSMProxy* filter = this->Filter->getProxy();
+  const bool isKnown = this->IsKnown();
+  vtkSMPropertyHelper helper(filter, "Coordinates");
+  helper.SetNumberOfElements(number);
+  helper.Set(coordinates, number);
+  this->Take(filter, isKnown);
+}
+
 bool pqPalpateBodyView::IsKnown() const
 {
   return this->View && !this->View->getViewProxy()->GetNeedsUpdate();
@@ -189,6 +217,11 @@ void pqPalpateBodyView::ShowRest()
 
 void pqPalpateBodyView::SetRest()
 {
+  if (this->IsReduced)
+  {
+    this->ShowReduced(nullptr, 0);
+    return;
+  }
   constexpr int findsItself = -1;
   const double zero[3] = { 0, 0, 0 };
   vtkSMPropertyHelper(this->Filter->getProxy(), "ToolPosition").Set(this->Free, 3);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The touched body in ParaView's view: a filter TouchStateSpace, on the server wherever that is,
-/// which shows where a node is. Other filters can hang on it.
+/// which shows where a node is, or TouchReducedModel, which shows where a reduced body is. Other
+/// filters can hang on it.
 ///
 /// On a machine that does not draw fast enough edges are not smoothed as long as it touches
 /// (without graphics hardware that takes more than half of the time of a frame), and the inner side
@@ -29,6 +30,11 @@ public:
   pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most,
     const double* free);
 
+  /// Shows a reduced body at rest.
+  /// @param model The body with its reduced model.
+  /// @param most The largest displacement that is coloured, m.
+  pqPalpateBodyView(pqOutputPort* model, pqRenderView* view, double most);
+
   pqPipelineSource* GetFilter() const { return this->Filter; }
 
   /// @param node -1: the first of the space.
@@ -37,6 +43,9 @@ public:
   void Show(int node, int branch, const double* displacement);
   /// @param place Of a rigid tool [3], m.
   void ShowPressed(const double* place);
+  /// @param coordinates Of a reduced body, all of them; none: it is at rest.
+  /// @param number Of them.
+  void ShowReduced(const double* coordinates, unsigned int number);
   void ShowRest();
   /// Nothing is left out any more.
   void RestorePicture();
@@ -62,7 +71,13 @@ private:
   void KeepPace();
   void LeaveOut(vtkSMProxy* proxy, const char* property, int value);
 
-  double Free[3];
+  /// @param filter The name of the one that shows the body.
+  pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* filter,
+    const char* colouredBy, double most, const double* free);
+
+  /// Not of a reduced body.
+  double Free[3] = { 0, 0, 0 };
+  bool IsReduced;
   QPointer<pqPipelineSource> Filter;
   QPointer<pqRenderView> View;
   struct Omission

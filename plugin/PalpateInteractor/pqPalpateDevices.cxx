@@ -7,6 +7,9 @@
 
 #include "haptic/transport/open_device.h"
 #include "haptic/transport/simulated_board.h"
+#include "pqRenderView.h"
+#include "vtkCamera.h"
+#include "vtkSMRenderViewProxy.h"
 
 const char* const pqPalpateMouseDevice = "mouse";
 const char* const pqPalpateHandDevice = "hand";
@@ -69,6 +72,22 @@ std::shared_ptr<palpate::Motion> pqPalpateHandMotion(double depth)
         palpate::Vec3(aside * std::cos(angle), aside * std::sin(angle), -depth * part);
       return pose;
     });
+}
+
+palpate::Mat3 pqPalpateAxesOfDevice(pqRenderView* view)
+{
+  palpate::Vec3 towards = palpate::Vec3::UnitZ();
+  palpate::Vec3 up = palpate::Vec3::UnitY();
+  if (view)
+  {
+    vtkCamera* camera = view->getRenderViewProxy()->GetActiveCamera();
+    towards = -palpate::Vec3(camera->GetDirectionOfProjection());
+    const palpate::Vec3 viewUp(camera->GetViewUp());
+    up = (viewUp - viewUp.dot(towards) * towards).normalized();
+  }
+  palpate::Mat3 axes;
+  axes << towards, up.cross(towards), up;
+  return axes;
 }
 
 pqPalpateDevice pqPalpateOpenDevice(const QString& path)

@@ -12,6 +12,8 @@
 #include "haptic/transport/motion.h"
 #include "haptic/transport/transport.h"
 
+class pqRenderView;
+
 /// A line of the list of devices.
 struct pqPalpateDeviceName
 {
@@ -46,6 +48,11 @@ pqPalpateDevice pqPalpateSimulatedDevice(
 /// Down into the body along −z and up again in four seconds, in a circle that widens, for ever.
 /// @param depth Below the centre of the workspace, m at the device.
 std::shared_ptr<palpate::Motion> pqPalpateHandMotion(double depth);
+
+/// The rotation from the axes of a real device, x towards the person, y to the right, z up, to
+/// those of the scene.
+/// @param view What is right at the device is right in it; nullptr: the scene's y is up.
+palpate::Mat3 pqPalpateAxesOfDevice(pqRenderView* view);
 
 /// @throws palpate::InputError, palpate::BackendError it cannot be opened.
 pqPalpateDevice pqPalpateOpenDevice(const QString& path);

@@ -2,6 +2,8 @@
 #include "pqPalpateFetch.h"
 
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "pqOutputPort.h"
 #include "pqPipelineSource.h"
@@ -9,6 +11,8 @@
 #include "vtkDataObject.h"
 #include "vtkPVArrayInformation.h"
 #include "vtkPVDataInformation.h"
+#include "vtkPalpateReducedModel.h"
+#include "vtkPalpateScene.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkSMPropertyHelper.h"
@@ -64,6 +68,20 @@ bool pqPalpateGivesStateSpace(pqOutputPort* port)
   return FindField(port, "SceneHash") != nullptr;
 }
 
+bool pqPalpateGivesReducedModel(pqOutputPort* port)
+{
+  vtkPVDataInformation* data = port->getDataInformation();
+  return data && data->GetDataSetType() == VTK_UNSTRUCTURED_GRID &&
+    data->GetArrayInformation("ReducedBasis", vtkDataObject::POINT) != nullptr;
+}
+
+int pqPalpateCountTools(pqOutputPort* port)
+{
+  vtkPVArrayInformation* nodes =
+    port->getDataInformation()->GetArrayInformation("ActiveNodes", vtkDataObject::FIELD);
+  return nodes ? static_cast<int>(nodes->GetNumberOfTuples()) : 0;
+}
+
 bool pqPalpateHasRigidTool(pqOutputPort* port)
 {
   return FindField(port, "ContactStiffness") != nullptr;
@@ -85,6 +103,34 @@ palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port)
   }
   throw std::runtime_error("This source gives no state space. Choose the output of Precompute "
                            "State Space or of State Space Reader.");
+}
+
+pqPalpateReducedSpace pqPalpateFetchReduced(pqOutputPort* port)
+{
+  const vtkSmartPointer<vtkUnstructuredGrid> body = pqPalpateFetchBody(port);
+  if (!body)
+  {
+    throw std::runtime_error(
+      "This source gives no reduced model. Choose the output of Build Reduced Model.");
+  }
+  vtkPalpateReducedModel reduced = vtkPalpateReadReducedModel(body);
+  pqPalpateReducedSpace space;
+  space.Model = std::make_shared<const palpate::ReducedModel>(std::move(reduced.Model));
+  palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
+  palpate::check_and_orient(mesh);
+  space.Surface = palpate::make_surface(mesh);
+  space.ActiveNodes = std::move(reduced.ActiveNodes);
+  for (const vtkIdType node : space.ActiveNodes)
+  {
+    if (node < 0 || node >= body->GetNumberOfPoints())
+    {
+      throw std::runtime_error("The reduced model has a tool at point " + std::to_string(node) +
+        ", but the body has " + std::to_string(body->GetNumberOfPoints()) +
+        " points. Build the model again.");
+    }
+    space.Places.emplace_back(palpate::Vec3(body->GetPoint(node)));
+  }
+  return space;
 }
 
 vtkSmartPointer<vtkUnstructuredGrid> pqPalpateFetchBody(pqOutputPort* port)

@@ -2,6 +2,10 @@
 /// The client's own copy of what is in the pipeline.
 #pragma once
 
+#include <memory>
+#include <vector>
+
+#include "vtkPalpateReducedModel.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkSmartPointer.h"
 #include "vtkType.h"
@@ -12,7 +16,13 @@ class vtkUnstructuredGrid;
 /// Whether the port gives a state space, as far as is known of its data.
 bool pqPalpateGivesStateSpace(pqOutputPort* port);
 
-/// Whether that is of a rigid tool, and whether it is of active nodes.
+/// Whether the port gives a body with a reduced model, as far as is known of its data.
+bool pqPalpateGivesReducedModel(pqOutputPort* port);
+
+/// The number of tools of such a model.
+int pqPalpateCountTools(pqOutputPort* port);
+
+/// Whether a state space is of a rigid tool, and whether it is of active nodes.
 bool pqPalpateHasRigidTool(pqOutputPort* port);
 bool pqPalpateHasActiveNodes(pqOutputPort* port);
 
@@ -20,6 +30,17 @@ bool pqPalpateHasActiveNodes(pqOutputPort* port);
 /// to date.
 /// @throws palpate::InputError, std::runtime_error it is no state space, or cannot be fetched.
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port);
+
+/// The same of a body with its reduced model.
+struct pqPalpateReducedSpace
+{
+  std::shared_ptr<const palpate::ReducedModel> Model;
+  palpate::Surface Surface;
+  /// The active node of each tool, and where it is at rest, m.
+  std::vector<vtkIdType> ActiveNodes;
+  std::vector<palpate::Vec3> Places;
+};
+pqPalpateReducedSpace pqPalpateFetchReduced(pqOutputPort* port);
 
 /// The same of a body on its way to a state space; nullptr: it is no unstructured grid.
 vtkSmartPointer<vtkUnstructuredGrid> pqPalpateFetchBody(pqOutputPort* port);

@@ -9,16 +9,21 @@
 #include <QFormLayout>
 #include <QGroupBox>
 #include <QHBoxLayout>
+#include <QHeaderView>
 #include <QKeySequence>
 #include <QLabel>
 #include <QMainWindow>
 #include <QPushButton>
 #include <QScrollArea>
+#include <QScrollBar>
 #include <QSignalBlocker>
 #include <QStandardItemModel>
 #include <QStyle>
+#include <QTableWidget>
 #include <QToolBar>
 #include <QVBoxLayout>
+#include <algorithm>
+#include <utility>
 
 #include "pqActiveObjects.h"
 #include "pqApplicationCore.h"
@@ -39,6 +44,17 @@ namespace
 constexpr int FiguresInterval = 200; // ms
 /// Of a device in the list.
 constexpr int HasButtonRole = Qt::UserRole + 1;
+constexpr const char* FaultStyle = "color: #a00000";
+
+/// Of the table of tools.
+enum ToolColumns
+{
+  ToolColumn,
+  DeviceColumn,
+  ForceColumn,
+  StateColumn,
+  NumberOfToolColumns
+};
 
 template <class T>
 T* Named(T* widget, const char* name, const char* tip = "")
@@ -83,6 +99,9 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   };
   this->makeActions();
   this->makeChoices(addGroup("Touch", "touch"));
+  this->ToolsGroup = Named(new QGroupBox("Tools"), "toolsGroup");
+  column->addWidget(this->ToolsGroup);
+  this->makeTools(new QVBoxLayout(this->ToolsGroup));
   this->makeSettings(addGroup("Settings", "settings"));
   this->makeFigures(addGroup("Live", "live"));
   this->makeRecorder(addGroup("Recording", "recording"));
@@ -104,27 +123,14 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   area->setMinimumWidth(content->minimumSizeHint().width());
   this->setWidget(area);
 
-  QObject::connect(
-    &this->Touch, &pqPalpateTouch::started, this, &pqPalpateInteractorDock::showState);
-  QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this,
-    [this](const QString& why)
+  this->follow(this->Touch);
+  this->follow(this->ReducedTouch);
+  QObject::connect(&this->ReducedTouch, &pqPalpateReducedTouch::toolLost, this,
+    [this](int tool, const QString& why)
     {
-      this->showState();
-      this->say(why, !why.isEmpty());
-    });
-  QObject::connect(&this->Touch, &pqPalpateTouch::sampled, this,
-    [this](double time, double force, double bodyForce)
-    {
-      if (this->Graph)
-      {
-        this->Graph->addSample(time, force, bodyForce);
-      }
-    });
-  QObject::connect(&this->Touch, &pqPalpateTouch::recorded, this,
-    [this](const QString& file, quint64 ticks, const QString& fault)
-    {
-      this->Recorded->setText(
-        QString("%1 ticks in %2%3").arg(ticks).arg(file, fault.isEmpty() ? "" : ". " + fault));
+      const QSignalBlocker blocker(this->DeviceOfTool[tool]);
+      this->DeviceOfTool[tool]->setCurrentIndex(0);
+      this->say(why, true);
     });
   this->FiguresTimer.setInterval(FiguresInterval);
   QObject::connect(
@@ -137,13 +143,15 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   QObject::connect(model, &pqServerManagerModel::dataUpdated, this,
     [this]
     {
-      if (!this->Touch.isRunning())
+      if (!this->isTouching())
       {
         this->listSpaces();
       }
     });
   // Later: where it ended because the server is gone, that has first to be dealt with.
   QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this, list, Qt::QueuedConnection);
+  QObject::connect(
+    &this->ReducedTouch, &pqPalpateReducedTouch::stopped, this, list, Qt::QueuedConnection);
   QObject::connect(model, &pqServerManagerModel::nameChanged, this, list);
 
   this->listSpaces();
@@ -154,7 +162,8 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
 void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
 {
   this->Space = Named(new QComboBox(), "space",
-    "State spaces of the pipeline, from Precompute State Space or State Space Reader.");
+    "State spaces of the pipeline, from Precompute State Space or State Space Reader, and reduced "
+    "models, from Build Reduced Model.");
   this->Device = Named(new QComboBox(), "device",
     "Mouse: press the left button on the body and drag, near a black dot where there is no rigid "
     "tool; the wheel goes in and out; with Ctrl first it moves the camera. Simulated hand: presses "
@@ -173,6 +182,127 @@ void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
   QObject::connect(
     this->Refresh, &QPushButton::clicked, this, &pqPalpateInteractorDock::listDevices);
   QObject::connect(this->Start, &QPushButton::clicked, this->StartAction, &QAction::trigger);
+}
+
+void pqPalpateInteractorDock::makeTools(QVBoxLayout* column)
+{
+  this->Tools = Named(new QTableWidget(), "tools",
+    "The tools of the reduced model. Each device has a loop of its own; they move one body. A tool "
+    "that no device has moves with the body. A device that is chosen while the body is touched has "
+    "the tool from then on, and the others go on.");
+  this->Tools->setColumnCount(NumberOfToolColumns);
+  this->Tools->setHorizontalHeaderLabels({ "Tool (node)", "Device", "Force / body, N", "State" });
+  this->Tools->verticalHeader()->hide();
+  this->Tools->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+  this->Tools->horizontalHeader()->setStretchLastSection(true);
+  this->Tools->setSelectionMode(QAbstractItemView::NoSelection);
+  this->Tools->setEditTriggers(QAbstractItemView::NoEditTriggers);
+  column->addWidget(this->Tools);
+}
+
+void pqPalpateInteractorDock::listTools()
+{
+  pqOutputPort* space = this->chosenSpace();
+  const bool isReduced = space && pqPalpateGivesReducedModel(space);
+  const int number = isReduced ? pqPalpateCountTools(space) : 0;
+  this->ToolsGroup->setVisible(isReduced);
+  this->Device->setVisible(!isReduced);
+  for (QWidget* field : { this->Energy, this->Damping, this->Place, this->Force })
+  {
+    this->showRow(field, !isReduced);
+  }
+  for (QWidget* field : { this->Trust, this->StepTime })
+  {
+    this->showRow(field, isReduced);
+  }
+  QVector<QString> chosen;
+  for (QComboBox* devices : std::as_const(this->DeviceOfTool))
+  {
+    chosen.push_back(devices->currentData().toString());
+  }
+  if (chosen.isEmpty())
+  {
+    chosen.push_back(pqPalpateMouseDevice);
+  }
+  // At once: the table would keep them until the next turn of the events.
+  qDeleteAll(this->DeviceOfTool);
+  this->DeviceOfTool.clear();
+  this->Tools->setRowCount(0);
+  this->Tools->setRowCount(number);
+  for (int tool = 0; tool < number; ++tool)
+  {
+    auto* devices = new QComboBox();
+    devices->setObjectName(QString("deviceOfTool%1").arg(tool));
+    devices->addItem("None", QString());
+    for (int i = 0; i < this->Device->count(); ++i)
+    {
+      devices->addItem(this->Device->itemText(i), this->Device->itemData(i));
+      devices->setItemData(i + 1, this->Device->itemData(i, HasButtonRole), HasButtonRole);
+      const bool isEnabled =
+        qobject_cast<QStandardItemModel*>(this->Device->model())->item(i)->isEnabled();
+      qobject_cast<QStandardItemModel*>(devices->model())->item(i + 1)->setEnabled(isEnabled);
+    }
+    devices->setCurrentIndex(
+      std::max(0, devices->findData(tool < chosen.size() ? chosen[tool] : QString())));
+    QObject::connect(devices, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+      [this, tool] { this->chooseDevice(tool); });
+    this->DeviceOfTool.push_back(devices);
+    this->Tools->setCellWidget(tool, DeviceColumn, devices);
+    this->Tools->setItem(tool, ToolColumn, new QTableWidgetItem(QString::number(tool)));
+    this->Tools->setItem(tool, ForceColumn, new QTableWidgetItem());
+    this->Tools->setItem(tool, StateColumn, new QTableWidgetItem("closed"));
+  }
+  constexpr int mostRows = 6;
+  const int rowHeight = this->Tools->verticalHeader()->defaultSectionSize();
+  this->Tools->setFixedHeight(this->Tools->horizontalHeader()->sizeHint().height() +
+    rowHeight * std::min(number, mostRows) +
+    this->Tools->horizontalScrollBar()->sizeHint().height());
+}
+
+void pqPalpateInteractorDock::chooseDevice(int tool)
+{
+  if (!this->ReducedTouch.isRunning())
+  {
+    return;
+  }
+  QComboBox* devices = this->DeviceOfTool[tool];
+  QString fault = this->whyTaken(tool);
+  if (fault.isEmpty())
+  {
+    fault = this->ReducedTouch.setDevice(tool, devices->currentData().toString());
+  }
+  if (!fault.isEmpty())
+  {
+    const QSignalBlocker blocker(devices);
+    devices->setCurrentIndex(std::max(0, devices->findData(this->ReducedTouch.device(tool))));
+  }
+  this->say(fault, true);
+}
+
+QString pqPalpateInteractorDock::whyTaken(int tool) const
+{
+  const QString device = this->DeviceOfTool[tool]->currentData().toString();
+  if (device.isEmpty() || device == pqPalpateHandDevice)
+  {
+    return {};
+  }
+  for (int other = 0; other < this->DeviceOfTool.size(); ++other)
+  {
+    if (other != tool && this->DeviceOfTool[other]->currentData() == device)
+    {
+      return QString("%1 has tool %2: one device has one tool. Choose another device for tool %3.")
+        .arg(this->DeviceOfTool[tool]->currentText())
+        .arg(other)
+        .arg(tool);
+    }
+  }
+  return {};
+}
+
+void pqPalpateInteractorDock::showRow(QWidget* field, bool shown)
+{
+  field->setVisible(shown);
+  this->Live->labelForField(field)->setVisible(shown);
 }
 
 void pqPalpateInteractorDock::makeActions()
@@ -268,6 +398,8 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
   }
   QObject::connect(
     this->Bonded, &QCheckBox::toggled, this, &pqPalpateInteractorDock::enableSettings);
+  QObject::connect(this->Space, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+    &pqPalpateInteractorDock::listTools);
   for (QComboBox* choice : { this->Space, this->Device })
   {
     QObject::connect(choice, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
@@ -278,8 +410,27 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
 void pqPalpateInteractorDock::enableSettings()
 {
   pqOutputPort* space = this->chosenSpace();
-  const bool isRigid = space && pqPalpateHasRigidTool(space);
-  const bool hasButton = this->Device->currentData(HasButtonRole).toBool();
+  const bool isReduced = space && pqPalpateGivesReducedModel(space);
+  const bool isRigid = space && !isReduced && pqPalpateHasRigidTool(space);
+  const auto hasButtonOf = [](const QComboBox* devices)
+  { return devices->currentData(HasButtonRole).toBool(); };
+  const bool hasButton = isReduced
+    ? std::any_of(this->DeviceOfTool.begin(), this->DeviceOfTool.end(), hasButtonOf)
+    : hasButtonOf(this->Device);
+  if (isReduced)
+  {
+    // The tool is bonded, and its coupling is made for these scales.
+    this->Bonded->setEnabled(false);
+    this->ReleaseForce->setEnabled(false);
+    this->Friction->setEnabled(false);
+    this->Grasps->setEnabled(hasButton);
+    this->NeedsButton->setEnabled(hasButton);
+    this->ForceScale->setEnabled(!this->isTouching());
+    this->WorkspaceScale->setEnabled(!this->isTouching());
+    return;
+  }
+  this->ForceScale->setEnabled(true);
+  this->WorkspaceScale->setEnabled(true);
   this->Bonded->setEnabled(!isRigid);
   this->ReleaseForce->setEnabled(isRigid || this->Bonded->isChecked());
   this->Friction->setEnabled(isRigid);
@@ -289,6 +440,7 @@ void pqPalpateInteractorDock::enableSettings()
 
 void pqPalpateInteractorDock::makeFigures(QFormLayout* form)
 {
+  this->Live = form;
   const auto addRow = [&](const char* title, const char* name, const char* tip)
   {
     auto* label = Named(new QLabel(), name, tip);
@@ -305,6 +457,11 @@ void pqPalpateInteractorDock::makeFigures(QFormLayout* form)
   this->Energy = addRow("Energy balance", "energy",
     "What the hand has put in less what the body stores; below zero the loop has made energy.");
   this->Damping = addRow("Added damping", "damping", "Against energy of the loop's own making.");
+  this->Trust = addRow("Trust", "trust",
+    "How far the body is moved, of how far its model was trained for: to about 1 it is inside; "
+    "above 2 forces are not to be trusted.");
+  this->StepTime =
+    addRow("Step", "stepTime", "What a step of the body took: half of them less than, 99 %.");
   this->Place = addRow("Place", "place",
     "Of the tool in the space: the node that it moves and its branch, or how much deeper a rigid "
     "tool can go before the space ends.");
@@ -320,7 +477,7 @@ void pqPalpateInteractorDock::listSpaces()
   {
     for (pqOutputPort* port : source->getOutputPorts())
     {
-      if (pqPalpateGivesStateSpace(port))
+      if (pqPalpateGivesStateSpace(port) || pqPalpateGivesReducedModel(port))
       {
         this->Space->addItem(source->getSMName(), IdOf(port));
       }
@@ -329,6 +486,7 @@ void pqPalpateInteractorDock::listSpaces()
   const int index = this->Space->findData(chosen);
   this->Space->setCurrentIndex(index >= 0 ? index : this->Space->count() - 1);
   // Signals are blocked.
+  this->listTools();
   this->enableSettings();
   this->showState();
 }
@@ -370,15 +528,16 @@ void pqPalpateInteractorDock::listDevices()
   }
   const int index = this->Device->findData(chosen);
   this->Device->setCurrentIndex(index >= 0 ? index : 0);
+  this->listTools();
   this->enableSettings();
   this->say(faults, true);
 }
 
 void pqPalpateInteractorDock::startOrStop()
 {
-  if (this->Touch.isRunning())
+  if (this->isTouching())
   {
-    this->Touch.stop();
+    this->stopTouching();
     return;
   }
   pqOutputPort* space = this->chosenSpace();
@@ -386,7 +545,7 @@ void pqPalpateInteractorDock::startOrStop()
   if (!space)
   {
     this->say("There is no state space. Make one with Precompute State Space, or open a .palpate "
-              "file, and press Apply.",
+              "file, or make a reduced model with Build Reduced Model, and press Apply.",
       true);
     return;
   }
@@ -405,8 +564,24 @@ void pqPalpateInteractorDock::startOrStop()
     this->say("Name the file of the recording, or switch it off.", true);
     return;
   }
-  const QString fault =
-    this->Touch.start(space, view, this->Device->currentData().toString(), recording);
+  QString fault;
+  if (!pqPalpateGivesReducedModel(space))
+  {
+    fault = this->Touch.start(space, view, this->Device->currentData().toString(), recording);
+  }
+  else
+  {
+    QVector<QString> devices;
+    for (int tool = 0; tool < this->DeviceOfTool.size() && fault.isEmpty(); ++tool)
+    {
+      devices.push_back(this->DeviceOfTool[tool]->currentData().toString());
+      fault = this->whyTaken(tool);
+    }
+    if (fault.isEmpty())
+    {
+      fault = this->ReducedTouch.start(space, view, devices, recording);
+    }
+  }
   if (!fault.isEmpty())
   {
     this->say(fault, true);
@@ -426,11 +601,12 @@ void pqPalpateInteractorDock::sendSettings()
   settings.GraspsWithButton = this->Grasps->isEnabled() && this->Grasps->isChecked();
   settings.NeedsButton = this->NeedsButton->isEnabled() && this->NeedsButton->isChecked();
   this->Touch.setSettings(settings);
+  this->ReducedTouch.setSettings(settings);
 }
 
 void pqPalpateInteractorDock::showState()
 {
-  const bool runs = this->Touch.isRunning();
+  const bool runs = this->isTouching();
   this->Start->setText(runs ? "Stop" : "Start");
   this->StartAction->setText(runs ? "Stop Touching" : "Touch");
   this->StartAction->setIcon(
@@ -444,6 +620,7 @@ void pqPalpateInteractorDock::showState()
   this->RecordingFile->setEnabled(!runs && this->Records->isChecked());
   this->Space->setEnabled(!runs);
   this->Device->setEnabled(!runs);
+  this->enableSettings();
   if (runs == this->FiguresTimer.isActive())
   {
     return;
@@ -460,11 +637,67 @@ void pqPalpateInteractorDock::showState()
   {
     this->FiguresTimer.stop();
     this->State->setText("closed");
+    for (int tool = 0; tool < this->Tools->rowCount(); ++tool)
+    {
+      this->Tools->item(tool, StateColumn)->setText("closed");
+      this->Tools->item(tool, ForceColumn)->setText({});
+    }
   }
+}
+
+void pqPalpateInteractorDock::showReducedFigures()
+{
+  const pqPalpateReducedTouch::Figures f = this->ReducedTouch.figures();
+  this->State->setText("body " + f.Outcome);
+  this->State->setStyleSheet(f.Outcome == "converged" ? "" : FaultStyle);
+  this->Rates->setText(
+    QString("%1 steps/s, view %2 /s").arg(f.Rate, 0, 'f', 1).arg(f.FrameRate, 0, 'f', 0));
+  this->Lateness->setText(QString("%1 / %2 / %3 µs")
+                            .arg(f.Lateness[0], 0, 'f', 0)
+                            .arg(f.Lateness[1], 0, 'f', 0)
+                            .arg(f.Lateness[2], 0, 'f', 0));
+  this->Missed->setText(QString("%1 of %2 steps").arg(f.Missed).arg(f.Steps));
+  this->StepTime->setText(
+    QString("%1 / %2 µs").arg(f.StepTime[0], 0, 'f', 0).arg(f.StepTime[1], 0, 'f', 0));
+  this->Trust->setText(
+    QString("%1%2").arg(f.Trust, 0, 'f', 2).arg(f.IsTrusted ? "" : ", not to be trusted"));
+  this->Trust->setStyleSheet(f.IsTrusted ? "" : FaultStyle);
+  for (int tool = 0; tool < std::min<int>(f.Tools.size(), this->Tools->rowCount()); ++tool)
+  {
+    const pqPalpateReducedTouch::ToolFigures& figures = f.Tools[tool];
+    this->Tools->item(tool, ToolColumn)
+      ->setText(QString("%1 (%2)").arg(tool).arg(figures.ActiveNode));
+    this->Tools->item(tool, ForceColumn)
+      ->setText(QString("%1 / %2").arg(figures.Force, 0, 'f', 3).arg(figures.BodyForce, 0, 'f', 3));
+    this->Tools->item(tool, StateColumn)->setText(figures.State);
+    this->Tools->item(tool, StateColumn)->setToolTip(figures.State);
+  }
+  if (this->Records->isChecked())
+  {
+    this->showRecorded(f.Recorded, f.NotRecorded);
+  }
+  if (f.Problem != this->Problem)
+  {
+    this->Problem = f.Problem;
+    this->say(f.Problem, true);
+  }
+}
+
+void pqPalpateInteractorDock::showRecorded(quint64 ticks, quint64 missing)
+{
+  this->Recorded->setText(QString("%1 ticks%2")
+                            .arg(ticks)
+                            .arg(missing > 0 ? QString(", %1 missing").arg(missing) : QString()));
 }
 
 void pqPalpateInteractorDock::showFigures()
 {
+  if (this->ReducedTouch.isRunning())
+  {
+    this->showReducedFigures();
+    return;
+  }
+  this->State->setStyleSheet("");
   const pqPalpateTouch::Figures f = this->Touch.figures();
   this->State->setText(f.State + ", " + f.Contact);
   this->Rates->setText(
@@ -494,10 +727,7 @@ void pqPalpateInteractorDock::showFigures()
   this->Place->setText(place);
   if (this->Records->isChecked())
   {
-    this->Recorded->setText(
-      QString("%1 ticks%2")
-        .arg(f.Recorded)
-        .arg(f.NotRecorded > 0 ? QString(", %1 missing").arg(f.NotRecorded) : QString()));
+    this->showRecorded(f.Recorded, f.NotRecorded);
   }
   if (f.Problem != this->Problem)
   {
@@ -522,12 +752,44 @@ void pqPalpateInteractorDock::showGraph(bool shown)
 void pqPalpateInteractorDock::say(const QString& text, bool isFault)
 {
   this->Message->setText(text);
-  this->Message->setStyleSheet(isFault ? "color: #a00000" : "");
+  this->Message->setStyleSheet(isFault ? FaultStyle : "");
   this->Message->setVisible(!text.isEmpty());
+}
+
+void pqPalpateInteractorDock::stopTouching()
+{
+  this->Touch.stop();
+  this->ReducedTouch.stop();
+}
+
+template <class AnyTouch>
+void pqPalpateInteractorDock::follow(AnyTouch& touch)
+{
+  QObject::connect(&touch, &AnyTouch::started, this, &pqPalpateInteractorDock::showState);
+  QObject::connect(&touch, &AnyTouch::stopped, this,
+    [this](const QString& why)
+    {
+      this->showState();
+      this->say(why, !why.isEmpty());
+    });
+  QObject::connect(&touch, &AnyTouch::sampled, this,
+    [this](double time, double force, double bodyForce)
+    {
+      if (this->Graph)
+      {
+        this->Graph->addSample(time, force, bodyForce);
+      }
+    });
+  QObject::connect(&touch, &AnyTouch::recorded, this,
+    [this](const QString& file, quint64 ticks, const QString& fault)
+    {
+      this->Recorded->setText(
+        QString("%1 ticks in %2%3").arg(ticks).arg(file, fault.isEmpty() ? "" : ". " + fault));
+    });
 }
 
 void pqPalpateInteractorDock::closeEvent(QCloseEvent* event)
 {
-  this->Touch.stop();
+  this->stopTouching();
   this->Superclass::closeEvent(event);
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The dock of ParaView's window from where a state space is touched: what, with which device, how,
-/// and what the loop finds.
+/// The dock of ParaView's window from where a state space or a reduced body is touched: what, with
+/// which device, or with which devices each of the tools, how, and what the loops find.
 #pragma once
 
 #include <QDockWidget>
 #include <QTimer>
 
+#include "pqPalpateReducedTouch.h"
 #include "pqPalpateTouch.h"
 
 class QAction;
@@ -16,6 +17,8 @@ class QFormLayout;
 class QGroupBox;
 class QLabel;
 class QPushButton;
+class QTableWidget;
+class QVBoxLayout;
 class pqFileChooserWidget;
 class pqOutputPort;
 class pqPalpateForceGraph;
@@ -33,6 +36,7 @@ protected:
 
 private:
   void makeChoices(QFormLayout* form);
+  void makeTools(QVBoxLayout* column);
   void makeSettings(QFormLayout* form);
   void makeFigures(QFormLayout* form);
   void makeRecorder(QFormLayout* form);
@@ -41,11 +45,27 @@ private:
 
   void listSpaces();
   void listDevices();
+  /// A row for each tool of the reduced model that is chosen, with its list of devices; no table
+  /// where none is.
+  void listTools();
+  /// A device that is chosen for a tool while it is touched has it from now on.
+  void chooseDevice(int tool);
+  bool isTouching() const { return this->Touch.isRunning() || this->ReducedTouch.isRunning(); }
+  void stopTouching();
+  /// Why the tool's device cannot have it: another tool has that device; empty: it can.
+  QString whyTaken(int tool) const;
+  /// Of the figures.
+  void showRow(QWidget* field, bool shown);
+  void showRecorded(quint64 ticks, quint64 missing);
+  /// Shows what a Touch or a ReducedTouch tells.
+  template <class AnyTouch>
+  void follow(AnyTouch& touch);
   /// Settings that have no meaning with what is chosen are grey.
   void enableSettings();
   void startOrStop();
   void showState();
   void showFigures();
+  void showReducedFigures();
   /// Made when it is first wanted: a scene that does not need it does without its window of OpenGL.
   void showGraph(bool shown);
   void sendSettings();
@@ -57,9 +77,14 @@ private:
   QTimer FiguresTimer;
   QString Problem;
   pqPalpateTouch Touch;
+  pqPalpateReducedTouch ReducedTouch;
 
   QComboBox* Space = nullptr;
   QComboBox* Device = nullptr;
+  QGroupBox* ToolsGroup = nullptr;
+  QTableWidget* Tools = nullptr;
+  QVector<QComboBox*> DeviceOfTool;
+  QFormLayout* Live = nullptr;
   QPushButton* Refresh = nullptr;
   QPushButton* Start = nullptr;
   QAction* StartAction = nullptr;
@@ -89,4 +114,6 @@ private:
   QLabel* Energy = nullptr;
   QLabel* Place = nullptr;
   QLabel* Damping = nullptr;
+  QLabel* Trust = nullptr;
+  QLabel* StepTime = nullptr;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateMouse.h"
 
+#include <cstdio>
 #include <cstring>
 #include <utility>
 
@@ -27,30 +28,30 @@ constexpr double OnSurface = 1e-3;
 constexpr const char* Ctrl = "Control_";
 }
 
-pqPalpateMouse::pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
-  std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion)
-  : Body(std::move(body))
-  , Interactor(view->GetInteractor())
+pqPalpateMouse::pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::Surface& surface,
+  std::shared_ptr<palpate::MouseMotion> motion)
+  : Interactor(view->GetInteractor())
   , Renderer(view->GetRenderer())
   , Motion(std::move(motion))
 {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
-  for (const Vec3& point : space.surface.points)
+  Eigen::AlignedBox3d bounds;
+  for (const Vec3& point : surface.points)
   {
     points->InsertNextPoint(point.data());
+    bounds.extend(point);
   }
   vtkNew<vtkCellArray> triangles;
-  for (const auto& [a, b, c] : space.surface.triangles)
+  for (const auto& [a, b, c] : surface.triangles)
   {
     triangles->InsertNextCell({ a, b, c });
   }
-  vtkNew<vtkPolyData> surface;
-  surface->SetPoints(points);
-  surface->SetPolys(triangles);
-  this->Surface->SetDataSet(surface);
+  vtkNew<vtkPolyData> whole;
+  whole->SetPoints(points);
+  whole->SetPolys(triangles);
+  this->Surface->SetDataSet(whole);
   this->Surface->BuildLocator();
-  const auto& bounds = this->Body->surface().bounds();
   this->Size = bounds.diagonal().norm();
   this->Centre = bounds.max() + bounds.diagonal();
 
@@ -154,6 +155,14 @@ bool pqPalpateMouse::IsHidden(const Vec3& place) const
   const int hits =
     this->Surface->IntersectWithLine(near, before.data(), 0, along, hit, parametric, subId);
   return hits != 0;
+}
+
+std::string pqPalpateMouse::WayTo(const char* what, const Vec3& node, const Vec3& pressed) const
+{
+  char text[100];
+  std::snprintf(text, sizeof text, "%s\n%.0f mm away%s", what, 1e3 * (node - pressed).norm(),
+    this->IsHidden(node) ? ", on the other side. A drag turns the body." : ".");
+  return text;
 }
 
 Vec3 pqPalpateMouse::PointUnderCursor(const Vec3& depthOf) const

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The mouse as a hand: what it does with active nodes is in pqPalpateNodeMouse.h, what with a
-/// rigid tool in pqPalpateToolMouse.h.
+/// rigid tool in pqPalpateToolMouse.h, and what with a tool of a reduced body in
+/// pqPalpateReducedMouse.h.
 ///
 /// What it moves is the point of a simulated board, so that it touches by the servo loop as a
 /// device does. Where it touches nothing the workspace is moved, so that the tool is elsewhere
@@ -12,7 +13,6 @@
 #include <vector>
 
 #include "haptic/servo/tick.h"
-#include "haptic/touching/touchable.h"
 #include "haptic/transport/motion.h"
 #include "vtkNew.h"
 #include "vtkPalpateStateSpace.h"
@@ -32,15 +32,15 @@ public:
   void operator=(const pqPalpateMouse&) = delete;
 
   /// Goes on with what another one of the same kind did: the space has grown.
-  virtual void GoOnFrom(const pqPalpateMouse& other) = 0;
+  virtual void GoOnFrom(const pqPalpateMouse& /*other*/) {}
 
   /// Moves the board's point on, once a frame.
   virtual void Advance(const palpate::Tick& tick) = 0;
 
   /// The tool is to be bonded to what it touches.
-  virtual bool IsHolding() const = 0;
+  virtual bool IsHolding() const { return false; }
   /// The tool is somewhere, though it may touch nothing.
-  virtual bool ShowsTool() const = 0;
+  virtual bool ShowsTool() const { return false; }
 
   /// Place in the scene of the board's centre, m.
   const palpate::Vec3& GetWorkspaceCentre() const { return this->Centre; }
@@ -48,9 +48,10 @@ public:
   const std::string& GetHint() const { return this->Hint; }
 
 protected:
+  /// @param surface Of the body at rest.
   /// @param motion Of the board, the axes of which are those of the scene.
-  pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
-    std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion);
+  pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::Surface& surface,
+    std::shared_ptr<palpate::MouseMotion> motion);
 
   /// The left button is pressed.
   /// @return Whether the event is the mouse's and not the camera's.
@@ -75,6 +76,10 @@ protected:
   bool IsHidden(const palpate::Vec3& place) const;
   /// Of the pixel under the pointer, in the depth of a place.
   palpate::Vec3 PointUnderCursor(const palpate::Vec3& depthOf) const;
+  /// Where to press instead, in words.
+  /// @param what The beginning of that.
+  std::string WayTo(
+    const char* what, const palpate::Vec3& node, const palpate::Vec3& pressed) const;
   /// The direction in which the person looks.
   palpate::Vec3 Away() const;
   bool CtrlIsHeld() const;
@@ -83,7 +88,6 @@ protected:
   /// The point stands still, and the workspace is moved so that it is there.
   void PutTo(const palpate::Vec3& place) { this->Centre = place - this->Target; }
 
-  std::shared_ptr<const palpate::Touchable> Body;
   vtkWeakPointer<vtkRenderWindowInteractor> Interactor;
   vtkWeakPointer<vtkRenderer> Renderer;
   /// The body's diagonal, m.

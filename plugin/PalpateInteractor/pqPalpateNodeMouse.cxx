@@ -2,7 +2,6 @@
 #include "pqPalpateNodeMouse.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -23,7 +22,8 @@ constexpr double Within = 0.999;
 
 pqPalpateNodeMouse::pqPalpateNodeMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
   std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion)
-  : pqPalpateMouse(view, space, std::move(body), std::move(motion))
+  : pqPalpateMouse(view, space.surface, std::move(motion))
+  , Body(std::move(body))
 {
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
@@ -66,7 +66,9 @@ bool pqPalpateNodeMouse::Press()
     this->Body->nearest(place, std::max(Reach * this->Size, this->Body->largest_tip_radius()));
   if (this->Wanted < 0)
   {
-    this->Hint = this->WayToNearest(place);
+    const int nearest = this->Body->nearest(place, std::numeric_limits<double>::infinity());
+    this->Hint = this->WayTo(
+      "Press near a black dot: the nearest is", this->Body->nodes()[nearest].rest_position, place);
     return false;
   }
   this->Hint.clear();
@@ -80,17 +82,6 @@ void pqPalpateNodeMouse::Turn(int notches)
 {
   this->Depth += notches * Notch * this->Size * this->Away();
   this->Drag();
-}
-
-std::string pqPalpateNodeMouse::WayToNearest(const Vec3& place) const
-{
-  const int node = this->Body->nearest(place, std::numeric_limits<double>::infinity());
-  const Vec3& rest = this->Body->nodes()[node].rest_position;
-  char text[100];
-  std::snprintf(text, sizeof text, "Press near a black dot: the nearest is\n%.0f mm away%s",
-    1e3 * (rest - place).norm(),
-    this->IsHidden(rest) ? ", on the other side. A drag turns the body." : ".");
-  return text;
 }
 
 void pqPalpateNodeMouse::Drag()

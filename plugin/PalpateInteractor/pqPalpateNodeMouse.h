@@ -9,7 +9,9 @@
 /// mouse is, and at last outside again.
 #pragma once
 
+#include "haptic/touching/touchable.h"
 #include "pqPalpateMouse.h"
+#include "vtkPalpateStateSpace.h"
 
 class pqPalpateNodeMouse : public pqPalpateMouse
 {
@@ -21,7 +23,6 @@ public:
   void GoOnFrom(const pqPalpateMouse& other) override;
   void Advance(const palpate::Tick& tick) override;
   bool IsHolding() const override { return this->Phase == Phases::Holding; }
-  bool ShowsTool() const override { return false; }
 
 protected:
   bool Press() override;
@@ -40,10 +41,9 @@ private:
     Leaving
   };
 
-  /// Where to press instead.
-  std::string WayToNearest(const palpate::Vec3& place) const;
   palpate::Vec3 Outside() const;
 
+  std::shared_ptr<const palpate::Touchable> Body;
   /// By node, m: how far the space goes.
   std::vector<double> HalfWidths;
   Phases Phase = Phases::Away;

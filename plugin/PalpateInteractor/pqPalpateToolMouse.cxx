@@ -35,7 +35,8 @@ constexpr const char* SpaceEnds =
 
 pqPalpateToolMouse::pqPalpateToolMouse(vtkSMRenderViewProxy* view, const palpate::TouchSpace& space,
   std::shared_ptr<const palpate::Touchable> body, std::shared_ptr<palpate::MouseMotion> motion)
-  : pqPalpateMouse(view, space, std::move(body), std::move(motion))
+  : pqPalpateMouse(view, space.surface, std::move(motion))
+  , Body(std::move(body))
   , Normals(palpate::point_normals(space.surface))
 {
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)

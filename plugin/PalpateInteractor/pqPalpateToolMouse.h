@@ -7,7 +7,9 @@
 /// move the camera as ever.
 #pragma once
 
+#include "haptic/touching/touchable.h"
 #include "pqPalpateMouse.h"
+#include "vtkPalpateStateSpace.h"
 
 class pqPalpateToolMouse : public pqPalpateMouse
 {
@@ -49,6 +51,7 @@ private:
   palpate::Vec3 In() const;
   void ShowCursor(bool presses);
 
+  std::shared_ptr<const palpate::Touchable> Body;
   palpate::RigidTool Shape;
   palpate::Clearance Clearance;
   std::vector<palpate::Vec3> Normals;

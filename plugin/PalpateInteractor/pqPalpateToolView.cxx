@@ -46,6 +46,7 @@ constexpr double ToRim = -20000;
 constexpr double BeforeBody = -30;
 
 double ToolColour[3] = { 0.95, 0.75, 0.1 };
+double MouseColour[3] = { 0.1, 0.35, 0.9 };
 constexpr double ToolOpacity = 0.35;
 double VeilColour[3] = { 0.8, 0.8, 0.8 };
 constexpr double VeilOpacity = 0.75;
@@ -122,10 +123,7 @@ pqPalpateToolView::pqPalpateToolView(
   }
   this->ArrowScale = largestForce > 0 ? LongestArrow * size / largestForce : 0;
 
-  vtkNew<vtkPolyData> nodes;
-  nodes->SetPoints(points);
-  ShowSpheres(this->Rims, nodes, RimRadius * size, 1, 0);
-  ShowSpheres(this->Nodes, nodes, NodeRadius * size, 0, ToRim);
+  this->MakeNodes(points, size);
 
   if (rigid)
   {
@@ -137,7 +135,30 @@ pqPalpateToolView::pqPalpateToolView(
   {
     this->MakeTip(std::max(ToolRadius * size, body.largest_tip_radius()));
   }
+  this->MakeActors(view);
+}
 
+pqPalpateToolView::pqPalpateToolView(
+  vtkSMRenderViewProxy* view, const palpate::Vec3& place, double size, double largestForce)
+  : ArrowScale(largestForce > 0 ? LongestArrow * size / largestForce : 0)
+{
+  vtkNew<vtkPoints> points;
+  points->InsertNextPoint(place.data());
+  this->MakeNodes(points, size);
+  this->MakeTip(ToolRadius * size);
+  this->MakeActors(view);
+}
+
+void pqPalpateToolView::MakeNodes(vtkPoints* places, double size)
+{
+  vtkNew<vtkPolyData> nodes;
+  nodes->SetPoints(places);
+  ShowSpheres(this->Rims, nodes, RimRadius * size, 1, 0);
+  ShowSpheres(this->Nodes, nodes, NodeRadius * size, 0, ToRim);
+}
+
+void pqPalpateToolView::MakeActors(vtkSMRenderViewProxy* view)
+{
   vtkNew<vtkArrowSource> arrow;
   arrow->SetTipResolution(20);
   arrow->SetShaftResolution(16);
@@ -256,7 +277,30 @@ void pqPalpateToolView::Show(const palpate::Tick& tick, bool free)
     touches ? palpate::Vec3(contact.anchor + contact.displacement) : tick.position;
   this->Tool->SetVisibility(touches || free);
   this->Tool->SetPosition(place.x(), place.y(), place.z());
+  this->ShowForce(contact, place);
+}
 
+void pqPalpateToolView::ShowTool(const palpate::Contact& contact, bool has)
+{
+  const palpate::Vec3& u = contact.displacement;
+  const palpate::Vec3 place = contact.anchor + u;
+  for (vtkActor* dot : { this->Nodes.Get(), this->Rims.Get() })
+  {
+    dot->SetPosition(u.x(), u.y(), u.z());
+  }
+  this->Tool->SetVisibility(has);
+  this->Tool->SetPosition(place.x(), place.y(), place.z());
+  this->ShowForce(contact, place);
+}
+
+void pqPalpateToolView::MarkMouse()
+{
+  this->Tool->GetProperty()->SetColor(MouseColour);
+}
+
+void pqPalpateToolView::ShowForce(const palpate::Contact& contact, const palpate::Vec3& place)
+{
+  const bool touches = palpate::touches(contact.status);
   const double force = contact.force.norm();
   this->Arrow->SetVisibility(touches && force > 0 && std::isfinite(force));
   if (!this->Arrow->GetVisibility())

@@ -16,6 +16,7 @@
 #include "vtkPalpateStateSpace.h"
 #include "vtkWeakPointer.h"
 
+class vtkPoints;
 class vtkRenderer;
 class vtkSMRenderViewProxy;
 class vtkTextActor;
@@ -25,12 +26,23 @@ class pqPalpateToolView
 public:
   pqPalpateToolView(
     vtkSMRenderViewProxy* view, const palpate::TouchSpace& space, const palpate::Touchable& body);
+  /// Of one tool of a reduced body.
+  /// @param place At rest [3], m.
+  /// @param size The body's diagonal, m.
+  /// @param largestForce That is usual, N.
+  pqPalpateToolView(
+    vtkSMRenderViewProxy* view, const palpate::Vec3& place, double size, double largestForce);
   ~pqPalpateToolView();
   pqPalpateToolView(const pqPalpateToolView&) = delete;
   void operator=(const pqPalpateToolView&) = delete;
 
   /// @param free The tool is drawn where it touches nothing, too.
   void Show(const palpate::Tick& tick, bool free);
+  /// Of a tool of a reduced body, which takes its dot with it.
+  /// @param has The tip of a tool that a device has is seen also while it does not hold.
+  void ShowTool(const palpate::Contact& contact, bool has);
+  /// Blue, as the tip of the mouse among others.
+  void MarkMouse();
 
   /// Writes it at the top of the view; empty: nothing.
   /// @return Whether that is something else than before.
@@ -39,6 +51,10 @@ public:
 private:
   /// In the order in which they are drawn.
   std::array<vtkActor*, 5> GetActors() { return { Rims, Nodes, Veil, Tool, Arrow }; }
+  void MakeNodes(vtkPoints* places, double size);
+  /// The rest, and adds all to the view.
+  void MakeActors(vtkSMRenderViewProxy* view);
+  void ShowForce(const palpate::Contact& contact, const palpate::Vec3& place);
   void MakeTip(double radius);
   void MakeRigidTool(const palpate::RigidTool& tool);
   void MakeVeil(const palpate::Surface& surface, const std::vector<char>& pressable);

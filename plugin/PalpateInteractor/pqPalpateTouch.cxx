@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateTouch.h"
 
-#include <QCoreApplication>
 #include <QElapsedTimer>
-#include <QFileInfo>
-#include <QKeyEvent>
 #include <QPointer>
 #include <algorithm>
 #include <exception>
-#include <stdexcept>
 #include <utility>
 
-#include "haptic/recording/recorder.h"
 #include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
 #include "haptic/touching/pressing_range.h"
@@ -19,22 +14,18 @@
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
-#include "pqPalpateEscape.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateNodeMouse.h"
+#include "pqPalpateRecording.h"
 #include "pqPalpateToolMouse.h"
 #include "pqPalpateToolView.h"
 #include "pqPipelineSource.h"
 #include "pqRenderView.h"
 #include "pqServer.h"
 #include "pqServerManagerModel.h"
-#include "vtkCamera.h"
-#include "vtkLogger.h"
 #include "vtkPVLogger.h"
 #include "vtkSMPropertyHelper.h"
 #include "vtkSMRenderViewProxy.h"
-#include "vtkSMSession.h"
-#include "vtkWeakPointer.h"
 
 using palpate::Mat3;
 using palpate::Vec3;
@@ -42,7 +33,6 @@ using palpate::Vec3;
 namespace
 {
 constexpr int FrameInterval = 33; // ms
-constexpr float ConnectionPriority = 100;
 /// Of the radius of what can be touched: what the device reaches beyond that.
 constexpr double Room = 1.3;
 /// The simulated hand begins so far above where it touches, and goes so far into the body, of how
@@ -119,20 +109,6 @@ double UsualPressure(const palpate::TouchToolSpace& rigid)
   const double area = Pi * radius * palpate::depth_of(rigid.setup);
   return number > 0 ? MiddleOfMean * sum / number / area : 0;
 }
-
-/// The name itself, or the first of run-2.csv, run-3.csv, … that is not there yet.
-QString FreeName(const QString& name)
-{
-  const QFileInfo file(name);
-  const QString ending = file.suffix().isEmpty() ? QString() : "." + file.suffix();
-  QString free = name;
-  for (int number = 2; QFileInfo::exists(free); ++number)
-  {
-    free = QString("%1/%2-%3%4")
-             .arg(file.path(), file.completeBaseName(), QString::number(number), ending);
-  }
-  return free;
-}
 }
 
 /// All that there is while it runs.
@@ -153,12 +129,7 @@ struct pqPalpateTouch::Session
   Vec3 HandCentre = Vec3::Zero();
   Mat3 HandRotation = Mat3::Identity();
 
-  vtkWeakPointer<vtkSMSession> Connection;
-  unsigned long ConnectionObserver = 0;
-
   std::unique_ptr<palpate::Servo> Servo;
-  /// Uses the servo.
-  std::unique_ptr<pqPalpateEscape> Escape;
   /// The servo's, as last set.
   palpate::ServoSettings ServoSettings;
   palpate::TouchSettings TouchSettings;
@@ -166,8 +137,7 @@ struct pqPalpateTouch::Session
   std::unique_ptr<pqPalpateMouse> Mouse;
   std::unique_ptr<pqPalpateToolView> Tool;
   std::unique_ptr<pqPalpateBodyView> BodyView;
-  std::unique_ptr<palpate::Recorder> Recorder;
-  QString Recording;
+  std::unique_ptr<pqPalpateRecording> Recording;
 
   /// What is shown.
   int Node = -1;
@@ -267,14 +237,6 @@ struct pqPalpateTouch::Session
       this->Away().data());
   }
 
-  ~Session()
-  {
-    if (this->Connection)
-    {
-      this->Connection->RemoveObserver(this->ConnectionObserver);
-    }
-  }
-
   bool IsSimulatedHand() const { return this->Device == pqPalpateHandDevice; }
 };
 
@@ -285,33 +247,8 @@ pqPalpateTouch::pqPalpateTouch(QObject* parent)
   this->FrameTimer.setTimerType(Qt::PreciseTimer);
   QObject::connect(&this->FrameTimer, &QTimer::timeout, this, &pqPalpateTouch::showFrame);
 
+  QObject::connect(&this->Watch, &pqPalpateRunWatch::mustEnd, this, &pqPalpateTouch::end);
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
-  QObject::connect(model, &pqServerManagerModel::preSourceRemoved, this,
-    [this](pqPipelineSource* source)
-    {
-      if (this->Running &&
-        (source == this->Running->Source || source == this->Running->BodyView->GetFilter()))
-      {
-        this->end("The state space, or what shows it, was deleted.", Left::View);
-      }
-    });
-  QObject::connect(model, &pqServerManagerModel::preViewRemoved, this,
-    [this](pqView* view)
-    {
-      if (this->Running && view == this->Running->View)
-      {
-        this->end("The view was closed.", Left::Nothing);
-      }
-    });
-  const auto serverGoes = [this](pqServer* server)
-  {
-    if (this->Running && (!this->Running->Source || this->Running->Source->getServer() == server))
-    {
-      this->end("The server was disconnected.", Left::Nothing);
-    }
-  };
-  QObject::connect(model, &pqServerManagerModel::aboutToRemoveServer, this, serverGoes);
-  QObject::connect(model, &pqServerManagerModel::preServerRemoved, this, serverGoes);
   QObject::connect(model, &pqServerManagerModel::dataUpdated, this,
     [this](pqPipelineSource* source)
     {
@@ -320,26 +257,11 @@ pqPalpateTouch::pqPalpateTouch(QObject* parent)
         this->takeNewData();
       }
     });
-  QObject::connect(QCoreApplication::instance(), &QCoreApplication::aboutToQuit, this,
-    [this] { this->end({}, Left::Nothing); });
 }
 
 pqPalpateTouch::~pqPalpateTouch()
 {
-  this->end({}, Left::Nothing);
-}
-
-// Before anybody else gets the key: as a shortcut it would be ambiguous while one of ParaView's
-// modes of selection has the same one, and a dialog would keep it. The first event of a pressed key
-// is the one that asks whether somebody wants it in place of a shortcut.
-bool pqPalpateTouch::eventFilter(QObject* object, QEvent* event)
-{
-  if ((event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress) &&
-    static_cast<QKeyEvent*>(event)->key() == Qt::Key_Escape)
-  {
-    this->stop();
-  }
-  return QObject::eventFilter(object, event);
+  this->end({}, pqPalpateRunWatch::Left::Nothing);
 }
 
 QString pqPalpateTouch::start(
@@ -352,8 +274,7 @@ QString pqPalpateTouch::start(
     // First of all: without a place for it there is no reason to open a device.
     if (!recording.isEmpty())
     {
-      session->Recording = FreeName(recording);
-      session->Recorder = std::make_unique<palpate::Recorder>(session->Recording.toStdString());
+      session->Recording = std::make_unique<pqPalpateRecording>(recording);
     }
     const palpate::TouchSpace copy = pqPalpateFetchSpace(space);
     session->Space = space;
@@ -371,28 +292,21 @@ QString pqPalpateTouch::start(
     // The filter that shows the body moves one node, so one node is felt.
     session->TouchSettings.blended = false;
     session->Servo->set_body(session->Body);
-    if (session->Recorder)
+    if (session->Recording)
     {
       opened.Setup.scene_hash = session->Body->scene_hash();
-      session->Recorder->start(opened.Setup);
-      session->Servo->set_recording(session->Recorder->ring());
+      session->Recording->Start(opened.Setup, *session->Servo);
     }
     session->Time.start();
-    // ParaView opens a dialog when it hears of that, and the device would be left alone with it.
-    session->Connection = space->getServer()->session();
-    session->ConnectionObserver = session->Connection->AddObserver(
-      vtkPVSessionBase::ConnectionLost, this, &pqPalpateTouch::loseConnection, ConnectionPriority);
     this->Running = std::move(session);
-    // The last one that is installed is asked first.
-    QCoreApplication::instance()->installEventFilter(this);
     this->applySettings({});
     this->Running->Servo->start();
-    this->Running->Escape =
-      std::make_unique<pqPalpateEscape>([servo = this->Running->Servo.get()] { servo->let_go(); });
+    this->Watch.begin(space, view, this->Running->BodyView->GetFilter(),
+      [servo = this->Running->Servo.get()] { servo->let_go(); });
   }
   catch (const std::exception& error)
   {
-    this->end({}, Left::All);
+    this->end({}, pqPalpateRunWatch::Left::All);
     return error.what();
   }
   this->FrameTimer.start();
@@ -402,24 +316,16 @@ QString pqPalpateTouch::start(
 
 void pqPalpateTouch::stop()
 {
-  this->end({}, Left::All);
+  this->end({}, pqPalpateRunWatch::Left::All);
 }
 
-void pqPalpateTouch::loseConnection()
-{
-  this->end("The connection to the server was lost.", Left::Nothing);
-  // ParaView 5.13 goes at once, and its window with it.
-  vtkLog(WARNING, "The connection to the server was lost: the tool is without force.");
-}
-
-void pqPalpateTouch::end(const QString& why, Left left)
+void pqPalpateTouch::end(const QString& why, pqPalpateRunWatch::Left left)
 {
   if (!this->Running)
   {
     return;
   }
   this->FrameTimer.stop();
-  QCoreApplication::instance()->removeEventFilter(this);
   const std::shared_ptr<Session> session = std::move(this->Running);
   const bool ended = session->Servo->stop();
   const palpate::Statistics statistics = session->Servo->statistics();
@@ -436,40 +342,28 @@ void pqPalpateTouch::end(const QString& why, Left left)
   this->closeRecording(*session, {});
   session->Mouse.reset();
   session->Tool.reset();
-  if (left != Left::Nothing)
+  if (left != pqPalpateRunWatch::Left::Nothing)
   {
     session->BodyView->RestorePicture();
   }
-  if (left == Left::All)
+  if (left == pqPalpateRunWatch::Left::All)
   {
     session->BodyView->ShowRest();
   }
   Q_EMIT this->stopped(
     ended ? why : "The device's driver hangs: the device itself has to switch its motors off.");
+  // Last: what is still asked of a server that is lost makes ParaView end, and that is told before.
+  this->Watch.end();
 }
 
-void pqPalpateTouch::closeRecording(Session& session, QString fault)
+void pqPalpateTouch::closeRecording(Session& session, const QString& fault)
 {
-  if (!session.Recorder)
+  if (const std::unique_ptr<pqPalpateRecording> recording = std::move(session.Recording))
   {
-    return;
+    const QString ownFault = recording->Close();
+    Q_EMIT this->recorded(
+      recording->GetFile(), recording->GetWritten(), ownFault.isEmpty() ? fault : ownFault);
   }
-  try
-  {
-    session.Recorder->close();
-    if (session.Recorder->dropped() > 0)
-    {
-      fault = QString("%1 ticks are missing: the disk was too slow, or full.")
-                .arg(session.Recorder->dropped());
-    }
-  }
-  catch (const std::exception& error)
-  {
-    fault = error.what();
-  }
-  const quint64 written = session.Recorder->written();
-  session.Recorder.reset();
-  Q_EMIT this->recorded(session.Recording, written, fault);
 }
 
 void pqPalpateTouch::setSettings(const Settings& settings)
@@ -509,17 +403,8 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
     servo.workspace_scale = this->Current.WorkspaceScale > 0
       ? this->Current.WorkspaceScale
       : session.Radius / device.workspace_radius;
-    Vec3 towards = Vec3::UnitZ();
-    Vec3 up = Vec3::UnitY();
-    if (this->Current.FollowsCamera)
-    {
-      vtkCamera* camera = session.View->getRenderViewProxy()->GetActiveCamera();
-      towards = -Vec3(camera->GetDirectionOfProjection());
-      const Vec3 viewUp(camera->GetViewUp());
-      up = (viewUp - viewUp.dot(towards) * towards).normalized();
-    }
-    // The device's x is towards the person, y to the right, z up.
-    servo.workspace_rotation << towards, up.cross(towards), up;
+    servo.workspace_rotation =
+      pqPalpateAxesOfDevice(this->Current.FollowsCamera ? session.View.data() : nullptr);
   }
   if (!session.Mouse && this->Current.GraspsWithButton)
   {
@@ -554,7 +439,7 @@ void pqPalpateTouch::takeNewData()
     session.SetSpace(copy);
     session.ShowSpace(copy);
     session.Servo->set_body(session.Body);
-    if (isOther && session.Recorder)
+    if (isOther && session.Recording)
     {
       session.Servo->set_recording(nullptr);
       this->closeRecording(session, "The body has become another one: the recording ends there.");
@@ -567,19 +452,15 @@ void pqPalpateTouch::takeNewData()
   }
   catch (const std::exception& error)
   {
-    this->end(error.what(), Left::View);
+    this->end(error.what(), pqPalpateRunWatch::Left::View);
   }
 }
 
 void pqPalpateTouch::showFrame()
 {
-  if (this->Running)
+  if (this->Watch.hearsEscape())
   {
-    this->Running->Escape->HearsItself();
-    if (this->Running->Escape->WasPressed())
-    {
-      this->stop();
-    }
+    this->stop();
   }
   // Rendering may handle events, a timer's too.
   if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
@@ -593,7 +474,8 @@ void pqPalpateTouch::showFrame()
   if (tick.state == palpate::ServoState::gone)
   {
     this->IsShowing = false;
-    this->end("The device is gone: " + QString::fromStdString(session.Servo->problem()), Left::All);
+    this->end("The device is gone: " + QString::fromStdString(session.Servo->problem()),
+      pqPalpateRunWatch::Left::All);
     return;
   }
   if (session.Mouse)
@@ -607,7 +489,7 @@ void pqPalpateTouch::showFrame()
   catch (const std::exception& error)
   {
     this->IsShowing = false;
-    this->end(error.what(), Left::All);
+    this->end(error.what(), pqPalpateRunWatch::Left::All);
     return;
   }
 
@@ -716,10 +598,10 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
     figures.DepthLeft = palpate::depth_left(
       *session.Body->force_on_tool(), tick.contact.anchor, push, 2 * session.Deepest);
   }
-  if (session.Recorder)
+  if (session.Recording)
   {
-    figures.Recorded = session.Recorder->written();
-    figures.NotRecorded = session.Recorder->dropped();
+    figures.Recorded = session.Recording->GetWritten();
+    figures.NotRecorded = session.Recording->GetDropped();
   }
   figures.Problem = QString::fromStdString(session.Servo->problem());
   const std::string_view why = palpate::words_for(tick.tripped);

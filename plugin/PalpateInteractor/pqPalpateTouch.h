@@ -17,6 +17,7 @@
 #include <memory>
 
 #include "haptic/touching/settings.h"
+#include "pqPalpateRunWatch.h"
 
 class pqOutputPort;
 class pqRenderView;
@@ -112,9 +113,6 @@ Q_SIGNALS:
   /// @param fault Why it is not whole; empty: it is.
   void recorded(const QString& file, quint64 ticks, const QString& fault);
 
-protected:
-  bool eventFilter(QObject* object, QEvent* event) override;
-
 private:
   struct Session;
 
@@ -122,24 +120,18 @@ private:
   /// What has changed since the last frame.
   void show(const palpate::Tick& tick);
   /// @param fault Why it ends before its time; empty: it does not.
-  void closeRecording(Session& session, QString fault);
+  void closeRecording(Session& session, const QString& fault);
   /// The workspace, and the rest of what the loop is told.
   void applySettings(const palpate::Tick& tick);
   void takeNewData();
-  void loseConnection();
-  /// What of the pipeline is still there when it ends.
-  enum class Left
-  {
-    Nothing,
-    View,
-    All
-  };
   /// Zero force first; then the whole picture of the view, and the body at rest.
-  void end(const QString& why, Left left);
+  void end(const QString& why, pqPalpateRunWatch::Left left);
 
   Settings Current;
   /// Shared with the frame that is drawn, in which it may end.
   std::shared_ptr<Session> Running;
+  /// Uses what runs.
+  pqPalpateRunWatch Watch;
   QTimer FrameTimer;
   bool IsShowing = false;
 };

@@ -28,6 +28,7 @@ COLOURS = (96, 48, 32)  # the first that makes the picture small enough
 LARGEST = 60_000  # bytes
 SURFACE = os.path.join(source_folder, "examples", "liver", "liver.vtp")
 NODE = 107  # in front, in the middle
+SECOND_HAND = np.array((-0.05, 0.02, 0.0))  # from there
 NODULE, NODULE_RADIUS = np.array((-0.04, 0.02, 0.0)), 0.015
 # The viewer stands in front of the organ, to its right and above.
 VIEW_FROM = np.array((-0.55, 1.05, 0.75))
@@ -118,6 +119,90 @@ def save_label_map(name, voxel=4.0):
     writer.Write()
 
 
+def show_motion(material, scene):
+    """The liver, pulled to the front and back within 0.2 s, and how it swings then."""
+    material.Density, material.ViscousTime = 1060, 0.005
+    with open("pull.csv", "w") as file:
+        file.write("Time,Tool0_X,Tool0_Y,Tool0_Z\n0,0,0,0\n0.1,0,0,0.02\n0.2,0,0,0\n")
+    paths = CSVReader(FileName=["pull.csv"])
+    SetActiveSource(scene)
+    motion = add("Solve Dynamics")
+    motion.ToolPaths, motion.ActiveNodes, motion.EndTime = paths, [NODE], 0.8
+    motion.TimeStep, motion.TipRadius = 0.005, 0.012
+    apply()
+    warp = WarpByVector(Input=motion, Vectors=["POINTS", "Displacement"])
+    body_view = GetRenderViews()[0]
+    SetActiveView(body_view)
+    Show(warp)
+    Hide(motion)
+    GetAnimationScene().AnimationTime = 0.12
+    look(warp)
+    SetActiveSource(motion)
+    picture("SolveDynamics")
+    chart, = (view for view in GetViews() if view.GetXMLName() == "XYChartView")
+    Delete(chart)
+    for proxy in (warp, motion, paths):
+        Delete(proxy)
+    material.Density = material.ViscousTime = 0
+    GetAnimationScene().AnimationTime = 0
+
+
+def show_two_hands(material, scene):
+    """A model of the liver that two tools hold; they pull it apart within 0.3 s, and wait."""
+    material.Density, material.ViscousTime = 1060, 0.01
+    with open("hands.csv", "w") as file:
+        file.write("Time,Tool0_X,Tool0_Y,Tool0_Z,Tool1_X,Tool1_Y,Tool1_Z\n"
+                   "0,0,0,0,0,0,0\n0.3,0.01,0,0.01,-0.01,0.005,0.01\n")
+    paths = CSVReader(FileName=["hands.csv"])
+    SetActiveSource(scene)
+    model = add("Build Reduced Model")
+    places = vtk_to_numpy(servermanager.Fetch(scene).GetPoints().GetData())
+    other = np.linalg.norm(places - places[NODE] - SECOND_HAND, axis=1).argmin()
+    model.ActiveNodes, model.TipRadius = [NODE, int(other)], 0.012
+    model.TrainingPaths, model.MaximumPoints = 2, 500
+    apply()
+    sheet, = (view for view in GetViews() if view.GetXMLName() == "SpreadSheetView")
+    body_view = GetRenderViews()[0]
+    SetActiveView(body_view)
+    Show(model)
+    look(model)
+    SetActiveSource(model)
+    picture("BuildReducedModel")
+    Delete(sheet)
+    SetActiveView(body_view)
+    # What the dock does with it in each frame: both tools pull.
+    touched = add("Touch Reduced Model")
+    modes = model.PointData["ReducedBasis"].GetNumberOfComponents() // 3 - 6
+    touched.Coordinates = [0] * modes + [0.01, 0, 0.01, -0.01, 0.005, 0.01]
+    apply()
+    Hide(model)
+    look(touched)
+    picture("TouchReducedModel")
+    Delete(touched)
+    Show(model)
+    SetActiveSource(model)
+    touch = add("Simulate Touch")
+    touch.ToolPaths = paths
+    apply()
+    warp = WarpByVector(Input=touch, Vectors=["POINTS", "Displacement"])
+    SetActiveView(body_view)
+    shown = Show(warp)
+    Hide(touch)
+    Hide(model)
+    GetAnimationScene().AnimationTime = 0.3
+    look(warp)
+    # Not that of the body at rest.
+    shown.RescaleTransferFunctionToDataRangeOverTime()
+    SetActiveSource(touch)
+    picture("SimulateTouch")
+    chart, = (view for view in GetViews() if view.GetXMLName() == "XYChartView")
+    Delete(chart)
+    for proxy in (warp, touch, model, paths):
+        Delete(proxy)
+    material.Density = material.ViscousTime = 0
+    GetAnimationScene().AnimationTime = 0
+
+
 def main():
     window.resize(SIZE)
     dock = part("pqPalpateInteractorDock", QtWidgets.QDockWidget)
@@ -171,9 +256,12 @@ def main():
     picture("SolveEquilibrium")
     Delete(warp)
     Delete(solve)
-    SetActiveSource(scene)
-    Show(scene)
-    wait(0.3)
+
+    for show in (show_motion, show_two_hands):
+        show(material, scene)
+        SetActiveSource(scene)
+        Show(scene)
+        wait(0.3)
 
     space = add("Precompute State Space")
     space.ActiveNodes = [NODE]

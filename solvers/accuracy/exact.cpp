@@ -355,6 +355,7 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
   std::unique_ptr<EquilibriumSolver> solver;
   InteractionFactory tools(scene);
   Packer drawn;
+  const int threads = num_threads(communicator, options.equilibrium.threads);
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
     validate(options);
@@ -362,7 +363,9 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
     of_solver.follow_folds = false;
     of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
-    solver = std::make_unique<EquilibriumSolver>(scene, of_solver, choose_tangent_solver(scene));
+    of_solver.threads = threads;
+    solver = std::make_unique<EquilibriumSolver>(scene, of_solver,
+                                                 choose_tangent_solver(scene, threads));
     for (const ToolSpaceSetup& setup : setups) (void)tools.make(setup.interaction);
     if (communicator.rank() == 0) drawn.put(draw(scene, setups, options, tools));
   });

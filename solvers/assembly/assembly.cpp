@@ -12,9 +12,13 @@
 #include <utility>
 
 #include "assembly/kernels.h"
+#include "assembly/packet_sets.h"
 #include "base/error.h"
+#include "base/parallel.h"
 #include "elements/inversion.h"
 #include "elements/tetrahedron.h"
+#include "materials/rheology.h"
+#include "mesh/bisection_order.h"
 
 namespace palpate {
 namespace {
@@ -32,6 +36,41 @@ std::array<Vec3, 10> nodes_of(const std::vector<Vec3>& points, const Index* cell
   return nodes;
 }
 
+/// The items in an order of their places in `places`.
+std::vector<Index> reordered(const std::vector<Index>& items, std::vector<Index> order) {
+  for (Index& i : order) i = items[i];
+  return order;
+}
+
+/// The free nodes in an order in which parts of the body are compact. In a part the corners come
+/// first: they have most neighbours, and long rows take less time than short ones.
+std::vector<Index> order_nodes(const TetMesh& mesh, const std::vector<Index>& nodes) {
+  std::vector<char> is_corner(mesh.points.size(), 0);
+  for (Index c = 0; c < mesh.num_cells(); ++c) {
+    for (int a = 0; a < 4; ++a) is_corner[mesh.cell(c)[a]] = 1;
+  }
+  std::vector<Vec3> places;
+  std::vector<char> goes_first;
+  for (const Index p : nodes) {
+    places.push_back(mesh.points[p]);
+    goes_first.push_back(is_corner[p]);
+  }
+  const auto num_nodes = static_cast<Index>(nodes.size());
+  const Index num_parts = Ranges(num_nodes, kNodesOfPart).num_parts();
+  return reordered(nodes,
+                   order_by_bisection(places, (num_nodes + num_parts - 1) / num_parts, goes_first));
+}
+
+/// Cells in an order in which sets of packets are compact.
+std::vector<Index> order_cells(const TetMesh& mesh, const std::vector<Index>& cells) {
+  std::vector<Vec3> places;
+  for (const Index c : cells) {
+    Vec3& sum = places.emplace_back(Vec3::Zero());
+    for (int a = 0; a < 4; ++a) sum += mesh.points[mesh.cell(c)[a]];
+  }
+  return reordered(cells, order_by_bisection(places, kCellsOfSet));
+}
+
 /// @throws InputError
 void check_one_to_one(const TetMesh& mesh) {
   const NodalVector none = NodalVector::Zero(3 * Eigen::Index{mesh.num_points()});
@@ -47,6 +86,7 @@ void check_one_to_one(const TetMesh& mesh) {
 /// The elements of one law of energy and one formulation, laid out for the kernels.
 struct ElementGroup {
   const Kernels* kernels = nullptr;
+  const MemoryKernels* memory_kernels = nullptr;
   /// Cell of each place [num_packets × 8]; the filling repeats the last cell.
   std::vector<Index> cells;
   Index num_cells = 0;
@@ -60,9 +100,11 @@ struct ElementGroup {
   std::vector<Index> pressures;
   std::vector<BlockTarget> coupling_targets;
   std::vector<Index> pressure_targets;
+  PacketSets sets;
 
-  [[nodiscard]] ElementGroupView view() const {
-    return {static_cast<std::int32_t>(cells.size()) / kPacketSize,
+  [[nodiscard]] ElementGroupView view(Index set) const {
+    return {sets.start[set],
+            sets.start[set + 1],
             nodes.data(),
             gradients.data(),
             weights.data(),
@@ -188,11 +230,19 @@ struct Assembly::Data {
   [[nodiscard]] double pressure_scale_of(const Material& material) const;
   [[nodiscard]] std::vector<double> kernel_parameters(const Material& material,
                                                       ElementOrder order) const;
+  /// The same where the energy is multiplied by a factor.
+  [[nodiscard]] std::vector<double> scaled_parameters(const Material& material, ElementOrder order,
+                                                      double factor) const;
 
+  /// Whether nodes and cells are put in an order in which parts of the body are compact, for
+  /// threads. A body that is one part keeps its own.
+  [[nodiscard]] bool is_large() const { return Ranges(num_nodes, kNodesOfPart).num_parts() > 1; }
   void number_nodes(const Scene& scene);
   void number_pressures(const Scene& scene);
   [[nodiscard]] Couplings find_couplings(const TetMesh& mesh) const;
   void make_group(const Scene& scene, const std::vector<Index>& cells, const Couplings& couplings);
+  template <class Kernel>
+  [[nodiscard]] Result sum_over_sets(Kernel&& kernel) const;
   [[nodiscard]] Index node_of(Index point) const {
     return unknown_of_point[point] < 0 ? -1 : unknown_of_point[point] / 3;
   }
@@ -206,10 +256,15 @@ struct Assembly::Data {
 void Assembly::Data::number_nodes(const Scene& scene) {
   const std::vector<char> used = points_in_use(scene.mesh);
   unknown_of_point.assign(scene.mesh.points.size(), -1);
+  std::vector<Index> free;
   for (Index p = 0; p < scene.mesh.num_points(); ++p) {
-    if (used[p] == 0 || scene.fixed[p] != 0) continue;
-    unknown_of_point[p] = 3 * num_nodes++;
-    for (Index i = 0; i < 3; ++i) state_of_unknown.push_back(3 * p + i);
+    if (used[p] != 0 && scene.fixed[p] == 0) free.push_back(p);
+  }
+  num_nodes = static_cast<Index>(free.size());
+  if (is_large()) free = order_nodes(scene.mesh, free);
+  for (Index node = 0; node < num_nodes; ++node) {
+    unknown_of_point[free[node]] = 3 * node;
+    for (Index i = 0; i < 3; ++i) state_of_unknown.push_back(3 * free[node] + i);
   }
 }
 
@@ -223,6 +278,14 @@ std::vector<double> Assembly::Data::kernel_parameters(const Material& material,
     parameters.push_back(1 / (2 * shear_modulus(material)));
     parameters.push_back(pressure_scale_of(material));
   }
+  return parameters;
+}
+
+std::vector<double> Assembly::Data::scaled_parameters(const Material& material, ElementOrder order,
+                                                      double factor) const {
+  std::vector<double> parameters = kernel_parameters(material, order);
+  const auto constants = law_constants(scaled(material, factor));
+  std::copy_n(constants.begin(), kernels_of(material, order).num_constants, parameters.begin());
   return parameters;
 }
 
@@ -351,9 +414,12 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
 
   ElementGroup& group = groups.emplace_back();
   group.kernels = &kernels_of(first, mesh.order);
+  group.memory_kernels =
+      &best_memory_kernels(static_cast<int>(mesh.order), law_of_energy(first.law) == Law::linear);
   group.num_cells = static_cast<Index>(cells.size());
-  group.cells = cells;
-  while (group.cells.size() % kPacketSize != 0) group.cells.push_back(cells.back());
+  group.cells = is_large() ? order_cells(mesh, cells) : cells;
+  while (group.cells.size() % kPacketSize != 0)
+    group.cells.push_back(group.cells[cells.size() - 1]);
   const std::size_t num_places = group.cells.size();
   group.nodes.resize(num_places * npc);
   group.gradients.resize(num_places * rule.size() * npc * 3);
@@ -428,6 +494,30 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
       }
     }
   }
+  const auto num_packets = static_cast<Index>(num_places) / kPacketSize;
+  group.sets = is_large() ? make_coloured_sets(num_packets, group.nodes, num_points)
+                          : make_one_set(num_packets);
+}
+
+/// Sums what `kernel` gives for each set of packets, in their order.
+template <class Kernel>
+Assembly::Result Assembly::Data::sum_over_sets(Kernel&& kernel) const {
+  Result total{0, std::numeric_limits<double>::infinity()};
+  std::vector<GroupResult> results;
+  for (const ElementGroup& group : groups) {
+    results.resize(static_cast<std::size_t>(group.sets.num_sets()));
+    for (const std::vector<Index>& of_colour : group.sets.colours) {
+      for_each_part(static_cast<Index>(of_colour.size()), [&](Index i) {
+        const Index set = of_colour[i];
+        results[set] = kernel(group, group.view(set));
+      });
+    }
+    for (const GroupResult& part : results) {
+      total.energy += part.energy;
+      total.minimum_det_f = std::min(total.minimum_det_f, part.minimum_det_f);
+    }
+  }
+  return total;
 }
 
 Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
@@ -485,27 +575,21 @@ double Assembly::mean_edge() const { return data_->mean_edge; }
 
 Assembly::Result Assembly::residual(const NodalVector& state, NodalVector& force) const {
   force.setZero(state_size());
-  Result total{0, std::numeric_limits<double>::infinity()};
-  for (const auto& group : data_->groups) {
-    const GroupResult part = group.kernels->residual(group.view(), state.data(), force.data());
-    total.energy += part.energy;
-    total.minimum_det_f = std::min(total.minimum_det_f, part.minimum_det_f);
-  }
-  return total;
+  return data_->sum_over_sets([&](const ElementGroup& group, const ElementGroupView& set) {
+    return group.kernels->residual(set, state.data(), force.data());
+  });
 }
 
 Assembly::Result Assembly::tangent(const NodalVector& state, NodalVector& force,
                                    std::vector<double>& values) const {
   force.setZero(state_size());
-  values.assign(data_->pattern.num_values(), 0.0);
-  Result total{0, std::numeric_limits<double>::infinity()};
-  for (const auto& group : data_->groups) {
-    const GroupResult part =
-        group.kernels->tangent(group.view(), state.data(), force.data(), values.data());
-    total.energy += part.energy;
-    total.minimum_det_f = std::min(total.minimum_det_f, part.minimum_det_f);
-  }
-  return total;
+  values.resize(data_->pattern.num_values());
+  for_each_range({data_->pattern.num_values(), kNumbersOfPart}, [&](Index first, Index last) {
+    std::fill(values.begin() + first, values.begin() + last, 0.0);
+  });
+  return data_->sum_over_sets([&](const ElementGroup& group, const ElementGroupView& set) {
+    return group.kernels->tangent(set, state.data(), force.data(), values.data());
+  });
 }
 
 std::vector<double> Assembly::minimum_det_f_of_cells(const NodalVector& state) const {
@@ -513,7 +597,9 @@ std::vector<double> Assembly::minimum_det_f_of_cells(const NodalVector& state) c
   std::vector<double> of_group;
   for (const auto& group : data_->groups) {
     of_group.resize(group.cells.size());
-    group.kernels->determinants(group.view(), state.data(), of_group.data());
+    for_each_part(group.sets.num_sets(), [&](Index set) {
+      group.kernels->determinants(group.view(set), state.data(), of_group.data());
+    });
     for (Index i = 0; i < group.num_cells; ++i) of_cells[group.cells[i]] = of_group[i];
   }
   if (data_->quadratic_cells.empty()) return of_cells;
@@ -539,7 +625,9 @@ Eigen::MatrixXd Assembly::stress_sums(const NodalVector& state) const {
   std::vector<double> of_group;
   for (const auto& group : data_->groups) {
     of_group.resize(StressSum::count * group.cells.size());
-    group.kernels->stress(group.view(), state.data(), of_group.data());
+    for_each_part(group.sets.num_sets(), [&](Index set) {
+      group.kernels->stress(group.view(set), state.data(), of_group.data());
+    });
     for (Index i = 0; i < group.num_cells; ++i) {
       const double* packet = of_group.data() + i / kPacketSize * StressSum::count * kPacketSize;
       for (int sum = 0; sum < StressSum::count; ++sum) {
@@ -548,6 +636,78 @@ Eigen::MatrixXd Assembly::stress_sums(const NodalVector& state) const {
     }
   }
   return of_cells;
+}
+
+std::vector<std::vector<Index>> Assembly::cells_of_groups() const {
+  std::vector<std::vector<Index>> cells;
+  for (const ElementGroup& group : data_->groups) cells.push_back(group.cells);
+  return cells;
+}
+
+PointTensors Assembly::make_point_tensors() const {
+  PointTensors tensors;
+  for (const ElementGroup& group : data_->groups) tensors.emplace_back(6 * group.weights.size());
+  return tensors;
+}
+
+std::vector<const std::vector<double>*> Assembly::weights_of_groups() const {
+  std::vector<const std::vector<double>*> weights;
+  for (const ElementGroup& group : data_->groups) weights.push_back(&group.weights);
+  return weights;
+}
+
+void Assembly::stress_at_points(const NodalVector& state, PointTensors& stress) const {
+  for (std::size_t g = 0; g < data_->groups.size(); ++g) {
+    const ElementGroup& group = data_->groups[g];
+    for_each_part(group.sets.num_sets(), [&](Index set) {
+      group.kernels->point_stress(group.view(set), state.data(), stress[g].data());
+    });
+  }
+}
+
+void Assembly::strain_at_points(const NodalVector& state, PointTensors& strain) const {
+  for (std::size_t g = 0; g < data_->groups.size(); ++g) {
+    const ElementGroup& group = data_->groups[g];
+    for_each_part(group.sets.num_sets(), [&](Index set) {
+      group.memory_kernels->strain(group.view(set), state.data(), strain[g].data());
+    });
+  }
+}
+
+double Assembly::add_memory(const Memory& memory, const NodalVector& state, NodalVector& force,
+                            std::vector<double>* values) const {
+  return data_
+      ->sum_over_sets([&](const ElementGroup& group, const ElementGroupView& set) {
+        const auto g = static_cast<std::size_t>(&group - data_->groups.data());
+        const MemoryView view{memory.stress[g].data(), memory.moduli[g].data()};
+        const double energy =
+            values == nullptr
+                ? group.memory_kernels->residual(set, view, state.data(), force.data())
+                : group.memory_kernels->tangent(set, view, state.data(), force.data(),
+                                                values->data());
+        return GroupResult{energy, 1};
+      })
+      .energy;
+}
+
+void Assembly::scale_energy(const Scene& scene, const std::vector<double>& factors) {
+  for (ElementGroup& group : data_->groups) {
+    const std::size_t count =
+        group.homogeneous ? group.parameters.size() : group.parameters.size() / group.cells.size();
+    const std::size_t num_places = group.homogeneous ? 1 : group.cells.size();
+    for (std::size_t place = 0; place < num_places; ++place) {
+      const Index cell = group.cells[place];
+      const Index number = scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell];
+      const std::vector<double> parameters =
+          data_->scaled_parameters(scene.materials[number], scene.mesh.order, factors[number]);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t packet = place / kPacketSize;
+        group.parameters[group.homogeneous ? i
+                                           : (packet * count + i) * kPacketSize +
+                                                 place % kPacketSize] = parameters[i];
+      }
+    }
+  }
 }
 
 Assembly::Determinant Assembly::minimum_det_f(const NodalVector& state) const {

@@ -34,6 +34,19 @@ struct SymmetricPattern {
   [[nodiscard]] Index num_values() const { return column_start.empty() ? 0 : column_start.back(); }
 };
 
+/// Symmetric tensors at the quadrature points of all cells, as the kernels lay them out: a list for
+/// each group of elements [packets × points × 6 × 8], see ElementGroupView in assembly/kernels.h.
+using PointTensors = std::vector<std::vector<double>>;
+
+/// What the material at each quadrature point remembers, as a potential; see MemoryView in
+/// assembly/kernels.h.
+struct Memory {
+  /// H, Pa.
+  PointTensors stress;
+  /// λ and μ of each cell, Pa: a list for each group [packets × 2 × 8].
+  std::vector<std::vector<double>> moduli;
+};
+
 class Assembly {
  public:
   /// Copies what it needs: the scene need not outlive this object.
@@ -102,6 +115,28 @@ class Assembly {
   /// The sums from which the stress of each cell is made [StressSum::count × num_cells], see
   /// StressSum in assembly/kernels.h and assembly/stress.h.
   [[nodiscard]] Eigen::MatrixXd stress_sums(const NodalVector& state) const;
+
+  // What follows serves materials with a memory.
+
+  /// The cell of each place of each group of elements [packets × 8]; the last packet of a group is
+  /// filled up with a cell that is there already.
+  [[nodiscard]] std::vector<std::vector<Index>> cells_of_groups() const;
+  /// Room for a tensor at each quadrature point, 0.
+  [[nodiscard]] PointTensors make_point_tensors() const;
+  /// S of the law, Pa, and E at each quadrature point. That of a mixed material is without its
+  /// pressure.
+  void stress_at_points(const NodalVector& state, PointTensors& stress) const;
+  void strain_at_points(const NodalVector& state, PointTensors& strain) const;
+  /// The weight of each quadrature point, m³: a list for each group [packets × points × 8].
+  [[nodiscard]] std::vector<const std::vector<double>*> weights_of_groups() const;
+  /// Adds the potential's derivative by the state to `force`, and where there are `values` its
+  /// tangent to these. @returns The potential, J.
+  double add_memory(const Memory& memory, const NodalVector& state, NodalVector& force,
+                    std::vector<double>* values = nullptr) const;
+  /// From now on the energy of each material is that of the law times a factor, above 0; of a mixed
+  /// one W_rest alone, see materials/material.h.
+  /// @param scene That which the assembly was made of. @param factors One for each material.
+  void scale_energy(const Scene& scene, const std::vector<double>& factors);
 
  private:
   struct Data;

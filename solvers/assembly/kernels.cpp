@@ -44,6 +44,8 @@ class Group {
   static constexpr int kConstants = kNumConstants<L>;
   static constexpr int kParameters = kConstants + (kMixed ? 3 : 0);
   static constexpr int kCornerPairs = 10;
+
+ protected:
   static constexpr int kNodes = Element<Order>::nodes;
   static constexpr int kPoints = Element<Order>::points;
   static constexpr int kPairs = kNodes * (kNodes + 1) / 2;
@@ -60,7 +62,7 @@ class Group {
 
   static void determinants(const ElementGroupView& group, const double* state,
                            double* minimum_det_f) {
-    for (std::int32_t p = 0; p < group.num_packets; ++p) {
+    for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet ue[kNodes][3];
       gather(group, p, state, ue);
       Packet least = std::numeric_limits<double>::max();
@@ -75,7 +77,7 @@ class Group {
   }
 
   static void stress(const ElementGroupView& group, const double* state, double* sums) {
-    for (std::int32_t p = 0; p < group.num_packets; ++p) {
+    for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet parameters[kParameters];
       Packet constants[kConstants];
       load_parameters(group, p, parameters, constants);
@@ -128,13 +130,31 @@ class Group {
     }
   }
 
+  static void point_stress(const ElementGroupView& group, const double* state, double* stress) {
+    for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
+      Packet parameters[kParameters];
+      Packet constants[kConstants];
+      load_parameters(group, p, parameters, constants);
+      Packet ue[kNodes][3];
+      gather(group, p, state, ue);
+      for (int q = 0; q < kPoints; ++q) {
+        Kinematics<Packet> k;
+        displacement_gradient(group, p, q, ue, k);
+        k.update();
+        Response<Packet> r;
+        LawOf<L>::template evaluate<false>(k, constants, r);
+        store_symmetric(p, q, r.s, stress);
+      }
+    }
+  }
+
  private:
   template <bool WithTangent>
   static GroupResult run(const ElementGroupView& group, const double* state, double* force,
                          double* values) {
     Packet energy = 0.0;
     Packet least = std::numeric_limits<double>::max();
-    for (std::int32_t p = 0; p < group.num_packets; ++p) {
+    for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet parameters[kParameters];
       Packet constants[kConstants];
       load_parameters(group, p, parameters, constants);
@@ -200,6 +220,14 @@ class Group {
                           : Packet::load(group.parameters + (p * kParameters + i) * kPacketSize);
     }
     for (int i = 0; i < kConstants; ++i) constants[i] = parameters[i];
+  }
+
+ protected:
+  /// Puts a symmetric tensor of a quadrature point to its place in `out` [packets × points × 6 ×
+  /// 8].
+  static void store_symmetric(std::int32_t p, int q, const Packet (&tensor)[6], double* out) {
+    double* at = out + (static_cast<std::int64_t>(p) * kPoints + q) * 6 * kPacketSize;
+    for (int m = 0; m < 6; ++m) tensor[m].store(at + m * kPacketSize);
   }
 
   static const double* gradients_at(const ElementGroupView& group, std::int32_t p, int q) {
@@ -501,10 +529,106 @@ class Group {
   }
 };
 
+/// The potential of what is remembered. As a law it is that of a quadratic energy, with H besides.
+template <int Order, Law L>
+class Memory : Group<Order, L, Formulation::displacement> {
+  using Base = Group<Order, L, Formulation::displacement>;
+  using Base::kNodes;
+  using Base::kPairs;
+  using Base::kPoints;
+
+ public:
+  static void strain(const ElementGroupView& group, const double* state, double* strain) {
+    for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
+      Packet ue[kNodes][3];
+      Base::gather(group, p, state, ue);
+      for (int q = 0; q < kPoints; ++q) {
+        Kinematics<Packet> k;
+        Base::displacement_gradient(group, p, q, ue, k);
+        Packet e[6];
+        strain_of(k, e);
+        Base::store_symmetric(p, q, e, strain);
+      }
+    }
+  }
+
+  static double residual(const ElementGroupView& group, const MemoryView& memory,
+                         const double* state, double* force) {
+    return run<false>(group, memory, state, force, nullptr);
+  }
+
+  static double tangent(const ElementGroupView& group, const MemoryView& memory,
+                        const double* state, double* force, double* values) {
+    return run<true>(group, memory, state, force, values);
+  }
+
+ private:
+  static void strain_of(Kinematics<Packet>& k, Packet (&e)[6]) {
+    if constexpr (L != Law::linear) k.update();
+    for (int m = 0; m < 6; ++m) {
+      e[m] =
+          L == Law::linear ? 0.5 * (k.h[kRow[m]][kColumn[m]] + k.h[kColumn[m]][kRow[m]]) : k.e[m];
+    }
+  }
+
+  template <bool WithTangent>
+  static double run(const ElementGroupView& group, const MemoryView& memory, const double* state,
+                    double* force, double* values) {
+    Packet energy = 0.0;
+    for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
+      Packet moduli[2];
+      for (int i = 0; i < 2; ++i) {
+        moduli[i] = Packet::load(memory.moduli + (std::int64_t{2} * p + i) * kPacketSize);
+      }
+      Packet ue[kNodes][3];
+      Base::gather(group, p, state, ue);
+      Packet fe[kNodes][3];
+      for (auto& row : fe) row[0] = row[1] = row[2] = 0.0;
+      [[maybe_unused]] Packet ke[WithTangent ? kPairs : 1][9];
+      if constexpr (WithTangent) {
+        for (auto& block : ke) {
+          for (Packet& value : block) value = 0.0;
+        }
+      }
+      for (int q = 0; q < kPoints; ++q) {
+        const double* gradients = Base::gradients_at(group, p, q);
+        const std::int64_t at = static_cast<std::int64_t>(p) * kPoints + q;
+        const Packet weight = Packet::load(group.weights + at * kPacketSize);
+        Kinematics<Packet> k;
+        Base::displacement_gradient(group, p, q, ue, k);
+        Packet e[6];
+        strain_of(k, e);
+        Response<Packet> r;
+        LawOf<L>::template evaluate<WithTangent>(k, moduli, r);
+        for (int m = 0; m < 6; ++m) {
+          const Packet h = Packet::load(memory.stress + (6 * at + m) * kPacketSize);
+          r.s[m] += h;
+          r.energy += (m < 3 ? 1.0 : 2.0) * h * e[m];
+        }
+        energy += weight * r.energy;
+        Base::add_force(k, r, weight, gradients, fe);
+        if constexpr (WithTangent) Base::add_tangent(k, r, weight, gradients, ke);
+      }
+      Base::scatter_force(group, p, fe, force);
+      if constexpr (WithTangent) Base::scatter_tangent(group, p, ke, values);
+    }
+    double sum = 0;
+    for (int lane = 0; lane < kPacketSize; ++lane) sum += energy[lane];
+    return sum;
+  }
+};
+
+template <int Order, Law L>
+constexpr MemoryKernels make_memory() {
+  using M = Memory<Order, L>;
+  return {&M::strain, &M::residual, &M::tangent};
+}
+
 template <int Order, Law L, Formulation Form>
 constexpr Kernels make(const char* name) {
   using G = Group<Order, L, Form>;
-  return {name, kNumConstants<L>, &G::residual, &G::tangent, &G::determinants, &G::stress};
+  return {name,       kNumConstants<L>, &G::residual, &G::tangent, &G::determinants,
+          &G::stress, &G::point_stress};
 }
 
 /// [formulation][law]; those of a law whose formulas another one serves are empty.
@@ -536,6 +660,13 @@ const Kernels& kernels(int order, int law, int formulation) {
   static const Table linear = make_table<1>(name, laws);
   static const Table quadratic = make_table<2>(name, laws);
   return (order == 1 ? linear : quadratic).entries[formulation][law];
+}
+
+const MemoryKernels& memory_kernels(int order, bool is_linear) {
+  static const MemoryKernels table[2][2] = {
+      {make_memory<1, Law::st_venant_kirchhoff>(), make_memory<1, Law::linear>()},
+      {make_memory<2, Law::st_venant_kirchhoff>(), make_memory<2, Law::linear>()}};
+  return table[order - 1][is_linear ? 1 : 0];
 }
 
 }  // namespace palpate::PALPATE_INSTRUCTION_SET

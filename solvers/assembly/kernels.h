@@ -28,10 +28,13 @@ struct BlockTarget {
   std::int32_t column_length = 0;
 };
 
-/// A group of elements. All arrays go packet by packet, with the kPacketSize elements of a packet
-/// innermost. The last packet is filled up with copies of its last element that have no weight.
+/// A group of elements, of which some packets are looked at. All arrays are those of the group;
+/// they go packet by packet, with the kPacketSize elements of a packet innermost. The last packet
+/// is filled up with copies of its last element that have no weight.
 struct ElementGroupView {
-  std::int32_t num_packets;
+  /// The packets that are looked at, the last one not included. Those of the group are num_packets.
+  std::int32_t first_packet;
+  std::int32_t last_packet;
   /// Point of each node [num_packets × nodes × 8].
   const std::int32_t* nodes;
   /// ∂N_a/∂X at each quadrature point [num_packets × points × nodes × 3 × 8], 1/m.
@@ -95,7 +98,33 @@ struct Kernels {
   /// Gives the sums of each element [num_packets × StressSum::count × 8]. Where det F ≤ 0 and the
   /// law is not defined, its stress is NaN.
   void (*stress)(const ElementGroupView&, const double* state, double* sums);
+  /// Gives S at each quadrature point [num_packets × points × 6 × 8], Pa; of mixed elements that of
+  /// W_rest, without the pressure. Where det F ≤ 0 and the law is not defined, it is NaN.
+  void (*point_stress)(const ElementGroupView&, const double* state, double* stress);
 };
+
+/// What the material at a quadrature point remembers, as a potential: H : E + λ/2 (tr E)² + μ E:E,
+/// with ε in place of E in a linear material.
+struct MemoryView {
+  /// H [num_packets × points × 6 × 8], Pa.
+  const double* stress;
+  /// λ and μ of each element [num_packets × 2 × 8], Pa.
+  const double* moduli;
+};
+
+struct MemoryKernels {
+  /// Gives E at each quadrature point [num_packets × points × 6 × 8].
+  void (*strain)(const ElementGroupView&, const double* state, double* strain);
+  /// Adds the derivative of the potential to `force`. @returns The potential, J.
+  double (*residual)(const ElementGroupView&, const MemoryView&, const double* state,
+                     double* force);
+  /// Does the same, and adds the tangent to `values`.
+  double (*tangent)(const ElementGroupView&, const MemoryView&, const double* state, double* force,
+                    double* values);
+};
+
+/// Those for an element order, of a linear material or another, on this processor.
+[[nodiscard]] const MemoryKernels& best_memory_kernels(int order, bool is_linear);
 
 /// The kernels for an element order (1, 2), a law of energy and a formulation, given by their
 /// numbers, on this processor.

@@ -19,13 +19,18 @@ NodeLevels make_node_levels(const TetMesh& mesh, const std::vector<Index>& unkno
   }
   NodeLevels levels;
   std::vector<Index> corner_of_point(mesh.points.size(), -1);
+  std::vector<Index> point_of_node(mesh.points.size(), -1);
   Index num_nodes = 0;
   for (Index p = 0; p < mesh.num_points(); ++p) {
     if (node_of(p) < 0) continue;
+    point_of_node[node_of(p)] = p;
     ++num_nodes;
+  }
+  for (Index node = 0; node < num_nodes; ++node) {
+    const Index p = point_of_node[node];
     if (is_corner[p] == 0) continue;
     corner_of_point[p] = levels.num_corners();
-    levels.node_of_corner.push_back(node_of(p));
+    levels.node_of_corner.push_back(node);
     levels.corners.push_back(mesh.points[p]);
   }
   levels.parents.assign(num_nodes, {-1, -1});

@@ -2,6 +2,7 @@
 // Where in memory an object keeps what it holds: to add it up, or to lock it.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -18,6 +19,14 @@ using MemoryRanges = std::vector<MemoryRange>;
 template <class T, class Allocator>
 void add_memory(const std::vector<T, Allocator>& values, MemoryRanges& ranges) {
   if (!values.empty()) ranges.push_back({values.data(), values.size() * sizeof(T)});
+}
+
+/// What a matrix or vector of dynamic size holds.
+template <class Derived>
+void add_memory(const Eigen::PlainObjectBase<Derived>& values, MemoryRanges& ranges) {
+  if (values.size() == 0) return;
+  ranges.push_back(
+      {values.data(), static_cast<std::size_t>(values.size()) * sizeof(*values.data())});
 }
 
 /// Of all of them.

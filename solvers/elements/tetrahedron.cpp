@@ -33,6 +33,33 @@ const std::vector<QuadraturePoint>& quadrature(ElementOrder order) {
   return order == ElementOrder::linear ? one : four;
 }
 
+const std::vector<QuadraturePoint>& fine_quadrature() {
+  static const std::vector<QuadraturePoint> points = [] {
+    std::vector<QuadraturePoint> all{{Vec3::Constant(0.25), 0.030283678097089181}};
+    // Four points each, the one that is other first among the barycentric coordinates, and so on.
+    const auto add_four = [&](double three, double one, double weight) {
+      all.push_back({Vec3::Constant(three), weight});
+      for (int i = 0; i < 3; ++i) {
+        Vec3 xi = Vec3::Constant(three);
+        xi[i] = one;
+        all.push_back({xi, weight});
+      }
+    };
+    add_four(1.0 / 3, 0, 27.0 / 4480);
+    add_four(1.0 / 11, 8.0 / 11, 0.011645249086028974);
+    const double a = 0.066550153573664281;
+    const double b = 0.43344984642633573;
+    for (int i = 0; i < 3; ++i) {
+      Vec3 xi = Vec3::Constant(a);
+      xi[i] = b;
+      all.push_back({xi, 0.010949141561386449});
+      all.push_back({Vec3::Constant(a + b) - xi, 0.010949141561386449});
+    }
+    return all;
+  }();
+  return points;
+}
+
 Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(ElementOrder order, const Vec3& xi) {
   Eigen::Matrix<double, Eigen::Dynamic, 3> gradients(nodes_per_cell(order), 3);
   const auto lambda = barycentric(xi);

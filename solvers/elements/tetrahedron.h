@@ -22,6 +22,10 @@ struct QuadraturePoint {
 /// points lie near.
 [[nodiscard]] const std::vector<QuadraturePoint>& quadrature(ElementOrder order);
 
+/// A rule of degree 5 (15 points, Walkington 2000): exact for the product of two shape functions of
+/// Tet10.
+[[nodiscard]] const std::vector<QuadraturePoint>& fine_quadrature();
+
 /// The gradients ∂N_a/∂ξ of the shape functions at xi [nodes_per_cell × 3].
 [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(ElementOrder order,
                                                                        const Vec3& xi);

@@ -49,21 +49,34 @@ CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolve
     : mesh_(scene.mesh),
       fixed_(scene.fixed),
       assembly_(scene),
+      rest_(NodalVector::Zero(assembly_.state_size())),
       kept_factors_(static_cast<std::size_t>(kept_factors)),
       precision_(is_saddle() ? Precision::full : precision) {
-  const SymmetricPattern& pattern = assembly_.pattern();
   if (solver != nullptr) {
     take_solver(std::move(solver));
   }
+  measure_rest();
+  if (spare_solver_ == nullptr) {
+    krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, rest_values_);
+  }
+}
+
+void CondensedSystem::measure_rest() {
+  const SymmetricPattern& pattern = assembly_.pattern();
   assemble(NodalVector::Zero(assembly_.state_size()), rest_values_);
   const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
   double sum = 0;
   for (Index c = 0; c < num_displacements; ++c) sum += rest_values_[pattern.column_start[c]];
   mean_diagonal_ = sum / num_displacements;
   inverse_row_norm_ = row_norms(pattern, rest_values_).cwiseInverse();
-  if (spare_solver_ == nullptr) {
-    krylov_ = std::make_unique<KrylovTangent>(mesh_, assembly_, rest_values_);
-  }
+}
+
+void CondensedSystem::set_term(const EnergyTerm& term) {
+  term_ = &term;
+  measure_rest();
+  for (KeptFactor& factor : factors_) factor.state.resize(0);
+  rest_is_safe_.reset();
+  has_tangent_ = false;
 }
 
 void CondensedSystem::take_solver(std::unique_ptr<LinearSolver> solver) {
@@ -108,9 +121,6 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
   const auto& unknown_of_point = assembly_.unknown_of_point();
   const SymmetricPattern& pattern = assembly_.pattern();
   std::vector<Index> coordinates(pattern.size, kFree);
-  if (interaction.num_coordinates() == 0) {
-    throw InputError("No active node was given. Name a point that is not fixed.");
-  }
   std::vector<PrescribedPoint> prescribed = interaction.prescribed_points();
   for (const auto& [point, coordinate] : prescribed) {
     if (point < 0 || point >= assembly_.num_points()) {
@@ -183,7 +193,8 @@ double CondensedSystem::evaluate(const Eigen::VectorXd& q, const NodalVector& st
   const Timer timer(work_.residual_seconds);
   ++work_.residuals;
   force_of_coordinates_.setZero(num_coordinates());
-  const double energy = assembly_.residual(state, force_).energy;
+  double energy = assembly_.residual(state, force_).energy;
+  if (term_ != nullptr) energy += term_->add(state, force_, nullptr);
   if (!has_potential()) return energy;
   return energy + interaction_->potential(q, state, force_, force_of_coordinates_);
 }
@@ -206,7 +217,8 @@ Eigen::VectorXd CondensedSystem::reaction() const {
 
 void CondensedSystem::prescribe(const Eigen::VectorXd& q, NodalVector& state) const {
   for (const auto& [point, coordinate] : prescribed_points_) {
-    state.segment<3>(3 * Eigen::Index{point}) = q.segment<3>(coordinate);
+    const Eigen::Index place = 3 * Eigen::Index{point};
+    state.segment<3>(place) = rest_.segment<3>(place) + q.segment<3>(coordinate);
   }
 }
 
@@ -249,6 +261,7 @@ void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& va
   const Timer timer(work_.assembly_seconds);
   ++work_.assemblies;
   assembly_.tangent(state, force_, values);
+  if (term_ != nullptr) (void)term_->add(state, force_, &values);
 }
 
 bool CondensedSystem::feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const {
@@ -257,7 +270,7 @@ bool CondensedSystem::feels_nothing(const Eigen::VectorXd& q, const NodalVector&
 
 bool CondensedSystem::is_as_at_rest(const Eigen::VectorXd& q, const NodalVector& state) const {
   if (is_linear()) return true;
-  if (!state.isZero(0)) return false;
+  if (term_ != nullptr || !state.isZero(0)) return false;
   if (!has_potential()) return true;
   PotentialHessian hessian;
   hessian.of_coordinates.setZero(num_coordinates(), num_coordinates());
@@ -348,7 +361,7 @@ void CondensedSystem::add_potential(const Eigen::VectorXd& q, const NodalVector&
 
 void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVector& state) {
   if (has_tangent_ && is_linear()) return;
-  if (assembly_.is_linear() || state.isZero(0)) {
+  if (term_ == nullptr && (assembly_.is_linear() || state.isZero(0))) {
     values_ = rest_values_;
   } else {
     assemble(state, values_);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "assembly/energy_term.h"
 #include "equilibrium/krylov_tangent.h"
 #include "equilibrium/rest_factor.h"
 #include "equilibrium/state.h"
@@ -38,7 +39,19 @@ class CondensedSystem {
   ///   cell, is fixed, or is named twice.
   void set_interaction(const Interaction& interaction);
 
+  /// Gives the body an energy besides, and forgets all factors. Call this again when the term has
+  /// changed by more than what a factor of before still approximates: it finds anew how stiff each
+  /// unknown is.
+  /// @param term It must outlive this object, or the next call.
+  void set_term(const EnergyTerm& term);
+
+  /// The state from which the coordinates of tools count that prescribe points; the undeformed one
+  /// until this is called.
+  void set_rest(const NodalVector& state) { rest_ = state; }
+
   [[nodiscard]] const Assembly& assembly() const { return assembly_; }
+  /// To change the materials with, see Assembly::scale_energy(); call set_term() afterwards.
+  [[nodiscard]] Assembly& assembly() { return assembly_; }
   /// The tool. Call set_interaction() before.
   [[nodiscard]] const Interaction& interaction() const { return *interaction_; }
   [[nodiscard]] const std::vector<PrescribedPoint>& prescribed_points() const {
@@ -56,7 +69,9 @@ class CondensedSystem {
   /// Tangents have no factor, so that nothing may be asked for that needs one.
   [[nodiscard]] bool is_iterative() const { return krylov_ != nullptr; }
   /// The tangent is the same at all states.
-  [[nodiscard]] bool is_linear() const { return assembly_.is_linear() && !has_potential(); }
+  [[nodiscard]] bool is_linear() const {
+    return assembly_.is_linear() && !has_potential() && term_ == nullptr;
+  }
   /// The equilibrium is a saddle of the energy: there are pressures.
   [[nodiscard]] bool is_saddle() const { return assembly_.num_pressures() > 0; }
 
@@ -83,7 +98,7 @@ class CondensedSystem {
     return ways.transpose() * force_ + force_of_coordinates_;
   }
 
-  /// Puts the points that the tool prescribes to where it is at q.
+  /// Puts the points that the tool prescribes to where it is at q: u = u_rest + q.
   void prescribe(const Eigen::VectorXd& q, NodalVector& state) const;
   /// s of each pressure, Pa/m.
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> pressure_scale() const;
@@ -169,6 +184,8 @@ class CondensedSystem {
   /// Orders the body.
   void take_solver(std::unique_ptr<LinearSolver> solver);
   void assemble(const NodalVector& state, std::vector<double>& values);
+  /// Finds how stiff each unknown is at rest.
+  void measure_rest();
   /// Adds the second derivatives of the tool's potential to the last tangent.
   void add_potential(const Eigen::VectorXd& q, const NodalVector& state);
   /// The place of a value of the pattern.
@@ -193,6 +210,8 @@ class CondensedSystem {
   TetMesh mesh_;
   std::vector<char> fixed_;
   Assembly assembly_;
+  const EnergyTerm* term_ = nullptr;
+  NodalVector rest_;
   std::size_t kept_factors_;
   /// The precision that was asked for, and whether the tangent at rest with nothing held is safe in
   /// single precision; empty: that is not known yet.

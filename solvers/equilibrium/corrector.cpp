@@ -144,6 +144,8 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
     }
     if (factor == nullptr) {
       use(system.factorise(t, iterate.state));
+      result.factor_t = t;
+      result.factor_state = iterate.state;
       if (factor == nullptr) return end(Outcome::tangent_not_factorised);
       fresh = true;
     }

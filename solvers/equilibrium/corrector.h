@@ -24,6 +24,9 @@ struct Correction {
   /// The last factor and the steps since then: together they approximate the inverse of the tangent
   /// at the end. Null where the factor was of no more use; valid until the next factorisation.
   TangentFactor* factor = nullptr;
+  /// Where the tool and the body were when it was made, if that was on the way; else empty.
+  Eigen::VectorXd factor_t;
+  NodalVector factor_state;
   std::unique_ptr<QuasiNewton> quasi_newton;
 };
 

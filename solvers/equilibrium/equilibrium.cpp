@@ -11,9 +11,13 @@
 #include "base/error.h"
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
+#include "equilibrium/dead_load.h"
 #include "equilibrium/explanation.h"
 #include "equilibrium/linearisation.h"
+#include "equilibrium/ramp.h"
 #include "equilibrium/third_derivative.h"
+#include "interaction/interaction_list.h"
+#include "threads/thread_team.h"
 
 namespace palpate {
 namespace {
@@ -76,16 +80,30 @@ void validate(const EquilibriumOptions& options) {
   require(options.contraction >= 0 && options.contraction < 1,
           "contraction must be at least 0 and less than 1.");
   require(options.kept_factors >= 2, "kept_factors must be at least 2.");
+  require(options.threads >= 0 && options.threads <= kMostThreads,
+          "threads must be from 0, as many as there are cores, to 1024.");
 }
 
 class EquilibriumSolver::Impl {
  public:
-  Impl(const Scene& scene, EquilibriumOptions options, std::unique_ptr<LinearSolver> solver)
-      : options_(validated(std::move(options))),
+  /// @param options They are valid.
+  Impl(const Scene& scene, EquilibriumOptions options, std::unique_ptr<LinearSolver> solver,
+       std::unique_ptr<Team> team)
+      : options_(std::move(options)),
+        team_(std::move(team)),
         system_(checked(scene), std::move(solver), options_.kept_factors,
-                options_.single_precision ? Precision::single_if_safe : Precision::full) {}
+                options_.single_precision ? Precision::single_if_safe : Precision::full),
+        rest_(NodalVector::Zero(system_.assembly().state_size())) {}
 
-  void set_interaction(const Interaction& interaction) { system_.set_interaction(interaction); }
+  /// Null: there is one thread.
+  Team* team() const { return team_.get(); }
+  void set_interaction(const Interaction& interaction) {
+    if (interaction.num_coordinates() == 0) {
+      throw InputError("No active node was given. Name a point that is not fixed.");
+    }
+    system_.set_interaction(interaction);
+  }
+  Equilibrium set_load(const NodalVector& load);
   Equilibrium rest(const Eigen::VectorXd& t);
   Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start, Tangent tangent);
   Equilibrium settle(const Equilibrium& near);
@@ -108,11 +126,6 @@ class EquilibriumSolver::Impl {
     int iterations = 0;
     int steps = 0;
   };
-
-  static EquilibriumOptions validated(EquilibriumOptions options) {
-    validate(options);
-    return options;
-  }
 
   void begin();
   void require_coordinates(const Eigen::VectorXd& t) const;
@@ -146,7 +159,12 @@ class EquilibriumSolver::Impl {
   static Fold jump(const Equilibrium& from, const Equilibrium& to, double way);
 
   EquilibriumOptions options_;
+  std::unique_ptr<Team> team_;
   CondensedSystem system_;
+  std::optional<DeadLoad> load_;
+  /// Without a tool, and its energy, J.
+  NodalVector rest_;
+  double rest_energy_ = 0;
   Clock::time_point start_{};
 };
 
@@ -173,6 +191,50 @@ Outcome EquilibriumSolver::Impl::interruption() const {
   return Outcome::converged;
 }
 
+Equilibrium EquilibriumSolver::Impl::set_load(const NodalVector& load) {
+  begin();
+  const Assembly& assembly = system_.assembly();
+  if (load.size() != assembly.state_size() || !load.allFinite()) {
+    throw InputError("A load of " + std::to_string(assembly.state_size()) +
+                     " finite numbers is needed; " + std::to_string(load.size()) + " were given.");
+  }
+  load_.emplace(load);
+  system_.set_term(*load_);
+  system_.set_interaction(InteractionList());
+  Ramp ramp;
+  ramp.at = [this](double share) {
+    load_->set_share(share);
+    return Eigen::VectorXd();
+  };
+  rest_.setZero();
+  const RampEnd end = follow_ramp(
+      system_, options_, [this] { return interruption(); }, ramp, rest_);
+  load_->set_share(1);
+  system_.set_rest(rest_);
+  rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_);
+  Equilibrium state;
+  state.u = rest_.head(3 * Eigen::Index{assembly.num_points()});
+  state.p = rest_.tail(assembly.num_pressures()).cwiseProduct(system_.pressure_scale());
+  state.energy = rest_energy_;
+  state.outcome = end.outcome;
+  state.residual = end.residual;
+  state.iterations = end.iterations;
+  const Assembly::Determinant least = assembly.minimum_det_f(rest_);
+  state.minimum_det_f = least.value;
+  state.minimum_det_f_cell = least.cell;
+  state.num_inverted_cells = least.num_inverted_cells;
+  state.seconds = seconds_since(start_);
+  if (end.outcome != Outcome::converged) {
+    std::ostringstream text;
+    text << "The body finds no rest under its load: with a share of " << end.share
+         << " of it the solve has converged, and beyond that "
+         << (end.inverts ? "a cell turns inside out" : "it is " + to_string(end.outcome))
+         << ". Make the load smaller or the body stiffer, or fix more of it.";
+    state.message = text.str();
+  }
+  return state;
+}
+
 Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
   begin();
   const Index coordinates = system_.num_coordinates();
@@ -180,18 +242,17 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
   const Assembly& assembly = system_.assembly();
   Equilibrium state;
   state.t = t;
-  state.u.setZero(3 * assembly.num_points());
+  state.u = rest_.head(3 * Eigen::Index{assembly.num_points()});
   state.v.setZero(state.u.size(), coordinates);
-  state.p.setZero(assembly.num_pressures());
+  state.p = rest_.tail(assembly.num_pressures()).cwiseProduct(system_.pressure_scale());
   state.p_v.setZero(assembly.num_pressures(), coordinates);
   state.reaction.setZero(coordinates);
   state.stiffness.setZero(coordinates, coordinates);
-  if (system_.evaluate(t, NodalVector::Zero(assembly.state_size())) != 0) {
+  if (system_.evaluate(t, rest_) != rest_energy_) {
     throw InputError("The body is touched at the start, by " + system_.interaction().describe(t) +
                      ". Let the tool start outside of it.");
   }
-  std::optional<Linearisation> at_rest =
-      linearise_at(state.t, NodalVector::Zero(assembly.state_size()), Tangent::factorised);
+  std::optional<Linearisation> at_rest = linearise_at(state.t, rest_, Tangent::factorised);
   if (at_rest) {
     take(std::move(at_rest->state), state);
     state.outcome = Outcome::converged;
@@ -479,8 +540,15 @@ double EquilibriumSolver::Impl::condition(const Equilibrium& state) {
 }
 
 EquilibriumSolver::EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
-                                     std::unique_ptr<LinearSolver> linear_solver)
-    : impl_(std::make_unique<Impl>(scene, std::move(options), std::move(linear_solver))) {}
+                                     std::unique_ptr<LinearSolver> linear_solver) {
+  validate(options);
+  std::unique_ptr<Team> team =
+      linear_solver == nullptr ? make_thread_team(options.threads) : nullptr;
+  with_team(team.get(), [&] {
+    impl_ = std::make_unique<Impl>(scene, std::move(options), std::move(linear_solver),
+                                   std::move(team));
+  });
+}
 EquilibriumSolver::~EquilibriumSolver() = default;
 EquilibriumSolver::EquilibriumSolver(EquilibriumSolver&&) noexcept = default;
 EquilibriumSolver& EquilibriumSolver::operator=(EquilibriumSolver&&) noexcept = default;
@@ -490,15 +558,22 @@ const Work& EquilibriumSolver::work() const { return impl_->system().work(); }
 void EquilibriumSolver::set_interaction(const Interaction& interaction) {
   impl_->set_interaction(interaction);
 }
-Equilibrium EquilibriumSolver::rest(const Eigen::VectorXd& t) { return impl_->rest(t); }
+Equilibrium EquilibriumSolver::set_load(const NodalVector& load) {
+  return with_team(impl_->team(), [&] { return impl_->set_load(load); });
+}
+Equilibrium EquilibriumSolver::rest(const Eigen::VectorXd& t) {
+  return with_team(impl_->team(), [&] { return impl_->rest(t); });
+}
 Equilibrium EquilibriumSolver::rest() {
-  return impl_->rest(Eigen::VectorXd::Zero(impl_->system().num_coordinates()));
+  return rest(Eigen::VectorXd::Zero(impl_->system().num_coordinates()));
 }
 Equilibrium EquilibriumSolver::solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                      Tangent tangent) {
-  return impl_->solve(t, start, tangent);
+  return with_team(impl_->team(), [&] { return impl_->solve(t, start, tangent); });
 }
-Equilibrium EquilibriumSolver::settle(const Equilibrium& near) { return impl_->settle(near); }
+Equilibrium EquilibriumSolver::settle(const Equilibrium& near) {
+  return with_team(impl_->team(), [&] { return impl_->settle(near); });
+}
 Path EquilibriumSolver::trace(const Eigen::VectorXd& t, const Equilibrium& start,
                               const PathOptions& options) {
   return impl_->trace(t, start, options);

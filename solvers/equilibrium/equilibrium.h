@@ -74,8 +74,17 @@ class EquilibriumSolver {
   ///   twice.
   void set_interaction(const Interaction& interaction);
 
-  /// The body at rest (u = 0) with its sensitivity and stiffness, the tool at t [d], m; without t,
-  /// where its coordinates are 0. Call set_interaction() before.
+  /// Puts a load on the body that is the same however it deforms, such as its weight
+  /// (assembly/mass.h), and finds its rest under it, without a tool. From then on that is the rest
+  /// from which solves start, and from which the coordinates of a tool count that prescribes
+  /// points. Call set_interaction() afterwards.
+  /// @param load N [assembly().state_size()].
+  /// @returns The rest: u, p, energy, outcome, residual, iterations and message count.
+  /// @throws InputError a load of another size, or not finite.
+  [[nodiscard]] Equilibrium set_load(const NodalVector& load);
+
+  /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at t [d],
+  /// m; without t, where its coordinates are 0. Call set_interaction() before.
   /// @throws InputError the body is not at rest with the tool there: it touches the body.
   [[nodiscard]] Equilibrium rest(const Eigen::VectorXd& t);
   [[nodiscard]] Equilibrium rest();

@@ -43,6 +43,10 @@ struct EquilibriumOptions {
   /// Whether an equilibrium of a tool with three coordinates has its third derivative, for about a
   /// tenth of the time of a solve.
   bool third_derivatives = false;
+  /// How many threads solve for a large body that is solved for without a factor, which is the same
+  /// to the bit for any number of them; 0: as many as automatic_threads() says
+  /// (threads/thread_team.h). With a factor it is without effect.
+  int threads = 0;
   /// It is called before each iteration; true ends the solve with Outcome::aborted.
   std::function<bool()> abort_requested;
 };

@@ -43,10 +43,11 @@ struct SolveCost {
 /// It takes about a second for 100 000 unknowns, and next to nothing for 10 000.
 /// @param scene It was checked, see check().
 /// @param linear_solver One of tangent_solver_names(); empty: the one that suits the body.
+/// @param threads As in EquilibriumOptions.
 /// @throws InputError as Assembly, or no solver of that name; BackendError the body cannot be
 ///   ordered.
 [[nodiscard]] SolveCost measure_solve_cost(const Scene& scene,
-                                           const std::string& linear_solver = {});
+                                           const std::string& linear_solver = {}, int threads = 0);
 
 /// How often a part is done.
 struct WorkCount {

@@ -6,6 +6,7 @@
 #include "assembly/assembly.h"
 #include "equilibrium/krylov_tangent.h"
 #include "mesh/tet_mesh.h"
+#include "threads/thread_team.h"
 
 namespace palpate {
 namespace {
@@ -56,8 +57,11 @@ bool may_do_without_factor(const Scene& scene) {
   return !is_mixed && count_unknowns(scene) >= kUnknownsWithoutFactor;
 }
 
-std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene) {
-  return may_do_without_factor(scene) && is_solved_well(scene) ? nullptr : make_linear_solver();
+std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene, int threads) {
+  if (!may_do_without_factor(scene)) return make_linear_solver();
+  const std::unique_ptr<Team> team = make_thread_team(threads);
+  const bool is_well = with_team(team.get(), [&] { return is_solved_well(scene); });
+  return is_well ? nullptr : make_linear_solver();
 }
 
 }  // namespace palpate

@@ -35,7 +35,8 @@ inline constexpr long kUnknownsWithoutFactor = 10'000;
 
 /// The one that suits a body, as EquilibriumSolver takes it. Conjugate gradients are tried at rest:
 /// where they take many iterations, as with tissues that differ ten thousandfold, it is a factor.
-/// @param scene It was checked, see check().
-[[nodiscard]] std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene);
+/// @param scene It was checked, see check(). @param threads As in EquilibriumOptions.
+[[nodiscard]] std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene,
+                                                                  int threads = 0);
 
 }  // namespace palpate

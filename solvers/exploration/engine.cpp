@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "base/error.h"
+#include "base/memory_error.h"
 #include "schedule/owner.h"
 
 namespace palpate {
@@ -450,7 +451,8 @@ void Engine::work(Mail& mail) {
   current_->targets.pop_front();
   load_state(*current_);
   const std::shared_ptr<const Equilibrium> start = current_->state;
-  Configuration found = make(*current_, target);
+  Configuration found =
+      with_memory("to solve for a configuration", [&] { return make(*current_, target); });
   if (found.outcome == Outcome::aborted) {
     current_.reset();
     return mail.stop();

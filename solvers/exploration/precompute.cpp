@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/memory_error.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/tangent_solver.h"
 #include "exploration/engine.h"
@@ -219,7 +220,7 @@ class ShellRounds {
 };
 
 /// On ranks that solve.
-/// @param make_solver Is called first: ranks may have begun to serve what it makes.
+/// @param make_solver Of this rank; null for one without a factor.
 PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
                          Communicator& communicator, const Progress& progress,
                          const std::function<std::unique_ptr<LinearSolver>()>& make_solver) {
@@ -233,17 +234,19 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   std::optional<InteractionSolver> state_solver;
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
-    std::unique_ptr<LinearSolver> linear_solver = make_solver();
-    const std::string solver_name =
-        linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
-    solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
-                                                 std::move(linear_solver));
-    state_solver.emplace(scene, *solver, tools);
-    spaces = plan_spaces(scene, options, tools);
-    require_few_enough(options, spaces);
-    if (communicator.rank() != 0 || !options.expects) return;
-    const SolveCost cost = measure_solve_cost(scene, solver_name);
-    options.expects(estimate_exploration(options, spaces, cost, communicator.size()));
+    with_memory("to prepare the solver of the body", [&] {
+      std::unique_ptr<LinearSolver> linear_solver = make_solver();
+      const std::string solver_name =
+          linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
+      solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
+                                                   std::move(linear_solver));
+      state_solver.emplace(scene, *solver, tools);
+      spaces = plan_spaces(scene, options, tools);
+      require_few_enough(options, spaces);
+      if (communicator.rank() != 0 || !options.expects) return;
+      const SolveCost cost = measure_solve_cost(scene, solver_name, options.equilibrium.threads);
+      options.expects(estimate_exploration(options, spaces, cost, communicator.size()));
+    });
   });
   std::vector<ToolSpaceSetup> setups;
   for (const PlannedSpace& space : spaces) setups.push_back(space.setup);
@@ -282,16 +285,20 @@ PrecomputeResult explore_on_ranks(const Scene& scene, const PrecomputeOptions& o
   PrecomputeResult result;
   if (options.ranks_per_solve == 1) {
     result = explore(scene, options, communicator, progress, [&] {
-      return options.linear_solver.empty() ? choose_tangent_solver(scene)
-                                           : make_tangent_solver(options.linear_solver);
+      return options.linear_solver.empty()
+                 ? choose_tangent_solver(scene, options.equilibrium.threads)
+                 : make_tangent_solver(options.linear_solver);
     });
   } else {
     const Groups groups(communicator, options.ranks_per_solve);
     const void* group = groups.own->mpi_comm();
+    agree(communicator, prepare_group_solver);
     agree(communicator, [&] {
       if (groups.leads()) {
+        // First: the others have begun to serve it, and whatever fails releases them.
+        auto solver = make_group_solver(group);
         result = explore(scene, options, *groups.leaders, progress,
-                         [group] { return make_group_solver(group); });
+                         [&solver] { return std::move(solver); });
       } else {
         serve_group_solver(group);
       }
@@ -333,25 +340,31 @@ void append(PrecomputeResult& all, PrecomputeResult newer, bool in_memory) {
 
 }  // namespace
 
-PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& options,
+PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& asked,
                             Communicator& communicator, const Progress& progress) {
   const Clock::time_point start = Clock::now();
-  const bool has_both = options.contact && !options.active_nodes.empty();
+  const bool has_both = asked.contact && !asked.active_nodes.empty();
   agree(communicator, [&] {
-    validate(options);
-    validate_ranks_per_solve(options, communicator.size());
+    validate(asked);
+    validate_ranks_per_solve(asked, communicator.size());
     // What is wrong with these is not told at the end of the first exploration.
-    if (has_both) (void)plan_grids(scene, options);
+    if (has_both) (void)plan_grids(scene, asked);
   });
-  PrecomputeResult result = explore_on_ranks(scene, without_nodes(options), communicator, progress);
-  if (has_both && any(communicator, result.report.complete)) {
-    append(result, explore_on_ranks(scene, without_contact(options), communicator, progress),
-           options.file.empty());
-  }
+  PrecomputeOptions options = asked;
+  options.equilibrium.threads = num_threads(communicator, asked.equilibrium.threads);
+  PrecomputeResult result;
+  // One rank may run out of memory anywhere.
+  agree(communicator, [&] {
+    result = explore_on_ranks(scene, without_nodes(options), communicator, progress);
+    if (has_both && any(communicator, result.report.complete)) {
+      append(result, explore_on_ranks(scene, without_contact(options), communicator, progress),
+             options.file.empty());
+    }
+    combine(result.report, communicator);
+  });
   PrecomputeReport& report = result.report;
   report.num_ranks = communicator.size();
   report.num_cells = scene.mesh.num_cells();
-  combine(report, communicator);
   if (report.complete && progress) {
     const std::int64_t found = report.num_solved + report.num_reused;
     (void)progress({found, found, report.num_solved, seconds_since(start), 0});

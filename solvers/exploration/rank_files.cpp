@@ -67,15 +67,12 @@ void RankFiles::discard_others() {
 std::vector<fs::path> RankFiles::left_by_ranks(const std::string& ending) const {
   std::vector<fs::path> files;
   const std::string prefix = path_.filename().string() + ".rank";
-  const fs::path folder = path_.has_parent_path() ? path_.parent_path() : fs::path(".");
-  std::error_code missing;  // StateSpaceFile says so
-  for (const auto& entry : fs::directory_iterator(folder, missing)) {
-    const std::string name = entry.path().filename().string();
+  for (const std::string& name : names_beside(path_)) {
     if (name.compare(0, prefix.size(), prefix) != 0) continue;
     const std::size_t digits_end =
         std::min(name.find_first_not_of("0123456789", prefix.size()), name.size());
     if (digits_end > prefix.size() && name.substr(digits_end) == ending) {
-      files.push_back(entry.path());
+      files.push_back(path_.parent_path() / name);
     }
   }
   return files;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <utility>
 
@@ -62,20 +61,21 @@ TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Part
     std::sort(setups.begin(), setups.end(),
               [](const ToolSpaceSetup& a, const ToolSpaceSetup& b) { return a.id < b.id; });
     task = task_of(scene, setups, Keep::touch, bound);
-    task.own = std::move(whole);
     task.load = std::move(load);
-    if (communicator.rank() == 0) space = make_empty_touch_space(scene);
+    if (communicator.rank() == 0) space = make_empty_touch_space(scene, hash(scene));
   });
+  task.holders = find_holders(whole, communicator);
   std::map<ToolSpaceId, FieldBasis> bases;
   std::map<StateKey, ReducedFields> fields;
-  reduce_on_ranks(
-      task, communicator,
-      [&](const ReductionRegion& region, const std::vector<StateKey>& keys, Reduction reduction) {
-        bases[region.tool_space] = std::move(reduction.basis);
-        for (std::size_t i = 0; i < keys.size(); ++i) {
-          fields.emplace(keys[i], std::move(reduction.fields[i]));
-        }
-      });
+  reduce_on_ranks(task, communicator,
+                  [&](const ReductionRegion& region, const std::vector<StateKey>& keys,
+                      PackedReduction reduction) {
+                    bases[region.tool_space] =
+                        *unpack(reduction.basis, static_cast<std::int64_t>(task.points.size()));
+                    for (std::size_t i = 0; i < keys.size(); ++i) {
+                      fields.emplace(keys[i], std::move(reduction.fields[i]));
+                    }
+                  });
   parts.gather_all(communicator);
   agree(communicator, [&] {
     if (communicator.rank() != 0) return;
@@ -334,8 +334,8 @@ class FileRecord final : public Record {
       whole = list_whole(setups);
     });
     TouchSpace result = assemble(
-        scene_, setups, std::move(parts), std::move(whole),
-        [this](const StateKey& key) { return load(key); }, bound, communicator_);
+        scene_, setups, std::move(parts), whole, [this](const StateKey& key) { return load(key); },
+        bound, communicator_);
     files_.merge();
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
@@ -354,8 +354,9 @@ class FileRecord final : public Record {
     ReductionTask task;
     Parts parts;
     std::vector<std::vector<StateSpaceFile::BasisBox>> boxes(setups_.size());
+    std::vector<StateKey> own;
     agree(communicator_, [&] {
-      task.own = list_whole(setups_);
+      own = list_whole(setups_);
       if (communicator_.rank() == 0) return;
       parts = read_parts(setups_);
     });
@@ -370,13 +371,13 @@ class FileRecord final : public Record {
           mine.put_list(of_space);
         }
       }
-      if (!task.own.empty()) {
-        num_pressures = static_cast<std::int32_t>(load(task.own.front()).p.size());
+      if (!own.empty()) {
+        num_pressures = static_cast<std::int32_t>(load(own.front()).p.size());
       }
       mine.put(num_pressures);
     });
     const std::vector<Bytes> all = communicator_.all_gather(mine.take());
-    const std::vector<StateKey> keys = all_of(task.own, communicator_);
+    task.holders = find_holders(own, communicator_);
     agree(communicator_, [&] {
       Keep keep = keep_;
       Unpacker of_first(all.front());
@@ -394,15 +395,20 @@ class FileRecord final : public Record {
       task.bound = bound;
       task.points = kept_points(scene_.mesh, make_surface(scene_.mesh), keep);
       task.load = [this](const StateKey& key) { return load(key); };
+      std::map<ToolSpaceId, std::vector<StateKey>> of_spaces;
+      for (const auto& [key, holder] : task.holders) of_spaces[key.tool_space].push_back(key);
       for (std::size_t s = 0; s < setups_.size(); ++s) {
-        plan(setups_[s], boxes[s], keys, task.regions);
+        plan(setups_[s], boxes[s], of_spaces[setups_[s].id], task.regions);
       }
     });
-    if (communicator_.rank() == 0) {
-      files_.own().change_together([&] { reduce(task, parts); });
-    } else {
-      reduce(task, parts);
-    }
+    // The other ranks keep what they have until rank 0 has committed it.
+    agree(communicator_, [&] {
+      if (communicator_.rank() == 0) {
+        files_.own().change_together([&] { reduce(task, parts); });
+      } else {
+        reduce(task, parts);
+      }
+    });
   }
 
   /// Adds the regions of a tool space.
@@ -412,14 +418,10 @@ class FileRecord final : public Record {
     for (const StateSpaceFile::BasisBox& box : boxes) {
       ReductionRegion& region = there.emplace_back();
       region.number = box.number;
-      region.first = box.first;
-      region.last = box.last;
+      region.box = box.box;
       if (communicator_.rank() == 0) region.begin = files_.own().read_basis(setup.id, box.number);
     }
-    std::vector<StateKey> of_space;
-    std::copy_if(keys.begin(), keys.end(), std::back_inserter(of_space),
-                 [&](const StateKey& key) { return key.tool_space == setup.id; });
-    for (ReductionRegion& region : plan_regions(setup, of_space, there)) {
+    for (ReductionRegion& region : plan_regions(setup, keys, there)) {
       regions.push_back(std::move(region));
     }
   }
@@ -444,14 +446,14 @@ class FileRecord final : public Record {
         }
       }
     });
-    reduce_on_ranks(
-        task, communicator_,
-        [&](const ReductionRegion& region, const std::vector<StateKey>& keys, Reduction reduction) {
-          file.add_basis(region.tool_space, region.number, reduction.basis);
-          for (std::size_t i = 0; i < keys.size(); ++i) {
-            file.add(region.tool_space, found.at(keys[i]), reduction.fields[i]);
-          }
-        });
+    reduce_on_ranks(task, communicator_,
+                    [&](const ReductionRegion& region, const std::vector<StateKey>& keys,
+                        const PackedReduction& reduction) {
+                      file.add_basis(region.tool_space, region.number, reduction.basis);
+                      for (std::size_t i = 0; i < keys.size(); ++i) {
+                        file.add(region.tool_space, found.at(keys[i]), reduction.fields[i]);
+                      }
+                    });
   }
 
   fs::path path_;

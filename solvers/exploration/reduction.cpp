@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
+#include <iterator>
 #include <optional>
 
+#include "base/memory_error.h"
 #include "exploration/transfer.h"
 
 namespace palpate {
@@ -30,29 +31,25 @@ void for_each_part(Share& share, Visit&& visit) {
   visit(share.snapshots);
 }
 
-bool is_in(const CheckPoint& p, const CheckPoint& first, const CheckPoint& last) {
-  for (int a = 0; a < 3; ++a) {
-    if (p[a] < first[a] || p[a] > last[a]) return false;
-  }
-  return true;
+CheckPointBox cell_at(const CheckPoint& first, std::int32_t side) {
+  CheckPointBox cell{first, first};
+  for (auto& x : cell.last) x += side - 1;
+  return cell;
 }
 
 /// Cuts a cell of the octree into regions.
 void cut(const CheckPoint& first, std::int32_t side, std::vector<StateKey> keys,
          const std::vector<ReductionRegion>& there, std::vector<ReductionRegion>& regions) {
   if (keys.empty()) return;
-  CheckPoint last = first;
-  for (auto& x : last) x += side - 1;
-  const auto has = [&](const ReductionRegion& box) { return is_in(box.first, first, last); };
-  const auto is_in_box = [&](const ReductionRegion& box) {
-    return is_in(first, box.first, box.last) && is_in(last, box.first, box.last);
+  const CheckPointBox cell = cell_at(first, side);
+  const auto has = [&](const ReductionRegion& region) { return cell.contains(region.box.first); };
+  const auto is_in_box = [&](const ReductionRegion& region) {
+    return region.box.contains(cell.first) && region.box.contains(cell.last);
   };
   if (std::any_of(there.begin(), there.end(), is_in_box)) return;
   const bool splits = std::any_of(there.begin(), there.end(), has) || keys.size() > kMostInRegion;
   if (!splits || side == 1) {
-    ReductionRegion& region = regions.emplace_back();
-    region.first = first;
-    region.last = last;
+    regions.emplace_back().box = cell;
     return;
   }
   const std::int32_t half = side / 2;
@@ -70,36 +67,31 @@ void cut(const CheckPoint& first, std::int32_t side, std::vector<StateKey> keys,
   }
 }
 
+/// A part of the work, on every rank. @note Collective
+template <class Body>
+void together(Communicator& communicator, Body&& body) {
+  agree(communicator, [&] { with_memory("to reduce the displacements to modes", body); });
+}
+
 /// A state of a region, and the lowest rank that has it.
 struct Placed {
   StateKey key;
   int rank = 0;
 };
 
-/// The states of each region on all ranks, in order, each once.
-/// @note Collective
-std::vector<std::vector<Placed>> place(const ReductionTask& task, Communicator& communicator) {
-  Packer mine;
-  mine.put_list(task.own);
-  std::map<StateKey, int> rank_of;
-  int rank = 0;
-  for (const Bytes& bytes : communicator.all_gather(mine.take())) {
-    for (const StateKey& key : Unpacker(bytes).take_list<std::vector<StateKey>>()) {
-      rank_of.emplace(key, rank);
-    }
-    ++rank;
+/// The states of each region, in order.
+std::vector<std::vector<Placed>> place(const ReductionTask& task) {
+  std::map<ToolSpaceId, std::vector<std::size_t>> regions_of;
+  for (std::size_t r = 0; r < task.regions.size(); ++r) {
+    regions_of[task.regions[r].tool_space].push_back(r);
   }
   std::vector<std::vector<Placed>> placed(task.regions.size());
-  for (const auto& [key, holder] : rank_of) {
-    for (std::size_t r = 0; r < task.regions.size(); ++r) {
-      const ReductionRegion& region = task.regions[r];
-      if (region.tool_space != key.tool_space ||
-          !is_in(key.check_point, region.first, region.last)) {
-        continue;
-      }
-      placed[r].push_back({key, holder});
-      break;
-    }
+  for (const auto& [key, holder] : task.holders) {
+    const std::vector<std::size_t>& there = regions_of[key.tool_space];
+    const auto found = std::find_if(there.begin(), there.end(), [&, &key = key](std::size_t r) {
+      return task.regions[r].box.contains(key.check_point);
+    });
+    if (found != there.end()) placed[*found].push_back({key, holder});
   }
   return placed;
 }
@@ -110,7 +102,7 @@ std::vector<FieldScale> find_scales(const ReductionTask& task,
                                     const std::vector<std::vector<Placed>>& placed,
                                     Communicator& communicator) {
   std::vector<FieldScale> scales(task.regions.size());
-  agree(communicator, [&] {
+  together(communicator, [&] {
     Snapshots one(static_cast<Eigen::Index>(task.points.size()), task.num_pressures, 1);
     for (std::size_t r = 0; r < scales.size(); ++r) {
       for (const Placed& state : placed[r]) {
@@ -144,28 +136,27 @@ class Round {
 
   /// @returns What this rank has reduced; nothing: it had no region.
   /// @note Collective
-  std::optional<Reduction> run() {
+  std::optional<PackedReduction> run() {
     std::size_t longest = 0;
     for (const std::size_t r : regions_) longest = std::max(longest, placed_[r].size());
     for (std::size_t first = 0; first < longest; first += static_cast<std::size_t>(batch_)) {
       std::vector<Bytes> to(static_cast<std::size_t>(communicator_.size()));
-      agree(communicator_, [&] {
+      together(communicator_, [&] {
         for (std::size_t rank = 0; rank < regions_.size(); ++rank) to[rank] = packed(rank, first);
       });
       std::vector<Bytes> from = communicator_.exchange(to);
       to.clear();
-      agree(communicator_, [&] { take(std::move(from), first); });
+      together(communicator_, [&] { take(std::move(from), first); });
     }
-    std::optional<Reduction> reduction;
-    agree(communicator_, [&] {
+    std::optional<PackedReduction> packed;
+    together(communicator_, [&] {
       if (!reducer_) return;
-      reduction = reducer_->finish();
-      const ReductionRegion& region = task_.regions[own_region()];
-      reduction->basis.first = region.first;
-      reduction->basis.last = region.last;
-      reduction->basis.keep = task_.keep;
+      Reduction reduction = reducer_->finish();
+      reduction.basis.box = task_.regions[own_region()].box;
+      reduction.basis.keep = task_.keep;
+      packed = PackedReduction{pack(reduction.basis), std::move(reduction.fields)};
     });
-    return reduction;
+    return packed;
   }
 
  private:
@@ -246,7 +237,7 @@ std::vector<ReductionRegion> plan_regions(const ToolSpaceSetup& setup,
   std::vector<ReductionRegion> regions = there;
   if (!setup.interaction.is_contact()) {
     if (regions.empty()) {
-      ReductionRegion& whole = regions.emplace_back();
+      CheckPointBox& whole = regions.emplace_back().box;
       whole.first.fill(-kRootSide);
       whole.last.fill(kRootSide - 1);
     }
@@ -254,11 +245,10 @@ std::vector<ReductionRegion> plan_regions(const ToolSpaceSetup& setup,
     for (int root = 0; root < 8; ++root) {
       CheckPoint first;
       for (int a = 0; a < 3; ++a) first[a] = (root >> a & 1) != 0 ? 0 : -kRootSide;
-      CheckPoint last = first;
-      for (auto& x : last) x += kRootSide - 1;
+      const CheckPointBox cell = cell_at(first, kRootSide);
       std::vector<StateKey> inside;
       std::copy_if(keys.begin(), keys.end(), std::back_inserter(inside),
-                   [&](const StateKey& key) { return is_in(key.check_point, first, last); });
+                   [&](const StateKey& key) { return cell.contains(key.check_point); });
       cut(first, kRootSide, std::move(inside), there, regions);
     }
   }
@@ -266,29 +256,29 @@ std::vector<ReductionRegion> plan_regions(const ToolSpaceSetup& setup,
   for (const ReductionRegion& box : there) number = std::max(number, box.number + 1);
   for (std::size_t r = 0; r < regions.size(); ++r) {
     regions[r].tool_space = setup.id;
-    regions[r].step = setup.grid.spacing() > 0 ? setup.grid.spacing() : 1;
+    regions[r].step = setup.grid.field_step();
     if (r >= there.size()) regions[r].number = number++;
   }
   return regions;
 }
 
-std::vector<StateKey> all_of(const std::vector<StateKey>& own, Communicator& communicator) {
+StateHolders find_holders(const std::vector<StateKey>& own, Communicator& communicator) {
   Packer mine;
   mine.put_list(own);
-  std::vector<StateKey> all;
+  StateHolders holders;
+  int rank = 0;
   for (const Bytes& bytes : communicator.all_gather(mine.take())) {
     for (const StateKey& key : Unpacker(bytes).take_list<std::vector<StateKey>>()) {
-      all.push_back(key);
+      holders.emplace(key, rank);
     }
+    ++rank;
   }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
+  return holders;
 }
 
 void reduce_on_ranks(const ReductionTask& task, Communicator& communicator,
                      const TakeReduction& take) {
-  const std::vector<std::vector<Placed>> placed = place(task, communicator);
+  const std::vector<std::vector<Placed>> placed = place(task);
   const std::vector<FieldScale> scales = find_scales(task, placed, communicator);
   std::vector<std::size_t> due;
   for (std::size_t r = 0; r < placed.size(); ++r) {
@@ -299,16 +289,17 @@ void reduce_on_ranks(const ReductionTask& task, Communicator& communicator,
     const std::vector<std::size_t> regions(
         due.begin() + static_cast<std::ptrdiff_t>(first),
         due.begin() + static_cast<std::ptrdiff_t>(std::min(first + num_ranks, due.size())));
-    std::optional<Reduction> reduction = Round(task, placed, scales, regions, communicator).run();
+    std::optional<PackedReduction> reduction =
+        Round(task, placed, scales, regions, communicator).run();
     Packer mine;
     if (reduction) mine.put(*reduction);
     reduction.reset();
     std::vector<Bytes> all = communicator.gather(mine.take());
-    agree(communicator, [&] {
+    together(communicator, [&] {
       for (std::size_t i = 0; i < all.size() && i < regions.size(); ++i) {
         std::vector<StateKey> keys;
         for (const Placed& state : placed[regions[i]]) keys.push_back(state.key);
-        take(task.regions[regions[i]], keys, Unpacker(all[i]).take<Reduction>());
+        take(task.regions[regions[i]], keys, Unpacker(all[i]).take<PackedReduction>());
         all[i] = {};
       }
     });

@@ -9,12 +9,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "schedule/communicator.h"
-#include "state_space/reduced_fields.h"
+#include "state_space/packed_basis.h"
 #include "state_space/tool_space.h"
 
 namespace palpate {
@@ -24,21 +24,27 @@ struct ReductionRegion {
   ToolSpaceId tool_space = 0;
   /// Of the basis, among those of the tool space.
   std::int64_t number = 0;
-  CheckPoint first{};
-  CheckPoint last{};
-  /// What gives ∂u/∂t the unit of u, m.
+  CheckPointBox box;
+  /// See Grid::field_step().
   double step = 1;
   /// On rank 0: the basis that is there already, which is extended; null: there is none.
   std::shared_ptr<const FieldBasis> begin;
 };
 
-/// What a rank has, and how it is reduced. But for `own`, `load` and the bases in the regions it is
-/// the same on all ranks.
+/// The states of all ranks, and the lowest rank that has the fields of each.
+using StateHolders = std::map<StateKey, int>;
+
+/// @param own The states whose fields are here.
+/// @note Collective
+[[nodiscard]] StateHolders find_holders(const std::vector<StateKey>& own,
+                                        Communicator& communicator);
+
+/// What is reduced, and how. But for `load` and the bases in the regions it is the same on all
+/// ranks.
 struct ReductionTask {
   std::vector<ReductionRegion> regions;
-  /// The states whose fields are here.
-  std::vector<StateKey> own;
-  /// Gives the fields of one of them.
+  StateHolders holders;
+  /// Gives the fields of a state that is here.
   std::function<Configuration(const StateKey&)> load;
   Keep keep = Keep::touch;
   /// As kept_points() gives them for `keep`.
@@ -57,14 +63,9 @@ struct ReductionTask {
                                                         const std::vector<StateKey>& keys,
                                                         const std::vector<ReductionRegion>& there);
 
-/// What all ranks have, in order, each once.
-/// @note Collective
-[[nodiscard]] std::vector<StateKey> all_of(const std::vector<StateKey>& own,
-                                           Communicator& communicator);
-
 /// Takes a region that is reduced, with its states in the order of their fields.
 using TakeReduction =
-    std::function<void(const ReductionRegion&, const std::vector<StateKey>&, Reduction)>;
+    std::function<void(const ReductionRegion&, const std::vector<StateKey>&, PackedReduction)>;
 
 /// Reduces the regions that have states.
 /// @param take It is called on rank 0, region by region in their order.

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// What was stored and what is found again differ by no more than what the solver leaves: of the
-/// force of the tool, as a share of what it takes to move it as far as it is, and of the energy.
+/// What was stored and what is found again differ by no more than what the solver leaves: shares of
+/// the force of the tool and of the energy.
 constexpr double kSameForce = 1e-6;
 constexpr double kSameEnergy = 1e-6;
 
@@ -43,10 +43,8 @@ Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equili
   Equilibrium restored = solver_.settle(filled);
   if (restored.outcome == Outcome::converged && is_same(restored, near)) return restored;
   // By the straight way from where the tool touches nothing, or from rest.
-  const Eigen::VectorXd from = clearance_ == nullptr
-                                   ? Eigen::VectorXd::Zero(near.t.size())
-                                   : Eigen::VectorXd(clearance_->start_for(near.t));
-  restored = solver_.solve(near.t, solver_.rest(from), Tangent::factorised);
+  restored = clearance_ == nullptr ? solver_.solve(near.t, solver_.rest(), Tangent::factorised)
+                                   : begin(setup, near.t, Tangent::factorised);
   if (restored.outcome == Outcome::converged && !is_same(restored, near)) {
     restored.outcome = Outcome::not_converged;
     restored.message = "The equilibrium of which the file has kept a part was not found again.";

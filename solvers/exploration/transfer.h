@@ -12,9 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "assembly/scene.h"
 #include "schedule/communicator.h"
 #include "state_space/configuration.h"
-#include "state_space/reduced_fields.h"
+#include "state_space/packed_basis.h"
 #include "state_space/test_point.h"
 #include "state_space/tool_space.h"
 
@@ -77,25 +78,35 @@ void for_each_part(TestPoint& point, Visit&& visit) {
 }
 
 template <class Visit>
+void for_each_part(BasisHead& head, Visit&& visit) {
+  visit(head.box);
+  visit(head.keep);
+  visit(head.largest_displacement);
+  visit(head.displacement_error);
+  visit(head.sensitivity_error);
+}
+template <class Visit>
 void for_each_part(FieldBasis& basis, Visit&& visit) {
-  visit(basis.first);
-  visit(basis.last);
-  visit(basis.keep);
+  visit(static_cast<BasisHead&>(basis));
   visit(basis.modes);
   visit(basis.pressure_modes);
-  visit(basis.largest_displacement);
-  visit(basis.displacement_error);
-  visit(basis.sensitivity_error);
+  visit(basis.steps);
+}
+template <class Visit>
+void for_each_part(PackedBasis& basis, Visit&& visit) {
+  visit(static_cast<BasisHead&>(basis));
+  visit(basis.num_modes);
+  visit(basis.num_pressure_modes);
+  visit(basis.num_pressures);
+  visit(basis.steps);
+  visit(basis.numbers);
 }
 template <class Visit>
 void for_each_part(ReducedFields& fields, Visit&& visit) {
-  visit(fields.u);
-  visit(fields.v);
-  visit(fields.p);
-  visit(fields.p_v);
+  for_each_field(fields, visit);
 }
 template <class Visit>
-void for_each_part(Reduction& reduction, Visit&& visit) {
+void for_each_part(PackedReduction& reduction, Visit&& visit) {
   visit(reduction.basis);
   visit(reduction.fields);
 }
@@ -105,6 +116,17 @@ void for_each_part(Snapshots& snapshots, Visit&& visit) {
   visit(snapshots.w);
   visit(snapshots.p);
   visit(snapshots.p_w);
+}
+
+template <class Visit>
+void for_each_part(Scene& scene, Visit&& visit) {
+  visit(scene.mesh.order);
+  visit(scene.mesh.points);
+  visit(scene.mesh.cells);
+  visit(scene.materials);
+  visit(scene.material_of_cell);
+  visit(scene.fixed);
+  visit(scene.touchable);
 }
 
 class Packer {
@@ -129,7 +151,12 @@ class Packer {
   }
   template <class T>
   void put(const std::vector<T>& list) {
-    put_list(list);
+    if constexpr (IsPlain<T>::value) {
+      put(list.size());
+      put(list.data(), list.size() * sizeof(T));
+    } else {
+      put_list(list);
+    }
   }
   /// Puts in the number of values, then one after the other.
   /// @param list Any container of values that can be put in.
@@ -184,7 +211,12 @@ class Unpacker {
   }
   template <class T>
   void take(std::vector<T>& list) {
-    list = take_list<std::vector<T>>();
+    if constexpr (IsPlain<T>::value) {
+      list.resize(take<std::size_t>());
+      take(static_cast<void*>(list.data()), list.size() * sizeof(T));
+    } else {
+      list = take_list<std::vector<T>>();
+    }
   }
   /// Takes what Packer::put_list() has put in, into a container that the caller chooses.
   template <class List>

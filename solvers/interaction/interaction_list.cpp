@@ -21,6 +21,28 @@ Eigen::VectorXd coordinates_of(const Interaction& tool, Index first, const Eigen
   return q.segment(first, tool.num_coordinates());
 }
 
+/// A tool that was let go.
+class LetGo final : public Interaction {
+ public:
+  LetGo(Index num_coordinates, double displacement_scale)
+      : num_coordinates_(num_coordinates), displacement_scale_(displacement_scale) {}
+
+  [[nodiscard]] std::unique_ptr<Interaction> clone() const override {
+    return std::make_unique<LetGo>(*this);
+  }
+  [[nodiscard]] Index num_coordinates() const override { return num_coordinates_; }
+  [[nodiscard]] double displacement_scale(const Eigen::VectorXd& /*q*/) const override {
+    return displacement_scale_;
+  }
+  [[nodiscard]] std::string describe(const Eigen::VectorXd& /*q*/) const override {
+    return "a tool that was let go";
+  }
+
+ private:
+  Index num_coordinates_;
+  double displacement_scale_;
+};
+
 }  // namespace
 
 InteractionList::InteractionList(const InteractionList& other) : Interaction(other) {
@@ -32,6 +54,11 @@ InteractionList& InteractionList::operator=(const InteractionList& other) {
 }
 
 void InteractionList::add(const Interaction& tool) { tools_.push_back(tool.clone()); }
+
+void InteractionList::let_go(Index number, const Eigen::VectorXd& q) {
+  const Interaction& tool = *tools_[number];
+  tools_[number] = std::make_unique<LetGo>(tool.num_coordinates(), tool.displacement_scale(q));
+}
 
 std::unique_ptr<Interaction> InteractionList::clone() const {
   return std::make_unique<InteractionList>(*this);

@@ -19,6 +19,11 @@ class InteractionList final : public Interaction {
   ~InteractionList() override = default;
 
   void add(const Interaction& tool);
+  [[nodiscard]] Index num_tools() const { return static_cast<Index>(tools_.size()); }
+  [[nodiscard]] const Interaction& tool(Index number) const { return *tools_[number]; }
+  /// From now on a tool acts on nothing. It keeps its coordinates, which have no effect.
+  /// @param q Its coordinates now, by which the displacement of the body is measured from then on.
+  void let_go(Index number, const Eigen::VectorXd& q);
 
   [[nodiscard]] std::unique_ptr<Interaction> clone() const override;
   [[nodiscard]] Index num_coordinates() const override;

@@ -2,12 +2,17 @@
 #include "iterative/aggregation.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "base/parallel.h"
 
 namespace palpate {
 namespace {
 
 /// Of a motion, what is left of it when the others are taken out of it: less is rounding.
 constexpr double kRounding = 1e-8;
+/// The least rows of a part.
+constexpr Index kRowsOfPart = 128;
 
 /// Sums of blocks by column while a row is made.
 template <class Block>
@@ -44,59 +49,93 @@ class RowSums {
   std::vector<Block> sums_;
 };
 
-/// The rows of each column.
-struct ByColumn {
-  struct Entry {
-    Index row;
-    Index place;
-  };
-  std::vector<Index> start;
-  std::vector<Entry> entry;
-};
+/// Makes the rows of a matrix, parts of them side by side.
+/// @param make_row Called as make_row(row, sums, rows): puts blocks into the sums, which are
+///   appended to the rows by finish().
+template <class Rows, class MakeRow>
+Rows make_rows(Index num_rows, Index num_columns, MakeRow&& make_row) {
+  const Ranges ranges(num_rows, kRowsOfPart);
+  std::vector<Rows> of_part(ranges.num_parts());
+  for_each_part(ranges.num_parts(), [&](Index part) {
+    RowSums<typename decltype(Rows::block)::value_type> sums(num_columns);
+    for (Index row = ranges.first(part); row < ranges.first(part + 1); ++row) {
+      make_row(row, sums, of_part[part]);
+    }
+  });
+  Rows all = std::move(of_part[0]);
+  all.num_columns = num_columns;
+  if (ranges.num_parts() == 1) return all;
+  std::size_t num_blocks = 0;
+  for (const Rows& rows : of_part) num_blocks += rows.column.size();
+  num_blocks += all.column.size();
+  all.start.reserve(static_cast<std::size_t>(num_rows) + 1);
+  all.column.reserve(num_blocks);
+  all.block.reserve(num_blocks);
+  for (Index part = 1; part < ranges.num_parts(); ++part) {
+    Rows& rows = of_part[part];
+    const auto before = static_cast<Index>(all.column.size());
+    for (Index row = 1; row <= rows.num_rows(); ++row)
+      all.start.push_back(before + rows.start[row]);
+    all.column.insert(all.column.end(), rows.column.begin(), rows.column.end());
+    all.block.insert(all.block.end(), rows.block.begin(), rows.block.end());
+    rows = {};
+  }
+  return all;
+}
 
-template <int R, int C>
-ByColumn by_column(const BlockRows<R, C>& matrix) {
+}  // namespace
+
+ByColumn by_column(Index num_columns, const std::vector<Index>& start,
+                   const std::vector<Index>& column) {
   ByColumn result;
-  result.start.assign(matrix.num_columns + 2, 0);
-  for (Index column : matrix.column) ++result.start[column + 2];
-  for (Index c = 0; c < matrix.num_columns; ++c) result.start[c + 2] += result.start[c + 1];
-  result.entry.resize(matrix.column.size());
-  for (Index row = 0; row < matrix.num_rows(); ++row) {
-    for (Index k = matrix.start[row]; k < matrix.start[row + 1]; ++k) {
-      result.entry[result.start[matrix.column[k] + 1]++] = {row, k};
+  // Counted one place further on, so that the places of a column are at start[column + 1] while
+  // they are filled, and at start[column] after that.
+  result.start.assign(num_columns + 2, 0);
+  for (const Index c : column) ++result.start[c + 2];
+  for (Index c = 0; c < num_columns; ++c) result.start[c + 2] += result.start[c + 1];
+  result.row.resize(column.size());
+  result.place.resize(column.size());
+  const auto num_rows = static_cast<Index>(start.size()) - 1;
+  for (Index row = 0; row < num_rows; ++row) {
+    for (Index k = start[row]; k < start[row + 1]; ++k) {
+      const Index at = result.start[column[k] + 1]++;
+      result.row[at] = row;
+      result.place[at] = k;
     }
   }
   result.start.pop_back();
   return result;
 }
 
-}  // namespace
-
 BlockRows<3, 3> all_blocks(const BlockPattern& pattern, const Neighbourhoods& neighbours,
                            const std::vector<double>& values) {
   BlockRows<3, 3> rows;
   rows.num_columns = pattern.num_nodes;
-  const std::size_t count = neighbours.all.size() + pattern.num_nodes;
-  rows.column.reserve(count);
-  rows.block.reserve(count);
-  rows.start.reserve(pattern.num_nodes + 1);
-  for (Index node = 0; node < pattern.num_nodes; ++node) {
-    bool has_diagonal = false;
-    const auto add_diagonal = [&] {
-      has_diagonal = true;
-      rows.column.push_back(node);
-      rows.block.push_back(diagonal_block(pattern, values, node));
-    };
-    for (Index k = neighbours.start[node]; k < neighbours.start[node + 1]; ++k) {
-      const auto& [other, place] = neighbours.all[k];
-      if (other > node && !has_diagonal) add_diagonal();
-      const Mat3 block = block_at(pattern, values, std::min(node, other), place);
-      rows.column.push_back(other);
-      rows.block.push_back(other < node ? block : Mat3(block.transpose()));
-    }
-    if (!has_diagonal) add_diagonal();
-    rows.start.push_back(static_cast<Index>(rows.column.size()));
+  rows.start.resize(pattern.num_nodes + 1);
+  for (Index node = 0; node <= pattern.num_nodes; ++node) {
+    rows.start[node] = neighbours.start[node] + node;
   }
+  rows.column.resize(rows.start.back());
+  rows.block.resize(rows.start.back());
+  for_each_range({pattern.num_nodes, kNodesOfPart}, [&](Index first, Index last) {
+    for (Index node = first; node < last; ++node) {
+      Index at = rows.start[node];
+      bool has_diagonal = false;
+      const auto add_diagonal = [&] {
+        has_diagonal = true;
+        rows.column[at] = node;
+        rows.block[at++] = diagonal_block(pattern, values, node);
+      };
+      for (Index k = neighbours.start[node]; k < neighbours.start[node + 1]; ++k) {
+        const auto& [other, place] = neighbours.all[k];
+        if (other > node && !has_diagonal) add_diagonal();
+        const Mat3 block = block_at(pattern, values, std::min(node, other), place);
+        rows.column[at] = other;
+        rows.block[at++] = other < node ? block : Mat3(block.transpose());
+      }
+      if (!has_diagonal) add_diagonal();
+    }
+  });
   return rows;
 }
 
@@ -104,20 +143,25 @@ template <int B>
 Aggregates aggregate(const BlockRows<B, B>& matrix, double threshold) {
   const Index num_nodes = matrix.num_rows();
   std::vector<double> size(num_nodes, 0);
-  for (Index node = 0; node < num_nodes; ++node) {
-    for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
-      if (matrix.column[k] == node) size[node] = matrix.block[k].norm();
+  const Ranges ranges(num_nodes, kRowsOfPart);
+  for_each_range(ranges, [&](Index first, Index last) {
+    for (Index node = first; node < last; ++node) {
+      for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+        if (matrix.column[k] == node) size[node] = matrix.block[k].norm();
+      }
     }
-  }
+  });
   std::vector<char> is_strong(matrix.column.size());
-  for (Index node = 0; node < num_nodes; ++node) {
-    for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
-      const Index other = matrix.column[k];
-      const double coupling = matrix.block[k].squaredNorm();
-      is_strong[k] =
-          other != node && coupling > threshold * threshold * size[node] * size[other] ? 1 : 0;
+  for_each_range(ranges, [&](Index first, Index last) {
+    for (Index node = first; node < last; ++node) {
+      for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+        const Index other = matrix.column[k];
+        const double coupling = matrix.block[k].squaredNorm();
+        is_strong[k] =
+            other != node && coupling > threshold * threshold * size[node] * size[other] ? 1 : 0;
+      }
     }
-  }
+  });
   Aggregates result;
   result.of_node.assign(num_nodes, -1);
   std::vector<Index>& of_node = result.of_node;
@@ -220,62 +264,56 @@ template <int B>
 BlockRows<B, 6> smoothed_prolongation(const BlockRows<B, B>& matrix,
                                       const std::vector<Block<B, B>>& inverse_diagonal,
                                       double omega, const BlockRows<B, 6>& tentative) {
-  BlockRows<B, 6> result;
-  result.num_columns = tentative.num_columns;
-  RowSums<Block<B, 6>> sums(result.num_columns);
-  for (Index node = 0; node < matrix.num_rows(); ++node) {
-    for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
-      const Index other = matrix.column[k];
-      sums.at(tentative.column[other]).noalias() -= matrix.block[k] * tentative.block[other];
-    }
-    const Index first = static_cast<Index>(result.block.size());
-    const Index own = tentative.column[node];
-    (void)sums.at(own);
-    sums.finish(result);
-    for (std::size_t k = first; k < result.block.size(); ++k) {
-      result.block[k] = omega * inverse_diagonal[node] * result.block[k];
-      if (result.column[k] == own) result.block[k] += tentative.block[node];
-    }
-  }
-  return result;
+  return make_rows<BlockRows<B, 6>>(
+      matrix.num_rows(), tentative.num_columns,
+      [&](Index node, RowSums<Block<B, 6>>& sums, BlockRows<B, 6>& rows) {
+        for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+          const Index other = matrix.column[k];
+          sums.at(tentative.column[other]).noalias() -= matrix.block[k] * tentative.block[other];
+        }
+        const std::size_t first = rows.block.size();
+        const Index own = tentative.column[node];
+        (void)sums.at(own);
+        sums.finish(rows);
+        for (std::size_t k = first; k < rows.block.size(); ++k) {
+          rows.block[k] = omega * inverse_diagonal[node] * rows.block[k];
+          if (rows.column[k] == own) rows.block[k] += tentative.block[node];
+        }
+      });
 }
 
 template <int B>
 BlockRows<6, 6> coarse_matrix(const BlockRows<B, B>& matrix, const BlockRows<B, 6>& prolongation) {
-  BlockRows<B, 6> product;  // AP
-  product.num_columns = prolongation.num_columns;
-  {
-    RowSums<Block<B, 6>> sums(product.num_columns);
-    for (Index node = 0; node < matrix.num_rows(); ++node) {
-      for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
-        const Index other = matrix.column[k];
-        for (Index i = prolongation.start[other]; i < prolongation.start[other + 1]; ++i) {
-          sums.at(prolongation.column[i]).noalias() += matrix.block[k] * prolongation.block[i];
+  const auto product = make_rows<BlockRows<B, 6>>(  // AP
+      matrix.num_rows(), prolongation.num_columns,
+      [&](Index node, RowSums<Block<B, 6>>& sums, BlockRows<B, 6>& rows) {
+        for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+          const Index other = matrix.column[k];
+          for (Index i = prolongation.start[other]; i < prolongation.start[other + 1]; ++i) {
+            sums.at(prolongation.column[i]).noalias() += matrix.block[k] * prolongation.block[i];
+          }
         }
-      }
-      sums.finish(product);
-    }
-  }
-  BlockRows<6, 6> result;
-  result.num_columns = prolongation.num_columns;
-  RowSums<Block<6, 6>> sums(result.num_columns);
-  const ByColumn rows = by_column(prolongation);
-  for (Index aggregate = 0; aggregate < result.num_columns; ++aggregate) {
-    for (Index e = rows.start[aggregate]; e < rows.start[aggregate + 1]; ++e) {
-      const auto& [node, place] = rows.entry[e];
-      const auto transposed = prolongation.block[place].transpose();
-      for (Index i = product.start[node]; i < product.start[node + 1]; ++i) {
-        sums.at(product.column[i]).noalias() += transposed * product.block[i];
-      }
-    }
-    Block<6, 6>& diagonal = sums.at(aggregate);
-    const double largest = diagonal.diagonal().cwiseAbs().maxCoeff();
-    for (int c = 0; c < 6; ++c) {
-      if (diagonal(c, c) == 0) diagonal(c, c) = largest > 0 ? largest : 1;
-    }
-    sums.finish(result);
-  }
-  return result;
+        sums.finish(rows);
+      });
+  const ByColumn columns =
+      by_column(prolongation.num_columns, prolongation.start, prolongation.column);
+  return make_rows<BlockRows<6, 6>>(
+      prolongation.num_columns, prolongation.num_columns,
+      [&](Index aggregate, RowSums<Block<6, 6>>& sums, BlockRows<6, 6>& rows) {
+        for (Index e = columns.start[aggregate]; e < columns.start[aggregate + 1]; ++e) {
+          const Index node = columns.row[e];
+          const auto transposed = prolongation.block[columns.place[e]].transpose();
+          for (Index i = product.start[node]; i < product.start[node + 1]; ++i) {
+            sums.at(product.column[i]).noalias() += transposed * product.block[i];
+          }
+        }
+        Block<6, 6>& diagonal = sums.at(aggregate);
+        const double largest = diagonal.diagonal().cwiseAbs().maxCoeff();
+        for (int c = 0; c < 6; ++c) {
+          if (diagonal(c, c) == 0) diagonal(c, c) = largest > 0 ? largest : 1;
+        }
+        sums.finish(rows);
+      });
 }
 
 template Aggregates aggregate(const BlockRows<3, 3>&, double);

@@ -30,6 +30,19 @@ struct BlockRows {
   [[nodiscard]] Index num_rows() const { return static_cast<Index>(start.size()) - 1; }
 };
 
+/// The blocks of a sparse matrix column by column, rows ascending.
+struct ByColumn {
+  /// Where each column begins [num_columns + 1].
+  std::vector<Index> start;
+  /// The row of each block, and its place row by row.
+  std::vector<Index> row;
+  std::vector<Index> place;
+};
+
+/// @param start @param column Those of a BlockRows.
+[[nodiscard]] ByColumn by_column(Index num_columns, const std::vector<Index>& start,
+                                 const std::vector<Index>& column);
+
 /// All blocks of a matrix of which the pattern has the lower triangle.
 [[nodiscard]] BlockRows<3, 3> all_blocks(const BlockPattern& pattern,
                                          const Neighbourhoods& neighbours,

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "iterative/block_pattern.h"
 
+#include <atomic>
+
 #include "base/error.h"
+#include "base/parallel.h"
 
 namespace palpate {
 namespace {
@@ -18,11 +21,13 @@ namespace {
 }  // namespace
 
 bool all_finite(const std::vector<double>& values) {
-  // The product is zero, and NaN for what is infinite or NaN.
-  return (Eigen::Map<const Eigen::ArrayXd>(values.data(),
-                                           static_cast<Eigen::Index>(values.size())) *
-          0.0)
-             .sum() == 0;
+  std::atomic<bool> are_finite{true};
+  for_each_range({static_cast<Index>(values.size()), kNumbersOfPart}, [&](Index first, Index last) {
+    // The product is zero, and NaN for what is infinite or NaN.
+    const Eigen::Map<const Eigen::ArrayXd> part(values.data() + first, last - first);
+    if ((part * 0.0).sum() != 0) are_finite = false;
+  });
+  return are_finite;
 }
 
 BlockPattern make_block_pattern(const SymmetricPattern& pattern) {
@@ -55,6 +60,7 @@ BlockPattern make_block_pattern(const SymmetricPattern& pattern) {
     }
     blocks.start.push_back(blocks.num_blocks());
   }
+  blocks.find_parts();
   return blocks;
 }
 

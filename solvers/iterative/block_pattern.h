@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "iterative/triangle_parts.h"
 
 namespace palpate {
 
@@ -23,14 +24,21 @@ struct BlockPattern {
   std::vector<Index> start;
   /// The neighbours of higher number of each node, ascending.
   std::vector<Index> neighbour;
+  /// Set by find_parts().
+  TriangleParts parts;
+
+  /// Call this when all of the above is there.
+  void find_parts() { parts = make_triangle_parts(start, neighbour); }
 
   [[nodiscard]] Index num_blocks() const { return static_cast<Index>(neighbour.size()); }
   [[nodiscard]] Index num_neighbours(Index node) const { return start[node + 1] - start[node]; }
   [[nodiscard]] Index num_values() const { return 9 * num_blocks() + 6 * num_nodes; }
   /// The position of the first value of a node.
   [[nodiscard]] Index first_value(Index node) const { return 9 * start[node] + 6 * node; }
+  /// The nodes for which vectors of sums need room (passes.h): there is more than one sum for some.
+  [[nodiscard]] Index num_sums() const { return num_nodes + parts.num_rooms(); }
   [[nodiscard]] std::size_t bytes() const {
-    return (start.capacity() + neighbour.capacity()) * sizeof(Index);
+    return (start.capacity() + neighbour.capacity()) * sizeof(Index) + parts.bytes();
   }
 };
 

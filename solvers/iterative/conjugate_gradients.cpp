@@ -74,7 +74,8 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
                                           Eigen::Ref<Eigen::MatrixXd> columns) {
   const Index n = k.num_nodes();
   const auto m = static_cast<int>(columns.cols());
-  for (NodeVectors<double>* vector : {&b_, &x_, &r_, &z_, &p_, &q_, &sums_}) vector->set_zero(n, m);
+  for (NodeVectors<double>* vector : {&b_, &x_, &r_, &z_, &p_, &q_}) vector->set_zero(n, m);
+  sums_.set_zero(k.num_sums(), m);
   preconditioner.reserve(m);
   b_.assign(columns);
   r_.assign(columns);

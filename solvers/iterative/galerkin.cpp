@@ -66,6 +66,7 @@ BlockPattern coarse_pattern(const BlockPattern& pattern, const NodeLevels& level
     }
     coarse.start.push_back(coarse.num_blocks());
   }
+  coarse.find_parts();
   return coarse;
 }
 
@@ -100,37 +101,60 @@ void check(const NodeLevels& levels, const BlockPattern& pattern) {
   }
 }
 
-void galerkin_product(const BlockPattern& pattern, const NodeLevels& levels,
-                      const std::vector<double>& values, double unit, const BlockPattern& coarse,
-                      const Neighbourhoods& coarse_neighbours, std::vector<double>& coarse_values) {
-  coarse_values.assign(coarse.num_values(), 0);
-  // The place of the block of each corner with the one that is looked at, −1: they are no
-  // neighbours.
-  std::vector<Index> place[2];
-  for (auto& list : place) list.assign(coarse.num_nodes, -1);
-  const auto mark = [&](int i, Index corner, bool is_marked) {
-    for (Index k = coarse_neighbours.start[corner]; k < coarse_neighbours.start[corner + 1]; ++k) {
-      const auto& [other, at] = coarse_neighbours.all[k];
-      place[i][other] = is_marked ? at : -1;
+GalerkinParts find_galerkin_parts(const BlockPattern& pattern, const NodeLevels& levels,
+                                  Index least_corners) {
+  GalerkinParts parts{{levels.num_corners(), least_corners}, {0}, {}};
+  std::vector<Index> part_of_corner(levels.num_corners());
+  for (Index part = 0; part < parts.corners.num_parts(); ++part) {
+    for (Index c = parts.corners.first(part); c < parts.corners.first(part + 1); ++c) {
+      part_of_corner[c] = part;
     }
-  };
-  const auto find = [&](int i, Index corner) {
-    if (place[i][corner] >= 0) return place[i][corner];
-    throw InputError(
-        "The levels of nodes do not belong to this matrix: two nodes are neighbours and corners "
-        "between which they lie are not. Make them of the mesh that the matrix was assembled on.");
+  }
+  std::vector<std::vector<Index>> nodes(parts.corners.num_parts());
+  const auto take = [&](Index node, const Parents& parents) {
+    for (int i = 0; i < parents.count; ++i) {
+      std::vector<Index>& of_part = nodes[part_of_corner[parents.corner[i]]];
+      if (of_part.empty() || of_part.back() != node) of_part.push_back(node);
+    }
   };
   for (Index node = 0; node < pattern.num_nodes; ++node) {
     const Parents own = parents_of(levels, node);
+    if (own.count == 0) continue;
+    take(node, own);
+    for (Index k = pattern.start[node]; k < pattern.start[node + 1]; ++k) {
+      take(node, parents_of(levels, pattern.neighbour[k]));
+    }
+  }
+  for (const std::vector<Index>& of_part : nodes) {
+    parts.node.insert(parts.node.end(), of_part.begin(), of_part.end());
+    parts.start.push_back(static_cast<Index>(parts.node.size()));
+  }
+  return parts;
+}
+
+namespace {
+
+/// Adds what there is for the columns of a range of corners.
+class GalerkinSum {
+ public:
+  GalerkinSum(const BlockPattern& coarse, const Neighbourhoods& neighbours, Index first, Index last,
+              std::vector<double>& values)
+      : coarse_(coarse), neighbours_(neighbours), first_(first), last_(last), values_(values) {
+    for (auto& list : place_) list.assign(coarse.num_nodes, -1);
+  }
+
+  /// Adds what a node has.
+  /// @param unit As below.
+  void add(const BlockPattern& pattern, const NodeLevels& levels, const std::vector<double>& values,
+           double unit, Index node) {
+    const Parents own = parents_of(levels, node);
     for (int i = 0; i < own.count; ++i) mark(i, own.corner[i], true);
     const Mat3 diagonal = unit * own.weight * own.weight * diagonal_block(pattern, values, node);
-    for (int i = 0; i < own.count; ++i)
-      add_diagonal(coarse, own.corner[i], diagonal, coarse_values);
+    for (int i = 0; i < own.count; ++i) add_to_diagonal(own.corner[i], diagonal);
     if (own.count == 2) {
-      const Index low = std::min(own.corner[0], own.corner[1]);
-      add_block(coarse, low, find(0, own.corner[1]), diagonal, coarse_values);
+      add_to_block(std::min(own.corner[0], own.corner[1]), 0, own.corner[1], diagonal);
     }
-    for (Index k = pattern.start[node]; own.count > 0 && k < pattern.start[node + 1]; ++k) {
+    for (Index k = pattern.start[node]; k < pattern.start[node + 1]; ++k) {
       const Parents theirs = parents_of(levels, pattern.neighbour[k]);
       if (theirs.count == 0) continue;
       // Rows of the neighbour, columns of the node.
@@ -140,17 +164,64 @@ void galerkin_product(const BlockPattern& pattern, const NodeLevels& levels,
           const Index column = own.corner[i];
           const Index row = theirs.corner[j];
           if (row == column) {
-            add_diagonal(coarse, row, block + block.transpose(), coarse_values);
+            add_to_diagonal(row, block + block.transpose());
           } else if (row > column) {
-            add_block(coarse, column, find(i, row), block, coarse_values);
+            add_to_block(column, i, row, block);
           } else {
-            add_block(coarse, row, find(i, row), block.transpose(), coarse_values);
+            add_to_block(row, i, row, block.transpose());
           }
         }
       }
     }
     for (int i = 0; i < own.count; ++i) mark(i, own.corner[i], false);
   }
+
+ private:
+  [[nodiscard]] bool has(Index column) const { return column >= first_ && column < last_; }
+  void add_to_diagonal(Index corner, const Mat3& block) {
+    if (has(corner)) add_diagonal(coarse_, corner, block, values_);
+  }
+  /// Of a column and the corner `other` beside the marked one of number i.
+  void add_to_block(Index column, int i, Index other, const Mat3& block) {
+    if (has(column)) add_block(coarse_, column, find(i, other), block, values_);
+  }
+  void mark(int i, Index corner, bool is_marked) {
+    for (Index k = neighbours_.start[corner]; k < neighbours_.start[corner + 1]; ++k) {
+      const auto& [other, at] = neighbours_.all[k];
+      place_[i][other] = is_marked ? at : -1;
+    }
+  }
+  [[nodiscard]] Index find(int i, Index corner) const {
+    if (place_[i][corner] >= 0) return place_[i][corner];
+    throw InputError(
+        "The levels of nodes do not belong to this matrix: two nodes are neighbours and corners "
+        "between which they lie are not. Make them of the mesh that the matrix was assembled on.");
+  }
+
+  const BlockPattern& coarse_;
+  const Neighbourhoods& neighbours_;
+  Index first_;
+  Index last_;
+  std::vector<double>& values_;
+  /// The place of the block of each corner with the one that is looked at, −1: they are no
+  /// neighbours.
+  std::vector<Index> place_[2];
+};
+
+}  // namespace
+
+void galerkin_product(const BlockPattern& pattern, const NodeLevels& levels,
+                      const GalerkinParts& parts, const std::vector<double>& values, double unit,
+                      const BlockPattern& coarse, const Neighbourhoods& coarse_neighbours,
+                      std::vector<double>& coarse_values) {
+  coarse_values.assign(coarse.num_values(), 0);
+  for_each_part(parts.corners.num_parts(), [&](Index part) {
+    GalerkinSum sum(coarse, coarse_neighbours, parts.corners.first(part),
+                    parts.corners.first(part + 1), coarse_values);
+    for (Index i = parts.start[part]; i < parts.start[part + 1]; ++i) {
+      sum.add(pattern, levels, values, unit, parts.node[i]);
+    }
+  });
 }
 
 }  // namespace palpate

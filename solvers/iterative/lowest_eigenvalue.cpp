@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "iterative/conjugate_gradients.h"
 #include "iterative/passes.h"
 
@@ -26,19 +27,10 @@ constexpr double kRounding = 1e-14;
 constexpr double kChance = 1e-3;
 
 /// Aᵀ B.
-Eigen::Matrix3d gram(const NodeVectors<double>& a, const NodeVectors<double>& b) {
-  Eigen::Matrix3d result;
-  const Eigen::Index stride = 4 * kVectors;
-  const Eigen::Map<const Eigen::MatrixXd> left(a.data(), stride, a.num_nodes());
-  const Eigen::Map<const Eigen::MatrixXd> right(b.data(), stride, b.num_nodes());
-  // All products of the rows of both, of which those of the same component of two vectors count.
-  const Eigen::Matrix<double, 4 * kVectors, 4 * kVectors> products = left * right.transpose();
-  for (int i = 0; i < kVectors; ++i) {
-    for (int j = 0; j < kVectors; ++j) {
-      result(i, j) = products.block<3, 3>(4 * i, 4 * j).trace();
-    }
-  }
-  return result;
+Eigen::Matrix3d products_of(const NodeVectors<double>& a, const NodeVectors<double>& b) {
+  Eigen::Matrix<double, kVectors, kVectors, Eigen::RowMajor> products;
+  gram(a.num_nodes(), a.data(), b.data(), products.data());
+  return products;
 }
 
 /// Vectors, and the share of each of them in each of three others.
@@ -50,14 +42,16 @@ struct Term {
 /// The sum of vectors times shares.
 void combine(std::initializer_list<Term> terms, NodeVectors<double>& result) {
   using Node = Eigen::Matrix<double, 4, kVectors>;
-  for (Index node = 0; node < result.num_nodes(); ++node) {
-    const std::size_t at = std::size_t{4 * kVectors} * node;
-    Node sum = Node::Zero();
-    for (const Term& term : terms) {
-      sum.noalias() += Node::Map(term.vectors->data() + at) * term.shares;
+  for_each_range({result.num_nodes(), kNodesOfPart}, [&](Index first, Index last) {
+    for (Index node = first; node < last; ++node) {
+      const std::size_t at = std::size_t{4 * kVectors} * node;
+      Node sum = Node::Zero();
+      for (const Term& term : terms) {
+        sum.noalias() += Node::Map(term.vectors->data() + at) * term.shares;
+      }
+      Node::Map(result.data() + at) = sum;
     }
-    Node::Map(result.data() + at) = sum;
-  }
+  });
 }
 
 /// The lowest values of xᵀKx / xᵀx among the combinations of some vectors.
@@ -81,8 +75,8 @@ std::optional<Ritz> rayleigh_ritz(const std::vector<const NodeVectors<double>*>&
         matrix.block<kVectors, kVectors>(kVectors * i, kVectors * j) = block;
         matrix.block<kVectors, kVectors>(kVectors * j, kVectors * i) = block.transpose();
       };
-      put(mass, gram(*vectors[i], *vectors[j]));
-      put(stiffness, gram(*vectors[i], *products[j]));
+      put(mass, products_of(*vectors[i], *vectors[j]));
+      put(stiffness, products_of(*vectors[i], *products[j]));
     }
   }
   if (!mass.allFinite() || !stiffness.allFinite()) return std::nullopt;
@@ -158,9 +152,10 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
   }
   const Search found = search(k, preconditioner, noise(n).col(0), options.max_solve_iterations);
   NodeVectors<double> x, kx, p, kp, z, kz, r, sums, room;
-  for (NodeVectors<double>* vector : {&x, &kx, &p, &kp, &z, &kz, &r, &sums, &room}) {
+  for (NodeVectors<double>* vector : {&x, &kx, &p, &kp, &z, &kz, &r, &room}) {
     vector->set_zero(n, kVectors);
   }
+  sums.set_zero(k.num_sums(), kVectors);
   preconditioner.reserve(kVectors);
   // What the preconditioner makes of noise has much of the lowest modes, and the solution more.
   r.assign(noise(n));

@@ -2,19 +2,27 @@
 #include "iterative/operator.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
+#include "base/parallel.h"
 #include "iterative/passes.h"
 
 namespace palpate {
 
 Operator::Operator(std::shared_ptr<const BlockPattern> pattern, const std::vector<double>& values)
     : pattern_(std::move(pattern)), values_(&values), is_finite_(all_finite(values)) {
-  for (Index node = 0; node < num_nodes(); ++node) {
-    const Vec3 diagonal = diagonal_block(node).diagonal();
-    largest_diagonal_ = std::max(largest_diagonal_, diagonal.cwiseAbs().maxCoeff());
-  }
+  const Ranges ranges(num_nodes(), kNodesOfPart);
+  std::array<double, Ranges::kMostParts> largest_of_part{};
+  for_each_part(ranges.num_parts(), [&](Index part) {
+    double largest = 0;
+    for (Index node = ranges.first(part); node < ranges.first(part + 1); ++node) {
+      largest = std::max(largest, diagonal_block(node).diagonal().cwiseAbs().maxCoeff());
+    }
+    largest_of_part[part] = largest;
+  });
+  largest_diagonal_ = *std::max_element(largest_of_part.begin(), largest_of_part.end());
 }
 
 void Operator::apply(const NodeVectors<double>& x, NodeVectors<double>& sums,
@@ -48,7 +56,9 @@ void Operator::turn(const Eigen::VectorXd& direction) {
     added.direction -= before.direction * (before.product.dot(direction) / before.curvature);
   }
   NodeVectors<double> w, q, sums;
-  for (NodeVectors<double>* vector : {&w, &q, &sums}) vector->set_zero(num_nodes(), 1);
+  w.set_zero(num_nodes(), 1);
+  q.set_zero(num_nodes(), 1);
+  sums.set_zero(num_sums(), 1);
   w.assign(added.direction);
   multiply<double>({pattern_.get(), values_->data()}, 1, w.data(), sums.data(), q.data());
   added.product = q.column(0).reshaped();

@@ -25,6 +25,8 @@ class Operator {
   Operator(std::shared_ptr<const BlockPattern> pattern, const std::vector<double>& values);
 
   [[nodiscard]] Index num_nodes() const { return pattern_->num_nodes; }
+  /// The nodes of a vector that is room for sums.
+  [[nodiscard]] Index num_sums() const { return pattern_->num_sums(); }
   [[nodiscard]] Mat3 diagonal_block(Index node) const {
     return palpate::diagonal_block(*pattern_, *values_, node);
   }
@@ -46,7 +48,7 @@ class Operator {
   /// @param b The right-hand sides. @param x The solutions.
   void turn_back(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) const;
 
-  /// y = K' x. @param sums Room, zero before and after.
+  /// y = K' x. @param sums Room of num_sums() nodes, zero before and after.
   void apply(const NodeVectors<double>& x, NodeVectors<double>& sums, NodeVectors<double>& y) const;
   /// r = b − K' x. r may be b.
   void residual(const NodeVectors<double>& b, const NodeVectors<double>& x,

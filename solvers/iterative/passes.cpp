@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "iterative/passes.h"
 
+#include <algorithm>
+#include <array>
+
+#include "base/parallel.h"
 #include "base/simd.h"
 
 namespace palpate {
@@ -56,10 +60,11 @@ template <class V, class T>
   return v;
 }
 
-/// What a row of the product becomes.
+/// What a row of the product becomes. fetch() asks for what that takes, ahead of time.
 template <class T>
 struct Store {
   T* y;
+  [[gnu::always_inline]] void fetch(std::size_t at, Index) const { __builtin_prefetch(y + at, 1); }
   [[gnu::always_inline]] void operator()(std::size_t at, Index, Lanes<T> row) const {
     store(row, y + at);
   }
@@ -69,6 +74,10 @@ template <class T>
 struct StoreResidual {
   const T* b;
   T* y;
+  [[gnu::always_inline]] void fetch(std::size_t at, Index) const {
+    __builtin_prefetch(b + at);
+    __builtin_prefetch(y + at, 1);
+  }
   [[gnu::always_inline]] void operator()(std::size_t at, Index, Lanes<T> row) const {
     const auto r = loaded<Lanes<T>>(b + at) - row;
     store(r, y + at);
@@ -87,6 +96,13 @@ struct StepAlong {
   ChebyshevStep coefficients;
   float* x;
   float* d;
+  [[gnu::always_inline]] void fetch(std::size_t at, Index node) const {
+    __builtin_prefetch(inverse_diagonal + std::size_t{12} * node);
+    __builtin_prefetch(inverse_diagonal + std::size_t{12} * node + 8);
+    __builtin_prefetch(b + at);
+    __builtin_prefetch(x + at, 1);
+    __builtin_prefetch(d + at, 1);
+  }
   [[gnu::always_inline]] void operator()(std::size_t at, Index node, FourFloats row) const {
     const FourFloats r = loaded<FourFloats>(b + at) - row;
     FourFloats step = coefficients.momentum * loaded<FourFloats>(d + at);
@@ -97,16 +113,20 @@ struct StepAlong {
   }
 };
 
+/// A node of aggregates has thirty blocks of 36 values: the least of a part.
+constexpr Index kAggregatesOfPart = 128;
+
 /// Values between those that are used and those that are fetched meanwhile, some six nodes: without
 /// that, a pass takes twice the time.
 constexpr int kAhead = 800;
 
-/// A pass over the lower triangle. A load takes the three values of a column of a block and the one
-/// behind them, which is another value of the matrix: the last node has no blocks. That lane meets
-/// the zero of a vector, or is thrown away.
-template <class T, int N, class Finish>
+/// A pass over a part of the lower triangle (triangle_parts.h), or over all of it. A load takes the
+/// three values of a column of a block and the one behind them, which is another value of the
+/// matrix: the last node has no blocks. That lane meets the zero of a vector, or is thrown away.
+template <class T, int N, bool IsWhole, class Finish>
 struct TrianglePass {
   const BlockPattern& pattern;
+  Index part;
   const T* values;
   const T* x;
   T* sums;
@@ -116,12 +136,16 @@ struct TrianglePass {
     using V = Lanes<T>;
     const Index* start = pattern.start.data();
     const Index* neighbour = pattern.neighbour.data();
-    const Index num_nodes = pattern.num_nodes;
-    const T* value = values;
+    const char* is_late = pattern.parts.is_late.data();
+    const Index* sum_of_crossing =
+        IsWhole ? nullptr : pattern.parts.sum.data() + pattern.parts.first_sum[part];
+    const Index first_node = pattern.parts.nodes.first(part);
+    const Index last_node = pattern.parts.nodes.first(part + 1);
+    const T* value = values + pattern.first_value(first_node);
     // What is stored may not be these, as far as the compiler knows.
     const T* const from_x = x;
     T* const to_sums = sums;
-    for (Index node = 0; node < num_nodes; ++node) {
+    for (Index node = first_node; node < last_node; ++node) {
       const Index m = start[node + 1] - start[node];
       const std::size_t at = std::size_t{4 * N} * node;
       const T* v0 = value;
@@ -147,22 +171,32 @@ struct TrianglePass {
         store(V{}, to_sums + at + 4 * n);
       }
       const Index* other = neighbour + start[node];
-      for (Index k = 0; k < m; ++k) {
-        __builtin_prefetch(value + 9 * k + kAhead);
-        const V b0 = loaded<V>(v0 + 3 * k);
-        const V b1 = loaded<V>(v1 + 3 * k);
-        const V b2 = loaded<V>(v2 + 3 * k);
-        const std::size_t to = std::size_t{4 * N} * other[k];
+      const auto pass_blocks = [&](const Index* sum_of) __attribute__((always_inline)) {
+        for (Index k = 0; k < m; ++k) {
+          __builtin_prefetch(value + 9 * k + kAhead);
+          const V b0 = loaded<V>(v0 + 3 * k);
+          const V b1 = loaded<V>(v1 + 3 * k);
+          const V b2 = loaded<V>(v2 + 3 * k);
+          const std::size_t to = std::size_t{4 * N} * other[k];
+          const std::size_t to_sum = std::size_t{4 * N} * sum_of[k];
 #pragma GCC unroll 3
-        for (int n = 0; n < N; ++n) {
-          const V theirs = loaded<V>(from_x + to + 4 * n);
-          p0[n] += b0 * theirs;
-          p1[n] += b1 * theirs;
-          p2[n] += b2 * theirs;
-          V sum = loaded<V>(to_sums + to + 4 * n);
-          sum += b0 * own[n][0] + b1 * own[n][1] + b2 * own[n][2];
-          store(sum, to_sums + to + 4 * n);
+          for (int n = 0; n < N; ++n) {
+            const V theirs = loaded<V>(from_x + to + 4 * n);
+            p0[n] += b0 * theirs;
+            p1[n] += b1 * theirs;
+            p2[n] += b2 * theirs;
+            V sum = loaded<V>(to_sums + to_sum + 4 * n);
+            sum += b0 * own[n][0] + b1 * own[n][1] + b2 * own[n][2];
+            store(sum, to_sums + to_sum + 4 * n);
+          }
         }
+      };
+      // Twice, so that most nodes have one place for both.
+      if (!IsWhole && m > 0 && other[m - 1] >= last_node) {
+        pass_blocks(sum_of_crossing);
+        sum_of_crossing += m;
+      } else {
+        pass_blocks(other);
       }
 #pragma GCC unroll 3
       for (int n = 0; n < N; ++n) {
@@ -170,6 +204,46 @@ struct TrianglePass {
                        p2[n][0] + p2[n][1] + p2[n][2], 0};
         V complete = row[n] + across;
         complete[3] = 0;
+        if (!IsWhole && is_late[node] != 0) {
+          store(complete, to_sums + at + 4 * n);
+        } else {
+          finish(at + 4 * n, node, complete);
+        }
+      }
+    }
+  }
+};
+
+/// Late nodes between those that are completed and those of which the numbers are fetched.
+constexpr Index kLateAhead = 12;
+
+/// Completes the rows of the late nodes of a part.
+template <class T, int N, class Finish>
+struct LatePass {
+  const TriangleParts& parts;
+  Index part;
+  T* sums;
+  Finish finish;
+
+  [[gnu::always_inline]] void operator()() const {
+    using V = Lanes<T>;
+    const auto take = [](T * from) __attribute__((always_inline)) {
+      const V sum = loaded<V>(from);
+      store(V{}, from);
+      return sum;
+    };
+    const Index last_late = parts.first_late[part + 1];
+    for (Index late = parts.first_late[part]; late < last_late; ++late) {
+      const Index ahead = parts.late[std::min(late + kLateAhead, last_late - 1)];
+      finish.fetch(std::size_t{4 * N} * ahead, ahead);
+      __builtin_prefetch(sums + std::size_t{4 * N} * ahead, 1);
+      const Index node = parts.late[late];
+      const std::size_t at = std::size_t{4 * N} * node;
+      for (int n = 0; n < N; ++n) {
+        V complete = take(sums + at + 4 * n);
+        for (Index i = parts.first_arriving[late]; i < parts.first_arriving[late + 1]; ++i) {
+          complete += take(sums + std::size_t{4 * N} * parts.arriving[i] + 4 * n);
+        }
         finish(at + 4 * n, node, complete);
       }
     }
@@ -179,21 +253,32 @@ struct TrianglePass {
 template <class T, class Finish>
 void run_triangle(const BlockMatrixView<T>& a, int columns, const T* x, T* sums,
                   const Finish& finish) {
+  const TriangleParts& parts = a.pattern->parts;
+  const Index num_parts = parts.nodes.num_parts();
   with_columns(columns, [&](auto n) {
-    run(TrianglePass<T, n(), Finish>{*a.pattern, a.values, x, sums, finish});
+    if (num_parts == 1) {
+      return run(TrianglePass<T, n(), true, Finish>{*a.pattern, 0, a.values, x, sums, finish});
+    }
+    for_each_part(num_parts, [&](Index part) {
+      run(TrianglePass<T, n(), false, Finish>{*a.pattern, part, a.values, x, sums, finish});
+    });
+    for_each_part(num_parts, [&](Index part) {
+      run(LatePass<T, n(), Finish>{parts, part, sums, finish});
+    });
   });
 }
 
 template <int N>
 struct StartPass {
-  Index num_nodes;
+  Index first;
+  Index last;
   const float* inverse_diagonal;
   float step;
   const float* b;
   float* x;
   float* d;
   [[gnu::always_inline]] void operator()() const {
-    for (Index node = 0; node < num_nodes; ++node) {
+    for (Index node = first; node < last; ++node) {
       for (int n = 0; n < N; ++n) {
         const std::size_t at = 4 * (std::size_t{N} * node + n);
         const FourFloats moved = step * times_inverse(inverse_diagonal + std::size_t{12} * node,
@@ -205,11 +290,11 @@ struct StartPass {
   }
 };
 
-/// Calls f(node, parent, weight) for each parent.
+/// Calls f(node, parent, weight) for each parent of some nodes.
 template <class F>
 [[gnu::always_inline]] inline void for_parents(const std::vector<std::array<Index, 2>>& parents,
-                                               F&& f) {
-  for (std::size_t node = 0; node < parents.size(); ++node) {
+                                               Index first, Index last, F&& f) {
+  for (Index node = first; node < last; ++node) {
     const auto [a, b] = parents[node];
     if (a == b && a >= 0) {
       f(node, a, 1.0F);
@@ -223,13 +308,14 @@ template <class F>
 /// y ← x, y or both, one node after the other.
 template <int N, class X, class Y, class F>
 struct VectorPass {
-  Index num_nodes;
+  Index first;
+  Index last;
   const double* factors;
   const X* x;
   Y* y;
   F f;
   [[gnu::always_inline]] void operator()() const {
-    for (Index node = 0; node < num_nodes; ++node) {
+    for (Index node = first; node < last; ++node) {
 #pragma GCC unroll 3
       for (int n = 0; n < N; ++n) {
         const std::size_t at = 4 * (std::size_t{N} * node + n);
@@ -246,7 +332,9 @@ template <class X, class Y, class F>
 void run_over_vectors(Index num_nodes, int columns, const double* factors, const X* x, Y* y,
                       const F& f) {
   with_columns(columns, [&](auto n) {
-    run(VectorPass<n(), X, Y, F>{num_nodes, factors, x, y, f});
+    for_each_range({num_nodes, kNodesOfPart}, [&](Index first, Index last) {
+      run(VectorPass<n(), X, Y, F>{first, last, factors, x, y, f});
+    });
   });
 }
 
@@ -266,13 +354,14 @@ struct Scale {
 
 template <int N>
 struct DotPass {
-  Index num_nodes;
+  Index first;
+  Index last;
   const double* a;
   const double* b;
   double* products;
   [[gnu::always_inline]] void operator()() const {
     Four sums[N] = {};
-    for (Index node = 0; node < num_nodes; ++node) {
+    for (Index node = first; node < last; ++node) {
 #pragma GCC unroll 3
       for (int n = 0; n < N; ++n) {
         const std::size_t at = 4 * (std::size_t{N} * node + n);
@@ -283,15 +372,57 @@ struct DotPass {
   }
 };
 
+struct GramPass {
+  Index first;
+  Index last;
+  const double* a;
+  const double* b;
+  double* products;
+  [[gnu::always_inline]] void operator()() const {
+    Four sums[3][3] = {};
+    for (Index node = first; node < last; ++node) {
+      const std::size_t at = std::size_t{12} * node;
+#pragma GCC unroll 3
+      for (int i = 0; i < 3; ++i) {
+        const Four of_a = loaded<Four>(a + at + 4 * i);
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j) sums[i][j] += of_a * loaded<Four>(b + at + 4 * j);
+      }
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        products[3 * i + j] = sums[i][j][0] + sums[i][j][1] + sums[i][j][2];
+      }
+    }
+  }
+};
+
+/// Sums what `find(first, last, numbers)` gives for the ranges of a sequence, in their order.
+template <std::size_t Size, class Find>
+std::array<double, Size> sum_over_ranges(Index count, Find&& find) {
+  const Ranges ranges(count, kNodesOfPart);
+  std::array<std::array<double, Size>, Ranges::kMostParts> of_part;
+  for_each_part(ranges.num_parts(), [&](Index part) {
+    find(ranges.first(part), ranges.first(part + 1), of_part[part].data());
+  });
+  std::array<double, Size> sums = of_part[0];
+  for (Index part = 1; part < ranges.num_parts(); ++part) {
+    for (std::size_t i = 0; i < Size; ++i) sums[i] += of_part[part][i];
+  }
+  return sums;
+}
+
 /// Of 6 × 6 blocks. Loads take two numbers too many, which are thrown away.
 template <int N>
 struct SixBlockPass {
   SixBlockView a;
+  Index first;
+  Index last;
   const float* b;
   const float* x;
   float* y;
   [[gnu::always_inline]] void operator()() const {
-    for (Index row = 0; row < a.num_nodes; ++row) {
+    for (Index row = first; row < last; ++row) {
       EightFloats sums[N] = {};
       for (Index k = a.start[row]; k < a.start[row + 1]; ++k) {
         const float* block = a.values + std::size_t{36} * k;
@@ -316,14 +447,15 @@ struct SixBlockPass {
 
 template <int N>
 struct SixUpdatePass {
-  Index num_nodes;
+  Index first;
+  Index last;
   const float* inverse_diagonal;
   ChebyshevStep coefficients;
   const float* r;
   float* x;
   float* d;
   [[gnu::always_inline]] void operator()() const {
-    for (Index node = 0; node < num_nodes; ++node) {
+    for (Index node = first; node < last; ++node) {
       for (int n = 0; n < N; ++n) {
         const std::size_t at = 8 * (std::size_t{N} * node + n);
         EightFloats sum{};
@@ -352,11 +484,13 @@ constexpr int kRoom = R == 3 ? 4 : 8;
 template <int N, int R>
 struct AggregationProlongPass {
   AggregationView p;
+  Index first;
+  Index last;
   const float* coarse;
   float* fine;
   [[gnu::always_inline]] void operator()() const {
     using V = Components<R>;
-    for (Index row = 0; row < p.num_nodes; ++row) {
+    for (Index row = first; row < last; ++row) {
       V sums[N] = {};
       for (Index k = p.start[row]; k < p.start[row + 1]; ++k) {
         const float* block = p.values + std::size_t{6 * R} * k;
@@ -382,37 +516,37 @@ struct AggregationProlongPass {
 template <int N, int R>
 struct AggregationRestrictPass {
   AggregationView p;
+  Index first;
+  Index last;
   const float* fine;
   float* coarse;
   [[gnu::always_inline]] void operator()() const {
-    using V = Components<R>;
-    for (Index row = 0; row < p.num_nodes; ++row) {
-      V own[N];
-#pragma GCC unroll 3
-      for (int n = 0; n < N; ++n) load(fine + kRoom<R> * (std::size_t{N} * row + n), own[n]);
-      for (Index k = p.start[row]; k < p.start[row + 1]; ++k) {
-        const float* block = p.values + std::size_t{6 * R} * k;
-        float* to = coarse + std::size_t{8 * N} * p.column[k];
+    for (Index column = first; column < last; ++column) {
+      EightFloats sums[N] = {};
+      for (Index k = p.column_start[column]; k < p.column_start[column + 1]; ++k) {
+        const float* block = p.transposed + std::size_t{6 * R} * k;
+        const float* from = fine + std::size_t{kRoom<R> * N} * p.row[k];
 #pragma GCC unroll 6
-        for (int c = 0; c < 6; ++c) {
-          const auto column = loaded<V>(block + R * c);
+        for (int i = 0; i < R; ++i) {
+          const auto values = loaded<EightFloats>(block + 6 * i);
 #pragma GCC unroll 3
-          for (int n = 0; n < N; ++n) {
-            const V product = column * own[n];
-            float sum = product[0];
-            for (int i = 1; i < R; ++i) sum += product[i];
-            to[8 * n + c] += sum;
-          }
+          for (int n = 0; n < N; ++n) sums[n] += values * from[kRoom<R> * n + i];
         }
+      }
+#pragma GCC unroll 3
+      for (int n = 0; n < N; ++n) {
+        sums[n][6] = sums[n][7] = 0;
+        store(sums[n], coarse + 8 * (std::size_t{N} * column + n));
       }
     }
   }
 };
 
-template <template <int, int> class Pass, class... Arguments>
-void run_aggregation(const AggregationView& p, int columns, Arguments... arguments) {
+/// Calls f with the numbers of columns and of rows as constants.
+template <class F>
+void with_sizes(const AggregationView& p, int columns, F&& f) {
   with_columns(columns, [&](auto n) {
-    p.rows == 3 ? run(Pass<n(), 3>{p, arguments...}) : run(Pass<n(), 6>{p, arguments...});
+    p.rows == 3 ? f(n, std::integral_constant<int, 3>()) : f(n, std::integral_constant<int, 6>());
   });
 }
 
@@ -442,32 +576,54 @@ void chebyshev_step(const BlockMatrixView<float>& a, const float* inverse_diagon
 void chebyshev_start(Index num_nodes, const float* inverse_diagonal, int columns, float step,
                      const float* b, float* x, float* d) {
   with_columns(columns, [&](auto n) {
-    run(StartPass<n()>{num_nodes, inverse_diagonal, step, b, x, d});
+    for_each_range({num_nodes, kNodesOfPart}, [&](Index first, Index last) {
+      run(StartPass<n()>{first, last, inverse_diagonal, step, b, x, d});
+    });
   });
 }
 
 void prolong(const std::vector<std::array<Index, 2>>& parents, int columns, const float* coarse,
              float* fine) {
   const std::size_t length = std::size_t{4} * columns;
-  for_parents(parents, [&](std::size_t node, Index parent, float weight) {
-    for (std::size_t i = 0; i < length; ++i) {
-      fine[length * node + i] += weight * coarse[length * parent + i];
-    }
+  const Ranges ranges(static_cast<Index>(parents.size()), kNodesOfPart);
+  for_each_range(ranges, [&](Index first, Index last) {
+    for_parents(parents, first, last, [&](std::size_t node, Index parent, float weight) {
+      for (std::size_t i = 0; i < length; ++i) {
+        fine[length * node + i] += weight * coarse[length * parent + i];
+      }
+    });
   });
 }
 
-void restrict_to(const std::vector<std::array<Index, 2>>& parents, int columns, const float* fine,
-                 float* coarse) {
+void restrict_to(const Children& children, int columns, const float* fine, float* coarse) {
   const std::size_t length = std::size_t{4} * columns;
-  for_parents(parents, [&](std::size_t node, Index parent, float weight) {
-    for (std::size_t i = 0; i < length; ++i) {
-      coarse[length * parent + i] += weight * fine[length * node + i];
+  for_each_range({children.num_corners(), kNodesOfPart}, [&](Index first, Index last) {
+    for (Index corner = first; corner < last; ++corner) {
+      float* to = coarse + length * corner;
+      std::fill(to, to + length, 0.0F);
+      for (Index k = children.start[corner]; k < children.start[corner + 1]; ++k) {
+        const float* from = fine + length * children.node[k];
+        const float weight = children.node[k] == children.node_of_corner[corner] ? 1.0F : 0.5F;
+        for (std::size_t i = 0; i < length; ++i) to[i] += weight * from[i];
+      }
     }
   });
 }
 
 void dot(Index num_nodes, int columns, const double* a, const double* b, double* products) {
-  with_columns(columns, [&](auto n) { run(DotPass<n()>{num_nodes, a, b, products}); });
+  with_columns(columns, [&](auto n) {
+    const auto sums = sum_over_ranges<n()>(num_nodes, [&](Index first, Index last, double* of) {
+      run(DotPass<n()>{first, last, a, b, of});
+    });
+    std::copy(sums.begin(), sums.end(), products);
+  });
+}
+
+void gram(Index num_nodes, const double* a, const double* b, double* products) {
+  const auto sums = sum_over_ranges<9>(num_nodes, [&](Index first, Index last, double* of) {
+    run(GramPass{first, last, a, b, of});
+  });
+  std::copy(sums.begin(), sums.end(), products);
 }
 
 void add(Index num_nodes, int columns, const double* factors, const double* x, double* y) {
@@ -488,22 +644,37 @@ void convert(Index num_nodes, int columns, const double* factors, const float* x
 }
 
 void residual(const SixBlockView& a, int columns, const float* b, const float* x, float* y) {
-  with_columns(columns, [&](auto n) { run(SixBlockPass<n()>{a, b, x, y}); });
+  with_columns(columns, [&](auto n) {
+    for_each_range({a.num_nodes, kAggregatesOfPart}, [&](Index first, Index last) {
+      run(SixBlockPass<n()>{a, first, last, b, x, y});
+    });
+  });
 }
 
 void chebyshev_update(Index num_nodes, const float* inverse_diagonal, int columns,
                       ChebyshevStep coefficients, const float* r, float* x, float* d) {
   with_columns(columns, [&](auto n) {
-    run(SixUpdatePass<n()>{num_nodes, inverse_diagonal, coefficients, r, x, d});
+    for_each_range({num_nodes, kAggregatesOfPart}, [&](Index first, Index last) {
+      run(SixUpdatePass<n()>{first, last, inverse_diagonal, coefficients, r, x, d});
+    });
   });
 }
 
 void prolong(const AggregationView& p, int columns, const float* coarse, float* fine) {
-  run_aggregation<AggregationProlongPass>(p, columns, coarse, fine);
+  with_sizes(p, columns, [&](auto n, auto r) {
+    const Index least = r() == 3 ? kNodesOfPart : kAggregatesOfPart;
+    for_each_range({p.num_nodes, least}, [&](Index first, Index last) {
+      run(AggregationProlongPass<n(), r()>{p, first, last, coarse, fine});
+    });
+  });
 }
 
 void restrict_to(const AggregationView& p, int columns, const float* fine, float* coarse) {
-  run_aggregation<AggregationRestrictPass>(p, columns, fine, coarse);
+  with_sizes(p, columns, [&](auto n, auto r) {
+    for_each_range({p.num_columns, kAggregatesOfPart}, [&](Index first, Index last) {
+      run(AggregationRestrictPass<n(), r()>{p, first, last, fine, coarse});
+    });
+  });
 }
 
 }  // namespace palpate

@@ -5,12 +5,14 @@
 // A pass over the lower triangle reads each block once and uses it twice. When it has come to a
 // node, all that the nodes before contribute is there, so that the row of that node is complete,
 // and nothing after it reads the vector there: what is done with the row, such as a step of a
-// smoother, is done in the same pass and in place.
+// smoother, is done in the same pass and in place. A large matrix is passed over in parts
+// (triangle_parts.h), and vectors are too, several at once (base/parallel.h).
 #pragma once
 
 #include <cstddef>
 
 #include "iterative/block_pattern.h"
+#include "iterative/children.h"
 
 namespace palpate {
 
@@ -21,8 +23,8 @@ struct BlockMatrixView {
   const T* values;
 };
 
-// In what follows vectors are of `columns` = 1 or 3 columns, and `sums` is room for one that is
-// zero before and after.
+// In what follows vectors are of `columns` = 1 or 3 columns, and `sums` is room for one of
+// pattern->num_sums() nodes that is zero before and after.
 
 /// y = A x.
 template <class T>
@@ -48,12 +50,13 @@ void chebyshev_start(Index num_nodes, const float* inverse_diagonal, int columns
 /// fine += P coarse, with ½ or 1 of each parent [num_nodes].
 void prolong(const std::vector<std::array<Index, 2>>& parents, int columns, const float* coarse,
              float* fine);
-/// coarse = Pᵀ fine. @param coarse Zero before.
-void restrict_to(const std::vector<std::array<Index, 2>>& parents, int columns, const float* fine,
-                 float* coarse);
+/// coarse = Pᵀ fine.
+void restrict_to(const Children& children, int columns, const float* fine, float* coarse);
 
 /// The scalar product of each column [columns].
 void dot(Index num_nodes, int columns, const double* a, const double* b, double* products);
+/// Of vectors of three columns the scalar products of each of a with each of b [3 × 3], row by row.
+void gram(Index num_nodes, const double* a, const double* b, double* products);
 /// y ← y + factor x, column by column.
 void add(Index num_nodes, int columns, const double* factors, const double* x, double* y);
 /// y ← x + factor y, column by column.
@@ -87,11 +90,17 @@ struct AggregationView {
   const Index* start;
   const Index* column;
   const float* values;
+  /// Pᵀ, by the columns of P: where each begins, the rows ascending, and the blocks transposed,
+  /// their columns of 6 following one another; two numbers more at the end.
+  Index num_columns;
+  const Index* column_start;
+  const Index* row;
+  const float* transposed;
 };
 
 /// fine += P coarse.
 void prolong(const AggregationView& p, int columns, const float* coarse, float* fine);
-/// coarse = Pᵀ fine. @param coarse Zero before.
+/// coarse = Pᵀ fine.
 void restrict_to(const AggregationView& p, int columns, const float* fine, float* coarse);
 
 }  // namespace palpate

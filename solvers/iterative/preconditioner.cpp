@@ -2,9 +2,11 @@
 #include "iterative/preconditioner.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "base/parallel.h"
 #include "iterative/galerkin.h"
 #include "iterative/passes.h"
 
@@ -43,8 +45,16 @@ class CyclePreconditioner final : public Preconditioner {
 
  protected:
   SetupReport prepare(const std::vector<double>& values) override {
-    double largest = 0;
-    for (double value : values) largest = std::max(largest, std::abs(value));
+    const Ranges ranges(static_cast<Index>(values.size()), kNumbersOfPart);
+    std::array<double, Ranges::kMostParts> largest_of_part{};
+    for_each_part(ranges.num_parts(), [&](Index part) {
+      double largest = 0;
+      for (Index i = ranges.first(part); i < ranges.first(part + 1); ++i) {
+        largest = std::max(largest, std::abs(values[i]));
+      }
+      largest_of_part[part] = largest;
+    });
+    const double largest = *std::max_element(largest_of_part.begin(), largest_of_part.end());
     int exponent = 0;
     (void)std::frexp(largest, &exponent);
     const double unit = std::isfinite(largest) ? std::ldexp(1.0, -exponent) : 1;

@@ -5,8 +5,11 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <utility>
+
+#include "base/parallel.h"
 
 namespace palpate {
 namespace {
@@ -21,14 +24,20 @@ constexpr double kLeastReduction = 0.8;
 /// A stiffness below this share of the greatest is rounding: the body can move freely.
 constexpr double kSingular = 1e-12;
 
+/// The least rows of a part, of a dense matrix or one of blocks.
+constexpr Index kRowsOfPart = 128;
+constexpr Index kBlocksOfPart = 4096;
+
 std::vector<float> padded(std::size_t size) { return std::vector<float>(size + 2, 0.0F); }
 
 template <int R, int C>
 std::vector<float> as_floats(const std::vector<Block<R, C>>& blocks) {
   std::vector<float> floats = padded(blocks.size() * R * C);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    Eigen::Matrix<float, R, C>::Map(floats.data() + i * R * C) = blocks[i].template cast<float>();
-  }
+  for_each_range({static_cast<Index>(blocks.size()), kBlocksOfPart}, [&](Index first, Index last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+      Eigen::Matrix<float, R, C>::Map(floats.data() + i * R * C) = blocks[i].template cast<float>();
+    }
+  });
   return floats;
 }
 
@@ -36,14 +45,18 @@ std::vector<float> as_floats(const std::vector<Block<R, C>>& blocks) {
 template <int B>
 std::optional<std::vector<Block<B, B>>> invert_diagonal(const BlockRows<B, B>& matrix) {
   std::vector<Block<B, B>> inverse(matrix.num_rows());
-  for (Index node = 0; node < matrix.num_rows(); ++node) {
-    const auto* first = matrix.column.data() + matrix.start[node];
-    const auto* last = matrix.column.data() + matrix.start[node + 1];
-    const auto at = std::lower_bound(first, last, node) - matrix.column.data();
-    const Eigen::LLT<Block<B, B>> factor(matrix.block[at]);
-    if (factor.info() != Eigen::Success) return std::nullopt;
-    inverse[node] = factor.solve(Block<B, B>::Identity());
-  }
+  std::atomic<bool> is_definite{true};
+  for_each_range({matrix.num_rows(), kRowsOfPart}, [&](Index first_row, Index last_row) {
+    for (Index node = first_row; node < last_row; ++node) {
+      const auto* first = matrix.column.data() + matrix.start[node];
+      const auto* last = matrix.column.data() + matrix.start[node + 1];
+      const auto at = std::lower_bound(first, last, node) - matrix.column.data();
+      const Eigen::LLT<Block<B, B>> factor(matrix.block[at]);
+      if (factor.info() != Eigen::Success) is_definite = false;
+      inverse[node] = factor.solve(Block<B, B>::Identity());
+    }
+  });
+  if (!is_definite) return std::nullopt;
   return inverse;
 }
 
@@ -51,21 +64,26 @@ template <int B>
 double largest_eigenvalue_of(const BlockRows<B, B>& matrix,
                              const std::vector<Block<B, B>>& inverse) {
   using Vector = Eigen::Matrix<double, B, 1>;
+  const Ranges ranges(matrix.num_rows(), kRowsOfPart);
   const auto times = [&](const Eigen::VectorXf& x, Eigen::VectorXf& y) {
-    for (Index node = 0; node < matrix.num_rows(); ++node) {
-      Vector sum = Vector::Zero();
-      for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
-        sum.noalias() +=
-            matrix.block[k] * x.segment<B>(B * matrix.column[k]).template cast<double>();
+    for_each_range(ranges, [&](Index first, Index last) {
+      for (Index node = first; node < last; ++node) {
+        Vector sum = Vector::Zero();
+        for (Index k = matrix.start[node]; k < matrix.start[node + 1]; ++k) {
+          sum.noalias() +=
+              matrix.block[k] * x.segment<B>(B * matrix.column[k]).template cast<double>();
+        }
+        y.segment<B>(B * node) = sum.template cast<float>();
       }
-      y.segment<B>(B * node) = sum.template cast<float>();
-    }
+    });
   };
   const auto divide = [&](const Eigen::VectorXf& x, Eigen::VectorXf& y) {
-    for (Index node = 0; node < matrix.num_rows(); ++node) {
-      const Vector part = x.segment<B>(B * node).template cast<double>();
-      y.segment<B>(B * node) = (inverse[node] * part).template cast<float>();
-    }
+    for_each_range(ranges, [&](Index first, Index last) {
+      for (Index node = first; node < last; ++node) {
+        const Vector part = x.segment<B>(B * node).template cast<double>();
+        y.segment<B>(B * node) = (inverse[node] * part).template cast<float>();
+      }
+    });
   };
   return largest_eigenvalue(Eigen::Index{B} * matrix.num_rows(), times, divide);
 }
@@ -82,6 +100,17 @@ Prolongation as_prolongation(BlockRows<B, 6> rows) {
   Prolongation result;
   result.rows = B;
   result.values = as_floats(rows.block);
+  ByColumn columns = by_column(rows.num_columns, rows.start, rows.column);
+  result.transposed = padded(rows.block.size() * 6 * B);
+  for_each_range({static_cast<Index>(rows.block.size()), kBlocksOfPart},
+                 [&](Index first, Index last) {
+                   for (Index k = first; k < last; ++k) {
+                     Eigen::Matrix<float, 6, B>::Map(&result.transposed[std::size_t{6 * B} * k]) =
+                         rows.block[columns.place[k]].transpose().template cast<float>();
+                   }
+                 });
+  result.column_start = std::move(columns.start);
+  result.row = std::move(columns.row);
   result.start = std::move(rows.start);
   result.column = std::move(rows.column);
   return result;
@@ -159,7 +188,10 @@ SetupReport AggregationCycle::refresh(const std::vector<double>& values, double 
     bool has_coarse = false;
     {
       BlockRows<3, 3> fine = all_blocks(*pattern_, neighbours_, values);
-      for (Block<3, 3>& block : fine.block) block *= unit;
+      for_each_range({static_cast<Index>(fine.block.size()), kBlocksOfPart},
+                     [&](Index first, Index last) {
+                       for (Index k = first; k < last; ++k) fine.block[k] *= unit;
+                     });
       const auto inverse = invert_diagonal(fine);
       if (!inverse) return indefinite(1);
       const double largest = largest_eigenvalue_of(fine, *inverse);
@@ -228,7 +260,10 @@ void AggregationCycle::solve(std::size_t at, int columns, const Eigen::VectorXf&
       auto from = level.r.head(6 * Eigen::Index{level.num_nodes});
       auto to = level.d.head(6 * Eigen::Index{level.num_nodes});
       from.reshaped(6, level.num_nodes) = parts(b, column);
-      to.noalias() = level.inverse * from;
+      for_each_range({static_cast<Index>(to.size()), kRowsOfPart}, [&](Index first, Index last) {
+        to.segment(first, last - first).noalias() =
+            level.inverse.middleRows(first, last - first) * from;
+      });
       parts(x, column) = to.reshaped(6, level.num_nodes);
     }
     return;
@@ -246,7 +281,6 @@ void AggregationCycle::solve(std::size_t at, int columns, const Eigen::VectorXf&
   if (!level.prolongation.start.empty()) {
     find_residual();
     AggregateLevel& next = below_.levels[at + 1];
-    next.b.setZero();
     restrict_to(level.prolongation.view(), columns, level.r.data(), next.b.data());
     visit(at + 1, columns);
     prolong(level.prolongation.view(), columns, next.x.data(), x.data());
@@ -271,7 +305,6 @@ void AggregationCycle::apply(int columns, const float* b, float* x) {
   if (!below_.levels.empty()) {
     finest_.residual(columns, b, x, residual_.data());
     AggregateLevel& next = below_.levels.front();
-    next.b.setZero();
     restrict_to(below_.first.view(), columns, residual_.data(), next.b.data());
     visit(0, columns);
     prolong(below_.first.view(), columns, next.x.data(), x);

@@ -22,12 +22,25 @@ struct Prolongation {
   std::vector<Index> start;
   std::vector<Index> column;
   std::vector<float> values;
+  /// The same by columns, and the blocks in that order, transposed.
+  std::vector<Index> column_start;
+  std::vector<Index> row;
+  std::vector<float> transposed;
 
   [[nodiscard]] AggregationView view() const {
-    return {rows, static_cast<Index>(start.size()) - 1, start.data(), column.data(), values.data()};
+    return {rows,
+            static_cast<Index>(start.size()) - 1,
+            start.data(),
+            column.data(),
+            values.data(),
+            static_cast<Index>(column_start.size()) - 1,
+            column_start.data(),
+            row.data(),
+            transposed.data()};
   }
   [[nodiscard]] std::size_t bytes() const {
-    return (start.size() + column.size()) * sizeof(Index) + values.size() * sizeof(float);
+    return (start.size() + column.size() + column_start.size() + row.size()) * sizeof(Index) +
+           (values.size() + transposed.size()) * sizeof(float);
   }
 };
 

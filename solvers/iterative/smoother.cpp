@@ -4,8 +4,12 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <random>
+
+#include "base/parallel.h"
 
 namespace palpate {
 namespace {
@@ -19,6 +23,42 @@ constexpr int kLanczosSteps = 10;
 constexpr double kRounding = 1e-13;
 /// What the steps may miss; the polynomial bears another eighth before it amplifies.
 constexpr double kMargin = 1.05;
+
+/// By Sylvester's criterion.
+bool is_definite(const Mat3& block) {
+  const double least = kRounding * block.cwiseAbs().maxCoeff();
+  return block(0, 0) > least &&
+         block(0, 0) * block(1, 1) - block(0, 1) * block(0, 1) > least * block(0, 0) &&
+         block.determinant() > least * least * block(0, 0);
+}
+
+double product_of(const Eigen::VectorXf& a, const Eigen::VectorXf& b) {
+  const Ranges ranges(static_cast<Index>(a.size()), kNumbersOfPart);
+  std::array<double, Ranges::kMostParts> sums{};
+  for_each_part(ranges.num_parts(), [&](Index part) {
+    double sum = 0;
+    for (Index i = ranges.first(part); i < ranges.first(part + 1); ++i) {
+      sum += static_cast<double>(a[i]) * b[i];
+    }
+    sums[part] = sum;
+  });
+  return std::accumulate(sums.begin(), sums.begin() + ranges.num_parts(), 0.0);
+}
+
+/// y ← x + factor y.
+void scale_and_add(const Eigen::VectorXf& x, float factor, Eigen::VectorXf& y) {
+  for_each_range({static_cast<Index>(x.size()), kNumbersOfPart}, [&](Index first, Index last) {
+    y.segment(first, last - first) =
+        x.segment(first, last - first) + factor * y.segment(first, last - first);
+  });
+}
+
+/// y ← y + factor x.
+void add(const Eigen::VectorXf& x, float factor, Eigen::VectorXf& y) {
+  for_each_range({static_cast<Index>(x.size()), kNumbersOfPart}, [&](Index first, Index last) {
+    y.segment(first, last - first) += factor * x.segment(first, last - first);
+  });
+}
 
 }  // namespace
 
@@ -41,31 +81,26 @@ double largest_eigenvalue(Eigen::Index size, const ApplyFloat& multiply, const A
   for (float& x : r) x = (engine() & 1U) != 0 ? 1.0F : -1.0F;
   divide(r, z);
   p = z;
-  const auto dot = [](const Eigen::VectorXf& a, const Eigen::VectorXf& b) {
-    double sum = 0;
-    for (Eigen::Index i = 0; i < a.size(); ++i) sum += static_cast<double>(a[i]) * b[i];
-    return sum;
-  };
   Eigen::VectorXd diagonal(kLanczosSteps);
   Eigen::VectorXd beside(kLanczosSteps);
-  double rz = dot(r, z);
+  double rz = product_of(r, z);
   const double least = 1e-12 * rz;
   double carried = 0;
   int steps = 0;
   while (steps < kLanczosSteps && rz > least) {
     multiply(p, q);
-    const double curvature = dot(p, q);
+    const double curvature = product_of(p, q);
     if (curvature == 0) break;
     const double alpha = rz / curvature;
-    r -= static_cast<float>(alpha) * q;
+    add(q, -static_cast<float>(alpha), r);
     divide(r, z);
-    const double next = dot(r, z);
+    const double next = product_of(r, z);
     const double beta = next / rz;
     if (!std::isfinite(alpha) || !std::isfinite(beta)) break;
     diagonal[steps] = 1 / alpha + carried;
     beside[steps] = std::sqrt(std::abs(beta)) / alpha;
     carried = beta / alpha;
-    p = z + static_cast<float>(beta) * p;
+    scale_and_add(z, static_cast<float>(beta), p);
     rz = next;
     ++steps;
   }
@@ -82,16 +117,18 @@ SetupReport check_diagonal(const BlockPattern& pattern, const std::vector<double
     report.status = SetupStatus::not_finite;
     return report;
   }
-  for (Index node = 0; node < pattern.num_nodes; ++node) {
-    const Mat3 block = diagonal_block(pattern, values, node);
-    const double least = kRounding * block.cwiseAbs().maxCoeff();
-    // Sylvester's criterion.
-    const bool is_definite =
-        block(0, 0) > least &&
-        block(0, 0) * block(1, 1) - block(0, 1) * block(0, 1) > least * block(0, 0) &&
-        block.determinant() > least * least * block(0, 0);
-    if (is_definite) continue;
-    if (report.num_indefinite_blocks++ == 0) report.node = node;
+  const Ranges ranges(pattern.num_nodes, kNodesOfPart);
+  std::array<SetupReport, Ranges::kMostParts> of_part;
+  for_each_part(ranges.num_parts(), [&](Index part) {
+    for (Index node = ranges.first(part); node < ranges.first(part + 1); ++node) {
+      if (is_definite(diagonal_block(pattern, values, node))) continue;
+      if (of_part[part].num_indefinite_blocks++ == 0) of_part[part].node = node;
+    }
+  });
+  for (Index part = ranges.num_parts() - 1; part >= 0; --part) {
+    if (of_part[part].num_indefinite_blocks == 0) continue;
+    report.num_indefinite_blocks += of_part[part].num_indefinite_blocks;
+    report.node = of_part[part].node;
   }
   if (report.num_indefinite_blocks > 0) {
     report.status = SetupStatus::indefinite_block;
@@ -106,17 +143,19 @@ SmoothedMatrix::SmoothedMatrix(std::shared_ptr<const BlockPattern> pattern)
 void SmoothedMatrix::refresh(const std::vector<double>& values, double unit) {
   reserve(1);
   values_.resize(pattern_->num_values());
-  for (std::size_t i = 0; i < values_.size(); ++i) {
-    values_[i] = static_cast<float>(unit * values[i]);
-  }
+  for_each_range({pattern_->num_values(), kNumbersOfPart}, [&](Index first, Index last) {
+    for (Index i = first; i < last; ++i) values_[i] = static_cast<float>(unit * values[i]);
+  });
   inverse_diagonal_.assign(std::size_t{12} * pattern_->num_nodes, 0);
-  for (Index node = 0; node < pattern_->num_nodes; ++node) {
-    const Mat3 inverse = (unit * diagonal_block(*pattern_, values, node)).inverse();
-    for (int c = 0; c < 3; ++c) {
-      Eigen::Vector3f::Map(&inverse_diagonal_[std::size_t{12} * node + 4 * c]) =
-          inverse.col(c).cast<float>();
+  for_each_range({pattern_->num_nodes, kNodesOfPart}, [&](Index first, Index last) {
+    for (Index node = first; node < last; ++node) {
+      const Mat3 inverse = (unit * diagonal_block(*pattern_, values, node)).inverse();
+      for (int c = 0; c < 3; ++c) {
+        Eigen::Vector3f::Map(&inverse_diagonal_[std::size_t{12} * node + 4 * c]) =
+            inverse.col(c).cast<float>();
+      }
     }
-  }
+  });
   const auto times_inverse = [&](const Eigen::VectorXf& x, Eigen::VectorXf& result) {
     chebyshev_start(pattern_->num_nodes, inverse_diagonal_.data(), 1, 1, x.data(), result.data(),
                     direction_.data());
@@ -132,7 +171,7 @@ void SmoothedMatrix::refresh(const std::vector<double>& values, double unit) {
 void SmoothedMatrix::reserve(int columns) {
   if (direction_.num_columns() == columns && direction_.num_nodes() == pattern_->num_nodes) return;
   direction_.set_zero(pattern_->num_nodes, columns);
-  sums_.set_zero(pattern_->num_nodes, columns);
+  sums_.set_zero(pattern_->num_sums(), columns);
 }
 
 void SmoothedMatrix::start(int columns, const float* b, float* x) {

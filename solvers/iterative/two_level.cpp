@@ -93,6 +93,8 @@ class TwoLevelCycle final : public Cycle {
       : levels_(std::move(levels)), fine_(pattern) {
     check(levels_, *pattern);
     coarse_pattern_ = std::make_shared<const BlockPattern>(coarse_pattern(*pattern, levels_));
+    children_ = find_children(levels_);
+    galerkin_parts_ = find_galerkin_parts(*pattern, levels_);
     coarse_neighbours_ = find_neighbourhoods(*coarse_pattern_);
     coarse_ = make_coarse(coarse_pattern_);
   }
@@ -102,8 +104,8 @@ class TwoLevelCycle final : public Cycle {
     if (report.status != SetupStatus::ok) return report;
     {
       std::vector<double> coarse_values;
-      galerkin_product(fine_.pattern(), levels_, values, unit, *coarse_pattern_, coarse_neighbours_,
-                       coarse_values);
+      galerkin_product(fine_.pattern(), levels_, galerkin_parts_, values, unit, *coarse_pattern_,
+                       coarse_neighbours_, coarse_values);
       report = coarse_->refresh(coarse_values, 1);
     }
     if (report.status != SetupStatus::ok) {
@@ -126,8 +128,7 @@ class TwoLevelCycle final : public Cycle {
   void apply(int columns, const float* b, float* x) override {
     fine_.start(columns, b, x);
     fine_.residual(columns, b, x, residual_.data());
-    coarse_b_.set_zero(coarse_pattern_->num_nodes, columns);
-    restrict_to(levels_.parents, columns, residual_.data(), coarse_b_.data());
+    restrict_to(children_, columns, residual_.data(), coarse_b_.data());
     coarse_->apply(columns, coarse_b_.data(), coarse_x_.data());
     prolong(levels_.parents, columns, coarse_x_.data(), x);
     fine_.smooth(columns, b, x);
@@ -135,7 +136,7 @@ class TwoLevelCycle final : public Cycle {
 
   [[nodiscard]] std::size_t bytes() const override {
     return fine_.bytes() + coarse_->bytes() + coarse_pattern_->bytes() + residual_.bytes() +
-           coarse_b_.bytes() + coarse_x_.bytes() +
+           coarse_b_.bytes() + coarse_x_.bytes() + children_.bytes() + galerkin_parts_.bytes() +
            coarse_neighbours_.all.size() * sizeof(coarse_neighbours_.all[0]) +
            levels_.parents.size() * sizeof(levels_.parents[0]) +
            levels_.corners.size() * (sizeof(Vec3) + sizeof(Index));
@@ -143,6 +144,8 @@ class TwoLevelCycle final : public Cycle {
 
  private:
   NodeLevels levels_;
+  Children children_;
+  GalerkinParts galerkin_parts_;
   SmoothedMatrix fine_;
   std::shared_ptr<const BlockPattern> coarse_pattern_;
   Neighbourhoods coarse_neighbours_;

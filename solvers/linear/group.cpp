@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #ifdef PALPATE_WITH_MUMPS
+#include "linear/blas.h"
 #include "linear/direct_solver.h"
 #include "linear/mumps_team.h"
 #endif
@@ -10,6 +11,8 @@
 namespace palpate {
 
 #ifdef PALPATE_WITH_MUMPS
+
+void prepare_group_solver() { prepare_blas(); }
 
 std::unique_ptr<LinearSolver> make_group_solver(const void* mpi_comm) {
   auto team = std::make_shared<MumpsTeam>(*static_cast<const MPI_Comm*>(mpi_comm));
@@ -21,6 +24,8 @@ void serve_group_solver(const void* mpi_comm) {
 }
 
 #else
+
+void prepare_group_solver() {}
 
 std::unique_ptr<LinearSolver> make_group_solver(const void*) {
   throw BackendError("This build has no MUMPS, so one solver cannot have several ranks.");

@@ -2,6 +2,7 @@
 // One system solved by a group of ranks. The first rank makes a solver and uses it like any other;
 // the other ranks serve until it, and all that came from it by another(), is gone:
 //
+//   prepare_group_solver();
 //   if (rank == 0) {
 //     EquilibriumSolver body(scene, options, make_group_solver(&comm));
 //     …
@@ -17,6 +18,11 @@
 #include "linear/linear_solver.h"
 
 namespace palpate {
+
+/// Call this on each rank, and let the ranks agree on its success, before those that follow: takes
+/// memory without which a rank would hang in the BLAS.
+/// @throws MemoryError
+void prepare_group_solver();
 
 /// MUMPS on all ranks of a communicator; each rank holds its share of the factor. The sums within
 /// depend on which rank is first, so that two runs agree but for rounding.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear/mumps_backend.h"
 
-#include <dlfcn.h>
-
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/memory_error.h"
+#include "linear/blas.h"
 #include "linear/mumps_team.h"
 #include "linear/ordering.h"
 
@@ -38,13 +40,6 @@ void start_mpi_if_needed() {
     MPI_Finalized(&finalised);
     if (finalised == 0) MPI_Finalize();
   });
-}
-
-/// The ranks are the parallelism: threads of the BLAS under each would fight for the cores.
-void keep_blas_to_one_thread() {
-  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) {
-    reinterpret_cast<void (*)(int)>(set_threads)(1);
-  }
 }
 
 /// What the factors of one pattern share.
@@ -78,7 +73,7 @@ class MumpsBackend final : public Backend {
  public:
   explicit MumpsBackend(std::shared_ptr<MumpsTeam> team)
       : team_(std::move(team)), instance_(team_->new_instance()) {
-    keep_blas_to_one_thread();
+    prepare_blas();
     mumps_.par = 1;
     mumps_.sym = 2;
     run(kInitialise, "start");
@@ -185,11 +180,17 @@ class MumpsBackend final : public Backend {
   }
 
   [[noreturn]] void fail(const char* what) const {
+    // Real or integer arrays of the analysis, and any other array.
+    constexpr std::array<MUMPS_INT, 3> kOutOfMemory = {-5, -7, -13};
+    if (std::count(kOutOfMemory.begin(), kOutOfMemory.end(), mumps_.infog[0]) > 0) {
+      const std::string purpose = "for MUMPS to " + std::string(what) + " a matrix of " +
+                                  std::to_string(mumps_.n) + " unknowns";
+      throw MemoryError(not_enough_memory(purpose.c_str()));
+    }
     throw BackendError("MUMPS could not " + std::string(what) + " a matrix of " +
                        std::to_string(mumps_.n) +
                        " unknowns: INFOG(1) = " + std::to_string(mumps_.infog[0]) +
-                       ", INFOG(2) = " + std::to_string(mumps_.infog[1]) +
-                       (mumps_.infog[0] == -13 ? " (out of memory)." : "."));
+                       ", INFOG(2) = " + std::to_string(mumps_.infog[1]) + '.');
   }
 
   std::shared_ptr<MumpsTeam> team_;

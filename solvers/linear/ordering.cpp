@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "base/memory_error.h"
 
 namespace palpate {
 namespace {
@@ -86,6 +87,9 @@ std::vector<Index> nested_dissection(const SymmetricPattern& pattern) {
     options[METIS_OPTION_COMPRESS] = 0;  // done already
     const int status = METIS_NodeND(&num_groups, graph.start.data(), graph.neighbour.data(),
                                     groups.size.data(), options, group_at.data(), place.data());
+    if (status == METIS_ERROR_MEMORY) {
+      throw MemoryError(not_enough_memory("for METIS to order a matrix"));
+    }
     if (status != METIS_OK) {
       throw BackendError("METIS could not order a matrix of " + std::to_string(pattern.size) +
                          " unknowns (code " + std::to_string(status) + ").");

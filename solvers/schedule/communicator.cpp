@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/communicator.h"
 
+#include <cstdio>
 #include <exception>
 #include <string>
 
 #include "base/error.h"
+#include "base/memory_error.h"
+#include "threads/thread_team.h"
 
 namespace palpate {
 namespace {
@@ -19,15 +22,40 @@ class SerialCommunicator final : public Communicator {
   [[nodiscard]] std::unique_ptr<Communicator> split(int /*colour*/) override {
     return make_serial_communicator();
   }
+  void share(Failure& failure) override {
+    if (failure.kind != Failure::Kind::none) ++num_failures_;
+  }
+  [[nodiscard]] int num_shared_failures() const override { return num_failures_; }
   [[nodiscard]] Network& network() override { return *network_; }
 
  private:
   std::unique_ptr<Network> network_ = make_serial_network();
+  int num_failures_ = 0;
 };
 
-/// The kind of an error that was caught, then its message.
-constexpr char kInput = 'i';
-constexpr char kBackend = 'b';
+void set(Failure& failure, Failure::Kind kind, const char* text) {
+  failure.kind = kind;
+  std::snprintf(failure.text, sizeof failure.text, "%s", text);
+}
+
+/// Of the exception that is being handled.
+void describe_current(Failure& failure) {
+  try {
+    throw;
+  } catch (const InputError& error) {
+    set(failure, Failure::Kind::input, error.what());
+  } catch (const MemoryError& error) {
+    set(failure, Failure::Kind::memory, error.what());
+  } catch (const std::bad_alloc&) {
+    char text[kMemoryTextBytes];
+    describe_memory(nullptr, text);
+    set(failure, Failure::Kind::memory, text);
+  } catch (const std::exception& error) {
+    set(failure, Failure::Kind::backend, error.what());
+  } catch (...) {
+    set(failure, Failure::Kind::backend, "Unknown error.");
+  }
+}
 
 Bytes to_bytes(const std::string& text) {
   const auto* first = reinterpret_cast<const std::byte*>(text.data());
@@ -36,8 +64,14 @@ Bytes to_bytes(const std::string& text) {
 
 }  // namespace
 
+int Communicator::num_cores() { return num_usable_cores(); }
+
 std::unique_ptr<Communicator> make_serial_communicator() {
   return std::make_unique<SerialCommunicator>();
+}
+
+int num_threads(Communicator& communicator, int asked) {
+  return asked == 0 ? automatic_threads(communicator.num_cores()) : asked;
 }
 
 bool any(Communicator& communicator, bool mine) {
@@ -49,21 +83,20 @@ bool any(Communicator& communicator, bool mine) {
 }
 
 void agree(Communicator& communicator, const std::function<void()>& body) {
-  std::string error;
+  const int before = communicator.num_shared_failures();
+  Failure failure;
   try {
     body();
-  } catch (const InputError& e) {
-    error = kInput + std::string(e.what());
-  } catch (const std::bad_alloc&) {
-    error = kBackend + std::string("Out of memory.");
-  } catch (const std::exception& e) {
-    error = kBackend + std::string(e.what());
+  } catch (...) {
+    if (communicator.num_shared_failures() > before) throw;  // every rank has thrown it
+    describe_current(failure);
   }
-  for (const Bytes& bytes : communicator.all_gather(to_bytes(error))) {
-    if (bytes.empty()) continue;
-    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (text.front() == kInput) throw InputError(text.substr(1));
-    throw BackendError(text.substr(1));
+  communicator.share(failure);
+  switch (failure.kind) {
+    case Failure::Kind::none: return;
+    case Failure::Kind::input: throw InputError(failure.text);
+    case Failure::Kind::memory: throw MemoryError(failure.text);
+    case Failure::Kind::backend: throw BackendError(failure.text);
   }
 }
 

@@ -7,11 +7,13 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "base/error.h"
 #include "schedule/mpi_check.h"
 #include "schedule/mpi_network.h"
+#include "threads/usable_cores.h"
 
 namespace palpate {
 namespace {
@@ -37,50 +39,83 @@ class MpiCommunicator final : public Communicator {
   [[nodiscard]] int size() const override { return size_; }
 
   [[nodiscard]] std::vector<Bytes> all_gather(const Bytes& mine) override {
-    const Layout layout = lay_out(mine);
-    const std::vector<std::int64_t> sent = to_units(mine);
-    std::vector<std::int64_t> received(layout.total);
+    std::vector<std::int64_t> sent, sizes, received;
+    agree(*this, [&] {
+      sent = to_units(mine);
+      sizes.resize(size_);
+    });
+    gather_sizes(mine, sizes);
+    Layout layout;
+    std::vector<Bytes> all;
+    agree(*this, [&] {
+      layout = lay_out(std::move(sizes));
+      received.resize(layout.total);
+      all = make_room(layout);
+    });
     check(MPI_Allgatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
                          layout.counts.data(), layout.offsets.data(), MPI_INT64_T, comm_),
           "MPI_Allgatherv");
-    return take_apart(layout, received);
+    take_apart(layout, received, all);
+    return all;
   }
 
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override {
-    const Layout layout = lay_out(mine);
-    const std::vector<std::int64_t> sent = to_units(mine);
-    std::vector<std::int64_t> received(rank_ == 0 ? layout.total : 0);
+    std::vector<std::int64_t> sent, sizes, received;
+    agree(*this, [&] {
+      sent = to_units(mine);
+      sizes.resize(size_);
+    });
+    gather_sizes(mine, sizes);
+    Layout layout;
+    std::vector<Bytes> all;
+    agree(*this, [&] {
+      layout = lay_out(std::move(sizes));
+      if (rank_ != 0) return;
+      received.resize(layout.total);
+      all = make_room(layout);
+    });
     check(MPI_Gatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
                       layout.counts.data(), layout.offsets.data(), MPI_INT64_T, 0, comm_),
           "MPI_Gatherv");
-    return rank_ == 0 ? take_apart(layout, received) : std::vector<Bytes>();
+    if (rank_ == 0) take_apart(layout, received, all);
+    return all;
   }
 
   [[nodiscard]] std::vector<Bytes> exchange(const std::vector<Bytes>& to) override {
-    std::vector<std::int64_t> sent_bytes;
-    for (const Bytes& message : to) {
-      sent_bytes.push_back(static_cast<std::int64_t>(message.size()));
-    }
-    std::vector<std::int64_t> received_bytes(to.size());
-    check(MPI_Alltoall(sent_bytes.data(), 1, MPI_INT64_T, received_bytes.data(), 1, MPI_INT64_T,
-                       comm_),
-          "MPI_Alltoall");
-    const Layout from_here = lay_out(std::move(sent_bytes));
-    const Layout to_here = lay_out(std::move(received_bytes));
-    std::vector<std::int64_t> sent(from_here.total);
+    std::vector<std::int64_t> sent_bytes, received_bytes, sent, received;
+    Layout from_here;
+    agree(*this, [&] {
+      for (const Bytes& message : to) {
+        sent_bytes.push_back(static_cast<std::int64_t>(message.size()));
+      }
+      received_bytes.resize(to.size());
+      from_here = lay_out(sent_bytes);
+      sent.resize(from_here.total);
+    });
     for (std::size_t r = 0; r < to.size(); ++r) {
       if (to[r].empty()) continue;
       std::memcpy(sent.data() + from_here.offsets[r], to[r].data(), to[r].size());
     }
-    std::vector<std::int64_t> received(to_here.total);
+    check(MPI_Alltoall(sent_bytes.data(), 1, MPI_INT64_T, received_bytes.data(), 1, MPI_INT64_T,
+                       comm_),
+          "MPI_Alltoall");
+    Layout to_here;
+    std::vector<Bytes> all;
+    agree(*this, [&] {
+      to_here = lay_out(std::move(received_bytes));
+      received.resize(to_here.total);
+      all = make_room(to_here);
+    });
     check(MPI_Alltoallv(sent.data(), from_here.counts.data(), from_here.offsets.data(), MPI_INT64_T,
                         received.data(), to_here.counts.data(), to_here.offsets.data(), MPI_INT64_T,
                         comm_),
           "MPI_Alltoallv");
-    return take_apart(to_here, received);
+    take_apart(to_here, received, all);
+    return all;
   }
 
   [[nodiscard]] std::unique_ptr<Communicator> split(int colour) override {
+    agree(*this, [] {});
     MPI_Comm part = MPI_COMM_NULL;
     check(MPI_Comm_split(comm_, colour, rank_, &part), "MPI_Comm_split");
     auto communicator = std::make_unique<MpiCommunicator>(part);
@@ -88,7 +123,34 @@ class MpiCommunicator final : public Communicator {
     return communicator;
   }
 
+  void share(Failure& failure) override {
+    const int mine = failure.kind != Failure::Kind::none ? rank_ : size_;
+    int lowest = size_;
+    check(MPI_Allreduce(&mine, &lowest, 1, MPI_INT, MPI_MIN, comm_), "MPI_Allreduce");
+    if (lowest == size_) return;
+    static_assert(std::is_trivially_copyable_v<Failure>);
+    check(MPI_Bcast(&failure, sizeof failure, MPI_BYTE, lowest, comm_), "MPI_Bcast");
+    ++num_failures_;
+  }
+  [[nodiscard]] int num_shared_failures() const override { return num_failures_; }
+
   [[nodiscard]] const void* mpi_comm() const override { return &comm_; }
+
+  [[nodiscard]] int num_cores() override {
+    MPI_Comm same_machine = MPI_COMM_NULL;
+    check(MPI_Comm_split_type(comm_, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &same_machine),
+          "MPI_Comm_split_type");
+    MpiCommunicator neighbours(same_machine);
+    MPI_Comm_free(&same_machine);
+    const std::vector<char> own = usable_cores();
+    const auto* first = reinterpret_cast<const std::byte*>(own.data());
+    std::vector<std::vector<char>> all;
+    for (const Bytes& cores : neighbours.all_gather({first, first + own.size()})) {
+      const auto* begin = reinterpret_cast<const char*>(cores.data());
+      all.emplace_back(begin, begin + cores.size());
+    }
+    return share_of_cores(all, static_cast<std::size_t>(neighbours.rank()));
+  }
 
   [[nodiscard]] Network& network() override { return *network_; }
 
@@ -102,13 +164,11 @@ class MpiCommunicator final : public Communicator {
     std::int64_t total = 0;
   };
 
-  /// Of what each rank gives to all.
-  [[nodiscard]] Layout lay_out(const Bytes& mine) const {
+  /// @param sizes [size()], bytes: how long the message of each rank is.
+  void gather_sizes(const Bytes& mine, std::vector<std::int64_t>& sizes) const {
     const auto my_bytes = static_cast<std::int64_t>(mine.size());
-    std::vector<std::int64_t> bytes(size_);
-    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, bytes.data(), 1, MPI_INT64_T, comm_),
+    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, sizes.data(), 1, MPI_INT64_T, comm_),
           "MPI_Allgather");
-    return lay_out(std::move(bytes));
   }
 
   /// Of messages of these sizes.
@@ -134,19 +194,24 @@ class MpiCommunicator final : public Communicator {
     return units;
   }
 
-  static std::vector<Bytes> take_apart(const Layout& layout,
-                                       const std::vector<std::int64_t>& units) {
+  static std::vector<Bytes> make_room(const Layout& layout) {
     std::vector<Bytes> all;
-    for (std::size_t r = 0; r < layout.bytes.size(); ++r) {
-      const auto* first = reinterpret_cast<const std::byte*>(units.data() + layout.offsets[r]);
-      all.emplace_back(first, first + layout.bytes[r]);
-    }
+    for (const std::int64_t bytes : layout.bytes) all.emplace_back(bytes);
     return all;
+  }
+
+  static void take_apart(const Layout& layout, const std::vector<std::int64_t>& units,
+                         std::vector<Bytes>& all) {
+    for (std::size_t r = 0; r < all.size(); ++r) {
+      if (all[r].empty()) continue;
+      std::memcpy(all[r].data(), units.data() + layout.offsets[r], all[r].size());
+    }
   }
 
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
+  int num_failures_ = 0;
   std::unique_ptr<Network> network_;
 };
 

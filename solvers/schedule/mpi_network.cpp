@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <memory>
+#include <new>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -19,6 +21,10 @@ namespace {
 /// A message travels in parts of this size, since counts in MPI are ints.
 constexpr std::size_t kPartBytes = 16 << 20;
 
+/// Is let go of where there is no memory left for a message: so that the ranks can still tell each
+/// other that they end.
+constexpr std::size_t kReserveBytes = 2 * kPartBytes;
+
 /// rest() only yields so often, then sleeps.
 constexpr int kYields = 50;
 constexpr double kShortestSleep = 10e-6;  // s
@@ -30,6 +36,7 @@ class MpiNetwork final : public Network {
     check(MPI_Comm_dup(comm, &comm_), "MPI_Comm_dup");
     MPI_Comm_rank(comm_, &rank_);
     MPI_Comm_size(comm_, &size_);
+    if (size_ > 1) reserve_.reset(new (std::nothrow) std::byte[kReserveBytes]);
   }
 
   ~MpiNetwork() override { MPI_Comm_free(&comm_); }
@@ -42,7 +49,13 @@ class MpiNetwork final : public Network {
 
   void send(int to, int tag, Bytes content) override {
     forget_sent();
-    const auto kept = std::make_shared<const Bytes>(std::move(content));
+    const std::size_t num_parts = content.size() / kPartBytes + 1;
+    std::shared_ptr<const Bytes> kept;
+    with_reserve([&] {
+      reserve_more(requests_, num_parts);
+      reserve_more(sent_, num_parts);
+      kept = std::make_shared<const Bytes>(std::move(content));
+    });
     std::size_t at = 0;
     do {
       const std::size_t count = std::min(kPartBytes, kept->size() - at);
@@ -134,21 +147,43 @@ class MpiNetwork final : public Network {
   void start_receiving() {
     for (;;) {
       int has_come = 0;
-      MPI_Message matched = MPI_MESSAGE_NULL;
       MPI_Status status;
-      check(MPI_Improbe(MPI_ANY_SOURCE, MPI_ANY_TAG, comm_, &has_come, &matched, &status),
-            "MPI_Improbe");
+      check(MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, comm_, &has_come, &status), "MPI_Iprobe");
       if (has_come == 0) return;
       int count = 0;
       MPI_Get_count(&status, MPI_BYTE, &count);
-      Part& part = incoming_.emplace_back();
+      // Room first: a part for which there is none stays where it is.
+      Part part;
+      with_reserve([&] {
+        part.content.resize(static_cast<std::size_t>(count));
+        incoming_.emplace_back();
+      });
       part.from = status.MPI_SOURCE;
       part.tag = status.MPI_TAG / 2;
       part.last = status.MPI_TAG % 2 == 1;
-      part.content.resize(static_cast<std::size_t>(count));
-      check(MPI_Imrecv(part.content.data(), count, MPI_BYTE, &matched, &part.request),
-            "MPI_Imrecv");
+      check(MPI_Irecv(part.content.data(), count, MPI_BYTE, status.MPI_SOURCE, status.MPI_TAG,
+                      comm_, &part.request),
+            "MPI_Irecv");
+      incoming_.back() = std::move(part);
     }
+  }
+
+  /// Calls f, and once more without the reserve where there is not enough memory.
+  template <class F>
+  void with_reserve(F&& f) {
+    try {
+      f();
+    } catch (const std::bad_alloc&) {
+      if (reserve_ == nullptr) throw;
+      reserve_.reset();
+      f();
+    }
+  }
+
+  /// Doubles the room, as push_back() does.
+  template <class T>
+  static void reserve_more(std::vector<T>& list, std::size_t count) {
+    if (list.size() + count > list.capacity()) list.reserve(2 * (list.size() + count));
   }
 
   /// A message when the part is its last one.
@@ -159,7 +194,9 @@ class MpiNetwork final : public Network {
       begun_.emplace(part.from, std::move(part.content));
       return std::nullopt;
     }
-    begun->second.insert(begun->second.end(), part.content.begin(), part.content.end());
+    with_reserve([&] {
+      begun->second.insert(begun->second.end(), part.content.begin(), part.content.end());
+    });
     if (!part.last) return std::nullopt;
     Message message{part.from, part.tag, std::move(begun->second)};
     begun_.erase(begun);
@@ -177,6 +214,9 @@ class MpiNetwork final : public Network {
   std::deque<Part> incoming_;
   /// Messages of which parts are here, by sender.
   std::unordered_map<int, Bytes> begun_;
+  /// Never touched, so that it takes of the address space alone; null: there is nobody to tell
+  /// anything, or there was none left for it.
+  std::unique_ptr<std::byte[]> reserve_;
   /// Since something came.
   int num_rests_ = 0;
 };

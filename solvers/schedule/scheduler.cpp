@@ -77,9 +77,17 @@ bool run(Worker& worker, Communicator& communicator, ScheduleReport* report,
          const ScheduleOptions& options) {
   Network& network = communicator.network();
   Scheduler scheduler(worker, network, options);
+  // From here on the ranks wait for each other's messages: all of them or none.
+  agree(communicator, [] {});
   agree(communicator, [&] {
     for (;;) {
-      const Scheduler::Step step = scheduler.step();
+      Scheduler::Step step = Scheduler::Step::busy;
+      try {
+        step = scheduler.step();
+      } catch (...) {
+        // The others wait until this rank has heard of the end, too.
+        scheduler.fail();
+      }
       if (step == Scheduler::Step::over) break;
       if (step == Scheduler::Step::idle) network.rest(scheduler.idle_until());
     }
@@ -158,9 +166,15 @@ void Scheduler::guard(F&& call) {
   try {
     call();
   } catch (...) {
-    if (!error_) error_ = std::current_exception();
-    stop();
+    fail();
   }
+}
+
+void Scheduler::fail() {
+  if (!error_) error_ = std::current_exception();
+  // Once this rank has joined the last wave, nothing is left to stop, and others may have left:
+  // they would hear of it in their next run.
+  if (!last_wave_ || wave_open_) stop();
 }
 
 // Mail
@@ -182,10 +196,11 @@ bool Scheduler::poll() {
 void Scheduler::stop() { spread_stop(rank_); }
 
 void Scheduler::transmit(int to, int tag, Bytes content) {
-  ++report_.messages;
-  report_.bytes += static_cast<std::int64_t>(content.size());
-  if (is_counted(tag)) ++counts_.sent;
+  const std::size_t bytes = content.size();
   network_.send(to, tag, std::move(content));
+  ++report_.messages;
+  report_.bytes += static_cast<std::int64_t>(bytes);
+  if (is_counted(tag)) ++counts_.sent;
 }
 
 void Scheduler::take_in_messages() {

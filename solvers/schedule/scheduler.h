@@ -100,6 +100,9 @@ class Scheduler final : private Mail {
   };
   /// Takes in what has come, and executes one task at the most.
   Step step();
+  /// Takes the exception that is being handled for the error of this rank, and stops all. step() is
+  /// to be called on until all is over.
+  void fail();
   /// A time by the clock of the network, which may be infinite.
   [[nodiscard]] double idle_until() const;
 

@@ -37,6 +37,19 @@ inline constexpr int num_neighbours = 27;
   return number;
 }
 
+/// Check-points from one to another, both of them inside.
+struct CheckPointBox {
+  CheckPoint first{};
+  CheckPoint last{};
+
+  [[nodiscard]] bool contains(const CheckPoint& p) const {
+    for (int a = 0; a < 3; ++a) {
+      if (p[a] < first[a] || p[a] > last[a]) return false;
+    }
+    return true;
+  }
+};
+
 /// The square of the distance of two check-points, in steps of the grid.
 [[nodiscard]] inline std::int64_t squared_distance(const CheckPoint& a, const CheckPoint& b) {
   std::int64_t sum = 0;
@@ -183,7 +196,7 @@ struct Configuration : ConfigurationSummary {
   Eigen::MatrixXd p_v;
 };
 
-/// Calls visit for each field of a configuration: u, v, p, p_v.
+/// Calls visit for each field of a configuration, or of one that is reduced: u, v, p, p_v.
 template <class Fields, class Visit>
 void for_each_field(Fields& fields, Visit&& visit) {
   visit(fields.u);

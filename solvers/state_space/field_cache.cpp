@@ -34,6 +34,10 @@ std::size_t bytes_of(const Fields& fields) {
   return bytes;
 }
 
+std::size_t bytes_of(const StoredFields& fields) {
+  return bytes_of(fields.whole) + bytes_of(fields.reduced);
+}
+
 std::size_t bytes_of(const FieldBasis& basis) {
   return static_cast<std::size_t>(basis.modes.size() + basis.pressure_modes.size()) * sizeof(float);
 }
@@ -149,15 +153,14 @@ void FieldCache::read(const ToolSpaceSetup& setup,
         (fields.whole.u.size() == 0 || fields.whole.v.rows() != fields.whole.u.size())) {
       fail("a configuration has no displacement, or no derivative of it, there");
     }
-    entries_[key_of(setup.id, summary)] = {std::move(fields), uses_};
+    const auto [entry, is_new] =
+        entries_.try_emplace(key_of(setup.id, summary), Entry{std::move(fields), uses_});
+    if (is_new) entry_bytes_ += bytes_of(entry->second.fields);
   }
 }
 
 std::size_t FieldCache::bytes() const {
-  std::size_t sum = 0;
-  for (const auto& [key, entry] : entries_) {
-    sum += bytes_of(entry.fields.whole) + bytes_of(entry.fields.reduced);
-  }
+  std::size_t sum = entry_bytes_;
   for (const auto& [key, basis] : bases_) sum += bytes_of(*basis);
   return sum;
 }
@@ -171,13 +174,15 @@ void FieldCache::forget_old_ones() {
     if (oldest->second.last_use == uses_) return;
     const std::uint64_t old = oldest->second.last_use;
     for (auto entry = entries_.begin(); entry != entries_.end();) {
-      const bool goes = entry->second.last_use == old;
-      entry = goes ? entries_.erase(entry) : std::next(entry);
+      if (entry->second.last_use != old) {
+        ++entry;
+        continue;
+      }
+      entry_bytes_ -= bytes_of(entry->second.fields);
+      entry = entries_.erase(entry);
     }
     for (auto known = bases_.begin(); known != bases_.end();) {
-      const bool is_needed = std::any_of(entries_.begin(), entries_.end(), [&](const auto& entry) {
-        return entry.second.fields.basis == known->second;
-      });
+      const bool is_needed = known->second.use_count() > 1;
       known = is_needed ? std::next(known) : bases_.erase(known);
     }
   }

@@ -62,6 +62,8 @@ class FieldCache {
   std::filesystem::path path_;
   std::string scene_hash_;
   std::size_t most_bytes_;
+  /// Of the entries, without the bases.
+  std::size_t entry_bytes_ = 0;
   std::uint64_t uses_ = 0;
   std::map<StateKey, Entry> entries_;
   StateSpaceFile::KnownBases bases_;

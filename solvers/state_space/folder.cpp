@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "state_space/folder.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <memory>
 
 #include "base/error.h"
 
@@ -21,6 +23,16 @@ void sync_folder_of(const std::filesystem::path& file) {
     throw BackendError("The folder '" + folder.string() + "' cannot be written to the disk (" +
                        std::strerror(EIO) + "). Check the disk.");
   }
+}
+
+std::vector<std::string> names_beside(const std::filesystem::path& file) {
+  const std::filesystem::path parent = file.parent_path();
+  const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(parent.empty() ? "." : parent.c_str()),
+                                                   ::closedir);
+  std::vector<std::string> names;
+  if (folder == nullptr) return names;
+  while (const dirent* entry = ::readdir(folder.get())) names.emplace_back(entry->d_name);
+  return names;
 }
 
 }  // namespace palpate

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace palpate {
 
@@ -11,5 +13,9 @@ namespace palpate {
 /// file system cannot sync a folder.
 /// @throws BackendError the disk failed.
 void sync_folder_of(const std::filesystem::path& file);
+
+/// The names of what is in the folder that holds a file, in no order; none where it cannot be
+/// listed. (std::filesystem::directory_iterator ends the process where memory is short.)
+[[nodiscard]] std::vector<std::string> names_beside(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 #include "state_space/reduced_fields.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,7 @@ namespace palpate {
 namespace {
 
 using Eigen::MatrixXf;
+using Eigen::VectorXf;
 
 /// The memory that the snapshots of a batch take, bytes.
 constexpr double kBytesOfBatch = 64e6;
@@ -18,23 +20,79 @@ constexpr double kBytesOfBatch = 64e6;
 constexpr double kMostInBatch = 1024;
 /// Rounding of a field to single precision, relative to the largest displacement.
 constexpr double kSinglePrecision = 6e-8;
-/// Modes are rounded to half precision where that takes no more than this share of the bound.
-constexpr double kRoundingShare = 0.4;
+/// A step is looked for with which rounding takes between this share of what is left and all of it.
+constexpr double kRoundingShare = 0.8;
+/// A number of steps is exact in single precision, and found again when divided by the step.
+constexpr float kMostSteps = 1 << 20;
+constexpr int kMostTries = 8;
+/// The share of what is left that the next try aims at.
+constexpr double kAim = 0.92;
 /// A limit for fields that are all zero.
 constexpr double kAnyLimit = 1;
 
-MatrixXf rounded_to_half(const MatrixXf& modes) { return modes.cast<Eigen::half>().cast<float>(); }
+/// Modes that are rounded to multiples of steps.
+struct RoundedModes {
+  MatrixXf modes;
+  VectorXf steps;
+  /// That rounding makes in the bound fields and in those that follow, at any point.
+  double bound_error = 0;
+  double following_error = 0;
+};
+
+RoundedModes round_modes(const PodFit& fit, int components, const VectorXf& steps) {
+  RoundedModes rounded{fit.modes, steps, 0, 0};
+  for (Eigen::Index m = 0; m < steps.size(); ++m) {
+    auto mode = rounded.modes.col(m);
+    const bool is_rounded =
+        std::isfinite(steps[m]) && mode.cwiseAbs().maxCoeff() < kMostSteps * steps[m];
+    if (!is_rounded) rounded.steps[m] = 0;
+    if (is_rounded) mode = steps[m] * (mode / steps[m]).array().round().matrix();
+  }
+  const MatrixXf difference = fit.modes - rounded.modes;
+  rounded.bound_error = largest_product_at_a_point(difference, fit.bound, components);
+  rounded.following_error = largest_product_at_a_point(difference, fit.following, components);
+  return rounded;
+}
+
+/// Rounds the modes as coarsely as an error allows, all of them to the same error: the step of a
+/// mode goes with the inverse of its largest coefficient.
+/// @param given So many modes stay as they are; their steps.
+RoundedModes round_modes(const PodFit& fit, int components, const VectorXf& given, double allowed) {
+  VectorXf shape = VectorXf::Zero(fit.modes.cols());
+  for (Eigen::Index m = given.size(); m < shape.size(); ++m) {
+    float largest = fit.bound.cols() > 0 ? fit.bound.row(m).cwiseAbs().maxCoeff() : 0;
+    if (fit.following.cols() > 0) {
+      largest = std::max(largest, fit.following.row(m).cwiseAbs().maxCoeff());
+    }
+    if (largest > 0) shape[m] = 1 / largest;
+  }
+  RoundedModes best{fit.modes, VectorXf::Zero(shape.size()), 0, 0};
+  // The errors of the modes are independent: they add up as the root of their number.
+  double error = allowed / std::sqrt(static_cast<double>(shape.size() + 1));
+  for (int tries = 0; tries < kMostTries && allowed > 0; ++tries) {
+    RoundedModes next = round_modes(fit, components, static_cast<float>(error) * shape);
+    if (next.bound_error <= allowed) {
+      best = std::move(next);
+      if (best.bound_error >= kRoundingShare * allowed || best.bound_error == 0) break;
+      error *= kAim * allowed / best.bound_error;
+    } else {
+      error *= kAim * allowed / next.bound_error;
+    }
+  }
+  best.steps.head(given.size()) = given;
+  return best;
+}
 
 /// Displacements, or pressures: a field f and g = step · ∂f/∂t.
 class Part {
  public:
   Part(Eigen::Index num_rows, int components, double scale, double scale_of_slopes, double bound,
-       MatrixXf begin)
+       MatrixXf begin, VectorXf begin_steps)
       : components_(components),
         moves_(scale > 0),
         scale_(moves_ ? scale : scale_of_slopes),
         bound_(bound),
-        may_round_(is_in_half_precision(begin)),
+        begin_steps_(std::move(begin_steps)),
         pod_(num_rows, components, limit(), std::move(begin)) {}
 
   void add(const MatrixXf& f, const MatrixXf& g) { moves_ ? pod_.add(f, g) : pod_.add(g, f); }
@@ -42,6 +100,7 @@ class Part {
   /// Modes, coefficients of f and g, and their errors.
   struct Result {
     MatrixXf modes;
+    VectorXf steps;
     MatrixXf f;
     MatrixXf g;
     double error = 0;
@@ -49,23 +108,17 @@ class Part {
   };
   [[nodiscard]] Result finish() {
     PodFit fit = pod_.finish();
-    const double allowed =
-        may_round_ ? std::min(kRoundingShare * limit(), limit() - fit.bound_error) : -1;
-    MatrixXf rounded = rounded_to_half(fit.modes);
-    const MatrixXf difference = fit.modes - rounded;
-    const double rounding = largest_product_at_a_point(difference, fit.bound, components_);
-    if (rounding <= allowed) {
-      fit.bound_error += rounding;
-      fit.following_error += largest_product_at_a_point(difference, fit.following, components_);
-      fit.modes = std::move(rounded);
-    }
+    RoundedModes rounded = round_modes(fit, components_, begin_steps_, limit() - fit.bound_error);
+    fit.bound_error += rounded.bound_error;
+    fit.following_error += rounded.following_error;
     const double of_single = kSinglePrecision * scale_;
     if (scale_ > 0 && fit.bound_error + of_single > bound_ * scale_) {
       throw BackendError("The modes of the fields keep " +
                          std::to_string(fit.bound_error / scale_) + " of the bound " +
                          std::to_string(bound_) + ". Give a larger bound.");
     }
-    Result result{std::move(fit.modes), std::move(fit.bound), std::move(fit.following),
+    Result result{std::move(rounded.modes),    std::move(rounded.steps),
+                  std::move(fit.bound),        std::move(fit.following),
                   fit.bound_error + of_single, fit.following_error + of_single};
     if (!moves_) {
       std::swap(result.f, result.g);
@@ -84,8 +137,8 @@ class Part {
   bool moves_;
   double scale_;
   double bound_;
-  /// The modes that it began with are not changed by it.
-  bool may_round_;
+  /// Of the modes that it began with, which are not rounded.
+  VectorXf begin_steps_;
   PodBasis pod_;
 };
 
@@ -195,8 +248,11 @@ FieldReducer::FieldReducer(Eigen::Index num_points, Eigen::Index num_pressures,
   FieldBasis basis = begin == nullptr ? FieldBasis() : *begin;
   basis.largest_displacement = std::max(basis.largest_displacement, scale.u);
   impl_ = std::make_unique<Impl>(
-      Impl{basis, step, Part(3 * num_points, 3, scale.u, scale.w, bound, basis.modes),
-           Part(num_pressures, 1, scale.p, scale.p_w, bound, basis.pressure_modes)});
+      Impl{basis, step,
+           Part(3 * num_points, 3, scale.u, scale.w, bound, basis.modes,
+                basis.steps.head(basis.modes.cols())),
+           Part(num_pressures, 1, scale.p, scale.p_w, bound, basis.pressure_modes,
+                basis.steps.tail(basis.pressure_modes.cols()))});
 }
 
 FieldReducer::~FieldReducer() = default;
@@ -220,6 +276,8 @@ Reduction FieldReducer::finish() {
   }
   basis.modes = std::move(of_u.modes);
   basis.pressure_modes = std::move(of_p.modes);
+  basis.steps.resize(of_u.steps.size() + of_p.steps.size());
+  basis.steps << of_u.steps, of_p.steps;
   return reduction;
 }
 
@@ -227,7 +285,5 @@ Eigen::Index batch_size(Eigen::Index num_points, Eigen::Index num_pressures) {
   const double of_one = 4 * sizeof(float) * static_cast<double>(3 * num_points + num_pressures);
   return static_cast<Eigen::Index>(std::clamp(kBytesOfBatch / of_one, 1.0, kMostInBatch));
 }
-
-bool is_in_half_precision(const MatrixXf& modes) { return modes == rounded_to_half(modes); }
 
 }  // namespace palpate

@@ -44,27 +44,26 @@ enum class Keep : std::int32_t {
 /// The default bound of a point's error, as a share of the largest displacement.
 inline constexpr double kDefaultTouchBound = 1e-3;
 
-struct FieldBasis {
-  /// The check-points whose configurations it serves: a box.
-  CheckPoint first{};
-  CheckPoint last{};
+/// What is known of a basis besides its modes.
+struct BasisHead {
+  /// The check-points whose configurations it serves.
+  CheckPointBox box;
   Keep keep = Keep::touch;
-  /// [3 × kept points, r], by kept_points().
-  Eigen::MatrixXf modes;
-  /// [num_pressures, s]; without columns where nothing is mixed, or pressures are not kept.
-  Eigen::MatrixXf pressure_modes;
   /// Of the configurations that it was made for: the largest displacement of a point that is kept,
   /// the largest error of a point's u, and of spacing · ∂u/∂t, m.
   double largest_displacement = 0;
   double displacement_error = 0;
   double sensitivity_error = 0;
+};
 
-  [[nodiscard]] bool serves(const CheckPoint& p) const {
-    for (int a = 0; a < 3; ++a) {
-      if (p[a] < first[a] || p[a] > last[a]) return false;
-    }
-    return true;
-  }
+struct FieldBasis : BasisHead {
+  /// [3 × kept points, r], by kept_points().
+  Eigen::MatrixXf modes;
+  /// [num_pressures, s]; without columns where nothing is mixed, or pressures are not kept.
+  Eigen::MatrixXf pressure_modes;
+  /// Of each mode, then of each pressure mode [r + s]: all its numbers are multiples of this step;
+  /// 0: they are any numbers. See packed_basis.h.
+  Eigen::VectorXf steps;
 };
 
 /// The fields of a configuration by the modes of a basis.
@@ -77,14 +76,6 @@ struct ReducedFields {
   Eigen::VectorXf p;
   Eigen::MatrixXf p_v;
 };
-
-template <class Visit>
-void for_each_field(const ReducedFields& fields, Visit&& visit) {
-  visit(fields.u);
-  visit(fields.v);
-  visit(fields.p);
-  visit(fields.p_v);
-}
 
 /// The fields of a configuration as a file has them.
 struct StoredFields {
@@ -155,8 +146,7 @@ class FieldReducer {
   void add(const Snapshots& batch);
 
   /// The box and what is kept are those of the basis it began with, if there is one, else to be
-  /// set. Where the bound allows it, all numbers of the modes are ones of half precision, so that
-  /// they may be stored so.
+  /// set. The modes are rounded to multiples of steps that are as large as the bound allows.
   /// @throws BackendError rounding is larger than the bound.
   [[nodiscard]] Reduction finish();
 
@@ -167,9 +157,5 @@ class FieldReducer {
 
 /// The number of configurations whose snapshots are in memory at a time.
 [[nodiscard]] Eigen::Index batch_size(Eigen::Index num_points, Eigen::Index num_pressures);
-
-/// Whether every number of a matrix is one of half precision: then it may be stored in half the
-/// bytes.
-[[nodiscard]] bool is_in_half_precision(const Eigen::MatrixXf& modes);
 
 }  // namespace palpate

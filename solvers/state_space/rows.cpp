@@ -44,6 +44,21 @@ std::int64_t checksum_of(const void* data, std::size_t bytes, std::int64_t seed)
       XXH3_64bits_withSeed(data, bytes, static_cast<XXH64_hash_t>(seed)));
 }
 
+/// The numbers of a vector or matrix as they lie in memory.
+template <class Numbers>
+sqlite::Statement::Blob blob_of(const Numbers& numbers) {
+  const auto size = static_cast<std::size_t>(numbers.size());
+  return {size == 0 ? nullptr : numbers.data(), size * sizeof(typename Numbers::Scalar)};
+}
+
+template <class OfConfiguration>
+Fields blobs_of(const OfConfiguration& fields) {
+  Fields result;
+  auto next = result.begin();
+  for_each_field(fields, [&](const auto& field) { *next++ = blob_of(field); });
+  return result;
+}
+
 /// How far a configuration may lie from its check-point, in spacings, for rounding.
 constexpr double kOffCheckPoint = 1e-4;
 
@@ -100,15 +115,7 @@ void unpack(const void* data, std::size_t bytes, Field& field) {
 
 }  // namespace
 
-Fields fields_of(const Configuration& configuration) {
-  Fields fields;
-  auto next = fields.begin();
-  for_each_field(configuration, [&](const auto& field) {
-    const auto size = static_cast<std::size_t>(field.size());
-    *next++ = {size == 0 ? nullptr : field.data(), size * sizeof(double)};
-  });
-  return fields;
-}
+Fields fields_of(const Configuration& configuration) { return blobs_of(configuration); }
 
 SingleFields single_fields_of(const Configuration& configuration) {
   SingleFields fields;
@@ -119,10 +126,8 @@ SingleFields single_fields_of(const Configuration& configuration) {
 
 Fields fields_of(const SingleFields& fields) {
   Fields result;
-  std::transform(fields.begin(), fields.end(), result.begin(), [](const Eigen::MatrixXf& field) {
-    const auto size = static_cast<std::size_t>(field.size());
-    return sqlite::Statement::Blob{size == 0 ? nullptr : field.data(), size * sizeof(float)};
-  });
+  std::transform(fields.begin(), fields.end(), result.begin(),
+                 [](const Eigen::MatrixXf& field) { return blob_of(field); });
   return result;
 }
 
@@ -139,13 +144,7 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
   });
 }
 
-Fields fields_of(const ReducedFields& reduced) {
-  const auto blob = [](const auto& numbers) {
-    const auto size = static_cast<std::size_t>(numbers.size());
-    return sqlite::Statement::Blob{size == 0 ? nullptr : numbers.data(), size * sizeof(float)};
-  };
-  return {blob(reduced.u), blob(reduced.v), blob(reduced.p), blob(reduced.p_v)};
-}
+Fields fields_of(const ReducedFields& reduced) { return blobs_of(reduced); }
 
 ReducedFields reduced_of(const Fields& fields) {
   const auto vector = [](const sqlite::Statement::Blob& blob, Eigen::Index columns) {
@@ -157,9 +156,28 @@ ReducedFields reduced_of(const Fields& fields) {
   return {vector(fields[0], 1), vector(fields[1], 3), vector(fields[2], 1), vector(fields[3], 3)};
 }
 
-std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row) {
+std::array<sqlite::Statement::Blob, 2> modes_of(const PackedBasis& basis) {
+  return {sqlite::Statement::Blob{basis.steps.data(),
+                                  static_cast<std::size_t>(basis.steps.size()) * sizeof(float)},
+          sqlite::Statement::Blob{basis.numbers.data(), basis.numbers.size()}};
+}
+
+void set_modes(const std::array<sqlite::Statement::Blob, 2>& modes, PackedBasis& basis) {
+  const auto& [steps, numbers] = modes;
+  basis.steps.resize(static_cast<Eigen::Index>(steps.bytes / sizeof(float)));
+  if (steps.bytes > 0) std::memcpy(basis.steps.data(), steps.data, steps.bytes);
+  const auto* first = static_cast<const std::byte*>(numbers.data);
+  basis.numbers.assign(first, first + numbers.bytes);
+}
+
+std::int64_t checksum(const std::array<sqlite::Statement::Blob, 2>& modes) {
+  const auto& [steps, numbers] = modes;
+  return checksum_of(numbers.data, numbers.bytes, checksum_of(steps.data, steps.bytes, 0));
+}
+
+std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row, Checked checked) {
   std::vector<std::int64_t> bits{tool_space};
-  for_each_number_of_basis(row, Gather{bits});
+  for_each_number_of_basis(row, Gather{bits}, checked);
   return checksum_of(bits);
 }
 
@@ -212,6 +230,14 @@ std::int64_t checksum(const TestSet& set, const TestPoint& point) {
                      checksum_of(bits));
 }
 
+std::int64_t checksum(const ReducedArrayRow& row, sqlite::Statement::Blob numbers) {
+  std::int64_t sum = checksum_of(row.model.data(), row.model.size(), 0);
+  sum = checksum_of(row.name.data(), row.name.size(), sum);
+  const std::array<std::int64_t, 3> sizes = {row.num_arrays, row.num_rows, row.num_columns};
+  sum = checksum_of(sizes.data(), sizeof sizes, sum);
+  return checksum_of(numbers.data, numbers.bytes, sum);
+}
+
 std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance) {
   std::vector<std::int64_t> bits;
   Gather{bits}(solver_tolerance);
@@ -260,11 +286,11 @@ bool is_possible(const TestPoint& point) {
 }
 
 bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_cells) {
-  const FieldBasis& basis = row.basis;
+  const PackedBasis& basis = row.basis;
   return (basis.keep == Keep::touch || basis.keep == Keep::surface) && row.number >= 0 &&
-         row.num_modes >= 0 && row.num_modes < 3 * num_kept && row.num_pressures >= 0 &&
-         row.num_pressures <= 4 * num_cells && row.num_pressure_modes >= 0 &&
-         row.num_pressure_modes <= row.num_pressures && is_length(basis.largest_displacement) &&
+         basis.num_modes >= 0 && basis.num_modes < 3 * num_kept && basis.num_pressures >= 0 &&
+         basis.num_pressures <= 4 * num_cells && basis.num_pressure_modes >= 0 &&
+         basis.num_pressure_modes <= basis.num_pressures && is_length(basis.largest_displacement) &&
          is_length(basis.displacement_error) && is_length(basis.sensitivity_error);
 }
 
@@ -288,6 +314,14 @@ bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells) 
   const std::size_t most_of_pressures = static_cast<std::size_t>(num_cells) * 4 * number;
   return (u.bytes == 0 || u.bytes == of_points) && (v.bytes == 0 || v.bytes == 3 * of_points) &&
          p.bytes % number == 0 && p.bytes <= most_of_pressures && p_v.bytes == 3 * p.bytes;
+}
+
+bool is_possible(const ReducedArrayRow& row, std::int64_t bytes) {
+  constexpr std::int64_t kMost = 1 << 30;
+  const auto number = static_cast<std::int64_t>(sizeof(double));
+  return row.num_rows >= 0 && row.num_columns >= 0 && row.num_rows <= kMost &&
+         row.num_columns <= kMost && row.num_rows * row.num_columns == bytes / number &&
+         bytes % number == 0;
 }
 
 std::string describe(const CheckPoint& c) {
@@ -314,6 +348,11 @@ std::string describe(const IntermediateState& state, const std::string& tool_spa
 
 std::string describe(const TestPoint& point, const std::string& tool_space) {
   return "test point " + std::to_string(point.number) + " of " + tool_space;
+}
+
+std::string describe(const ReducedArrayRow& row) {
+  return "array " + row.name + (row.num_arrays == 0 ? " of the training" : "") +
+         " of the reduced model " + row.model;
 }
 
 }  // namespace palpate::rows

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "state_space/packed_basis.h"
 #include "state_space/reduced_fields.h"
 #include "state_space/sqlite.h"
 #include "state_space/state_space.h"
@@ -24,7 +25,7 @@
 namespace palpate::rows {
 
 /// Which numbers a checksum takes in. Files of earlier versions left some out, see schema.sql.h.
-enum class Checked { all, as_version_7, as_version_6, as_version_5 };
+enum class Checked { all, as_version_9, as_version_7, as_version_6, as_version_5 };
 
 /// Calls visit for each number of a tool space; for a checksum of an older version, for those that
 /// files had then.
@@ -48,7 +49,7 @@ void for_each_number_of_tool_space(Space& space, Visit&& visit, Checked checked 
   visit(policy.intermediate_states);
   visit(policy.third_derivatives);
   visit(space.complete);
-  if (checked != Checked::all) return;
+  if (checked >= Checked::as_version_7) return;
   auto& tool = interaction.tool;
   visit(tool.shape);
   visit(tool.radius);
@@ -104,31 +105,31 @@ inline constexpr char field_columns[] = "u, v, p, p_v";
 /// A basis without its modes.
 struct BasisRow {
   std::int64_t number = 0;
-  FieldBasis basis;
-  std::int64_t num_modes = 0;
-  std::int64_t num_pressure_modes = 0;
-  std::int64_t num_pressures = 0;
+  PackedBasis basis;
+  std::int64_t modes_checksum = 0;
 };
 /// The same for a basis.
 template <class Row, class Visit>
-void for_each_number_of_basis(Row& row, Visit&& visit) {
+void for_each_number_of_basis(Row& row, Visit&& visit, Checked checked = Checked::all) {
   visit(row.number);
-  for (auto& x : row.basis.first) visit(x);
-  for (auto& x : row.basis.last) visit(x);
+  for (auto& x : row.basis.box.first) visit(x);
+  for (auto& x : row.basis.box.last) visit(x);
   visit(row.basis.keep);
-  visit(row.num_modes);
-  visit(row.num_pressure_modes);
-  visit(row.num_pressures);
+  visit(row.basis.num_modes);
+  visit(row.basis.num_pressure_modes);
+  visit(row.basis.num_pressures);
   visit(row.basis.largest_displacement);
   visit(row.basis.displacement_error);
   visit(row.basis.sensitivity_error);
+  if (checked == Checked::all) visit(row.modes_checksum);
 }
 inline constexpr char basis_columns[] =
     "number, first_i, first_j, first_k, last_i, last_j, last_k, keep, num_modes, "
     "num_pressure_modes, num_pressures, largest_displacement, displacement_error, "
-    "sensitivity_error";
+    "sensitivity_error, modes_checksum";
+inline constexpr char mode_columns[] = "steps, modes";
 
-/// Which mode it is.
+/// Which mode of a file of version 9 it is.
 struct ModeKey {
   std::int64_t basis = 0;
   std::int64_t of_pressure = 0;
@@ -228,6 +229,16 @@ struct Take {
   }
 };
 
+/// An array of a reduced model without its numbers.
+struct ReducedArrayRow {
+  std::string model;
+  std::string name;
+  std::int64_t num_arrays = 0;
+  std::int64_t num_rows = 0;
+  std::int64_t num_columns = 0;
+};
+inline constexpr char reduced_array_columns[] = "model, name, num_arrays, num_rows, num_columns";
+
 /// The fields of a configuration, u, v, p and p_v, as they lie in memory or in the file.
 using Fields = std::array<sqlite::Statement::Blob, 4>;
 /// In double precision.
@@ -241,11 +252,17 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 
 /// What is reduced; valid as long as that is.
 [[nodiscard]] Fields fields_of(const ReducedFields& reduced);
+/// The steps and the numbers of the modes; valid as long as the basis is.
+[[nodiscard]] std::array<sqlite::Statement::Blob, 2> modes_of(const PackedBasis& basis);
+/// Gives a basis the bytes of its steps and numbers. @param modes The first has whole floats.
+void set_modes(const std::array<sqlite::Statement::Blob, 2>& modes, PackedBasis& basis);
+[[nodiscard]] std::int64_t checksum(const std::array<sqlite::Statement::Blob, 2>& modes);
 /// Gives a configuration's fields by modes. @param fields They fit a basis, see fit_basis().
 [[nodiscard]] ReducedFields reduced_of(const Fields& fields);
 
 [[nodiscard]] std::int64_t checksum(const Fields& fields);
-[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row);
+[[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const BasisRow& row,
+                                    Checked checked = Checked::all);
 [[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, const ModeKey& key,
                                     sqlite::Statement::Blob field);
 [[nodiscard]] std::int64_t checksum(const ToolSpace& space, Checked checked = Checked::all);
@@ -256,6 +273,7 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] std::int64_t checksum(ToolSpaceId tool_space, IntermediateState state,
                                     Checked checked = Checked::all);
 [[nodiscard]] std::int64_t checksum(const TestSet& set, const TestPoint& point);
+[[nodiscard]] std::int64_t checksum(const ReducedArrayRow& row, sqlite::Statement::Blob numbers);
 /// The checksum of those parts of a scene that its hash does not take in.
 [[nodiscard]] std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance);
 
@@ -275,6 +293,9 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] bool fit_basis(const Fields& fields, const FieldBasis& basis,
                              std::int64_t num_points);
 
+/// Whether an array of such a size has so many bytes.
+[[nodiscard]] bool is_possible(const ReducedArrayRow& row, std::int64_t bytes);
+
 /// "(1, 0, −1)"
 [[nodiscard]] std::string describe(const CheckPoint& check_point);
 /// "configuration (1, 0, −1) of active node 8", which is the tool space's name.
@@ -284,5 +305,6 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
                                    const std::string& tool_space);
 [[nodiscard]] std::string describe(const IntermediateState& state, const std::string& tool_space);
 [[nodiscard]] std::string describe(const TestPoint& point, const std::string& tool_space);
+[[nodiscard]] std::string describe(const ReducedArrayRow& row);
 
 }  // namespace palpate::rows

@@ -39,8 +39,19 @@ constexpr char kNoRigidTool[] =
     "tool_axis, 0.0 AS tool_length, NULL AS tool_points, NULL AS tool_triangles, 0.0 AS "
     "contact_thickness, 0.0 AS contact_stiffness, zeroblob(24) AS origin, 0 AS sparse, 0.0 AS "
     "depth";
-/// The tables that are new in version 9.
-constexpr const char* kTablesOf9[] = {"basis", "mode"};
+/// The tables `basis` and `mode` in version 9, in which each mode had a row: numbers of half or of
+/// single precision.
+constexpr char kBasisOf9[] =
+    "CREATE TABLE basis(scene_id INTEGER NOT NULL REFERENCES scene,tool_space_id INTEGER NOT NULL,"
+    "number INTEGER NOT NULL,first_i INTEGER NOT NULL,first_j INTEGER NOT NULL,first_k INTEGER NOT "
+    "NULL,last_i INTEGER NOT NULL,last_j INTEGER NOT NULL,last_k INTEGER NOT NULL,keep INTEGER NOT "
+    "NULL,num_modes INTEGER NOT NULL,num_pressure_modes INTEGER NOT NULL,num_pressures INTEGER NOT "
+    "NULL,largest_displacement,displacement_error,sensitivity_error,checksum INTEGER NOT NULL,"
+    "PRIMARY KEY(scene_id,tool_space_id,number))";
+constexpr char kModeOf9[] =
+    "CREATE TABLE mode(scene_id INTEGER NOT NULL REFERENCES scene,tool_space_id INTEGER NOT NULL,"
+    "basis INTEGER NOT NULL,of_pressure INTEGER NOT NULL,number INTEGER NOT NULL,checksum INTEGER "
+    "NOT NULL,field BLOB NOT NULL,PRIMARY KEY(scene_id,tool_space_id,basis,of_pressure,number))";
 /// What version 5 does not have, in the tables `scene` and `site`.
 constexpr char kChecksumColumn[] = "checksum INTEGER";
 /// The tables whose key has the number of a tool space, which was an active node before version 7.
@@ -48,6 +59,9 @@ constexpr const char* kTablesOfToolSpaces[] = {"configuration", "transition", "i
                                                "test_point"};
 constexpr char kToolSpaceId[] = "tool_space_id";
 constexpr char kActiveNode[] = "active_node";
+
+/// The table that a file has where it holds a reduced model.
+constexpr char kReducedArray[] = "reduced_array";
 
 std::string quoted(const Database& database) { return '\'' + database.path().string() + '\''; }
 
@@ -77,10 +91,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-bool is_new_in_9(const std::string& table) {
-  return std::find(std::begin(kTablesOf9), std::end(kTablesOf9), table) != std::end(kTablesOf9);
-}
-
 /// The statements that make the tables of a version, by table.
 std::map<std::string, std::string> expected_tables(std::int64_t version) {
   constexpr char kCreate[] = "CREATE TABLE ";
@@ -92,7 +102,11 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
     const std::size_t at = sizeof kCreate - 1;
     std::string name = statement.substr(at, statement.find('(') - at);
     begin = end + 1;
-    if (version < 9 && is_new_in_9(name)) continue;
+    if (name == "basis" && version < 9) continue;
+    if (name == "basis" && version == 9) {
+      statement = kBasisOf9;
+      tables["mode"] = kModeOf9;
+    }
     if (version < 7 && name == "tool_space") {
       name = "site";
       statement = kSite;
@@ -106,6 +120,10 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
       statement.erase(statement.find(added), added.size());
     }
     tables[name] = statement;
+  }
+  if (version >= 10) {
+    const std::string reduced = bare(kReducedSchema);
+    tables[kReducedArray] = reduced.substr(0, reduced.find(';'));
   }
   return tables;
 }
@@ -121,6 +139,14 @@ void make_schema(const Database& database) {
   database.execute("PRAGMA application_id = " + std::to_string(kApplicationId));
   database.execute("PRAGMA user_version = " + std::to_string(kSchemaVersion));
   database.execute(kSchema);
+}
+
+bool has_reduced_schema(const Database& database) {
+  return database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'reduced_array'") > 0;
+}
+
+void make_reduced_schema(const Database& database) {
+  if (!has_reduced_schema(database)) database.execute(kReducedSchema);
 }
 
 std::int64_t check_schema(const Database& database) {
@@ -152,6 +178,7 @@ std::int64_t check_schema(const Database& database) {
     if (bare(sql) != expected->second) refuse(database, "its table '" + name + "' is another");
     missing.erase(expected);
   }
+  missing.erase(kReducedArray);
   if (!missing.empty()) {
     refuse(database, "it lacks the table '" + missing.begin()->first + '\'');
   }
@@ -159,6 +186,10 @@ std::int64_t check_schema(const Database& database) {
 }
 
 void show_as_this_version(const Database& database, std::int64_t version) {
+  if (version == 9) {
+    database.execute(
+        "CREATE TEMP VIEW basis AS SELECT rowid AS rowid, *, 0 AS modes_checksum FROM main.basis");
+  }
   if (version >= 8) return;
   if (version == 7) {
     database.execute(std::string("CREATE TEMP VIEW tool_space AS SELECT rowid AS rowid, *, ") +
@@ -185,6 +216,7 @@ void show_as_this_version(const Database& database, std::int64_t version) {
 
 void show_as_it_is(const Database& database) {
   database.execute("DROP VIEW IF EXISTS temp.tool_space");
+  database.execute("DROP VIEW IF EXISTS temp.basis");
   for (const std::string table : kTablesOfToolSpaces) {
     database.execute("DROP VIEW IF EXISTS temp." + table);
   }
@@ -203,7 +235,8 @@ void convert_schema(const Database& database, std::int64_t version) {
   database.execute(version < 7 ? "DROP TABLE site" : "DROP TABLE tool_space");
   const std::map<std::string, std::string> tables = expected_tables(kSchemaVersion);
   database.execute(tables.at("tool_space"));
-  for (const char* table : kTablesOf9) database.execute(tables.at(table));
+  if (version == 9) database.execute("DROP TABLE basis; DROP TABLE mode");
+  database.execute(tables.at("basis"));
   database.execute("PRAGMA user_version = " + std::to_string(kSchemaVersion));
 }
 

@@ -8,12 +8,16 @@
 
 namespace palpate {
 
-inline constexpr std::int64_t kSchemaVersion = 9;
+inline constexpr std::int64_t kSchemaVersion = 10;
 /// The oldest version that is read. The next writer of such a file makes it one of this version.
 inline constexpr std::int64_t kOldestSchemaVersion = 5;
 
 /// Makes the tables of an empty file.
 void make_schema(const sqlite::Database& database);
+
+/// Makes the table of reduced models, unless it is there.
+void make_reduced_schema(const sqlite::Database& database);
+[[nodiscard]] bool has_reduced_schema(const sqlite::Database& database);
 
 /// Checks the schema of a file, and gives its version. When this returns, the file holds the tables
 /// of that version and nothing else: no trigger, no view, nothing that is computed when it is read.
@@ -27,8 +31,8 @@ void show_as_this_version(const sqlite::Database& database, std::int64_t version
 /// Makes an end of that.
 void show_as_it_is(const sqlite::Database& database);
 
-/// Makes the tables of an older version those of this one. The table `tool_space` is empty then,
-/// and columns that the older one lacks have no values.
+/// Makes the tables of an older version those of this one. The tables `tool_space` and `basis` are
+/// empty then, and columns that the older one lacks have no values.
 void convert_schema(const sqlite::Database& database, std::int64_t version);
 
 }  // namespace palpate

@@ -145,21 +145,17 @@ CREATE TABLE basis (                  -- of the fields of some configurations, i
   largest_displacement,               -- of a point that is kept, m
   displacement_error,                 -- that the modes make, at any of these points, m
   sensitivity_error,                  -- the same of the spacing times du/dt, m
+  modes_checksum INTEGER NOT NULL,    -- XXH3 (64 bit) of the bytes of steps, then with it as the
+                                      -- seed that of modes
   checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the columns from tool_space_id to
-                                      -- sensitivity_error, 8 bytes each
+                                      -- modes_checksum, 8 bytes each
+  steps       BLOB NOT NULL,          -- float32 [num_modes + num_pressure_modes]: the numbers of a
+                                      -- mode are multiples of its step; 0: they are any numbers
+  -- int32 [num_modes x points kept x 3], then [num_pressure_modes x num_pressures]: n steps, as 2 n
+  -- or -2 n - 1 where n is negative; where the step is 0, the number itself, float32. The lowest
+  -- bytes of all, then the next ones, deflated by zlib.
+  modes       BLOB NOT NULL,
   PRIMARY KEY (scene_id, tool_space_id, number)
-);
-CREATE TABLE mode (                   -- of a basis; of half precision, float16, where that is exact,
-                                      -- else of single precision, float32
-  scene_id    INTEGER NOT NULL REFERENCES scene,
-  tool_space_id INTEGER NOT NULL,
-  basis       INTEGER NOT NULL,       -- its number
-  of_pressure INTEGER NOT NULL,       -- 0: field is [points kept x 3], 1: [num_pressures]
-  number      INTEGER NOT NULL,       -- among these, from 0
-  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of field, seeded with that of the
-                                      -- columns from tool_space_id to number, 8 bytes each
-  field       BLOB NOT NULL,
-  PRIMARY KEY (scene_id, tool_space_id, basis, of_pressure, number)
 );
 CREATE TABLE transition (             -- between neighbours, where history matters
   scene_id    INTEGER NOT NULL REFERENCES scene,
@@ -209,6 +205,23 @@ CREATE TABLE test_point (             -- equilibria by which interpolation is me
   displacement BLOB,                  -- float32 [up to 64 points of the surface x 3], m; NULL where
                                       -- it did not converge
   PRIMARY KEY (scene_id, tool_space_id, tip_radius, half_width, seed, kind, number)
+);
+)sql";
+
+// The table of reduced models is made when the first array is stored: most files have none.
+inline constexpr char kReducedSchema[] = R"sql(
+CREATE TABLE reduced_array (          -- of a reduced model, or of what was found in its training
+  scene_id    INTEGER NOT NULL REFERENCES scene,
+  model       TEXT NOT NULL,          -- its key: the checksum of all that it follows from
+  name        TEXT NOT NULL,          -- of the array
+  num_arrays  INTEGER NOT NULL,       -- of the model, which is complete when all are there; 0: the
+                                      -- array is of a training that is under way
+  num_rows    INTEGER NOT NULL,
+  num_columns INTEGER NOT NULL,
+  checksum    INTEGER NOT NULL,       -- XXH3 (64 bit) of the bytes of numbers, seeded with that of
+                                      -- model, then name, then num_arrays, num_rows and num_columns
+  numbers     BLOB NOT NULL,          -- float64 [num_rows x num_columns], column by column
+  PRIMARY KEY (scene_id, model, name)
 );
 )sql";
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/memory_error.h"
 
 namespace palpate::sqlite {
 namespace {
@@ -115,6 +116,8 @@ void Database::limit_row(std::int64_t bytes) const {
   sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, static_cast<int>(bytes));
 }
 
+bool Database::is_in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
+
 void Database::vacuum() const {
   // It attaches what it writes.
   const int attached = sqlite3_limit(handle_, SQLITE_LIMIT_ATTACHED, 1);
@@ -159,8 +162,7 @@ void Database::fail() const {
     case SQLITE_CANTOPEN:
       throw BackendError(name + " cannot be opened (" + cause + "). Check that its folder is " +
                          "there and may be used.");
-    case SQLITE_NOMEM:
-      throw BackendError("Out of memory while using " + name + ". Close other programs.");
+    case SQLITE_NOMEM: throw MemoryError(not_enough_memory(("to use " + name).c_str()));
     default:
       throw BackendError(name + " cannot be read or written (" + cause + "). Check the disk and " +
                          "its free space; what was stored before is kept.");
@@ -244,8 +246,9 @@ Statement::Blob Statement::take_blob() {
   return {data, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column))};
 }
 
-Transaction::Transaction(const Database& database) : database_(&database) {
-  database.execute("BEGIN IMMEDIATE");
+Transaction::Transaction(const Database& database)
+    : database_(database.is_in_transaction() ? nullptr : &database) {
+  if (database_ != nullptr) database.execute("BEGIN IMMEDIATE");
 }
 
 Transaction::~Transaction() {
@@ -255,6 +258,7 @@ Transaction::~Transaction() {
 }
 
 void Transaction::commit() {
+  if (database_ == nullptr) return;
   database_->execute("COMMIT");
   database_ = nullptr;
 }

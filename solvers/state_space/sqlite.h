@@ -36,6 +36,8 @@ class Database {
   [[nodiscard]] std::string text(const std::string& sql) const;
   /// From now on a value or a row that is larger counts as damaged.
   void limit_row(std::int64_t bytes) const;
+  /// A transaction is under way.
+  [[nodiscard]] bool is_in_transaction() const;
   /// Writes the file anew without what is free in it.
   void vacuum() const;
   /// The number of rows that the last INSERT, UPDATE or DELETE has touched.
@@ -94,7 +96,8 @@ class Statement {
   int column_ = 0;
 };
 
-/// What happens while it exists is undone at its end, unless commit() was called.
+/// What happens while it exists is undone at its end, unless commit() was called. One that begins
+/// while another is under way is a part of that.
 class Transaction {
  public:
   explicit Transaction(const Database& database);
@@ -104,6 +107,7 @@ class Transaction {
   void commit();
 
  private:
+  /// Null: it is a part of another, or is at its end.
   const Database* database_;
 };
 

@@ -262,9 +262,12 @@ void write_scene(const Database& database, const Scene& scene, double solver_tol
   }
 }
 
-/// A value of a row is no larger, and neither is the memory that is taken to read it.
+/// The bytes of the numbers of a row, at the most.
+constexpr std::int64_t kOfNumbers = 1 << 16;
+
+/// A value of a row without a basis is no larger, and neither is the memory that is taken to read
+/// it.
 std::int64_t largest_row(std::int64_t num_points, std::int64_t num_cells) {
-  constexpr std::int64_t kOfNumbers = 1 << 16;
   // The scene: points, fixed, touchable; at most ten nodes a cell, and its material.
   const std::int64_t of_scene = num_points * (3 * 8 + 2) + num_cells * (10 + 1) * 4;
   // u and v; p and p_v at most at four corners a cell.
@@ -291,20 +294,6 @@ constexpr std::chrono::seconds kSyncEvery{1};
 }  // namespace
 
 struct StateSpaceFile::Impl {
-  /// A transaction, or a part of the one that is under way.
-  class Change {
-   public:
-    explicit Change(const Impl& impl) {
-      if (!impl.is_in_change) transaction_.emplace(impl.database);
-    }
-    void commit() {
-      if (transaction_) transaction_->commit();
-    }
-
-   private:
-    std::optional<Transaction> transaction_;
-  };
-
   explicit Impl(Database opened)
       : database(std::move(opened)), version(database.integer("PRAGMA user_version")) {
     Statement select(database,
@@ -320,14 +309,15 @@ struct StateSpaceFile::Impl {
       throw_damaged(path(), "a body of " + std::to_string(num_points) + " points and " +
                                 std::to_string(num_cells) + " cells");
     }
-    database.limit_row(largest_row(num_points, num_cells));
+    limit_row(largest_row(num_points, num_cells));
   }
 
   [[nodiscard]] const fs::path& path() const { return database.path(); }
   [[nodiscard]] rows::Checked checked() const {
     if (version < 6) return rows::Checked::as_version_5;
     if (version < 7) return rows::Checked::as_version_6;
-    return version < 8 ? rows::Checked::as_version_7 : rows::Checked::all;
+    if (version < 8) return rows::Checked::as_version_7;
+    return version < 10 ? rows::Checked::as_version_9 : rows::Checked::all;
   }
   /// A displacement that is whole has no fewer bytes; coefficients of modes have.
   [[nodiscard]] std::int64_t bytes_of_whole() const {
@@ -365,6 +355,21 @@ struct StateSpaceFile::Impl {
   /// Inserts a row of the table of configurations, in place of one with the same key.
   void insert_configuration(ToolSpaceId tool_space, const ConfigurationSummary& summary,
                             const rows::Fields& fields);
+  /// Of a row; one that is larger counts as damaged.
+  mutable std::int64_t most_bytes_of_row = 0;
+  void limit_row(std::int64_t bytes) const {
+    most_bytes_of_row = bytes;
+    database.limit_row(bytes);
+  }
+  /// Lets a row hold such a basis.
+  void make_room_for(const PackedBasis& basis) const {
+    make_room_for_bytes(most_bytes(basis, num_points));
+  }
+  /// Lets a row hold so many bytes beside its numbers.
+  void make_room_for_bytes(std::int64_t bytes) const {
+    const std::int64_t of_row = std::min(bytes + kOfNumbers, kLargestRow);
+    if (of_row > most_bytes_of_row) limit_row(of_row);
+  }
   /// A row of the table of bases. The modes are read when they are first asked for.
   struct StoredBasis {
     std::int64_t row_id = 0;
@@ -373,6 +378,8 @@ struct StateSpaceFile::Impl {
     bool is_read = false;
     std::shared_ptr<const FieldBasis> basis;
   };
+  /// Of all reduced models, also of those that are not complete.
+  [[nodiscard]] std::vector<std::string> keys_of_arrays() const;
   /// Those of a tool space, in the order of their numbers.
   [[nodiscard]] std::vector<StoredBasis>& bases_of(ToolSpaceId tool_space) const;
   /// Null where it is damaged, which is left out.
@@ -380,12 +387,17 @@ struct StateSpaceFile::Impl {
                                                            StoredBasis& stored) const;
   [[nodiscard]] std::shared_ptr<const FieldBasis> read_basis(ToolSpaceId tool_space,
                                                              const StoredBasis& stored) const;
+  /// Nothing where the modes are damaged.
+  [[nodiscard]] std::optional<FieldBasis> read_modes(const StoredBasis& stored,
+                                                     std::int64_t num_kept) const;
+  /// The same of version 9, where each mode has a row.
+  [[nodiscard]] std::optional<FieldBasis> read_modes_of_9(ToolSpaceId tool_space,
+                                                          const rows::BasisRow& row,
+                                                          std::int64_t num_kept) const;
   /// @throws InputError its arrays have not the size of the body.
   [[nodiscard]] TetMesh read_mesh() const;
   /// As kept_points(), made when it is first asked for.
   [[nodiscard]] const std::vector<Index>& points_of(Keep keep) const;
-  /// A change is under way that others are a part of.
-  bool is_in_change = false;
   mutable std::map<ToolSpaceId, std::vector<StoredBasis>> bases;
   KnownBases own_known_bases;
   KnownBases* known_bases = &own_known_bases;
@@ -488,7 +500,7 @@ std::vector<std::pair<std::int64_t, CheckPoint>> StateSpaceFile::Impl::list_rows
 }
 
 void StateSpaceFile::Impl::before_change() {
-  if (is_in_change) return;
+  if (database.is_in_transaction()) return;
   const auto now = std::chrono::steady_clock::now();
   const bool waits = !commits_wait || now - last_wait >= kSyncEvery;
   if (waits) last_wait = now;
@@ -605,6 +617,14 @@ const std::vector<Index>& StateSpaceFile::Impl::points_of(Keep keep) const {
   return found->second;
 }
 
+std::vector<std::string> StateSpaceFile::Impl::keys_of_arrays() const {
+  std::vector<std::string> keys;
+  if (!has_reduced_schema(database)) return keys;
+  Statement select(database, "SELECT DISTINCT model FROM reduced_array WHERE scene_id = 1");
+  while (select.step()) keys.push_back(select.take_text());
+  return keys;
+}
+
 std::vector<StateSpaceFile::Impl::StoredBasis>& StateSpaceFile::Impl::bases_of(
     ToolSpaceId tool_space) const {
   const auto [found, is_new] = bases.try_emplace(tool_space);
@@ -620,7 +640,10 @@ std::vector<StateSpaceFile::Impl::StoredBasis>& StateSpaceFile::Impl::bases_of(
     bool sound = true;
     rows::for_each_number_of_basis(stored.row, rows::Take{select, sound});
     stored.checksum = select.take_integer();
-    if (sound && stored.checksum == rows::checksum(tool_space, stored.row)) continue;
+    if (sound && stored.checksum == rows::checksum(tool_space, stored.row, checked())) {
+      make_room_for(stored.row.basis);
+      continue;
+    }
     leave_out("a basis of " + number_of(tool_space), "basis", stored.row_id);
     all.pop_back();
   }
@@ -640,14 +663,39 @@ std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::basis_of(ToolSpaceId too
 
 std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::read_basis(
     ToolSpaceId tool_space, const StoredBasis& stored_basis) const {
-  rows::BasisRow row = stored_basis.row;
-  const std::string name = "basis " + std::to_string(row.number) + " of " + number_of(tool_space);
-  const auto damaged = [&] {
-    leave_out(name, "basis", stored_basis.row_id);
-    return nullptr;
-  };
+  const rows::BasisRow& row = stored_basis.row;
   const auto num_kept = static_cast<std::int64_t>(points_of(row.basis.keep).size());
-  if (!rows::is_possible(row, num_kept, num_cells)) return damaged();
+  std::optional<FieldBasis> basis;
+  if (rows::is_possible(row, num_kept, num_cells)) {
+    basis = version == 9 ? read_modes_of_9(tool_space, row, num_kept)
+                         : read_modes(stored_basis, num_kept);
+  }
+  if (!basis) {
+    leave_out("basis " + std::to_string(row.number) + " of " + number_of(tool_space), "basis",
+              stored_basis.row_id);
+    return nullptr;
+  }
+  return std::make_shared<const FieldBasis>(std::move(*basis));
+}
+
+std::optional<FieldBasis> StateSpaceFile::Impl::read_modes(const StoredBasis& stored,
+                                                           std::int64_t num_kept) const {
+  Statement select(database,
+                   std::string("SELECT ") + rows::mode_columns + " FROM basis WHERE rowid = ?");
+  select.bind(stored.row_id);
+  if (!select.step()) return std::nullopt;
+  std::array<Statement::Blob, 2> modes;
+  for (Statement::Blob& blob : modes) blob = select.take_blob();
+  if (rows::checksum(modes) != stored.row.modes_checksum) return std::nullopt;
+  PackedBasis packed = stored.row.basis;
+  rows::set_modes(modes, packed);
+  return unpack(packed, num_kept);
+}
+
+std::optional<FieldBasis> StateSpaceFile::Impl::read_modes_of_9(ToolSpaceId tool_space,
+                                                                const rows::BasisRow& row,
+                                                                std::int64_t num_kept) const {
+  const std::int64_t num_modes = row.basis.num_modes + row.basis.num_pressure_modes;
   constexpr char kOfBasis[] = " FROM mode WHERE scene_id = 1 AND tool_space_id = ? AND basis = ?";
   // No memory is taken for modes that are not there.
   {
@@ -655,33 +703,33 @@ std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::read_basis(
     count.bind(tool_space);
     count.bind(row.number);
     count.step();
-    if (count.take_integer() != row.num_modes + row.num_pressure_modes) return damaged();
+    if (count.take_integer() != num_modes) return std::nullopt;
   }
-  row.basis.modes.resize(3 * num_kept, row.num_modes);
-  row.basis.pressure_modes.resize(row.num_pressures, row.num_pressure_modes);
-  bool sound = true;
-  Statement select(database, std::string("SELECT rowid, of_pressure, number, checksum, field") +
-                                 kOfBasis + " ORDER BY of_pressure, number");
+  FieldBasis basis;
+  static_cast<BasisHead&>(basis) = row.basis;
+  basis.modes.resize(3 * num_kept, row.basis.num_modes);
+  basis.pressure_modes.resize(row.basis.num_pressures, row.basis.num_pressure_modes);
+  basis.steps.setZero(num_modes);
+  Statement select(database, std::string("SELECT of_pressure, number, checksum, field") + kOfBasis +
+                                 " ORDER BY of_pressure, number");
   select.bind(tool_space);
   select.bind(row.number);
-  for (std::int64_t m = 0; m < row.num_modes + row.num_pressure_modes && select.step(); ++m) {
-    const std::int64_t row_of_mode = select.take_integer();
+  for (std::int64_t m = 0; m < num_modes; ++m) {
+    if (!select.step()) return std::nullopt;
     rows::ModeKey key{row.number, 0, 0};
     key.of_pressure = select.take_integer();
     key.number = select.take_integer();
     const std::int64_t stored = select.take_integer();
     const Statement::Blob field = select.take_blob();
-    const bool of_pressure = m >= row.num_modes;
-    Eigen::MatrixXf& modes = of_pressure ? row.basis.pressure_modes : row.basis.modes;
-    const std::int64_t number = of_pressure ? m - row.num_modes : m;
+    const bool of_pressure = m >= row.basis.num_modes;
+    Eigen::MatrixXf& modes = of_pressure ? basis.pressure_modes : basis.modes;
+    const std::int64_t number = of_pressure ? m - row.basis.num_modes : m;
     const auto size = static_cast<std::size_t>(modes.rows());
     const bool is_half = field.bytes == size * sizeof(Eigen::half);
     if (key.of_pressure != (of_pressure ? 1 : 0) || key.number != number ||
         !(is_half || field.bytes == size * sizeof(float)) ||
         rows::checksum(tool_space, key, field) != stored) {
-      leave_out("mode " + std::to_string(m) + " of " + name, "mode", row_of_mode);
-      sound = false;
-      continue;
+      return std::nullopt;
     }
     auto column = modes.col(number);
     if (is_half) {
@@ -692,10 +740,8 @@ std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::read_basis(
       std::memcpy(column.data(), field.data, field.bytes);
     }
   }
-  if (!sound || !row.basis.modes.allFinite() || !row.basis.pressure_modes.allFinite()) {
-    return damaged();
-  }
-  return std::make_shared<const FieldBasis>(std::move(row.basis));
+  if (!basis.modes.allFinite() || !basis.pressure_modes.allFinite()) return std::nullopt;
+  return basis;
 }
 
 StateSpaceFile::StateSpaceFile(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -812,6 +858,13 @@ void StateSpaceFile::upgrade() {
       states[id] = read_intermediate_states(id);
     }
   }
+  std::map<ToolSpaceId, std::map<std::int64_t, PackedBasis>> bases;
+  for (const ToolSpace& space : tool_spaces) {
+    for (const BasisBox& box : list_bases(space.setup.id)) {
+      const auto basis = read_basis(space.setup.id, box.number);
+      if (basis != nullptr) bases[space.setup.id][box.number] = pack(*basis);
+    }
+  }
   show_as_it_is(impl_->database);
   Transaction transaction(impl_->database);
   convert_schema(impl_->database, impl_->version);
@@ -821,6 +874,9 @@ void StateSpaceFile::upgrade() {
   }
   for (const auto& [id, of_space] : states) {
     for (const IntermediateState& state : of_space) impl_->write(id, state);
+  }
+  for (const auto& [id, of_space] : bases) {
+    for (const auto& [number, basis] : of_space) add_basis(id, number, basis);
   }
   transaction.commit();
   impl_->version = kSchemaVersion;
@@ -846,24 +902,27 @@ std::vector<std::string> StateSpaceFile::left_out() const {
   for (const auto& [table, key] :
        {std::pair{"tool_space", ""}, std::pair{"test_point", "tip_radius, half_width, seed"},
         std::pair{"configuration", ""}, std::pair{"transition", ""}, std::pair{"intermediate", ""},
-        std::pair{"basis", ""}, std::pair{"mode", "basis"}}) {
+        std::pair{"basis", ""}, std::pair{"reduced_array", "model, name"}}) {
     const std::string name = table;
-    if (impl_->version < 9 && (name == "basis" || name == "mode")) continue;
+    if (impl_->version < 9 && name == "basis") continue;
+    const bool is_reduced = name == "reduced_array";
+    if (is_reduced && !has_reduced_schema(impl_->database)) continue;
     const std::string of_table = "rows of the table " + name;
     const auto count = [&](const std::string& from) {
       return impl_->database.integer("SELECT count(*) FROM " + from);
     };
     const std::string no_tool_space =
-        name == "tool_space" || name == "test_point"
+        name == "tool_space" || name == "test_point" || is_reduced
             ? ""
             : " OR tool_space_id NOT IN (SELECT tool_space_id FROM tool_space WHERE scene_id = 1)";
-    const std::string columns =
-        std::string("scene_id, tool_space_id") + (*key != '\0' ? ", " : "") + key;
+    const std::string columns = std::string("scene_id") + (is_reduced ? "" : ", tool_space_id") +
+                                (*key != '\0' ? ", " : "") + key;
     try {
       const std::int64_t of_nothing = count(name + " WHERE scene_id <> 1" + no_tool_space);
       if (of_nothing > 0) {
-        names.push_back(std::to_string(of_nothing) + ' ' + of_table +
-                        " that belong to no tool space");
+        names.push_back(
+            std::to_string(of_nothing) + ' ' + of_table +
+            (is_reduced ? " that belong to no model" : " that belong to no tool space"));
       }
       const std::string found = "(SELECT DISTINCT " + columns + " FROM " + name +
                                 " NOT INDEXED) CROSS JOIN " + name + " USING (" + columns + ")";
@@ -889,6 +948,9 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
     (void)read_intermediate_states(id);
   }
   for (const TestSet& set : read_test_sets()) (void)read_test_points(set);
+  for (const std::string& key : impl_->keys_of_arrays()) {
+    for (const bool of_training : {false, true}) (void)read_arrays(key, of_training);
+  }
   if (impl_->left_out.empty()) return {};
   std::vector<std::string> names;
   bool is_way_damaged = false;
@@ -912,10 +974,6 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
         "intermediate_states FROM tool_space AS s WHERE s.scene_id = 1 AND s.tool_space_id = "
         "c.tool_space_id)");
   }
-  // A basis goes with all its modes.
-  impl_->database.execute(
-      "DELETE FROM mode WHERE (tool_space_id, basis) NOT IN (SELECT tool_space_id, number FROM "
-      "basis)");
   transaction.commit();
   impl_->left_out.clear();
   impl_->bases.clear();
@@ -1080,7 +1138,7 @@ void StateSpaceFile::add(ToolSpaceId tool_space, const Configuration& configurat
                          const std::vector<IntermediateState>& way) {
   impl_->before_change();
   if (way.empty()) return add_alone(tool_space, configuration);
-  Impl::Change transaction(*impl_);
+  Transaction transaction(impl_->database);
   for (const IntermediateState& state : way) impl_->write(tool_space, state);
   add_alone(tool_space, configuration);
   transaction.commit();
@@ -1252,8 +1310,8 @@ std::vector<IntermediateState> StateSpaceFile::read_intermediate_states(
 std::vector<StateSpaceFile::BasisBox> StateSpaceFile::list_bases(ToolSpaceId tool_space) const {
   std::vector<BasisBox> boxes;
   for (const Impl::StoredBasis& stored : impl_->bases_of(tool_space)) {
-    const FieldBasis& basis = stored.row.basis;
-    boxes.push_back({stored.row.number, basis.first, basis.last, basis.keep});
+    const BasisHead& basis = stored.row.basis;
+    boxes.push_back({stored.row.number, basis.box, basis.keep});
   }
   return boxes;
 }
@@ -1272,7 +1330,7 @@ Keep StateSpaceFile::keep_of(ToolSpaceId tool_space, const ConfigurationSummary&
   const std::vector<Impl::StoredBasis>& bases = impl_->bases_of(tool_space);
   const auto serving =
       std::find_if(bases.begin(), bases.end(), [&](const Impl::StoredBasis& stored) {
-        return stored.row.basis.serves(summary.check_point);
+        return stored.row.basis.box.contains(summary.check_point);
       });
   if (serving == bases.end()) return Keep::all;
   Statement select(impl_->database, std::string("SELECT length(u) FROM configuration") + kAtKey);
@@ -1308,58 +1366,20 @@ Keep StateSpaceFile::keep() const {
 }
 
 void StateSpaceFile::add_basis(ToolSpaceId tool_space, std::int64_t number,
-                               const FieldBasis& basis) {
+                               const PackedBasis& basis) {
   impl_->before_change();
-  Impl::Change change(*impl_);
-  rows::BasisRow row;
-  row.number = number;
-  row.basis.first = basis.first;
-  row.basis.last = basis.last;
-  row.basis.keep = basis.keep;
-  row.basis.largest_displacement = basis.largest_displacement;
-  row.basis.displacement_error = basis.displacement_error;
-  row.basis.sensitivity_error = basis.sensitivity_error;
-  row.num_modes = basis.modes.cols();
-  row.num_pressure_modes = basis.pressure_modes.cols();
-  row.num_pressures = basis.pressure_modes.rows();
+  impl_->make_room_for(basis);
+  const std::array<Statement::Blob, 2> modes = rows::modes_of(basis);
+  const rows::BasisRow row{number, basis, rows::checksum(modes)};
   Statement insert(impl_->database,
                    std::string("INSERT OR REPLACE INTO basis (scene_id, tool_space_id, ") +
-                       rows::basis_columns +
-                       ", checksum) VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                       rows::basis_columns + ", checksum, " + rows::mode_columns +
+                       ") VALUES (1, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   insert.bind(tool_space);
   rows::for_each_number_of_basis(row, rows::Bind{insert});
   insert.bind(rows::checksum(tool_space, row));
+  for (const Statement::Blob& blob : modes) insert.bind(blob.data, blob.bytes);
   insert.run();
-  Statement remove(impl_->database,
-                   "DELETE FROM mode WHERE scene_id = 1 AND tool_space_id = ? AND basis = ?");
-  remove.bind(tool_space);
-  remove.bind(number);
-  remove.run();
-  Statement insert_mode(impl_->database,
-                        "INSERT INTO mode (scene_id, tool_space_id, basis, of_pressure, number, "
-                        "checksum, field) VALUES (1, ?, ?, ?, ?, ?, ?)");
-  for (const std::int64_t of_pressure : {0, 1}) {
-    const Eigen::MatrixXf& modes = of_pressure != 0 ? basis.pressure_modes : basis.modes;
-    const bool is_half = is_in_half_precision(modes);
-    const auto size = static_cast<std::size_t>(modes.rows());
-    for (Eigen::Index m = 0; m < modes.cols(); ++m) {
-      const Eigen::Matrix<Eigen::half, Eigen::Dynamic, 1> halves =
-          is_half ? modes.col(m).cast<Eigen::half>().eval()
-                  : Eigen::Matrix<Eigen::half, Eigen::Dynamic, 1>();
-      const Statement::Blob field =
-          is_half ? Statement::Blob{halves.data(), size * sizeof(Eigen::half)}
-                  : Statement::Blob{modes.col(m).data(), size * sizeof(float)};
-      const rows::ModeKey key{number, of_pressure, m};
-      insert_mode.bind(tool_space);
-      insert_mode.bind(key.basis);
-      insert_mode.bind(key.of_pressure);
-      insert_mode.bind(key.number);
-      insert_mode.bind(rows::checksum(tool_space, key, field));
-      insert_mode.bind(field.data, field.bytes);
-      insert_mode.run();
-    }
-  }
-  change.commit();
   impl_->bases.erase(tool_space);
 }
 
@@ -1368,21 +1388,21 @@ void StateSpaceFile::shrink() {
     return static_cast<double>(impl_->database.integer(std::string("PRAGMA ") + name));
   };
   if (of_pragma("freelist_count") < kFreeShare * of_pragma("page_count")) return;
+  // Every row is written anew.
+  if (has_reduced_schema(impl_->database)) {
+    impl_->make_room_for_bytes(
+        impl_->database.integer("SELECT max(length(numbers)) FROM reduced_array"));
+  }
   impl_->database.vacuum();
 }
 
 void StateSpaceFile::change_together(const std::function<void()>& body) {
   impl_->before_change();
-  Transaction transaction(impl_->database);
-  impl_->is_in_change = true;
-  try {
+  {
+    Transaction transaction(impl_->database);
     body();
     transaction.commit();
-  } catch (...) {
-    impl_->is_in_change = false;
-    throw;
   }
-  impl_->is_in_change = false;
   checkpoint(impl_->database);
 }
 
@@ -1406,7 +1426,7 @@ bool StateSpaceFile::read_stored(ToolSpaceId tool_space, const ConfigurationSumm
   const auto which = [&] { return rows::describe(configuration, name_of(tool_space)); };
   std::shared_ptr<const FieldBasis> basis;
   for (Impl::StoredBasis& of_space : impl_->bases_of(tool_space)) {
-    if (of_space.row.basis.serves(configuration.check_point)) {
+    if (of_space.row.basis.box.contains(configuration.check_point)) {
       basis = impl_->basis_of(tool_space, of_space);
     }
   }
@@ -1524,6 +1544,128 @@ std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) cons
     points.pop_back();
   }
   return points;
+}
+
+void StateSpaceFile::add_array(const std::string& key, const std::string& name,
+                               std::int64_t num_arrays, const Eigen::MatrixXd& array) {
+  const auto bytes = static_cast<std::int64_t>(array.size()) * std::int64_t{sizeof(double)};
+  if (bytes > kLargestRow - kOfNumbers) {
+    throw InputError("The array " + name + " of the reduced model has " + std::to_string(bytes) +
+                     " bytes, and " + quoted(path()) + " holds " +
+                     std::to_string(kLargestRow - kOfNumbers) +
+                     " at the most. Take fewer modes, or a coarser mesh.");
+  }
+  impl_->make_room_for_bytes(bytes);
+  const rows::ReducedArrayRow row{key, name, num_arrays, array.rows(), array.cols()};
+  const Statement::Blob numbers{array.data(), static_cast<std::size_t>(bytes)};
+  Statement insert(impl_->database,
+                   std::string("INSERT OR REPLACE INTO reduced_array (scene_id, ") +
+                       rows::reduced_array_columns +
+                       ", checksum, numbers) VALUES (1, ?, ?, ?, ?, ?, ?, ?)");
+  insert.bind(row.model);
+  insert.bind(row.name);
+  for (const std::int64_t x : {row.num_arrays, row.num_rows, row.num_columns}) insert.bind(x);
+  insert.bind(rows::checksum(row, numbers));
+  // An address also where there are no numbers: it is no NULL.
+  insert.bind(bytes > 0 ? numbers.data : &bytes, numbers.bytes);
+  insert.run();
+}
+
+void StateSpaceFile::add_reduced_model(const std::string& key, const Arrays& arrays) {
+  change_together([&] {
+    make_reduced_schema(impl_->database);
+    Statement remove(impl_->database, "DELETE FROM reduced_array WHERE scene_id = 1 AND model = ?");
+    remove.bind(key);
+    remove.run();
+    const auto num_arrays = static_cast<std::int64_t>(arrays.size());
+    for (const auto& [name, array] : arrays) add_array(key, name, num_arrays, array);
+  });
+}
+
+void StateSpaceFile::add_training(const std::string& key, const std::string& name,
+                                  const Eigen::MatrixXd& array) {
+  impl_->before_change();
+  Transaction transaction(impl_->database);
+  make_reduced_schema(impl_->database);
+  add_array(key, name, 0, array);
+  transaction.commit();
+}
+
+std::vector<std::string> StateSpaceFile::list_reduced_models() const {
+  std::vector<std::string> keys;
+  if (!has_reduced_schema(impl_->database)) return keys;
+  Statement select(impl_->database,
+                   "SELECT model FROM reduced_array WHERE scene_id = 1 AND num_arrays > 0 GROUP BY "
+                   "model HAVING count(*) = max(num_arrays) ORDER BY max(rowid)");
+  while (select.step()) keys.push_back(select.take_text());
+  return keys;
+}
+
+std::optional<StateSpaceFile::Arrays> StateSpaceFile::read_reduced_model(
+    const std::string& key) const {
+  const std::vector<std::string> keys = list_reduced_models();
+  if (std::find(keys.begin(), keys.end(), key) == keys.end()) return std::nullopt;
+  const std::size_t left_out_before = impl_->left_out.size();
+  Arrays arrays = read_arrays(key, false);
+  if (impl_->left_out.size() != left_out_before || arrays.empty()) return std::nullopt;
+  return arrays;
+}
+
+StateSpaceFile::Arrays StateSpaceFile::read_training(const std::string& key) const {
+  return read_arrays(key, true);
+}
+
+StateSpaceFile::Arrays StateSpaceFile::read_arrays(const std::string& key, bool of_training) const {
+  Arrays arrays;
+  if (!has_reduced_schema(impl_->database)) return arrays;
+  // Their sizes first: a row that claims more than its numbers take is not read.
+  std::vector<std::pair<std::int64_t, rows::ReducedArrayRow>> heads;
+  {
+    Statement select(impl_->database,
+                     std::string("SELECT rowid, ") + rows::reduced_array_columns +
+                         ", length(numbers) FROM reduced_array WHERE scene_id = 1 AND model = ? "
+                         "ORDER BY name");
+    select.bind(key);
+    while (select.step()) {
+      const std::int64_t row_id = select.take_integer();
+      rows::ReducedArrayRow row;
+      row.model = select.take_text();
+      row.name = select.take_text();
+      for (std::int64_t* x : {&row.num_arrays, &row.num_rows, &row.num_columns}) {
+        *x = select.take_integer();
+      }
+      const std::int64_t bytes = select.take_integer();
+      const bool is_of_training = row.num_arrays == 0;
+      if (is_of_training != of_training) continue;
+      if (row.num_arrays < 0 || !rows::is_possible(row, bytes)) {
+        impl_->leave_out(rows::describe(row), "reduced_array", row_id);
+        continue;
+      }
+      impl_->make_room_for_bytes(bytes);
+      heads.emplace_back(row_id, row);
+    }
+  }
+  for (const auto& [row_id, row] : heads) {
+    try {
+      Statement select(impl_->database,
+                       "SELECT checksum, numbers FROM reduced_array WHERE rowid = ?");
+      select.bind(row_id);
+      if (select.step()) {
+        const std::int64_t stored = select.take_integer();
+        const Statement::Blob numbers = select.take_blob();
+        if (stored == rows::checksum(row, numbers)) {
+          Eigen::MatrixXd& array = arrays[row.name];
+          array.resize(row.num_rows, row.num_columns);
+          if (numbers.bytes > 0) std::memcpy(array.data(), numbers.data, numbers.bytes);
+          continue;
+        }
+      }
+    } catch (const InputError&) {
+      // It cannot be read.
+    }
+    impl_->leave_out(rows::describe(row), "reduced_array", row_id);
+  }
+  return arrays;
 }
 
 std::vector<TestSet> StateSpaceFile::read_test_sets() const {

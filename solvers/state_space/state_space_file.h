@@ -9,10 +9,12 @@
 //                  find
 //   configuration  one row each: all of state_space/configuration.h; outcome and flags are those of
 //                  base/outcome.h
-//   basis, mode    what the fields of a finished space are reduced to, see reduced_fields.h
+//   basis           what the fields of a finished space are reduced to, see packed_basis.h
 //   transition     which level is reached from where, in a space with levels
 //   intermediate   states on the way to each configuration, where they were asked for
 //   test_point     equilibria beside the configurations, see state_space/test_point.h
+//   reduced_array  the arrays of reduced models, and of their training while it is under way; a
+//                  file that holds none has no such table
 //
 // schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
 // or uint8. scene_id is 1; it and parent_scene_id leave room for a body whose topology changes.
@@ -45,7 +47,7 @@
 #include <utility>
 #include <vector>
 
-#include "state_space/reduced_fields.h"
+#include "state_space/packed_basis.h"
 #include "state_space/state_space.h"
 #include "state_space/test_point.h"
 
@@ -159,8 +161,7 @@ class StateSpaceFile {
   /// The numbers of the bases of a tool space, ascending, and their boxes.
   struct BasisBox {
     std::int64_t number = 0;
-    CheckPoint first{};
-    CheckPoint last{};
+    CheckPointBox box;
     Keep keep = Keep::touch;
   };
   [[nodiscard]] std::vector<BasisBox> list_bases(ToolSpaceId tool_space) const;
@@ -174,7 +175,7 @@ class StateSpaceFile {
   void share_bases(KnownBases& known);
   /// Stores a basis, in place of one of the same number. That one's modes must be the first of its
   /// own: what was reduced by them stays so.
-  void add_basis(ToolSpaceId tool_space, std::int64_t number, const FieldBasis& basis);
+  void add_basis(ToolSpaceId tool_space, std::int64_t number, const PackedBasis& basis);
   /// Adds a configuration with its fields by the modes of the basis that serves its check-point, in
   /// place of one with the same check-point and level.
   void add(ToolSpaceId tool_space, const ConfigurationSummary& summary,
@@ -191,6 +192,23 @@ class StateSpaceFile {
   void add(const TestSet& set, const TestPoint& point);
   /// The test points of a set, in the order of operator<.
   [[nodiscard]] std::vector<TestPoint> read_test_points(const TestSet& set) const;
+
+  /// The arrays of a reduced model by name, as those of reduced/model_arrays.h.
+  using Arrays = std::map<std::string, Eigen::MatrixXd>;
+  /// Stores a reduced model, all of it or nothing, in place of one with the same key and of what
+  /// its training has stored. It is durable when this returns.
+  /// @param key Tells the model from any other: what follows from the same has the same.
+  /// @param arrays At least one.
+  /// @throws InputError an array is larger than a row may be.
+  void add_reduced_model(const std::string& key, const Arrays& arrays);
+  /// The keys of the reduced models that are complete, the last one stored at the end.
+  [[nodiscard]] std::vector<std::string> list_reduced_models() const;
+  /// Nothing where there is no such model, or a part of it is damaged and so left out.
+  [[nodiscard]] std::optional<Arrays> read_reduced_model(const std::string& key) const;
+  /// Stores an array that the training of a model has found, in place of one of the same name.
+  void add_training(const std::string& key, const std::string& name, const Eigen::MatrixXd& array);
+  /// What the training of a model has stored; what is damaged is left out.
+  [[nodiscard]] Arrays read_training(const std::string& key) const;
 
   /// Takes over tool spaces, configurations and test points of another file of the same scene, such
   /// as that of a rank of a run. What is here stays, except that a configuration that converged
@@ -215,6 +233,10 @@ class StateSpaceFile {
                                                       const std::string& condition) const;
   [[nodiscard]] std::vector<TestSet> read_test_sets() const;
   void extend(const ToolSpaceSetup& setup);
+  void add_array(const std::string& key, const std::string& name, std::int64_t num_arrays,
+                 const Eigen::MatrixXd& array);
+  /// Those of a model, or of a training.
+  [[nodiscard]] Arrays read_arrays(const std::string& key, bool of_training) const;
   void add_alone(ToolSpaceId tool_space, const Configuration& configuration);
   /// @param where_there_is_one What SQLite does where there is one already: REPLACE or IGNORE.
   void add_alone(ToolSpaceId tool_space, const LevelTransition& transition,

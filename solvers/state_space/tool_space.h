@@ -57,6 +57,8 @@ struct Grid {
   [[nodiscard]] double spacing() const {
     return resolution > 1 ? 2 * half_width / (resolution - 1) : 0;
   }
+  /// What gives ∂u/∂t the unit of u, m: the spacing, and where there is none any length.
+  [[nodiscard]] double field_step() const { return spacing() > 0 ? spacing() : 1; }
   [[nodiscard]] std::int32_t reach() const { return (resolution - 1) / 2; }
   /// Corners of the coarsest cells along an axis.
   [[nodiscard]] std::int32_t coarsest_resolution() const { return 2 * reach() / coarsest + 1; }

@@ -12,9 +12,6 @@
 namespace palpate {
 namespace {
 
-/// Gives w = step · v the unit of u; where there is no grid any length does.
-double step_of(const Grid& grid) { return grid.spacing() > 0 ? grid.spacing() : 1; }
-
 std::string describe(const ConfigurationSummary& configuration, const ToolSpaceSetup& setup) {
   const CheckPoint& c = configuration.check_point;
   return "configuration (" + std::to_string(c[0]) + ", " + std::to_string(c[1]) + ", " +
@@ -64,7 +61,7 @@ void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
   check_active_node(setup, scene.mesh);
   const std::vector<Index>& points = space.surface.mesh_points;
   const auto num_points = static_cast<Eigen::Index>(points.size());
-  const double step = step_of(setup.grid);
+  const double step = setup.grid.field_step();
   const auto take = [&](std::size_t s, Eigen::Index at, Snapshots& to) {
     const Configuration* configuration = fields_of(s);
     if (configuration == nullptr) return false;
@@ -132,9 +129,9 @@ const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {
   return found != tool_spaces.end() && found->setup.id == id ? &*found : nullptr;
 }
 
-TouchSpace make_empty_touch_space(const Scene& scene) {
+TouchSpace make_empty_touch_space(const Scene& scene, const std::string& scene_hash) {
   TouchSpace space;
-  space.scene_hash = hash(scene);
+  space.scene_hash = scene_hash;
   space.surface = make_surface(scene.mesh);
   return space;
 }
@@ -181,8 +178,7 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
 
 TouchSpace make_touch_space(const StateSpace& space, double bound) {
   validate_pod_bound(bound);
-  TouchSpace made = make_empty_touch_space(space.scene);
-  made.scene_hash = space.scene_hash;
+  TouchSpace made = make_empty_touch_space(space.scene, space.scene_hash);
   for (const ToolSpace& tool_space : space.tool_spaces) {
     const std::vector<ConfigurationSummary> summaries = summaries_of(tool_space.configurations);
     if (tool_space.setup.interaction.is_contact()) {
@@ -200,7 +196,7 @@ TouchSpace make_touch_space(const StateSpace& space, double bound) {
 TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
   validate_pod_bound(bound);
   const Scene scene = file.read_scene();
-  TouchSpace space = make_empty_touch_space(scene);
+  TouchSpace space = make_empty_touch_space(scene, file.scene_hash());
   std::vector<std::string> without_fields;
   for (const ToolSpace& tool_space : file.read_tool_spaces()) {
     const ToolSpaceId id = tool_space.setup.id;
@@ -246,7 +242,6 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
       space.sensitivity_error += basis->sensitivity_error;
     }
   }
-  space.scene_hash = file.scene_hash();
   space.left_out = file.left_out();
   space.left_out.insert(space.left_out.end(), without_fields.begin(), without_fields.end());
   space.file = file.path().string();
@@ -255,8 +250,7 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
 
 TouchSpace make_touch_space_without_modes(const StateSpaceFile& file) {
   const Scene scene = file.read_scene();
-  TouchSpace space = make_empty_touch_space(scene);
-  space.scene_hash = file.scene_hash();
+  TouchSpace space = make_empty_touch_space(scene, file.scene_hash());
   space.file = file.path().string();
   for (const ToolSpace& from : file.read_tool_spaces()) {
     const ToolSpaceId id = from.setup.id;

@@ -64,7 +64,8 @@ struct TouchSpace {
 };
 
 /// The touch space of a scene, without tool spaces yet.
-[[nodiscard]] TouchSpace make_empty_touch_space(const Scene& scene);
+/// @param scene_hash hash(scene).
+[[nodiscard]] TouchSpace make_empty_touch_space(const Scene& scene, const std::string& scene_hash);
 
 /// Adds a tool space.
 /// @param configurations All, in their order.

@@ -25,8 +25,10 @@ LIBRARIES = [
     ("MUMPS", r"[sdcz]?mumps_\w+\.h"),
     ("METIS", r"metis\.h"),
     ("MPI", r"mpi\.h"),
+    ("OpenMP", r"omp\.h"),
     ("SQLite", r"sqlite3\w*\.h"),
     ("xxHash", r"xxh\w+\.h"),
+    ("zlib", r"zlib\.h"),
     ("TetGen", r"tetgen\.h"),
     ("hidapi", r"(hidapi/)?hidapi\w*\.h"),
     ("CSV", r"csv\.h"),
@@ -43,7 +45,8 @@ LIBRARIES = [
     ("VTK", r"(vtk|QVTK)\w+\.(h|txx)|vtksys/.+"),
     ("Qt", r"(Qt\w+/)?Q[A-Z]\w*"),
     ("X11", r"X11/\w+\.h"),
-    ("POSIX", r"sys/\w+\.h|(unistd|fcntl|spawn|signal|poll|dlfcn|pthread|sched|ucontext)\.h"),
+    ("POSIX",
+     r"sys/\w+\.h|(unistd|dirent|fcntl|spawn|signal|poll|dlfcn|pthread|sched|ucontext)\.h"),
     ("std", r"[a-z_0-9]+"),
 ]
 
@@ -59,27 +62,33 @@ def solver_units():
     """The parts of solvers/ in order: each may include those before it."""
     wrapped = {
         "base": {"POSIX"},  # where a program of ours is
+        "threads": {"OpenMP", "POSIX"},
         "assembly": {"xxHash"},  # the hash of a scene
         "linear": {"MUMPS", "METIS", "MPI", "POSIX"},
-        "state_space": {"SQLite", "xxHash", "POSIX"},
+        "state_space": {"SQLite", "xxHash", "zlib", "POSIX"},
         "schedule": {"MPI"},
+        "reduction": {"xxHash"},  # what a model follows from
     }
-    parts = ["base", "mesh", "materials", "elements", "assembly", "interaction", "linear",
-             "iterative",
-             "equilibrium", "state_space", "interpolation", "schedule", "exploration", "accuracy"]
+    parts = ["base", "threads", "mesh", "materials", "reduced", "elements", "assembly",
+             "interaction", "linear", "iterative", "equilibrium", "dynamics",
+             "state_space", "interpolation", "schedule", "exploration", "reduction", "accuracy"]
+    # What a servo loop computes with needs no more than this.
+    narrower = {"reduced": {"solvers/base", "solvers/materials"}}
     return {
         f"solvers/{part}": Unit({"std", "Eigen"} | wrapped.get(part, set()),
-                                {f"solvers/{earlier}" for earlier in parts[:index]})
+                                narrower.get(part, {f"solvers/{earlier}"
+                                                    for earlier in parts[:index]}))
         for index, part in enumerate(parts)
     }
 
 
 def haptic_units():
     """The parts of haptic/ in order, as those of solvers/, with the programs."""
-    solvers = {"solvers/base", "solvers/mesh", "solvers/state_space", "solvers/interpolation"}
+    solvers = {"solvers/base", "solvers/mesh", "solvers/materials", "solvers/reduced",
+               "solvers/state_space", "solvers/interpolation"}
     wrapped = {"transport": {"hidapi"}, "recording": {"CSV"}, "palpate_servo": {"CLI11"}}
     parts = ["realtime", "profile", "guardian", "palpate_guardian", "transport", "touching",
-             "servo", "recording", "palpate_servo"]
+             "simulating", "servo", "recording", "palpate_servo"]
     return {
         f"haptic/{part}": Unit({"std", "POSIX", "Eigen"} | wrapped.get(part, set()),
                                {f"haptic/{earlier}" for earlier in parts[:index]} | solvers)

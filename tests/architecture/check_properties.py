@@ -14,7 +14,7 @@ import re
 import sys
 from xml.etree import ElementTree
 
-UNIT = re.compile(r"\b[Nn]o unit\b|(?:^|[\s(])(?:m|m³|Pa|N|N/m|J|s|1/s)(?=[\s,;:.)]|$)")
+UNIT = re.compile(r"\b[Nn]o unit\b|(?:^|[\s(])(?:m|m³|Pa|N|N/m|J|s|1/s|m/s²|kg/m³)(?=[\s,;:.)]|$)")
 # The groups of which every property is advanced.
 ADVANCED = {"Accuracy", "Finer Part", "Log", "Solver"}
 # More at a time are not taken in. Those that follow a choice are not all there at the same time.

@@ -13,7 +13,8 @@ HEADERS = [
     "solvers/base/error.h", "solvers/mesh/tet_mesh.h", "solvers/linear/linear_solver.h",
     "solvers/interpolation/interpolation.h", "solvers/state_space/state_space.h",
     "haptic/profile/report.h", "haptic/servo/servo.h", "filters/vtkPalpateGuard.h",
-    "filters/tetgen/stream.h",
+    "filters/tetgen/stream.h", "solvers/reduced/reduced_body.h", "solvers/reduction/nnls.h",
+    "haptic/simulating/coupled_tool.h",
 ]
 
 
@@ -47,6 +48,10 @@ class AllowedTest(unittest.TestCase):
                    '"interpolation/interpolation.h"')
         self.check("haptic/transport/a.cpp", "<hidapi/hidapi.h>", '"haptic/profile/report.h"')
 
+    def test_haptic_computes_with_reduced_bodies(self):
+        self.check("haptic/simulating/a.cpp", '"reduced/reduced_body.h"')
+        self.check("haptic/servo/a.cpp", '"haptic/simulating/coupled_tool.h"')
+
     def test_filters(self):
         self.check("filters/a.cxx", '"vtkPalpateGuard.h"', '"mesh/tet_mesh.h"', "<vtkMPI.h>",
                    '"vtkPolyData.h"', '"PalpateFiltersModule.h"', "<vtkSMPTools.h>", "<spawn.h>")
@@ -77,6 +82,18 @@ class ForbiddenTest(unittest.TestCase):
                    "interpolation/interpolation.h: solvers/state_space may not include "
                    "solvers/interpolation")
 
+    def test_reduced_bodies_know_no_mesh(self):
+        self.check("solvers/reduced/a.cpp", '"mesh/tet_mesh.h"',
+                   "mesh/tet_mesh.h: solvers/reduced may not include solvers/mesh")
+
+    def test_simulating_knows_no_servo_loop(self):
+        self.check("haptic/simulating/a.cpp", '"haptic/servo/servo.h"',
+                   "haptic/servo/servo.h: haptic/simulating may not include haptic/servo")
+
+    def test_haptic_reduces_nothing(self):
+        self.check("haptic/servo/a.cpp", '"reduction/nnls.h"',
+                   "reduction/nnls.h: haptic/servo may not include solvers/reduction")
+
     def test_solvers_see_no_other_folder(self):
         self.check("solvers/exploration/a.cpp", '"vtkPalpateGuard.h"',
                    "vtkPalpateGuard.h: solvers/exploration may not include filters")
@@ -104,6 +121,8 @@ class ForbiddenTest(unittest.TestCase):
                    "hidapi/hidapi.h: haptic/servo may not include hidapi")
         self.check("solvers/interpolation/a.cpp", "<sqlite3.h>",
                    "sqlite3.h: solvers/interpolation may not include SQLite")
+        self.check("solvers/exploration/a.cpp", "<zlib.h>",
+                   "zlib.h: solvers/exploration may not include zlib")
         self.check("filters/a.cxx", "<tetgen.h>", "tetgen.h: filters may not include TetGen")
         self.check("solvers/mesh/a.cpp", "<xxhash.h>",
                    "xxhash.h: solvers/mesh may not include xxHash")

@@ -4,10 +4,11 @@
 // with sensitivity, stiffness and inertia; and one of the 27 of a space around that place. Prints a
 // Markdown table and the exponents of the growth.
 //
-//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_large 1100000 160000 0.45
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_large 1100000 160000 0.45 1
 //
-// The arguments are the numbers of unknowns not to exceed, without a factor and with one, and
-// Poisson's ratio.
+// The arguments are the numbers of unknowns not to exceed, without a factor and with one, Poisson's
+// ratio, and the threads without a factor; 0: as many as there are cores. A fifth one is the number
+// of unknowns from which on.
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
@@ -37,11 +38,13 @@ struct Run {
   double bytes = 0;
 };
 
-Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver) {
+Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver, int threads) {
   Run run;
   forget_peak();
   const double before = peak_bytes();
-  EquilibriumSolver solver(scene, {}, std::move(linear_solver));
+  EquilibriumOptions options;
+  options.threads = threads;
+  EquilibriumSolver solver(scene, options, std::move(linear_solver));
   solver.set_interaction(bond_patch(scene.mesh));
   const Equilibrium rest = solver.rest();
   run.rest_seconds = rest.seconds;
@@ -53,19 +56,20 @@ Run run(const Scene& scene, std::unique_ptr<LinearSolver> linear_solver) {
 }
 
 /// Seconds for a configuration in the mean.
-double explore(const Scene& scene, const std::string& linear_solver) {
+double explore(const Scene& scene, const std::string& linear_solver, int threads) {
   PrecomputeOptions options = space_of_patch(scene.mesh, kEdge / 20, 3);
   options.linear_solver = linear_solver;
   options.equilibrium.single_precision = true;
+  options.equilibrium.threads = threads;
   const auto communicator = make_serial_communicator();
   const PrecomputeReport report = precompute(scene, options, *communicator, {}).report;
   return report.exploration_seconds / static_cast<double>(report.num_solved);
 }
 
-std::vector<Figure> measure(int bricks, int most_direct, double nu) {
+std::vector<Figure> measure(int bricks, int most_direct, double nu, int threads) {
   const Scene scene = make_cube(bricks, nu);
   const int unknowns = num_unknowns(bricks);
-  const Run iterative = run(scene, nullptr);
+  const Run iterative = run(scene, nullptr, threads);
   std::vector<Figure> figures = {
       {"unknowns", 1, static_cast<double>(unknowns)},
       {"rest, s", 1, iterative.rest_seconds},
@@ -74,13 +78,14 @@ std::vector<Figure> measure(int bricks, int most_direct, double nu) {
       {"iterations", 1, static_cast<double>(iterative.work.krylov_iterations)},
       {"memory, MB", kMega, iterative.bytes},
       {"bytes an unknown", 1, iterative.bytes / unknowns},
-      {"explored, s", 1, unknowns <= most_direct ? explore(scene, kConjugateGradients) : kNothing},
+      {"explored, s", 1,
+       unknowns <= most_direct ? explore(scene, kConjugateGradients, threads) : kNothing},
   };
   double explored = kNothing, seconds = kNothing, bytes = kNothing, force = kNothing,
          stiffness = kNothing;
   if (unknowns <= most_direct) {
-    const Run direct = run(scene, make_linear_solver());
-    explored = explore(scene, linear_solver_names().front());
+    const Run direct = run(scene, make_linear_solver(), threads);
+    explored = explore(scene, linear_solver_names().front(), threads);
     seconds = direct.pulled.seconds;
     bytes = direct.bytes;
     force =
@@ -103,10 +108,13 @@ int main(int argc, char** argv) {
   const int most = argc > 1 ? std::atoi(argv[1]) : 160'000;
   const int most_direct = argc > 2 ? std::atoi(argv[2]) : 50'000;
   const double nu = argc > 3 ? std::atof(argv[3]) : 0.45;
+  const int threads = argc > 4 ? std::atoi(argv[4]) : 1;
+  const int least = argc > 5 ? std::atoi(argv[5]) : 0;
   std::vector<std::vector<palpate::benchmarks::Figure>> rows;
   for (const int bricks : palpate::kBricks) {
     if (palpate::num_unknowns(bricks) > most) break;
-    rows.push_back(palpate::measure(bricks, most_direct, nu));
+    if (palpate::num_unknowns(bricks) < least) continue;
+    rows.push_back(palpate::measure(bricks, most_direct, nu, threads));
     palpate::benchmarks::print_row(rows);
   }
   palpate::benchmarks::print_exponents(rows);

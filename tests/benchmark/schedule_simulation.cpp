@@ -7,10 +7,13 @@
 // efficiencies in %.
 //
 //   palpate_benchmark_schedule_simulation <factorisation, s> <tool spaces> space.palpate …
+//   palpate_benchmark_schedule_simulation <factorisation, s> <number>/rank space.palpate …
 //
-// The factorisation is that of a start which another rank has made already. Each tool space
-// behaves as one that is drawn from the recorded ones. Of several recordings of the same space each
-// configuration has its least time: on a machine that is not quiet that is nearest to its cost.
+// The first is of so many tool spaces on any number of ranks (strong scaling), the second of so
+// many on each rank (weak scaling). The factorisation is that of a start which another rank has
+// made already. Each tool space behaves as one that is drawn from the recorded ones. Of several
+// recordings of the same space each configuration has its least time: on a machine that is not
+// quiet that is nearest to its cost.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -89,15 +92,30 @@ TaskTree to_tree(const Recording& recording) {
   return tree;
 }
 
-void print_table(double factorisation_seconds, int num_spaces,
+/// How many tool spaces there are.
+struct Problem {
+  int num_spaces = 0;
+  /// So many on each rank, else in all.
+  bool on_each_rank = false;
+
+  [[nodiscard]] int num_on(int ranks) const {
+    return on_each_rank ? num_spaces * ranks : num_spaces;
+  }
+};
+
+void draw_spaces(int number, Forest& forest) {
+  std::mt19937 random(kSeed);
+  forest.tree_of_site.clear();
+  for (int i = 0; i < number; ++i) {
+    forest.tree_of_site.push_back(static_cast<int>(random() % forest.trees.size()));
+  }
+}
+
+void print_table(double factorisation_seconds, const Problem& problem,
                  const std::vector<std::string>& paths) {
   const std::vector<Recording> recordings = read_recordings(paths);
   Forest forest;
   for (const Recording& recording : recordings) forest.trees.push_back(to_tree(recording));
-  std::mt19937 random(kSeed);
-  for (int i = 0; i < num_spaces; ++i) {
-    forest.tree_of_site.push_back(static_cast<int>(random() % recordings.size()));
-  }
   const StateSpaceFile file = StateSpaceFile::open_read_only(paths.front());
   test::ReplayOptions options;
   options.state_bytes = file.read_scene().mesh.points.size() * 3 * kColumns * sizeof(double);
@@ -105,15 +123,16 @@ void print_table(double factorisation_seconds, int num_spaces,
   test::MasterOptions of_master;
   of_master.state_bytes = options.state_bytes;
   of_master.start_seconds = factorisation_seconds;
+  draw_spaces(problem.num_spaces, forest);
+  std::printf("%d tool spaces%s, longest way %.3g s, state %.0f kB\n\n", problem.num_spaces,
+              problem.on_each_rank ? " a rank" : "", forest.critical_path(),
+              1e-3 * static_cast<double>(options.state_bytes));
   std::printf(
-      "%d tool spaces, %lld configurations, %.0f s of work, longest way %.3g s, state %.0f "
-      "kB\n\n",
-      num_spaces, static_cast<long long>(forest.num_tasks()), forest.work(), forest.critical_path(),
-      1e-3 * static_cast<double>(options.state_bytes));
-  std::printf(
-      "| ranks | s | floor, s | engine | fixed share | master | shares | factors made again | "
-      "messages a configuration | simulated in, s |\n|---|---|---|---|---|---|---|---|---|---|\n");
+      "| ranks | configurations | s | floor, s | engine | fixed share | master | shares | factors "
+      "made again | messages a configuration | simulated in, s "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const int ranks : kRanks) {
+    draw_spaces(problem.num_on(ranks), forest);
     const auto start = std::chrono::steady_clock::now();
     const test::Replay engine = test::replay(recordings, forest.tree_of_site, ranks, options);
     const double took =
@@ -123,9 +142,9 @@ void print_table(double factorisation_seconds, int num_spaces,
     };
     const ScheduleReport& schedule = engine.report.schedule;
     std::printf(
-        "| %d | %.4g | %.4g | %.1f | %.1f | %.1f | %lld | %lld | %.2f | %.0f |\n", ranks,
-        engine.makespan, forest.least_makespan(ranks), efficiency(engine.makespan),
-        efficiency(test::static_makespan(forest, ranks)),
+        "| %d | %lld | %.4g | %.4g | %.1f | %.1f | %.1f | %lld | %lld | %.2f | %.0f |\n", ranks,
+        static_cast<long long>(forest.num_tasks()), engine.makespan, forest.least_makespan(ranks),
+        efficiency(engine.makespan), efficiency(test::static_makespan(forest, ranks)),
         efficiency(test::master_makespan(forest, ranks, of_master)),
         static_cast<long long>(schedule.steals_granted),
         static_cast<long long>(engine.num_factorised_again),
@@ -141,13 +160,16 @@ void print_table(double factorisation_seconds, int num_spaces,
 int main(int argc, char** argv) {
   if (argc < 4) {
     std::printf(
-        "Give the time of a factorisation, the number of tool spaces and recorded spaces: "
-        "%s 0.025 1000 space.palpate …\n",
-        argv[0]);
+        "Give the time of a factorisation, the number of tool spaces, in all or a rank, and "
+        "recorded spaces: %s 0.025 1000 space.palpate … or %s 0.025 4/rank space.palpate …\n",
+        argv[0], argv[0]);
     return EXIT_FAILURE;
   }
   try {
-    palpate::print_table(std::atof(argv[1]), std::atoi(argv[2]), {argv + 3, argv + argc});
+    const std::string number = argv[2];
+    palpate::print_table(std::atof(argv[1]),
+                         {std::atoi(argv[2]), number.find("/rank") != std::string::npos},
+                         {argv + 3, argv + argc});
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return EXIT_FAILURE;

@@ -35,6 +35,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
 #include "interpolation/interpolator.h"

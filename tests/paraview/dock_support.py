@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """For scripts inside ParaView's window: what a person does and reads in the dock Palpate."""
 
+import contextlib
+import os
 import re
+import time
 
 from paraview.simple import FindSource
 
-from qt import Button, QTest, part, wait_until
+from qt import Button, QTest, part, wait, wait_until
 
 
 def wait_for(condition, what):
@@ -48,3 +51,28 @@ def said(view):
     texts = [actors.GetItemAsObject(i) for i in range(actors.GetNumberOfItems())]
     return "".join(text.GetInput() or "" for text in texts
                    if text.IsA("vtkTextActor") and text.GetVisibility())
+
+
+def work():
+    """Of this process, s: what this thread has spent on a processor, and what all its threads have
+    waited for one."""
+    waited = 0
+    for task in os.listdir("/proc/self/task"):
+        with contextlib.suppress(FileNotFoundError):  # It has ended.
+            with open(f"/proc/self/task/{task}/schedstat", encoding="ascii") as figures:
+                waited += 1e-9 * int(figures.read().split()[1])
+    return time.thread_time(), waited
+
+
+def measure_frames(view, seconds):
+    """Prints what a frame takes on a processor, s; the share of the time in which threads have
+    waited for one; frames in a second."""
+    window_of_view = view.GetRenderWindow()
+    frames = []
+    observer = window_of_view.AddObserver("EndEvent", lambda *_: frames.append(0))
+    begin, (worked, waited) = time.monotonic(), work()
+    wait(seconds)
+    elapsed, (worked_then, waited_then) = time.monotonic() - begin, work()
+    window_of_view.RemoveObserver(observer)
+    print("frame", (worked_then - worked) / len(frames), (waited_then - waited) / elapsed,
+          len(frames) / elapsed)

@@ -2,7 +2,6 @@
 """Runs inside ParaView's window, does what PALPATE_INTERACTOR_RUN says with the dock Palpate, and
 quits; test_interactor.py reads what it prints. What a person clicks is clicked."""
 
-import contextlib
 import os
 import re
 import signal
@@ -15,8 +14,8 @@ from paraview import servermanager
 from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
-from dock_support import (click_start, click_stop, number, runs, said, touch_filter, touches,
-                          wait_for)
+from dock_support import (click_start, click_stop, measure_frames, number, runs, said,
+                          touch_filter, touches, wait_for)
 from qt import (Button, Event, Modifier, QtCore, QtGui, QTest, QtWidgets, action, apply,
                 application, canvas, choose, click, dialogs, dock, drag, in_dialog, is_shown, menu,
                 open_file, part, pixel_of, pixel_of_node, press_escape, property_widget, send,
@@ -53,31 +52,6 @@ def open_space():
     wait(0.2)
     assert part("space").count() == 1
     return space, view
-
-
-def work():
-    """Of this process, s: what this thread has spent on a processor, and what all its threads have
-    waited for one."""
-    waited = 0
-    for task in os.listdir("/proc/self/task"):
-        with contextlib.suppress(FileNotFoundError):  # It has ended.
-            with open(f"/proc/self/task/{task}/schedstat", encoding="ascii") as figures:
-                waited += 1e-9 * int(figures.read().split()[1])
-    return time.thread_time(), waited
-
-
-def measure_frames(view, seconds):
-    """Prints what a frame takes on a processor, s; the share of the time in which threads have
-    waited for one; frames in a second."""
-    window_of_view = view.GetRenderWindow()
-    frames = []
-    observer = window_of_view.AddObserver("EndEvent", lambda *_: frames.append(0))
-    begin, (worked, waited) = time.monotonic(), work()
-    wait(seconds)
-    elapsed, (worked_then, waited_then) = time.monotonic() - begin, work()
-    window_of_view.RemoveObserver(observer)
-    print("frame", (worked_then - worked) / len(frames), (waited_then - waited) / elapsed,
-          len(frames) / elapsed)
 
 
 def touching():

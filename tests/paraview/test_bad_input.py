@@ -147,6 +147,25 @@ def test_coefficients(bad):
     fails([1, 0, 500], "bulk modulus", "-7", BulkModulus=-7)
 
 
+def test_density_and_viscosity(bad):
+    for name in ("Density", "ViscousTime"):
+        for value in (-1, math.nan, math.inf):
+            bad.fails(name, f"{value:g}", material={name: value})
+
+    def prony_fails(moduli, times, *words):
+        bad.fails(*words, material={"PronyModuli": moduli, "PronyTimes": times})
+
+    prony_fails([0.5], [], "PronyModuli has 1", "PronyTimes has 0")
+    prony_fails([0.1] * 5, [1, 2, 3, 4, 5], "5 terms", "4 at the most")
+    prony_fails([0.5, 0.2], [1, 1], "PronyTimes", "Sort", "1.0")
+    prony_fails([0.5, 0.2], [1, 0.1], "PronyTimes", "Sort", "0.1")
+    prony_fails([-0.5], [1], "PronyModuli", "-0.5")
+    prony_fails([0.5], [-1], "PronyTimes", "-1")
+    prony_fails([0.5], [0], "Term 1", "both above 0")
+    prony_fails([0, 0.5], [0, 1], "Term 1", "leave it out")
+    prony_fails([math.nan], [1], "PronyModuli", "nan")
+
+
 def test_formulation(bad):
     for law in ("Neo-Hookean incompressible", "Mooney-Rivlin incompressible"):
         bad.fails("Formulation", "Displacement", law,
@@ -221,6 +240,8 @@ def test_region_of_material(bad):
     table_fails(["2", "Linear", good + " PoissonsRatio"], "PoissonsRatio has no value")
     table_fails(["2", "Linear", "YoungsModulus 5e3Pa PoissonsRatio 0.3"], "5e3Pa")
     table_fails(["2", "Linear", "YoungsModulus -5 PoissonsRatio 0.3"], "Young's modulus is -5")
+    table_fails(["2", "Linear", good + " Density -5"], "value '2'", "Density", "-5")
+    table_fails(["2", "Liver", "PronyModulus1 0.5"], "value '2'", "Term 1")
 
     nowhere = AssignMaterial(Input=bad.body, RegionType="Shape", RegionShape="Sphere")
     nowhere.RegionShape.Center = [9, 9, 9]
@@ -302,6 +323,8 @@ def test_displacement_and_options(bad):
     bad.fails("displacement", "finite", equilibrium={"Displacement": [math.nan, 0, 0]})
     bad.fails("tolerance", equilibrium={"Tolerance": 0})
     bad.fails("max_iterations", equilibrium={"MaximumIterations": 0})
+    bad.fails("threads", "1024", equilibrium={"Threads": 1025})
+    bad.fails("threads", equilibrium={"Threads": -1})
     bad.fails("max_seconds", equilibrium={"MaximumSeconds": -1})
     bad.fails("linear solver", "Abacus", equilibrium={"LinearSolver": "Abacus"})
 

@@ -7,7 +7,7 @@ import numpy
 from paraview.simple import (AssignMaterial, SetBoundary, SolveEquilibrium,
                              XMLUnstructuredGridReader)
 from support import (Messages, box_body, cell_array, expect_error, expect_silence, fetch, field,
-                     grid_of, message, node_at, places, point_array, produce, scene)
+                     grid_of, message, node_at, places, point_array, produce, scene, source)
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA
 
@@ -251,6 +251,92 @@ def test_rest():
     assert (field(grid, "ReactionForce") == 0).all() and field(grid, "Energy")[0] == 0
     assert (point_array(grid, "Displacement") == 0).all()
     assert field(grid, "MinimumDetF")[0] == 1
+
+
+def heavy(name, divisions=(4, 2, 2), **material):
+    material = {"Law": "Neo-Hookean", "Density": 1000} | material
+    boundary = SetBoundary(Input=AssignMaterial(Input=source(box_body(divisions), name),
+                                                **material), FixedRegion="Plane")
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
+    return boundary
+
+
+def test_hanging_bar():
+    """By closed form: under its weight a bar without Poisson's effect is longer by rho g L^2/2E."""
+    boundary = heavy("hanging", Law="Linear", YoungsModulus=10000, PoissonsRatio=0)
+    node = node_at(boundary, [0.2, 0.1, 0.1])
+    gravity = 2.0
+    grid = solve(boundary, [node], [0, 0, 0], BodyForce=[gravity, 0, 0])
+    u, x = point_array(grid, "Displacement"), places(grid)[:, 0]
+    exact = 1000 * gravity / 10000 * (0.2 * x - x**2 / 2)
+    assert numpy.abs(u[:, 0] - exact).max() < 1e-8 * exact.max()
+    assert numpy.abs(u[:, 1:]).max() < 1e-8 * exact.max()
+    # Nothing holds it: the displacement counts from that rest.
+    assert numpy.abs(field(grid, "ReactionForce")).max() < 1e-8
+    # Half of the work of the weight is stored.
+    weight_energy = -1000 * gravity * 0.1 * 0.1 * (1000 * gravity / 10000) * 0.2**3 / 3
+    assert numpy.isclose(field(grid, "Energy")[0], weight_energy / 2, rtol=1e-6)
+    # Its stiffness is that of the body without weight, which is linear.
+    pulled = solve(boundary, [node], [0.01, 0, 0], BodyForce=[gravity, 0, 0])
+    alone = solve(boundary, [node], [0.01, 0, 0])
+    assert numpy.allclose(field(pulled, "ReactionForce"), field(alone, "ReactionForce"), rtol=1e-7,
+                          atol=1e-9)
+
+
+def test_rest_under_weight():
+    """A prestressed rest: the weight changes the force of a pull, and the direction of both."""
+    for material in ({}, {"Law": "Neo-Hookean incompressible", "YoungsModulus": 10000}):
+        boundary = heavy(f"weight{len(material)}", **material)
+        nodes = [node_at(boundary, [0.2, 0.1, 0.1])]
+        rest = solve(boundary, nodes, [0, 0, 0], BodyForce=[0, 0, -9.81], TipRadius=0.03)
+        sag = point_array(rest, "Displacement")
+        assert sag[nodes[0], 2] < -0.005
+        assert numpy.abs(field(rest, "ReactionForce")).max() < 1e-6
+        t = [0.005, 0.004, 0.003]
+        pulled = solve(boundary, nodes, t, BodyForce=[0, 0, -9.81], TipRadius=0.03)
+        moved = point_array(pulled, "Displacement") - sag
+        assert numpy.abs(moved[nodes[0]] - t).max() < 1e-12
+        alone = solve(boundary, nodes, t, TipRadius=0.03)
+        force, other = field(pulled, "ReactionForce")[0], field(alone, "ReactionForce")[0]
+        assert 0.01 < numpy.linalg.norm(force - other) / numpy.linalg.norm(other) < 1
+        # The force is the derivative of the energy, that of the weight included.
+        step = 1e-5
+        forward, backward = (solve(boundary, nodes, numpy.add(t, [0, 0, sign * step]),
+                                   BodyForce=[0, 0, -9.81], TipRadius=0.03) for sign in (1, -1))
+        slope = (field(forward, "Energy")[0] - field(backward, "Energy")[0]) / (2 * step)
+        assert numpy.isclose(slope, force[2], rtol=1e-5, atol=1e-6)
+
+
+def test_weight_and_a_rigid_tool():
+    """The tool comes to the body as it lies; without a factor the result is the same."""
+    boundary = heavy("weight_contact", (8, 4, 4))
+    settings = {"Tool": "Sphere", "ToolRadius": 0.04, "BodyForce": [0, 0, -9.81]}
+    sag = point_array(solve(boundary, [], [], ToolPosition=[0.11, 0.05, 0.2], **settings),
+                      "Displacement")
+    top = node_at(boundary, [0.1, 0.05, 0.1])
+    centre = [0.11, 0.05, 0.1 + 0.04 + sag[top, 2] - 0.005]
+    forces = [field(solve(boundary, [], [], ToolPosition=centre, LinearSolver=solver, **settings),
+                    "ReactionForce")[0] for solver in ("Automatic", "Conjugate gradients")]
+    assert forces[0][2] < -0.1
+    assert numpy.allclose(*forces, rtol=1e-6, atol=1e-7)
+
+
+def test_weight_that_is_none():
+    boundary = scene("weightless")
+    node = [node_at(boundary, [0.2, 0.1, 0.1])]
+    expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNodes=node,
+                                                BodyForce=[0, 0, -9.81])), "no density", "Density")
+    expect_error(lambda: fetch(SolveEquilibrium(Input=boundary, ActiveNodes=node,
+                                                BodyForce=[0, 0, float("inf")])), "BodyForce")
+    # A weight under which it finds no rest is told, and the body is as it was last.
+    soft = SolveEquilibrium(Input=heavy("too soft", YoungsModulus=10), ActiveNodes=node,
+                            BodyForce=[-1e4, 0, 0])
+    with Messages() as messages:
+        grid = fetch(soft)
+    assert messages.errors == 0 and messages.warnings == 1, messages.text
+    assert "finds no rest under its load" in message(grid)
+    assert field(grid, "Outcome")[0] == NOT_CONVERGED
+    assert numpy.isfinite(point_array(grid, "Displacement")).all()
 
 
 def test_linear_solvers():

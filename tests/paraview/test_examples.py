@@ -429,6 +429,46 @@ def check_palpation():
     assert done.stderr.startswith("palpation.py: the scene has no material"), done.stderr
 
 
+def check_two_hands():
+    """Two sizes of model on a coarse liver; then the same place for both tools, and no density."""
+    small = ["--elements", "100", "--points", "150", "--training-paths", "2", "--time-step",
+             "0.004", "--output", "two_hands"]
+    done = run(1, *small, "--modes", "15", "40", example="two_hands")
+    assert done.returncode == 0, done.stderr
+    with open("two_hands/table.md", encoding="utf-8") as file:
+        text = file.read()
+    assert text.strip() in done.stdout, done.stdout
+    few, many = rows_of("two_hands/table.csv")
+    for column in ("all tools (%)", "motion, rms (%)", "grasp (%)"):
+        assert 0 < float(many[column]) < float(few[column]), (column, few, many)
+    assert float(many["grasp (%)"]) < min(2, float(many["beyond (%)"])), many
+    assert float(many["trust, beyond"]) > 1.5, many
+    assert 0 < float(many["step (ms)"]) <= float(many["99.9 % (ms)"]), many
+    expect_pictures("two_hands", "grasped", "pulled", "let_go", "error_steps", "forces")
+
+    for wrong, message in ((["--tip-radius", "0.1"], "no place for a second tool"),
+                           (["--density", "0"], "without any nothing swings")):
+        done = run(1, *small, *wrong, example="two_hands")
+        assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
+        assert done.stderr.startswith("two_hands.py: ") and message in done.stderr, done.stderr
+
+
+def check_wobble():
+    """More viscosity: the swinging is gone sooner, and the reduced model says so too."""
+    done = run(1, "--elements", "100", "--points", "150", "--training-paths", "2", "--time-step",
+               "0.004", "--modes", "30", "--viscous-times", "0.01", "0.04", "--output", "wobble",
+               example="wobble")
+    assert done.returncode == 0, done.stderr
+    little, much = rows_of("wobble/table.csv")
+    assert float(much["gone after (s)"]) < float(little["gone after (s)"]), (little, much)
+    assert 0.5 < float(little["swings (1/s)"]) < 5, little
+    for row in (little, much):
+        assert 0 < float(row["this path, rms (%)"]) < 1, row
+    expect_pictures("wobble", "motion", "pulled", "swung")
+    done = run(1, "--laws", "Own", "--output", "wobble", example="wobble")
+    assert done.returncode == 1 and done.stderr.startswith("wobble.py: "), done.stderr
+
+
 def check_nodule():
     """A larger nodule in a coarser mesh, on two ranks: its map, what is noticed; one too large."""
     small = ["--output", "nodule", "--size", "0.02", "--below", "0.003", "--tool-radius", "0.015",
@@ -558,6 +598,8 @@ check_roof()
 check_tolerance()
 check_accuracy()
 check_palpation()
+check_two_hands()
+check_wobble()
 check_nodule()
 check_brain()
 check_cluster()

@@ -14,7 +14,9 @@ import zlib
 
 PROXIES = ["filters.TetrahedralizeSurface", "filters.TetrahedralizeLabelMap",
            "filters.AssignMaterial", "filters.SetBoundary",
-           "filters.SolveEquilibrium", "filters.PrecomputeStateSpace", "filters.TouchStateSpace",
+           "filters.SolveEquilibrium", "filters.SolveDynamics", "filters.BuildReducedModel",
+           "filters.SimulateTouch", "filters.TouchReducedModel",
+           "filters.PrecomputeStateSpace", "filters.TouchStateSpace",
            "filters.AccuracyReport", "filters.EstimateError", "filters.ReplayTouch",
            "sources.StateSpaceReader", "sources.FEBioReader", "writers.FEBioWriter"]
 # Both on one page.

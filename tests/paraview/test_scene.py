@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """AssignMaterial and SetBoundary: from a body to a scene."""
 
+import sqlite3
+
 import numpy
-from paraview.simple import (AssignMaterial, Box, Calculator, GetSources, LoadState, ReverseSense,
-                             SaveState,
-                             IDSelectionSource, SelectionQuerySource,
-                             SetBoundary, SolveEquilibrium, Sphere)
+from paraview.simple import (AssignMaterial, Box, Calculator, GetSources, IDSelectionSource,
+                             LoadState, PrecomputeStateSpace, ReverseSense, SaveState,
+                             SelectionQuerySource, SetBoundary, SolveEquilibrium, Sphere)
 from support import (Messages, box_body, cell_array, expect_silence, fetch, field, places,
                      point_array, source)
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkIntArray
@@ -72,6 +73,8 @@ def test_every_property(body):
             "C01": 100.0, "BulkModulus": 2e4, "Exponent": 3.0,
             "Coefficients": [1.0, 0.0, 500.0, 2.0, 1.0, 30.0], "Formulation": "Mixed",
             "OgdenModuli": [100.0, 50.0, 5.0], "OgdenExponents": [2.0, -2.0, 9.0],
+            "Density": 1060.0, "ViscousTime": 0.01, "PronyModuli": [0.5, 0.3],
+            "PronyTimes": [0.1, 1.0],
             "RegionType": "Table", "RegionArray": "Part", "RegionValue": 1.0,
             "Regions": ["0", "Neo-Hookean", "YoungsModulus 2000 PoissonsRatio 0.3"],
             "RegionShape": "Cylinder", "RegionSurface": sphere},
@@ -81,11 +84,12 @@ def test_every_property(body):
             "FixedSelection": selection, "TouchableSelection": selection},
         SolveEquilibrium: {
             "ActiveNodes": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
-            "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0,
+            "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0, "Threads": 2,
             "Increments": 2, "EstimateCondition": 1, "GroupUnknowns": 100,
             "LinearSolver": "Automatic", "Stress": 1, "Tool": "Capsule", "ToolRadius": 0.02,
             "ToolAxis": [0.0, 1.0, 0.0], "ToolLength": 0.05, "ToolPosition": [0.1, 0.2, 0.3],
-            "ToolSurface": sphere, "ContactThickness": 0.003, "ContactStiffness": 5e3},
+            "ToolSurface": sphere, "ContactThickness": 0.003, "ContactStiffness": 5e3,
+            "BodyForce": [0.0, 1.0, -9.0]},
     }
     for proxy, values in settings.items():
         filtered = proxy(Input=body, **values)
@@ -181,6 +185,68 @@ def test_materials_by_table(body):
         expect_material(grid, ~left, "Mooney-Rivlin polynomial", {
             "BulkModulus": 8000, "C10": 500, "C03": 40, "C01": 0, "C20": 0, "C11": 0, "C02": 0,
             "C30": 0, "C21": 0, "C12": 0})
+
+
+RHEOLOGY = ["Density", "ViscousTime"] + [f"Prony{what}{term}" for term in range(1, 5)
+                                         for what in ("Modulus", "Time")]
+
+
+def rheology(grid):
+    """Of each cell, by the names of the arrays that are there."""
+    return {name: cell_array(grid, name) for name in RHEOLOGY
+            if grid.GetCellData().HasArray(name)}
+
+
+def test_density_and_viscosity(body):
+    """Arrays are there where they are given; a filter that gives none leaves them."""
+    assert rheology(fetch(AssignMaterial(Input=body))) == {}
+    whole = AssignMaterial(Input=body, Density=1000, ViscousTime=0.01, PronyModuli=[0.5, 0.3],
+                           PronyTimes=[0.1, 1])
+    values = {"Density": 1000, "ViscousTime": 0.01, "PronyModulus1": 0.5, "PronyTime1": 0.1,
+              "PronyModulus2": 0.3, "PronyTime2": 1}
+    grid = expect_silence(lambda: fetch(whole))
+    got = rheology(grid)
+    assert list(got) == list(values)
+    assert all((got[name] == values[name]).all() for name in values)
+
+    # A region of another density, and that alone.
+    heavy = AssignMaterial(Input=whole, Law="Linear", Density=2000, RegionArray="Part",
+                           RegionValue=1)
+    right = cell_array(grid, "Part") == 1
+    got = rheology(fetch(heavy))
+    assert list(got) == list(values)
+    for name, value in values.items():
+        other = 2000 if name == "Density" else 0
+        assert (got[name] == numpy.where(right, other, value)).all(), name
+    kept = rheology(fetch(AssignMaterial(Input=whole, Law="Linear", RegionArray="Part",
+                                         RegionValue=1)))
+    assert all((kept[name] == values[name]).all() for name in values)
+
+    # Rows of a table: their own, or that of the properties.
+    table = AssignMaterial(
+        Input=body, RegionType="Table", RegionArray="Part", Density=900,
+        Regions=["0", "Liver", "PronyModulus1 0.7 PronyTime1 0.2 Density 1060", "1", "Kidney", ""])
+    got = rheology(expect_silence(lambda: fetch(table)))
+    assert list(got) == ["Density", "PronyModulus1", "PronyTime1"]
+    for name, left, of_right in (("Density", 1060, 900), ("PronyModulus1", 0.7, 0),
+                                 ("PronyTime1", 0.2, 0)):
+        assert (got[name] == numpy.where(right, of_right, left)).all(), name
+
+
+def test_density_changes_no_state_space(body):
+    """Its configurations do not depend on density and viscosity: the hash of the scene is one."""
+    hashes = set()
+    for name, settings in (("without", {}), ("with", {"Density": 1000, "PronyModuli": [1],
+                                                      "PronyTimes": [0.1]})):
+        held = SetBoundary(Input=AssignMaterial(Input=body, **settings), FixedBy="Array",
+                           FixedArray="Inlet")
+        corner = int(numpy.argmax(places(fetch(held)).sum(axis=1)))
+        space = PrecomputeStateSpace(Input=held, ActiveNodes=[corner], HalfWidth=0.002,
+                                     Resolution=3, FileName=f"{name}.palpate")
+        expect_silence(space.UpdatePipeline)
+        with sqlite3.connect(f"file:{name}.palpate?mode=ro", uri=True) as database:
+            hashes.update(database.execute("SELECT hash FROM scene").fetchall())
+    assert len(hashes) == 1, hashes
 
 
 def test_tissues(body):

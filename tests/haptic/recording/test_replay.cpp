@@ -2,6 +2,7 @@
 #include "haptic/recording/replay.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include "base/error.h"
 #include "haptic/recording/folder.h"
@@ -132,6 +133,29 @@ TEST_F(Replay, GivesTheSameToTheBit) {
   EXPECT_TRUE(text_of(file("a.csv")) == text_of(file("b.csv"))) << "the recordings differ";
   EXPECT_GT(first.missed, 0U);
   EXPECT_EQ(second.missed, first.missed);
+}
+
+// Such as were written before there were reduced bodies.
+TEST_F(Replay, ARecordingWithoutNewerColumnsIsRead) {
+  (void)record("a.csv", 600);
+  std::vector<std::string> rows;
+  std::istringstream whole(text_of(file("a.csv")));
+  for (std::string row; std::getline(whole, row);) rows.push_back(row);
+  ASSERT_NE(rows[0].find(",trust,settings"), std::string::npos);
+  const auto before =
+      std::count(rows[0].begin(), rows[0].begin() + rows[0].find(",trust"), ',') + 1;
+  std::string older;
+  for (const std::string& row : rows) {
+    std::size_t begin = 0;
+    for (auto n = before; n > 0; --n) begin = row.find(',', begin) + 1;
+    older += row.substr(0, begin) + row.substr(row.find(',', begin) + 1) + '\n';
+  }
+  write_text(file("older.csv"), older);
+  const std::vector<TickRecord> expected = ticks_of(file("a.csv"));
+  const std::vector<TickRecord> read = ticks_of(file("older.csv"));
+  ASSERT_EQ(read.size(), expected.size());
+  EXPECT_EQ(read.back().tick.force, expected.back().tick.force);
+  EXPECT_EQ(read.back().settings.damping, 2);
 }
 
 TEST_F(Replay, AnUnpluggedDeviceIsGoneAgain) {

@@ -712,12 +712,16 @@ TEST(Loop, CouplingForADeviceThatDisplaysLess) {
   device.max_linear_stiffness = 1000;
   ServoSettings settings;
   EXPECT_EQ(coupling_stiffness_for(device, 900, settings), 0);
+  EXPECT_EQ(coupling_stiffness_of_tool(device, 900, settings), 900);
+  EXPECT_EQ(coupling_stiffness_of_tool(device, 1100, settings), 1000);
   EXPECT_EQ(coupling_stiffness_for(device, 1100, settings), 1000);
   settings.force_scale = 4;
   settings.workspace_scale = 0.5;
   EXPECT_EQ(coupling_stiffness_for(device, 900, settings), 500);
+  EXPECT_EQ(coupling_stiffness_of_tool(device, 900, settings), 500);
   device.max_linear_stiffness = 0;
   EXPECT_EQ(coupling_stiffness_for(device, 1e9, settings), 0);
+  EXPECT_EQ(coupling_stiffness_of_tool(device, 1e9, settings), 1e9);
 }
 
 TEST(Loop, BadOptionsAndSettings) {

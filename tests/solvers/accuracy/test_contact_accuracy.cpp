@@ -16,6 +16,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/laws.h"
+#include "solvers/support/world_folder.h"
 
 namespace palpate {
 namespace {
@@ -30,14 +31,6 @@ constexpr double kDepth = 0.006;
 class ContactAccuracy : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() /
-              ("palpate_contact_accuracy_" + std::to_string(world_->size()) + '_' + info->name());
-    if (world_->rank() == 0) {
-      fs::remove_all(folder_);
-      fs::create_directory(folder_);
-    }
-    agree(*world_, [] {});
     of_space_.contact.emplace();
     of_space_.contact->tool.radius = kRadius;
     of_space_.contact->spacing = 0.006;
@@ -48,11 +41,6 @@ class ContactAccuracy : public testing::Test {
     of_space_.equilibrium.third_derivatives = true;
     options_.exact.test_points = 60;
     options_.exact.equilibrium.tolerance = 1e-9;
-  }
-
-  void TearDown() override {
-    agree(*world_, [] {});
-    if (world_->rank() == 0) fs::remove_all(folder_);
   }
 
   [[nodiscard]] TouchSpace make_space() const {
@@ -68,12 +56,12 @@ class ContactAccuracy : public testing::Test {
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
+  test::WorldFolder folder_{*world_};
   std::unique_ptr<Communicator> serial_ = make_serial_communicator();
   test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {5, 3, 3}});
   PrecomputeOptions of_space_;
   AccuracyOptions options_;
   Progress progress_;
-  fs::path folder_;
 };
 
 void expect_equal(const AccuracyResult& a, const AccuracyResult& b) {

@@ -11,6 +11,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/setup.h"
+#include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -21,14 +22,6 @@ namespace fs = std::filesystem;
 class Exact : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() /
-              ("palpate_exact_" + std::to_string(world_->size()) + '_' + info->name());
-    if (world_->rank() == 0) {
-      fs::remove_all(folder_);
-      fs::create_directory(folder_);
-    }
-    agree(*world_, [] {});
     for (const Index node : {block_.middle, block_.corner}) {
       setups_.push_back(test::bonded_setup(node, {0.02, 7}));
     }
@@ -36,22 +29,17 @@ class Exact : public testing::Test {
     options_.equilibrium.tolerance = 1e-9;
   }
 
-  void TearDown() override {
-    agree(*world_, [] {});
-    if (world_->rank() == 0) fs::remove_all(folder_);
-  }
-
   ExactResult run(Communicator& communicator) const {
     return solve_test_points(block_.scene, setups_, options_, communicator, progress_);
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
+  test::WorldFolder folder_{*world_};
   std::unique_ptr<Communicator> serial_ = make_serial_communicator();
   test::Block block_ = test::make_block(Law::neo_hookean, test::BlockOptions{ElementOrder::linear});
   std::vector<ToolSpaceSetup> setups_;
   ExactOptions options_;
   Progress progress_;
-  fs::path folder_;
 };
 
 void expect_equal(const ExactResult& a, const ExactResult& b) {
@@ -121,7 +109,7 @@ TEST_F(Exact, AFileIsTakenUpAndExtended) {
   EXPECT_EQ(again.num_reused, 120);
   expect_equal(more, in_memory);
   expect_equal(again, in_memory);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
 }
 
 TEST_F(Exact, AnAbortedRunGoesOn) {

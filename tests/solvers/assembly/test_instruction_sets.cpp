@@ -81,7 +81,8 @@ class Elements {
   };
 
   Results run(const Kernels& kernels) const {
-    const ElementGroupView view{kPackets,
+    const ElementGroupView view{0,
+                                kPackets,
                                 nodes_.data(),
                                 gradients_.data(),
                                 weights_.data(),

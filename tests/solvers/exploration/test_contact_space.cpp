@@ -15,6 +15,7 @@
 #include "interpolation/interpolator.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -62,14 +63,6 @@ void expect_found_alike(const TouchToolSpace& a, const TouchToolSpace& b) {
 class ContactSpace : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() /
-              ("palpate_contact_space_" + std::to_string(world_->size()) + '_' + info->name());
-    if (world_->rank() == 0) {
-      fs::remove_all(folder_);
-      fs::create_directory(folder_);
-    }
-    agree(*world_, [] {});
     options_.contact.emplace();
     options_.contact->tool.radius = kRadius;
     options_.contact->spacing = 0.0075;
@@ -79,11 +72,6 @@ class ContactSpace : public testing::Test {
     };
     options_.keep = Keep::all;
     options_.equilibrium.third_derivatives = true;
-  }
-
-  void TearDown() override {
-    agree(*world_, [] {});
-    if (world_->rank() == 0) fs::remove_all(folder_);
   }
 
   PrecomputeResult run(Communicator& communicator) const {
@@ -138,11 +126,11 @@ class ContactSpace : public testing::Test {
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
+  test::WorldFolder folder_{*world_};
   std::unique_ptr<Communicator> serial_ = make_serial_communicator();
   test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {5, 3, 3}});
   PrecomputeOptions options_;
   Progress progress_;
-  fs::path folder_;
 };
 
 TEST_F(ContactSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {

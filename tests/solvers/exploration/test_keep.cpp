@@ -10,6 +10,7 @@
 #include "exploration/precompute.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/world_folder.h"
 #include "state_space/field_cache.h"
 #include "state_space/state_space_file.h"
 
@@ -21,23 +22,10 @@ namespace fs = std::filesystem;
 class Kept : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() /
-              ("palpate_kept_" + std::to_string(world_->size()) + '_' + info->name());
-    if (world_->rank() == 0) {
-      fs::remove_all(folder_);
-      fs::create_directory(folder_);
-    }
-    agree(*world_, [] {});
     options_.active_nodes = {block_.corner, block_.middle};
     options_.half_width = 0.01;
     options_.resolution = 3;
     options_.history = History::flat;
-  }
-
-  void TearDown() override {
-    agree(*world_, [] {});
-    if (world_->rank() == 0) fs::remove_all(folder_);
   }
 
   PrecomputeResult run(Keep keep, const std::string& name) {
@@ -50,7 +38,7 @@ class Kept : public testing::Test {
   }
 
   void press() {
-    block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 3, 3}});
+    block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
     options_.active_nodes.clear();
     options_.contact.emplace();
     options_.contact->tool.radius = 0.015;
@@ -111,10 +99,10 @@ class Kept : public testing::Test {
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
+  test::WorldFolder folder_{*world_};
   test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 3, 3}});
   PrecomputeOptions options_;
   Progress progress_;
-  fs::path folder_;
 };
 
 TEST_F(Kept, FilesOfActiveNodesAreReduced) {
@@ -131,7 +119,7 @@ TEST_F(Kept, FilesOfActiveNodesAreReduced) {
     }
     EXPECT_LE(reduced.space.displacement_error,
               kDefaultTouchBound * reduced.space.largest_displacement);
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()),
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()),
               keep == Keep::touch ? 2 : 3)
         << "no rank has left a file";
   }

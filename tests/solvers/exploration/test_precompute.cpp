@@ -17,6 +17,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -73,14 +74,6 @@ void expect_equal(const TouchSpace& a, const TouchSpace& b) {
 class Precompute : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() /
-              ("palpate_precompute_" + std::to_string(world_->size()) + '_' + info->name());
-    if (world_->rank() == 0) {
-      fs::remove_all(folder_);
-      fs::create_directory(folder_);
-    }
-    agree(*world_, [] {});
     options_.active_nodes = {block_.corner, block_.middle};
     options_.half_width = 0.02;
     options_.resolution = 5;
@@ -89,16 +82,12 @@ class Precompute : public testing::Test {
     options_.keep = Keep::all;
   }
 
-  void TearDown() override {
-    agree(*world_, [] {});
-    if (world_->rank() == 0) fs::remove_all(folder_);
-  }
-
   PrecomputeResult run(Communicator& communicator) const {
     return precompute(block_.scene, options_, communicator, progress_);
   }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
+  test::WorldFolder folder_{*world_};
   std::unique_ptr<Communicator> serial_ = make_serial_communicator();
   test::Block block_ = test::make_block(Law::neo_hookean);
   PrecomputeOptions options_;
@@ -108,8 +97,6 @@ class Precompute : public testing::Test {
     block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear});
     options_.active_nodes = {block_.corner};
   }
-
-  fs::path folder_;
 };
 
 TEST_F(Precompute, SeveralRanksGiveTheSpaceOfOneToTheBit) {
@@ -182,7 +169,7 @@ TEST_F(Precompute, AFileGivesTheSpaceOfTheMemoryAndIsOneFile) {
   if (world_->rank() == 0) {
     expect_equal(in_file.space, in_memory.space);
     expect_equal(again.space, in_memory.space);
-    EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
   }
 }
 
@@ -697,7 +684,7 @@ TEST_F(Precompute, BadOptionsAreOneClearError) {
       static_cast<Index>(std::find(surface.begin(), surface.end(), 0) - surface.begin())};
   EXPECT_NE(message().find("inside"), std::string::npos);
   options_ = good;
-  options_.file = folder_ / "missing" / "a.palpate";
+  options_.file = folder_.path() / "missing" / "a.palpate";
   EXPECT_FALSE(message().empty());
 }
 

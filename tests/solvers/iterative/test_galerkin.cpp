@@ -22,8 +22,9 @@ Coarse coarse_of(const Tangent& tangent, double unit = 1) {
   check(tangent.levels, *tangent.pattern);
   Coarse coarse;
   coarse.pattern = coarse_pattern(*tangent.pattern, tangent.levels);
-  galerkin_product(*tangent.pattern, tangent.levels, tangent.values, unit, coarse.pattern,
-                   find_neighbourhoods(coarse.pattern), coarse.values);
+  galerkin_product(*tangent.pattern, tangent.levels,
+                   find_galerkin_parts(*tangent.pattern, tangent.levels), tangent.values, unit,
+                   coarse.pattern, find_neighbourhoods(coarse.pattern), coarse.values);
   return coarse;
 }
 

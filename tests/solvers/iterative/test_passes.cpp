@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "iterative/aggregation.h"
 #include "iterative/node_vectors.h"
 #include "solvers/iterative/tangents.h"
 
@@ -122,7 +123,7 @@ TEST_F(FloatPasses, BetweenNodesAndCorners) {
     const Eigen::MatrixXd coarse = random_.vector(p.cols() * c, 1).reshaped(p.cols(), c);
     NodeVectors<float> corners;
     corners.set_zero(tangent_.levels.num_corners(), c);
-    restrict_to(tangent_.levels.parents, c, vectors(fine).data(), corners.data());
+    restrict_to(find_children(tangent_.levels), c, vectors(fine).data(), corners.data());
     EXPECT_LT((columns(corners) - p.transpose() * fine).norm(), kRounding<float> * fine.norm());
     corners.assign(coarse);
     auto nodes = vectors(fine);
@@ -251,7 +252,15 @@ TEST(AggregatePasses, BetweenLevels) {
   for (int rows : {3, 6}) {
     const int room = rows == 3 ? 4 : 8;
     const RandomBlocks p(kFine, kCoarse, rows, random);
-    const AggregationView view{rows, kFine, p.start.data(), p.column.data(), p.values.data()};
+    const ByColumn by = by_column(kCoarse, p.start, p.column);
+    std::vector<float> transposed(p.values.size(), 0);
+    for (std::size_t k = 0; k < by.place.size(); ++k) {
+      const auto from = Eigen::MatrixXf::Map(&p.values[6 * rows * by.place[k]], rows, 6);
+      Eigen::MatrixXf::Map(&transposed[6 * rows * k], 6, rows) = from.transpose();
+    }
+    const AggregationView view{
+        rows,    kFine,           p.start.data(), p.column.data(),  p.values.data(),
+        kCoarse, by.start.data(), by.row.data(),  transposed.data()};
     for (int c : {1, 3}) {
       const Eigen::MatrixXf fine =
           random.vector(rows * kFine * c, 1).reshaped(rows * kFine, c).cast<float>();

@@ -6,13 +6,14 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <thread>
 
 #include "base/error.h"
 #include "schedule/scheduler.h"
-#include "solvers/schedule/late_network.h"
+#include "solvers/schedule/hard_networks.h"
 #include "solvers/schedule/random_graph.h"
 #include "solvers/support/communicators.h"
 
@@ -86,7 +87,7 @@ TEST_F(SchedulerOnRanks, MessagesMayComeLateAndInAnotherOrder) {
     GraphWorker worker(graph, roots_on(last(), graph));
     worker.during = [&](Key key, Mail&) { work_for(100e-6 * graph.cost(key)); };
     ASSERT_TRUE(run(worker, late));
-    EXPECT_TRUE(late.all_delivered());
+    EXPECT_TRUE(late.network().is_empty());
     expect_all_executed(graph, worker);
   }
 }
@@ -191,6 +192,35 @@ TEST_F(SchedulerOnRanks, AStopBeforeTheFirstTaskLeavesNone) {
   }
 }
 
+TEST_F(SchedulerOnRanks, TooLittleMemoryForMessagesEndsTheRunOnAll) {
+  RandomGraph graph;
+  for (const int first : {0, 1, 10, 100}) {
+    // Several calls, also after the run has been stopped.
+    constexpr int kCount = 5;
+    constexpr int kNever = 1 << 30;
+    const bool is_short = world_->rank() == last();
+    test::ShortCommunicator communicator(*world_, is_short ? first : kNever, kCount);
+    GraphWorker worker(graph, roots_on(0, graph));
+    EXPECT_THROW((void)run(worker, communicator), MemoryError);
+    // The ranks are fit for another run.
+    GraphWorker sound(graph, roots_on(0, graph));
+    ASSERT_TRUE(run(sound, *world_));
+    expect_all_executed(graph, sound);
+  }
+}
+
+TEST_F(SchedulerOnRanks, ARankThatFailedBeforeLetsNoneBegin) {
+  RandomGraph graph;
+  GraphWorker worker(graph, roots_on(0, graph));
+  EXPECT_THROW(agree(*world_,
+                     [&] {
+                       if (world_->rank() == last()) throw std::bad_alloc();
+                       (void)run(worker, *world_);
+                     }),
+               MemoryError);
+  EXPECT_TRUE(worker.executed.empty());
+}
+
 TEST_F(SchedulerOnRanks, AnErrorOnOneRankEndsTheRunOnAll) {
   RandomGraph graph;
   GraphWorker worker(graph, roots_on(0, graph));
@@ -219,9 +249,18 @@ TEST_F(SchedulerOnRanks, AnErrorOnOneRankEndsTheRunOnAll) {
   };
   Fails on_last(last());
   expect_error<BackendError>(on_last, "no room on rank " + std::to_string(last()));
-  // Of several, the lowest.
+  // Of several the one that is heard of first, the same on every rank.
   Fails on_all(0);
-  expect_error<BackendError>(on_all, "no room on rank 0");
+  std::string error;
+  try {
+    (void)run(on_all, *world_);
+  } catch (const BackendError& thrown) {
+    error = thrown.what();
+  }
+  EXPECT_EQ(error.rfind("no room on rank ", 0), 0U) << error;
+  const auto* text = reinterpret_cast<const std::byte*>(error.data());
+  const Bytes mine(text, text + error.size());
+  for (const Bytes& other : world_->all_gather(mine)) EXPECT_EQ(other, mine);
 
   // The ranks are fit for another run.
   GraphWorker sound(graph, roots_on(0, graph));

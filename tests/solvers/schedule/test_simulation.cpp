@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <new>
 #include <set>
 
 #include "base/error.h"
@@ -221,6 +222,30 @@ TEST_P(OnSimulatedRanks, AnErrorEndsTheRun) {
   }
   EXPECT_THROW(graph_run.run(), InputError);
   for (const auto& worker : graph_run.workers) EXPECT_TRUE(worker->was_discarded);
+}
+
+/// At any moment, that after the message which ends the run of a rank included: nothing that is
+/// left behind may meet the next run.
+TEST_P(OnSimulatedRanks, TooLittleMemoryForAMessageLeavesNothingBehind) {
+  RandomGraph graph;
+  graph.num_layers = 4;
+  for (const int rank : std::set<int>{0, GetParam() - 1}) {
+    int num_failed = 0;
+    for (int num_before = 0;; ++num_before) {
+      Simulation simulation(GetParam(), Machine{});
+      GraphRun graph_run(simulation, graph, 0);
+      simulation.let_receive_fail(rank, num_before);
+      bool completed = false;
+      try {
+        completed = graph_run.run();
+      } catch (const std::bad_alloc&) {
+        ++num_failed;
+      }
+      EXPECT_EQ(simulation.under_way().messages, 0u) << num_before;
+      if (completed) break;
+    }
+    EXPECT_GT(num_failed, 0);
+  }
 }
 
 TEST_P(OnSimulatedRanks, TheSameSeedGivesTheSameRun) {

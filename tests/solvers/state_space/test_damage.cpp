@@ -43,6 +43,15 @@ TestPoint example_test_point() {
   return point;
 }
 
+constexpr char kModel[] = "0123456789abcdef";
+
+StateSpaceFile::Arrays example_model() {
+  StateSpaceFile::Arrays arrays;
+  arrays["Basis"] = Eigen::VectorXd::LinSpaced(48, -1, 2).reshaped(24, 2);
+  arrays["Mass"] = Eigen::Matrix2d::Identity();
+  return arrays;
+}
+
 class DamageTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -72,6 +81,7 @@ class DamageTest : public testing::Test {
     file.add(kNode, LevelTransition{{0, 0, 0}, 0, {1, 0, 0}, 0});
     file.add(kTestSet, example_test_point());
     file.set_complete(kNode, true);
+    file.add_reduced_model(kModel, example_model());
     file.close();
   }
   void change(const std::string& sql) const { Database(path_, Access::read_write).execute(sql); }
@@ -101,9 +111,12 @@ class DamageTest : public testing::Test {
       const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
       const StateSpace space = file.read(true);
       const std::vector<TestPoint> points = file.read_test_points(kTestSet);
-      std::vector<std::string> left_out = file.left_out();
-      // A test point of another set is not asked for.
-      if (left_out.empty() && points.empty()) {
+      std::vector<std::string> left_out;
+      const std::optional<StateSpaceFile::Arrays> model = file.read_reduced_model(kModel);
+      EXPECT_TRUE(!model || *model == example_model());
+      left_out = file.left_out();
+      // A test point of another set, and an array of another model, is not asked for.
+      if (left_out.empty() && (points.empty() || !model)) {
         left_out = StateSpaceFile::open_to_append(path_, scene_, kTolerance).remove_damaged();
       }
       EXPECT_TRUE(!left_out.empty() || space.scene.touchable == scene_.touchable);
@@ -137,6 +150,7 @@ class DamageTest : public testing::Test {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
     (void)file.read(true);
     (void)file.read_test_points(kTestSet);
+    (void)file.read_reduced_model(kModel);
     return file.left_out();
   }
   [[nodiscard]] std::string refusal() const {
@@ -169,7 +183,7 @@ TEST_F(DamageTest, AFlippedBitInAnyColumnIsNoticed) {
   const std::set<std::string> unused{"scene.parent_scene_id"};
   int num_values = 0;
   for (const std::string table : {"scene", "material", "tool_space", "configuration", "transition",
-                                  "intermediate", "test_point"}) {
+                                  "intermediate", "test_point", "reduced_array"}) {
     std::vector<std::pair<std::string, std::int64_t>> values;
     {
       const Database database(whole, Access::read_only);
@@ -252,6 +266,20 @@ TEST_F(DamageTest, AResumeComputesWhatIsDamagedAgain) {
   EXPECT_TRUE(file.remove_damaged().empty());
 }
 
+TEST_F(DamageTest, AReducedModelThatIsDamagedIsBuiltAgain) {
+  make();
+  change("UPDATE reduced_array SET numbers = zeroblob(length(numbers)) WHERE name = 'Mass'");
+  const std::string name = std::string("array Mass of the reduced model ") + kModel;
+  EXPECT_EQ(left_out(), std::vector<std::string>{name});
+  StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+  EXPECT_FALSE(file.read_reduced_model(kModel).has_value());
+  EXPECT_EQ(file.remove_damaged(), std::vector<std::string>{name});
+  EXPECT_TRUE(file.list_reduced_models().empty());
+  file.add_reduced_model(kModel, example_model());
+  EXPECT_EQ(file.read_reduced_model(kModel), example_model());
+  EXPECT_TRUE(file.remove_damaged().empty());
+}
+
 TEST_F(DamageTest, MergesWhatIsSound) {
   make();
   change("UPDATE configuration SET u = zeroblob(length(u)) WHERE i = 1");
@@ -270,12 +298,23 @@ TEST_F(DamageTest, RefusesWhatPalpateDoesNotMake) {
         "CREATE INDEX fast ON configuration (abs(energy))",
         "ALTER TABLE configuration ADD COLUMN x AS (hex(zeroblob(energy)))",
         "ALTER TABLE tool_space RENAME TO kept; CREATE VIEW tool_space AS SELECT * FROM kept",
-        "DROP TABLE test_point"}) {
+        "DROP TABLE test_point", "ALTER TABLE reduced_array ADD COLUMN x",
+        "DROP TABLE reduced_array; CREATE TABLE reduced_array (x)"}) {
     fs::remove(path_);
     make();
     change(sql);
     EXPECT_NE(refusal().find("is not as Palpate makes its files"), std::string::npos) << sql;
     EXPECT_THROW((void)StateSpaceFile::open_to_append(path_, scene_, kTolerance), InputError)
+        << sql;
+  }
+  for (const std::string sql :
+       {"num_rows = 1000000000, num_columns = 1000000000", "num_rows = -24, num_columns = -2",
+        "num_rows = 4611686018427387904, num_columns = 4", "numbers = zeroblob(20000001)"}) {
+    fs::remove(path_);
+    make();
+    change("UPDATE reduced_array SET " + sql + " WHERE name = 'Basis'");
+    EXPECT_EQ(left_out(),
+              std::vector<std::string>{std::string("array Basis of the reduced model ") + kModel})
         << sql;
   }
 }
@@ -436,6 +475,69 @@ class OlderVersionTest : public DamageTest, public testing::WithParamInterface<i
 };
 INSTANTIATE_TEST_SUITE_P(Each, OlderVersionTest, testing::Values(5, 6, 7),
                          [](const auto& version) { return std::to_string(version.param); });
+
+// The file has two active nodes with 27 configurations each, whose fields are reduced.
+class VersionWithAModeARow : public DamageTest {
+ protected:
+  void SetUp() override {
+    DamageTest::SetUp();
+    fs::copy(fs::path(PALPATE_TEST_DATA) / "state_space_9.palpate", path_);
+  }
+  /// The node that is moved is where it is moved to.
+  static void expect_right_fields(const StateSpaceFile& file) {
+    int num_read = 0;
+    for (const ToolSpace& space : file.read_tool_spaces()) {
+      const InteractionSpec& tool = space.setup.interaction;
+      const auto bases = file.list_bases(space.setup.id);
+      ASSERT_EQ(bases.size(), 1U);
+      const auto basis = file.read_basis(space.setup.id, bases.front().number);
+      ASSERT_NE(basis, nullptr);
+      for (Configuration c : file.read_summaries(space.setup.id)) {
+        ASSERT_TRUE(file.read_fields(space.setup.id, c));
+        EXPECT_LE((c.u.segment<3>(3 * tool.active_node) - c.t).norm(), basis->displacement_error);
+        ++num_read;
+      }
+    }
+    EXPECT_EQ(num_read, 54);
+    EXPECT_TRUE(file.left_out().empty());
+  }
+  void upgrade() const {
+    const StateSpaceFile old = StateSpaceFile::open_read_only(path_);
+    StateSpaceFile::open_to_append(path_, old.read_scene(), old.solver_tolerance()).close();
+  }
+};
+
+TEST_F(VersionWithAModeARow, IsReadAndConvertedToTheBit) {
+  const TouchSpace before = make_touch_space(StateSpaceFile::open_read_only(path_));
+  expect_right_fields(StateSpaceFile::open_read_only(path_));
+  upgrade();
+  EXPECT_EQ(Database(path_, Access::read_only).integer("PRAGMA user_version"), kSchemaVersion);
+  expect_right_fields(StateSpaceFile::open_read_only(path_));
+  const TouchSpace after = make_touch_space(StateSpaceFile::open_read_only(path_));
+  ASSERT_EQ(after.tool_spaces.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_GT(after.tool_spaces[i].modes.cols(), 0);
+    EXPECT_EQ(after.tool_spaces[i].modes, before.tool_spaces[i].modes);
+    EXPECT_EQ(after.tool_spaces[i].coefficients, before.tool_spaces[i].coefficients);
+  }
+}
+
+TEST_F(VersionWithAModeARow, ABasisThatIsDamagedGoesWithWhatNeedsIt) {
+  change(
+      "UPDATE mode SET field = zeroblob(length(field)) WHERE number = 3 AND tool_space_id = "
+      "(SELECT min(tool_space_id) FROM mode)");
+  const std::size_t left = StateSpaceFile::open_read_only(path_).read_tool_spaces().size();
+  EXPECT_EQ(left, 2U);
+  upgrade();
+  const StateSpaceFile old = StateSpaceFile::open_read_only(path_);
+  StateSpaceFile file =
+      StateSpaceFile::open_to_append(path_, old.read_scene(), old.solver_tolerance());
+  EXPECT_EQ(file.remove_damaged().size(), 27U);
+  EXPECT_TRUE(file.left_out().empty());
+  const std::vector<ToolSpace> spaces = file.read_tool_spaces();
+  EXPECT_TRUE(file.read_summaries(spaces[0].setup.id).empty());
+  EXPECT_EQ(file.read_summaries(spaces[1].setup.id).size(), 27U);
+}
 
 TEST_P(OlderVersionTest, IsRead) {
   expect_whole(StateSpaceFile::open_read_only(path_));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "state_space/schema.h"
+#include "state_space/sqlite.h"
 #include "state_space/state_space_file.h"
 
 #include <gtest/gtest.h>
@@ -143,9 +145,48 @@ class StateSpaceFileTest : public testing::Test {
 
   fs::path folder_;
   fs::path path_;
-  const Scene scene_ = test::cube_scene();
+  Scene scene_ = test::cube_scene();
   const ToolSpaceSetup tool_space_ = example_setup(8, 3);
 };
+
+TEST_F(StateSpaceFileTest, ABasisIsLargerThanAllFieldsOfTheBody) {
+  scene_ = test::cube_scene(6);
+  const auto num_kept =
+      static_cast<Index>(kept_points(scene_.mesh, make_surface(scene_.mesh), Keep::touch).size());
+  const ToolSpaceId tool_space = tool_space_.interaction.active_node;
+  FieldBasis basis;
+  basis.keep = Keep::touch;
+  basis.largest_displacement = 0.01;
+  // Noise without a step cannot be deflated.
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal;
+  basis.modes = Eigen::MatrixXf::NullaryExpr(3 * num_kept, 200, [&] { return normal(random); });
+  basis.steps.setZero(200);
+  ASSERT_GT(basis.modes.size() * sizeof(float), 3 * 12 * sizeof(double) * scene_.mesh.num_points());
+  const auto expect_it_there = [&](const StateSpaceFile& file) {
+    const auto back = file.read_basis(tool_space, 0);
+    ASSERT_NE(back, nullptr);
+    EXPECT_EQ(back->modes, basis.modes);
+    EXPECT_TRUE(file.left_out().empty());
+  };
+  {
+    StateSpaceFile file = create();
+    file.add_basis(tool_space, 0, pack(basis));
+    file.shrink();
+    expect_it_there(file);
+  }
+  {
+    StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+    // Something goes, so that there is something to shrink.
+    file.add_basis(tool_space, 1, pack(basis));
+    FieldBasis small = basis;
+    small.modes = basis.modes.leftCols(1);
+    small.steps = basis.steps.head(1);
+    file.add_basis(tool_space, 1, pack(small));
+    file.shrink();
+  }
+  expect_it_there(StateSpaceFile::open_read_only(path_));
+}
 
 TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   Configuration odd = example_configuration(scene_, tool_space_, {-1, 0, 1});
@@ -666,8 +707,9 @@ TEST_F(StateSpaceFileTest, LeavesDatabasesOfOthersAlone) {
 TEST_F(StateSpaceFileTest, RefusesOtherSchemas) {
   create().close();
   const auto open = [&] { (void)StateSpaceFile::open_read_only(path_); };
-  poke(60, std::string("\0\0\0\12", 4));  // user_version
-  expect_mentions(message_of<InputError>(open), {"version 10", "newer"});
+  poke(60, std::string("\0\0\0", 3) + static_cast<char>(kSchemaVersion + 1));  // user_version
+  expect_mentions(message_of<InputError>(open),
+                  {"version " + std::to_string(kSchemaVersion + 1), "newer"});
   for (char older : {'\1', '\2', '\3', '\4'}) {
     poke(60, std::string("\0\0\0", 3) + older);
     expect_mentions(message_of<InputError>(open),
@@ -768,6 +810,67 @@ TEST_F(StateSpaceFileTest, SurvivesKill9) {
     EXPECT_EQ(files().size(), 1U) << "the log is not taken up";
   }
   EXPECT_GT(present, 100U);
+}
+
+TEST_F(StateSpaceFileTest, KeepsReducedModelsToTheBit) {
+  const auto num_tables = [&] {
+    const sqlite::Database database(path_, sqlite::Access::read_only);
+    return database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'reduced_array'");
+  };
+  StateSpaceFile::Arrays arrays;
+  arrays["Basis"] = Eigen::MatrixXd::Random(3 * scene_.mesh.num_points(), 500);
+  arrays["Odd"] = Eigen::RowVector4d(-0.0, std::numeric_limits<double>::quiet_NaN(),
+                                     std::numeric_limits<double>::infinity(), 5e-324);
+  arrays["Empty"].resize(3, 0);
+  const StateSpaceFile::Arrays other = {{"Basis", Eigen::Matrix2d::Identity()}};
+  StateSpaceFile::create(path_, scene_, kTolerance).close();
+  EXPECT_EQ(num_tables(), 0) << "a file without a model has nothing of it";
+  {
+    StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+    EXPECT_TRUE(file.list_reduced_models().empty());
+    EXPECT_FALSE(file.read_reduced_model("a").has_value());
+    EXPECT_TRUE(file.read_training("a").empty());
+    file.add_training("a", "Equilibria", arrays["Basis"]);
+    file.add_training("b", "Equilibria", other.at("Basis"));
+    EXPECT_TRUE(file.list_reduced_models().empty());
+    EXPECT_TRUE(same_bits(file.read_training("a").at("Equilibria"), arrays["Basis"]));
+    file.add_reduced_model("a", other);
+    file.add_reduced_model("b", other);
+    file.add_reduced_model("a", arrays);
+    file.close();
+  }
+  EXPECT_EQ(num_tables(), 1);
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  EXPECT_EQ(file.list_reduced_models(), (std::vector<std::string>{"b", "a"}));
+  EXPECT_EQ(file.read_reduced_model("b"), other);
+  EXPECT_FALSE(file.read_reduced_model("c").has_value());
+  EXPECT_TRUE(file.read_training("a").empty()) << "the model is complete";
+  const std::optional<StateSpaceFile::Arrays> read = file.read_reduced_model("a");
+  ASSERT_TRUE(read.has_value());
+  ASSERT_EQ(read->size(), arrays.size());
+  for (const auto& [name, array] : arrays) EXPECT_TRUE(same_bits(read->at(name), array)) << name;
+  EXPECT_TRUE(file.left_out().empty());
+}
+
+TEST_F(StateSpaceFileTest, BecomesSmallerWithAReducedModelInIt) {
+  const StateSpaceFile::Arrays large = {
+      {"Basis", Eigen::MatrixXd::Random(3 * scene_.mesh.num_points(), 5000)}};
+  const StateSpaceFile::Arrays small = {{"Basis", Eigen::Matrix2d::Identity()}};
+  {
+    StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
+    file.add_reduced_model("a", large);
+    file.add_reduced_model("b", large);
+    file.add_reduced_model("b", small);
+    file.close();
+  }
+  const auto size = fs::file_size(path_);
+  {
+    StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+    file.shrink();
+    file.close();
+  }
+  EXPECT_LT(static_cast<double>(fs::file_size(path_)), 0.6 * static_cast<double>(size));
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_reduced_model("a"), large);
 }
 
 TEST_F(StateSpaceFileTest, OneWriterAtATime) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <new>
 #include <utility>
 
 namespace palpate::test {
@@ -63,6 +64,7 @@ class Simulation::RankNetwork final : public Network {
   }
   [[nodiscard]] std::optional<Message> receive() override {
     Rank& me = simulation_.ranks_[rank_];
+    if (me.num_sound_calls >= 0 && me.num_sound_calls-- == 0) throw std::bad_alloc();
     if (me.arrived.empty()) return std::nullopt;
     me.clock += simulation_.machine_.overhead;
     std::optional<Message> message = std::move(me.arrived.front());
@@ -105,6 +107,10 @@ void Simulation::burden(int rank, std::size_t bytes) { ranks_[rank].burden += by
 
 double Simulation::now(int rank) const { return ranks_[rank].clock; }
 
+void Simulation::let_receive_fail(int rank, int num_before) {
+  ranks_[rank].num_sound_calls = num_before;
+}
+
 bool Simulation::run(const std::vector<Worker*>& workers, const ScheduleOptions& options) {
   std::vector<std::unique_ptr<Scheduler>> schedulers;
   for (int r = 0; r < size(); ++r) {
@@ -112,7 +118,11 @@ bool Simulation::run(const std::vector<Worker*>& workers, const ScheduleOptions&
     schedulers.push_back(std::make_unique<Scheduler>(*workers[r], *rank.network, options));
     rank.fiber = std::make_unique<Fiber>([&rank, &scheduler = *schedulers.back()] {
       for (;;) {
-        rank.step = scheduler.step();
+        try {
+          rank.step = scheduler.step();
+        } catch (...) {
+          scheduler.fail();
+        }
         rank.fiber->leave();
       }
     });

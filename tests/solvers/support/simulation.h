@@ -60,6 +60,9 @@ class Simulation {
   void burden(int rank, std::size_t bytes);
   /// s, from 0.
   [[nodiscard]] double now(int rank) const;
+  /// Lets the rank have too little memory for what comes: the next calls of Network::receive but
+  /// so many work, the one after them throws std::bad_alloc.
+  void let_receive_fail(int rank, int num_before);
 
   /// Executes the workers' tasks, one worker a rank. May be called again: time goes on.
   /// @returns false: stopped.
@@ -96,6 +99,8 @@ class Simulation {
     bool idle = false;
     double out_is_free = 0;
     std::size_t burden = 0;
+    /// Calls of receive() before one fails; negative: none does.
+    int num_sound_calls = -1;
     std::deque<Message> arrived;
   };
 

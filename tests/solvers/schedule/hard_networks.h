@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A network that hands out what has come only after a random while. Messages of one sender keep
-// their order, those of different ones do not.
+// Networks that make it hard: one that hands out what has come only after a random while, where
+// messages of one sender keep their order and those of different ones do not; and one that is short
+// of memory.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <map>
+#include <new>
 #include <utility>
 
 #include "schedule/communicator.h"
@@ -56,11 +58,40 @@ class LateNetwork final : public Network {
   std::map<int, std::deque<std::pair<double, Message>>> held_;
 };
 
-/// Another communicator with such a network.
-class LateCommunicator final : public Communicator {
+/// A network in which there is not enough memory for some of what comes: it stays where it is.
+class ShortNetwork final : public Network {
  public:
-  LateCommunicator(Communicator& communicator, double latest, std::uint64_t seed)
-      : communicator_(communicator), network_(communicator.network(), latest, seed) {}
+  /// @param first, count The calls of receive() that fail.
+  ShortNetwork(Network& network, int first, int count)
+      : network_(network), first_(first), count_(count) {}
+
+  [[nodiscard]] int rank() const override { return network_.rank(); }
+  [[nodiscard]] int size() const override { return network_.size(); }
+  void send(int to, int tag, Bytes content) override { network_.send(to, tag, std::move(content)); }
+  [[nodiscard]] std::optional<Message> receive() override {
+    const int call = num_calls_++;
+    if (call >= first_ && call < first_ + count_) throw std::bad_alloc();
+    return network_.receive();
+  }
+  void flush() override { network_.flush(); }
+  [[nodiscard]] double now() const override { return network_.now(); }
+  void rest(double until) override { network_.rest(until); }
+
+ private:
+  Network& network_;
+  int first_;
+  int count_;
+  int num_calls_ = 0;
+};
+
+/// Another communicator with another network.
+template <class OtherNetwork>
+class CommunicatorWith : public Communicator {
+ public:
+  /// @param parameters Of the network, after that of the communicator.
+  template <class... Parameters>
+  explicit CommunicatorWith(Communicator& communicator, Parameters... parameters)
+      : communicator_(communicator), network_(communicator.network(), parameters...) {}
 
   [[nodiscard]] int rank() const override { return communicator_.rank(); }
   [[nodiscard]] int size() const override { return communicator_.size(); }
@@ -76,13 +107,18 @@ class LateCommunicator final : public Communicator {
   [[nodiscard]] std::unique_ptr<Communicator> split(int colour) override {
     return communicator_.split(colour);
   }
-  [[nodiscard]] Network& network() override { return network_; }
-
-  [[nodiscard]] bool all_delivered() const { return network_.is_empty(); }
+  void share(Failure& failure) override { communicator_.share(failure); }
+  [[nodiscard]] int num_shared_failures() const override {
+    return communicator_.num_shared_failures();
+  }
+  [[nodiscard]] OtherNetwork& network() override { return network_; }
 
  private:
   Communicator& communicator_;
-  LateNetwork network_;
+  OtherNetwork network_;
 };
+
+using LateCommunicator = CommunicatorWith<LateNetwork>;
+using ShortCommunicator = CommunicatorWith<ShortNetwork>;
 
 }  // namespace palpate::test

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Numbers as field data of an output, and as columns of a table.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/types.h"
+#include "vtkDataObject.h"
+#include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
+#include "vtkIntArray.h"
+#include "vtkNew.h"
+#include "vtkStringArray.h"
+#include "vtkTable.h"
+
+/// One row after the other, as tuples of `components`.
+template <class Array, class Matrix>
+void vtkPalpateAddField(
+  vtkDataObject* output, const char* name, int components, const Matrix& values)
+{
+  vtkNew<Array> array;
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(values.size() / components);
+  vtkIdType next = 0;
+  for (Eigen::Index row = 0; row < values.rows(); ++row)
+  {
+    for (Eigen::Index column = 0; column < values.cols(); ++column)
+    {
+      array->SetValue(next++, values(row, column));
+    }
+  }
+  output->GetFieldData()->AddArray(array);
+}
+
+inline void vtkPalpateAddNumber(vtkDataObject* output, const char* name, double value)
+{
+  vtkPalpateAddField<vtkDoubleArray>(output, name, 1, Eigen::Matrix<double, 1, 1>(value));
+}
+
+inline void vtkPalpateAddInteger(vtkDataObject* output, const char* name, int value)
+{
+  vtkPalpateAddField<vtkIntArray>(output, name, 1, Eigen::Matrix<int, 1, 1>(value));
+}
+
+inline void vtkPalpateAddText(vtkDataObject* output, const char* name, const std::string& text)
+{
+  vtkNew<vtkStringArray> array;
+  array->SetName(name);
+  array->InsertNextValue(text);
+  output->GetFieldData()->AddArray(array);
+}
+
+/// A column of a table, of `components`. @param get (row, component) → number.
+template <class Array, class Row, class Get>
+void vtkPalpateAddColumn(
+  vtkTable* table, const std::string& name, int components, const std::vector<Row>& rows, Get get)
+{
+  vtkNew<Array> array;
+  array->SetName(name.c_str());
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(rows.size()));
+  for (std::size_t row = 0; row < rows.size(); ++row)
+  {
+    for (int component = 0; component < components; ++component)
+    {
+      array->SetComponent(static_cast<vtkIdType>(row), component, get(rows[row], component));
+    }
+  }
+  table->AddColumn(array);
+}

@@ -1,0 +1,505 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateSolveDynamics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "base/memory_error.h"
+#include "dynamics/dynamic_solver.h"
+#include "interaction/bonded_patch.h"
+#include "interaction/tool_clearance.h"
+#include "linear/group.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateActiveNodes.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateFields.h"
+#include "vtkPalpateFrameTimes.h"
+#include "vtkPalpateFrames.h"
+#include "vtkPalpateInput.h"
+#include "vtkPalpateLinearSolver.h"
+#include "vtkPalpateProgress.h"
+#include "vtkPalpateRigidTool.h"
+#include "vtkPalpateScene.h"
+#include "vtkPalpateToolPath.h"
+#include "vtkPalpateWholeBody.h"
+#include "vtkPalpateWholeSurface.h"
+#include "vtkPointData.h"
+#include "vtkPolyData.h"
+#include "vtkTable.h"
+#include "vtkUnstructuredGrid.h"
+
+namespace
+{
+using palpate::DynamicState;
+using palpate::InputError;
+using palpate::NodalVector;
+
+enum InputPort
+{
+  BodyPort,
+  PathPort,
+  SurfacePort,
+  NumberOfInputs
+};
+enum OutputPort
+{
+  MotionPort,
+  HistoryPort,
+  NumberOfOutputs
+};
+
+/// The displacement between two states, by a cubic that has their velocities too.
+NodalVector Between(const palpate::Motion& from, const palpate::Motion& to, double time)
+{
+  const double h = to.time - from.time;
+  const double s = h > 0 ? std::clamp((time - from.time) / h, 0.0, 1.0) : 1;
+  const double r = 1 - s;
+  return r * r * (1 + 2 * s) * from.u + s * s * (1 + 2 * r) * to.u +
+    h * s * r * (r * from.velocity - s * to.velocity);
+}
+
+/// A row of the table.
+struct Step
+{
+  explicit Step(const DynamicState& state)
+    : Time(state.motion.time)
+    , Length(state.motion.step)
+    , Energy(state.energy)
+    , Position(state.tools)
+    , Force(state.force)
+    , MinimumDetF(state.minimum_det_f)
+    , LocalError(state.local_error)
+    , Residual(state.residual)
+    , Iterations(state.iterations)
+    , Halvings(state.halvings)
+  {
+  }
+
+  double Time;
+  double Length;
+  palpate::EnergyBalance Energy;
+  Eigen::VectorXd Position;
+  Eigen::VectorXd Force;
+  double MinimumDetF;
+  double LocalError;
+  double Residual;
+  int Iterations;
+  int Halvings;
+};
+
+vtkSmartPointer<vtkTable> TableOf(const std::vector<Step>& steps, palpate::Outcome outcome)
+{
+  auto table = vtkSmartPointer<vtkTable>::New();
+  const auto number = [&](const char* name, auto get)
+  {
+    vtkPalpateAddColumn<vtkDoubleArray>(
+      table, name, 1, steps, [get](const Step& step, int) { return get(step); });
+  };
+  number("Time", [](const Step& step) { return step.Time; });
+  number("StepLength", [](const Step& step) { return step.Length; });
+  number("KineticEnergy", [](const Step& step) { return step.Energy.kinetic; });
+  number("ElasticEnergy", [](const Step& step) { return step.Energy.elastic; });
+  number("WeightEnergy", [](const Step& step) { return step.Energy.weight; });
+  number("ViscousEnergy", [](const Step& step) { return step.Energy.viscous_stored; });
+  number("Dissipated", [](const Step& step) { return step.Energy.dissipated; });
+  number("Work", [](const Step& step) { return step.Energy.work; });
+  for (Eigen::Index tool = 0; tool < steps.front().Force.size() / 3; ++tool)
+  {
+    const std::string id = std::to_string(tool);
+    vtkPalpateAddColumn<vtkDoubleArray>(table, "Position" + id, 3, steps,
+      [tool](const Step& step, int axis) { return step.Position[3 * tool + axis]; });
+    vtkPalpateAddColumn<vtkDoubleArray>(table, "Force" + id, 3, steps,
+      [tool](const Step& step, int axis) { return step.Force[3 * tool + axis]; });
+  }
+  number("MinimumDetF", [](const Step& step) { return step.MinimumDetF; });
+  number("LocalError", [](const Step& step) { return step.LocalError; });
+  number("Residual", [](const Step& step) { return step.Residual; });
+  const auto integer = [&](const char* name, auto get)
+  {
+    vtkPalpateAddColumn<vtkIntArray>(
+      table, name, 1, steps, [get](const Step& step, int) { return get(step); });
+  };
+  integer("Iterations", [](const Step& step) { return step.Iterations; });
+  integer("Halvings", [](const Step& step) { return step.Halvings; });
+  integer("Outcome",
+    [&steps, outcome](const Step& step)
+    { return static_cast<int>(&step == &steps.back() ? outcome : palpate::Outcome::converged); });
+  return table;
+}
+}
+
+struct vtkPalpateSolveDynamics::Setup
+{
+  palpate::Scene Scene;
+  std::vector<palpate::Rheology> Rheologies;
+  palpate::InteractionList Tools;
+  /// The rigid ones among them.
+  std::vector<palpate::RigidContact> Contacts;
+  palpate::ToolPath Path{ Eigen::VectorXd() };
+  /// Where the tools do not act on the body at rest [d].
+  Eigen::VectorXd Clear;
+};
+
+struct vtkPalpateSolveDynamics::Run
+{
+  /// On rank 0 alone; null where the body was one that a filter before could not make.
+  vtkSmartPointer<vtkUnstructuredGrid> Body;
+  std::vector<palpate::RigidContact> Contacts;
+  std::unique_ptr<vtkPalpateFrames> Frames;
+  std::vector<Step> Steps;
+  vtkSmartPointer<vtkTable> History;
+  palpate::Outcome Outcome = palpate::Outcome::converged;
+  std::string Message;
+};
+
+vtkStandardNewMacro(vtkPalpateSolveDynamics);
+
+vtkPalpateSolveDynamics::vtkPalpateSolveDynamics()
+  : LinearSolverNames(vtkPalpateLinearSolverNames())
+{
+  this->SetNumberOfInputPorts(NumberOfInputs);
+  this->SetNumberOfOutputPorts(NumberOfOutputs);
+}
+
+vtkPalpateSolveDynamics::~vtkPalpateSolveDynamics() = default;
+
+void vtkPalpateSolveDynamics::AddActiveNode(vtkIdType node)
+{
+  this->ActiveNodes.push_back(node);
+  this->Modified();
+}
+
+void vtkPalpateSolveDynamics::ClearActiveNodes()
+{
+  this->ActiveNodes.clear();
+  this->Modified();
+}
+
+vtkStringArray* vtkPalpateSolveDynamics::GetLinearSolverNames()
+{
+  return this->LinearSolverNames;
+}
+
+int vtkPalpateSolveDynamics::FillInputPortInformation(int port, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info,
+    port == BodyPort     ? "vtkUnstructuredGrid"
+      : port == PathPort ? "vtkTable"
+                         : "vtkPolyData");
+  if (port != BodyPort)
+  {
+    info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
+  }
+  return 1;
+}
+
+int vtkPalpateSolveDynamics::FillOutputPortInformation(int port, vtkInformation* info)
+{
+  if (port == HistoryPort)
+  {
+    info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
+    return 1;
+  }
+  return this->Superclass::FillOutputPortInformation(port, info);
+}
+
+std::vector<double> vtkPalpateSolveDynamics::FrameTimes() const
+{
+  return vtkPalpateFrameTimes(this->EndTime, this->FrameRate);
+}
+
+void vtkPalpateSolveDynamics::CheckProperties() const
+{
+  if (this->Integrator != static_cast<int>(palpate::TimeIntegrator::bdf2) &&
+    this->Integrator != static_cast<int>(palpate::TimeIntegrator::generalised_alpha))
+  {
+    throw InputError("Integrator is " + std::to_string(this->Integrator) +
+      "; there are 0 (BDF2) and 1 (Generalised alpha).");
+  }
+  vtkPalpateCheckTimes(this->EndTime, this->FrameRate, this->TimeStep);
+}
+
+int vtkPalpateSolveDynamics::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  vtkPalpateSetTimes(this->FrameTimes(), outputVector->GetInformationObject(MotionPort));
+  // The table is that of the whole run at each of them.
+  vtkPalpateSetTimes({}, outputVector->GetInformationObject(HistoryPort));
+  return 1;
+}
+
+int vtkPalpateSolveDynamics::RequestData(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkUnstructuredGrid::GetData(outputVector, MotionPort);
+  auto* history = vtkTable::GetData(outputVector, HistoryPort);
+  const double time = vtkPalpateAskedTime(request, outputVector);
+  const vtkMTimeType inputTime = vtkPalpateInputTime(inputVector, NumberOfInputs);
+  const auto now = [&] { return std::max(inputTime, this->GetMTime()); };
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
+    [&](palpate::Communicator& communicator)
+    {
+      if (palpate::any(communicator, !this->LastRun || this->LastRunTime != now()))
+      {
+        this->LastRun.reset();
+        // A request that ended the run before is not for this one, and nobody else takes it back.
+        this->SetAbortExecute(0);
+        this->Compute(inputVector, communicator, output);
+        this->LastRunTime = now();
+      }
+      if (this->LastRun && this->LastRun->Body)
+      {
+        this->Show(time, output, history);
+      }
+    });
+  return 1;
+}
+
+void vtkPalpateSolveDynamics::Compute(
+  vtkInformationVector** inputs, palpate::Communicator& communicator, vtkUnstructuredGrid* output)
+{
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  // On rank 0 alone.
+  vtkSmartPointer<vtkUnstructuredGrid> body;
+  std::optional<Setup> setup;
+  palpate::agree(communicator,
+    [&]
+    {
+      this->CheckProperties();
+      body =
+        vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputs[BodyPort]), controller);
+      const auto surface = this->Tool == vtkPalpateSurfaceTool
+        ? vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputs[SurfacePort]), controller)
+        : nullptr;
+      if (!body || vtkPalpatePassFailure(body, output))
+      {
+        return;
+      }
+      setup = this->MakeSetup(body, vtkPalpateInput<vtkTable>(inputs[PathPort]), surface);
+    });
+
+  const bool together = palpate::any(communicator,
+    setup &&
+      vtkPalpateSolvesTogether(
+        this->LinearSolver, this->GroupUnknowns, setup->Scene, communicator.size()));
+  const int threads = palpate::num_threads(communicator, this->Threads);
+  const void* comm = together ? vtkPalpateMpiComm(controller) : nullptr;
+  palpate::agree(communicator,
+    [&]
+    {
+      if (together)
+      {
+        palpate::prepare_group_solver();
+      }
+    });
+  auto run = std::make_unique<Run>();
+  if (setup)
+  {
+    auto linearSolver = together
+      ? palpate::make_group_solver(comm)
+      : vtkPalpateMakeLinearSolver(this->LinearSolver, setup->Scene, threads);
+    run->Body = body;
+    run->Contacts = setup->Contacts;
+    palpate::with_memory("to solve for the motion of the body",
+      [&] { this->Simulate(*setup, std::move(linearSolver), threads, *run); });
+  }
+  else if (together)
+  {
+    palpate::serve_group_solver(comm);
+  }
+  this->LastRun = std::move(run);
+}
+
+vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
+  vtkUnstructuredGrid* body, vtkTable* paths, vtkPolyData* surface)
+{
+  Setup setup;
+  setup.Scene = vtkPalpateSceneFromGrid(body, setup.Rheologies);
+  const std::vector<palpate::Index> nodes = vtkPalpateActiveNodes(this->ActiveNodes);
+  const int bonded = static_cast<int>(nodes.size());
+  const int tools = vtkPalpateCountTools(paths);
+  const bool hasRigid = this->Tool != vtkPalpateBondedNode;
+  if (hasRigid ? tools <= bonded : tools != bonded)
+  {
+    throw InputError("The table of the tools has columns for " + std::to_string(tools) +
+      " of them, and the active nodes are " + std::to_string(bonded) +
+      (hasRigid ? ", besides a rigid tool. Give it columns for all, those of the rigid tools last"
+                : ". Give it columns for each of these, and for no others") +
+      ": Time (s), Tool0_X, Tool0_Y, Tool0_Z (m), Tool1_X, …");
+  }
+  if (tools == 0)
+  {
+    return setup;
+  }
+  setup.Path = vtkPalpateToolPath(paths);
+  setup.Clear.setZero(3 * tools);
+  if (bonded > 0)
+  {
+    setup.Tools = palpate::BondedPatches(setup.Scene, this->TipRadius).around_each(nodes);
+  }
+  if (!hasRigid)
+  {
+    return setup;
+  }
+  const palpate::RigidTool tool = palpate::with_defaults(
+    vtkPalpateRigidTool(vtkPalpateToolPropertiesOf(*this), surface), setup.Scene);
+  const palpate::RigidContact contact = palpate::make_contact(setup.Scene, tool);
+  const palpate::ToolClearance clearance(setup.Scene, contact);
+  const Eigen::VectorXd first = setup.Path.at(0);
+  for (int rigid = bonded; rigid < tools; ++rigid)
+  {
+    setup.Tools.add(contact);
+    setup.Contacts.push_back(contact);
+    setup.Clear.segment<3>(3 * rigid) = clearance.start_for(first.segment<3>(3 * rigid));
+  }
+  return setup;
+}
+
+void vtkPalpateSolveDynamics::Simulate(
+  const Setup& setup, std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, Run& run)
+{
+  palpate::DynamicsOptions options;
+  options.integrator = static_cast<palpate::TimeIntegrator>(this->Integrator);
+  options.spectral_radius = this->SpectralRadius;
+  options.time_step = this->TimeStep;
+  options.tolerance = this->StepTolerance;
+  options.max_halvings = this->MaximumHalvings;
+  options.gravity = palpate::Vec3(this->BodyForce);
+  options.settled = this->Settled;
+  options.equilibrium.tolerance = this->Tolerance;
+  options.equilibrium.max_iterations = this->MaximumIterations;
+  options.equilibrium.max_seconds = this->MaximumSeconds;
+  options.equilibrium.threads = threads;
+  options.equilibrium.abort_requested = vtkPalpateAbortRequested(
+    this, [this, &run] { return run.Steps.empty() ? 0 : run.Steps.back().Time / this->EndTime; });
+
+  const std::vector<double> times = this->FrameTimes();
+  run.Frames = std::make_unique<vtkPalpateFrames>(3 * setup.Scene.mesh.points.size());
+  palpate::Motion before;
+  const auto takeState = [&](const DynamicState& state)
+  {
+    if (run.Steps.empty())
+    {
+      before = state.motion;
+    }
+    const double now = state.motion.time + vtkPalpateTimeRounding * this->TimeStep;
+    for (std::size_t next = run.Frames->Number(); next < times.size() && times[next] <= now; ++next)
+    {
+      run.Frames->Append(Between(before, state.motion, times[next]));
+    }
+    run.Steps.emplace_back(state);
+    before = state.motion;
+    return true;
+  };
+  palpate::DynamicSolver solver(
+    setup.Scene, setup.Rheologies, setup.Tools, options, std::move(linearSolver));
+  const DynamicState end = solver.run(setup.Path, this->EndTime, takeState, setup.Clear);
+  if (run.Steps.empty())
+  {
+    run.Steps.emplace_back(end);
+    run.Frames->Append(end.motion.u);
+  }
+  run.Outcome = end.outcome;
+  run.Message = end.message;
+  run.History = TableOf(run.Steps, run.Outcome);
+  if (!run.Message.empty())
+  {
+    vtkWarningMacro(<< run.Message);
+  }
+}
+
+void vtkPalpateSolveDynamics::Show(
+  double time, vtkUnstructuredGrid* output, vtkTable* history) const
+{
+  const Run& run = *this->LastRun;
+  output->ShallowCopy(run.Body);
+  history->ShallowCopy(run.History);
+  const std::vector<double> times = this->FrameTimes();
+  const std::size_t frame =
+    std::min(vtkPalpateFrameAt(time, times, this->FrameRate), run.Frames->Number() - 1);
+  const NodalVector u = run.Frames->Read(frame);
+  output->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, u));
+  output->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
+  output->GetPointData()->SetActiveScalars(vtkPalpateArray::Displacement);
+
+  // Of the tools between two steps.
+  const auto next = std::lower_bound(run.Steps.begin(), run.Steps.end(), times[frame],
+    [](const Step& step, double at) { return step.Time < at; });
+  const Step& to = next == run.Steps.end() ? run.Steps.back() : *next;
+  const Step& from = next == run.Steps.begin() ? to : *std::prev(next);
+  const double share = to.Time > from.Time
+    ? std::clamp((times[frame] - from.Time) / (to.Time - from.Time), 0.0, 1.0)
+    : 1;
+  const Eigen::VectorXd force = (1 - share) * from.Force + share * to.Force;
+  const Eigen::VectorXd position = (1 - share) * from.Position + share * to.Position;
+  if (!run.Contacts.empty())
+  {
+    vtkNew<vtkDoubleArray> pressure;
+    pressure->SetName(vtkPalpateArray::ContactPressure);
+    pressure->SetNumberOfTuples(output->GetNumberOfPoints());
+    pressure->Fill(0);
+    auto coordinate = position.size() - 3 * static_cast<Eigen::Index>(run.Contacts.size());
+    for (const palpate::RigidContact& contact : run.Contacts)
+    {
+      const auto patch = contact.patch(position.segment<3>(coordinate), u);
+      for (std::size_t point = 0; point < patch.pressure.size(); ++point)
+      {
+        const auto id = static_cast<vtkIdType>(point);
+        pressure->SetValue(id, pressure->GetValue(id) + patch.pressure[point]);
+      }
+      coordinate += 3;
+    }
+    output->GetPointData()->AddArray(pressure);
+  }
+  // Between processes VTK loses what follows an array without values.
+  if (force.size() > 0)
+  {
+    vtkPalpateAddField<vtkDoubleArray>(output, "ReactionForce", 3, force);
+  }
+  vtkPalpateAddNumber(output, "Time", times[frame]);
+  vtkPalpateAddInteger(output, "Outcome", static_cast<int>(run.Outcome));
+  vtkPalpateAddText(output, "Message", run.Message);
+  output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
+}
+
+void vtkPalpateSolveDynamics::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "ActiveNodes:";
+  for (const vtkIdType node : this->ActiveNodes)
+  {
+    os << ' ' << node;
+  }
+  os << '\n'
+     << indent << "TipRadius: " << this->TipRadius << " m\n"
+     << indent << "Tool: " << this->Tool << '\n'
+     << indent << "ToolRadius: " << this->ToolRadius << " m\n"
+     << indent << "ToolAxis: " << this->ToolAxis[0] << ' ' << this->ToolAxis[1] << ' '
+     << this->ToolAxis[2] << '\n'
+     << indent << "ToolLength: " << this->ToolLength << " m\n"
+     << indent << "ContactThickness: " << this->ContactThickness << " m\n"
+     << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n"
+     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
+     << this->BodyForce[2] << " m/s^2\n"
+     << indent << "Settled: " << this->Settled << '\n'
+     << indent << "EndTime: " << this->EndTime << " s\n"
+     << indent << "FrameRate: " << this->FrameRate << " 1/s\n"
+     << indent << "Integrator: " << this->Integrator << '\n'
+     << indent << "SpectralRadius: " << this->SpectralRadius << '\n'
+     << indent << "TimeStep: " << this->TimeStep << " s\n"
+     << indent << "StepTolerance: " << this->StepTolerance << '\n'
+     << indent << "MaximumHalvings: " << this->MaximumHalvings << '\n'
+     << indent << "Tolerance: " << this->Tolerance << '\n'
+     << indent << "MaximumIterations: " << this->MaximumIterations << '\n'
+     << indent << "MaximumSeconds: " << this->MaximumSeconds << " s\n"
+     << indent << "Threads: " << this->Threads << '\n'
+     << indent << "GroupUnknowns: " << this->GroupUnknowns << '\n'
+     << indent << "LinearSolver: " << this->LinearSolver << '\n';
+}

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vtkPalpateTouchReducedModel.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "base/error.h"
+#include "base/memory_error.h"
+#include "schedule/communicator.h"
+#include "state_space/surface.h"
+#include "vtkCellArray.h"
+#include "vtkFloatArray.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkMultiProcessController.h"
+#include "vtkNew.h"
+#include "vtkObjectFactory.h"
+#include "vtkPalpateCommunicator.h"
+#include "vtkPalpateFailure.h"
+#include "vtkPalpateFrameTimes.h"
+#include "vtkPalpateInput.h"
+#include "vtkPalpateReducedModel.h"
+#include "vtkPalpateScene.h"
+#include "vtkPalpateWholeBody.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
+#include "vtkPolyData.h"
+#include "vtkTriangleMeshPointNormals.h"
+#include "vtkUnstructuredGrid.h"
+
+struct vtkPalpateTouchReducedModel::Prepared
+{
+  vtkMTimeType InputTime = 0;
+  /// Null where a filter before could not make the body, and on all ranks but the first.
+  vtkSmartPointer<vtkUnstructuredGrid> Body;
+  palpate::Surface Surface;
+  vtkNew<vtkCellArray> Triangles;
+  /// (Φ, L) of the points of the surface [3 points × coordinates].
+  Eigen::MatrixXf Basis;
+
+  void Take(const vtkSmartPointer<vtkUnstructuredGrid>& body)
+  {
+    const vtkPalpateReducedModel reduced = vtkPalpateReadReducedModel(body);
+    palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
+    palpate::check_and_orient(mesh);
+    this->Surface = palpate::make_surface(mesh);
+    this->Basis.resize(3 * this->Surface.num_points(), reduced.Basis.cols());
+    for (palpate::Index p = 0; p < this->Surface.num_points(); ++p)
+    {
+      const palpate::Index point = this->Surface.mesh_points[static_cast<std::size_t>(p)];
+      this->Basis.middleRows<3>(3 * p) = reduced.Basis.middleRows<3>(3 * point).cast<float>();
+    }
+    for (const auto& [a, b, c] : this->Surface.triangles)
+    {
+      this->Triangles->InsertNextCell({ a, b, c });
+    }
+    this->Body = body;
+  }
+};
+
+vtkStandardNewMacro(vtkPalpateTouchReducedModel);
+
+vtkPalpateTouchReducedModel::vtkPalpateTouchReducedModel() = default;
+vtkPalpateTouchReducedModel::~vtkPalpateTouchReducedModel() = default;
+
+void vtkPalpateTouchReducedModel::AddCoordinate(double coordinate)
+{
+  this->Coordinates.push_back(coordinate);
+  this->Modified();
+}
+
+void vtkPalpateTouchReducedModel::ClearCoordinates()
+{
+  this->Coordinates.clear();
+  this->Modified();
+}
+
+int vtkPalpateTouchReducedModel::FillInputPortInformation(int, vtkInformation* info)
+{
+  vtkPalpateTakeWhole(info, "vtkUnstructuredGrid");
+  return 1;
+}
+
+int vtkPalpateTouchReducedModel::RequestData(
+  vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  auto* output = vtkPolyData::GetData(outputVector);
+  vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  const vtkMTimeType inputTime = vtkPalpateInputTime(inputVector, 1);
+  this->ErrorCode = vtkPalpateProduce(this, output, controller,
+    [&](palpate::Communicator& ranks)
+    {
+      if (palpate::any(ranks, !this->Cache || this->Cache->InputTime != inputTime))
+      {
+        this->Cache.reset();
+        auto prepared = std::make_unique<Prepared>();
+        prepared->InputTime = inputTime;
+        palpate::agree(ranks,
+          [&]
+          {
+            const auto body = vtkPalpateGatherBody(
+              vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
+            if (body && vtkPalpatePassFailure(body, output))
+            {
+              // It has to be passed on in each update.
+              prepared->InputTime = 0;
+            }
+            else if (body)
+            {
+              palpate::with_memory("to show the reduced body", [&] { prepared->Take(body); });
+            }
+          });
+        this->Cache = std::move(prepared);
+      }
+      palpate::agree(ranks,
+        [&]
+        {
+          if (this->Cache->Body)
+          {
+            this->Show(output);
+          }
+        });
+    });
+  return 1;
+}
+
+void vtkPalpateTouchReducedModel::Show(vtkPolyData* output) const
+{
+  const Prepared& prepared = *this->Cache;
+  Eigen::VectorXf y = Eigen::VectorXf::Zero(prepared.Basis.cols());
+  if (!this->Coordinates.empty() && static_cast<Eigen::Index>(this->Coordinates.size()) != y.size())
+  {
+    throw palpate::InputError("There are " + std::to_string(this->Coordinates.size()) +
+      " coordinates, but the reduced model has " + std::to_string(y.size()) +
+      ". Give all of them, or none for the body at rest.");
+  }
+  std::copy(this->Coordinates.begin(), this->Coordinates.end(), y.begin());
+  const Eigen::Index numPoints = prepared.Surface.num_points();
+  vtkNew<vtkFloatArray> displacement;
+  displacement->SetName(vtkPalpateArray::Displacement);
+  displacement->SetNumberOfComponents(3);
+  displacement->SetNumberOfTuples(numPoints);
+  Eigen::Map<Eigen::VectorXf> u(displacement->GetPointer(0), 3 * numPoints);
+  u.noalias() = prepared.Basis * y;
+  vtkNew<vtkPoints> points;
+  points->SetNumberOfPoints(numPoints);
+  for (Eigen::Index p = 0; p < numPoints; ++p)
+  {
+    const palpate::Vec3& x = prepared.Surface.points[static_cast<std::size_t>(p)];
+    points->SetPoint(p, x[0] + u[3 * p], x[1] + u[3 * p + 1], x[2] + u[3 * p + 2]);
+  }
+  output->SetPoints(points);
+  output->SetPolys(prepared.Triangles);
+  output->GetPointData()->SetVectors(displacement);
+  vtkNew<vtkTriangleMeshPointNormals> normals;
+  normals->SetInputData(output);
+  normals->Update();
+  output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
+  output->GetPointData()->SetActiveScalars(displacement->GetName());
+}
+
+void vtkPalpateTouchReducedModel::PrintSelf(ostream& os, vtkIndent indent)
+{
+  this->Superclass::PrintSelf(os, indent);
+  os << indent << "Coordinates:";
+  for (const double coordinate : this->Coordinates)
+  {
+    os << ' ' << coordinate;
+  }
+  os << '\n';
+}

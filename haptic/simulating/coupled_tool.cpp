@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "haptic/simulating/coupled_tool.h"
+
+#include <algorithm>
+
+namespace palpate {
+
+bool CoupledTool::listen(SimulatedTool* tool, Time now) noexcept {
+  if (tool != tool_) {
+    release();
+    tool_ = tool;
+  }
+  if (tool_ == nullptr) return true;
+  answer_ = tool_->answer.read();
+  is_alive_ = answer_.time.count() > 0 && now - answer_.time <= tool_->options.release_after;
+  return is_alive_;
+}
+
+void CoupledTool::release() noexcept {
+  holds_ = false;
+  armed_ = false;
+}
+
+Contact CoupledTool::move(const Vec3& place, const Vec3& velocity, bool grasps, Time now) noexcept {
+  Contact contact;
+  if (tool_ == nullptr) return contact;
+  const SimulatedToolOptions& options = tool_->options;
+  const Vec3 from_rest = place - options.place;
+  if (!from_rest.allFinite() || !is_alive_) {
+    release();
+  } else if (!holds_ && grasps && armed_ &&
+             (from_rest - answer_.displacement).norm() <= options.reach) {
+    holds_ = true;
+    offset_ = from_rest - answer_.displacement;
+    work_before_ = answer_.work;
+  }
+  holds_ = holds_ && grasps;
+  if (holds_) {
+    hand_ = from_rest - offset_;
+    contact = answer(velocity, now);
+  } else {
+    contact.anchor = options.place;
+    contact.displacement = answer_.displacement;
+    contact.distance = (from_rest - answer_.displacement).norm() - options.reach;
+    // Where the distance is no number it is not outside.
+    const bool is_outside = from_rest.allFinite() && (!grasps || contact.distance > 0);
+    armed_ = armed_ || is_outside;
+    contact.status = is_outside ? ContactStatus::free : ContactStatus::inside;
+    contact.trust = answer_.trust;
+  }
+  tool_->command.write({now, holds_, hand_});
+  return contact;
+}
+
+Contact CoupledTool::answer(const Vec3& velocity, Time now) const noexcept {
+  const SimulatedToolOptions& options = tool_->options;
+  const double since = seconds(std::clamp(now - answer_.time, Duration(0), answer_.step));
+  const Vec3 moved = since * answer_.velocity;
+  Contact contact;
+  contact.status = ContactStatus::attached;
+  contact.anchor = options.place;
+  contact.displacement = answer_.displacement + moved;
+  const Vec3 stretch = hand_ - contact.displacement;
+  contact.force = -options.coupling_stiffness * stretch -
+                  options.coupling_damping * (velocity - answer_.velocity);
+  contact.stiffness = options.coupling_stiffness * Mat3::Identity();
+  contact.energy = 0.5 * options.coupling_stiffness * stretch.squaredNorm() +
+                   (answer_.work - work_before_) + answer_.force.dot(moved);
+  contact.trust = answer_.trust;
+  const bool goes_on = answer_.outcome == ReducedOutcome::converged ||
+                       answer_.outcome == ReducedOutcome::tools_ahead;
+  contact.support =
+      goes_on && answer_.trust <= kLargestTrusted ? Support::inside : Support::extrapolated;
+  return contact;
+}
+
+}  // namespace palpate

@@ -1,0 +1,595 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pqPalpateReducedTouch.h"
+
+#include <QElapsedTimer>
+#include <QFileInfo>
+#include <QPointer>
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "haptic/servo/interlock.h"
+#include "haptic/servo/servo.h"
+#include "haptic/simulating/reduced_body_thread.h"
+#include "pqOutputPort.h"
+#include "pqPalpateBodyView.h"
+#include "pqPalpateDevices.h"
+#include "pqPalpateFetch.h"
+#include "pqPalpateRecording.h"
+#include "pqPalpateReducedMouse.h"
+#include "pqPalpateToolView.h"
+#include "pqPipelineSource.h"
+#include "pqRenderView.h"
+#include "pqServer.h"
+#include "vtkPVLogger.h"
+#include "vtkSMRenderViewProxy.h"
+
+using palpate::Mat3;
+using palpate::Vec3;
+
+namespace
+{
+constexpr int FrameInterval = 33; // ms
+/// Of the radius of the body: what a device reaches beyond that.
+constexpr double Room = 1.3;
+/// The simulated hand begins so far away, of the reach of the tool, and moves it so far, of what
+/// the model was trained for.
+constexpr double HandHeight = 1.2;
+constexpr double HandDepth = 0.6;
+
+QString Words(palpate::ContactStatus status)
+{
+  switch (status)
+  {
+    case palpate::ContactStatus::nothing:
+      return "no body";
+    case palpate::ContactStatus::free:
+      return "not held";
+    case palpate::ContactStatus::inside:
+      return "not held until the hand was outside";
+    case palpate::ContactStatus::attached:
+    case palpate::ContactStatus::pressing:
+      return "held";
+  }
+  return {};
+}
+
+QString Words(std::string_view text)
+{
+  return QString::fromUtf8(text.data(), static_cast<int>(text.size()));
+}
+
+double Microseconds(palpate::Duration duration)
+{
+  return 1e6 * palpate::seconds(duration);
+}
+
+/// The largest distance of a coordinate of the tool in training, m.
+double Trained(const palpate::ReducedModel& model, int tool)
+{
+  return model.trained_tools.segment<3>(3 * tool).maxCoeff();
+}
+}
+
+/// What a device does with a tool.
+struct pqPalpateReducedTouch::Hand
+{
+  QString Device;
+  std::unique_ptr<palpate::Servo> Servo;
+  /// As last set.
+  palpate::ServoSettings Settings;
+  std::shared_ptr<palpate::MouseMotion> Motion;
+  std::unique_ptr<pqPalpateReducedMouse> Mouse;
+  /// Where the simulated hand is.
+  Vec3 Centre = Vec3::Zero();
+  Mat3 Rotation = Mat3::Identity();
+  std::unique_ptr<pqPalpateRecording> Recording;
+  palpate::Tick Tick;
+};
+
+/// All that there is while it runs.
+struct pqPalpateReducedTouch::Session
+{
+  QPointer<pqOutputPort> Port;
+  QPointer<pqPipelineSource> Source;
+  QPointer<pqRenderView> View;
+  pqPalpateReducedSpace Space;
+  pqPalpateTouch::Settings Settings;
+  QString Recording;
+  /// Around the body, m.
+  Vec3 Centre = Vec3::Zero();
+  double Radius = 0;
+
+  std::shared_ptr<palpate::Clock> Clock = std::make_shared<palpate::MonotonicClock>();
+  std::vector<palpate::SimulatedToolOptions> Options;
+  std::unique_ptr<palpate::ReducedBodyThread> Body;
+  /// Of each tool; null: no device has it.
+  std::vector<std::unique_ptr<Hand>> Hands;
+  /// Guards which hands there are: Escape lets go of all of them on a thread of its own.
+  std::mutex Mutex;
+  std::unique_ptr<pqPalpateBodyView> BodyView;
+  std::vector<std::unique_ptr<pqPalpateToolView>> Tools;
+  /// What was last shown.
+  Eigen::VectorXd Coordinates;
+  QElapsedTimer Time;
+
+  void LetGo()
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    for (const std::unique_ptr<Hand>& hand : this->Hands)
+    {
+      if (hand)
+      {
+        hand->Servo->let_go();
+      }
+    }
+  }
+
+  std::unique_ptr<Hand> Exchange(int tool, std::unique_ptr<Hand> hand)
+  {
+    const std::lock_guard<std::mutex> lock(this->Mutex);
+    return std::exchange(this->Hands[static_cast<std::size_t>(tool)], std::move(hand));
+  }
+};
+
+pqPalpateReducedTouch::pqPalpateReducedTouch(QObject* parent)
+  : QObject(parent)
+{
+  this->FrameTimer.setInterval(FrameInterval);
+  this->FrameTimer.setTimerType(Qt::PreciseTimer);
+  QObject::connect(&this->FrameTimer, &QTimer::timeout, this, &pqPalpateReducedTouch::showFrame);
+  QObject::connect(&this->Watch, &pqPalpateRunWatch::mustEnd, this, &pqPalpateReducedTouch::end);
+}
+
+pqPalpateReducedTouch::~pqPalpateReducedTouch()
+{
+  this->end({}, pqPalpateRunWatch::Left::Nothing);
+}
+
+std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
+  Session& session, int tool, const QString& device) const
+{
+  auto hand = std::make_unique<Hand>();
+  hand->Device = device;
+  const auto number = static_cast<std::size_t>(tool);
+  const Vec3& place = session.Space.Places[number];
+  const palpate::SimulatedToolOptions& options = session.Options[number];
+  vtkSMRenderViewProxy* view = session.View->getRenderViewProxy();
+  pqPalpateDevice opened;
+  if (device == pqPalpateMouseDevice)
+  {
+    hand->Motion = std::make_shared<palpate::MouseMotion>();
+    opened = pqPalpateSimulatedDevice(session.Clock, hand->Motion);
+    hand->Mouse =
+      std::make_unique<pqPalpateReducedMouse>(view, session.Space.Surface, place, hand->Motion);
+  }
+  else if (device == pqPalpateHandDevice)
+  {
+    const double height = HandHeight * options.reach;
+    const Vec3 normal = (place - session.Centre).normalized();
+    const Vec3 across = normal.unitOrthogonal();
+    hand->Centre = place + height * normal;
+    hand->Rotation << across, normal.cross(across), normal;
+    // It takes hold where it comes within reach.
+    opened = pqPalpateSimulatedDevice(session.Clock,
+      pqPalpateHandMotion(
+        height - options.reach + HandDepth * Trained(*session.Space.Model, tool)));
+  }
+  else
+  {
+    opened = pqPalpateOpenDevice(device);
+  }
+  hand->Servo = std::make_unique<palpate::Servo>(
+    std::move(opened.Transport), std::move(opened.Profile), session.Clock, opened.Setup.options);
+  hand->Settings.force_scale = session.Settings.ForceScale;
+  if (!hand->Mouse && device != pqPalpateHandDevice)
+  {
+    hand->Settings.workspace_scale = session.Settings.WorkspaceScale > 0
+      ? session.Settings.WorkspaceScale
+      : session.Radius / hand->Servo->specification().workspace_radius;
+  }
+  if (!session.Recording.isEmpty())
+  {
+    const QFileInfo file(session.Recording);
+    const QString ending = file.suffix().isEmpty() ? QString() : "." + file.suffix();
+    hand->Recording = std::make_unique<pqPalpateRecording>(
+      QString("%1/%2-tool%3%4")
+        .arg(file.path(), file.completeBaseName(), QString::number(tool), ending));
+    hand->Recording->Start(opened.Setup, *hand->Servo);
+  }
+  return hand;
+}
+
+void pqPalpateReducedTouch::applySettings(Session& session, Hand& hand) const
+{
+  palpate::ServoSettings& servo = hand.Settings;
+  servo.force_limit = this->Current.ForceLimit;
+  servo.dead_man_button = -1;
+  servo.grasp_button = -1;
+  if (hand.Mouse)
+  {
+    servo.workspace_centre = hand.Mouse->GetWorkspaceCentre();
+    servo.grasp_button = pqPalpateGraspButton;
+  }
+  else if (hand.Device == pqPalpateHandDevice)
+  {
+    servo.workspace_centre = hand.Centre;
+    servo.workspace_rotation = hand.Rotation;
+  }
+  else
+  {
+    const int buttons = hand.Servo->specification().num_buttons;
+    servo.dead_man_button = this->Current.NeedsButton && buttons > 0 ? 0 : -1;
+    if (this->Current.GraspsWithButton && buttons - 1 > servo.dead_man_button)
+    {
+      servo.grasp_button = buttons - 1;
+    }
+    // What is held shall not be torn through the body when the camera turns.
+    if (!palpate::touches(hand.Tick.contact.status))
+    {
+      servo.workspace_centre = session.Centre;
+      servo.workspace_rotation =
+        pqPalpateAxesOfDevice(this->Current.FollowsCamera ? session.View.data() : nullptr);
+    }
+  }
+  hand.Servo->set_settings(servo);
+}
+
+QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
+  const QVector<QString>& devices, const QString& recording)
+{
+  this->stop();
+  try
+  {
+    auto session = std::make_shared<Session>();
+    session->Space = pqPalpateFetchReduced(model);
+    const palpate::ReducedModel& reduced = *session->Space.Model;
+    session->Coordinates = Eigen::VectorXd::Zero(reduced.num_coordinates());
+    session->Port = model;
+    session->Source = model->getSource();
+    session->View = view;
+    session->Settings = this->Current;
+    session->Recording = recording;
+    Eigen::AlignedBox3d box;
+    for (const Vec3& point : session->Space.Surface.points)
+    {
+      box.extend(point);
+    }
+    session->Centre = box.center();
+    const double size = box.diagonal().norm();
+    session->Radius = Room * size / 2;
+    const int tools = static_cast<int>(session->Space.Places.size());
+    for (int tool = 0; tool < tools; ++tool)
+    {
+      palpate::SimulatedToolOptions options;
+      options.place = session->Space.Places[static_cast<std::size_t>(tool)];
+      options.reach = Trained(reduced, tool);
+      session->Options.push_back(options);
+    }
+    session->Hands.resize(static_cast<std::size_t>(tools));
+    for (int tool = 0; tool < std::min(tools, static_cast<int>(devices.size())); ++tool)
+    {
+      if (devices[tool].isEmpty())
+      {
+        continue;
+      }
+      std::unique_ptr<Hand> hand = this->makeHand(*session, tool, devices[tool]);
+      palpate::SimulatedToolOptions& options = session->Options[static_cast<std::size_t>(tool)];
+      options.coupling_stiffness = palpate::coupling_stiffness_of_tool(
+        hand->Servo->specification(), options.coupling_stiffness, hand->Settings);
+      session->Hands[static_cast<std::size_t>(tool)] = std::move(hand);
+    }
+    session->Body = std::make_unique<palpate::ReducedBodyThread>(
+      session->Space.Model, session->Options, session->Clock);
+    session->BodyView =
+      std::make_unique<pqPalpateBodyView>(model, view, reduced.trained_tools.maxCoeff());
+    for (int tool = 0; tool < tools; ++tool)
+    {
+      const double stiffness = reduced.tool_stiffness.block<3, 3>(3 * tool, 3 * tool).norm();
+      session->Tools.push_back(std::make_unique<pqPalpateToolView>(view->getRenderViewProxy(),
+        session->Space.Places[static_cast<std::size_t>(tool)], size,
+        stiffness * Trained(reduced, tool)));
+    }
+    view->render();
+    session->Time.start();
+    session->Body->start();
+    for (int tool = 0; tool < tools; ++tool)
+    {
+      if (Hand* hand = session->Hands[static_cast<std::size_t>(tool)].get())
+      {
+        hand->Servo->set_tool(session->Body->tool(tool));
+        this->applySettings(*session, *hand);
+        hand->Servo->start();
+      }
+    }
+    this->Watch.begin(
+      model, view, session->BodyView->GetFilter(), [s = session.get()] { s->LetGo(); });
+    this->Running = std::move(session);
+  }
+  catch (const std::exception& error)
+  {
+    return error.what();
+  }
+  this->FrameTimer.start();
+  Q_EMIT this->started();
+  return {};
+}
+
+QString pqPalpateReducedTouch::setDevice(int tool, const QString& device)
+{
+  const std::shared_ptr<Session> session = this->Running;
+  if (!session || tool < 0 || tool >= static_cast<int>(session->Hands.size()))
+  {
+    return {};
+  }
+  if (!this->endHand(*session, tool))
+  {
+    return "The device's driver hangs: the device itself has to switch its motors off.";
+  }
+  if (device.isEmpty())
+  {
+    return {};
+  }
+  try
+  {
+    std::unique_ptr<Hand> hand = this->makeHand(*session, tool, device);
+    const double coupling = session->Options[static_cast<std::size_t>(tool)].coupling_stiffness;
+    const double displayed =
+      palpate::coupling_stiffness_of_tool(hand->Servo->specification(), coupling, hand->Settings);
+    if (displayed < coupling)
+    {
+      throw std::runtime_error(
+        "The tool is coupled more stiffly than this device displays stably. Stop, choose the "
+        "device, and start again.");
+    }
+    hand->Servo->set_tool(session->Body->tool(tool));
+    this->applySettings(*session, *hand);
+    hand->Servo->start();
+    session->Exchange(tool, std::move(hand));
+  }
+  catch (const std::exception& error)
+  {
+    return error.what();
+  }
+  return {};
+}
+
+QString pqPalpateReducedTouch::device(int tool) const
+{
+  const Hand* hand = this->Running && tool < static_cast<int>(this->Running->Hands.size())
+    ? this->Running->Hands[static_cast<std::size_t>(tool)].get()
+    : nullptr;
+  return hand ? hand->Device : QString();
+}
+
+bool pqPalpateReducedTouch::endHand(Session& session, int tool)
+{
+  const std::unique_ptr<Hand> hand = session.Exchange(tool, nullptr);
+  if (!hand)
+  {
+    return true;
+  }
+  const bool ended = hand->Servo->stop();
+  const palpate::Statistics statistics = hand->Servo->statistics();
+  vtkVLogF(PARAVIEW_LOG_PLUGIN_VERBOSITY(),
+    "tool %d with %s: %llu ticks, %.1f /s, lateness 99 %% %.0f us, missed %llu, largest force "
+    "%.3f N, untrusted ticks %llu",
+    tool, hand->Device.toUtf8().constData(), static_cast<unsigned long long>(statistics.ticks),
+    statistics.rate(), Microseconds(statistics.lateness.p99),
+    static_cast<unsigned long long>(statistics.missed), statistics.largest_force,
+    static_cast<unsigned long long>(statistics.untrusted_ticks));
+  if (hand->Recording)
+  {
+    const QString fault = hand->Recording->Close();
+    Q_EMIT this->recorded(hand->Recording->GetFile(), hand->Recording->GetWritten(), fault);
+  }
+  return ended;
+}
+
+void pqPalpateReducedTouch::stop()
+{
+  this->end({}, pqPalpateRunWatch::Left::All);
+}
+
+void pqPalpateReducedTouch::end(const QString& why, pqPalpateRunWatch::Left left)
+{
+  if (!this->Running)
+  {
+    return;
+  }
+  this->FrameTimer.stop();
+  const std::shared_ptr<Session> session = std::move(this->Running);
+  // All at once, and then one after the other has its end.
+  session->LetGo();
+  bool ended = true;
+  for (int tool = 0; tool < static_cast<int>(session->Hands.size()); ++tool)
+  {
+    ended = this->endHand(*session, tool) && ended;
+  }
+  session->Body->stop();
+  const palpate::ReducedBodyStatistics statistics = session->Body->statistics();
+  const quint64 frames = session->BodyView->GetNumberOfFrames();
+  vtkVLogF(PARAVIEW_LOG_PLUGIN_VERBOSITY(),
+    "reduced body: %llu steps, %.1f /s, step 50 %% %.0f us, 99 %% %.0f us, missed %llu, largest "
+    "trust %.2f, %llu frames, %.1f /s",
+    static_cast<unsigned long long>(statistics.steps), statistics.rate(),
+    Microseconds(statistics.step_time.median), Microseconds(statistics.step_time.p99),
+    static_cast<unsigned long long>(statistics.missed), statistics.largest_trust,
+    static_cast<unsigned long long>(frames),
+    1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
+  session->Tools.clear();
+  if (left != pqPalpateRunWatch::Left::Nothing)
+  {
+    session->BodyView->RestorePicture();
+  }
+  if (left == pqPalpateRunWatch::Left::All)
+  {
+    session->BodyView->ShowRest();
+  }
+  Q_EMIT this->stopped(
+    ended ? why : "A device's driver hangs: the device itself has to switch its motors off.");
+  // Last: what is still asked of a server that is lost makes ParaView end, and that is told before.
+  this->Watch.end();
+}
+
+void pqPalpateReducedTouch::showFrame()
+{
+  if (this->Watch.hearsEscape())
+  {
+    this->stop();
+  }
+  // Rendering may handle events, a timer's too.
+  if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
+  {
+    return;
+  }
+  this->IsShowing = true;
+  const std::shared_ptr<Session> session = this->Running;
+  double largest[2] = { 0, 0 };
+  for (int tool = 0; tool < static_cast<int>(session->Hands.size()); ++tool)
+  {
+    Hand* hand = session->Hands[static_cast<std::size_t>(tool)].get();
+    if (!hand)
+    {
+      continue;
+    }
+    hand->Tick = hand->Servo->latest();
+    // Before its first tick it is closed.
+    const bool hasEnded = hand->Tick.state == palpate::ServoState::closed && hand->Tick.number > 0;
+    if (hand->Tick.state == palpate::ServoState::gone || hasEnded)
+    {
+      const QString problem = QString::fromStdString(hand->Servo->problem());
+      this->endHand(*session, tool);
+      Q_EMIT this->toolLost(
+        tool, QString("Tool %1 has lost its device: %2").arg(tool).arg(problem));
+      continue;
+    }
+    if (hand->Mouse)
+    {
+      hand->Mouse->Advance(hand->Tick);
+    }
+    try
+    {
+      this->applySettings(*session, *hand);
+    }
+    catch (const std::exception& error)
+    {
+      this->endHand(*session, tool);
+      Q_EMIT this->toolLost(tool, error.what());
+      continue;
+    }
+    largest[0] = std::max(largest[0], hand->Tick.force.norm());
+    largest[1] = std::max(largest[1], hand->Tick.contact.force.norm());
+  }
+  if (this->Running == session)
+  {
+    this->show(*session);
+  }
+  if (this->Running == session)
+  {
+    Q_EMIT this->sampled(1e-3 * session->Time.elapsed(), largest[0], largest[1]);
+  }
+  this->IsShowing = false;
+}
+
+void pqPalpateReducedTouch::show(Session& session)
+{
+  const palpate::ReducedBodyOutbox::Newest& newest = session.Body->latest();
+  const Eigen::VectorXd& y = newest.coordinates;
+  std::string text;
+  for (std::size_t tool = 0; tool < session.Tools.size(); ++tool)
+  {
+    const Hand* hand = session.Hands[tool].get();
+    palpate::Contact contact;
+    if (hand)
+    {
+      contact = hand->Tick.contact;
+    }
+    contact.anchor = session.Space.Places[tool];
+    // As the body is drawn, and not a step later.
+    contact.displacement =
+      y.segment<3>(session.Space.Model->num_modes + 3 * static_cast<Eigen::Index>(tool));
+    session.Tools[tool]->ShowTool(contact, hand != nullptr);
+    if (hand && hand->Mouse)
+    {
+      session.Tools[tool]->MarkMouse();
+      text = hand->Mouse->GetHint();
+    }
+  }
+  if (newest.state.trust > palpate::kLargestTrusted)
+  {
+    text = "Farther than the model was trained for:\nforces are not to be trusted.";
+  }
+  const bool says = session.Tools.front()->Say(text);
+  const bool moved = y != session.Coordinates;
+  if (!moved && !says)
+  {
+    session.BodyView->Rest();
+    return;
+  }
+  if (moved)
+  {
+    session.Coordinates = y;
+    session.BodyView->ShowReduced(y.data(), static_cast<unsigned int>(y.size()));
+    // A server that is gone is noticed when it is told something.
+    if (this->Running.get() != &session)
+    {
+      return;
+    }
+  }
+  session.BodyView->Draw();
+}
+
+pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
+{
+  Figures figures;
+  if (!this->Running)
+  {
+    return figures;
+  }
+  Session& session = *this->Running;
+  const palpate::ReducedBodyStatistics statistics = session.Body->statistics();
+  const palpate::ReducedState& state = session.Body->latest().state;
+  figures.Outcome = QString::fromStdString(palpate::to_string(state.outcome));
+  figures.Trust = state.trust;
+  figures.IsTrusted = state.trust <= palpate::kLargestTrusted;
+  figures.Rate = statistics.rate();
+  figures.FrameRate = session.BodyView->GetFrameRate();
+  figures.Lateness[0] = Microseconds(statistics.lateness.median);
+  figures.Lateness[1] = Microseconds(statistics.lateness.p99);
+  figures.Lateness[2] = Microseconds(statistics.lateness.largest);
+  figures.StepTime[0] = Microseconds(statistics.step_time.median);
+  figures.StepTime[1] = Microseconds(statistics.step_time.p99);
+  figures.Steps = statistics.steps;
+  figures.Missed = statistics.missed;
+  figures.Problem = QString::fromStdString(session.Body->problem());
+  for (std::size_t number = 0; number < session.Hands.size(); ++number)
+  {
+    const std::unique_ptr<Hand>& hand = session.Hands[number];
+    ToolFigures tool;
+    tool.ActiveNode = session.Space.ActiveNodes[number];
+    if (hand)
+    {
+      const palpate::Tick tick = hand->Servo->latest();
+      tool.State = Words(palpate::to_string(tick.state)) + ", " + Words(tick.contact.status);
+      const std::string_view why = palpate::words_for(tick.tripped);
+      if (!why.empty())
+      {
+        tool.State += ". There is no force: " + Words(why);
+      }
+      tool.Force = tick.force.norm();
+      tool.BodyForce = tick.contact.force.norm();
+      if (hand->Recording)
+      {
+        figures.Recorded += hand->Recording->GetWritten();
+        figures.NotRecorded += hand->Recording->GetDropped();
+      }
+    }
+    figures.Tools.push_back(tool);
+  }
+  return figures;
+}

@@ -1,0 +1,604 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "dynamics/dynamic_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "assembly/energy_term.h"
+#include "assembly/mass.h"
+#include "base/error.h"
+#include "dynamics/viscosity.h"
+#include "equilibrium/condensed_system.h"
+#include "equilibrium/corrector.h"
+#include "equilibrium/ramp.h"
+#include "interaction/interaction_list.h"
+#include "threads/thread_team.h"
+
+namespace palpate {
+namespace {
+
+/// The error that a step of BDF2 makes, as a share of the difference of its result from a parabola
+/// through the three states before, for equal steps: 2/9 h³u‴ of 11/9 h³u‴.
+constexpr double kErrorShare = 2.0 / 11;
+/// A step may not become longer by more than this factor, where its error allows for it. BDF2 is
+/// stable for ratios below 1 + √2.
+constexpr double kLongestRatio = 1.6;
+constexpr double kShortestRatio = 0.3;
+constexpr double kSafety = 0.9;
+/// Where a step was halved, this many are taken before it is doubled.
+constexpr int kStepsBeforeDoubling = 4;
+
+/// What a step adds to the energy of the materials.
+class StepTerm final : public EnergyTerm {
+ public:
+  StepTerm(const Assembly& assembly, const MassMatrix& mass, NodalVector load)
+      : assembly_(assembly), mass_(mass), load_(std::move(load)) {}
+
+  void set_load_share(double share) { load_share_ = share; }
+  void set_inertia(double factor, const NodalVector& centre) {
+    inertia_ = factor;
+    centre_ = centre;
+  }
+  /// A force that is the same in all of the step, N [state_size].
+  void set_past(const NodalVector& force) { past_ = force; }
+  void set_memory(const Memory* memory) { memory_ = memory; }
+  /// The load that acts, N.
+  [[nodiscard]] const NodalVector& load() const { return load_; }
+
+  double add(const NodalVector& state, NodalVector& force,
+             std::vector<double>* values) const override {
+    double energy = -load_share_ * load_.dot(state);
+    force -= load_share_ * load_;
+    if (past_.size() > 0) {
+      energy += past_.dot(state);
+      force += past_;
+    }
+    if (inertia_ > 0) {
+      NodalVector way = NodalVector::Zero(state.size());
+      way.head(centre_.size()) = state.head(centre_.size()) - centre_;
+      const NodalVector of_mass = mass_.times(way);
+      energy += 0.5 * inertia_ * way.dot(of_mass);
+      force += inertia_ * of_mass;
+      if (values != nullptr) mass_.add_to(inertia_, *values);
+    }
+    if (memory_ != nullptr) energy += assembly_.add_memory(*memory_, state, force, values);
+    return energy;
+  }
+
+ private:
+  const Assembly& assembly_;
+  const MassMatrix& mass_;
+  NodalVector load_;
+  double load_share_ = 1;
+  double inertia_ = 0;
+  NodalVector centre_;
+  NodalVector past_;
+  const Memory* memory_ = nullptr;
+};
+
+/// Short steps have digits too.
+std::string text_of(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
+
+bool ends_run(Outcome outcome) {
+  return outcome == Outcome::aborted || outcome == Outcome::budget_used_up;
+}
+
+std::vector<double> densities(const std::vector<Rheology>& rheologies) {
+  std::vector<double> all;
+  for (const Rheology& rheology : rheologies) all.push_back(rheology.density);
+  return all;
+}
+
+InteractionList as_list(const Interaction& tools) {
+  if (const auto* list = dynamic_cast<const InteractionList*>(&tools)) return *list;
+  InteractionList list;
+  list.add(tools);
+  return list;
+}
+
+std::vector<Rheology> checked(const Scene& scene, const std::vector<Rheology>& rheologies) {
+  if (rheologies.size() != scene.materials.size()) {
+    throw InputError("There are " + std::to_string(rheologies.size()) + " densities for " +
+                     std::to_string(scene.materials.size()) + " materials.");
+  }
+  for (const Rheology& rheology : rheologies) validate(rheology);
+  if (!has_density(rheologies)) {
+    throw InputError(
+        "The body has no density, so that it has no motion in time. Give it one (Density of Assign "
+        "Material, kg/m³; soft tissue has about 1000).");
+  }
+  return rheologies;
+}
+
+}  // namespace
+
+void validate(const DynamicsOptions& options) {
+  const auto check = [](bool good, const std::string& what) {
+    if (!good) throw InputError(what);
+  };
+  check(options.time_step > 0 && std::isfinite(options.time_step),
+        "The time step (TimeStep) is " + text_of(options.time_step) + " s; it must be above 0.");
+  check(options.tolerance >= 0 && options.tolerance < 1,
+        "The tolerance of a step (StepTolerance) is " + text_of(options.tolerance) +
+            "; it must be from 0 to below 1.");
+  check(options.spectral_radius >= 0 && options.spectral_radius <= 1,
+        "The spectral radius (SpectralRadius) is " + text_of(options.spectral_radius) +
+            "; it must be from 0 to 1.");
+  check(options.max_halvings >= 0 && options.max_halvings <= 30,
+        "A step may be halved (MaximumHalvings) " + std::to_string(options.max_halvings) +
+            " times; give a number from 0 to 30.");
+  check(options.gravity.allFinite(), "The gravity (BodyForce) has a component that is no number.");
+  validate(options.equilibrium);
+}
+
+class DynamicSolver::Impl {
+ public:
+  Impl(const Scene& scene, const std::vector<Rheology>& rheologies, const Interaction& tools,
+       DynamicsOptions options, std::unique_ptr<LinearSolver> linear_solver)
+      : scene_(scene),
+        rheologies_(checked(scene, rheologies)),
+        options_(std::move(options)),
+        all_tools_(as_list(tools)),
+        system_(
+            scene, std::move(linear_solver), std::max(2, options_.equilibrium.kept_factors),
+            options_.equilibrium.single_precision ? Precision::single_if_safe : Precision::full),
+        mass_(scene, densities(rheologies_), system_.assembly()),
+        term_(system_.assembly(), mass_, mass_.weight(options_.gravity)) {
+    system_.set_interaction(all_tools_);
+    if (system_.is_iterative()) team_ = make_thread_team(options_.equilibrium.threads);
+  }
+
+  [[nodiscard]] const Work& work() const { return system_.work(); }
+  /// Of a body without a factor; else null.
+  [[nodiscard]] Team* team() const { return team_.get(); }
+
+  DynamicState run(const ToolPath& path, double until, const TakeState& take,
+                   const Eigen::VectorXd& clear) {
+    start_ = Clock::now();
+    if (path.num_coordinates() != system_.num_coordinates()) {
+      throw InputError("The way of the tools has " + std::to_string(path.num_coordinates()) +
+                       " coordinates, but the tools have " +
+                       std::to_string(system_.num_coordinates()) + '.');
+    }
+    DynamicState state =
+        begin(path.at(0), clear.size() > 0 ? clear : Eigen::VectorXd::Zero(path.num_coordinates()));
+    if (state.outcome != Outcome::converged || !take(state)) return state;
+    double next = options_.time_step;
+    int good_steps = 0;
+    // A last step is not left over by rounding.
+    const double rounding = 1e-9 * options_.time_step;
+    while (until - state.motion.time > rounding) {
+      let_go(path, state, rounding);
+      const double left =
+          std::min(until, path.next_release(state.motion.time + rounding)) - state.motion.time;
+      const int num_steps = static_cast<int>(std::ceil(left / next - 1e-9));
+      double length = num_steps <= 2 ? left / num_steps : next;
+      DynamicState to;
+      int halvings = 0;
+      for (;; ++halvings) {
+        to =
+            moves_too_far(path, state, length) ? untried(state, length) : step(path, state, length);
+        if (ends_run(to.outcome)) break;
+        const bool accurate = options_.tolerance == 0 || to.local_error <= allowed_error(path, to);
+        if (to.outcome == Outcome::converged && accurate) break;
+        if (halvings == options_.max_halvings) {
+          if (to.outcome != Outcome::converged) break;
+          to.message = "A step of " + text_of(length) +
+                       " s is less accurate than was asked for, and may not be halved again.";
+          break;
+        }
+        length /= 2;
+        good_steps = 0;
+      }
+      to.halvings = halvings;
+      if (to.outcome != Outcome::converged) {
+        state.outcome = to.outcome;
+        state.message = to.message;
+        return state;
+      }
+      end_step(state, to);
+      state = std::move(to);
+      next = next_length(path, state, length, good_steps);
+      if (!take(state)) {
+        state.outcome = Outcome::aborted;
+        return state;
+      }
+    }
+    return state;
+  }
+
+ private:
+  /// Whether a tool could pass through the body in a step.
+  [[nodiscard]] bool moves_too_far(const ToolPath& path, const DynamicState& from,
+                                   double length) const {
+    if (!system_.interaction().has_potential()) return false;
+    const Eigen::VectorXd way = path.at(from.motion.time + length) - from.tools;
+    return way.lpNorm<Eigen::Infinity>() > system_.interaction().longest_step();
+  }
+
+  [[nodiscard]] static DynamicState untried(const DynamicState& from, double length) {
+    DynamicState to;
+    to.outcome = Outcome::not_converged;
+    to.message = "In the step of " + text_of(length) + " s from " + text_of(from.motion.time) +
+                 " s on a tool moves so far that it could pass through the body. Take shorter "
+                 "steps, or move it more slowly.";
+    return to;
+  }
+
+  /// Lets those tools go whose time has come.
+  void let_go(const ToolPath& path, DynamicState& state, double rounding) {
+    bool any = false;
+    for (Index tool = 0; tool < tools_.num_tools(); ++tool) {
+      if (released_[tool] || path.release(tool) > state.motion.time + rounding) continue;
+      released_[tool] = any = true;
+      tools_.let_go(tool, state.tools.segment<3>(3 * Eigen::Index{tool}));
+      state.force.segment<3>(3 * Eigen::Index{tool}).setZero();
+    }
+    if (!any) return;
+    system_.set_interaction(tools_);
+    last_inertia_ = 0;
+    factor_of_.reset();
+    // The acceleration jumps: what was before says nothing of what comes.
+    state.motion.acceleration = acceleration_when_let_go(state.motion.acceleration);
+    state.motion.step = 0;
+    history_.clear();
+    remember(state.motion);
+  }
+
+  /// Puts tools that were let go to where the points are that they held.
+  void place_released(DynamicState& state) const {
+    for (Index tool = 0; tool < tools_.num_tools(); ++tool) {
+      const std::vector<PrescribedPoint> points = all_tools_.tool(tool).prescribed_points();
+      if (!released_[tool] || points.empty()) continue;
+      Vec3 sum = Vec3::Zero();
+      for (const PrescribedPoint& p : points) {
+        const Eigen::Index first = 3 * Eigen::Index{p.point};
+        sum += state.motion.u.segment<3>(first) - rest_.segment<3>(first);
+      }
+      state.tools.segment<3>(3 * Eigen::Index{tool}) = sum / static_cast<double>(points.size());
+    }
+  }
+
+  /// Follows the way to where the motion begins.
+  void follow(const Ramp& ramp, const char* failure, NodalVector& x, DynamicState& state) {
+    const RampEnd end = follow_ramp(
+        system_, options_.equilibrium, [this] { return interruption(); }, ramp, x);
+    state.outcome = end.outcome;
+    state.residual = end.residual;
+    state.iterations += end.iterations;
+    if (end.outcome != Outcome::converged) state.message = failure;
+  }
+
+  /// Rest under gravity, with the tools at q, to where they come from where they are clear of the
+  /// body.
+  DynamicState begin(const Eigen::VectorXd& q, const Eigen::VectorXd& clear) {
+    system_.begin_solve();
+    unscale();
+    term_.set_inertia(0, {});
+    term_.set_past({});
+    term_.set_memory(nullptr);
+    system_.set_term(term_);
+    NodalVector x = NodalVector::Zero(system_.assembly().state_size());
+    DynamicState state;
+    // The body settles, and then the tools come to it.
+    Ramp load;
+    load.at = [this](double share) {
+      term_.set_load_share(options_.settled ? share : 0);
+      return Eigen::VectorXd();
+    };
+    system_.set_interaction(InteractionList());
+    follow(load, "The body finds no rest under gravity.", x, state);
+    system_.set_rest(x);
+    rest_ = x;
+    tools_ = all_tools_;
+    released_.assign(static_cast<std::size_t>(tools_.num_tools()), 0);
+    system_.set_interaction(tools_);
+    const Eigen::VectorXd way = q - clear;
+    Ramp approach;
+    // Of the last one rounding shall change nothing.
+    approach.at = [&](double share) {
+      return share < 1 ? Eigen::VectorXd(clear + share * way) : q;
+    };
+    if (tools_.has_potential()) {
+      const double longest_step = tools_.longest_step();
+      while (approach.longest_increment * way.lpNorm<Eigen::Infinity>() > longest_step) {
+        approach.longest_increment /= 2;
+      }
+    }
+    if (state.outcome == Outcome::converged) {
+      follow(approach, "The body finds no rest with the tools at their first place.", x, state);
+    }
+    term_.set_load_share(1);
+    const Eigen::Index n = 3 * Eigen::Index{system_.assembly().num_points()};
+    state.motion.u = x.head(n);
+    state.motion.velocity = state.motion.acceleration = NodalVector::Zero(n);
+    state.tools = q;
+    const bool is_viscous = std::any_of(rheologies_.begin(), rheologies_.end(),
+                                        [](const Rheology& of) { return of.is_viscous(); });
+    viscosity_.reset();
+    if (is_viscous) viscosity_.emplace(scene_, rheologies_, system_.assembly(), x);
+    last_inertia_ = 0;
+    history_.clear();
+    largest_way_ = 0;
+    last_x_ = x;
+    state.p = pressures_of(x);
+    state.force = Eigen::VectorXd::Zero(q.size());
+    if (state.outcome == Outcome::converged) {
+      measure(x, state.motion.acceleration, state);
+      if (!options_.settled) {
+        state.motion.acceleration = acceleration_when_let_go(state.motion.acceleration);
+        measure(x, state.motion.acceleration, state);
+      }
+      state.minimum_det_f = system_.assembly().minimum_det_f(x).value;
+    }
+    remember(state.motion);
+    return state;
+  }
+
+  /// Of a body on which the forces act that were measured, m/s².
+  /// @param before That of the points that tools prescribe, which stays.
+  [[nodiscard]] NodalVector acceleration_when_let_go(const NodalVector& before) const {
+    std::vector<char> free(scene_.fixed.size());
+    const std::vector<Index>& unknown = system_.assembly().unknown_of_point();
+    for (std::size_t p = 0; p < free.size(); ++p) free[p] = unknown[p] >= 0 ? 1 : 0;
+    NodalVector of_tools = NodalVector::Zero(unbalanced_.size());
+    for (const auto& [point, coordinate] : system_.prescribed_points()) {
+      free[point] = 0;
+      of_tools.segment<3>(3 * Eigen::Index{point}) = before.segment<3>(3 * Eigen::Index{point});
+    }
+    const NodalVector force = -unbalanced_ - mass_.times(of_tools);
+    return mass_.acceleration(force, free) + of_tools.head(before.size());
+  }
+
+  /// Tries a step; nothing is changed by it but factors that are kept.
+  DynamicState step(const ToolPath& path, const DynamicState& from, double length) {
+    system_.begin_solve();
+    const TimeStep time(options_.integrator, options_.spectral_radius, from.motion, length);
+    bool changes = time.inertia() != last_inertia_;
+    term_.set_inertia(time.inertia(), time.centre());
+    if (time.share_of_past() > 0) term_.set_past(time.share_of_past() * unbalanced_);
+    if (viscosity_) {
+      changes = viscosity_->begin_step(length, time.rate()) || changes;
+      term_.set_memory(&viscosity_->memory());
+    }
+    if (changes) {
+      last_inertia_ = time.inertia();
+      system_.set_term(term_);
+      factor_of_.reset();
+    }
+    const Eigen::VectorXd q = path.at(from.motion.time + length);
+    NodalVector x = last_x_;
+    const NodalVector predicted = extrapolated(from.motion.time + length);
+    x.head(predicted.size()) = predicted;
+    system_.prescribe(q, x);
+    if (!std::isfinite(system_.evaluate(q, x))) {
+      x = last_x_;
+      x.head(predicted.size()) = from.motion.u;
+      system_.prescribe(q, x);
+    }
+    LinearisedState start;
+    if (factor_of_) {
+      start = *factor_of_;
+    } else {
+      start.t = q;
+      start.u = x.head(predicted.size());
+      start.p = pressures_of(x);
+    }
+    const Correction correction = correct_from(start, q, x);
+    DynamicState to;
+    to.outcome = correction.outcome;
+    to.residual = correction.residual;
+    to.iterations = correction.iterations;
+    if (correction.outcome != Outcome::converged) {
+      to.message = "The step of " + text_of(length) + " s from " + text_of(from.motion.time) +
+                   " s on is " + to_string(correction.outcome) + '.';
+      return to;
+    }
+    if (correction.factor != nullptr && correction.factor_state.size() > 0) {
+      factor_of_.emplace();
+      take(correction.factor_t, correction.factor_state, *factor_of_);
+    } else if (correction.factor != nullptr) {
+      factor_of_ = std::move(start);
+    }
+    to.motion = time.end(x);
+    to.tools = q;
+    to.minimum_det_f = system_.assembly().minimum_det_f(x).value;
+    if (!(to.minimum_det_f > 0) || !to.motion.u.allFinite()) {
+      to.outcome = Outcome::not_converged;
+      to.message = "The step of " + text_of(length) + " s from " + text_of(from.motion.time) +
+                   " s on turns a cell inside out.";
+      return to;
+    }
+    const NodalVector difference = to.motion.u - predicted;
+    to.local_error =
+        kErrorShare * difference.reshaped(3, difference.size() / 3).colwise().norm().maxCoeff();
+    solution_ = x;
+    return to;
+  }
+
+  /// Completes a step that was taken.
+  void end_step(const DynamicState& from, DynamicState& to) {
+    const double length = to.motion.step;
+    const TimeStep time(options_.integrator, options_.spectral_radius, from.motion, length);
+    last_x_ = solution_;
+    to.p = pressures_of(last_x_);
+    if (viscosity_) viscosity_->end_step(length, time.rate(), last_x_);
+    measure(last_x_, time.acceleration_of(to.motion), to);
+    place_released(to);
+    to.energy.work = from.energy.work + 0.5 * (from.force + to.force).dot(to.tools - from.tools);
+    remember(to.motion);
+  }
+
+  /// Energies of a state, and the force of the tools, which is what their points take.
+  void measure(const NodalVector& x, const NodalVector& acceleration, DynamicState& state) {
+    NodalVector force;
+    Eigen::VectorXd of_tools = Eigen::VectorXd::Zero(state.tools.size());
+    unscale();
+    state.energy.elastic = system_.assembly().residual(x, force).energy;
+    if (viscosity_) system_.assembly().scale_energy(scene_, viscosity_->factors());
+    if (system_.interaction().has_potential()) {
+      state.energy.elastic += system_.interaction().potential(state.tools, x, force, of_tools);
+    }
+    if (viscosity_) {
+      (void)system_.assembly().add_memory(viscosity_->stress_now(), x, force);
+      state.energy.viscous_stored = viscosity_->stored();
+      state.energy.dissipated = viscosity_->work() - viscosity_->stored();
+    }
+    state.energy.weight = -term_.load().dot(x);
+    force -= term_.load();
+    unbalanced_ = force;
+    force += mass_.times(acceleration);
+    state.energy.kinetic =
+        0.5 * state.motion.velocity.dot(
+                  mass_.times(state.motion.velocity).head(state.motion.velocity.size()));
+    for (const auto& [point, coordinate] : system_.prescribed_points()) {
+      of_tools.segment<3>(coordinate) += force.segment<3>(3 * Eigen::Index{point});
+    }
+    state.force = of_tools;
+  }
+
+  Correction correct_from(const LinearisedState& start, const Eigen::VectorXd& q, NodalVector& x) {
+    const EquilibriumOptions& options = options_.equilibrium;
+    const Interruption interruption = [&] {
+      if (options.abort_requested && options.abort_requested()) return Outcome::aborted;
+      if (options.max_seconds > 0 && seconds_since(start_) > options.max_seconds) {
+        return Outcome::budget_used_up;
+      }
+      return Outcome::converged;
+    };
+    return system_.is_iterative() ? correct_by_iteration(system_, options, interruption, q, x)
+                                  : correct(system_, options, interruption, start, q, x);
+  }
+
+  [[nodiscard]] Outcome interruption() const {
+    const EquilibriumOptions& options = options_.equilibrium;
+    if (options.abort_requested && options.abort_requested()) return Outcome::aborted;
+    if (options.max_seconds > 0 && seconds_since(start_) > options.max_seconds) {
+      return Outcome::budget_used_up;
+    }
+    return Outcome::converged;
+  }
+
+  void take(const Eigen::VectorXd& q, const NodalVector& x, LinearisedState& state) const {
+    state.t = q;
+    state.u = x.head(3 * Eigen::Index{system_.assembly().num_points()});
+    state.p = pressures_of(x);
+  }
+
+  [[nodiscard]] NodalVector pressures_of(const NodalVector& x) const {
+    return x.tail(system_.assembly().num_pressures()).cwiseProduct(system_.pressure_scale());
+  }
+
+  /// The energies of the materials are those of their laws from now on.
+  void unscale() {
+    if (!viscosity_) return;
+    system_.assembly().scale_energy(scene_, std::vector<double>(rheologies_.size(), 1.0));
+  }
+
+  /// m.
+  [[nodiscard]] double allowed_error(const ToolPath& path, const DynamicState& to) const {
+    largest_way_ = std::max(largest_way_, (to.tools - path.at(0)).lpNorm<Eigen::Infinity>());
+    const double scale = system_.num_coordinates() == 0
+                             ? system_.assembly().mean_edge()
+                             : std::max(largest_way_, 1e-3 * system_.assembly().mean_edge());
+    return options_.tolerance * scale;
+  }
+
+  [[nodiscard]] double next_length(const ToolPath& path, const DynamicState& state, double length,
+                                   int& good_steps) const {
+    ++good_steps;
+    if (options_.tolerance == 0) {
+      if (length >= options_.time_step || good_steps < kStepsBeforeDoubling) {
+        return std::min(length, options_.time_step);
+      }
+      good_steps = 0;
+      return std::min(2 * length, options_.time_step);
+    }
+    const double ratio =
+        kSafety * std::cbrt(allowed_error(path, state) / std::max(state.local_error, 1e-300));
+    // A small change is not worth a factor.
+    const double factor = std::clamp(ratio, kShortestRatio, kLongestRatio);
+    return std::min(factor < 1 || factor > 1.2 ? factor * length : length, options_.time_step);
+  }
+
+  void remember(const Motion& motion) {
+    history_.push_back({motion.time, motion.u});
+    if (history_.size() > 3) history_.erase(history_.begin());
+  }
+
+  /// The polynomial through the last states, at a time.
+  [[nodiscard]] NodalVector extrapolated(double time) const {
+    NodalVector sum = NodalVector::Zero(history_.back().u.size());
+    for (std::size_t i = 0; i < history_.size(); ++i) {
+      double weight = 1;
+      for (std::size_t j = 0; j < history_.size(); ++j) {
+        if (j == i) continue;
+        weight *= (time - history_[j].time) / (history_[i].time - history_[j].time);
+      }
+      sum += weight * history_[i].u;
+    }
+    return sum;
+  }
+
+  struct Past {
+    double time;
+    NodalVector u;
+  };
+
+  Scene scene_;
+  std::vector<Rheology> rheologies_;
+  DynamicsOptions options_;
+  /// Those of the beginning, and of now.
+  InteractionList all_tools_;
+  InteractionList tools_;
+  /// Whether each tool was let go.
+  std::vector<char> released_;
+  std::unique_ptr<Team> team_;
+  CondensedSystem system_;
+  MassMatrix mass_;
+  StepTerm term_;
+  std::optional<Viscosity> viscosity_;
+  /// In which the motion begins [state_size].
+  NodalVector rest_;
+  double last_inertia_ = 0;
+  std::vector<Past> history_;
+  /// The forces at the end of the last step but for inertia, N [state_size].
+  NodalVector unbalanced_;
+  /// The state at the end of the last step, and the solution of the last one that was tried.
+  NodalVector last_x_;
+  NodalVector solution_;
+  /// Where the last factor was made.
+  std::optional<LinearisedState> factor_of_;
+  mutable double largest_way_ = 0;
+  /// Of the run.
+  Clock::time_point start_{};
+};
+
+DynamicSolver::DynamicSolver(const Scene& scene, const std::vector<Rheology>& rheologies,
+                             const Interaction& tools, DynamicsOptions options,
+                             std::unique_ptr<LinearSolver> linear_solver) {
+  validate(options);
+  Scene checked_scene = scene;
+  check(checked_scene);
+  impl_ = std::make_unique<Impl>(checked_scene, rheologies, tools, std::move(options),
+                                 std::move(linear_solver));
+}
+DynamicSolver::~DynamicSolver() = default;
+DynamicSolver::DynamicSolver(DynamicSolver&&) noexcept = default;
+DynamicSolver& DynamicSolver::operator=(DynamicSolver&&) noexcept = default;
+
+const Work& DynamicSolver::work() const { return impl_->work(); }
+
+DynamicState DynamicSolver::run(const ToolPath& path, double until, const TakeState& take,
+                                const Eigen::VectorXd& clear) {
+  return with_team(impl_->team(), [&] { return impl_->run(path, until, take, clear); });
+}
+
+}  // namespace palpate

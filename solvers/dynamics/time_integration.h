@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Two implicit methods of second order, each as one equation for the displacement u at the end of a
+// step of length h,
+//
+//   c M (u − û) + f(u) + w (f_n − load) = load,   ∂E/∂t ≈ w₀ E(u) + w₁ E(u_n) + w₂ E(u_{n−1})
+//
+// where f has the forces of the material, viscous ones too, and f_n those at the beginning.
+//
+// BDF2, with the step before of another length: w = 0. It damps what it cannot resolve, and is the
+// more robust of the two. A first step is one of the backward Euler method.
+//
+// Generalised α [CH], with the mean of forces: w = α_f / (1 − α_f). Its damping is chosen by the
+// spectral radius ρ_∞ of the shortest periods: 1 damps nothing, 0 all of them in a step.
+//
+// [CH] Chung & Hulbert, A time integration algorithm for structural dynamics with improved
+// numerical dissipation: the generalized-α method, J. Appl. Mech. 60, 1993.
+#pragma once
+
+#include "base/types.h"
+
+namespace palpate {
+
+enum class TimeIntegrator : int {
+  bdf2 = 0,
+  generalised_alpha = 1,
+};
+
+/// What of the past a step needs.
+struct Motion {
+  double time = 0;
+  NodalVector u;
+  NodalVector velocity;
+  /// Of the generalised α method, whose error is of first order; see TimeStep::acceleration_of().
+  NodalVector acceleration;
+  /// Of the step that led here, s; 0: there was none.
+  double step = 0;
+  NodalVector u_before;
+  NodalVector velocity_before;
+};
+
+class TimeStep {
+ public:
+  /// @param spectral_radius ρ_∞ of the generalised α method, 0 … 1.
+  TimeStep(TimeIntegrator integrator, double spectral_radius, const Motion& from, double length);
+
+  [[nodiscard]] double length() const { return length_; }
+  /// w.
+  [[nodiscard]] double share_of_past() const { return share_of_past_; }
+  /// c, 1/s².
+  [[nodiscard]] double inertia() const { return inertia_; }
+  /// û, m.
+  [[nodiscard]] const NodalVector& centre() const { return centre_; }
+  /// w₀, w₁, w₂, 1/s.
+  [[nodiscard]] const Vec3& rate() const { return rate_; }
+  /// The motion after the step. @param x The solution, and maybe more of the state behind it.
+  [[nodiscard]] Motion end(const NodalVector& x) const;
+  /// The acceleration after the step, of second order.
+  [[nodiscard]] NodalVector acceleration_of(const Motion& end) const;
+
+ private:
+  TimeIntegrator integrator_;
+  const Motion& from_;
+  double length_;
+  double share_of_past_ = 0;
+  double inertia_ = 0;
+  NodalVector centre_;
+  Vec3 rate_;
+  // Of the generalised α method.
+  double beta_ = 0;
+  double gamma_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which nodes each corner moves (assembly/node_levels.h), so that what they have can be gathered.
+#pragma once
+
+#include <vector>
+
+#include "assembly/node_levels.h"
+
+namespace palpate {
+
+struct Children {
+  /// Where each corner begins in `node` [num_corners + 1].
+  std::vector<Index> start;
+  /// The nodes of which a corner is a parent, ascending: itself, with weight 1, and those halfway
+  /// to another one, with ½.
+  std::vector<Index> node;
+  /// The node that each corner is [num_corners].
+  std::vector<Index> node_of_corner;
+
+  [[nodiscard]] Index num_corners() const { return static_cast<Index>(node_of_corner.size()); }
+  [[nodiscard]] std::size_t bytes() const {
+    return (start.capacity() + node.capacity() + node_of_corner.capacity()) * sizeof(Index);
+  }
+};
+
+[[nodiscard]] Children find_children(const NodeLevels& levels);
+
+}  // namespace palpate

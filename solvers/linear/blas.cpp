@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear/blas.h"
+
+#include <dlfcn.h>
+
+#include <cstddef>
+
+#include "base/memory_error.h"
+
+namespace palpate {
+namespace {
+
+/// The ranks are the parallelism: threads of the BLAS under each would fight for the cores.
+void keep_to_one_thread() {
+  if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) {
+    reinterpret_cast<void (*)(int)>(set_threads)(1);
+  }
+}
+
+/// OpenBLAS takes a buffer at the first product of matrices and keeps it. Where there is no memory
+/// for it, it asks for it again and again, for ever: so it gets it here, where it is known that
+/// there is some.
+void take_buffer() {
+  void* const allocate = dlsym(RTLD_DEFAULT, "blas_memory_alloc");
+  void* const free = dlsym(RTLD_DEFAULT, "blas_memory_free");
+  if (allocate == nullptr || free == nullptr) return;
+  // 128 MiB at the most, of address space alone, and what it takes to align it.
+  constexpr std::size_t kMostBytes = (std::size_t{128} << 20) + (1 << 16);
+  require_memory(kMostBytes, "for the buffer of OpenBLAS, of 134 MB");
+  constexpr int kForProduct = 0;
+  void* const buffer = reinterpret_cast<void* (*)(int)>(allocate)(kForProduct);
+  reinterpret_cast<void (*)(void*)>(free)(buffer);
+}
+
+}  // namespace
+
+void prepare_blas() {
+  keep_to_one_thread();
+  static bool has_buffer = false;
+  if (has_buffer) return;
+  take_buffer();
+  has_buffer = true;
+}
+
+}  // namespace palpate

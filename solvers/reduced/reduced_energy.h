@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The energy of a reduced body, its force and its tangent at y = (q, d), see reduced_model.h.
+#pragma once
+
+#include <vector>
+
+#include "base/memory_ranges.h"
+#include "base/types.h"
+#include "reduced/kernels.h"
+#include "reduced/reduced_model.h"
+
+namespace palpate {
+
+class ReducedEnergy {
+ public:
+  /// Takes all the memory that it will need.
+  /// @param points, materials They must outlive this object.
+  ReducedEnergy(const ReducedPoints& points, const std::vector<Material>& materials);
+
+  /// A potential of the strain besides, see ReducedPointsView; null: there is none.
+  struct Memory {
+    const double* factors = nullptr;
+    const double* stress = nullptr;
+    const double* moduli = nullptr;
+  };
+  void set_memory(const Memory& memory) noexcept { memory_ = memory; }
+
+  /// Π, with what is remembered in `potential` and without it in `elastic`, and ∂Π/∂y in force().
+  /// @param y [coordinates]. @note Realtime-safe.
+  ReducedSums evaluate(const double* y) noexcept { return evaluate(y, nullptr); }
+  /// Does the same and computes tangent() besides.
+  ReducedSums linearise(const double* y) noexcept;
+
+  /// Of the last evaluation: ∂Π/∂y [coordinates], and the lower triangle of ∂²Π/∂y², to single
+  /// precision.
+  [[nodiscard]] const Eigen::VectorXd& force() const { return force_; }
+  [[nodiscard]] const Eigen::MatrixXd& tangent() const { return tangent_; }
+  /// Of the last evaluation, at each point: w P [72 a packet], N m, S of the law [48], Pa, and E
+  /// [48].
+  [[nodiscard]] const std::vector<double>& stress() const { return stress_; }
+  [[nodiscard]] const std::vector<double>& law_stress() const { return law_stress_; }
+  [[nodiscard]] const std::vector<double>& strain() const { return strain_; }
+
+  /// Adds what it holds.
+  void add_memory(MemoryRanges& ranges) const;
+
+ private:
+  ReducedSums evaluate(const double* y, float* tangent_of_points) noexcept;
+
+  const ReducedPoints& points_;
+  const ReducedKernels& kernels_;
+  Memory memory_;
+  /// Of each group.
+  std::vector<std::vector<double>> constants_;
+  std::vector<double> gradients_;
+  std::vector<double> stress_;
+  std::vector<double> law_stress_;
+  std::vector<double> strain_;
+  /// G of single precision, and what the tangent is made of.
+  Eigen::MatrixXf single_gradients_;
+  std::vector<float> tangent_of_points_;
+  std::vector<float> room_;
+  Eigen::VectorXd force_;
+  Eigen::MatrixXd tangent_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The quadrature points of a body, and any of them as points of a reduced model. They are numbered
+// cell by cell, those of a cell in the order of quadrature() (elements/tetrahedron.h).
+#pragma once
+
+#include <vector>
+
+#include "assembly/scene.h"
+#include "reduced/reduced_model.h"
+
+namespace palpate {
+
+class BodyPoints {
+ public:
+  /// @param scene It was checked, see check(), and must outlive this object.
+  explicit BodyPoints(const Scene& scene);
+
+  [[nodiscard]] Index count() const { return static_cast<Index>(weights_.size()); }
+  /// Weight times Jacobian of each [count], m³.
+  [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; }
+  [[nodiscard]] Index material_of(Index point) const;
+
+  struct Reduced {
+    ReducedPoints points;
+    /// The place in `points` of each point that was asked for, in that order.
+    std::vector<Index> place;
+  };
+  /// @param basis Displacement of every point of the mesh for a unit of each coordinate [3
+  ///   num_points × coordinates].
+  /// @param chosen The numbers of points, none twice. @param weights Of each, m³.
+  [[nodiscard]] Reduced reduce(const Eigen::MatrixXd& basis, const std::vector<Index>& chosen,
+                               const Eigen::VectorXd& weights) const;
+
+ private:
+  const Scene& scene_;
+  Eigen::VectorXd weights_;
+  Index points_of_cell_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/build_reduced_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "assembly/mass.h"
+#include "base/error.h"
+#include "dynamics/dynamic_solver.h"
+#include "equilibrium/equilibrium.h"
+#include "interaction/interaction_list.h"
+#include "reduced/reduced_body.h"
+#include "reduction/hyper_reduction.h"
+#include "reduction/random_path.h"
+#include "reduction/reduced_basis.h"
+#include "reduction/training.h"
+
+namespace palpate {
+namespace {
+
+/// The share of the modes of equilibria with one tool moved, and of those with all moved.
+constexpr double kOneToolShare = 0.2;
+constexpr double kAllToolsShare = 0.07;
+/// Equilibria that are found together, in a part of the training: as many as make its start, the
+/// equilibrium at rest, a small share.
+constexpr Eigen::Index kPlacesOfPart = 26;
+/// Of so many steps of the whole body, and of the reduced one, a state is taken.
+constexpr int kStepsOfState = 4;
+constexpr int kStepsOfReducedState = 10;
+/// That of DynamicsOptions::equilibrium in training: no mode is that accurate.
+constexpr double kMotionTolerance = 1e-6;
+/// Places of the reduced model for each of the whole body.
+constexpr int kReducedPlaces = 10;
+/// The least range of a coordinate, over the largest one: what moves less has no part in the force.
+constexpr double kLeastRange = 0.03;
+
+void require(bool good, const char* name, double value, const char* what) {
+  if (good) return;
+  throw InputError(std::string("The option ") + name + " of the reduced model is " +
+                   std::to_string(value) + "; " + what);
+}
+
+void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies) {
+  for (const Material& material : scene.materials) {
+    if (material.formulation == Formulation::displacement) continue;
+    throw InputError("The material " + to_string(material.law) + " with Poisson's ratio " +
+                     std::to_string(poissons_ratio(material)) +
+                     " has a pressure of its own, which a reduced model has not. Choose a "
+                     "compressible law with a ratio of at most 0.45.");
+  }
+  if (rheologies.size() != scene.materials.size()) {
+    throw InputError("There are " + std::to_string(rheologies.size()) + " rheologies for " +
+                     std::to_string(scene.materials.size()) + " materials. Give one for each.");
+  }
+  for (const Rheology& rheology : rheologies) validate(rheology);
+}
+
+/// The states of the whole body, by group.
+struct TrainingGroups {
+  TrainingStates one_tool;
+  TrainingStates all_tools;
+  TrainingStates moving;
+};
+
+/// What the body is solved for in training.
+class Training {
+ public:
+  Training(const Scene& scene, const std::vector<Rheology>& rheologies,
+           const std::vector<BondedPatch>& tools, const ReductionOptions& options)
+      : scene_(scene),
+        rheologies_(rheologies),
+        options_(options),
+        num_tools_(static_cast<int>(tools.size())) {
+    for (const BondedPatch& tool : tools) tools_.add(tool);
+    add_equilibria("OneTool", one_tool_places(num_tools_, options.reach));
+    if (num_tools_ > 1) {
+      add_equilibria("AllTools", random_places(num_tools_, options.reach, options.all_tools_states,
+                                               options.seed));
+    }
+    if (has_density(rheologies)) add_motion();
+  }
+  // Its parts know where it is.
+  Training(const Training&) = delete;
+  Training& operator=(const Training&) = delete;
+
+  /// @returns False where it was aborted. @param groups On rank 0. @note Collective
+  [[nodiscard]] bool run(const TrainingRun& run, TrainingGroups& groups) const {
+    std::vector<TrainingStates> states;
+    if (!train(parts_, run, options_.equilibrium.abort_requested, states)) return false;
+    for (std::size_t p = 0; p < states.size(); ++p) {
+      const std::string& name = parts_[p].name;
+      TrainingStates& group = name.compare(0, 7, "OneTool") == 0    ? groups.one_tool
+                              : name.compare(0, 8, "AllTools") == 0 ? groups.all_tools
+                                                                    : groups.moving;
+      group.append(states[p]);
+    }
+    return true;
+  }
+
+ private:
+  void add_equilibria(const std::string& name, const Eigen::MatrixXd& places) {
+    for (Eigen::Index first = 0; first < places.cols(); first += kPlacesOfPart) {
+      const Eigen::MatrixXd of_part =
+          places.middleCols(first, std::min(kPlacesOfPart, places.cols() - first));
+      add(name, [this, of_part] {
+        report("Equilibria");
+        EquilibriumSolver solver(scene_, options_.equilibrium);
+        solver.set_interaction(tools_);
+        return find_equilibria(solver, of_part);
+      });
+    }
+  }
+
+  void add_motion() {
+    for (const ToolPath& path : training_paths(options_, num_tools_)) {
+      add("Motion", [this, path] {
+        report("Motion");
+        return move_in_training(scene_, rheologies_, tools_, {path}, options_);
+      });
+    }
+  }
+
+  void add(const std::string& name, std::function<TrainingStates()> compute) {
+    parts_.push_back(
+        {name + std::to_string(parts_.size()), Index{3} * num_tools_, std::move(compute)});
+  }
+
+  void report(const std::string& what) const {
+    if (options_.report) options_.report(what);
+  }
+
+  const Scene& scene_;
+  const std::vector<Rheology>& rheologies_;
+  const ReductionOptions& options_;
+  int num_tools_;
+  InteractionList tools_;
+  std::vector<TrainingPart> parts_;
+};
+
+class Builder {
+ public:
+  Builder(const Scene& scene, const std::vector<Rheology>& rheologies,
+          const std::vector<BondedPatch>& tools, const ReductionOptions& options)
+      : scene_(scene),
+        rheologies_(rheologies),
+        options_(options),
+        num_tools_(static_cast<int>(tools.size())),
+        solver_(scene_, options.equilibrium),
+        points_(scene_),
+        stiffness_(solver_.assembly()),
+        modes_(stiffness_, 3 * Eigen::Index{scene_.mesh.num_points()}) {
+    for (const BondedPatch& tool : tools) tools_.add(tool);
+    solver_.set_interaction(tools_);
+  }
+
+  BuiltModel build(const TrainingGroups& groups) {
+    const Equilibrium rest = solver_.rest();
+    tool_responses_ = rest.v;
+    tool_stiffness_ = rest.stiffness;
+    make_modes(groups);
+    const Eigen::Index n = modes_.modes().cols();
+    result_.basis.resize(rest.u.size(), n + tool_responses_.cols());
+    result_.basis << modes_.modes(), tool_responses_;
+    Eigen::MatrixXd states(result_.basis.cols(), states_.tools.cols());
+    states << modes_.coordinates(beside_tools(states_)), states_.tools;
+    choose_points(states);
+    const Eigen::MatrixXd more = reduced_states();
+    Eigen::MatrixXd all(states.rows(), states.cols() + more.cols());
+    all << states, more;
+    choose_points(all);
+    result_.num_states = static_cast<int>(all.cols());
+    result_.num_left_out += states_.num_left_out;
+    return std::move(result_);
+  }
+
+ private:
+  void report(const std::string& what) const {
+    if (options_.report) options_.report(what);
+  }
+
+  /// u − L d.
+  [[nodiscard]] Eigen::MatrixXd beside_tools(const TrainingStates& states) const {
+    return states.u - tool_responses_ * states.tools;
+  }
+
+  void make_modes(const TrainingGroups& groups) {
+    report("Modes");
+    // Without one of the groups the others share its modes.
+    const double one_share = kOneToolShare;
+    const double all_share = num_tools_ > 1 ? kAllToolsShare : 0;
+    const double motion_share =
+        groups.moving.tools.cols() > 0 ? 1 - kOneToolShare - kAllToolsShare : 0;
+    const double whole = one_share + all_share + motion_share;
+    const auto until = [&](double share) {
+      return static_cast<Eigen::Index>(std::lround(options_.modes * share / whole));
+    };
+    const auto add = [&](const TrainingStates& group, double share) {
+      const Eigen::Index before = modes_.modes().cols();
+      if (group.tools.cols() > 0) modes_.add(beside_tools(group), until(share) - before);
+      states_.append(group);
+      return static_cast<Index>(modes_.modes().cols() - before);
+    };
+    result_.one_tool_modes = add(groups.one_tool, one_share);
+    result_.all_tools_modes = add(groups.all_tools, one_share + all_share);
+    result_.motion_modes = add(groups.moving, whole);
+  }
+
+  void choose_points(const Eigen::MatrixXd& states) {
+    report("Points for " + std::to_string(states.cols()) + " states");
+    choose_model_points(scene_, rheologies_, points_, tool_stiffness_, states, options_, result_);
+  }
+
+  /// States of the reduced model of now: equilibria, and on the training paths.
+  [[nodiscard]] Eigen::MatrixXd reduced_states() const {
+    report("States of the reduced model");
+    std::vector<Eigen::VectorXd> states;
+    ReducedModel still = result_.model;
+    still.mass.setZero();
+    still.rheologies.assign(still.rheologies.size(), Rheology());
+    ReducedBody at_rest(still, {});
+    const Eigen::MatrixXd places = random_places(
+        num_tools_, options_.reach, kReducedPlaces * options_.all_tools_states, options_.seed + 1);
+    for (Eigen::Index c = 0; c < places.cols(); ++c) {
+      at_rest.rest();
+      const Eigen::VectorXd place = places.col(c);
+      if (at_rest.step(place.data()).outcome == ReducedOutcome::converged) {
+        states.push_back(at_rest.coordinates());
+      }
+    }
+    if (result_.model.has_inertia()) {
+      ReducedBodyOptions options;
+      options.time_step = options_.time_step;
+      for (const ToolPath& path : training_paths(options_, num_tools_)) {
+        ReducedBody moving(result_.model, options);
+        const int num_steps = static_cast<int>(path.end() / options.time_step);
+        for (int step = 1; step <= num_steps; ++step) {
+          const Eigen::VectorXd place = path.at(step * options.time_step);
+          const ReducedState& state = moving.step(place.data());
+          if (step % kStepsOfReducedState == 0 && state.outcome == ReducedOutcome::converged) {
+            states.push_back(moving.coordinates());
+          }
+        }
+      }
+    }
+    Eigen::MatrixXd all(result_.basis.cols(), static_cast<Eigen::Index>(states.size()));
+    for (Eigen::Index c = 0; c < all.cols(); ++c) all.col(c) = states[c];
+    return all;
+  }
+
+  const Scene& scene_;
+  const std::vector<Rheology>& rheologies_;
+  const ReductionOptions& options_;
+  int num_tools_;
+  InteractionList tools_;
+  EquilibriumSolver solver_;
+  BodyPoints points_;
+  RestStiffness stiffness_;
+  ModeBuilder modes_;
+  Eigen::MatrixXd tool_responses_;
+  Eigen::MatrixXd tool_stiffness_;
+  TrainingStates states_;
+  BuiltModel result_;
+};
+
+}  // namespace
+
+void validate(const ReductionOptions& options) {
+  require(options.modes >= 1, "Modes", options.modes, "it must be at least 1.");
+  require(options.tolerance > 0 && options.tolerance < 1, "Tolerance", options.tolerance,
+          "it must be between 0 and 1.");
+  require(options.max_points >= 1, "MaxPoints", options.max_points, "it must be at least 1.");
+  require(options.training_paths >= 1, "TrainingPaths", options.training_paths,
+          "it must be at least 1.");
+  require(options.reach > 0 && std::isfinite(options.reach), "Reach", options.reach,
+          "it must be a length in m above 0.");
+  require(options.path_duration > 0 && std::isfinite(options.path_duration), "PathDuration",
+          options.path_duration, "it must be a number of seconds above 0.");
+  require(options.bandwidth > 0 && std::isfinite(options.bandwidth), "Bandwidth", options.bandwidth,
+          "it must be a frequency in Hz above 0.");
+  require(options.taps >= 0 && std::isfinite(options.taps), "Taps", options.taps,
+          "it must be a number in a second that is not negative.");
+  require(options.shortest_tap > 0 && std::isfinite(options.shortest_tap), "ShortestTap",
+          options.shortest_tap, "it must be a number of seconds above 0.");
+  require(options.time_step > 0 && std::isfinite(options.time_step), "TimeStep", options.time_step,
+          "it must be a number of seconds above 0.");
+  require(options.all_tools_states >= 1, "AllToolsStates", options.all_tools_states,
+          "it must be at least 1.");
+  validate(options.equilibrium);
+}
+
+ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>& rheologies,
+                                const Eigen::MatrixXd& basis, const Eigen::MatrixXd& tool_stiffness,
+                                const std::vector<Index>& points, const Eigen::VectorXd& weights,
+                                const Eigen::MatrixXd& states) {
+  ReducedModel model;
+  model.num_tool_coordinates = static_cast<Index>(tool_stiffness.rows());
+  model.num_modes = static_cast<Index>(basis.cols()) - model.num_tool_coordinates;
+  model.materials = scene.materials;
+  model.rheologies = rheologies;
+  model.points = BodyPoints(scene).reduce(basis, points, weights).points;
+  model.tool_stiffness = 0.5 * (tool_stiffness + tool_stiffness.transpose());
+  model.mass.setZero(basis.cols(), basis.cols());
+  if (has_density(rheologies)) {
+    std::vector<double> densities;
+    for (const Rheology& rheology : rheologies) densities.push_back(rheology.density);
+    const MassMatrix mass(scene, densities, Assembly(scene));
+    Eigen::MatrixXd of_basis(basis.rows(), basis.cols());
+    for (Eigen::Index c = 0; c < basis.cols(); ++c) {
+      of_basis.col(c) = mass.times(basis.col(c)).head(basis.rows());
+    }
+    model.mass = basis.transpose() * of_basis;
+  }
+  const Eigen::VectorXd ranges = states.cwiseAbs().rowwise().maxCoeff();
+  const auto at_least = [](const Eigen::VectorXd& range) {
+    return range.cwiseMax(kLeastRange * range.maxCoeff()).eval();
+  };
+  model.trained_modes = at_least(ranges.head(model.num_modes));
+  model.trained_tools = at_least(ranges.tail(model.num_tool_coordinates));
+  validate(model);
+  return model;
+}
+
+void choose_model_points(const Scene& scene, const std::vector<Rheology>& rheologies,
+                         const BodyPoints& points, const Eigen::MatrixXd& tool_stiffness,
+                         const Eigen::MatrixXd& states, const ReductionOptions& options,
+                         BuiltModel& built) {
+  HyperReductionOptions of_points;
+  of_points.tolerance = options.tolerance;
+  of_points.max_points = options.max_points;
+  of_points.seed = options.seed;
+  const HyperReduction chosen =
+      hyper_reduce(points, scene.materials, built.basis, tool_stiffness, states, of_points);
+  built.points = chosen.points;
+  built.residual = chosen.residual;
+  built.within_tolerance = chosen.converged;
+  built.num_left_out = chosen.num_left_out;
+  built.model = make_reduced_model(scene, rheologies, built.basis, tool_stiffness, chosen.points,
+                                   chosen.weights, states);
+}
+
+TrainingStates move_in_training(const Scene& scene, const std::vector<Rheology>& rheologies,
+                                const Interaction& tools, const std::vector<ToolPath>& paths,
+                                const ReductionOptions& options) {
+  DynamicsOptions of_motion;
+  of_motion.time_step = options.time_step;
+  of_motion.equilibrium = options.equilibrium;
+  of_motion.equilibrium.tolerance = kMotionTolerance;
+  DynamicSolver solver(scene, rheologies, tools, of_motion);
+  return move_body(solver, paths, kStepsOfState);
+}
+
+std::vector<ToolPath> training_paths(const ReductionOptions& options, int num_tools, int first) {
+  RandomPathOptions path;
+  path.num_tools = num_tools;
+  path.duration = options.path_duration;
+  path.reach = options.reach;
+  path.bandwidth = options.bandwidth;
+  path.taps = options.taps;
+  path.shortest_tap = options.shortest_tap;
+  std::vector<ToolPath> paths;
+  for (int i = first; i < first + options.training_paths; ++i) {
+    paths.push_back(random_path(path, options.seed + 1000 + static_cast<std::uint64_t>(i)));
+  }
+  return paths;
+}
+
+void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies,
+                     const ReductionOptions& options) {
+  validate(options);
+  check_materials(scene, rheologies);
+}
+
+BuiltModel build_reduced_model(const Scene& scene, const std::vector<Rheology>& rheologies,
+                               const std::vector<BondedPatch>& tools,
+                               const ReductionOptions& options) {
+  const auto alone = make_serial_communicator();
+  return build_reduced_model(scene, rheologies, tools, options, {*alone, nullptr, {}});
+}
+
+BuiltModel build_reduced_model(const Scene& scene, const std::vector<Rheology>& rheologies,
+                               const std::vector<BondedPatch>& tools,
+                               const ReductionOptions& options, const TrainingRun& run) {
+  BuiltModel built;
+  agree(run.communicator, [&] {
+    validate(options);
+    if (tools.empty()) {
+      throw InputError("A reduced model needs a tool. Give at least one bonded patch.");
+    }
+    Scene checked = scene;
+    check(checked);
+    check_materials(checked, rheologies);
+    TrainingGroups groups;
+    built.aborted = !Training(checked, rheologies, tools, options).run(run, groups);
+    if (built.aborted || run.communicator.rank() != 0) return;
+    try {
+      built = Builder(checked, rheologies, tools, options).build(groups);
+    } catch (const InputError&) {
+      // A body that was not solved for at rest has no model.
+      const auto& abort_requested = options.equilibrium.abort_requested;
+      if (!abort_requested || !abort_requested()) throw;
+      built.aborted = true;
+    }
+  });
+  return built;
+}
+
+}  // namespace palpate

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/kept_model.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <sstream>
+
+#include "base/error.h"
+#include "reduced/model_arrays.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::array<const char*, 3> kErrorKinds = {"One tool at rest", "All tools at rest",
+                                                    "Motion"};
+constexpr Eigen::Index kMotion = 2;
+
+/// Calls visit for each number of an error, in the order of its columns.
+template <class Error, class Visit>
+void for_each_number(Error& row, Visit&& visit) {
+  visit(row.error.mean);
+  visit(row.error.rms);
+  visit(row.error.max);
+  visit(row.error.largest_force);
+  visit(row.error.largest_trust);
+  visit(row.error.num_compared);
+  visit(row.error.num_failed);
+  visit(row.median_step);
+  visit(row.longest_step);
+  visit(row.whole_step);
+}
+constexpr Eigen::Index kErrorColumns = 11;
+
+Eigen::MatrixXd matrix_of(const std::vector<MeasuredError>& errors) {
+  Eigen::MatrixXd matrix(static_cast<Eigen::Index>(errors.size()), kErrorColumns);
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+    const MeasuredError& error = errors[static_cast<std::size_t>(r)];
+    const auto* const kind = std::find(kErrorKinds.begin(), kErrorKinds.end(), error.kind);
+    Eigen::Index column = 0;
+    matrix(r, column++) = static_cast<double>(kind - kErrorKinds.begin());
+    for_each_number(error, [&](const auto& x) { matrix(r, column++) = static_cast<double>(x); });
+  }
+  return matrix;
+}
+
+std::vector<MeasuredError> errors_of(const Eigen::MatrixXd& matrix) {
+  std::vector<MeasuredError> errors;
+  for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
+    MeasuredError& error = errors.emplace_back();
+    Eigen::Index column = 0;
+    const auto last = static_cast<double>(kErrorKinds.size() - 1);
+    const double kind = std::min(last, std::max(0.0, matrix(r, column++)));
+    error.kind = kErrorKinds[static_cast<std::size_t>(kind)];
+    for_each_number(
+        error, [&](auto& x) { x = static_cast<std::decay_t<decltype(x)>>(matrix(r, column++)); });
+  }
+  return errors;
+}
+
+StateSpaceFile::Arrays arrays_of(const KeptModel& kept, const ReductionTools& tools) {
+  StateSpaceFile::Arrays arrays = arrays_of(kept.model);
+  arrays["Basis"] = kept.basis;
+  const auto num_tools = static_cast<Eigen::Index>(tools.nodes.size());
+  arrays["ActiveNodes"] =
+      Eigen::Map<const Eigen::Matrix<Index, Eigen::Dynamic, 1>>(tools.nodes.data(), num_tools)
+          .cast<double>();
+  arrays["Fit"] = Eigen::RowVector2d(kept.residual, kept.within_tolerance ? 1 : 0);
+  arrays["Errors"] = matrix_of(kept.errors);
+  return arrays;
+}
+
+/// @throws InputError an array that is missing or of another size: somebody else made it.
+KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene) {
+  KeptModel kept;
+  kept.model = model_of(arrays);
+  const auto find = [&](const char* name, Eigen::Index rows, Eigen::Index columns) {
+    const auto found = arrays.find(name);
+    if (found == arrays.end() || (rows >= 0 && found->second.rows() != rows) ||
+        found->second.cols() != columns) {
+      throw InputError(std::string("The reduced model is damaged: its array ") + name +
+                       " is missing or of another size. Build it again, with another file.");
+    }
+    return found->second;
+  };
+  kept.basis =
+      find("Basis", 3 * Eigen::Index{scene.mesh.num_points()}, kept.model.num_coordinates());
+  const Eigen::MatrixXd fit = find("Fit", 1, 2);
+  kept.residual = fit(0, 0);
+  kept.within_tolerance = fit(0, 1) != 0;
+  kept.errors = errors_of(find("Errors", -1, kErrorColumns));
+  kept.was_there = true;
+  return kept;
+}
+
+/// Whether they were measured on so many paths.
+bool are_of(const MeasureOptions& measure, const KeptModel& kept) {
+  const auto num_paths =
+      std::count_if(kept.errors.begin(), kept.errors.end(),
+                    [](const MeasuredError& error) { return error.kind == kErrorKinds[kMotion]; });
+  return !kept.model.has_inertia() || num_paths == measure.paths;
+}
+
+}  // namespace
+
+std::string key_of_model(const Scene& scene, const std::vector<Rheology>& rheologies,
+                         const ReductionTools& tools, const ReductionOptions& options) {
+  std::ostringstream text;
+  text << std::hexfloat << hash(scene);
+  for (const Rheology& rheology : rheologies) {
+    for (const double x : values_of(rheology)) text << ' ' << x;
+  }
+  for (std::size_t t = 0; t < tools.patches.size(); ++t) {
+    text << " tool " << tools.nodes[t];
+    for (const Index point : tools.patches[t].points()) text << ' ' << point;
+  }
+  text << " options " << options.modes << ' ' << options.tolerance << ' ' << options.max_points
+       << ' ' << options.training_paths << ' ' << options.seed << ' ' << options.reach << ' '
+       << options.path_duration << ' ' << options.bandwidth << ' ' << options.taps << ' '
+       << options.shortest_tap << ' ' << options.time_step << ' ' << options.all_tools_states << ' '
+       << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
+       << options.equilibrium.single_precision;
+  const std::string all = text.str();
+  const XXH128_hash_t digest = XXH3_128bits(all.data(), all.size());
+  std::ostringstream key;
+  key << std::hex << digest.high64 << '-' << digest.low64;
+  return key.str();
+}
+
+KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheologies,
+                           const ReductionTools& tools, const ReductionOptions& options,
+                           const MeasureOptions& measure, const std::filesystem::path& path,
+                           Communicator& communicator) {
+  KeptModel kept;
+  agree(communicator, [&] {
+    const bool is_first = communicator.rank() == 0;
+    std::optional<StateSpaceFile> file;
+    const std::string key = key_of_model(scene, rheologies, tools, options);
+    if (is_first && !path.empty()) {
+      validate(options);
+      file.emplace(StateSpaceFile::open_or_create(path, scene, options.equilibrium.tolerance));
+      if (const auto arrays = file->read_reduced_model(key)) kept = kept_model_of(*arrays, scene);
+    }
+    if (!any(communicator, kept.was_there)) {
+      BuiltModel built = build_reduced_model(scene, rheologies, tools.patches, options,
+                                             {communicator, file ? &*file : nullptr, key});
+      kept.aborted = built.aborted;
+      kept.model = std::move(built.model);
+      kept.basis = std::move(built.basis);
+      kept.residual = built.residual;
+      kept.within_tolerance = built.within_tolerance;
+    }
+    if (!is_first) return;
+    if (!kept.aborted && !(kept.was_there && are_of(measure, kept))) {
+      const auto ends = [&] { return measure.abort_requested && measure.abort_requested(); };
+      try {
+        kept.errors = measure_model(scene, rheologies, tools.patches, options, kept.model, measure);
+      } catch (const BackendError&) {
+        // The body does not come to the end of a path where that is not asked for any more.
+        if (!ends()) throw;
+      }
+      kept.aborted = ends();
+      if (file && !kept.aborted) file->add_reduced_model(key, arrays_of(kept, tools));
+    }
+    if (!file) return;
+    kept.damaged = file->left_out();
+    file->close();
+  });
+  kept.aborted = any(communicator, kept.aborted);
+  return kept;
+}
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/reduced_basis.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+/// A direction with less than this share of the energy of the largest is rounding.
+constexpr double kIndependent = 1e-13;
+
+}  // namespace
+
+RestStiffness::RestStiffness(const Assembly& assembly)
+    : state_of_unknown_(assembly.state_of_unknown()) {
+  NodalVector force;
+  std::vector<double> values;
+  (void)assembly.tangent(NodalVector::Zero(assembly.state_size()), force, values);
+  const SymmetricPattern& pattern = assembly.pattern();
+  matrix_ = Eigen::Map<const Eigen::SparseMatrix<double>>(
+      pattern.size, pattern.size, pattern.num_values(), pattern.column_start.data(),
+      pattern.row.data(), values.data());
+}
+
+Eigen::MatrixXd RestStiffness::times(const Eigen::MatrixXd& x) const {
+  const auto size = static_cast<Eigen::Index>(state_of_unknown_.size());
+  Eigen::MatrixXd unknowns(size, x.cols());
+  for (Eigen::Index i = 0; i < size; ++i) unknowns.row(i) = x.row(state_of_unknown_[i]);
+  const Eigen::MatrixXd products = matrix_.selfadjointView<Eigen::Lower>() * unknowns;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(x.rows(), x.cols());
+  for (Eigen::Index i = 0; i < size; ++i) result.row(state_of_unknown_[i]) = products.row(i);
+  return result;
+}
+
+ModeBuilder::ModeBuilder(const RestStiffness& stiffness, Eigen::Index num_rows)
+    : stiffness_(stiffness), modes_(num_rows, 0), of_modes_(num_rows, 0) {}
+
+void ModeBuilder::add(Eigen::MatrixXd fields, Eigen::Index most) {
+  if (fields.cols() == 0 || most <= 0) return;
+  const double energy_before = fields.cwiseProduct(stiffness_.times(fields)).colwise().sum().sum();
+  fields -= modes_ * (of_modes_.transpose() * fields);
+  const Eigen::MatrixXd gram = fields.transpose() * stiffness_.times(fields);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (gram + gram.transpose()));
+  // They ascend.
+  const Eigen::VectorXd energies = solver.eigenvalues().reverse();
+  const Eigen::Index count =
+      std::min<Eigen::Index>(most, (energies.array() > kIndependent * energy_before).count());
+  Eigen::MatrixXd added = fields * solver.eigenvectors().rightCols(count).rowwise().reverse();
+  for (Eigen::Index c = 0; c < count; ++c) added.col(c) /= std::sqrt(energies[c]);
+  // What rounding has left of the others, and of each other.
+  added -= modes_ * (of_modes_.transpose() * added);
+  const Eigen::LLT<Eigen::MatrixXd> factor(added.transpose() * stiffness_.times(added));
+  factor.matrixU().solveInPlace<Eigen::OnTheRight>(added);
+  const Eigen::Index n = modes_.cols();
+  modes_.conservativeResize(Eigen::NoChange, n + count);
+  modes_.rightCols(count) = added;
+  of_modes_.conservativeResize(Eigen::NoChange, n + count);
+  of_modes_.rightCols(count) = stiffness_.times(added);
+}
+
+Eigen::MatrixXd ModeBuilder::coordinates(const Eigen::MatrixXd& x) const {
+  return of_modes_.transpose() * x;
+}
+
+}  // namespace palpate

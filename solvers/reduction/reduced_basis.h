@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The basis of a reduced model: modes that are orthonormal in the stiffness K₀ of the body at rest,
+// see reduced/reduced_model.h.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "assembly/assembly.h"
+
+namespace palpate {
+
+/// K₀ of the displacement of all points.
+class RestStiffness {
+ public:
+  explicit RestStiffness(const Assembly& assembly);
+
+  /// K₀ x; zero at fixed points. @param x [3 num_points × any], m.
+  [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& x) const;
+
+ private:
+  std::vector<Index> state_of_unknown_;
+  /// The lower triangle.
+  Eigen::SparseMatrix<double> matrix_;
+};
+
+/// Modes that are made group by group.
+class ModeBuilder {
+ public:
+  /// @param stiffness It must outlive this object.
+  ModeBuilder(const RestStiffness& stiffness, Eigen::Index num_rows);
+
+  /// Adds the first POD modes of what is in the fields beside the modes that are there.
+  /// @param fields [num_rows × any], m.
+  /// @param most Of these modes. There are fewer where the fields have no more directions.
+  void add(Eigen::MatrixXd fields, Eigen::Index most);
+
+  /// Φ [num_rows × n], m/√J.
+  [[nodiscard]] const Eigen::MatrixXd& modes() const { return modes_; }
+  /// Φᵀ K₀ x for each column.
+  [[nodiscard]] Eigen::MatrixXd coordinates(const Eigen::MatrixXd& x) const;
+
+ private:
+  const RestStiffness& stiffness_;
+  Eigen::MatrixXd modes_;
+  /// K₀ Φ.
+  Eigen::MatrixXd of_modes_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reduced models of one body whose tools attach anywhere: the body is trained with tools at some
+// places, and what it learns there serves tools at others.
+//
+// The training leaves modes Ψ of the whole body, orthonormal in its stiffness K₀ at rest: of what
+// equilibria and motion with the tools at each of the places have beside the linear response to
+// them. Tools are then bonded to any patches. With C the rows of u at all points of them, and R the
+// rigid displacement of each tool, C L = R,
+//
+//   Z = K₀⁻¹Cᵀ,  S = C Z,  L = Z S⁻¹R,  LᵀK₀L = RᵀS⁻¹R
+//
+// are the linear responses and their stiffness. They are those of the body itself, however far away
+// the places of training are, and a patch is held at each of its points. Φ, which vanishes there,
+// is made of three groups, each of what those before it leave:
+//
+//   1. The terms of second and third order of the equilibrium's expansion in d.
+//   2. The terms of the linear body's response to motion in powers of the frequency.
+//   3. The modes of training that have most energy in its states, brought to vanish at the patches
+//      by the least change in K₀: PΨ, P = 1 − Z S⁻¹C.
+//
+// The first two are those of the place itself, for a few solves with one factor, which is kept;
+// what is taken from other places is the rest. Points and their weights (hyper_reduction.h) are
+// chosen for the place, by equilibria of the expansion and the states of training as Φ has them,
+// as the forces of all points at them are exact, wherever they are. It takes most of the time that
+// tools take to attach, and no equilibrium or motion of the whole body. measure_model() tells the
+// error with the tools where they are.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "reduction/build_reduced_model.h"
+
+namespace palpate {
+
+/// What the training leaves.
+struct TrainedPlaces {
+  /// Ψ [3 num_points × modes], m/√J.
+  Eigen::MatrixXd modes;
+  /// ΨᵀK₀u of what the training states have beside the linear response [modes × states], √J.
+  Eigen::MatrixXd states;
+  /// d of these states [tool coordinates × states], m.
+  Eigen::MatrixXd tools;
+  /// How far each coordinate of a tool went, m.
+  double reach = 0;
+  /// States that were left out: there was no equilibrium, or a cell was inverted.
+  int num_left_out = 0;
+};
+
+/// @param places The tools that are held at a time: one at each place, or several.
+/// @param options Its modes are those of all places together, its training paths those of each.
+/// @throws InputError as build_reduced_model(); no place, or places with different numbers of
+/// tools.
+[[nodiscard]] TrainedPlaces train_places(const Scene& scene,
+                                         const std::vector<Rheology>& rheologies,
+                                         const std::vector<std::vector<BondedPatch>>& places,
+                                         const ReductionOptions& options);
+
+class PlacedTools {
+ public:
+  /// Factorises the body's stiffness at rest.
+  /// @param scene, rheologies As those of the training. All must outlive this object.
+  /// @throws InputError an invalid scene; sizes that do not belong to it.
+  PlacedTools(const Scene& scene, const std::vector<Rheology>& rheologies,
+              const TrainedPlaces& trained);
+  ~PlacedTools();
+  PlacedTools(PlacedTools&&) noexcept;
+  PlacedTools& operator=(PlacedTools&&) noexcept;
+
+  /// The body with these tools, as many as at each place of training.
+  /// @param options Its modes, points, tolerance and seed count.
+  /// @throws InputError no tool, or another number of them; tools that share a point, or have one
+  ///   that does not exist, is in no cell or is fixed; an option out of its range.
+  [[nodiscard]] BuiltModel attach(const std::vector<BondedPatch>& tools,
+                                  const ReductionOptions& options) const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduction/training_run.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "exploration/transfer.h"
+
+namespace palpate {
+namespace {
+
+/// The states as columns of u and the place of the tools; one that was left out is a column of NaN.
+Eigen::MatrixXd matrix_of(const TrainingStates& states) {
+  const Eigen::Index count = states.u.cols();
+  // One row where there is no state at all.
+  const Eigen::Index rows = std::max<Eigen::Index>(1, states.u.rows() + states.tools.rows());
+  Eigen::MatrixXd matrix(rows, count + states.num_left_out);
+  matrix.topLeftCorner(states.u.rows(), count) = states.u;
+  matrix.bottomLeftCorner(states.tools.rows(), count) = states.tools;
+  matrix.rightCols(states.num_left_out).setConstant(std::numeric_limits<double>::quiet_NaN());
+  return matrix;
+}
+
+TrainingStates states_of(const Eigen::MatrixXd& matrix, Eigen::Index num_tool_rows) {
+  TrainingStates states;
+  Eigen::Index count = matrix.cols();
+  while (count > 0 && !matrix.col(count - 1).allFinite()) --count;
+  states.num_left_out = static_cast<int>(matrix.cols() - count);
+  if (count == 0) return states;
+  states.u = matrix.leftCols(count).topRows(matrix.rows() - num_tool_rows);
+  states.tools = matrix.leftCols(count).bottomRows(num_tool_rows);
+  return states;
+}
+
+/// What rank 0 has, on every rank. @note Collective
+std::vector<char> share(std::vector<char> flags, Communicator& communicator) {
+  Packer mine;
+  if (communicator.rank() == 0) mine.put(flags);
+  const std::vector<Bytes> all = communicator.all_gather(mine.take());
+  return Unpacker(all.front()).take<std::vector<char>>();
+}
+
+}  // namespace
+
+bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
+           const std::function<bool()>& abort_requested, std::vector<TrainingStates>& states) {
+  Communicator& communicator = run.communicator;
+  bool aborted = false;
+  agree(communicator, [&] {
+    std::map<std::string, Eigen::MatrixXd> found;
+    if (run.file != nullptr) found = run.file->read_training(run.key);
+    std::vector<char> is_found;
+    for (const TrainingPart& part : parts) is_found.push_back(found.count(part.name) > 0 ? 1 : 0);
+    is_found = share(std::move(is_found), communicator);
+    std::vector<std::size_t> missing;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (is_found[p] == 0) missing.push_back(p);
+    }
+    // In each round a rank computes a part, and rank 0 keeps them all.
+    const auto num_ranks = static_cast<std::size_t>(communicator.size());
+    const auto rank = static_cast<std::size_t>(communicator.rank());
+    for (std::size_t first = 0; first < missing.size() && !aborted; first += num_ranks) {
+      Packer mine;
+      bool is_aborted = false;
+      if (first + rank < missing.size()) {
+        const Eigen::MatrixXd matrix = matrix_of(parts[missing[first + rank]].compute());
+        is_aborted = abort_requested && abort_requested();
+        if (!is_aborted) mine.put(matrix);
+      }
+      const std::vector<Bytes> all = communicator.gather(mine.take());
+      for (std::size_t r = 0; r < all.size(); ++r) {
+        if (all[r].empty()) continue;
+        const std::string& name = parts[missing[first + r]].name;
+        found[name] = Unpacker(all[r]).take<Eigen::MatrixXd>();
+        if (run.file != nullptr) run.file->add_training(run.key, name, found[name]);
+      }
+      aborted = any(communicator, is_aborted);
+    }
+    if (aborted || rank != 0) return;
+    for (const TrainingPart& part : parts) {
+      states.push_back(states_of(found.at(part.name), part.num_tool_coordinates));
+    }
+  });
+  return !aborted;
+}
+
+}  // namespace palpate

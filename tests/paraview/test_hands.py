@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A reduced body in ParaView's window that two tools move, one with the mouse and one with the
+simulated hand: both are felt, the body moves between them, and what becomes of one is none of the
+other's.
+
+  test_hands.py <folder of the plugin PalpateInteractor>
+"""
+
+import shutil
+import sys
+
+from image_support import share_different
+from support import SKIPPED
+from test_interactor import run
+
+
+def main():
+    folder, = sys.argv[1:]
+    if shutil.which("paraview") is None:
+        sys.exit(SKIPPED)
+
+    both = run("both", folder, script="hands_script.py")
+    for size in (1000, 1500):
+        assert min(both[f"forces_{size}"]) > 0.02 and max(both[f"forces_{size}"]) < 10, both
+        assert both[f"between_{size}"][0] > 0.0005, both
+        assert share_different(f"rest_{size}.png", f"touched_{size}.png") > 0.005
+    assert share_different("rest_1000.png", "rest_1500.png") == 0
+    # As in test_interactor.py.
+    cost, waited, frames = both["frame"]
+    is_quiet = waited < 0.05
+    assert frames > 20 if is_quiet else cost < 0.13, both
+
+    apart = run("apart", folder, script="hands_script.py")
+    # Neither tool stands still while the other one moves the body.
+    assert min(apart["free"]) > 0.0005 and apart["threads"][0] <= 0, apart
+
+
+if __name__ == "__main__":
+    main()

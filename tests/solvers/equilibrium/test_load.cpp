@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A body that rests under a load, such as its weight.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "assembly/mass.h"
+#include "base/error.h"
+#include "equilibrium/equilibrium.h"
+#include "interaction/bonded_patch.h"
+#include "solvers/support/block.h"
+
+namespace palpate {
+namespace {
+
+const Vec3 kGravity(0, 0, -9.81);
+constexpr double kDensity = 500;
+/// Of the forces, N: solves end at 1e-10 of what the tool would take to be moved.
+constexpr double kNoForce = 1e-7;
+
+NodalVector weight_of(const Scene& scene, const EquilibriumSolver& solver, const Vec3& gravity) {
+  const std::vector<double> densities(scene.materials.size(), kDensity);
+  return MassMatrix(scene, densities, solver.assembly()).weight(gravity);
+}
+
+class Load : public testing::TestWithParam<Law> {};
+
+TEST_P(Load, RestsUnderItAndToolsCountFromThere) {
+  const test::Block block = test::make_block(GetParam());
+  for (const bool has_factor : {true, false}) {
+    if (is_incompressible(GetParam()) && !has_factor) continue;
+    EquilibriumSolver solver(block.scene, {}, has_factor ? make_linear_solver() : nullptr);
+    const Equilibrium alone = solver.set_load(weight_of(block.scene, solver, kGravity));
+    ASSERT_EQ(alone.outcome, Outcome::converged) << alone.message;
+    const Eigen::Index corner = 3 * Eigen::Index{block.corner};
+    EXPECT_LT(alone.u[corner + 2], -0.005);
+
+    solver.set_interaction(BondedPatch({block.corner}));
+    const Equilibrium rest = solver.rest();
+    ASSERT_EQ(rest.outcome, Outcome::converged) << rest.message;
+    EXPECT_EQ(rest.u, alone.u);
+    EXPECT_DOUBLE_EQ(rest.energy, alone.energy);
+    EXPECT_LT(rest.reaction.norm(), kNoForce);
+
+    const Vec3 t(0.004, -0.003, 0.005);
+    const Equilibrium pulled = solver.solve(t, rest);
+    ASSERT_EQ(pulled.outcome, Outcome::converged) << pulled.message;
+    EXPECT_LT((pulled.u.segment<3>(corner) - rest.u.segment<3>(corner) - t).norm(), 1e-15);
+    // h is the derivative of the energy, with the part of the load.
+    constexpr double step = 1e-5;
+    const Equilibrium up = solver.solve(t + step * Vec3::UnitZ(), pulled);
+    const Equilibrium down = solver.solve(t - step * Vec3::UnitZ(), pulled);
+    EXPECT_NEAR((up.energy - down.energy) / (2 * step), pulled.reaction.z(),
+                1e-5 * pulled.reaction.norm());
+    // And back.
+    EXPECT_LT(solver.solve(Vec3::Zero(), pulled).reaction.norm(), kNoForce);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, Load,
+                         testing::Values(Law::linear, Law::neo_hookean,
+                                         Law::neo_hookean_incompressible),
+                         [](const auto& of) {
+                           return std::string(is_incompressible(of.param) ? "Incompressible"
+                                              : of.param == Law::linear   ? "Linear"
+                                                                          : "NeoHookean");
+                         });
+
+TEST(Load, ThatIsTooLargeEndsByNameAndABadOneIsRefused) {
+  const test::Block block = test::make_block(Law::st_venant_kirchhoff);
+  EquilibriumSolver solver(block.scene, {});
+  const Equilibrium end = solver.set_load(weight_of(block.scene, solver, Vec3(-1e5, 0, 0)));
+  EXPECT_EQ(end.outcome, Outcome::not_converged);
+  EXPECT_NE(end.message.find("finds no rest"), std::string::npos) << end.message;
+  EXPECT_TRUE(end.u.allFinite());
+  EXPECT_GT(end.minimum_det_f, 0);
+
+  NodalVector bad = NodalVector::Zero(solver.assembly().state_size());
+  bad[0] = std::nan("");
+  EXPECT_THROW((void)solver.set_load(bad), InputError);
+  EXPECT_THROW((void)solver.set_load(NodalVector::Zero(3)), InputError);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A step of a reduced body allocates nothing.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "reduced/reduced_body.h"
+#include "solvers/reduced/whole_model.h"
+#include "solvers/support/block.h"
+
+// Counts every allocation of the program, those of Eigen too, which are none of operator new.
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PALPATE_COUNTS_ALLOCATIONS
+namespace {
+std::atomic<long> num_allocations{0};
+}  // namespace
+
+extern "C" void* __libc_malloc(std::size_t size);
+extern "C" void* malloc(std::size_t size) noexcept {
+  ++num_allocations;
+  return __libc_malloc(size);
+}
+#endif
+
+namespace palpate {
+namespace {
+
+TEST(Realtime, AStepAllocatesNothing) {
+  const test::Block block = test::make_block(Law::fung, {ElementOrder::linear, {3, 2, 2}});
+  InteractionList tools;
+  tools.add(BondedPatch({block.corner}));
+  tools.add(BondedPatch({block.middle}));
+  Rheology rheology;
+  rheology.density = 1000;
+  rheology.viscous_time = 0.01;
+  rheology.prony_moduli = {0.3};
+  rheology.prony_times = {0.1};
+  const test::WholeModel whole = test::make_whole_model(block.scene, {rheology}, tools);
+  ReducedBody body(whole.model, {});
+  static_assert(noexcept(body.step(std::declval<const double*>())));
+  static_assert(noexcept(body.rest()));
+#ifdef PALPATE_COUNTS_ALLOCATIONS
+  const long before = num_allocations;
+  ASSERT_GT(before, 0) << "allocations are not counted";
+#endif
+  int num_converged = 0;
+  int num_failed = 0;
+  for (int i = 1; i <= 300; ++i) {
+    // From step 200 on it is torn beyond all bounds.
+    const double size = i < 200 ? 0.01 * std::sin(0.05 * i) : 1e4 * (i % 2);
+    const double d[6] = {size, 0.3 * size, 0, -size, 0, 0.5 * size};
+    const ReducedOutcome outcome = body.step(d).outcome;
+    ++(outcome == ReducedOutcome::converged ? num_converged : num_failed);
+  }
+  body.rest();
+  // Held by springs, and let go.
+  static_assert(noexcept(body.hold(0, 0.0)));
+  for (int i = 1; i <= 100; ++i) {
+    if (i == 1) body.hold(0, 50);
+    if (i == 30) body.hold(1, 0);
+    if (i == 60) body.hold(0, 0);
+    const double size = 0.01 * std::sin(0.05 * i);
+    const double d[6] = {size, 0.3 * size, 0, -size, 0, 0.5 * size};
+    EXPECT_EQ(body.step(d).outcome, ReducedOutcome::converged) << i;
+  }
+#ifdef PALPATE_COUNTS_ALLOCATIONS
+  EXPECT_EQ(num_allocations, before);
+#endif
+  // Both ways through a step were gone.
+  EXPECT_GE(num_converged, 199);
+  EXPECT_GE(num_failed, 40);
+#ifndef PALPATE_COUNTS_ALLOCATIONS
+  GTEST_SKIP() << "allocations cannot be counted here";
+#endif
+}
+
+}  // namespace
+}  // namespace palpate

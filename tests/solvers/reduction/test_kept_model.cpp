@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reduced models in a file, and their training on ranks. Every rank runs each test.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <string>
+
+#include "base/error.h"
+#include "interaction/bonded_patch.h"
+#include "reduced/model_arrays.h"
+#include "reduction/kept_model.h"
+#include "solvers/support/block.h"
+#include "solvers/support/communicators.h"
+#include "solvers/support/world_folder.h"
+#include "state_space/sqlite.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+class KeptModelTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const BondedPatches patches(block_.scene, 0.016);
+    tools_.patches = {patches.around(block_.corner)};
+    tools_.nodes = {block_.corner};
+    rheology_.density = 1000;
+    rheology_.viscous_time = 0.01;
+    options_.modes = 8;
+    options_.training_paths = 3;
+    options_.path_duration = 0.1;
+    options_.all_tools_states = 4;
+    measure_.equilibria = 3;
+  }
+  void remove() const {
+    if (world_->rank() == 0) fs::remove(path_);
+    (void)any(*world_, false);
+  }
+
+  [[nodiscard]] KeptModel build(const fs::path& path) const {
+    return build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, path, *world_);
+  }
+  [[nodiscard]] std::string message_of_build() const {
+    try {
+      (void)build(path_);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return {};
+  }
+  /// To the bit.
+  void expect_same(const KeptModel& a, const KeptModel& b) const {
+    if (world_->rank() != 0) return;
+    EXPECT_EQ(arrays_of(a.model), arrays_of(b.model));
+    EXPECT_EQ(a.basis, b.basis);
+    EXPECT_EQ(a.residual, b.residual);
+    ASSERT_EQ(a.errors.size(), b.errors.size());
+    for (std::size_t i = 0; i < a.errors.size(); ++i) {
+      EXPECT_EQ(a.errors[i].kind, b.errors[i].kind);
+      EXPECT_EQ(a.errors[i].error.max, b.errors[i].error.max);
+      EXPECT_EQ(a.errors[i].error.num_compared, b.errors[i].error.num_compared);
+    }
+  }
+
+  const std::unique_ptr<Communicator> world_ = test::make_world();
+  const test::Block block_ =
+      test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
+  const test::WorldFolder folder_{*world_};
+  fs::path path_ = folder_.path() / "a.palpate";
+  ReductionTools tools_;
+  Rheology rheology_;
+  ReductionOptions options_;
+  MeasureOptions measure_;
+};
+
+TEST_F(KeptModelTest, IsReadAsItWasBuilt) {
+  const KeptModel in_memory = build({});
+  const KeptModel built = build(path_);
+  expect_same(built, in_memory);
+  EXPECT_FALSE(built.was_there);
+  const KeptModel read = build(path_);
+  expect_same(read, built);
+  if (world_->rank() != 0) return;
+  EXPECT_TRUE(read.was_there);
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
+  EXPECT_EQ(file.list_reduced_models(), std::vector<std::string>{key});
+  EXPECT_TRUE(file.read_training(key).empty());
+}
+
+// Each rank builds it alone, and then they do together.
+TEST_F(KeptModelTest, IsTheSameOnAnyNumberOfRanks) {
+  const auto alone = make_serial_communicator();
+  const KeptModel one =
+      build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, {}, *alone);
+  expect_same(build({}), one);
+}
+
+// It is aborted after each part of its training in turn, until nothing is left.
+TEST_F(KeptModelTest, GoesOnToTheSameBits) {
+  const KeptModel whole = build({});
+  const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
+  int num_aborted = 0;
+  std::size_t num_found = 0;
+  for (;; ++num_aborted) {
+    ASSERT_LT(num_aborted, 10);
+    // Ends what begins after the first round; the file has what was found.
+    int num_reports = 0;
+    options_.report = [&](const std::string& what) {
+      num_reports += what == "Equilibria" || what == "Motion" ? 1 : 0;
+    };
+    options_.equilibrium.abort_requested = [&] { return num_reports > 1; };
+    const KeptModel kept = build(path_);
+    options_.equilibrium.abort_requested = nullptr;
+    if (!kept.aborted) {
+      expect_same(kept, whole);
+      break;
+    }
+    if (world_->rank() != 0) continue;
+    const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+    const std::size_t found = file.read_training(key).size();
+    EXPECT_GT(found, num_found);
+    num_found = found;
+  }
+  EXPECT_GT(num_aborted, 0);
+}
+
+// Killed as soon as the file holds a part of the training. Only where the test has one rank: MPI
+// does not outlive a fork.
+TEST_F(KeptModelTest, GoesOnAfterKill9) {
+  if (world_->size() > 1) GTEST_SKIP() << "on one rank";
+  const KeptModel whole = build({});
+  const auto alone = make_serial_communicator();
+  const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
+  const pid_t child = fork();
+  if (child == 0) {
+    int num_reports = 0;
+    options_.report = [&](const std::string&) {
+      if (++num_reports == 3) kill(getpid(), SIGKILL);
+    };
+    (void)build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, path_, *alone);
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_training(key).size(), 2U);
+  expect_same(build(path_), whole);
+}
+
+// A limit on the size of files stands for a full disk.
+TEST_F(KeptModelTest, SaysThatTheDiskIsFullAndGoesOnLater) {
+  if (world_->size() > 1) GTEST_SKIP() << "on one rank";
+  const KeptModel whole = build({});
+  const auto alone = make_serial_communicator();
+  StateSpaceFile::create(path_, block_.scene, options_.equilibrium.tolerance).close();
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const auto size = fs::file_size(path_);
+    const rlimit limit{size, size};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      (void)build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, path_, *alone);
+    } catch (const BackendError&) {
+      _exit(0);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  expect_same(build(path_), whole);
+}
+
+TEST_F(KeptModelTest, WhatIsDamagedIsBuiltAgain) {
+  const KeptModel built = build(path_);
+  if (world_->rank() == 0) {
+    sqlite::Database(path_, sqlite::Access::read_write)
+        .execute(
+            "UPDATE reduced_array SET numbers = zeroblob(length(numbers)) WHERE name = "
+            "'Basis'");
+  }
+  (void)any(*world_, false);
+  const KeptModel again = build(path_);
+  expect_same(again, built);
+  if (world_->rank() == 0) {
+    EXPECT_EQ(again.damaged.size(), 1U);
+    EXPECT_FALSE(again.was_there);
+  }
+}
+
+TEST_F(KeptModelTest, AnotherSceneOrFileIsRefusedOnEveryRank) {
+  if (world_->rank() == 0) {
+    StateSpaceFile::create(path_, block_.scene, options_.equilibrium.tolerance / 2).close();
+  }
+  (void)any(*world_, false);
+  EXPECT_NE(message_of_build().find("solver tolerance"), std::string::npos);
+  remove();
+  if (world_->rank() == 0) {
+    Scene other = block_.scene;
+    other.mesh.points[0] *= 1.001;
+    StateSpaceFile::create(path_, other, options_.equilibrium.tolerance).close();
+  }
+  (void)any(*world_, false);
+  EXPECT_NE(message_of_build().find("of another scene"), std::string::npos);
+  path_ = "/no/such/folder/a.palpate";
+  EXPECT_NE(message_of_build().find("There is no folder"), std::string::npos);
+}
+
+TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
+  const auto key = [&] { return key_of_model(block_.scene, {rheology_}, tools_, options_); };
+  const std::string before = key();
+  EXPECT_EQ(key(), before);
+  options_.seed = 2;
+  EXPECT_NE(key(), before);
+  options_.seed = 1;
+  rheology_.prony_moduli[0] = 0.1;
+  EXPECT_NE(key(), before);
+  rheology_.prony_moduli[0] = 0;
+  tools_.patches = {BondedPatches(block_.scene, 0).around(block_.corner)};
+  EXPECT_NE(key(), before);
+}
+
+}  // namespace
+}  // namespace palpate
