@@ -4,7 +4,8 @@
 // and taken from the file, and the number of allocations of 64 bytes or more of each rank.
 //
 //   mpiexec -n 2 palpate_test_explore block.palpate <tolerance of the force, 0: a uniform grid>
-//     bonded | sphere   all | surface, what is kept of the fields
+//     bonded | iterative, which is bonded and has no factor | sphere
+//     all | surface, what is kept of the fields
 //     [<rank> <number of its allocation of 64 bytes or more that fails>
 //      | <rank> <number of its allocation of 64 bytes or more in which it is killed>K
 //      | <rank> <MB of address space that it may take beside what it has>M]
@@ -23,6 +24,7 @@
 #include <string>
 #include <vector>
 
+#include "equilibrium/tangent_solver.h"
 #include "exploration/precompute.h"
 #include "schedule/mpi_communicator.h"
 #include "solvers/support/block.h"
@@ -94,8 +96,9 @@ int explore(const char* path, double tolerance, const std::string& tool, const s
     options.contact->shell.region = [](const Vec3& place) { return place.x() > 0.07; };
   } else {
     options.active_nodes = {block.corner, block.middle};
-    options.half_width = 0.02;
+    options.half_width = tool == "iterative" ? 0.008 : 0.02;
     options.resolution = 5;
+    if (tool == "iterative") options.linear_solver = kConjugateGradients;
     options.intermediate_states = tolerance > 0 ? 0 : 1;
   }
   options.equilibrium.third_derivatives = true;
