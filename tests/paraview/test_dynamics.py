@@ -284,6 +284,45 @@ def test_unfinished():
         "ProgressEvent", lambda *_: algorithm.SetAbortExecute(1))) == ABORTED
 
 
+def test_extremes():
+    """Each run ends converged or with a name and a warning, and each number of it is finite."""
+    body = source(box_body((3, 2, 2), quadratic=False), "extremes")
+    quadratic = source(box_body((2, 1, 1)), "extremes quadratic")
+    # Of the material; how far the end is pulled, m, and in which time it is back, s.
+    extremes = (
+        ({"Law": "St. Venant-Kirchhoff", "ViscousTime": 0.001}, -0.12, 0.02),
+        ({"PoissonsRatio": 0.4999, "ViscousTime": 0.001}, 0.02, 0.02),
+        ({"PoissonsRatio": 0.499999, "ViscousTime": 0.001}, 0.02, 0.005),
+        ({"ViscousTime": 0.001, "Density": 100 * DENSITY}, 0.03, 0.005),
+        ({"ViscousTime": 10, "PronyModuli": [1], "PronyTimes": [10]}, 0.03, 0.005),
+        ({"PronyModuli": [10], "PronyTimes": [0.001]}, 0.03, 0.005),
+        ({"Law": "Fung", "ViscousTime": 0.001}, 0.05, 0.005),
+        ({}, -0.18, 0.005))
+    outcomes = []
+    for material, pull, tap in extremes:
+        of = quadratic if material.get("PoissonsRatio", 0) > 0.4 else body
+        boundary = held(of, **material)
+        times = numpy.linspace(0, tap, 9)
+        way = paths("extremes", times,
+                    numpy.sin(math.pi * times / tap)[:, None] ** 2 * [pull, 0, 0])
+        dynamics = SolveDynamics(Input=boundary, ToolPaths=way, EndTime=2 * tap, TimeStep=0.001,
+                                 ActiveNodes=[node_at(boundary, [0.2, 0.1, 0.1])])
+        with Messages() as messages:
+            end = at(dynamics, 2 * tap)
+        outcome = field(end, "Outcome")[0]
+        outcomes.append(outcome)
+        table = history(dynamics)
+        assert all(numpy.isfinite(column).all() for column in table.values()), material
+        assert numpy.isfinite(point_array(end, "Displacement")).all(), material
+        assert (table["MinimumDetF"] > 0).all() and table["Outcome"][-1] == outcome, material
+        assert messages.errors == 0, messages.text
+        assert messages.warnings == (outcome != CONVERGED), messages.text
+        assert (message(end) in messages.text) and (message(end) == "") == (outcome == CONVERGED)
+        if outcome == CONVERGED:
+            assert abs(table["Time"][-1] - 2 * tap) < 1e-12
+    assert outcomes.count(CONVERGED) >= 6, outcomes
+
+
 def test_solvers_agree():
     boundary = held(source(box_body(quadratic=False), "solvers"))
     node = node_at(boundary, CORNER)
