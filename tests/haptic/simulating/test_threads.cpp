@@ -87,8 +87,10 @@ struct Threads {
     body->start();
     for (const auto& servo : servos) servo->start();
   }
-  /// Opens both hands, and closes them.
+  /// Opens both hands, and closes them when there is a body to hold: what is closed before holds
+  /// nothing until it has been open.
   [[nodiscard]] bool grasp() {
+    if (!wait_until([&] { return body->statistics().steps > 0; })) return false;
     const auto both = [&](ContactStatus status) {
       return wait_until([&] {
         return servos[0]->latest().contact.status == status &&
