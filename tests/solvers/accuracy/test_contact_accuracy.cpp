@@ -100,9 +100,9 @@ TEST_F(ContactAccuracy, SeveralRanksFindWhatOneFindsToTheBit) {
 }
 
 TEST_F(ContactAccuracy, PointsAreEquilibriaInTheSpace) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   const TouchSpace& space = space_as_set_up();
   const AccuracyResult result = run(space, *world_);
-  if (world_->rank() != 0) return;
   const InteractionSpec& spec = space.tool_spaces.front().setup.interaction;
   InteractionFactory tools(block_.scene);
   const auto clearance = tools.clearance(spec);
@@ -142,10 +142,10 @@ TEST_F(ContactAccuracy, PointsAreEquilibriaInTheSpace) {
 }
 
 TEST_F(ContactAccuracy, FiguresAreThoseOfADirectComparison) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   options_.methods = {Method::energy_hermite, Method::trilinear};
   const TouchSpace& space = space_as_set_up();
   const AccuracyResult result = run(space, *world_);
-  if (world_->rank() != 0) return;
   ASSERT_EQ(result.methods.size(), 2U);
   ASSERT_EQ(result.rows_of_tool_spaces.size(), result.rows.size());
   const TouchToolSpace& tool_space = space.tool_spaces.front();
@@ -187,12 +187,12 @@ TEST_F(ContactAccuracy, FiguresAreThoseOfADirectComparison) {
 }
 
 TEST_F(ContactAccuracy, AForceLimitBoundsWhatIsPressed) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   of_space_.contact->shell.depth = 0;
   of_space_.force_limit = 0.1;
   options_.exact.test_points = 20;
   const TouchSpace space = make_space();
   const AccuracyResult result = run(space, *world_);
-  if (world_->rank() != 0) return;
   EXPECT_EQ(result.num_solved, 20);
   const auto deeper =
       std::count_if(result.points.begin(), result.points.end(), [&](const AccuracyPoint& point) {
@@ -207,13 +207,13 @@ TEST_F(ContactAccuracy, AForceLimitBoundsWhatIsPressed) {
 }
 
 TEST_F(ContactAccuracy, SmallerCellsAreBetterAndHermiteIsTheBest) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   // Of cells of a quarter of the side the larger ones can be made too.
   of_space_.contact->shell.region = [](const Vec3& place) {
     return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.006;
   };
   of_space_.tolerance = 5e-4;
   const AccuracyResult result = run(make_space(), *world_);
-  if (world_->rank() != 0) return;
   for (const std::string method : {"Energy Hermite", "Trilinear"}) {
     const AccuracyRow& coarse = row(result, method, 0.006);
     const AccuracyRow& half = row(result, method, 0.003);
@@ -328,6 +328,7 @@ TEST_F(ContactAccuracy, FewPointsAreTheFirstOfManyAndSlidesGoOnInSmallSteps) {
 
 // The tip of a thin plate bends up or down, as the tool comes from above or from below.
 TEST_F(ContactAccuracy, ASlideToAnotherBranchIsToldApart) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
   const Vec3 size(0.06, 0.04, 0.01);
   TetMesh mesh = test::make_box(ElementOrder::quadratic, {6, 4, 1}, size);
   std::vector<char> fixed;
@@ -345,7 +346,6 @@ TEST_F(ContactAccuracy, ASlideToAnotherBranchIsToldApart) {
     return q.x() > 0.055 && std::abs(q.y() - 0.02) < 0.015;
   };
   const ExactResult result = solve_test_points(plate, {setup}, options_.exact, *world_, nullptr);
-  if (world_->rank() != 0) return;
   InteractionFactory tools(plate);
   const auto clearance = tools.clearance(setup.interaction);
   EquilibriumSolver solver(plate, options_.exact.equilibrium);
