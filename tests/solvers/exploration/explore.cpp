@@ -90,7 +90,7 @@ int explore(const char* path, double tolerance, const std::string& tool, const s
   if (tool == "sphere") {
     options.contact.emplace();
     options.contact->tool.radius = 0.015;
-    options.contact->spacing = 0.008;
+    options.contact->spacing = 0.012;
     options.contact->shell.depth = 0.004;
     // The free end.
     options.contact->shell.region = [](const Vec3& place) { return place.x() > 0.07; };
