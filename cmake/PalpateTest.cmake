@@ -94,12 +94,15 @@ function(palpate_add_pvpython_test name script)
   set(launcher
     sh "${PROJECT_SOURCE_DIR}/cmake/in_empty_folder.sh" "${CMAKE_CURRENT_BINARY_DIR}/${name}")
   set(locks "")
+  set(cost 0)
   if(arg_RENDERS)
     # The X server shall not start anew when it has no client: one rank that leaves it would cut off
     # another one that is just coming.
     list(APPEND launcher xvfb-run -a -s "-noreset -screen 0 1280x1024x24")
-    # Two that start at once may pick the same display.
+    # Two that start at once may pick the same display. So they run one after another, and first:
+    # meanwhile the others have the other cores.
     set(locks display)
+    set(cost 100)
   endif()
   if(arg_RANKS)
     list(APPEND launcher ${palpate_mpiexec} -n ${arg_RANKS} $<TARGET_FILE:ParaView::pvbatch>)
@@ -113,6 +116,7 @@ function(palpate_add_pvpython_test name script)
   set_tests_properties("${test}" PROPERTIES
     PROCESSORS ${arg_RANKS}
     RESOURCE_LOCK "${locks}"
+    COST ${cost}
     SKIP_RETURN_CODE 77
     TIMEOUT 600)
   set_property(TEST "${test}" PROPERTY ENVIRONMENT
