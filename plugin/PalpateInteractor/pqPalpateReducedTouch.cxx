@@ -583,6 +583,11 @@ pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
       }
       tool.Force = tick.force.norm();
       tool.BodyForce = tick.contact.force.norm();
+      const std::string problem = hand->Servo->problem();
+      if (figures.Problem.isEmpty() && !problem.empty())
+      {
+        figures.Problem = QString("Tool %1: %2").arg(number).arg(QString::fromStdString(problem));
+      }
       if (hand->Recording)
       {
         figures.Recorded += hand->Recording->GetWritten();
