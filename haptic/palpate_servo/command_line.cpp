@@ -66,21 +66,34 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   TouchSettings& touch = line.touch;
   bool realtime = true;
   CLI::App app(
-      "Lets a haptic device touch a state space, and prints how well the loop kept its "
-      "time and its safety rules.\nEnds after --seconds, or with Ctrl+C, Ctrl+\\ or "
-      "Ctrl+Z.",
+      "Lets a haptic device touch a state space, or several devices a reduced model, and prints "
+      "how well the loops kept their time and their safety rules.\nEnds after --seconds, or with "
+      "Ctrl+C, Ctrl+\\ or Ctrl+Z.",
       "palpate-servo");
   app.option_defaults()->always_capture_default();
   const CLI::Option* space =
       app.add_option("space", line.space,
-                     "The state space (.palpate); none: with --device, to see where the device is, "
-                     "without forces")
+                     "The file with the state space or the reduced model (.palpate); none: with "
+                     "--device, to see where the device is, without forces")
           ->type_name("FILE");
   const CLI::Option* device =
-      app.add_option("--device", line.device,
+      app.add_option("--device", line.devices,
                      "simulated; list, to print what is plugged in; or a device by its path "
-                     "(/dev/hidraw3) or vendor and product (1234:0006)")
+                     "(/dev/hidraw3) or vendor and product (1234:0006). Give it once for each tool "
+                     "of a reduced model, in turn; a tool without a device is free and moves with "
+                     "the body")
+          ->allow_extra_args(false)
+          ->default_str(kSimulated)
           ->type_name("NAME");
+  const CLI::Option* reduced =
+      app.add_option("--reduced", line.reduced,
+                     "Touches this reduced model of the file, from 1, in place of its state space; "
+                     "a file with one model and no state space does not need it. --node, --method, "
+                     "--bonded, --release-force, --no-blending, --friction and --replay are not "
+                     "for it")
+          ->type_name("NUMBER");
+  app.add_option("--step", line.step,
+                 "From step to step of a reduced body, s: one that misses many needs more");
   add_choice<HandMotion>(app, "--motion", line.motion,
                          {{"tap", HandMotion::tap},
                           {"press", HandMotion::press},
@@ -89,12 +102,15 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
                          "What the simulated hand wants to do", "press");
   app.add_option("--depth", line.depth,
                  "How deep the simulated hand wants to be, m; the body holds it up. 0: half of "
-                 "what the space reaches");
+                 "what the space reaches, or 0.6 of what the reduced model was trained for");
   app.add_option("--node", line.node,
                  "The active node that is touched (the first); not with a rigid tool")
       ->type_name("POINT");
   app.add_option("--seconds", line.seconds, "How long; 0: until Ctrl+C");
-  app.add_option("--record", line.record, "Writes every tick into a new table")->type_name("CSV");
+  app.add_option("--record", line.record,
+                 "Writes every tick into a new table; of a reduced model into one for each tool "
+                 "that a device has, run-tool0.csv for run.csv and so on")
+      ->type_name("CSV");
   const CLI::Option* replay =
       app.add_option("--replay", line.replay,
                      "Runs the ticks of a recording again, with its settings, and compares the "
@@ -112,8 +128,11 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   app.add_option("--damping", settings.damping, "Damping of the hand while it touches, N·s/m");
   app.add_option("--coupling", line.coupling,
                  "Stiffness between tool and body, N/m; 0: none (what the device displays, where "
-                 "the body is stiffer)")
+                 "the body is stiffer); between hand and tool of a reduced model more than 0 (300, "
+                 "or what the device displays)")
       ->type_name("FLOAT");
+  app.add_option("--coupling-damping", line.coupling_damping,
+                 "Damping between hand and tool of a reduced model, N·s/m");
   app.add_option(
          "--dead-man", settings.dead_man_button,
          "Forces only while this button of the device is held, from 0; -1: none is required")
@@ -121,12 +140,15 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   app.add_option(
          "--grasp", settings.grasp_button,
          "A rigid tool holds the active node at which it presses while this button of the device "
-         "is held, from 0; -1: it presses alone")
+         "is held, from 0; -1: it presses alone. The tool of a reduced model is held while this "
+         "button of a real device is; -1: from when the hand has come within its reach, as a "
+         "simulated one does")
       ->type_name("BUTTON");
   app.add_option("--friction", touch.friction, "Coefficient of friction of a rigid tool");
   double release_after = seconds(line.options.release_after);
   app.add_option("--release-after", release_after,
-                 "Without a fresh report for so long the tool lets go, s");
+                 "Without a fresh report, or a step of the reduced body, for so long the tool "
+                 "lets go, s");
   app.add_flag("--bonded", touch.bonded, "The tool also pulls");
   app.add_option("--release-force", touch.release_force,
                  "A bonded tool lets go where it pulls with more than this, N; 0: never");
@@ -149,9 +171,21 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   if (line.space.empty() && (device->count() == 0 || !line.replay.empty())) {
     throw InputError("Which state space? Give a .palpate file. palpate-servo --help says more.");
   }
+  if (line.space.empty() && line.reduced) {
+    throw InputError("--reduced is for a reduced model. Give the .palpate file that holds it.");
+  }
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() > 0) line.given.insert(option->get_name());
+  }
+  const bool lists = std::count(line.devices.begin(), line.devices.end(), kList) > 0;
+  if (lists && line.devices.size() > 1) {
+    throw InputError("--device list prints what is plugged in. Leave the other devices out.");
+  }
   if (!line.replay.empty()) {
     for (const CLI::Option* option : app.get_options()) {
-      if (option->count() == 0 || option == space || option == replay) continue;
+      // A reduced model has its own reason.
+      if (option->count() == 0 || option == space || option == replay || option == reduced)
+        continue;
       throw InputError("--replay and " + option->get_name() +
                        " do not go together: a replay has "
                        "the settings of the recording. Leave one of them out.");

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "haptic/servo/options.h"
 #include "haptic/touching/settings.h"
@@ -13,12 +15,21 @@ namespace palpate {
 
 enum class HandMotion { tap, press, slide, circle };
 
+/// What --device is for a board and a hand that are not there, and to print what is plugged in.
+inline constexpr const char* kSimulated = "simulated";
+inline constexpr const char* kList = "list";
+
 struct CommandLine {
   std::string space;
-  /// "simulated", "list", or a device as open_device() takes it.
-  std::string device = "simulated";
+  /// kSimulated, kList, or a device as open_device() takes it; the n-th moves the n-th tool of a
+  /// reduced model.
+  std::vector<std::string> devices = {kSimulated};
+  /// Which reduced model of the file is touched, from 1; empty: the state space, or in a file that
+  /// has none its only model.
+  std::optional<std::int64_t> reduced;
   HandMotion motion = HandMotion::press;
-  /// How deep the simulated hand wants to be, m in the scene; 0: half of what the space reaches.
+  /// How deep the simulated hand wants to be, m in the scene; 0: half of what the space reaches, or
+  /// 0.6 of what the reduced model was trained for.
   double depth = 0;
   /// The point of the mesh that is touched; empty: the first active node.
   std::optional<Index> node;
@@ -31,8 +42,14 @@ struct CommandLine {
   ServoSettings settings;
   TouchSettings touch;
   /// The stiffness of the coupling, N/m; empty: what the device displays, where the body is
-  /// stiffer.
+  /// stiffer; of a reduced body that of SimulatedToolOptions, or what the device displays.
   std::optional<double> coupling;
+  /// The damping of the coupling to a reduced body, N·s/m.
+  double coupling_damping = 0;
+  /// The length of a step of a reduced body, s.
+  double step = 0.002;
+  /// The options that were given, as "--depth".
+  std::set<std::string> given;
 };
 
 /// Reads the command line.

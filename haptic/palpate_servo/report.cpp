@@ -3,6 +3,7 @@
 
 #include <cinttypes>
 #include <cstdio>
+#include <string>
 
 namespace palpate {
 namespace {
@@ -20,6 +21,15 @@ void print(const char* what, const Percentiles& p) {
   const auto us = [](Duration duration) { return 1e6 * seconds(duration); };
   std::printf("%-12s median %.1f us, 99 %% %.1f us, 99.9 %% %.1f us, largest %.1f us\n", what,
               us(p.median), us(p.p99), us(p.p999), us(p.largest));
+}
+
+void print_realtime(bool priority, bool locked) {
+  std::printf("realtime     priority %s, memory locked %s\n", priority ? "yes" : "no",
+              locked ? "yes" : "no");
+}
+
+void print_problem(const std::string& problem) {
+  if (!problem.empty()) std::printf("problem      %s\n", problem.c_str());
 }
 
 }  // namespace
@@ -82,8 +92,39 @@ void print_timing(const Statistics& statistics) {
   print("interval", statistics.interval);
   print("tick", statistics.tick_time);
   print("own work", statistics.own_time);
-  std::printf("realtime     priority %s, memory locked %s\n",
-              statistics.realtime_priority ? "yes" : "no", statistics.memory_locked ? "yes" : "no");
+  print_realtime(statistics.realtime_priority, statistics.memory_locked);
+}
+
+void print_end(Servo& servo, SimulatedBoard* board, double force_limit) {
+  const Statistics statistics = servo.statistics();
+  print(statistics, largest_force(servo.specification(), force_limit));
+  print_timing(statistics);
+  if (board != nullptr) {
+    std::printf("at the end   motors %s\n", board->status().motors_on ? "on" : "off");
+  }
+  print_problem(servo.problem());
+}
+
+void print(const Recorder& recorder) {
+  std::printf("recording    %" PRIu64 " ticks, %" PRIu64 " dropped\n", recorder.written(),
+              recorder.dropped());
+}
+
+void print_end(ReducedBodyThread& body) {
+  const ReducedBodyStatistics statistics = body.statistics();
+  std::printf("steps        %" PRIu64 " in %.3f s, %.1f Hz, %" PRIu64 " missed, %" PRIu64
+              " longer than the period\n",
+              statistics.steps, seconds(statistics.running), statistics.rate(), statistics.missed,
+              statistics.too_long);
+  print("lateness", statistics.lateness);
+  print("step", statistics.step_time);
+  std::printf("failed       %" PRIu64 " steps without a balance and %" PRIu64
+              " beyond training, in which the body stood still; %" PRIu64 " behind their tools\n",
+              statistics.not_converged, statistics.beyond_training, statistics.tools_ahead);
+  std::printf("trust        largest %.3g, %" PRIu64 " steps above %g\n", statistics.largest_trust,
+              statistics.untrusted, kLargestTrusted);
+  print_realtime(statistics.realtime_priority, statistics.memory_locked);
+  print_problem(body.problem());
 }
 
 }  // namespace palpate

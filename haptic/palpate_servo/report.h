@@ -3,8 +3,11 @@
 #pragma once
 
 #include "haptic/profile/specification.h"
-#include "haptic/servo/statistics.h"
+#include "haptic/recording/recorder.h"
+#include "haptic/servo/servo.h"
+#include "haptic/simulating/reduced_body_thread.h"
 #include "haptic/touching/touchable.h"
+#include "haptic/transport/simulated_board.h"
 
 namespace palpate {
 
@@ -13,5 +16,13 @@ void print(const Touchable& body, Method method);
 /// @param limit The force limit that holds, N.
 void print(const Counters& counters, double limit);
 void print_timing(const Statistics& statistics);
+/// Of a servo loop that was stopped.
+/// @param board That of a simulated device whose loop has ended, or nullptr.
+/// @param force_limit As ServoSettings::force_limit.
+void print_end(Servo& servo, SimulatedBoard* board, double force_limit);
+/// Of a body that was stopped.
+void print_end(ReducedBodyThread& body);
+/// Of one that was closed.
+void print(const Recorder& recorder);
 
 }  // namespace palpate

@@ -119,6 +119,8 @@ void ReducedBodyThread::stop() noexcept {
   if (shared_->thread.joinable()) shared_->thread.join();
 }
 
+Index ReducedBodyThread::num_tools() const { return static_cast<Index>(shared_->tools.size()); }
+
 const std::shared_ptr<SimulatedTool>& ReducedBodyThread::tool(Index number) const {
   return shared_->tools.at(static_cast<std::size_t>(number));
 }

@@ -62,6 +62,7 @@ class ReducedBodyThread {
   /// Ends the thread, within a step. The servo loops let go of the tools.
   void stop() noexcept;
 
+  [[nodiscard]] Index num_tools() const;
   /// What a servo loop moves a tool by (Servo::set_tool()).
   /// @param number From 0.
   [[nodiscard]] const std::shared_ptr<SimulatedTool>& tool(Index number) const;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The reduced models of a file, as those who touch them need them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "haptic/touching/pressing_range.h"
+#include "reduced/reduced_model.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+
+struct TouchedModel {
+  std::shared_ptr<const ReducedModel> model;
+  /// Among those of the file, from 1.
+  std::int64_t number = 0;
+  /// The active node of each tool, and where it is at rest; the depth is what the model was trained
+  /// for, the largest of a coordinate of the tool, m.
+  std::vector<Index> nodes;
+  std::vector<StartPlace> tools;
+};
+
+/// Whether the file holds reduced models, but no state space.
+[[nodiscard]] bool has_only_reduced_models(const StateSpaceFile& file);
+
+/// @param number From 1; empty: the only one.
+/// @throws InputError there is no such model, or several where none is chosen (the message says
+///   which there are), or it is damaged.
+[[nodiscard]] TouchedModel read_touched_model(const StateSpaceFile& file,
+                                              std::optional<std::int64_t> number);
+
+}  // namespace palpate
