@@ -7,6 +7,21 @@
 #include "base/error.h"
 
 namespace palpate {
+namespace {
+
+/// A body that has not made its first step is told from none by no servo loop: its interlock would
+/// trip. A machine on which that step takes longer than this has other worries.
+constexpr Duration kFirstStep = std::chrono::milliseconds(100);
+
+void wait_for_first_step(ReducedBodyThread& body) {
+  MonotonicClock clock;
+  for (const Time end = clock.now() + kFirstStep; clock.now() < end;) {
+    if (body.latest().counters.steps > 0) return;
+    clock.sleep_until(clock.now() + std::chrono::milliseconds(1));
+  }
+}
+
+}  // namespace
 
 ReducedTouch::ReducedTouch(std::unique_ptr<ReducedBodyThread> body,
                            std::vector<std::unique_ptr<Servo>> servos)
@@ -28,6 +43,7 @@ ReducedTouch::~ReducedTouch() { stop(); }
 void ReducedTouch::start() {
   try {
     body_->start();
+    wait_for_first_step(*body_);
     for (const auto& servo : servos_) {
       if (servo) servo->start();
     }

@@ -44,7 +44,7 @@ void make(const std::string& path, int num_models, bool with_space) {
     PrecomputeOptions of_space;
     of_space.active_nodes = {block.corner, block.middle};
     of_space.half_width = 0.01;
-    of_space.resolution = 1;
+    of_space.resolution = 3;
     of_space.file = path;
     (void)precompute(block.scene, of_space, *communicator, nullptr);
   }

@@ -4,13 +4,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <atomic>
 #include <string>
-#include <thread>
 
 #include "base/error.h"
 #include "haptic/servo/servo.h"
+#include "haptic/simulating/lift.h"
 #include "haptic/simulating/reduced_body_thread.h"
 #include "haptic/support/block_model.h"
 #include "haptic/support/locked_memory.h"
@@ -20,43 +18,12 @@ namespace palpate {
 namespace {
 
 using namespace std::chrono_literals;
-
-/// Rises to a height at 0.2 m/s, and grasps when it is told to.
-class Lift final : public Motion {
- public:
-  Pose advance(Time time, const Vec3& /*force*/) noexcept override {
-    const double way = 0.2 * seconds(time - time_);
-    time_ = time;
-    at_ += std::clamp(height.load() - at_, -way, way);
-    Pose pose;
-    pose.position = Vec3(0, 0, at_);
-    pose.buttons = grasps ? 1 : 0;
-    return pose;
-  }
-
-  std::atomic<double> height{0};
-  std::atomic<bool> grasps{false};
-
- private:
-  Time time_{0};
-  double at_ = 0;
-};
+using test::kPatience;
+using test::Lift;
+using test::wait_until;
 
 /// At the least.
 constexpr std::size_t kOwnStack = 256 << 10;
-
-/// A machine that is busy with other tests may take its time.
-constexpr Duration kPatience = 20s;
-
-template <class Condition>
-[[nodiscard]] bool wait_until(Condition is_so) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (!is_so()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(1ms);
-  }
-  return true;
-}
 
 struct Threads {
   explicit Threads(Duration release_after = kPatience) {
