@@ -26,7 +26,7 @@ StateSpaceFile::Arrays read_arrays(const StateSpaceFile& file, const std::string
   auto arrays = file.read_reduced_model(key);
   if (arrays) return *std::move(arrays);
   const std::vector<std::string> left_out = file.left_out();
-  throw InputError(name + " is damaged. " +
+  throw InputError(name + " cannot be read. " +
                    (left_out.empty() ? "" : describe_left_out(file.path(), left_out) + ' ') +
                    "Build Reduced Model with the same file repairs it.");
 }

@@ -6,79 +6,27 @@
 Nothing here depends on how fast or how busy the machine is.
 """
 
-import csv
-import math
 import os
 import re
 import signal
-import struct
 import subprocess
 import sys
-import tempfile
-import time
 import unittest
 
-PROGRAM, MAKE_SPACE = sys.argv[1:3]
-RUNNING, ATTACHED = 2, 3  # as in haptic/servo/tick.h and haptic/touching/contact.h
-BOARD_LIMIT = 7.9  # N, of the simulated board
+from support import (ATTACHED, BOARD_LIMIT, RUNNING, STEP, ProgramTest, number, rows_of, run,
+                     sent_force, stopped)
+
+MAKE_SPACE = sys.argv[2]
 WORKSPACE = 0.08  # m, its radius
-# The simulated board takes force in steps of 1 mN, each axis rounded.
-STEP = 1e-3
 
 
-def command(*arguments):
-    return [PROGRAM, *map(str, arguments)]
-
-
-def run(*arguments):
-    return subprocess.run(command(*arguments), capture_output=True, text=True, timeout=120,
-                          check=False)
-
-
-def number(output, form):
-    """The number in parentheses of a regular expression."""
-    return float(re.search(form, output).group(1))
-
-
-def sent_force(row):
-    """Of a row of a recording, N; None: motors off."""
-    report = bytes.fromhex(row["sent"][1:])
-    kind, _, x, y, z, force = struct.unpack("<BHhhhB", report)
-    assert kind == 3 and force in (0, 1), row["sent"]
-    return math.hypot(x, y, z) * STEP if force else None
-
-
-def rows_of(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-class PalpateServo(unittest.TestCase):
+class PalpateServo(ProgramTest):
     @classmethod
     def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
+        super().setUpClass()
         cls.space = cls.path("block.palpate")
         made = subprocess.run([MAKE_SPACE, cls.space], capture_output=True, text=True, check=True)
         cls.corner, cls.middle = map(int, made.stdout.split())
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.folder.cleanup()
-
-    @classmethod
-    def path(cls, name):
-        return os.path.join(cls.folder.name, name)
-
-    def check_safety(self, output, rows, limit):
-        self.assertIn("motors off", output)
-        self.assertLessEqual(number(output, r"largest ([\d.]+) N, limit"), limit + 1e-4)
-        self.assertAlmostEqual(number(output, r"limit ([\d.]+) N"), limit, places=4)
-        for row in rows:
-            force = sent_force(row)
-            if int(row["state"]) == RUNNING:
-                self.assertLessEqual(force, limit + STEP)
-            else:
-                self.assertIsNone(force)
 
     def touch(self, name, *arguments, limit=BOARD_LIMIT):
         """A run of 1.5 s with a recording of that name. A busy machine may pause it for long."""
@@ -161,14 +109,6 @@ class PalpateServo(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn("--force-limit", done.stdout)
 
-    def expect_error(self, arguments, *words):
-        done = run(*arguments)
-        self.assertEqual(done.returncode, 1, done.stdout)
-        self.assertTrue(done.stderr.startswith("palpate-servo: "), done.stderr)
-        self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
-        for word in words:
-            self.assertIn(word, done.stderr)
-
     def test_bad_input(self):
         text = self.path("text.palpate")
         with open(text, "w", encoding="utf-8") as file:
@@ -226,17 +166,8 @@ class PalpateServo(unittest.TestCase):
     def stopped(self, name, with_signal):
         """A run without an end that is sent a signal when it touches."""
         path = self.path(name)
-        with subprocess.Popen(command(self.space, "--seconds", 0, "--motion", "tap", "--record",
-                                      path),
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-            end = time.monotonic() + 60
-            while time.monotonic() < end:
-                time.sleep(0.05)
-                if os.path.exists(path) and os.path.getsize(path) > 500_000:
-                    break
-            process.send_signal(with_signal)
-            output, errors = process.communicate(timeout=60)
-        return process.returncode, output, errors
+        return stopped([self.space, "--seconds", 0, "--motion", "tap", "--record", path], path,
+                       with_signal)
 
     def test_signals(self):
         for name, with_signal in (("int.csv", signal.SIGINT), ("term.csv", signal.SIGTERM),
