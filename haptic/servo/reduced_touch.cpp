@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-/// A body that has not made its first step is told from none by no servo loop: its interlock would
-/// trip. A machine on which that step takes longer than this has other worries.
+/// A servo loop takes a body without a first step for one that has stopped, and its interlock
+/// trips. So that step is waited for, but no longer than this: then it may trip.
 constexpr Duration kFirstStep = std::chrono::milliseconds(100);
 
 void wait_for_first_step(ReducedBodyThread& body) {
