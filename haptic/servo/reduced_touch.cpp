@@ -11,7 +11,7 @@ namespace {
 
 /// A servo loop takes a body without a first step for one that has stopped, and its interlock
 /// trips. So that step is waited for, but no longer than this: then it may trip.
-constexpr Duration kFirstStep = std::chrono::milliseconds(100);
+constexpr Duration kFirstStep = std::chrono::seconds(1);
 
 void wait_for_first_step(ReducedBodyThread& body) {
   MonotonicClock clock;
