@@ -7,21 +7,6 @@
 #include "base/error.h"
 
 namespace palpate {
-namespace {
-
-/// A servo loop takes a body without a first step for one that has stopped, and its interlock
-/// trips. So that step is waited for, but no longer than this: then it may trip.
-constexpr Duration kFirstStep = std::chrono::seconds(1);
-
-void wait_for_first_step(ReducedBodyThread& body) {
-  MonotonicClock clock;
-  for (const Time end = clock.now() + kFirstStep; clock.now() < end;) {
-    if (body.latest().counters.steps > 0) return;
-    clock.sleep_until(clock.now() + std::chrono::milliseconds(1));
-  }
-}
-
-}  // namespace
 
 ReducedTouch::ReducedTouch(std::unique_ptr<ReducedBodyThread> body,
                            std::vector<std::unique_ptr<Servo>> servos)
@@ -43,7 +28,6 @@ ReducedTouch::~ReducedTouch() { stop(); }
 void ReducedTouch::start() {
   try {
     body_->start();
-    wait_for_first_step(*body_);
     for (const auto& servo : servos_) {
       if (servo) servo->start();
     }

@@ -31,6 +31,10 @@ const ReducedBodyLoopOptions& checked(const ReducedBodyThreadOptions& options) {
   return options.loop;
 }
 
+/// A servo loop takes a body without a first step for one that has stopped, and its interlock
+/// trips. So that step is waited for, but no longer than this: then it may trip.
+constexpr Duration kFirstStep = std::chrono::seconds(1);
+
 }  // namespace
 
 void validate(const ReducedBodyThreadOptions& options) {
@@ -111,6 +115,11 @@ void ReducedBodyThread::start() {
   } catch (const std::system_error& error) {
     throw BackendError(std::string("The thread of the reduced body cannot be started: ") +
                        error.what());
+  }
+  MonotonicClock clock;
+  for (const Time end = clock.now() + kFirstStep; latest().counters.steps == 0;) {
+    if (clock.now() > end) break;
+    clock.sleep_until(clock.now() + std::chrono::milliseconds(1));
   }
 }
 

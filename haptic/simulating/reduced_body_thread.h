@@ -57,6 +57,7 @@ class ReducedBodyThread {
   ReducedBodyThread(const ReducedBodyThread&) = delete;
   ReducedBodyThread& operator=(const ReducedBodyThread&) = delete;
 
+  /// Returns when the first step is made, or has been waited for for a second.
   /// @throws BackendError the thread cannot be started, or was started before.
   void start();
   /// Ends the thread, within a step. The servo loops let go of the tools.
