@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vtkPalpateBuildReducedModel.h"
 
+#include <set>
 #include <string>
 
 #include "base/memory_error.h"
@@ -65,14 +66,53 @@ void FillErrors(const std::vector<palpate::MeasuredError>& rows, const palpate::
   number("LongestStep", [](const Row& row) { return row.longest_step; });
   number("WholeStep", [](const Row& row) { return row.whole_step; });
 }
+
+/// The tools at each place of training.
+/// @param nodes So many after each other as there are tools are a place.
+std::vector<std::vector<palpate::BondedPatch>> PlacesOf(
+  const palpate::BondedPatches& patches, const std::vector<palpate::Index>& nodes, size_t tools)
+{
+  if (tools == 0)
+  {
+    throw palpate::InputError("A reduced model needs a tool. Give at least one active node.");
+  }
+  if (nodes.size() % tools != 0)
+  {
+    throw palpate::InputError("TrainingPlaces has " + std::to_string(nodes.size()) +
+      " nodes, which make no places of " + std::to_string(tools) +
+      " tools. Give each place as many nodes as there are active nodes.");
+  }
+  std::vector<std::vector<palpate::BondedPatch>> places;
+  std::set<std::vector<palpate::Index>> different;
+  for (auto node = nodes.begin(); node != nodes.end(); node += static_cast<std::ptrdiff_t>(tools))
+  {
+    const std::vector<palpate::Index> place(node, node + static_cast<std::ptrdiff_t>(tools));
+    if (!different.insert(place).second)
+    {
+      throw palpate::InputError("Training place " + std::to_string(places.size()) +
+        " (counted from 0) is the same as one before it. Name each once.");
+    }
+    // Tools that share a point.
+    (void)patches.around_each(place);
+    std::vector<palpate::BondedPatch>& at = places.emplace_back();
+    for (const palpate::Index tool : place)
+    {
+      at.push_back(patches.around(tool));
+    }
+  }
+  return places;
+}
 }
 
 vtkStandardNewMacro(vtkPalpateBuildReducedModel);
 
 vtkPalpateBuildReducedModel::vtkPalpateBuildReducedModel()
+  : KeptPlaces(std::make_unique<palpate::KeptPlaces>())
 {
   this->SetNumberOfOutputPorts(NumberOfOutputs);
 }
+
+vtkPalpateBuildReducedModel::~vtkPalpateBuildReducedModel() = default;
 
 void vtkPalpateBuildReducedModel::AddActiveNode(vtkIdType node)
 {
@@ -83,6 +123,18 @@ void vtkPalpateBuildReducedModel::AddActiveNode(vtkIdType node)
 void vtkPalpateBuildReducedModel::ClearActiveNodes()
 {
   this->ActiveNodes.clear();
+  this->Modified();
+}
+
+void vtkPalpateBuildReducedModel::AddTrainingPlace(vtkIdType node)
+{
+  this->TrainingPlaces.push_back(node);
+  this->Modified();
+}
+
+void vtkPalpateBuildReducedModel::ClearTrainingPlaces()
+{
+  this->TrainingPlaces.clear();
   this->Modified();
 }
 
@@ -155,6 +207,11 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   {
     tools.patches.push_back(patches.around(node));
   }
+  if (!this->TrainingPlaces.empty())
+  {
+    tools.places = PlacesOf(palpate::BondedPatches(scene, this->TipRadius, "training place"),
+      vtkPalpateActiveNodes(this->TrainingPlaces, "Training place"), nodes.size());
+  }
 
   palpate::ReductionOptions options;
   options.modes = this->Modes;
@@ -178,8 +235,8 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   palpate::MeasureOptions measure;
   measure.paths = this->TestPaths;
   measure.abort_requested = [this] { return this->GetAbortExecute() != 0; };
-  palpate::KeptModel kept = palpate::build_kept_model(
-    scene, rheologies, tools, options, measure, this->FileName, communicator);
+  palpate::KeptModel kept = palpate::build_kept_model(scene, rheologies, tools, options, measure,
+    this->FileName, communicator, this->KeptPlaces.get());
   if (communicator.rank() != 0)
   {
     return;
@@ -212,6 +269,11 @@ void vtkPalpateBuildReducedModel::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "ActiveNodes:";
   for (const vtkIdType node : this->ActiveNodes)
+  {
+    os << ' ' << node;
+  }
+  os << '\n' << indent << "TrainingPlaces:";
+  for (const vtkIdType node : this->TrainingPlaces)
   {
     os << ' ' << node;
   }

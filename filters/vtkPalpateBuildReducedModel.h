@@ -14,12 +14,17 @@
  *   `Case`, `Compared`, `LargestForce` (N), `MeanError`, `RmsError`, `MaximumError`,
  *   `LargestTrust`, `Failed`, `Modes`, `Points`, `MedianStep`, `LongestStep`, `WholeStep` (s)
  *
+ * With training places the body is trained with the tools there, and they are then attached at the
+ * active nodes: to move them takes no training. The rows of the table end with "between places".
+ *
  * Ranks share the training; the whole result is on rank 0, the same to the bit for any number of
  * them. With a FileName the model and its errors are kept in a .palpate file, of which a complete
- * model is read, and the training of one that is not goes on.
+ * model is read, and the training of one that is not goes on. Without one the training at places
+ * stays in memory.
  */
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,6 +34,7 @@
 namespace palpate
 {
 class Communicator;
+struct KeptPlaces;
 }
 class vtkTable;
 
@@ -43,6 +49,12 @@ public:
   /// Ids of the points of the input that tools are bonded to: on the surface and not fixed.
   void AddActiveNode(vtkIdType node);
   void ClearActiveNodes();
+  ///@}
+  ///@{
+  /// Ids of the points that the tools are at in training; as many after each other as there are
+  /// active nodes are a place. None: the tools are trained at the active nodes.
+  void AddTrainingPlace(vtkIdType node);
+  void ClearTrainingPlaces();
   ///@}
   ///@{
   /// The points of the connected patch of the surface within this distance of an active node move
@@ -123,7 +135,7 @@ public:
 
 protected:
   vtkPalpateBuildReducedModel();
-  ~vtkPalpateBuildReducedModel() override = default;
+  ~vtkPalpateBuildReducedModel() override;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
@@ -138,6 +150,9 @@ private:
     vtkUnstructuredGrid* output, vtkTable* errors);
 
   std::vector<vtkIdType> ActiveNodes;
+  std::vector<vtkIdType> TrainingPlaces;
+  /// What was trained there, without a file.
+  std::unique_ptr<palpate::KeptPlaces> KeptPlaces;
   double TipRadius = 0;
   double Reach = 0.01;
   int Modes = 70;

@@ -22,6 +22,11 @@ std::string length(double metres) {
   return text.str();
 }
 
+std::string capitalised(std::string name) {
+  name.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(name.front())));
+  return name;
+}
+
 }  // namespace
 
 std::unique_ptr<Interaction> BondedPatch::clone() const {
@@ -49,15 +54,16 @@ InteractionList bond_nodes(const std::vector<Index>& nodes) {
   return tools;
 }
 
-BondedPatches::BondedPatches(const Scene& scene, double radius)
+BondedPatches::BondedPatches(const Scene& scene, double radius, std::string name)
     : radius_(radius),
+      name_(std::move(name)),
       points_(scene.mesh.points),
       fixed_(scene.fixed),
       used_(points_in_use(scene.mesh)),
       patches_(scene.mesh) {}
 
 InteractionList BondedPatches::around_each(const std::vector<Index>& nodes) const {
-  if (nodes.empty()) throw InputError("No active node is given. Name a point on the surface.");
+  if (nodes.empty()) throw InputError("No " + name_ + " is given. Name a point on the surface.");
   InteractionList tools;
   std::map<Index, Index> node_of_point;
   for (const Index node : nodes) {
@@ -65,11 +71,11 @@ InteractionList BondedPatches::around_each(const std::vector<Index>& nodes) cons
     for (const Index point : patch.points()) {
       const auto [other, is_new] = node_of_point.emplace(point, node);
       if (!is_new && other->second == node) {
-        throw InputError("Active node " + std::to_string(node) + " is named twice.");
+        throw InputError(capitalised(name_) + ' ' + std::to_string(node) + " is named twice.");
       }
       if (!is_new) {
-        throw InputError("The tips at the active nodes " + std::to_string(other->second) + " and " +
-                         std::to_string(node) + ", of radius " + length(radius_) +
+        throw InputError("The tips at the " + name_ + "s " + std::to_string(other->second) +
+                         " and " + std::to_string(node) + ", of radius " + length(radius_) +
                          ", share point " + std::to_string(point) + place(points_[point]) +
                          ". Choose nodes that are farther apart, or a smaller tip radius.");
       }
@@ -80,7 +86,7 @@ InteractionList BondedPatches::around_each(const std::vector<Index>& nodes) cons
 }
 
 BondedPatch BondedPatches::around(Index node) const {
-  const std::string name = "Active node " + std::to_string(node);
+  const std::string name = capitalised(name_) + ' ' + std::to_string(node);
   if (node < 0 || node >= static_cast<Index>(points_.size())) {
     throw InputError(name + " does not exist: the body has " + std::to_string(points_.size()) +
                      " points, counted from 0.");
@@ -101,7 +107,7 @@ BondedPatch BondedPatches::around(Index node) const {
   std::vector<Index> points = patches_.around(node, radius_);
   for (const Index point : points) {
     if (fixed_[point] == 0) continue;
-    throw InputError("The tip of radius " + length(radius_) + " at active node " +
+    throw InputError("The tip of radius " + length(radius_) + " at " + name_ + ' ' +
                      std::to_string(node) + place(points_[node]) + " reaches point " +
                      std::to_string(point) + place(points_[point]) +
                      ", which is fixed. Choose a node that is farther from the fixed points, or a "

@@ -4,6 +4,7 @@
 // as the mesh is refined; that of a patch of a given size does not.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "assembly/scene.h"
@@ -37,7 +38,8 @@ class BondedPatch final : public Interaction {
 class BondedPatches {
  public:
   /// @param radius See SurfacePatches::around, m; 0 bonds the nodes alone.
-  BondedPatches(const Scene& scene, double radius);
+  /// @param name What errors call a node.
+  BondedPatches(const Scene& scene, double radius, std::string name = "active node");
 
   /// A tool that is bonded to the patch around a node.
   /// @throws InputError a node that does not exist, is in no cell, inside the body or fixed; a
@@ -51,6 +53,7 @@ class BondedPatches {
 
  private:
   double radius_;
+  std::string name_;
   std::vector<Vec3> points_;
   std::vector<char> fixed_;
   std::vector<char> used_;

@@ -55,86 +55,94 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
   for (const Rheology& rheology : rheologies) validate(rheology);
 }
 
-/// The states of the whole body, by group.
-struct TrainingGroups {
-  TrainingStates one_tool;
-  TrainingStates all_tools;
-  TrainingStates moving;
-};
-
-/// What the body is solved for in training.
+/// What the body is solved for in training, with the tools at each of some places.
 class Training {
  public:
   Training(const Scene& scene, const std::vector<Rheology>& rheologies,
-           const std::vector<BondedPatch>& tools, const ReductionOptions& options)
-      : scene_(scene),
-        rheologies_(rheologies),
-        options_(options),
-        num_tools_(static_cast<int>(tools.size())) {
-    for (const BondedPatch& tool : tools) tools_.add(tool);
-    add_equilibria("OneTool", one_tool_places(num_tools_, options.reach));
-    if (num_tools_ > 1) {
-      add_equilibria("AllTools", random_places(num_tools_, options.reach, options.all_tools_states,
-                                               options.seed));
+           const std::vector<std::vector<BondedPatch>>& places, const ReductionOptions& options)
+      : scene_(scene), rheologies_(rheologies), options_(options), places_(places.size()) {
+    for (std::size_t place = 0; place < places.size(); ++place) {
+      for (const BondedPatch& tool : places[place]) places_[place].add(tool);
+      add_parts(place, static_cast<int>(places[place].size()));
     }
-    if (has_density(rheologies)) add_motion();
   }
   // Its parts know where it is.
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// @returns False where it was aborted. @param groups On rank 0. @note Collective
-  [[nodiscard]] bool run(const TrainingRun& run, TrainingGroups& groups) const {
+  /// @returns False where it was aborted. @param groups On rank 0, of each place. @note Collective
+  [[nodiscard]] bool run(const TrainingRun& run, std::vector<TrainingGroups>& groups) const {
     std::vector<TrainingStates> states;
     if (!train(parts_, run, options_.equilibrium.abort_requested, states)) return false;
+    groups.resize(places_.size());
     for (std::size_t p = 0; p < states.size(); ++p) {
       const std::string& name = parts_[p].name;
-      TrainingStates& group = name.compare(0, 7, "OneTool") == 0    ? groups.one_tool
-                              : name.compare(0, 8, "AllTools") == 0 ? groups.all_tools
-                                                                    : groups.moving;
+      TrainingGroups& of_place = groups[place_of_part_[p]];
+      TrainingStates& group = name.compare(0, 7, "OneTool") == 0    ? of_place.one_tool
+                              : name.compare(0, 8, "AllTools") == 0 ? of_place.all_tools
+                                                                    : of_place.moving;
       group.append(states[p]);
+      states[p] = {};
     }
     return true;
   }
 
  private:
-  void add_equilibria(const std::string& name, const Eigen::MatrixXd& places) {
-    for (Eigen::Index first = 0; first < places.cols(); first += kPlacesOfPart) {
+  void add_parts(std::size_t place, int num_tools) {
+    add_equilibria("OneTool", place, num_tools, one_tool_places(num_tools, options_.reach));
+    if (num_tools > 1) {
+      add_equilibria("AllTools", place, num_tools,
+                     random_places(num_tools, options_.reach, options_.all_tools_states,
+                                   options_.seed + place));
+    }
+    if (has_density(rheologies_)) add_motion(place, num_tools);
+  }
+
+  void add_equilibria(const std::string& name, std::size_t place, int num_tools,
+                      const Eigen::MatrixXd& displacements) {
+    for (Eigen::Index first = 0; first < displacements.cols(); first += kPlacesOfPart) {
       const Eigen::MatrixXd of_part =
-          places.middleCols(first, std::min(kPlacesOfPart, places.cols() - first));
-      add(name, [this, of_part] {
-        report("Equilibria");
+          displacements.middleCols(first, std::min(kPlacesOfPart, displacements.cols() - first));
+      add(name, place, num_tools, [this, place, of_part] {
+        report("Equilibria", place);
         EquilibriumSolver solver(scene_, options_.equilibrium);
-        solver.set_interaction(tools_);
+        solver.set_interaction(places_[place]);
         return find_equilibria(solver, of_part);
       });
     }
   }
 
-  void add_motion() {
-    for (const ToolPath& path : training_paths(options_, num_tools_)) {
-      add("Motion", [this, path] {
-        report("Motion");
-        return move_in_training(scene_, rheologies_, tools_, {path}, options_);
+  void add_motion(std::size_t place, int num_tools) {
+    const int first = static_cast<int>(place) * options_.training_paths;
+    for (const ToolPath& path : training_paths(options_, num_tools, first)) {
+      add("Motion", place, num_tools, [this, place, path] {
+        report("Motion", place);
+        return move_in_training(scene_, rheologies_, places_[place], {path}, options_);
       });
     }
   }
 
-  void add(const std::string& name, std::function<TrainingStates()> compute) {
+  void add(const std::string& name, std::size_t place, int num_tools,
+           std::function<TrainingStates()> compute) {
     parts_.push_back(
-        {name + std::to_string(parts_.size()), Index{3} * num_tools_, std::move(compute)});
+        {name + std::to_string(parts_.size()), Index{3} * num_tools, std::move(compute)});
+    place_of_part_.push_back(place);
   }
 
-  void report(const std::string& what) const {
-    if (options_.report) options_.report(what);
+  void report(const std::string& what, std::size_t place) const {
+    if (!options_.report) return;
+    options_.report(places_.size() == 1 ? what
+                                        : what + ", place " + std::to_string(place + 1) + " of " +
+                                              std::to_string(places_.size()));
   }
 
   const Scene& scene_;
   const std::vector<Rheology>& rheologies_;
   const ReductionOptions& options_;
-  int num_tools_;
-  InteractionList tools_;
+  /// The tools at each.
+  std::vector<InteractionList> places_;
   std::vector<TrainingPart> parts_;
+  std::vector<std::size_t> place_of_part_;
 };
 
 class Builder {
@@ -266,6 +274,7 @@ class Builder {
 
 void validate(const ReductionOptions& options) {
   require(options.modes >= 1, "Modes", options.modes, "it must be at least 1.");
+  require(options.place_modes >= 1, "PlaceModes", options.place_modes, "it must be at least 1.");
   require(options.tolerance > 0 && options.tolerance < 1, "Tolerance", options.tolerance,
           "it must be between 0 and 1.");
   require(options.max_points >= 1, "MaxPoints", options.max_points, "it must be at least 1.");
@@ -370,6 +379,13 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
   check_materials(scene, rheologies);
 }
 
+bool train_with_tools(const Scene& scene, const std::vector<Rheology>& rheologies,
+                      const std::vector<std::vector<BondedPatch>>& places,
+                      const ReductionOptions& options, const TrainingRun& run,
+                      std::vector<TrainingGroups>& groups) {
+  return Training(scene, rheologies, places, options).run(run, groups);
+}
+
 BuiltModel build_reduced_model(const Scene& scene, const std::vector<Rheology>& rheologies,
                                const std::vector<BondedPatch>& tools,
                                const ReductionOptions& options) {
@@ -389,11 +405,11 @@ BuiltModel build_reduced_model(const Scene& scene, const std::vector<Rheology>& 
     Scene checked = scene;
     check(checked);
     check_materials(checked, rheologies);
-    TrainingGroups groups;
-    built.aborted = !Training(checked, rheologies, tools, options).run(run, groups);
+    std::vector<TrainingGroups> groups;
+    built.aborted = !train_with_tools(checked, rheologies, {tools}, options, run, groups);
     if (built.aborted || run.communicator.rank() != 0) return;
     try {
-      built = Builder(checked, rheologies, tools, options).build(groups);
+      built = Builder(checked, rheologies, tools, options).build(groups.front());
     } catch (const InputError&) {
       // A body that was not solved for at rest has no model.
       const auto& abort_requested = options.equilibrium.abort_requested;

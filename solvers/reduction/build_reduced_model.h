@@ -37,6 +37,9 @@ struct ReductionOptions {
   /// forces to some tenths of a percent: 20 for equilibria of one tool, 70 for its motion, 100 for
   /// that of two.
   Index modes = 70;
+  /// Modes that are kept of the training at each place, of tools that attach anywhere
+  /// (tool_places.h).
+  Index place_modes = 40;
   /// Of the points' forces, as a share of those of the whole body; see HyperReductionOptions.
   double tolerance = 4e-3;
   /// Points at the most.
@@ -129,6 +132,23 @@ void choose_model_points(const Scene& scene, const std::vector<Rheology>& rheolo
                                               const Interaction& tools,
                                               const std::vector<ToolPath>& paths,
                                               const ReductionOptions& options);
+
+/// The states of the whole body in training, by group.
+struct TrainingGroups {
+  TrainingStates one_tool;
+  TrainingStates all_tools;
+  TrainingStates moving;
+};
+
+/// Solves for the whole body with the tools at each of some places, on ranks.
+/// @param scene It was checked, see check(). @param places The tools that are held at a time.
+/// @param groups On rank 0 the states of each place.
+/// @returns False on every rank where it was aborted.
+/// @note Collective
+[[nodiscard]] bool train_with_tools(const Scene& scene, const std::vector<Rheology>& rheologies,
+                                    const std::vector<std::vector<BondedPatch>>& places,
+                                    const ReductionOptions& options, const TrainingRun& run,
+                                    std::vector<TrainingGroups>& groups);
 
 /// The random paths of training, from the number `first` on.
 [[nodiscard]] std::vector<ToolPath> training_paths(const ReductionOptions& options, int num_tools,

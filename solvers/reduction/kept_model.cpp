@@ -14,9 +14,16 @@
 namespace palpate {
 namespace {
 
-constexpr std::array<const char*, 3> kErrorKinds = {"One tool at rest", "All tools at rest",
-                                                    "Motion"};
-constexpr Eigen::Index kMotion = 2;
+/// Those of measure_model(), then the same of tools that were trained at places.
+constexpr std::array<const char*, 6> kErrorKinds = {"One tool at rest",
+                                                    "All tools at rest",
+                                                    "Motion",
+                                                    "One tool at rest between places",
+                                                    "All tools at rest between places",
+                                                    "Motion between places"};
+constexpr const char* kBetweenPlaces = " between places";
+constexpr std::size_t kKindsOfModel = 3;
+constexpr std::size_t kMotion = 2;
 
 /// Calls visit for each number of an error, in the order of its columns.
 template <class Error, class Visit>
@@ -98,15 +105,46 @@ KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene
 /// Whether they were measured on so many paths.
 bool are_of(const MeasureOptions& measure, const KeptModel& kept) {
   const auto num_paths =
-      std::count_if(kept.errors.begin(), kept.errors.end(),
-                    [](const MeasuredError& error) { return error.kind == kErrorKinds[kMotion]; });
+      std::count_if(kept.errors.begin(), kept.errors.end(), [](const MeasuredError& error) {
+        return error.kind == kErrorKinds[kMotion] ||
+               error.kind == kErrorKinds[kKindsOfModel + kMotion];
+      });
   return !kept.model.has_inertia() || num_paths == measure.paths;
 }
 
-}  // namespace
+StateSpaceFile::Arrays arrays_of(const TrainedPlaces& trained) {
+  return {{"PlaceModes", trained.modes},
+          {"PlaceStates", trained.states},
+          {"PlaceTools", trained.tools},
+          {"PlaceReach", Eigen::RowVector2d(trained.reach, trained.num_left_out)}};
+}
 
-std::string key_of_model(const Scene& scene, const std::vector<Rheology>& rheologies,
-                         const ReductionTools& tools, const ReductionOptions& options) {
+/// @throws InputError an array that is missing or of another size: somebody else made it.
+TrainedPlaces trained_of(const StateSpaceFile::Arrays& arrays) {
+  TrainedPlaces trained;
+  const auto find = [&](const char* name) {
+    const auto found = arrays.find(name);
+    if (found != arrays.end()) return found->second;
+    throw InputError(std::string("The training at places is damaged: its array ") + name +
+                     " is missing. Build the model again, with another file.");
+  };
+  trained.modes = find("PlaceModes");
+  trained.states = find("PlaceStates");
+  trained.tools = find("PlaceTools");
+  const Eigen::MatrixXd reach = find("PlaceReach");
+  if (reach.rows() != 1 || reach.cols() != 2) {
+    throw InputError(
+        "The training at places is damaged: its array PlaceReach has another size. Build the model "
+        "again, with another file.");
+  }
+  trained.reach = reach(0, 0);
+  trained.num_left_out = static_cast<int>(reach(0, 1));
+  return trained;
+}
+
+/// All that a model, or a training, follows from.
+std::string text_of(const Scene& scene, const std::vector<Rheology>& rheologies,
+                    const ReductionTools& tools, const ReductionOptions& options) {
   std::ostringstream text;
   text << std::hexfloat << hash(scene);
   for (const Rheology& rheology : rheologies) {
@@ -122,17 +160,99 @@ std::string key_of_model(const Scene& scene, const std::vector<Rheology>& rheolo
        << options.shortest_tap << ' ' << options.time_step << ' ' << options.all_tools_states << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
        << options.equilibrium.single_precision;
-  const std::string all = text.str();
-  const XXH128_hash_t digest = XXH3_128bits(all.data(), all.size());
+  return text.str();
+}
+
+std::string checksum(const std::string& text) {
+  const XXH128_hash_t digest = XXH3_128bits(text.data(), text.size());
   std::ostringstream key;
   key << std::hex << digest.high64 << '-' << digest.low64;
   return key.str();
 }
 
+/// The tools of a model where they are, with what is trained at places.
+/// @note Collective
+BuiltModel build_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
+                           const ReductionTools& tools, const ReductionOptions& options,
+                           StateSpaceFile* file, Communicator& communicator, KeptPlaces& places,
+                           bool& were_there) {
+  BuiltModel built;
+  agree(communicator, [&] {
+    for (const std::vector<BondedPatch>& place : tools.places) {
+      if (place.size() == tools.patches.size()) continue;
+      throw InputError("A place of training has " + std::to_string(place.size()) + " tools, and " +
+                       std::to_string(tools.patches.size()) +
+                       " are to be attached. Give each place as many.");
+    }
+    were_there = keep_places(scene, rheologies, tools.places, options, file, communicator, places);
+    built.aborted = places.trained.aborted;
+    if (built.aborted || communicator.rank() != 0) return;
+    if (options.report) options.report("Attaching the tools");
+    Scene checked = scene;
+    check(checked);
+    built = PlacedTools(checked, rheologies, places.trained).attach(tools.patches, options);
+  });
+  return built;
+}
+
+}  // namespace
+
+std::string key_of_model(const Scene& scene, const std::vector<Rheology>& rheologies,
+                         const ReductionTools& tools, const ReductionOptions& options) {
+  std::string text = text_of(scene, rheologies, tools, options);
+  if (!tools.places.empty())
+    text += " of " + key_of_places(scene, rheologies, tools.places, options);
+  return checksum(text);
+}
+
+std::string key_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
+                          const std::vector<std::vector<BondedPatch>>& places,
+                          const ReductionOptions& options) {
+  // Those of attaching do not count.
+  ReductionOptions of_training = options;
+  const ReductionOptions defaults;
+  of_training.modes = defaults.modes;
+  of_training.tolerance = defaults.tolerance;
+  of_training.max_points = defaults.max_points;
+  std::string text = text_of(scene, rheologies, {}, of_training);
+  text += " place modes " + std::to_string(options.place_modes);
+  for (const std::vector<BondedPatch>& place : places) {
+    text += " place";
+    for (const BondedPatch& tool : place) {
+      text += " tool";
+      for (const Index point : tool.points()) text += ' ' + std::to_string(point);
+    }
+  }
+  return checksum(text);
+}
+
+bool keep_places(const Scene& scene, const std::vector<Rheology>& rheologies,
+                 const std::vector<std::vector<BondedPatch>>& places,
+                 const ReductionOptions& options, StateSpaceFile* file, Communicator& communicator,
+                 KeptPlaces& kept) {
+  bool were_there = false;
+  agree(communicator, [&] {
+    const bool is_first = communicator.rank() == 0;
+    const std::string key = key_of_places(scene, rheologies, places, options);
+    if (is_first && file != nullptr) {
+      kept = {};
+      if (const auto arrays = file->read_reduced_model(key)) kept = {key, trained_of(*arrays)};
+    }
+    were_there = any(communicator, is_first && kept.key == key);
+    if (were_there) return;
+    kept = {};
+    kept.trained = train_places(scene, rheologies, places, options, {communicator, file, key});
+    if (kept.trained.aborted) return;
+    kept.key = key;
+    if (is_first && file != nullptr) file->add_reduced_model(key, arrays_of(kept.trained));
+  });
+  return were_there;
+}
+
 KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheologies,
                            const ReductionTools& tools, const ReductionOptions& options,
                            const MeasureOptions& measure, const std::filesystem::path& path,
-                           Communicator& communicator) {
+                           Communicator& communicator, KeptPlaces* places) {
   KeptModel kept;
   agree(communicator, [&] {
     const bool is_first = communicator.rank() == 0;
@@ -144,8 +264,14 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
       if (const auto arrays = file->read_reduced_model(key)) kept = kept_model_of(*arrays, scene);
     }
     if (!any(communicator, kept.was_there)) {
-      BuiltModel built = build_reduced_model(scene, rheologies, tools.patches, options,
-                                             {communicator, file ? &*file : nullptr, key});
+      StateSpaceFile* const kept_in = file ? &*file : nullptr;
+      KeptPlaces own;
+      BuiltModel built =
+          tools.places.empty()
+              ? build_reduced_model(scene, rheologies, tools.patches, options,
+                                    {communicator, kept_in, key})
+              : build_of_places(scene, rheologies, tools, options, kept_in, communicator,
+                                places == nullptr ? own : *places, kept.were_places_there);
       kept.aborted = built.aborted;
       kept.model = std::move(built.model);
       kept.basis = std::move(built.basis);
@@ -156,7 +282,11 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
     if (!kept.aborted && !(kept.was_there && are_of(measure, kept))) {
       const auto ends = [&] { return measure.abort_requested && measure.abort_requested(); };
       try {
+        if (options.report) options.report("Errors");
         kept.errors = measure_model(scene, rheologies, tools.patches, options, kept.model, measure);
+        if (!tools.places.empty()) {
+          for (MeasuredError& row : kept.errors) row.kind += kBetweenPlaces;
+        }
       } catch (const BackendError&) {
         // The body does not come to the end of a path where that is not asked for any more.
         if (!ends()) throw;

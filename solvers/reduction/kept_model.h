@@ -10,6 +10,14 @@
 //   Errors       [cases × 11]   MeasuredError: the number of its kind among kErrorKinds, then
 //                mean, rms, max, largest force (N), largest trust, compared, failed, median,
 //                longest and whole step (s)
+//
+// Where the tools attach anywhere (tool_places.h), what was trained at the places is in the file
+// for itself, and serves all models whose tools are placed anew:
+//
+//   PlaceModes   [3 num_points × modes]   TrainedPlaces::modes
+//   PlaceStates  [modes × states]         and the others of TrainedPlaces
+//   PlaceTools   [tool coordinates × states]
+//   PlaceReach   [1 × 2]   m, and the number of states that were left out
 #pragma once
 
 #include <filesystem>
@@ -18,6 +26,7 @@
 
 #include "reduction/build_reduced_model.h"
 #include "reduction/measure_model.h"
+#include "reduction/tool_places.h"
 
 namespace palpate {
 
@@ -26,6 +35,15 @@ struct ReductionTools {
   std::vector<BondedPatch> patches;
   /// Of each, the node that it is around.
   std::vector<Index> nodes;
+  /// The tools at each place of training; empty: they are trained where they are.
+  std::vector<std::vector<BondedPatch>> places;
+};
+
+/// What was trained at places.
+struct KeptPlaces {
+  /// See key_of_places(); empty: there is nothing.
+  std::string key;
+  TrainedPlaces trained;
 };
 
 struct KeptModel {
@@ -37,6 +55,9 @@ struct KeptModel {
   std::vector<MeasuredError> errors;
   /// It was complete in the file: the whole body was not solved for.
   bool was_there = false;
+  /// What it is made from was trained before, at ReductionTools::places: the tools were attached
+  /// and measured.
+  bool were_places_there = false;
   /// There is no model, or not all errors. What was found in training is kept.
   bool aborted = false;
   /// What was damaged in the file, as StateSpaceFile::left_out(), and was computed again.
@@ -48,17 +69,38 @@ struct KeptModel {
                                        const ReductionTools& tools,
                                        const ReductionOptions& options);
 
+/// The same of what is trained at the places: of the scene, rheologies, places and the options that
+/// training follows from.
+[[nodiscard]] std::string key_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
+                                        const std::vector<std::vector<BondedPatch>>& places,
+                                        const ReductionOptions& options);
+
+/// Takes what was trained at places from the file, or trains and keeps it there.
+/// @param file Only rank 0 has it; null: it is taken from `kept` where that is of the same key.
+/// @param kept On rank 0 what was trained; on the others only whether it was aborted.
+/// @returns Whether it was there, on every rank.
+/// @throws InputError as train_places(); an array in the file that is missing.
+/// @throws BackendError the file cannot be written.
+/// @note Collective
+bool keep_places(const Scene& scene, const std::vector<Rheology>& rheologies,
+                 const std::vector<std::vector<BondedPatch>>& places,
+                 const ReductionOptions& options, StateSpaceFile* file, Communicator& communicator,
+                 KeptPlaces& kept);
+
 /// Reads the model, or builds and measures it.
 /// @param file Is made where it is not there; empty: nothing is kept. The solver tolerance of its
 ///   scene is that of `options.equilibrium`. Errors that were measured on another number of paths
 ///   are measured again.
+/// @param places On rank 0, without a file: what was trained at places is taken from here, and left
+///   here; may be null.
 /// @returns On rank 0 all of it, on the others only whether it was aborted.
-/// @throws InputError as build_reduced_model(); a file of another scene or tolerance.
+/// @throws InputError as build_reduced_model(), or as train_places() and PlacedTools::attach(); a
+///   file of another scene or tolerance.
 /// @throws BackendError the file cannot be written.
 /// @note Collective
 [[nodiscard]] KeptModel build_kept_model(
     const Scene& scene, const std::vector<Rheology>& rheologies, const ReductionTools& tools,
     const ReductionOptions& options, const MeasureOptions& measure,
-    const std::filesystem::path& file, Communicator& communicator);
+    const std::filesystem::path& file, Communicator& communicator, KeptPlaces* places = nullptr);
 
 }  // namespace palpate

@@ -33,6 +33,10 @@ constexpr double kInertialShare = 0.2;
 constexpr double kExpansion = 0.02;
 /// Terms of the response to motion, for each coordinate of a tool.
 constexpr int kInertialOrders = 4;
+/// Modes that stand for the states of one place and group.
+constexpr Eigen::Index kModesOfPlace = 150;
+/// Of a displacement of a tool, and of the square of all modes: less is rounding.
+constexpr double kMoves = 1e-12;
 /// States of training that choose the points of a model.
 constexpr Eigen::Index kMostStates = 500;
 
@@ -48,82 +52,142 @@ InteractionList as_list(const std::vector<BondedPatch>& tools) {
   return list;
 }
 
-/// The states of all places, and what they have beside the linear responses.
-struct StatesOfPlaces {
-  TrainingStates states;
-  Eigen::MatrixXd beside;
+/// The root of the sum of c cᵀ over the columns c of a matrix: its columns have the same sum.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& columns) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energies(columns * columns.transpose());
+  return energies.eigenvectors() * energies.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+         energies.eigenvectors().transpose();
+}
 
-  void append(const TrainingStates& more, const Eigen::MatrixXd& responses) {
-    states.append(more);
-    const Eigen::MatrixXd of_more = more.u - responses * more.tools;
-    beside = beside.cols() == 0 ? of_more : side_by_side(beside, of_more);
+/// The states of one group, of all places: of each place by modes of its own, so that not all
+/// states have to be in memory, and the eigenvalue problem does not grow with them.
+class GroupOfPlaces {
+ public:
+  /// @param states They are lost. @param responses L of the place.
+  void add(const RestStiffness& stiffness, TrainingStates& states,
+           const Eigen::MatrixXd& responses) {
+    num_left_out_ += states.num_left_out;
+    if (states.tools.cols() == 0) return;
+    states.u -= responses * states.tools;
+    ModeBuilder of_place(stiffness, states.u.rows());
+    of_place.add(states.u, kModesOfPlace);
+    parts_.push_back({of_place.modes(), of_place.coordinates(states.u), states.tools});
+    states = {};
   }
+
+  [[nodiscard]] bool empty() const { return parts_.empty(); }
+  [[nodiscard]] int num_left_out() const { return num_left_out_; }
+
+  /// Fields whose modes are those of the states.
+  [[nodiscard]] Eigen::MatrixXd fields() const {
+    Eigen::MatrixXd all(parts_.front().modes.rows(), 0);
+    for (const Part& part : parts_) {
+      all = side_by_side(all, part.modes * root_of(part.coordinates));
+    }
+    return all;
+  }
+  /// Appends the coordinates of the states in the modes of a builder, and the tools.
+  void append_to(TrainedPlaces& trained, const ModeBuilder& builder) const {
+    for (const Part& part : parts_) {
+      trained.states =
+          side_by_side(trained.states, builder.coordinates(part.modes) * part.coordinates);
+      trained.tools = side_by_side(trained.tools, part.tools);
+    }
+  }
+
+ private:
+  struct Part {
+    Eigen::MatrixXd modes;
+    Eigen::MatrixXd coordinates;
+    Eigen::MatrixXd tools;
+  };
+
+  std::vector<Part> parts_;
+  int num_left_out_ = 0;
 };
+
+void check_places(const std::vector<std::vector<BondedPatch>>& places) {
+  if (places.empty()) {
+    throw InputError("A reduced model needs a place of training. Give at least one.");
+  }
+  for (std::size_t place = 0; place < places.size(); ++place) {
+    if (!places[place].empty() && places[place].size() == places.front().size()) continue;
+    throw InputError("Place " + std::to_string(place) + " of training has " +
+                     std::to_string(places[place].size()) + " tools, and place 0 has " +
+                     std::to_string(places.front().size()) +
+                     ". Give each place as many, at least one.");
+  }
+}
+
+/// Ψ of the states of all places, and these in it.
+TrainedPlaces modes_of_places(const Scene& scene,
+                              const std::vector<std::vector<BondedPatch>>& places,
+                              const ReductionOptions& options,
+                              std::vector<TrainingGroups>& groups) {
+  // This is one factorisation: nobody needs to end it half-way.
+  EquilibriumOptions of_rest = options.equilibrium;
+  of_rest.abort_requested = nullptr;
+  EquilibriumSolver solver(scene, of_rest);
+  const RestStiffness stiffness(solver.assembly());
+  GroupOfPlaces still;
+  GroupOfPlaces moving;
+  for (std::size_t place = 0; place < places.size(); ++place) {
+    solver.set_interaction(as_list(places[place]));
+    const Eigen::MatrixXd responses = solver.rest().v;
+    TrainingGroups& of_place = groups[place];
+    of_place.one_tool.append(of_place.all_tools);
+    still.add(stiffness, of_place.one_tool, responses);
+    moving.add(stiffness, of_place.moving, responses);
+    of_place = {};
+  }
+  if (still.empty() && moving.empty()) {
+    throw InputError("At none of the " + std::to_string(places.size()) +
+                     " places of training does the body follow the tools. Let them go less far "
+                     "(Reach).");
+  }
+  const Eigen::Index rows = 3 * Eigen::Index{scene.mesh.num_points()};
+  const auto most = Eigen::Index{options.place_modes} * static_cast<Eigen::Index>(places.size());
+  ModeBuilder builder(stiffness, rows);
+  const double share = moving.empty() ? 1 : kStillShare;
+  if (!still.empty()) {
+    builder.add(still.fields(), std::lround(share * static_cast<double>(most)));
+  }
+  if (!moving.empty()) builder.add(moving.fields(), most - builder.modes().cols());
+  TrainedPlaces trained;
+  trained.modes = builder.modes();
+  trained.reach = options.reach;
+  trained.states.resize(builder.modes().cols(), 0);
+  trained.tools.resize(3 * static_cast<Eigen::Index>(places.front().size()), 0);
+  still.append_to(trained, builder);
+  moving.append_to(trained, builder);
+  trained.num_left_out = still.num_left_out() + moving.num_left_out();
+  return trained;
+}
 
 }  // namespace
 
 TrainedPlaces train_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                            const std::vector<std::vector<BondedPatch>>& places,
                            const ReductionOptions& options) {
-  check_reduction(scene, rheologies, options);
-  if (places.empty()) {
-    throw InputError("A reduced model needs a place of training. Give at least one.");
-  }
-  Scene checked = scene;
-  check(checked);
-  const auto report = [&](const std::string& what) {
-    if (options.report) options.report(what);
-  };
-  EquilibriumSolver solver(checked, options.equilibrium);
-  StatesOfPlaces still;
-  StatesOfPlaces moving;
-  int number = 0;
-  for (const std::vector<BondedPatch>& tools : places) {
-    if (tools.empty() || tools.size() != places.front().size()) {
-      throw InputError("Place " + std::to_string(number) + " of training has " +
-                       std::to_string(tools.size()) + " tools, and place 0 has " +
-                       std::to_string(places.front().size()) +
-                       ". Give each place as many, at least one.");
-    }
-    report("Place " + std::to_string(number + 1) + " of " + std::to_string(places.size()));
-    const int num_tools = static_cast<int>(tools.size());
-    const InteractionList list = as_list(tools);
-    solver.set_interaction(list);
-    const Eigen::MatrixXd of_place = solver.rest().v;
-    still.append(find_equilibria(solver, one_tool_places(num_tools, options.reach)), of_place);
-    if (num_tools > 1) {
-      const auto seed = options.seed + static_cast<std::uint64_t>(number);
-      still.append(find_equilibria(solver, random_places(num_tools, options.reach,
-                                                         options.all_tools_states, seed)),
-                   of_place);
-    }
-    if (has_density(rheologies)) {
-      const int first_path = number * options.training_paths;
-      moving.append(move_in_training(checked, rheologies, list,
-                                     training_paths(options, num_tools, first_path), options),
-                    of_place);
-    }
-    ++number;
-  }
+  const auto alone = make_serial_communicator();
+  return train_places(scene, rheologies, places, options, {*alone, nullptr, {}});
+}
 
-  report("Modes");
-  const RestStiffness stiffness(solver.assembly());
-  ModeBuilder builder(stiffness, still.beside.rows());
-  const bool moves = moving.beside.cols() > 0;
-  const auto of_still =
-      static_cast<Eigen::Index>(std::lround(options.modes * (moves ? kStillShare : 1)));
-  builder.add(still.beside, of_still);
-  if (moves) builder.add(moving.beside, options.modes - builder.modes().cols());
+TrainedPlaces train_places(const Scene& scene, const std::vector<Rheology>& rheologies,
+                           const std::vector<std::vector<BondedPatch>>& places,
+                           const ReductionOptions& options, const TrainingRun& run) {
   TrainedPlaces trained;
-  trained.modes = builder.modes();
-  trained.reach = options.reach;
-  trained.states = builder.coordinates(still.beside);
-  trained.tools = still.states.tools;
-  if (moves) {
-    trained.states = side_by_side(trained.states, builder.coordinates(moving.beside));
-    trained.tools = side_by_side(trained.tools, moving.states.tools);
-  }
-  trained.num_left_out = still.states.num_left_out + moving.states.num_left_out;
+  agree(run.communicator, [&] {
+    check_reduction(scene, rheologies, options);
+    check_places(places);
+    Scene checked = scene;
+    check(checked);
+    std::vector<TrainingGroups> groups;
+    trained.aborted = !train_with_tools(checked, rheologies, places, options, run, groups);
+    if (trained.aborted || run.communicator.rank() != 0) return;
+    if (options.report) options.report("Modes");
+    trained = modes_of_places(checked, places, options, groups);
+  });
   return trained;
 }
 
@@ -158,11 +222,7 @@ class PlacedTools::Impl {
       throw InputError(
           "The body is not held: its stiffness at rest is singular. Fix more of its points.");
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energies(trained.states *
-                                                                  trained.states.transpose());
-    root_of_states_ = energies.eigenvectors() *
-                      energies.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
-                      energies.eigenvectors().transpose();
+    root_of_states_ = root_of(trained.states);
   }
 
   BuiltModel attach(const std::vector<BondedPatch>& tools, const ReductionOptions& options) const {
@@ -187,6 +247,7 @@ class PlacedTools::Impl {
     builder.add(terms, at_most(kTermsShare));
     placed.one_tool_modes = static_cast<Index>(builder.modes().cols());
     if (mass_) builder.add(inertial_terms(held), at_most(kInertialShare));
+    check_trained_around(held, tools);
     const Eigen::MatrixXd left = held.vanishing(trained_.modes);
     builder.add(left * root_of_states_, options.modes - builder.modes().cols());
     const Eigen::Index n = builder.modes().cols();
@@ -272,6 +333,23 @@ class PlacedTools::Impl {
     held.factor.compute(0.5 * (s + s.transpose()));
     held.responses = held.z * held.factor.solve(held.rigid);
     return held;
+  }
+
+  /// A tool on a part of the body that hangs together with no place: all that training knows of
+  /// there is rest.
+  void check_trained_around(const Held& held, const std::vector<BondedPatch>& tools) const {
+    for (std::size_t tool = 0; tool < tools.size(); ++tool) {
+      const Eigen::MatrixXd response =
+          held.responses.middleCols(3 * static_cast<Eigen::Index>(tool), 3);
+      double of_part = 0;
+      for (Eigen::Index row = 0; row < response.rows(); ++row) {
+        if (response.row(row).norm() > kMoves) of_part += trained_.modes.row(row).squaredNorm();
+      }
+      if (of_part > kMoves * trained_.modes.squaredNorm()) continue;
+      throw InputError("The tool at point " + std::to_string(tools[tool].points().front()) +
+                       " is on a part of the body that has no place of training and is joined to "
+                       "none that has. Train at a place there too.");
+    }
   }
 
   /// The terms of second and third order of the equilibrium's expansion in the displacement of the

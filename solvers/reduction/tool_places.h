@@ -45,16 +45,27 @@ struct TrainedPlaces {
   double reach = 0;
   /// States that were left out: there was no equilibrium, or a cell was inverted.
   int num_left_out = 0;
+  /// Training was ended by EquilibriumOptions::abort_requested; there is nothing else.
+  bool aborted = false;
 };
 
 /// @param places The tools that are held at a time: one at each place, or several.
-/// @param options Its modes are those of all places together, its training paths those of each.
+/// @param options Its place modes and training paths are those of each place.
 /// @throws InputError as build_reduced_model(); no place, or places with different numbers of
 /// tools.
 [[nodiscard]] TrainedPlaces train_places(const Scene& scene,
                                          const std::vector<Rheology>& rheologies,
                                          const std::vector<std::vector<BondedPatch>>& places,
                                          const ReductionOptions& options);
+
+/// The same on ranks, whose training is kept while it is under way. What it leaves is the same to
+/// the bit for any number of ranks, and where the training was taken up again.
+/// @returns On rank 0 all of it, on the others only whether it was aborted.
+/// @note Collective. All is the same on every rank but callbacks and the file.
+[[nodiscard]] TrainedPlaces train_places(const Scene& scene,
+                                         const std::vector<Rheology>& rheologies,
+                                         const std::vector<std::vector<BondedPatch>>& places,
+                                         const ReductionOptions& options, const TrainingRun& run);
 
 class PlacedTools {
  public:
@@ -70,7 +81,8 @@ class PlacedTools {
   /// The body with these tools, as many as at each place of training.
   /// @param options Its modes, points, tolerance and seed count.
   /// @throws InputError no tool, or another number of them; tools that share a point, or have one
-  ///   that does not exist, is in no cell or is fixed; an option out of its range.
+  ///   that does not exist, is in no cell, is fixed, or is on a part of the body without a place;
+  ///   an option out of its range.
   [[nodiscard]] BuiltModel attach(const std::vector<BondedPatch>& tools,
                                   const ReductionOptions& options) const;
 
