@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "assembly/assembly.h"
 #include "assembly/mass.h"
@@ -23,22 +25,27 @@
 namespace palpate {
 namespace {
 
-/// The share of the modes that is of equilibria, where there is motion too.
+/// The share of the modes that is of equilibria in training, where there is motion too.
 constexpr double kStillShare = 0.3;
-/// The share of the modes that is of the terms of higher order, at the most.
+/// The shares of the modes of a model that are of the terms of higher order at rest, without motion
+/// and beside it, of the linear response to motion, and of the terms of higher order in motion, at
+/// the most. What is left is of training.
 constexpr double kTermsShare = 0.4;
-/// The same, of the terms of the response to motion.
-constexpr double kInertialShare = 0.2;
+constexpr double kTermsShareInMotion = 0.12;
+constexpr double kLinearShare = 0.2;
+constexpr double kMotionShare = 0.25;
+/// Displacements in motion whose terms of higher order are computed.
+constexpr Eigen::Index kMovingTerms = 300;
 /// ε of higher_terms(): what is left out is ε² of a term, and rounding a part in ten thousand.
 constexpr double kExpansion = 0.02;
 /// Terms of the response to motion, for each coordinate of a tool.
-constexpr int kInertialOrders = 4;
+constexpr int kInertialOrders = 6;
 /// Modes that stand for the states of one place and group.
 constexpr Eigen::Index kModesOfPlace = 150;
 /// Of a displacement of a tool, and of the square of all modes: less is rounding.
 constexpr double kMoves = 1e-12;
 /// States of training that choose the points of a model.
-constexpr Eigen::Index kMostStates = 500;
+constexpr Eigen::Index kMostStates = 150;
 
 Eigen::MatrixXd side_by_side(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
@@ -236,20 +243,25 @@ class PlacedTools::Impl {
     }
     const Held held = hold(tools);
     ModeBuilder builder(stiffness_, trained_.modes.rows());
-    const Eigen::MatrixXd terms = higher_terms(held, num_tools);
-    if (!terms.allFinite()) {
-      throw InputError("The body is inverted as soon as its tools move by " +
-                       std::to_string(kExpansion * trained_.reach) +
-                       " m. Train with a shorter Reach.");
-    }
-    const auto at_most = [&](double share) { return std::lround(share * options.modes); };
+    const Eigen::MatrixXd places = directions(num_tools);
+    const Expansion still = expand(held, held.responses * places, places);
+    const auto until = [&](double share) {
+      return std::lround(share * options.modes) - builder.modes().cols();
+    };
     BuiltModel placed;
-    builder.add(terms, at_most(kTermsShare));
+    const double terms_share = mass_ ? kTermsShareInMotion : kTermsShare;
+    builder.add(still.higher(), until(terms_share));
     placed.one_tool_modes = static_cast<Index>(builder.modes().cols());
-    if (mass_) builder.add(inertial_terms(held), at_most(kInertialShare));
+    std::optional<Expansion> moving;
+    if (mass_) {
+      moving = move_linear_body(held, num_tools, options);
+      builder.add(moving->first - held.responses * moving->tools,
+                  until(terms_share + kLinearShare));
+      builder.add(moving->higher(), until(terms_share + kLinearShare + kMotionShare));
+    }
     check_trained_around(held, tools);
     const Eigen::MatrixXd left = held.vanishing(trained_.modes);
-    builder.add(left * root_of_states_, options.modes - builder.modes().cols());
+    builder.add(left * root_of_states_, until(1));
     const Eigen::Index n = builder.modes().cols();
     const Eigen::Index d = held.rigid.cols();
     placed.motion_modes = static_cast<Index>(n) - placed.one_tool_modes;
@@ -259,21 +271,19 @@ class PlacedTools::Impl {
     for (Eigen::Index i = 0; i < held.rigid.rows(); ++i) {
       placed.basis.row(held.rows[i]) << Eigen::RowVectorXd::Zero(n), held.rigid.row(i);
     }
-    // Equilibria by the expansion, at reach and at half of it, and the states of training.
-    const Eigen::Index count = terms.cols() / 2;
-    const Eigen::MatrixXd places = directions(num_tools);
-    const Eigen::MatrixXd second = builder.coordinates(terms.leftCols(count));
-    const Eigen::MatrixXd third = builder.coordinates(terms.rightCols(count));
+    // Equilibria by the expansion, at reach and at half of it, motion by it, and the states of
+    // training.
     const Eigen::Index stride = std::max<Eigen::Index>(1, trained_.states.cols() / kMostStates);
     const Eigen::Index of_training = (trained_.states.cols() + stride - 1) / stride;
-    Eigen::MatrixXd states(n + d, 2 * count + of_training);
-    states.leftCols(count) << second + third, places;
-    states.middleCols(count, count) << 0.25 * second + 0.125 * third, 0.5 * places;
     const Eigen::MatrixXd to_modes = builder.coordinates(left);
+    Eigen::MatrixXd states(n + d, of_training);
     for (Eigen::Index c = 0; c < of_training; ++c) {
-      states.col(2 * count + c) << to_modes * trained_.states.col(c * stride),
-          trained_.tools.col(c * stride);
+      states.col(c) << to_modes * trained_.states.col(c * stride), trained_.tools.col(c * stride);
     }
+    for (const double size : {1.0, 0.5}) {
+      states = side_by_side(states, still.coordinates(builder, size));
+    }
+    if (moving) states = side_by_side(states, moving->coordinates(builder, 1));
     const Eigen::MatrixXd stiffness = held.rigid.transpose() * held.factor.solve(held.rigid);
     choose_model_points(scene_, rheologies_, points_, stiffness, states, options, placed);
     placed.num_states = static_cast<int>(states.cols());
@@ -352,22 +362,104 @@ class PlacedTools::Impl {
     }
   }
 
-  /// The terms of second and third order of the equilibrium's expansion in the displacement of the
-  /// tools, u(ε d) = ε L d + ε² u₂ + ε³ u₃ + …, in many directions d as long as the reach. From the
-  /// internal forces f:
+  /// The terms of a displacement of the body in powers of that of its tools, each at its size.
+  struct Expansion {
+    /// [3 num_points × states], m: of first, second and third order.
+    Eigen::MatrixXd first;
+    Eigen::MatrixXd second;
+    Eigen::MatrixXd third;
+    /// [d × states], m.
+    Eigen::MatrixXd tools;
+
+    [[nodiscard]] Eigen::MatrixXd higher() const { return side_by_side(second, third); }
+    /// y of the displacements where the tools move by a share of theirs.
+    [[nodiscard]] Eigen::MatrixXd coordinates(const ModeBuilder& builder, double size) const {
+      Eigen::MatrixXd y(builder.modes().cols() + tools.rows(), tools.cols());
+      y << builder.coordinates(size * first + std::pow(size, 2) * second +
+                               std::pow(size, 3) * third),
+          size * tools;
+      return y;
+    }
+  };
+
+  /// The terms of second and third order of u(ε) = ε u₁ + ε² u₂ + ε³ u₃ + …, whose first one is
+  /// given, and whose inertia is that of the first one. From the internal forces f:
   ///
-  ///   K₀ u₂ = −½ (f(ε L d) + f(−ε L d))/ε²
-  ///   K₀ u₃ = −½ (f(ε² u₂ + ε L d) − f(ε² u₂ − ε L d))/ε³     with u₂ = u₃ = 0 at the tools
-  [[nodiscard]] Eigen::MatrixXd higher_terms(const Held& held, int num_tools) const {
-    const Eigen::MatrixXd first = kExpansion * held.responses * directions(num_tools);
-    const Eigen::Index count = first.cols();
-    const Eigen::MatrixXd even = 0.5 * (forces_at(first) + forces_at(-first));
+  ///   K₀ u₂ = −½ (f(ε u₁) + f(−ε u₁))/ε²
+  ///   K₀ u₃ = −½ (f(ε² u₂ + ε u₁) − f(ε² u₂ − ε u₁))/ε³ + K₀ u₁/ε²   u₂ = u₃ = 0 at the tools
+  ///
+  /// @param first u₁ of each state. @param tools Of each state.
+  [[nodiscard]] Expansion expand(const Held& held, const Eigen::MatrixXd& first,
+                                 const Eigen::MatrixXd& tools) const {
+    const Eigen::MatrixXd small = kExpansion * first;
+    const Eigen::MatrixXd even = 0.5 * (forces_at(small) + forces_at(-small));
     const Eigen::MatrixXd second = -held.vanishing(inverse_times(even));
-    const Eigen::MatrixXd odd = 0.5 * (forces_at(second + first) - forces_at(second - first));
+    const Eigen::MatrixXd odd =
+        0.5 * (forces_at(second + small) - forces_at(second - small)) - stiffness_.times(small);
     const Eigen::MatrixXd third = -held.vanishing(inverse_times(odd));
-    Eigen::MatrixXd terms(first.rows(), 2 * count);
-    terms << second / std::pow(kExpansion, 2), third / std::pow(kExpansion, 3);
-    return terms;
+    if (!second.allFinite() || !third.allFinite()) {
+      throw InputError("The body is inverted as soon as its tools move by " +
+                       std::to_string(kExpansion * trained_.reach) +
+                       " m. Train with a shorter Reach.");
+    }
+    return {first, second / std::pow(kExpansion, 2), third / std::pow(kExpansion, 3), tools};
+  }
+
+  /// What the linear body does along the paths of training, and its terms of higher order. In the
+  /// coordinates of L and of the terms of inertial_terms() it is
+  ///
+  ///   M q̈ + τ q̇ + q = −M_L d̈
+  ///
+  /// with the shortest viscous time τ of a material, in steps of BDF2.
+  [[nodiscard]] Expansion move_linear_body(const Held& held, int num_tools,
+                                           const ReductionOptions& options) const {
+    ModeBuilder linear(stiffness_, held.responses.rows());
+    linear.add(inertial_terms(held), kInertialOrders * held.responses.cols());
+    const Eigen::Index n = linear.modes().cols();
+    const Eigen::Index d = held.responses.cols();
+    Eigen::MatrixXd basis(held.responses.rows(), n + d);
+    basis << linear.modes(), held.responses;
+    Eigen::MatrixXd of_basis(basis.rows(), basis.cols());
+    for (Eigen::Index c = 0; c < basis.cols(); ++c) {
+      of_basis.col(c) = mass_->times(basis.col(c)).head(basis.rows());
+    }
+    const Eigen::MatrixXd mass = linear.modes().transpose() * of_basis;
+    double viscous_time = rheologies_.front().viscous_time;
+    for (const Rheology& rheology : rheologies_) {
+      viscous_time = std::min(viscous_time, rheology.viscous_time);
+    }
+    const double h = options.time_step;
+    const double rate = 3 / (2 * h);
+    const Eigen::LLT<Eigen::MatrixXd> step_matrix(rate * rate * mass.leftCols(n) +
+                                                  (1 + rate * viscous_time) *
+                                                      Eigen::MatrixXd::Identity(n, n));
+    std::vector<Eigen::VectorXd> states;
+    for (const ToolPath& path : training_paths(options, num_tools)) {
+      // y and its velocity at the last two times.
+      Eigen::VectorXd y = Eigen::VectorXd::Zero(n + d);
+      Eigen::VectorXd y_before = y;
+      Eigen::VectorXd v = y;
+      Eigen::VectorXd v_before = y;
+      for (int step = 1; step * h <= path.end(); ++step) {
+        Eigen::VectorXd next = Eigen::VectorXd::Zero(n + d);
+        next.tail(d) = path.at(step * h);
+        // v = rate y + what follows from the past, and so a.
+        const Eigen::VectorXd v_of_past = (-4 * y + y_before) / (2 * h);
+        const Eigen::VectorXd a_of_past = rate * v_of_past + (-4 * v + v_before) / (2 * h);
+        const Eigen::VectorXd known = rate * rate * next + a_of_past;
+        next.head(n) = step_matrix.solve(-mass * known - viscous_time * v_of_past.head(n));
+        y_before = std::exchange(y, next);
+        v_before = std::exchange(v, rate * next + v_of_past);
+        states.push_back(y);
+      }
+    }
+    const auto num_states = static_cast<Eigen::Index>(states.size());
+    const Eigen::Index count = std::min(kMovingTerms, num_states);
+    Eigen::MatrixXd chosen(n + d, count);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      chosen.col(c) = states[static_cast<std::size_t>((c + 1) * num_states / count - 1)];
+    }
+    return expand(held, basis * chosen, chosen.bottomRows(d));
   }
 
   /// The terms of the linear body's response to motion of the tools in powers of the frequency:

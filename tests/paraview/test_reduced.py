@@ -198,6 +198,81 @@ def test_a_file_keeps_the_model():
                                    **settings).UpdatePipeline, "no folder")
 
 
+def texts_of_update(model):
+    """What the filter tells of its progress."""
+    texts = []
+    algorithm = model.GetClientSideObject()
+    observer = algorithm.AddObserver("ProgressEvent",
+                                     lambda *_: texts.append(algorithm.GetProgressText()))
+    model.UpdatePipeline()
+    algorithm.RemoveObserver(observer)
+    return {text for text in texts if text}
+
+
+def test_tools_attach_away_from_their_training():
+    """Trained with the tool at some places, the body follows it at others as the whole one does;
+    the tool that moves takes no training, with a file or without."""
+    boundary = held(ViscousTime=0.01)
+    places = [node_at(boundary, [LENGTH, y, WIDTH]) for y in (0, WIDTH)]
+    nodes = [node_at(boundary, [x, WIDTH / 2, WIDTH]) for x in (LENGTH, 0.75 * LENGTH)]
+    settings = {"TrainingPlaces": places, "TipRadius": 0.03, "Reach": REACH, "TrainingPaths": 2,
+                "PathDuration": 0.5, "Modes": 60}
+    gradients = {}
+    for file in ("", "places.palpate"):
+        model = BuildReducedModel(Input=boundary, FileName=file, ActiveNodes=nodes[:1], **settings)
+        assert any("place 2 of 2" in text for text in texts_of_update(model))
+        model.ActiveNodes = nodes[1:]
+        texts = texts_of_update(model)
+        assert texts and not any("place" in text for text in texts), texts
+        errors = columns_of(model, 1)
+        assert errors["Case"] == ["One tool at rest between places", "Motion between places"]
+        assert (errors["Failed"] == 0).all() and (errors["Compared"] > 0).all()
+        assert errors["MaximumError"][0] < 0.01 and errors["RmsError"][1] < 0.008, errors
+        gradients[file] = field(fetch(model), "ReducedPointGradients")
+    assert numpy.array_equal(gradients[""], gradients["places.palpate"])
+    # Another filter takes the training from the file.
+    model = BuildReducedModel(Input=boundary, FileName=file, ActiveNodes=places[:1], **settings)
+    assert not any("place" in text for text in texts_of_update(model))
+
+    model.ActiveNodes = nodes[1:]
+    common = {"ToolPaths": table_of("between", TIMES, PULL), "EndTime": 0.5}
+    touch = columns_of(SimulateTouch(Input=model, **common), 1)
+    whole = columns_of(SolveDynamics(Input=boundary, ActiveNodes=nodes[1:], TipRadius=0.03,
+                                     **common), 1)
+    assert (touch["Outcome"] == CONVERGED).all()
+    largest = numpy.linalg.norm(whole["Force0"], axis=1).max()
+    error = numpy.linalg.norm(touch["Force0"] - whole["Force0"], axis=1).max()
+    assert error < 0.02 * largest, error / largest
+
+
+def test_bad_training_places():
+    boundary = held(Density=0)
+    nodes = corners(boundary)
+    fixed = node_at(boundary, [0, WIDTH, WIDTH])
+    inside = node_at(boundary, [LENGTH / 2, WIDTH / 2, WIDTH / 2])
+    for settings, words in (({"ActiveNodes": []}, ["needs a tool"]),
+                            ({"TrainingPlaces": [10**6]}, ["Training place 1000000", "exist"]),
+                            ({"TrainingPlaces": [-1]}, ["Training place -1", "exist"]),
+                            ({"TrainingPlaces": [fixed]}, [f"Training place {fixed}", "is fixed"]),
+                            ({"TrainingPlaces": [inside]}, [f"{inside}", "inside the body"]),
+                            ({"ActiveNodes": [fixed]}, [f"Active node {fixed}", "is fixed"]),
+                            ({"TrainingPlaces": [*nodes, nodes[0]]}, ["the same as one before"]),
+                            ({"ActiveNodes": nodes, "TrainingPlaces": nodes[:1]},
+                             ["1 nodes", "2 tools"]),
+                            ({"ActiveNodes": nodes, "TrainingPlaces": [nodes[0]] * 2},
+                             [f"Training place {nodes[0]} is named twice"])):
+        model = BuildReducedModel(Input=boundary, **{"ActiveNodes": nodes[:1],
+                                                     "TrainingPlaces": nodes} | settings)
+        expect_error(model.UpdatePipeline, *words)
+    near = [node_at(boundary, [LENGTH, WIDTH / 2, WIDTH]), nodes[0]]
+    expect_error(BuildReducedModel(Input=boundary, ActiveNodes=nodes, TrainingPlaces=near,
+                                   TipRadius=0.03).UpdatePipeline,
+                 "The tips at the training places", "share point")
+    mixed = held(PoissonsRatio=0.49)
+    expect_error(BuildReducedModel(Input=mixed, ActiveNodes=nodes[:1],
+                                   TrainingPlaces=nodes).UpdatePipeline, "pressure of its own")
+
+
 def test_bad_input():
     boundary = held(Density=0)
     nodes = corners(boundary)

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -44,6 +45,26 @@ class KeptModelTest : public testing::Test {
 
   [[nodiscard]] KeptModel build(const fs::path& path) const {
     return build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, path, *world_);
+  }
+  /// The tool is trained at two places, and attached at a third.
+  void attach_between_places() {
+    const BondedPatches patches(block_.scene, 0.016);
+    const auto at = [&](const Vec3& place) { return nearest_point(place); };
+    tools_.places = {{patches.around(block_.corner)}, {patches.around(at({0.1, 0, 0.05}))}};
+    tools_.nodes = {at({0.08, 0.03, 0.05})};
+    tools_.patches = {patches.around(tools_.nodes[0])};
+    options_.training_paths = 1;
+    options_.place_modes = 10;
+  }
+  [[nodiscard]] Index nearest_point(const Vec3& place) const {
+    const std::vector<Vec3>& points = block_.scene.mesh.points;
+    const auto nearest = std::min_element(
+        points.begin(), points.end(),
+        [&](const Vec3& a, const Vec3& b) { return (a - place).norm() < (b - place).norm(); });
+    return static_cast<Index>(nearest - points.begin());
+  }
+  [[nodiscard]] std::string places_key() const {
+    return key_of_places(block_.scene, {rheology_}, tools_.places, options_);
   }
   [[nodiscard]] std::string message_of_build() const {
     try {
@@ -213,6 +234,123 @@ TEST_F(KeptModelTest, AnotherSceneOrFileIsRefusedOnEveryRank) {
   EXPECT_NE(message_of_build().find("There is no folder"), std::string::npos);
 }
 
+TEST_F(KeptModelTest, PlacesServeToolsThatMove) {
+  attach_between_places();
+  const KeptModel first = build(path_);
+  EXPECT_FALSE(first.were_places_there);
+  const KeptModel read = build(path_);
+  expect_same(read, first);
+  tools_.nodes = {nearest_point({0.09, 0.06, 0.05})};
+  tools_.patches = {BondedPatches(block_.scene, 0.016).around(tools_.nodes[0])};
+  std::vector<std::string> reports;
+  options_.report = [&](const std::string& what) { reports.push_back(what); };
+  const KeptModel moved = build(path_);
+  EXPECT_TRUE(moved.were_places_there);
+  expect_same(build({}), moved);
+  if (world_->rank() != 0) return;
+  EXPECT_TRUE(read.was_there);
+  EXPECT_FALSE(moved.was_there);
+  EXPECT_EQ(reports.front(), "Attaching the tools");
+  ASSERT_EQ(moved.errors.size(), 2U);
+  EXPECT_EQ(moved.errors[0].kind, "One tool at rest between places");
+  EXPECT_EQ(moved.errors[1].kind, "Motion between places");
+  EXPECT_EQ(read.errors[1].kind, "Motion between places");
+  // Its modes, points and tolerance are those of attaching: they take no training.
+  const std::string key = places_key();
+  options_.modes += 1;
+  options_.max_points += 1;
+  options_.tolerance *= 2;
+  EXPECT_EQ(places_key(), key);
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  EXPECT_EQ(file.list_reduced_models().size(), 3U);
+  EXPECT_TRUE(file.read_training(key).empty());
+}
+
+// Each rank trains alone, and then they do together.
+TEST_F(KeptModelTest, PlacesAreTheSameOnAnyNumberOfRanksAndInMemory) {
+  attach_between_places();
+  const auto alone = make_serial_communicator();
+  const KeptModel one =
+      build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, {}, *alone);
+  KeptPlaces places;
+  const auto build_in_memory = [&] {
+    return build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, {}, *world_,
+                            &places);
+  };
+  const KeptModel together = build_in_memory();
+  EXPECT_FALSE(together.were_places_there);
+  expect_same(together, one);
+  const KeptModel again = build_in_memory();
+  EXPECT_TRUE(again.were_places_there);
+  expect_same(again, one);
+  rheology_.density = 900;
+  EXPECT_FALSE(build_in_memory().were_places_there);
+}
+
+TEST_F(KeptModelTest, PlacesGoOnAfterKill9) {
+  if (world_->size() > 1) GTEST_SKIP() << "on one rank";
+  attach_between_places();
+  const KeptModel whole = build({});
+  const auto alone = make_serial_communicator();
+  const pid_t child = fork();
+  if (child == 0) {
+    int num_reports = 0;
+    options_.report = [&](const std::string&) {
+      if (++num_reports == 5) kill(getpid(), SIGKILL);
+    };
+    (void)build_kept_model(block_.scene, {rheology_}, tools_, options_, measure_, path_, *alone);
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_training(places_key()).size(), 4U);
+  int num_trained = 0;
+  options_.report = [&](const std::string& what) {
+    num_trained += what.find("place") != std::string::npos ? 1 : 0;
+  };
+  expect_same(build(path_), whole);
+  EXPECT_EQ(num_trained, 2);
+}
+
+TEST_F(KeptModelTest, PlacesThatAreDamagedAreTrainedAgain) {
+  attach_between_places();
+  const KeptModel built = build(path_);
+  if (world_->rank() == 0) {
+    sqlite::Database(path_, sqlite::Access::read_write)
+        .execute(
+            "UPDATE reduced_array SET numbers = zeroblob(length(numbers)) WHERE name IN "
+            "('PlaceModes', 'Basis')");
+  }
+  (void)any(*world_, false);
+  const KeptModel again = build(path_);
+  EXPECT_FALSE(again.were_places_there);
+  expect_same(again, built);
+  const KeptModel read = build(path_);
+  if (world_->rank() != 0) return;
+  EXPECT_EQ(again.damaged.size(), 2U);
+  EXPECT_TRUE(read.was_there);
+}
+
+TEST_F(KeptModelTest, PlacesSayWhatIsWrongWithThem) {
+  attach_between_places();
+  tools_.places.push_back({tools_.places[0][0], tools_.places[1][0]});
+  EXPECT_NE(message_of_build().find("has 2 tools, and 1 are to be attached"), std::string::npos);
+  tools_.places.pop_back();
+  options_.place_modes = 0;
+  EXPECT_NE(message_of_build().find("PlaceModes"), std::string::npos);
+  options_.place_modes = 10;
+  // The file is of another scene.
+  if (world_->rank() == 0) {
+    fs::remove(path_);
+    Scene other = block_.scene;
+    other.mesh.points[0] *= 1.001;
+    StateSpaceFile::create(path_, other, options_.equilibrium.tolerance).close();
+  }
+  (void)any(*world_, false);
+  EXPECT_NE(message_of_build().find("of another scene"), std::string::npos);
+}
+
 TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
   const auto key = [&] { return key_of_model(block_.scene, {rheology_}, tools_, options_); };
   const std::string before = key();
@@ -225,6 +363,17 @@ TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
   rheology_.prony_moduli[0] = 0;
   tools_.patches = {BondedPatches(block_.scene, 0).around(block_.corner)};
   EXPECT_NE(key(), before);
+
+  attach_between_places();
+  const std::string between = key();
+  const std::string trained = places_key();
+  EXPECT_NE(between, trained);
+  options_.modes += 1;
+  EXPECT_NE(key(), between);
+  options_.modes -= 1;
+  std::swap(tools_.places[0], tools_.places[1]);
+  EXPECT_NE(key(), between);
+  EXPECT_NE(places_key(), trained);
 }
 
 }  // namespace
