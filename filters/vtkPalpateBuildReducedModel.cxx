@@ -78,9 +78,9 @@ std::vector<std::vector<palpate::BondedPatch>> PlacesOf(
   }
   if (nodes.size() % tools != 0)
   {
-    throw palpate::InputError("TrainingPlaces has " + std::to_string(nodes.size()) +
-      " nodes, which make no places of " + std::to_string(tools) +
-      " tools. Give each place as many nodes as there are active nodes.");
+    throw palpate::InputError("TrainingPlaces has a length of " + std::to_string(nodes.size()) +
+      ", which is no multiple of the number of active nodes, " + std::to_string(tools) +
+      ". Give each place a point for each active node.");
   }
   std::vector<std::vector<palpate::BondedPatch>> places;
   std::set<std::vector<palpate::Index>> different;

@@ -13,8 +13,8 @@
 //   transition     which level is reached from where, in a space with levels
 //   intermediate   states on the way to each configuration, where they were asked for
 //   test_point     equilibria beside the configurations, see state_space/test_point.h
-//   reduced_array  the arrays of reduced models, and of their training while it is under way; a
-//                  file that holds none has no such table
+//   reduced_array  the arrays of reduced models and of what was trained at places, and of training
+//                  that is under way; a file that holds none of them has no such table
 //
 // schema.sql.h says each column, its shape and unit. Blobs are little-endian arrays: float64, int32
 // or uint8. scene_id is 1; it and parent_scene_id leave room for a body whose topology changes.
@@ -201,7 +201,7 @@ class StateSpaceFile {
   /// @param arrays At least one.
   /// @throws InputError an array is larger than a row may be.
   void add_reduced_model(const std::string& key, const Arrays& arrays);
-  /// The keys of the reduced models that are complete, the last one stored at the end.
+  /// The keys of what is complete, reduced models and trainings at places, in the order of storing.
   [[nodiscard]] std::vector<std::string> list_reduced_models() const;
   /// Nothing where there is no such model, or a part of it is damaged and so left out.
   [[nodiscard]] std::optional<Arrays> read_reduced_model(const std::string& key) const;

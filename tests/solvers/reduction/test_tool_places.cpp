@@ -191,5 +191,32 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
       std::string::npos);
 }
 
+// Two blocks that do not touch: what was learnt on one says nothing of the other.
+TEST_F(ToolPlaces, RefuseAPartOfTheBodyThatHasNone) {
+  const std::vector<Rheology> rheologies = {Rheology()};
+  Scene both = block_.scene;
+  const Index num_points = both.mesh.num_points();
+  const TetMesh one = both.mesh;
+  for (const Vec3& point : one.points) both.mesh.points.push_back(point + Vec3(0, 1, 0));
+  for (const Index point : one.cells) both.mesh.cells.push_back(point + num_points);
+  const auto twice = [](auto& values) {
+    const auto once = values;
+    values.insert(values.end(), once.begin(), once.end());
+  };
+  twice(both.fixed);
+  twice(both.touchable);
+  twice(both.material_of_cell);
+  check(both);
+  const TrainedPlaces trained = train_places(both, rheologies, places(), options_);
+  const PlacedTools placed(both, rheologies, trained);
+  const std::vector<BondedPatch> there = {
+      BondedPatches(both, 0.016).around(block_.corner + num_points)};
+  EXPECT_NE(message_of([&] {
+              (void)placed.attach(there, options_);
+            }).find("no place of training and is joined to none"),
+            std::string::npos);
+  EXPECT_EQ(placed.attach(between(), options_).model.num_tool_coordinates, 3);
+}
+
 }  // namespace
 }  // namespace palpate
