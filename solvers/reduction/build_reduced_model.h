@@ -39,7 +39,7 @@ struct ReductionOptions {
   Index modes = 70;
   /// Modes that are kept of the training at each place, of tools that attach anywhere
   /// (tool_places.h).
-  Index place_modes = 40;
+  Index place_modes = 60;
   /// Of the points' forces, as a share of those of the whole body; see HyperReductionOptions.
   double tolerance = 4e-3;
   /// Points at the most.

@@ -14,16 +14,19 @@
 // is made of three groups, each of what those before it leave:
 //
 //   1. The terms of second and third order of the equilibrium's expansion in d.
-//   2. The terms of the linear body's response to motion in powers of the frequency.
+//   2. The motion of the linear body with the tools along the paths of training, and its terms of
+//      second and third order, whose own inertia is left out.
 //   3. The modes of training that have most energy in its states, brought to vanish at the patches
 //      by the least change in K₀: PΨ, P = 1 − Z S⁻¹C.
 //
-// The first two are those of the place itself, for a few solves with one factor, which is kept;
-// what is taken from other places is the rest. Points and their weights (hyper_reduction.h) are
-// chosen for the place, by equilibria of the expansion and the states of training as Φ has them,
-// as the forces of all points at them are exact, wherever they are. It takes most of the time that
-// tools take to attach, and no equilibrium or motion of the whole body. measure_model() tells the
-// error with the tools where they are.
+// The first two are those of the place itself, for some hundred solves with one factor, which is
+// kept; what is taken from other places is the rest. (On a liver, 90 modes of the places alone
+// leave 14 % of the motion with the tool at another one, and with the terms of that place 3 %, in
+// the norm of K₀.) Points and their weights (hyper_reduction.h) are chosen for the place, by
+// equilibria and motion of the expansion and states of training as Φ has them, as the forces of all
+// points at them are exact, wherever they are. It takes most of the time that tools take to attach,
+// and no equilibrium or motion of the whole body. measure_model() tells the error with the tools
+// where they are.
 #pragma once
 
 #include <memory>

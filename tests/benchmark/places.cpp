@@ -4,7 +4,7 @@
 //
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_places scene.palpate
 //     [--node 197] [--second 0] [--extent 30] [--places 5] [--tests 3] [--radius 15] [--reach 10]
-//     [--kept 40] [--modes 90] [--tolerance 0.004] [--points 400] [--paths 4] [--seed 1]
+//     [--kept 60] [--modes 90] [--tolerance 0.004] [--points 400] [--paths 4] [--seed 1]
 //     [--seconds 1] [--viscous 0.01] [--moving 1]
 //
 // Lengths in mm. The region is the surface within the extent of a node. Places are spread over it,
@@ -33,7 +33,7 @@ namespace {
 
 const std::map<std::string, double> kDefaults{
     {"node", 197}, {"second", 0},       {"extent", 30},    {"places", 5},
-    {"tests", 3},  {"radius", 15},      {"reach", 10},     {"kept", 40},
+    {"tests", 3},  {"radius", 15},      {"reach", 10},     {"kept", 60},
     {"modes", 90}, {"tolerance", 4e-3}, {"points", 400},   {"paths", 4},
     {"seed", 1},   {"seconds", 1},      {"viscous", 0.01}, {"moving", 1}};
 

@@ -216,7 +216,7 @@ def test_tools_attach_away_from_their_training():
     places = [node_at(boundary, [LENGTH, y, WIDTH]) for y in (0, WIDTH)]
     nodes = [node_at(boundary, [x, WIDTH / 2, WIDTH]) for x in (LENGTH, 0.75 * LENGTH)]
     settings = {"TrainingPlaces": places, "TipRadius": 0.03, "Reach": REACH, "TrainingPaths": 2,
-                "PathDuration": 0.3, "Modes": 50}
+                "PathDuration": 0.5, "Modes": 60}
     gradients = {}
     for file, test_paths in (("", 0), ("places.palpate", 1)):
         model = BuildReducedModel(Input=boundary, FileName=file, ActiveNodes=nodes[:1],
