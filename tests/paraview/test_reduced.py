@@ -247,6 +247,20 @@ def test_tools_attach_away_from_their_training():
     assert error < 0.02 * largest, error / largest
 
 
+def test_two_tools_attach_away_from_their_training():
+    """A place is a point for each tool, in their order."""
+    boundary = held(Density=0)
+    top, bottom = ([node_at(boundary, [x, WIDTH / 2, z]) for x in (LENGTH, 0.75 * LENGTH)]
+                   for z in (WIDTH, 0))
+    model = BuildReducedModel(Input=boundary, TrainingPlaces=[top[0], bottom[0], top[1], bottom[1]],
+                              ActiveNodes=[top[0], bottom[1]], TipRadius=0.02, Reach=REACH,
+                              Modes=60)
+    errors = columns_of(model, 1)
+    assert errors["Case"] == ["One tool at rest between places",
+                              "All tools at rest between places"]
+    assert errors["MaximumError"].max() < 0.02, errors
+
+
 def test_bad_training_places():
     boundary = held(Density=0)
     nodes = corners(boundary)
