@@ -56,6 +56,11 @@ public:
   vtkGetMacro(Reach, double);
   ///@}
   ///@{
+  /// The field of gravity under which the body rests, m/s^2. Tools count from their places there.
+  vtkSetVector3Macro(BodyForce, double);
+  vtkGetVector3Macro(BodyForce, double);
+  ///@}
+  ///@{
   /// The number of modes, at least 1.
   vtkSetMacro(Modes, int);
   vtkGetMacro(Modes, int);
@@ -140,6 +145,7 @@ private:
   std::vector<vtkIdType> ActiveNodes;
   double TipRadius = 0;
   double Reach = 0.01;
+  double BodyForce[3] = { 0, 0, 0 };
   int Modes = 70;
   double Tolerance = 0.004;
   int MaximumPoints = 400;

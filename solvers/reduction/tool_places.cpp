@@ -48,6 +48,12 @@ InteractionList as_list(const std::vector<BondedPatch>& tools) {
   return list;
 }
 
+void refuse_gravity(const ReductionOptions& options) {
+  if (options.gravity.isZero(0)) return;
+  throw InputError(
+      "A reduced model whose tools attach anywhere has no gravity. Leave BodyForce at 0 0 0.");
+}
+
 /// The states of all places, and what they have beside the linear responses.
 struct StatesOfPlaces {
   TrainingStates states;
@@ -66,6 +72,7 @@ TrainedPlaces train_places(const Scene& scene, const std::vector<Rheology>& rheo
                            const std::vector<std::vector<BondedPatch>>& places,
                            const ReductionOptions& options) {
   check_reduction(scene, rheologies, options);
+  refuse_gravity(options);
   if (places.empty()) {
     throw InputError("A reduced model needs a place of training. Give at least one.");
   }
@@ -167,6 +174,7 @@ class PlacedTools::Impl {
 
   BuiltModel attach(const std::vector<BondedPatch>& tools, const ReductionOptions& options) const {
     validate(options);
+    refuse_gravity(options);
     if (tools.empty()) throw InputError("No tool is to be attached. Give at least one.");
     const int num_tools = static_cast<int>(tools.size());
     if (3 * num_tools != trained_.tools.rows()) {
