@@ -535,6 +535,10 @@ TEST(ReducedModel, IsRefusedWhereItIsDamaged) {
       [](ReducedModel& m) { m.points.groups[0].last_packet -= 1; },
       [](ReducedModel& m) { m.points.groups[0].law = Law::fung; },
       [](ReducedModel& m) { m.points.gradients(0, 0) = std::nan(""); },
+      [](ReducedModel& m) { m.points.rest_gradients.setZero(72); },
+      [](ReducedModel& m) {
+        m.points.rest_gradients.setConstant(m.points.gradients.rows(), std::nan(""));
+      },
       [](ReducedModel& m) { m.mass.resize(2, 2); },
       [](ReducedModel& m) { m.tool_stiffness.resize(2, 2); },
       [](ReducedModel& m) { m.trained_modes[0] = 0; },

@@ -167,7 +167,11 @@ TEST(BuildReducedModel, UnderGravityItCountsFromTheRestThere) {
   const Eigen::MatrixXd modes = built.basis.leftCols(30);
   const Eigen::MatrixXd product =
       modes.transpose() * RestStiffness(solver.assembly(), rest.u).times(built.basis);
-  EXPECT_LT((product - Eigen::MatrixXd::Identity(30, 33)).lpNorm<Eigen::Infinity>(), 1e-8);
+  EXPECT_LT((product.leftCols(30) - Eigen::MatrixXd::Identity(30, 30)).lpNorm<Eigen::Infinity>(),
+            1e-10);
+  // That of a tool's response comes of a factor of single precision, refined to 1e-4 squared.
+  const double of_tools = std::sqrt(built.model.tool_stiffness.norm());
+  EXPECT_LT(product.rightCols(3).lpNorm<Eigen::Infinity>(), 1e-7 * of_tools);
 
   const PathError at_rest =
       measure_equilibria(built.model, solver, random_places(1, kReach, 20, 12345));
