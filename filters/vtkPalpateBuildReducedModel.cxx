@@ -220,6 +220,7 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   options.training_paths = this->TrainingPaths;
   options.seed = static_cast<std::uint64_t>(this->Seed);
   options.reach = this->Reach;
+  options.gravity = palpate::Vec3(this->BodyForce);
   options.path_duration = this->PathDuration;
   options.bandwidth = this->Bandwidth;
   options.taps = this->Taps;
@@ -261,7 +262,8 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   FillErrors(kept.errors, kept.model, errors);
   output->ShallowCopy(body);
   vtkPalpateWriteReducedModel(
-    { std::move(kept.model), std::move(kept.basis), this->ActiveNodes }, output);
+    { std::move(kept.model), std::move(kept.basis), std::move(kept.rest), this->ActiveNodes },
+    output);
 }
 
 void vtkPalpateBuildReducedModel::PrintSelf(ostream& os, vtkIndent indent)
@@ -280,6 +282,8 @@ void vtkPalpateBuildReducedModel::PrintSelf(ostream& os, vtkIndent indent)
   os << '\n'
      << indent << "TipRadius: " << this->TipRadius << " m\n"
      << indent << "Reach: " << this->Reach << " m\n"
+     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
+     << this->BodyForce[2] << " m/s^2\n"
      << indent << "Modes: " << this->Modes << '\n'
      << indent << "Tolerance: " << this->Tolerance << '\n'
      << indent << "MaximumPoints: " << this->MaximumPoints << '\n'

@@ -68,6 +68,11 @@ public:
   vtkGetMacro(Reach, double);
   ///@}
   ///@{
+  /// The field of gravity under which the body rests, m/s^2. Tools count from their places there.
+  vtkSetVector3Macro(BodyForce, double);
+  vtkGetVector3Macro(BodyForce, double);
+  ///@}
+  ///@{
   /// The number of modes, at least 1.
   vtkSetMacro(Modes, int);
   vtkGetMacro(Modes, int);
@@ -155,6 +160,7 @@ private:
   std::unique_ptr<palpate::KeptPlaces> KeptPlaces;
   double TipRadius = 0;
   double Reach = 0.01;
+  double BodyForce[3] = { 0, 0, 0 };
   int Modes = 70;
   double Tolerance = 0.004;
   int MaximumPoints = 400;

@@ -11,11 +11,13 @@
 #include "vtkFieldData.h"
 #include "vtkIdTypeArray.h"
 #include "vtkNew.h"
+#include "vtkPalpateScene.h"
 #include "vtkPointData.h"
 
 namespace
 {
 constexpr const char* Basis = "ReducedBasis";
+constexpr const char* Rest = "ReducedRest";
 constexpr const char* ActiveNodes = "ActiveNodes";
 const std::string Prefix = "Reduced";
 
@@ -71,6 +73,10 @@ void vtkPalpateWriteReducedModel(const vtkPalpateReducedModel& model, vtkDataSet
     }
   }
   body->GetPointData()->AddArray(basis);
+  if (model.Rest.size() > 0)
+  {
+    body->GetPointData()->AddArray(vtkPalpateNodalArray(Rest, model.Rest));
+  }
   vtkNew<vtkIdTypeArray> nodes;
   nodes->SetName(ActiveNodes);
   for (const vtkIdType node : model.ActiveNodes)
@@ -122,6 +128,19 @@ vtkPalpateReducedModel vtkPalpateReadReducedModel(vtkDataSet* body)
         result.Basis(3 * point + axis, coordinate) =
           basis->GetComponent(point, static_cast<int>(3 * coordinate + axis));
       }
+    }
+  }
+  result.Rest.setZero(result.Basis.rows());
+  if (result.Model.points.rest_gradients.size() > 0)
+  {
+    vtkDataArray* rest = body->GetPointData()->GetArray(Rest);
+    if (!rest || rest->GetNumberOfComponents() != 3)
+    {
+      Refuse(std::string("it lacks the point array ") + Rest + ", of three components");
+    }
+    for (vtkIdType point = 0; point < rest->GetNumberOfTuples(); ++point)
+    {
+      rest->GetTuple(point, result.Rest.data() + 3 * point);
     }
   }
   vtkDataArray* nodes = fields->GetArray(ActiveNodes);

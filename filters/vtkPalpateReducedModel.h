@@ -4,6 +4,7 @@
 //
 //   `ReducedBasis`   Φ and L: a tuple a point, its displacement for each coordinate, three
 //                    components a coordinate
+//   `ReducedRest`    under gravity the displacement at rest, m, from which the coordinates count
 //
 // and the field arrays `ActiveNodes` (the nodes that the tools are bonded to) and `Reduced…`, the
 // arrays of reduced/model_arrays.h, a tuple a row.
@@ -23,6 +24,9 @@ struct vtkPalpateReducedModel
   palpate::ReducedModel Model;
   /// (Φ, L) [3 number of points × coordinates].
   Eigen::MatrixXd Basis;
+  /// The displacement at rest [3 number of points], m; read without gravity it is 0, written it may
+  /// be empty.
+  palpate::NodalVector Rest;
   /// Of the tools, in their order.
   std::vector<vtkIdType> ActiveNodes;
 };

@@ -250,7 +250,7 @@ void vtkPalpateSimulateTouch::Show(
   const std::vector<double> times = vtkPalpateFrameTimes(this->EndTime, this->FrameRate);
   const std::size_t frame =
     std::min(vtkPalpateFrameAt(time, times, this->FrameRate), run.Frames.size() - 1);
-  const palpate::NodalVector u = run.Reduced.Basis * run.Frames[frame];
+  const palpate::NodalVector u = run.Reduced.Rest + run.Reduced.Basis * run.Frames[frame];
   output->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, u));
   output->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
   output->GetPointData()->SetActiveScalars(vtkPalpateArray::Displacement);

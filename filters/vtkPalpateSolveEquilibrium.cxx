@@ -142,8 +142,8 @@ struct vtkPalpateSolveEquilibrium::Route
   /// The same tool where it is a rigid one, else null, and what it is made of.
   const palpate::RigidContact* Contact = nullptr;
   palpate::RigidTool Rigid;
-  /// Of each material of the scene, kg/m³; empty where there is no gravity.
-  std::vector<double> Densities;
+  /// Of each material of the scene; empty where there is no gravity.
+  std::vector<palpate::Rheology> Rheologies;
 };
 
 vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
@@ -220,11 +220,11 @@ int vtkPalpateSolveEquilibrium::RequestData(
         {
           return;
         }
-        std::vector<double> densities;
-        scene = this->MakeScene(body, densities);
+        std::vector<palpate::Rheology> rheologies;
+        scene = this->MakeScene(body, rheologies);
         route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
                                                    : this->ContactRoute(*scene, surface);
-        route.Densities = densities;
+        route.Rheologies = rheologies;
       });
 
     const bool together = palpate::any(communicator,
@@ -288,29 +288,15 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
 }
 
 palpate::Scene vtkPalpateSolveEquilibrium::MakeScene(
-  vtkUnstructuredGrid* body, std::vector<double>& densities) const
+  vtkUnstructuredGrid* body, std::vector<palpate::Rheology>& rheologies) const
 {
   const palpate::Vec3 gravity(this->BodyForce);
-  if (!gravity.allFinite())
-  {
-    throw palpate::InputError("BodyForce has a component that is no number.");
-  }
   if (gravity.isZero(0))
   {
     return vtkPalpateSceneFromGrid(body);
   }
-  std::vector<palpate::Rheology> rheologies;
   palpate::Scene scene = vtkPalpateSceneFromGrid(body, rheologies);
-  for (const palpate::Rheology& rheology : rheologies)
-  {
-    densities.push_back(rheology.density);
-  }
-  if (*std::max_element(densities.begin(), densities.end()) == 0)
-  {
-    throw palpate::InputError(
-      "There is a BodyForce, but the body has no density, so that it has no weight. Give it one "
-      "(Density of Assign Material, kg/m³; soft tissue has about 1000), or no BodyForce.");
-  }
+  palpate::check_gravity(gravity, rheologies);
   return scene;
 }
 
@@ -318,10 +304,10 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
   palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const
 {
   Eigen::VectorXd start = route.Start;
-  if (!route.Densities.empty())
+  if (!route.Rheologies.empty())
   {
-    const palpate::MassMatrix mass(scene, route.Densities, solver.assembly());
-    palpate::Equilibrium rest = solver.set_load(mass.weight(palpate::Vec3(this->BodyForce)));
+    palpate::Equilibrium rest = solver.set_load(palpate::weight_of(
+      scene, route.Rheologies, solver.assembly(), palpate::Vec3(this->BodyForce)));
     if (rest.outcome != palpate::Outcome::converged)
     {
       const Eigen::Index coordinates = start.size();

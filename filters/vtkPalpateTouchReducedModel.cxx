@@ -38,6 +38,8 @@ struct vtkPalpateTouchReducedModel::Prepared
   vtkNew<vtkCellArray> Triangles;
   /// (Φ, L) of the points of the surface [3 points × coordinates].
   Eigen::MatrixXf Basis;
+  /// What they count from [3 points], m.
+  Eigen::VectorXf Rest;
 
   void Take(const vtkSmartPointer<vtkUnstructuredGrid>& body)
   {
@@ -46,10 +48,12 @@ struct vtkPalpateTouchReducedModel::Prepared
     palpate::check_and_orient(mesh);
     this->Surface = palpate::make_surface(mesh);
     this->Basis.resize(3 * this->Surface.num_points(), reduced.Basis.cols());
+    this->Rest.resize(3 * this->Surface.num_points());
     for (palpate::Index p = 0; p < this->Surface.num_points(); ++p)
     {
       const palpate::Index point = this->Surface.mesh_points[static_cast<std::size_t>(p)];
       this->Basis.middleRows<3>(3 * p) = reduced.Basis.middleRows<3>(3 * point).cast<float>();
+      this->Rest.segment<3>(3 * p) = reduced.Rest.segment<3>(3 * point).cast<float>();
     }
     for (const auto& [a, b, c] : this->Surface.triangles)
     {
@@ -142,7 +146,8 @@ void vtkPalpateTouchReducedModel::Show(vtkPolyData* output) const
   displacement->SetNumberOfComponents(3);
   displacement->SetNumberOfTuples(numPoints);
   Eigen::Map<Eigen::VectorXf> u(displacement->GetPointer(0), 3 * numPoints);
-  u.noalias() = prepared.Basis * y;
+  u = prepared.Rest;
+  u.noalias() += prepared.Basis * y;
   vtkNew<vtkPoints> points;
   points->SetNumberOfPoints(numPoints);
   for (Eigen::Index p = 0; p < numPoints; ++p)

@@ -13,6 +13,7 @@ namespace {
 
 /// As reduction/kept_model.h stores it.
 constexpr const char* kActiveNodes = "ActiveNodes";
+constexpr const char* kRest = "Rest";
 
 std::string join(const std::vector<Index>& numbers) {
   std::string text;
@@ -51,6 +52,21 @@ std::vector<Index> active_nodes(const StateSpaceFile::Arrays& arrays, Index num_
   return nodes;
 }
 
+/// Moves the points of the body to where they are at rest under gravity.
+/// @throws InputError that is not stored of each point.
+void let_sag(const StateSpaceFile::Arrays& arrays, const std::string& name,
+             std::vector<Vec3>& points) {
+  const auto found = arrays.find(kRest);
+  const auto num_rows = 3 * static_cast<Eigen::Index>(points.size());
+  if (found == arrays.end() || found->second.rows() != num_rows || found->second.cols() != 1) {
+    throw InputError(name +
+                     " does not say where its body is at rest. Build it again, into another file.");
+  }
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    points[p] += found->second.col(0).segment<3>(3 * static_cast<Eigen::Index>(p));
+  }
+}
+
 /// "1 (tools at points 8, 23; 30 modes)" of each.
 std::string list_models(const StateSpaceFile& file, Index num_points,
                         const std::vector<std::string>& keys) {
@@ -83,7 +99,7 @@ TouchedModel read_touched_model(const StateSpaceFile& file, std::optional<std::i
                      "Model has written, or leave out --reduced.");
   }
   const auto num_models = static_cast<std::int64_t>(keys.size());
-  const Scene scene = file.read_scene();
+  Scene scene = file.read_scene();
   const Index num_points = scene.mesh.num_points();
   if (number.value_or(num_models) < 1 || number.value_or(1) > num_models ||
       (!number && num_models > 1)) {
@@ -103,6 +119,7 @@ TouchedModel read_touched_model(const StateSpaceFile& file, std::optional<std::i
                      std::to_string(touched.nodes.size()) +
                      " active node(s). Build it again, into another file.");
   }
+  if (touched.model->points.rest_gradients.size() > 0) let_sag(arrays, name, scene.mesh.points);
   const Surface surface = make_surface(scene.mesh);
   const std::vector<Vec3> normals = point_normals(surface);
   for (const Index node : touched.nodes) {

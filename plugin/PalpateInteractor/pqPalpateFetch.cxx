@@ -119,6 +119,11 @@ pqPalpateReducedSpace pqPalpateFetchReduced(pqOutputPort* port)
   palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
   palpate::check_and_orient(mesh);
   space.Surface = palpate::make_surface(mesh);
+  for (std::size_t p = 0; p < space.Surface.points.size(); ++p)
+  {
+    space.Surface.points[p] +=
+      reduced.Rest.segment<3>(3 * Eigen::Index{ space.Surface.mesh_points[p] });
+  }
   space.ActiveNodes = std::move(reduced.ActiveNodes);
   for (const vtkIdType node : space.ActiveNodes)
   {
@@ -128,7 +133,8 @@ pqPalpateReducedSpace pqPalpateFetchReduced(pqOutputPort* port)
         ", but the body has " + std::to_string(body->GetNumberOfPoints()) +
         " points. Build the model again.");
     }
-    space.Places.emplace_back(palpate::Vec3(body->GetPoint(node)));
+    space.Places.emplace_back(
+      palpate::Vec3(body->GetPoint(node)) + reduced.Rest.segment<3>(3 * node));
   }
   return space;
 }

@@ -12,6 +12,7 @@
 
 #include "assembly/assembly.h"
 #include "assembly/scene.h"
+#include "materials/rheology.h"
 
 namespace palpate {
 
@@ -48,5 +49,14 @@ class MassMatrix {
   Eigen::VectorXd lumped_;
   std::vector<Target> targets_;
 };
+
+/// @throws InputError a gravity (BodyForce, m/s²) that is not finite; one without any density.
+void check_gravity(const Vec3& gravity, const std::vector<Rheology>& rheologies);
+
+/// The weight of a body, N [state_size].
+/// @param rheologies Of each material of the scene. @param gravity m/s².
+/// @throws InputError as check_gravity().
+[[nodiscard]] NodalVector weight_of(const Scene& scene, const std::vector<Rheology>& rheologies,
+                                    const Assembly& assembly, const Vec3& gravity);
 
 }  // namespace palpate

@@ -222,6 +222,12 @@ void CondensedSystem::prescribe(const Eigen::VectorXd& q, NodalVector& state) co
   }
 }
 
+void CondensedSystem::prescribe_change(const Eigen::VectorXd& of_q, NodalVector& of_state) const {
+  for (const auto& [point, coordinate] : prescribed_points_) {
+    of_state.segment<3>(3 * Eigen::Index{point}) = of_q.segment<3>(coordinate);
+  }
+}
+
 Eigen::Map<const Eigen::VectorXd> CondensedSystem::pressure_scale() const {
   const auto& scale = assembly_.pressure_scale();
   return {scale.data(), static_cast<Eigen::Index>(scale.size())};

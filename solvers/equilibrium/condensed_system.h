@@ -100,6 +100,8 @@ class CondensedSystem {
 
   /// Puts the points that the tool prescribes to where it is at q: u = u_rest + q.
   void prescribe(const Eigen::VectorXd& q, NodalVector& state) const;
+  /// Makes the change of the points that the tool prescribes that of q.
+  void prescribe_change(const Eigen::VectorXd& of_q, NodalVector& of_state) const;
   /// s of each pressure, Pa/m.
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> pressure_scale() const;
   /// The vector x = (u, p̂) of a state.

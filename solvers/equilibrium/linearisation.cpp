@@ -28,7 +28,7 @@ void take_sensitivity(const CondensedSystem& system, const Eigen::Ref<const Eige
   Eigen::MatrixXd sensitivity(assembly.state_size(), coordinates);
   for (Eigen::Index column = 0; column < coordinates; ++column) {
     NodalVector of_column = system.as_state(v_i.col(column));
-    system.prescribe(Eigen::VectorXd::Unit(coordinates, column), of_column);
+    system.prescribe_change(Eigen::VectorXd::Unit(coordinates, column), of_column);
     sensitivity.col(column) = of_column;
   }
   state.v = sensitivity.topRows(displacements);

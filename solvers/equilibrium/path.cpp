@@ -153,7 +153,7 @@ class Follower {
         Eigen::VectorXd w = -system_.mixed() * (target_ - t_0_);
         system_.solve(*factor, w);
         along = system_.as_state(w);
-        system_.prescribe(target_ - t_0_, along);
+        system_.prescribe_change(target_ - t_0_, along);
       }
       last_norm = norm;
       system_.solve(*factor, r);

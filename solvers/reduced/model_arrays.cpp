@@ -70,6 +70,7 @@ NamedArrays arrays_of(const ReducedModel& model) {
   arrays["PointMaterials"] = material.cast<double>();
   arrays["PointWeights"] = points.weights;
   arrays["PointGradients"] = points.gradients;
+  if (points.rest_gradients.size() > 0) arrays["RestGradients"] = points.rest_gradients;
   arrays["Mass"] = model.mass;
   arrays["ToolStiffness"] = model.tool_stiffness;
   arrays["TrainedModes"] = model.trained_modes;
@@ -107,6 +108,7 @@ ReducedModel model_of(const NamedArrays& arrays) {
   }
   points.weights = find(arrays, "PointWeights", 1);
   points.gradients = find(arrays, "PointGradients");
+  if (arrays.count("RestGradients") > 0) points.rest_gradients = find(arrays, "RestGradients", 1);
   model.mass = find(arrays, "Mass");
   model.tool_stiffness = find(arrays, "ToolStiffness");
   model.trained_modes = find(arrays, "TrainedModes", 1);

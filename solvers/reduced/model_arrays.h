@@ -19,6 +19,7 @@ using NamedArrays = std::map<std::string, Eigen::MatrixXd>;
 ///   PointMaterials  [8 packets × 1]
 ///   PointWeights    [8 packets × 1]                m³
 ///   PointGradients  [72 packets × coordinates]
+///   RestGradients   [72 packets × 1]               only under gravity
 ///   Mass            [coordinates × coordinates]
 ///   ToolStiffness   [tool coordinates × tool coordinates]   N/m
 ///   TrainedModes    [modes × 1]                    √J

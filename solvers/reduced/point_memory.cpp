@@ -36,14 +36,24 @@ PointMemory::PointMemory(const ReducedModel& model) : model_(model) {
   stress_.assign(6 * num_points, 0);
   moduli_.assign(2 * num_points, 0);
   term_stress_.assign(static_cast<std::size_t>(num_terms_), stress_);
-  law_stress_ = strain_ = strain_before_ = viscous_ = stress_;
+  law_stress_ = strain_ = strain_before_ = viscous_ = rest_law_stress_ = rest_strain_ = stress_;
+}
+
+void PointMemory::set_rest(const std::vector<double>& law_stress,
+                           const std::vector<double>& strain) {
+  if (!is_viscous_) return;
+  rest_law_stress_ = law_stress;
+  rest_strain_ = strain;
+  forget();
 }
 
 void PointMemory::forget() noexcept {
   for (std::vector<double>& term : term_stress_) std::fill(term.begin(), term.end(), 0.0);
-  for (std::vector<double>* of : {&law_stress_, &strain_, &strain_before_, &viscous_}) {
-    std::fill(of->begin(), of->end(), 0.0);
+  std::copy(rest_law_stress_.begin(), rest_law_stress_.end(), law_stress_.begin());
+  for (std::vector<double>* of : {&strain_, &strain_before_}) {
+    std::copy(rest_strain_.begin(), rest_strain_.end(), of->begin());
   }
+  std::fill(viscous_.begin(), viscous_.end(), 0.0);
   work_ = stored_ = 0;
 }
 
@@ -123,7 +133,8 @@ void PointMemory::add_memory(MemoryRanges& ranges) const {
   palpate::add_memory(term_stress_, ranges);
   for (const std::vector<double>& stress : term_stress_) palpate::add_memory(stress, ranges);
   for (const std::vector<double>* values :
-       {&factors_, &stress_, &moduli_, &law_stress_, &strain_, &strain_before_, &viscous_}) {
+       {&factors_, &stress_, &moduli_, &law_stress_, &strain_, &strain_before_, &viscous_,
+        &rest_law_stress_, &rest_strain_}) {
     palpate::add_memory(*values, ranges);
   }
 }

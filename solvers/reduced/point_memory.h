@@ -21,6 +21,9 @@ class PointMemory {
 
   [[nodiscard]] bool is_viscous() const { return is_viscous_; }
 
+  /// Says what the body is like at rest, where it is stressed there, and puts it there.
+  /// @param law_stress, strain S_∞ and E [48 a packet].
+  void set_rest(const std::vector<double>& law_stress, const std::vector<double>& strain);
   /// The body is at rest, and was so for long.
   void forget() noexcept;
   /// Prepares a step of length h whose strain changes at the rate w₀ E + w₁ E_n + w₂ E_{n−1} at its
@@ -70,6 +73,9 @@ class PointMemory {
   std::vector<double> strain_;
   std::vector<double> strain_before_;
   std::vector<double> viscous_;
+  /// S_∞ and E at rest.
+  std::vector<double> rest_law_stress_;
+  std::vector<double> rest_strain_;
   double work_ = 0;
   double stored_ = 0;
 };

@@ -83,6 +83,10 @@ ReducedBody::ReducedBody(const ReducedModel& model, const ReducedBodyOptions& op
   residual_weight_.head(model.num_modes).setOnes();
   num_unknowns_ = model.num_modes;
   factor_.setZero(n, n);
+  if (model.points.rest_gradients.size() > 0) {
+    rest_det_f_ = energy_.evaluate(y_.data()).minimum_det_f;
+    memory_.set_rest(energy_.law_stress(), energy_.strain());
+  }
   if (memory_.is_viscous()) {
     energy_.set_memory(
         {memory_.factors().data(), memory_.stress().data(), memory_.moduli().data()});
@@ -102,6 +106,7 @@ void ReducedBody::rest() noexcept {
   force_.setZero();
   body_force_.setZero();
   state_ = {};
+  state_.minimum_det_f = rest_det_f_;
 }
 
 bool ReducedBody::is_prescribed(Eigen::Index tool) const noexcept {

@@ -95,6 +95,7 @@ struct ReducedState {
   //
   //   work = kinetic + elastic + viscous_stored + dissipated + what the method dissipates
   double kinetic = 0;
+  /// Of the materials; under gravity with that of the weight.
   double elastic = 0;
   double viscous_stored = 0;
   double dissipated = 0;
@@ -212,6 +213,8 @@ class ReducedBody {
   Eigen::VectorXd direction_;
   Eigen::MatrixXd factor_;
   ReducedSums sums_{};
+  /// Least det F at rest.
+  double rest_det_f_ = 1;
 
   Eigen::VectorXd force_;
   /// That of the body, which force_ is where it is with its tools.

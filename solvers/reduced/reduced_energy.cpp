@@ -49,6 +49,11 @@ ReducedEnergy::ReducedEnergy(const ReducedPoints& points, const std::vector<Mate
   room_.resize(static_cast<std::size_t>(reduced_room(n)));
   force_.setZero(n);
   tangent_.setZero(n, n);
+  if (points.rest_gradients.size() == 0) return;
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(n);
+  const ReducedSums at_rest = evaluate(rest.data(), nullptr);
+  rest_elastic_ = at_rest.elastic;
+  rest_stress_ = Eigen::Map<const Eigen::VectorXd>(stress_.data(), points.rest_gradients.size());
 }
 
 ReducedSums ReducedEnergy::evaluate(const double* y, float* tangent_of_points) noexcept {
@@ -56,6 +61,8 @@ ReducedSums ReducedEnergy::evaluate(const double* y, float* tangent_of_points) n
   const std::int64_t n = force_.size();
   const double* g = points_.gradients.data();
   kernels_.gradients(g, num_packets, n, y, gradients_.data());
+  const Eigen::Index num_rest = points_.rest_gradients.size();
+  Eigen::Map<Eigen::VectorXd>(gradients_.data(), num_rest) += points_.rest_gradients;
   ReducedSums sums{0, 0, std::numeric_limits<double>::max()};
   for (std::size_t i = 0; i < points_.groups.size(); ++i) {
     const ReducedPoints::Group& group = points_.groups[i];
@@ -69,8 +76,18 @@ ReducedSums ReducedEnergy::evaluate(const double* y, float* tangent_of_points) n
     sums.elastic += of_group.elastic;
     sums.minimum_det_f = std::min(sums.minimum_det_f, of_group.minimum_det_f);
   }
+  if (rest_stress_.size() > 0) take_weight(sums);
   kernels_.force(g, num_packets, n, stress_.data(), force_.data());
   return sums;
+}
+
+void ReducedEnergy::take_weight(ReducedSums& sums) noexcept {
+  const Eigen::Index size = rest_stress_.size();
+  const Eigen::Map<const Eigen::VectorXd> gradients(gradients_.data(), size);
+  const double work = rest_stress_.dot(gradients - points_.rest_gradients);
+  sums.potential -= work;
+  sums.elastic -= rest_elastic_ + work;
+  Eigen::Map<Eigen::VectorXd>(stress_.data(), size) -= rest_stress_;
 }
 
 ReducedSums ReducedEnergy::linearise(const double* y) noexcept {
@@ -87,6 +104,7 @@ void ReducedEnergy::add_memory(MemoryRanges& ranges) const {
   palpate::add_memory(stress_, ranges);
   palpate::add_memory(law_stress_, ranges);
   palpate::add_memory(strain_, ranges);
+  palpate::add_memory(rest_stress_, ranges);
   palpate::add_memory(single_gradients_, ranges);
   palpate::add_memory(tangent_of_points_, ranges);
   palpate::add_memory(room_, ranges);

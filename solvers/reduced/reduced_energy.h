@@ -25,7 +25,8 @@ class ReducedEnergy {
   };
   void set_memory(const Memory& memory) noexcept { memory_ = memory; }
 
-  /// Π, with what is remembered in `potential` and without it in `elastic`, and ∂Π/∂y in force().
+  /// Π, with what is remembered and but for a constant in `potential`; without it, and 0 at y = 0
+  /// under gravity, in `elastic`; and ∂Π/∂y in force().
   /// @param y [coordinates]. @note Realtime-safe.
   ReducedSums evaluate(const double* y) noexcept { return evaluate(y, nullptr); }
   /// Does the same and computes tangent() besides.
@@ -35,8 +36,8 @@ class ReducedEnergy {
   /// precision.
   [[nodiscard]] const Eigen::VectorXd& force() const { return force_; }
   [[nodiscard]] const Eigen::MatrixXd& tangent() const { return tangent_; }
-  /// Of the last evaluation, at each point: w P [72 a packet], N m, S of the law [48], Pa, and E
-  /// [48].
+  /// Of the last evaluation, at each point: w P less that of the weight [72 a packet], N m, S of
+  /// the law [48], Pa, and E [48].
   [[nodiscard]] const std::vector<double>& stress() const { return stress_; }
   [[nodiscard]] const std::vector<double>& law_stress() const { return law_stress_; }
   [[nodiscard]] const std::vector<double>& strain() const { return strain_; }
@@ -46,6 +47,8 @@ class ReducedEnergy {
 
  private:
   ReducedSums evaluate(const double* y, float* tangent_of_points) noexcept;
+  /// Takes the part of the weight out of what was evaluated.
+  void take_weight(ReducedSums& sums) noexcept;
 
   const ReducedPoints& points_;
   const ReducedKernels& kernels_;
@@ -56,6 +59,9 @@ class ReducedEnergy {
   std::vector<double> stress_;
   std::vector<double> law_stress_;
   std::vector<double> strain_;
+  /// w P at rest under gravity, N m, and the energy there, J; empty: there is no gravity.
+  Eigen::VectorXd rest_stress_;
+  double rest_elastic_ = 0;
   /// G of single precision, and what the tangent is made of.
   Eigen::MatrixXf single_gradients_;
   std::vector<float> tangent_of_points_;

@@ -29,6 +29,10 @@ void check_points(const ReducedModel& model) {
   const Eigen::Index num_packets = points.num_packets();
   check_sizes(points.gradients, 9 * kPacketSize * num_packets, model.num_coordinates(),
               "the array of gradients");
+  if (points.rest_gradients.size() > 0) {
+    check_sizes(points.rest_gradients, 9 * kPacketSize * num_packets, 1,
+                "the array of gradients at rest");
+  }
   check_sizes(points.weights, kPacketSize * num_packets, 1, "the array of weights");
   require((points.weights.array() >= 0).all(), "a point has a negative weight.");
   require(points.num_points() > 0, "no point has a weight.");
@@ -80,6 +84,7 @@ void add_memory(const ReducedModel& model, MemoryRanges& ranges) {
   add_memory(model.points.material, ranges);
   add_memory(model.points.weights, ranges);
   add_memory(model.points.gradients, ranges);
+  add_memory(model.points.rest_gradients, ranges);
   add_memory(model.mass, ranges);
   add_memory(model.tool_stiffness, ranges);
   add_memory(model.trained_modes, ranges);

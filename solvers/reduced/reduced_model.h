@@ -18,6 +18,14 @@
 //
 // Hence a coordinate q_i has the unit √J: ½ q_i² is the energy that it has in the linear body.
 //
+// Under gravity the body at rest is displaced by u_r, and is stressed. Its coordinates count from
+// there, and K₀ is its stiffness there:
+//
+//   u = u_r + Φ q + L d,   Π(y) = Σ_p w_p (W_p(∇u) − P_p(∇u_r) : G_p y)
+//
+// The weight is what the stress at rest balances, f = Σ_p G_pᵀ w_p P_p(∇u_r) over all points: the
+// points that are kept have so a part of it each, and y = 0 is at rest, whichever they are.
+//
 // [ECSW] Farhat, Chapman & Avery, Structure-preserving, stability, and accuracy properties of the
 // energy-conserving sampling and weighting method, Int. J. Numer. Meth. Engng. 102, 2015.
 #pragma once
@@ -50,6 +58,8 @@ struct ReducedPoints {
   /// G [72 num_packets × coordinates], 1/m times the unit of the coordinate and that of L and Φ:
   /// row 72 k + 8 (3 i + j) + l is ∂u_i/∂X_j at point l of packet k.
   Eigen::MatrixXd gradients;
+  /// ∇u_r, in the order of a column of G [72 num_packets]; empty: the body at rest is not deformed.
+  Eigen::VectorXd rest_gradients;
 
   [[nodiscard]] Index num_packets() const { return static_cast<Index>(material.size()) / 8; }
   /// Those that have a weight.

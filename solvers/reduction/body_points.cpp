@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <map>
+#include <utility>
 
 #include "base/simd.h"
 #include "elements/tetrahedron.h"
@@ -27,7 +28,8 @@ Gradients gradients_at(const TetMesh& mesh, Index cell, const Vec3& xi) {
 
 }  // namespace
 
-BodyPoints::BodyPoints(const Scene& scene) : scene_(scene) {
+BodyPoints::BodyPoints(const Scene& scene, NodalVector rest)
+    : scene_(scene), rest_(std::move(rest)) {
   const std::vector<QuadraturePoint>& rule = quadrature(scene.mesh.order);
   points_of_cell_ = static_cast<Index>(rule.size());
   weights_.resize(Eigen::Index{points_of_cell_} * scene.mesh.num_cells());
@@ -69,6 +71,7 @@ BodyPoints::Reduced BodyPoints::reduce(const Eigen::MatrixXd& basis,
   constexpr Eigen::Index rows = 9 * kPacketSize;
   points.weights.setZero(static_cast<Eigen::Index>(points.material.size()));
   points.gradients.setZero(rows * points.num_packets(), basis.cols());
+  if (rest_.size() > 0) points.rest_gradients.setZero(points.gradients.rows());
   const std::vector<QuadraturePoint>& rule = quadrature(scene_.mesh.order);
   const auto put = [&](Index point, Eigen::Index place) {
     const Index cell = point / points_of_cell_;
@@ -78,8 +81,11 @@ BodyPoints::Reduced BodyPoints::reduce(const Eigen::MatrixXd& basis,
       const Eigen::Index row = 3 * Eigen::Index{scene_.mesh.cell(cell)[a]};
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-          points.gradients.row(first + (3 * i + j) * kPacketSize) +=
-              gradients.of_nodes(a, j) * basis.row(row + i);
+          const Eigen::Index at = first + (3 * i + j) * kPacketSize;
+          points.gradients.row(at) += gradients.of_nodes(a, j) * basis.row(row + i);
+          if (rest_.size() > 0) {
+            points.rest_gradients[at] += gradients.of_nodes(a, j) * rest_[row + i];
+          }
         }
       }
     }

@@ -13,12 +13,15 @@ namespace palpate {
 class BodyPoints {
  public:
   /// @param scene It was checked, see check(), and must outlive this object.
-  explicit BodyPoints(const Scene& scene);
+  /// @param rest u_r [3 num_points], m, see reduced/reduced_model.h; empty: there is no gravity.
+  explicit BodyPoints(const Scene& scene, NodalVector rest = {});
 
   [[nodiscard]] Index count() const { return static_cast<Index>(weights_.size()); }
   /// Weight times Jacobian of each [count], m³.
   [[nodiscard]] const Eigen::VectorXd& weights() const { return weights_; }
   [[nodiscard]] Index material_of(Index point) const;
+  /// u_r.
+  [[nodiscard]] const NodalVector& rest() const { return rest_; }
 
   struct Reduced {
     ReducedPoints points;
@@ -33,6 +36,7 @@ class BodyPoints {
 
  private:
   const Scene& scene_;
+  NodalVector rest_;
   Eigen::VectorXd weights_;
   Index points_of_cell_;
 };

@@ -106,6 +106,7 @@ class Training {
       add(name, place, num_tools, [this, place, of_part] {
         report("Equilibria", place);
         EquilibriumSolver solver(scene_, options_.equilibrium);
+        (void)settle_under_weight(solver, scene_, rheologies_, options_.gravity);
         solver.set_interaction(places_[place]);
         return find_equilibria(solver, of_part);
       });
@@ -154,8 +155,8 @@ class Builder {
         options_(options),
         num_tools_(static_cast<int>(tools.size())),
         solver_(scene_, options.equilibrium),
-        points_(scene_),
-        stiffness_(solver_.assembly()),
+        points_(scene_, find_rest()),
+        stiffness_(solver_.assembly(), points_.rest()),
         modes_(stiffness_, 3 * Eigen::Index{scene_.mesh.num_points()}) {
     for (const BondedPatch& tool : tools) tools_.add(tool);
     solver_.set_interaction(tools_);
@@ -169,6 +170,7 @@ class Builder {
     const Eigen::Index n = modes_.modes().cols();
     result_.basis.resize(rest.u.size(), n + tool_responses_.cols());
     result_.basis << modes_.modes(), tool_responses_;
+    result_.rest = points_.rest();
     Eigen::MatrixXd states(result_.basis.cols(), states_.tools.cols());
     states << modes_.coordinates(beside_tools(states_)), states_.tools;
     choose_points(states);
@@ -186,9 +188,18 @@ class Builder {
     if (options_.report) options_.report(what);
   }
 
-  /// u − L d.
+  /// u_r.
+  [[nodiscard]] NodalVector find_rest() {
+    const Equilibrium rest = settle_under_weight(solver_, scene_, rheologies_, options_.gravity);
+    if (rest.outcome != Outcome::converged) throw InputError(rest.message);
+    return rest.u;
+  }
+
+  /// u − u_r − L d.
   [[nodiscard]] Eigen::MatrixXd beside_tools(const TrainingStates& states) const {
-    return states.u - tool_responses_ * states.tools;
+    Eigen::MatrixXd beside = states.u - tool_responses_ * states.tools;
+    if (points_.rest().size() > 0) beside.colwise() -= points_.rest();
+    return beside;
   }
 
   void make_modes(const TrainingGroups& groups) {
@@ -300,13 +311,13 @@ void validate(const ReductionOptions& options) {
 ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>& rheologies,
                                 const Eigen::MatrixXd& basis, const Eigen::MatrixXd& tool_stiffness,
                                 const std::vector<Index>& points, const Eigen::VectorXd& weights,
-                                const Eigen::MatrixXd& states) {
+                                const Eigen::MatrixXd& states, const NodalVector& rest) {
   ReducedModel model;
   model.num_tool_coordinates = static_cast<Index>(tool_stiffness.rows());
   model.num_modes = static_cast<Index>(basis.cols()) - model.num_tool_coordinates;
   model.materials = scene.materials;
   model.rheologies = rheologies;
-  model.points = BodyPoints(scene).reduce(basis, points, weights).points;
+  model.points = BodyPoints(scene, rest).reduce(basis, points, weights).points;
   model.tool_stiffness = 0.5 * (tool_stiffness + tool_stiffness.transpose());
   model.mass.setZero(basis.cols(), basis.cols());
   if (has_density(rheologies)) {
@@ -344,7 +355,7 @@ void choose_model_points(const Scene& scene, const std::vector<Rheology>& rheolo
   built.within_tolerance = chosen.converged;
   built.num_left_out = chosen.num_left_out;
   built.model = make_reduced_model(scene, rheologies, built.basis, tool_stiffness, chosen.points,
-                                   chosen.weights, states);
+                                   chosen.weights, states, points.rest());
 }
 
 TrainingStates move_in_training(const Scene& scene, const std::vector<Rheology>& rheologies,
@@ -352,6 +363,7 @@ TrainingStates move_in_training(const Scene& scene, const std::vector<Rheology>&
                                 const ReductionOptions& options) {
   DynamicsOptions of_motion;
   of_motion.time_step = options.time_step;
+  of_motion.gravity = options.gravity;
   of_motion.equilibrium = options.equilibrium;
   of_motion.equilibrium.tolerance = kMotionTolerance;
   DynamicSolver solver(scene, rheologies, tools, of_motion);
@@ -377,6 +389,7 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
                      const ReductionOptions& options) {
   validate(options);
   check_materials(scene, rheologies);
+  check_gravity(options.gravity, rheologies);
 }
 
 bool train_with_tools(const Scene& scene, const std::vector<Rheology>& rheologies,
@@ -404,7 +417,7 @@ BuiltModel build_reduced_model(const Scene& scene, const std::vector<Rheology>& 
     }
     Scene checked = scene;
     check(checked);
-    check_materials(checked, rheologies);
+    check_reduction(checked, rheologies, options);
     std::vector<TrainingGroups> groups;
     built.aborted = !train_with_tools(checked, rheologies, {tools}, options, run, groups);
     if (built.aborted || run.communicator.rank() != 0) return;

@@ -2,7 +2,8 @@
 // A reduced model (reduced/reduced_model.h) of a scene and the tools that hold it, from states of
 // the whole body:
 //
-//   1. L and LᵀK₀L: the sensitivity and the stiffness of the equilibrium at rest.
+//   1. L and LᵀK₀L: the sensitivity and the stiffness of the equilibrium at rest, which is that
+//      under the weight of the body where there is gravity.
 //   2. States: equilibria with one tool moved and with all of them moved; with inertia, motion
 //      along random paths with taps. (A basis of equilibria alone is of no use in motion. One of
 //      the motion of the linear body, which would take one factorisation, leaves ten times the
@@ -57,6 +58,8 @@ struct ReductionOptions {
   double shortest_tap = 0.03;
   /// Of the motion in training, s.
   double time_step = 2e-3;
+  /// Under which the body rests, m/s². Tools count from their places there.
+  Vec3 gravity = Vec3::Zero();
   /// Equilibria with all tools moved, where there are several; also of the reduced model, ten times
   /// as many.
   int all_tools_states = 40;
@@ -69,7 +72,7 @@ struct ReductionOptions {
 void validate(const ReductionOptions& options);
 
 /// @throws InputError as validate(); a mixed material; an invalid rheology, or not one for each
-///   material.
+///   material; gravity, but no density.
 void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies,
                      const ReductionOptions& options);
 
@@ -77,6 +80,8 @@ struct BuiltModel {
   ReducedModel model;
   /// (Φ, L) [3 num_points × coordinates]: the displacement of the body, for its display.
   Eigen::MatrixXd basis;
+  /// u_r [3 num_points], m: what the coordinates of the basis count from; empty without gravity.
+  NodalVector rest;
   /// The quadrature points that were kept, see BodyPoints.
   std::vector<Index> points;
   /// Of the weights, on the training states, as a share; whether it is within the tolerance.
@@ -95,7 +100,8 @@ struct BuiltModel {
 
 /// @param rheologies Of each material of the scene; without any density the model has no inertia.
 /// @param tools They share no point.
-/// @throws InputError an invalid scene, rheology, tool or option; a mixed material.
+/// @throws InputError an invalid scene, rheology, tool or option; a mixed material; a body that
+///   finds no rest under its weight.
 [[nodiscard]] BuiltModel build_reduced_model(const Scene& scene,
                                              const std::vector<Rheology>& rheologies,
                                              const std::vector<BondedPatch>& tools,
@@ -114,10 +120,11 @@ struct BuiltModel {
 /// The model of a basis and of chosen points; its ranges of training are those of `states`.
 /// @param basis (Φ, L) [3 num_points × coordinates].
 /// @param states y of each training state [coordinates × states].
+/// @param rest As BuiltModel::rest.
 [[nodiscard]] ReducedModel make_reduced_model(
     const Scene& scene, const std::vector<Rheology>& rheologies, const Eigen::MatrixXd& basis,
     const Eigen::MatrixXd& tool_stiffness, const std::vector<Index>& points,
-    const Eigen::VectorXd& weights, const Eigen::MatrixXd& states);
+    const Eigen::VectorXd& weights, const Eigen::MatrixXd& states, const NodalVector& rest = {});
 
 /// Chooses the points of a model whose basis is there already, and makes it.
 /// @param points Those of the scene. @param states As those of make_reduced_model().

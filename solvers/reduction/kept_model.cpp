@@ -70,6 +70,7 @@ std::vector<MeasuredError> errors_of(const Eigen::MatrixXd& matrix) {
 StateSpaceFile::Arrays arrays_of(const KeptModel& kept, const ReductionTools& tools) {
   StateSpaceFile::Arrays arrays = arrays_of(kept.model);
   arrays["Basis"] = kept.basis;
+  if (kept.rest.size() > 0) arrays["Rest"] = kept.rest;
   const auto num_tools = static_cast<Eigen::Index>(tools.nodes.size());
   arrays["ActiveNodes"] =
       Eigen::Map<const Eigen::Matrix<Index, Eigen::Dynamic, 1>>(tools.nodes.data(), num_tools)
@@ -94,6 +95,7 @@ KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene
   };
   kept.basis =
       find("Basis", 3 * Eigen::Index{scene.mesh.num_points()}, kept.model.num_coordinates());
+  if (kept.model.points.rest_gradients.size() > 0) kept.rest = find("Rest", kept.basis.rows(), 1);
   const Eigen::MatrixXd fit = find("Fit", 1, 2);
   kept.residual = fit(0, 0);
   kept.within_tolerance = fit(0, 1) != 0;
@@ -160,6 +162,7 @@ std::string text_of(const Scene& scene, const std::vector<Rheology>& rheologies,
        << options.shortest_tap << ' ' << options.time_step << ' ' << options.all_tools_states << ' '
        << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
        << options.equilibrium.single_precision;
+  if (!options.gravity.isZero(0)) text << " gravity " << options.gravity.transpose();
   return text.str();
 }
 
@@ -275,6 +278,7 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
       kept.aborted = built.aborted;
       kept.model = std::move(built.model);
       kept.basis = std::move(built.basis);
+      kept.rest = std::move(built.rest);
       kept.residual = built.residual;
       kept.within_tolerance = built.within_tolerance;
     }

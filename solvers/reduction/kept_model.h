@@ -5,6 +5,7 @@
 // Beside the arrays of reduced/model_arrays.h a model has in the file
 //
 //   Basis        (Φ, L) [3 num_points × coordinates]
+//   Rest         u_r [3 num_points × 1], m; only under gravity
 //   ActiveNodes  [tools × 1]
 //   Fit          [1 × 2]   BuiltModel::residual, and 1 where it is within the tolerance
 //   Errors       [cases × 11]   MeasuredError: the number of its kind among kErrorKinds, then
@@ -50,6 +51,7 @@ struct KeptModel {
   ReducedModel model;
   /// See BuiltModel.
   Eigen::MatrixXd basis;
+  NodalVector rest;
   double residual = 0;
   bool within_tolerance = false;
   std::vector<MeasuredError> errors;

@@ -48,6 +48,7 @@ std::vector<MeasuredError> measure_model(const Scene& scene,
   const std::uint64_t seed = options.seed + kUnseen;
 
   EquilibriumSolver still(scene, options.equilibrium);
+  (void)settle_under_weight(still, scene, rheologies, options.gravity);
   still.set_interaction(list);
   Eigen::MatrixXd places = random_places(num_tools, options.reach, measure.equilibria, seed);
   if (num_tools > 1) {
@@ -71,6 +72,7 @@ std::vector<MeasuredError> measure_model(const Scene& scene,
   steps.time_step = options.time_step;
   DynamicsOptions dynamics;
   dynamics.time_step = options.time_step;
+  dynamics.gravity = options.gravity;
   dynamics.equilibrium = options.equilibrium;
   dynamics.equilibrium.tolerance = kTolerance;
   DynamicSolver whole(scene, rheologies, list, dynamics);

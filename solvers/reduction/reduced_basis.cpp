@@ -13,11 +13,13 @@ constexpr double kIndependent = 1e-13;
 
 }  // namespace
 
-RestStiffness::RestStiffness(const Assembly& assembly)
+RestStiffness::RestStiffness(const Assembly& assembly, const NodalVector& rest)
     : state_of_unknown_(assembly.state_of_unknown()) {
+  NodalVector state = NodalVector::Zero(assembly.state_size());
+  state.head(rest.size()) = rest;
   NodalVector force;
   std::vector<double> values;
-  (void)assembly.tangent(NodalVector::Zero(assembly.state_size()), force, values);
+  (void)assembly.tangent(state, force, values);
   const SymmetricPattern& pattern = assembly.pattern();
   matrix_ = Eigen::Map<const Eigen::SparseMatrix<double>>(
       pattern.size, pattern.size, pattern.num_values(), pattern.column_start.data(),

@@ -13,7 +13,8 @@ namespace palpate {
 /// K₀ of the displacement of all points.
 class RestStiffness {
  public:
-  explicit RestStiffness(const Assembly& assembly);
+  /// @param rest u_r [3 num_points], m; empty: the body at rest is not deformed.
+  explicit RestStiffness(const Assembly& assembly, const NodalVector& rest = {});
 
   /// K₀ x; zero at fixed points. @param x [3 num_points × any], m.
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& x) const;

@@ -66,6 +66,12 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& columns) {
          energies.eigenvectors().transpose();
 }
 
+void refuse_gravity(const ReductionOptions& options) {
+  if (options.gravity.isZero(0)) return;
+  throw InputError(
+      "A reduced model whose tools attach anywhere has no gravity. Leave BodyForce at 0 0 0.");
+}
+
 /// The states of one group, of all places: of each place by modes of its own, so that not all
 /// states have to be in memory, and the eigenvalue problem does not grow with them.
 class GroupOfPlaces {
@@ -186,6 +192,7 @@ TrainedPlaces train_places(const Scene& scene, const std::vector<Rheology>& rheo
   TrainedPlaces trained;
   agree(run.communicator, [&] {
     check_reduction(scene, rheologies, options);
+    refuse_gravity(options);
     check_places(places);
     Scene checked = scene;
     check(checked);
@@ -234,6 +241,7 @@ class PlacedTools::Impl {
 
   BuiltModel attach(const std::vector<BondedPatch>& tools, const ReductionOptions& options) const {
     validate(options);
+    refuse_gravity(options);
     if (tools.empty()) throw InputError("No tool is to be attached. Give at least one.");
     const int num_tools = static_cast<int>(tools.size());
     if (3 * num_tools != trained_.tools.rows()) {

@@ -54,8 +54,8 @@ struct TrainedPlaces {
 
 /// @param places The tools that are held at a time: one at each place, or several.
 /// @param options Its place modes and training paths are those of each place.
-/// @throws InputError as build_reduced_model(); no place, or places with different numbers of
-/// tools.
+/// @throws InputError as build_reduced_model(); gravity; no place, or places with different
+///   numbers of tools.
 [[nodiscard]] TrainedPlaces train_places(const Scene& scene,
                                          const std::vector<Rheology>& rheologies,
                                          const std::vector<std::vector<BondedPatch>>& places,

@@ -7,6 +7,7 @@
 
 #include "dynamics/dynamic_solver.h"
 #include "equilibrium/equilibrium.h"
+#include "materials/rheology.h"
 
 namespace palpate {
 
@@ -28,6 +29,16 @@ struct TrainingStates {
 /// the end of its reach.
 [[nodiscard]] Eigen::MatrixXd random_places(int num_tools, double reach, int count,
                                             std::uint64_t seed);
+
+/// Puts the weight on the body, where there is gravity, and finds its rest under it. Call
+/// set_interaction() of the solver afterwards.
+/// @param gravity m/s².
+/// @returns u and outcome count: the rest, or that the solve was aborted; u is empty without
+///   gravity.
+/// @throws InputError the body has no weight, or finds no rest.
+[[nodiscard]] Equilibrium settle_under_weight(EquilibriumSolver& solver, const Scene& scene,
+                                              const std::vector<Rheology>& rheologies,
+                                              const Vec3& gravity);
 
 /// Equilibria with the tools at each of the places.
 [[nodiscard]] TrainingStates find_equilibria(EquilibriumSolver& solver,

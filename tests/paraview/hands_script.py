@@ -26,7 +26,7 @@ IMAGE = [600, 450]
 TOOL, DEVICE, FORCE, STATE = range(4)
 
 
-def model_of_block():
+def model_of_block(**settings):
     body = source(box_body((4, 2, 2), (LENGTH, WIDTH, WIDTH)), "box")
     material = AssignMaterial(Input=body, Law="Neo-Hookean", YoungsModulus=5000,
                               PoissonsRatio=0.4, Density=1000, ViscousTime=0.01)
@@ -34,7 +34,7 @@ def model_of_block():
     boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
     nodes = [node_at(boundary, place) for place in CORNERS]
     model = BuildReducedModel(Input=boundary, ActiveNodes=nodes, TipRadius=0.02, Reach=REACH,
-                              Modes=30, TrainingPaths=2)
+                              Modes=30, TrainingPaths=2, **settings)
     view = GetActiveViewOrCreate("RenderView")
     Show(model, view)
     model.UpdatePipeline()
@@ -100,9 +100,9 @@ def largest_at(place, seconds):
     return largest
 
 
-def press_and_drag(view, steps=20):
+def press_and_drag(view, steps=20, place=CORNERS[0]):
     """Tool 0 is held by the mouse, and moved upwards."""
-    at = pixel_of(view, CORNERS[0])
+    at = pixel_of(view, place)
     send(Event.MouseButtonPress, at)
     for i in range(1, steps + 1):
         send(Event.MouseMove, at + QtCore.QPoint(0, -i), Button.NoButton)
@@ -147,6 +147,22 @@ def both():
         shown = GetDisplayProperties(FindSource("TouchReducedModel1"), view)
         shown.SetScalarBarVisibility(view, False)
         SaveScreenshot(f"rest_{size[0]}.png", view, ImageResolution=IMAGE)
+
+
+def sagging():
+    """Under gravity the hands find the tools where these hang."""
+    _, view, _ = model_of_block(BodyForce=[0, 0, -1])
+    start("Mouse", "None")
+    hung = [shown_at(place) for place in (BETWEEN, CORNERS[0])]
+    assert max(u[2] for u in hung) < -0.03, hung
+    place = [x + u for x, u in zip(CORNERS[0], hung[1])]
+    end = press_and_drag(view, place=place)
+    print("forces", force(0))
+    let_go(end)
+    choose_device(1, "Simulated hand")
+    wait_for(lambda: holds(1) and force(1) > 0.05, "the hand holds tool 1")
+    stop()
+    assert [shown_at(place) for place in (BETWEEN, CORNERS[0])] == hung
 
 
 def apart():
@@ -211,7 +227,7 @@ def apart():
 
 def main():
     try:
-        {"both": both, "apart": apart}[os.environ["PALPATE_INTERACTOR_RUN"]]()
+        {"both": both, "apart": apart, "sagging": sagging}[os.environ["PALPATE_INTERACTOR_RUN"]]()
     except BaseException:
         traceback.print_exc()
         window.grab().save("failed.png")

@@ -30,6 +30,9 @@ def main():
     is_quiet = waited < 0.05
     assert frames > 20 if is_quiet else cost < 0.13, both
 
+    sagging = run("sagging", folder, script="hands_script.py")
+    assert 0.02 < sagging["forces"][0] < 10, sagging
+
     apart = run("apart", folder, script="hands_script.py")
     # Neither tool stands still while the other one moves the body.
     assert min(apart["free"]) > 0.0005 and apart["threads"][0] <= 0, apart

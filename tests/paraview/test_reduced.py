@@ -7,7 +7,8 @@ import time
 import numpy
 from paraview import servermanager
 from paraview.simple import (AssignMaterial, BuildReducedModel, CSVReader,
-                             PrecomputeStateSpace, SetBoundary, SimulateTouch, SolveDynamics)
+                             PrecomputeStateSpace, SetBoundary, SimulateTouch, SolveDynamics,
+                             SolveEquilibrium, TouchReducedModel)
 from support import box_body, expect_error, fetch, field, node_at, point_array, source
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
@@ -96,6 +97,48 @@ def test_one_tool_moves_as_the_whole_body_does():
         body = servermanager.Fetch(touch)
         assert field(body, "Time")[0] == time and field(body, "Outcome")[0] == CONVERGED
         assert numpy.size(field(body, "ReactionForce")) == 3
+
+
+def test_gravity():
+    """The body sags first; from there its model moves as the whole body does under its weight, and
+    swings under it when its tool lets go."""
+    boundary = held(ViscousTime=0.01)
+    node = corners(boundary)[0]
+    common = {"ActiveNodes": [node], "TipRadius": 0.03, "BodyForce": [0, 0, -2]}
+    model = BuildReducedModel(Input=boundary, Reach=REACH, TestPaths=0, PathDuration=1, **common,
+                              **TRAINING)
+    motion = {"ToolPaths": table_of("heavy", TIMES, PULL, Tool0_Held=[1, 1, 1, 1, 0]),
+              "EndTime": 0.7, "FrameRate": 20}
+    touch = SimulateTouch(Input=model, **motion)
+    whole = SolveDynamics(Input=boundary, **common, **motion)
+    of_touch, of_whole = columns_of(touch, 1), columns_of(whole, 1)
+    assert (of_touch["Outcome"] == CONVERGED).all()
+    assert (of_touch["Force0"][0] == 0).all() and of_touch["ElasticEnergy"][0] == 0
+    largest = numpy.linalg.norm(of_whole["Force0"], axis=1).max()
+    error = numpy.linalg.norm(of_touch["Force0"] - of_whole["Force0"], axis=1).max()
+    assert error < 0.01 * largest, error / largest
+    energy = of_whole["ElasticEnergy"] + of_whole["WeightEnergy"]
+    error = abs(of_touch["ElasticEnergy"] - energy + energy[0])[of_touch["Time"] < 0.5]
+    assert error.max() < 0.01 * (energy.max() - energy[0])
+    touch.UpdatePipelineInformation()
+    # The patch of a tool that was let go stays rigid in the model, with gravity or without.
+    for frame, bound in ((0, 1e-6), (4, 0.02), (10, 0.02), (14, 0.2)):
+        shapes = []
+        for filter_ in (touch, whole):
+            filter_.UpdatePipeline(touch.TimestepValues[frame])
+            shapes.append(point_array(servermanager.Fetch(filter_), "Displacement"))
+        assert abs(shapes[0] - shapes[1]).max() < bound * REACH, frame
+        # It sags by half of its length.
+        assert shapes[0][:, 2].min() < -0.4 * LENGTH
+    # So it is drawn at rest where hands are to move it.
+    assert fetch(TouchReducedModel(Input=model)).GetBounds()[4] < -0.4 * LENGTH
+
+    weightless = held(Density=0)
+    for filter_ in (BuildReducedModel(Input=weightless, **common),
+                    SolveEquilibrium(Input=weightless, **common)):
+        expect_error(filter_.UpdatePipeline, "There is a BodyForce, but the body has no density")
+    expect_error(BuildReducedModel(Input=boundary, **common | {"BodyForce": [0, 0, float("nan")]})
+                 .UpdatePipeline, "BodyForce")
 
 
 def test_two_tools_at_rest():

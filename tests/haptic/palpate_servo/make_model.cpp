@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Makes a file with small reduced models for tests of programs: a block of tissue with two tools,
-// and where it is asked for a state space of the same block.
+// and where it is asked for a state space of the same block, or gravity.
 //
-//   palpate_test_make_model models.palpate <number of models> [space]
+//   palpate_test_make_model models.palpate <number of models> [space | gravity]
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-void make(const std::string& path, int num_models, bool with_space) {
+void make(const std::string& path, int num_models, const std::string& what) {
   const test::Block block =
       test::make_block(Law::neo_hookean, {ElementOrder::linear, {2, 1, 1}, 0.1, 3000, 0.35});
   ReductionTools tools;
@@ -30,6 +30,7 @@ void make(const std::string& path, int num_models, bool with_space) {
   rheology.viscous_time = 0.02;
   ReductionOptions options;
   options.reach = 0.01;
+  if (what == "gravity") options.gravity.z() = -9.81;
   options.training_paths = 2;
   options.path_duration = 0.1;
   options.all_tools_states = 4;
@@ -40,7 +41,7 @@ void make(const std::string& path, int num_models, bool with_space) {
     options.modes = 4 + 2 * number;
     (void)build_kept_model(block.scene, {rheology}, tools, options, measure, path, *communicator);
   }
-  if (with_space) {
+  if (what == "space") {
     PrecomputeOptions of_space;
     of_space.active_nodes = {block.corner, block.middle};
     of_space.half_width = 0.01;
@@ -55,9 +56,11 @@ void make(const std::string& path, int num_models, bool with_space) {
 }  // namespace palpate
 
 int main(int argc, char** argv) {
-  if (argc < 3 || argc > 4 || (argc == 4 && std::string(argv[3]) != "space")) return EXIT_FAILURE;
+  if (argc < 3 || argc > 4) return EXIT_FAILURE;
+  const std::string what = argc == 4 ? argv[3] : "";
+  if (argc == 4 && what != "space" && what != "gravity") return EXIT_FAILURE;
   try {
-    palpate::make(argv[1], std::atoi(argv[2]), argc == 4);
+    palpate::make(argv[1], std::atoi(argv[2]), what);
     return EXIT_SUCCESS;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -95,6 +95,17 @@ class Reduced(ProgramTest):
         self.expect_error([self.both, "--replay", self.path("one-tool0.csv")],
                           "a replay cannot step")
 
+    def test_under_gravity(self):
+        """The tool is held where it hangs."""
+        heavy = self.path("heavy.palpate")
+        subprocess.run([MAKE_MODEL, heavy, "1", "gravity"], capture_output=True, check=True)
+        places = []
+        for name, file in (("light", self.model), ("heavy", heavy)):
+            _, _, (rows,) = self.touch(name, "--seconds", 1, file=file)
+            held = next(row for row in rows if int(row["contact"]) == ATTACHED)
+            places.append(float(held["anchor_z_m"]))
+        self.assertLess(places[1], places[0] - 0.002)
+
     def test_limits(self):
         _, parts, _ = self.touch("limited", *TWO, "--seconds", 1, "--force-limit", 0.05,
                                  "--force-scale", 10, "--motion", "tap", num_devices=2, limit=0.05)

@@ -27,8 +27,9 @@ constexpr double kPositionUnit = 1e-5;
 const Vec3 kPull(0.002, -0.001, 0.006);
 
 /// The force that holds each tool when a body of which nothing moves has come to rest.
-Eigen::VectorXd force_at_rest(const Eigen::VectorXd& hands, const std::vector<double>& holding) {
-  ReducedModel model = *test::block_model().model;
+Eigen::VectorXd force_at_rest(const Eigen::VectorXd& hands, const std::vector<double>& holding,
+                              const test::BlockModel& of = test::block_model()) {
+  ReducedModel model = *of.model;
   model.mass.setZero();
   model.rheologies[0] = {};
   ReducedBody body(model, {});
@@ -74,6 +75,26 @@ TEST(Hands, TheForceBeginsAtZeroWhereverTheHandTakesHold) {
   rig.run(300ms);
   EXPECT_EQ(rig.hands[0]->last().contact.status, ContactStatus::attached);
   EXPECT_LT(rig.hands[0]->counters().largest_force, 2 * kForceUnit);
+}
+
+TEST(Hands, UnderGravityTheBodyHangsStillUntilItIsPulled) {
+  const test::BlockModel sagging =
+      test::make_block_model(30000, 0.01, Law::neo_hookean, Vec3(0, 0, -9.81));
+  EXPECT_LT(sagging.places[0].z(), test::block_model().places[0].z() - 2e-4);
+  TwoHands rig(pulls(kPull, 500ms), rests(), {}, {}, sagging);
+  rig.run(400ms);
+  EXPECT_EQ(rig.hands[0]->last().contact.status, ContactStatus::attached);
+  EXPECT_LT(rig.hands[0]->counters().largest_force, 2 * kForceUnit);
+  // What a unit of the board's position makes is all that moves.
+  EXPECT_LT(rig.outbox.newest.read().coordinates.tail<6>().lpNorm<Eigen::Infinity>(),
+            2 * kPositionUnit);
+  rig.run(3s);
+  Eigen::VectorXd hands = Eigen::VectorXd::Zero(6);
+  hands.head<3>() = kPull;
+  const Eigen::VectorXd exact = force_at_rest(hands, {300, 0}, sagging);
+  EXPECT_GT(exact.head<3>().norm(), 0.3);
+  EXPECT_LT((rig.hands[0]->motors() + exact.head<3>()).norm(),
+            2 * (300 * kPositionUnit + kForceUnit));
 }
 
 TEST(Hands, NoHandTakesHoldFromAfar) {

@@ -7,7 +7,8 @@
 
 namespace palpate::test {
 
-BlockModel make_block_model(double youngs_modulus, double viscous_time, Law law) {
+BlockModel make_block_model(double youngs_modulus, double viscous_time, Law law,
+                            const Vec3& gravity) {
   BlockOptions options{ElementOrder::linear, {2, 1, 1}};
   options.youngs_modulus = youngs_modulus;
   const Block block = make_block(law, options);
@@ -18,10 +19,11 @@ BlockModel make_block_model(double youngs_modulus, double viscous_time, Law law)
   rheology.density = 1000;
   rheology.viscous_time = viscous_time;
   BlockModel result;
-  result.model =
-      std::make_shared<const ReducedModel>(make_whole_model(block.scene, {rheology}, tools).model);
+  const WholeModel whole = make_whole_model(block.scene, {rheology}, tools, 0.01, gravity);
+  result.model = std::make_shared<const ReducedModel>(whole.model);
   for (const Index point : {block.corner, block.middle}) {
-    result.places.push_back(block.scene.mesh.points[static_cast<std::size_t>(point)]);
+    result.places.push_back(block.scene.mesh.points[static_cast<std::size_t>(point)] +
+                            whole.rest.segment<3>(3 * Eigen::Index{point}));
   }
   return result;
 }

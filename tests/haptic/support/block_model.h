@@ -14,13 +14,14 @@ namespace palpate::test {
 
 struct BlockModel {
   std::shared_ptr<const ReducedModel> model;
-  /// Of the tools at rest, m.
+  /// Of the tools at rest, where the body sags under gravity, m.
   std::vector<Vec3> places;
 };
 
-/// @param youngs_modulus Pa. @param viscous_time s.
+/// @param youngs_modulus Pa. @param viscous_time s. @param gravity m/s².
 [[nodiscard]] BlockModel make_block_model(double youngs_modulus, double viscous_time,
-                                          Law law = Law::neo_hookean);
+                                          Law law = Law::neo_hookean,
+                                          const Vec3& gravity = Vec3::Zero());
 
 /// That of 30 kPa and 10 ms. It is made once: that takes longer than a test.
 [[nodiscard]] const BlockModel& block_model();

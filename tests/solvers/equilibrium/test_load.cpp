@@ -54,6 +54,10 @@ TEST_P(Load, RestsUnderItAndToolsCountFromThere) {
     const Equilibrium down = solver.solve(t - step * Vec3::UnitZ(), pulled);
     EXPECT_NEAR((up.energy - down.energy) / (2 * step), pulled.reaction.z(),
                 1e-5 * pulled.reaction.norm());
+    // So is v that of u, where the tool holds the body too.
+    const NodalVector slope = (up.u - down.u) / (2 * step);
+    EXPECT_LT((slope - pulled.v.col(2)).lpNorm<Eigen::Infinity>(), 1e-4);
+    EXPECT_EQ(pulled.v.middleRows<3>(corner), Mat3::Identity());
     // And back.
     EXPECT_LT(solver.solve(Vec3::Zero(), pulled).reaction.norm(), kNoForce);
   }

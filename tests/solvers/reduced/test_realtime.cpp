@@ -38,7 +38,8 @@ TEST(Realtime, AStepAllocatesNothing) {
   rheology.viscous_time = 0.01;
   rheology.prony_moduli = {0.3};
   rheology.prony_times = {0.1};
-  const test::WholeModel whole = test::make_whole_model(block.scene, {rheology}, tools);
+  const test::WholeModel whole =
+      test::make_whole_model(block.scene, {rheology}, tools, 0.01, Vec3(0, 0, -2));
   ReducedBody body(whole.model, {});
   static_assert(noexcept(body.step(std::declval<const double*>())));
   static_assert(noexcept(body.rest()));

@@ -32,12 +32,18 @@ class OfEachLaw : public testing::TestWithParam<Case> {
     rheology.prony_moduli = {0.4, 0.2};
     rheology.prony_times = {0.03, 0.5};
     whole_ = test::make_whole_model(block_.scene, {rheology}, tools_);
+    sagging_ = test::make_whole_model(block_.scene, {rheology}, tools_, 0.01, gravity_);
   }
+
+  void expect_derivatives(const test::WholeModel& whole);
 
   test::Random random_{5};
   test::Block block_ = test::make_block(GetParam().law, {GetParam().order, {1, 1, 1}});
   InteractionList tools_;
+  const Vec3 gravity_{1, -2, -9};
   test::WholeModel whole_;
+  /// Under gravity.
+  test::WholeModel sagging_;
 };
 
 TEST_P(OfEachLaw, EnergyAndForceAreThoseOfTheWholeBody) {
@@ -55,11 +61,35 @@ TEST_P(OfEachLaw, EnergyAndForceAreThoseOfTheWholeBody) {
   EXPECT_LT((energy.force() - expected).norm(), 1e-11 * expected.norm());
 }
 
-TEST_P(OfEachLaw, ForceAndTangentAreDerivatives) {
-  ReducedEnergy energy(whole_.model.points, whole_.model.materials);
-  PointMemory memory(whole_.model);
+TEST_P(OfEachLaw, UnderGravityTheyCountFromTheRest) {
+  const Assembly assembly(block_.scene);
+  ReducedEnergy energy(sagging_.model.points, sagging_.model.materials);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(sagging_.basis.cols());
+  EXPECT_EQ(energy.evaluate(zero.data()).elastic, 0);
+  EXPECT_EQ(energy.force(), zero);
+  EXPECT_GT(sagging_.rest.lpNorm<Eigen::Infinity>(), 1e-4);
+  const NodalVector weight = weight_of(block_.scene, sagging_.model.rheologies, assembly, gravity_);
+  const Eigen::VectorXd y = random_.vector(zero.size(), 1e-3);
+  const NodalVector way = sagging_.basis * y;
+  NodalVector force;
+  const double at_rest = assembly.residual(sagging_.rest, force).energy;
+  const Assembly::Result whole = assembly.residual(sagging_.rest + way, force);
+  const ReducedSums sums = energy.evaluate(y.data());
+  // The whole body's rest has a residual of its own.
+  EXPECT_NEAR(sums.elastic, whole.energy - at_rest - weight.dot(way), 1e-8 * whole.energy);
+  EXPECT_NEAR(sums.minimum_det_f, whole.minimum_det_f, 1e-12);
+  const Eigen::VectorXd expected = sagging_.basis.transpose() * (force - weight);
+  EXPECT_LT((energy.force() - expected).norm(), 1e-8 * expected.norm());
+}
+
+TEST_P(OfEachLaw, ForceAndTangentAreDerivatives) { expect_derivatives(whole_); }
+TEST_P(OfEachLaw, UnderGravityForceAndTangentAreDerivatives) { expect_derivatives(sagging_); }
+
+void OfEachLaw::expect_derivatives(const test::WholeModel& whole) {
+  ReducedEnergy energy(whole.model.points, whole.model.materials);
+  PointMemory memory(whole.model);
   energy.set_memory({memory.factors().data(), memory.stress().data(), memory.moduli().data()});
-  const Eigen::Index n = whole_.basis.cols();
+  const Eigen::Index n = whole.basis.cols();
   memory.begin_step(0.01, Vec3(100, -100, 0));
   (void)energy.evaluate(random_.vector(n, 1e-3).eval().data());
   memory.end_step(energy.law_stress().data(), energy.strain().data());

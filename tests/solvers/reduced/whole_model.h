@@ -11,20 +11,24 @@
 #include "reduction/body_points.h"
 #include "reduction/build_reduced_model.h"
 #include "reduction/reduced_basis.h"
+#include "reduction/training.h"
 
 namespace palpate::test {
 
 struct WholeModel {
   ReducedModel model;
   Eigen::MatrixXd basis;
+  NodalVector rest;
 };
 
 inline WholeModel make_whole_model(const Scene& scene, const std::vector<Rheology>& rheologies,
-                                   const InteractionList& tools, double reach = 0.01) {
+                                   const InteractionList& tools, double reach = 0.01,
+                                   const Vec3& gravity = Vec3::Zero()) {
   EquilibriumSolver solver(scene, {});
+  const NodalVector under_weight = settle_under_weight(solver, scene, rheologies, gravity).u;
   solver.set_interaction(tools);
   const Equilibrium rest = solver.rest();
-  const RestStiffness stiffness(solver.assembly());
+  const RestStiffness stiffness(solver.assembly(), under_weight);
   std::vector<char> held(scene.fixed);
   for (const PrescribedPoint& p : tools.prescribed_points()) held[p.point] = 1;
   std::vector<Eigen::Index> free;
@@ -38,6 +42,7 @@ inline WholeModel make_whole_model(const Scene& scene, const std::vector<Rheolog
   ModeBuilder modes(stiffness, fields.rows());
   modes.add(fields, fields.cols());
   WholeModel whole;
+  whole.rest = rest.u;
   whole.basis.resize(fields.rows(), fields.cols() + rest.v.cols());
   whole.basis << modes.modes(), rest.v;
   const BodyPoints points(scene);
@@ -48,7 +53,7 @@ inline WholeModel make_whole_model(const Scene& scene, const std::vector<Rheolog
   range.head(fields.cols()).setConstant(reach * std::sqrt(rest.stiffness.diagonal().maxCoeff()));
   range.tail(rest.v.cols()).setConstant(reach);
   whole.model = make_reduced_model(scene, rheologies, whole.basis, rest.stiffness, all,
-                                   points.weights(), range);
+                                   points.weights(), range, under_weight);
   return whole;
 }
 

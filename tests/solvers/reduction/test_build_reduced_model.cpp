@@ -150,6 +150,52 @@ TEST(BuildReducedModel, MotionOfTwoToolsWithTapsAndViscosity) {
   EXPECT_LT(body.force().norm(), 0.05 * error.largest_force);
 }
 
+TEST(BuildReducedModel, UnderGravityItCountsFromTheRestThere) {
+  const test::Block block = make_block(Law::neo_hookean);
+  const std::vector<Rheology> rheologies = {dense()};
+  const std::vector<BondedPatch> tools = patches_of(block, 1);
+  ReductionOptions options = small_options(30);
+  options.gravity = Vec3(1, 0, -9.81);
+  const BuiltModel built = build_reduced_model(block.scene, rheologies, tools, options);
+  EXPECT_TRUE(built.within_tolerance) << built.residual;
+  EquilibriumSolver solver(block.scene, {});
+  const Equilibrium rest = settle_under_weight(solver, block.scene, rheologies, options.gravity);
+  solver.set_interaction(as_list(tools));
+  EXPECT_EQ(built.rest, rest.u);
+  EXPECT_GT(rest.u.lpNorm<Eigen::Infinity>(), 0.3 * kReach);
+  // The basis is orthonormal in the stiffness there.
+  const Eigen::MatrixXd modes = built.basis.leftCols(30);
+  const Eigen::MatrixXd product =
+      modes.transpose() * RestStiffness(solver.assembly(), rest.u).times(built.basis);
+  EXPECT_LT((product.leftCols(30) - Eigen::MatrixXd::Identity(30, 30)).lpNorm<Eigen::Infinity>(),
+            1e-10);
+  // That of a tool's response comes of a factor of single precision, refined to 1e-4 squared.
+  const double of_tools = std::sqrt(built.model.tool_stiffness.norm());
+  EXPECT_LT(product.rightCols(3).lpNorm<Eigen::Infinity>(), 1e-7 * of_tools);
+
+  const PathError at_rest =
+      measure_equilibria(built.model, solver, random_places(1, kReach, 20, 12345));
+  EXPECT_GE(at_rest.num_compared, 15);
+  EXPECT_EQ(at_rest.num_failed, 0);
+  EXPECT_LT(at_rest.max, 0.004);
+  // The bounds are those of motion without gravity.
+  RandomPathOptions path;
+  path.duration = 0.3;
+  path.reach = kReach;
+  path.taps = 6;
+  DynamicsOptions dynamics;
+  dynamics.time_step = 2e-3;
+  dynamics.gravity = options.gravity;
+  DynamicSolver whole(block.scene, rheologies, as_list(tools), dynamics);
+  ReducedBodyOptions of_body;
+  of_body.time_step = dynamics.time_step;
+  const PathError moving =
+      measure_motion(built.model, whole, random_path(path, 4321), path.duration, of_body);
+  EXPECT_EQ(moving.num_failed, 0);
+  EXPECT_LT(moving.rms, 0.008);
+  EXPECT_LT(moving.max, 0.03);
+}
+
 TEST(BuildReducedModel, IsTheSameForASeed) {
   const test::Block block = make_block(Law::neo_hookean);
   const std::vector<BondedPatch> tools = patches_of(block, 2);
@@ -274,6 +320,14 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   bad.density = -1;
   EXPECT_NE(build(block.scene, {bad}, tools, options).find("Density"), std::string::npos);
   EXPECT_NE(build(block.scene, {dense()}, {tools[0], tools[0]}, options), "");
+
+  ReductionOptions heavy = options;
+  heavy.gravity = Vec3(0, 0, -9.81);
+  EXPECT_NE(build(block.scene, {Rheology()}, tools, heavy).find("no density"), std::string::npos);
+  heavy.gravity = Vec3(-1e5, 0, 0);
+  EXPECT_NE(build(block.scene, {dense()}, tools, heavy).find("finds no rest"), std::string::npos);
+  heavy.gravity[1] = std::nan("");
+  EXPECT_NE(build(block.scene, {dense()}, tools, heavy).find("BodyForce"), std::string::npos);
 
   using O = ReductionOptions;
   const std::pair<const char*, std::function<void(O&)>> out_of_range[] = {

@@ -114,6 +114,28 @@ TEST_F(KeptModelTest, IsReadAsItWasBuilt) {
   EXPECT_TRUE(file.read_training(key).empty());
 }
 
+TEST_F(KeptModelTest, UnderGravityItIsReadAsItWasBuilt) {
+  const KeptModel without = build(path_);
+  options_.gravity = Vec3(0, 0, -9.81);
+  const KeptModel built = build(path_);
+  const KeptModel read = build(path_);
+  expect_same(read, built);
+  if (world_->rank() != 0) return;
+  EXPECT_FALSE(built.was_there);
+  EXPECT_TRUE(read.was_there);
+  EXPECT_EQ(read.rest, built.rest);
+  EXPECT_EQ(read.rest.size(), read.basis.rows());
+  for (const MeasuredError& error : built.errors) {
+    EXPECT_EQ(error.error.num_failed, 0);
+    EXPECT_LT(error.error.max, 0.1);
+  }
+  // A model without gravity stores nothing of it.
+  EXPECT_EQ(without.rest.size(), 0);
+  EXPECT_EQ(arrays_of(without.model).count("RestGradients"), 0U);
+  const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+  EXPECT_EQ(file.list_reduced_models().size(), 2U);
+}
+
 // Each rank builds it alone, and then they do together.
 TEST_F(KeptModelTest, IsTheSameOnAnyNumberOfRanks) {
   const auto alone = make_serial_communicator();
@@ -358,6 +380,10 @@ TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
   options_.seed = 2;
   EXPECT_NE(key(), before);
   options_.seed = 1;
+  options_.gravity.z() = -9.81;
+  EXPECT_NE(key(), before);
+  options_.gravity.setZero();
+  EXPECT_EQ(key(), before);
   rheology_.prony_moduli[0] = 0.1;
   EXPECT_NE(key(), before);
   rheology_.prony_moduli[0] = 0;

@@ -166,14 +166,24 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   EXPECT_NE(train({places()[0], {}}).find("Place 1"), std::string::npos);
   options_.modes = 0;
   EXPECT_NE(train(places()).find("Modes"), std::string::npos);
-
   options_.modes = 5;
+  Rheology dense;
+  dense.density = 1000;
+  ReductionOptions heavy = options_;
+  heavy.gravity.z() = -9.81;
+  EXPECT_NE(message_of([&] {
+              (void)train_places(block_.scene, {dense}, places(), heavy);
+            }).find("no gravity"),
+            std::string::npos);
+
   TrainedPlaces trained = train_places(block_.scene, rheologies, {places()[0]}, options_);
   const PlacedTools placed(block_.scene, rheologies, trained);
   const auto attach = [&](const std::vector<BondedPatch>& tools) {
     return message_of([&] { (void)placed.attach(tools, options_); });
   };
   EXPECT_EQ(attach(between()), "");
+  EXPECT_NE(message_of([&] { (void)placed.attach(between(), heavy); }).find("no gravity"),
+            std::string::npos);
   EXPECT_NE(attach({}).find("No tool"), std::string::npos);
   EXPECT_NE(attach({between()[0], places()[0][0]}).find("1 tools each, and 2"), std::string::npos);
   EXPECT_NE(attach({BondedPatch({1 << 20})}).find("point 1048576"), std::string::npos);
