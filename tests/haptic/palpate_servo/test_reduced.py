@@ -81,7 +81,8 @@ class Reduced(ProgramTest):
         self.assertLess(trust, 1)
         for rows in tables:
             held = [row for row in rows if int(row["contact"]) == ATTACHED]
-            self.assertLessEqual(max(float(row["trust"]) for row in held), 1.001 * trust)
+            # Three digits of it are printed.
+            self.assertLessEqual(max(float(row["trust"]) for row in held), 1.005 * trust)
             self.assertGreater(max(float(row["trust"]) for row in held), 0)
             # The body holds up what moves its tool into it.
             force, moved = [[float(held[-1][form.format(axis)]) for axis in "xyz"]
