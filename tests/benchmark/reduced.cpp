@@ -5,14 +5,16 @@
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_reduced scene.palpate
 //     [--law 2] [--exponent 1] [--young 5000] [--poisson 0.4] [--node 197] [--second 0]
 //     [--radius 15] [--reach 10] [--modes 70] [--tolerance 0.004] [--points 400] [--paths 4]
-//     [--seed 1] [--tests 3] [--seconds 2] [--viscous 0] [--prony 0] [--wild 0] [--moving 1]
+//     [--seed 1] [--tests 3] [--seconds 2] [--training-seconds 2] [--viscous 0] [--prony 0]
+//     [--wild 0] [--moving 1]
 //
 // Lengths in mm. Each tool is bonded to the patch of the radius around a node of the mesh; without
 // a second node there is one tool. The law replaces that of the file (Law in
 // materials/material.h): Young's modulus, Pa, Poisson's ratio, and Fung's exponent. Density 1000
 // kg/m³. With --viscous, s, there is a Kelvin–Voigt viscosity, with --prony a term of this ratio
 // and a time of 0.3 s. --moving 0 leaves the motion out, and the model has no inertia. --wild goes
-// so many seconds along random ways far beyond training. Prints Markdown tables.
+// so many seconds along random ways far beyond training. With --tests 0 nothing is compared, and
+// only the time of a step is measured. Prints Markdown tables.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -35,10 +37,11 @@ namespace palpate {
 namespace {
 
 const std::map<std::string, double> kDefaults{
-    {"law", 2},      {"exponent", 1}, {"young", 5000}, {"poisson", 0.4}, {"node", 197},
-    {"second", 0},   {"radius", 15},  {"reach", 10},   {"modes", 70},    {"tolerance", 4e-3},
-    {"points", 400}, {"paths", 4},    {"seed", 1},     {"tests", 3},     {"seconds", 2},
-    {"viscous", 0},  {"prony", 0},    {"wild", 0},     {"moving", 1}};
+    {"law", 2},     {"exponent", 1},     {"young", 5000}, {"poisson", 0.4},
+    {"node", 197},  {"second", 0},       {"radius", 15},  {"reach", 10},
+    {"modes", 70},  {"tolerance", 4e-3}, {"points", 400}, {"paths", 4},
+    {"seed", 1},    {"tests", 3},        {"seconds", 2},  {"training-seconds", 2},
+    {"viscous", 0}, {"prony", 0},        {"wild", 0},     {"moving", 1}};
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -132,6 +135,52 @@ void go_wild(const ReducedModel& model, const RandomPathOptions& of_training, do
       body.force().lpNorm<Eigen::Infinity>(), body.state().kinetic + body.state().elastic);
 }
 
+/// The errors at places and on paths that the model has not seen.
+void compare(const ReducedModel& model, const Scene& scene, const Rheology& rheology,
+             const InteractionList& list, const RandomPathOptions& path, std::uint64_t unseen,
+             int tests, const ReducedBodyOptions& body_options) {
+  std::printf(
+      "| way | places | largest force, N | mean, %% | rms, %% | max, %% | trust | failed |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  const int num_tools = path.num_tools;
+  const double reach = path.reach;
+  EquilibriumSolver still(scene, {});
+  still.set_interaction(list);
+  if (num_tools > 1) {
+    Eigen::MatrixXd one = random_places(num_tools, reach, 30, unseen);
+    one.bottomRows(3).setZero();
+    print("equilibria, one of the tools", measure_equilibria(model, still, one));
+  }
+  print(num_tools > 1 ? "equilibria, all tools" : "equilibria, one tool",
+        measure_equilibria(model, still, random_places(num_tools, reach, 40, unseen + 1)));
+  if (!model.has_inertia()) return;
+  DynamicsOptions dynamics;
+  dynamics.time_step = body_options.time_step;
+  dynamics.equilibrium.tolerance = 1e-7;
+  DynamicSolver whole(scene, {rheology}, list, dynamics);
+  double whole_seconds = 0;
+  for (int i = 0; i < tests; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    print(
+        "motion with taps",
+        measure_motion(model, whole, random_path(path, unseen + 2 + static_cast<std::uint64_t>(i)),
+                       path.duration, body_options));
+    whole_seconds += seconds_since(begin);
+  }
+  // A pull in 50 ms, and a second to relax in.
+  Eigen::MatrixXd places(3 * num_tools, 4);
+  places.setZero();
+  for (int c = 2; c < 4; ++c) {
+    for (int tool = 0; tool < num_tools; ++tool) {
+      places.col(c).segment<3>(3 * tool) = Vec3(-0.55, 0.7, tool == 0 ? 0.3 : -0.4) * reach;
+    }
+  }
+  print("a pull in 50 ms, then 1 s of rest",
+        measure_motion(model, whole, ToolPath({0, 0.05, 0.1, 1.1}, places), 1.1, body_options));
+  std::printf("\nA step of the whole body takes %.1f ms.\n",
+              1e3 * whole_seconds / (tests * path.duration / body_options.time_step));
+}
+
 void run(const Arguments& arguments) {
   Scene scene = StateSpaceFile::open_read_only(arguments.scene).read_scene();
   const auto law = static_cast<Law>(static_cast<int>(arguments["law"]));
@@ -167,6 +216,7 @@ void run(const Arguments& arguments) {
   options.training_paths = static_cast<int>(arguments["paths"]);
   options.seed = static_cast<std::uint64_t>(arguments["seed"]);
   options.reach = 1e-3 * arguments["reach"];
+  options.path_duration = arguments["training-seconds"];
   const auto start = std::chrono::steady_clock::now();
   options.report = [&](const std::string& what) {
     std::fprintf(stderr, "%7.1f s  %s\n", seconds_since(start), what.c_str());
@@ -180,58 +230,18 @@ void run(const Arguments& arguments) {
       scene.mesh.num_points(), tools.size(), to_string(law).c_str(), model.num_modes,
       built.one_tool_modes, built.all_tools_modes, built.motion_modes, model.points.num_points(),
       100 * built.residual, built.num_states, built.num_left_out, seconds_since(start));
-  std::printf(
-      "| way | places | largest force, N | mean, %% | rms, %% | max, %% | trust | failed |\n"
-      "|---|---|---|---|---|---|---|---|\n");
-  const int num_tools = static_cast<int>(tools.size());
-  const double reach = options.reach;
-  EquilibriumSolver still(scene, {});
-  still.set_interaction(list);
-  const std::uint64_t unseen = options.seed + 100'000;
-  if (num_tools > 1) {
-    Eigen::MatrixXd one = random_places(num_tools, reach, 30, unseen);
-    one.bottomRows(3).setZero();
-    print("equilibria, one of the tools", measure_equilibria(model, still, one));
-  }
-  print(num_tools > 1 ? "equilibria, all tools" : "equilibria, one tool",
-        measure_equilibria(model, still, random_places(num_tools, reach, 40, unseen + 1)));
   RandomPathOptions path;
-  path.num_tools = num_tools;
+  path.num_tools = static_cast<int>(tools.size());
   path.duration = arguments["seconds"];
-  path.reach = reach;
+  path.reach = options.reach;
   path.bandwidth = options.bandwidth;
   path.taps = options.taps;
   path.shortest_tap = options.shortest_tap;
   ReducedBodyOptions body_options;
   body_options.time_step = options.time_step;
-  if (moving) {
-    DynamicsOptions dynamics;
-    dynamics.time_step = options.time_step;
-    dynamics.equilibrium.tolerance = 1e-7;
-    DynamicSolver whole(scene, {rheology}, list, dynamics);
-    double whole_seconds = 0;
-    for (int i = 0; i < static_cast<int>(arguments["tests"]); ++i) {
-      const auto begin = std::chrono::steady_clock::now();
-      print("motion with taps",
-            measure_motion(model, whole,
-                           random_path(path, unseen + 2 + static_cast<std::uint64_t>(i)),
-                           path.duration, body_options));
-      whole_seconds += seconds_since(begin);
-    }
-    // A pull in 50 ms, and a second to relax in.
-    Eigen::MatrixXd places(3 * num_tools, 4);
-    places.setZero();
-    for (int c = 2; c < 4; ++c) {
-      for (int tool = 0; tool < num_tools; ++tool) {
-        places.col(c).segment<3>(3 * tool) = Vec3(-0.55, 0.7, tool == 0 ? 0.3 : -0.4) * reach;
-      }
-    }
-    print("a pull in 50 ms, then 1 s of rest",
-          measure_motion(model, whole, ToolPath({0, 0.05, 0.1, 1.1}, places), 1.1, body_options));
-    std::printf("\nA step of the whole body takes %.1f ms.\n",
-                1e3 * whole_seconds /
-                    std::max(1.0, arguments["tests"] * path.duration / options.time_step));
-  }
+  const std::uint64_t unseen = options.seed + 100'000;
+  const int tests = static_cast<int>(arguments["tests"]);
+  if (tests > 0) compare(model, scene, rheology, list, path, unseen, tests, body_options);
   std::printf(
       "\n| steps | median, ms | 99 %% | 99.9 %% | longest | tangents a step | iterations |\n"
       "|---|---|---|---|---|---|---|\n");

@@ -189,7 +189,10 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(ReducedBody, UnderGravityItStaysAtRestUntilItIsTouchedAndItsEnergiesBalance) {
   const Held held(Law::neo_hookean, dense(0.005, 0.4), Vec3(0, 0, -9.81));
   const auto run = [&](double time_step) {
-    ReducedBody body(held.whole.model, exact_options(time_step));
+    ReducedBodyOptions options = exact_options(time_step);
+    // Stresses at rest, which cancel, are rounded.
+    options.tolerance = 1e-9;
+    ReducedBody body(held.whole.model, options);
     Eigen::VectorXd d = Eigen::VectorXd::Zero(6);
     for (const Index tool : {0, 1}) body.hold(tool, tool == 0 ? 40 : 0);
     for (int i = 0; i < 10; ++i) {
