@@ -48,13 +48,19 @@ void for_each_chunk(const BodyPoints& points, const std::vector<Material>& mater
   }
 }
 
-/// So many numbers below `count`, ascending.
-std::vector<Index> draw(Index count, Index most, std::uint64_t seed) {
+/// So many points, ascending: half of them those with the largest forces, as there may be few that
+/// the tools' forces depend on, and the others anywhere.
+std::vector<Index> draw(const Eigen::VectorXd& sizes, Index most, std::uint64_t seed) {
+  const auto count = static_cast<Index>(sizes.size());
   std::vector<Index> numbers(count);
   std::iota(numbers.begin(), numbers.end(), 0);
-  if (count <= most) return numbers;
+  const Index num_largest = most / 2;
+  std::partial_sort(numbers.begin(), numbers.begin() + num_largest, numbers.end(),
+                    [&](Index a, Index b) { return sizes[a] > sizes[b]; });
   RandomNumbers random(seed);
-  for (Index i = 0; i < most; ++i) std::swap(numbers[i], numbers[i + random.below(count - i)]);
+  for (Index i = num_largest; i < most; ++i) {
+    std::swap(numbers[i], numbers[i + random.below(count - i)]);
+  }
   numbers.resize(most);
   std::sort(numbers.begin(), numbers.end());
   return numbers;
@@ -117,7 +123,8 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   scaled_basis.rightCols(d) = of_tools;
   scaled_states.bottomRows(d) = root.matrixU() * states.bottomRows(d) / kWeightOfTools;
 
-  const std::vector<Index> all = draw(points.count(), points.count(), options.seed);
+  std::vector<Index> all(points.count());
+  std::iota(all.begin(), all.end(), 0);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, states.cols());
   Eigen::VectorXd least = Eigen::VectorXd::Ones(states.cols());
   for_each_chunk(points, materials, scaled_basis, all,
@@ -160,7 +167,23 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   };
   Eigen::VectorXd b = Eigen::VectorXd::Zero(num_rows);
   for (std::size_t i = 0; i < used.size(); ++i) add_mapped(i, sums.col(used[i]), b);
-  const std::vector<Index> candidates = draw(points.count(), options.max_candidates, options.seed);
+  std::vector<Index> candidates = all;
+  if (points.count() > options.max_candidates) {
+    Eigen::VectorXd sizes = Eigen::VectorXd::Zero(points.count());
+    for_each_chunk(points, materials, scaled_basis, all,
+                   [&](std::size_t first, const BodyPoints::Reduced& chunk, ReducedEnergy& energy) {
+                     Eigen::VectorXd force(n);
+                     for (const Eigen::Index s : used) {
+                       (void)energy.evaluate(scaled_states.col(s).data());
+                       for (std::size_t k = 0; k < chunk.place.size(); ++k) {
+                         force_of_point(chunk.points, energy.stress(), chunk.place[k], force);
+                         sizes[static_cast<Eigen::Index>(first + k)] +=
+                             (scale_of(s) * force).squaredNorm();
+                       }
+                     }
+                   });
+    candidates = draw(sizes, options.max_candidates, options.seed);
+  }
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(num_rows, static_cast<Eigen::Index>(candidates.size()));
   for_each_chunk(points, materials, scaled_basis, candidates,
                  [&](std::size_t first, const BodyPoints::Reduced& chunk, ReducedEnergy& energy) {

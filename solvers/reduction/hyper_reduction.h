@@ -31,7 +31,8 @@ struct HyperReductionOptions {
   /// Rows that are left, over the largest number of points; more than 1.
   double rows_of_point = 3;
   Index max_points = 400;
-  /// Points that may be chosen; of a body that has more, they are drawn at random.
+  /// Points that may be chosen; of a body that has more, half are those with the largest forces,
+  /// and half are drawn at random.
   Index max_candidates = 20'000;
   std::uint64_t seed = 1;
 };

@@ -276,15 +276,18 @@ TEST(HyperReduction, ItsWeightsStandForAllPointsOnTheTrainingStates) {
     }
     EXPECT_LT(std::sqrt(error / size), 2 * tolerance);
   }
-  // Of a body with many points some are drawn.
+  // Of a body with many points some are drawn, among them those with the largest forces: of 60
+  // that were drawn anywhere the residual would be 0.057.
   HyperReductionOptions options;
   options.tolerance = 2e-2;
-  options.max_candidates = 240;
-  const HyperReduction chosen =
-      hyper_reduce(points, block.scene.materials, basis, rest.stiffness, states, options);
-  EXPECT_TRUE(chosen.converged) << chosen.residual;
-  EXPECT_TRUE(std::is_sorted(chosen.points.begin(), chosen.points.end()));
-  EXPECT_LT(chosen.points.size(), 240u);
+  for (const Index most : {240, 60}) {
+    options.max_candidates = most;
+    const HyperReduction chosen =
+        hyper_reduce(points, block.scene.materials, basis, rest.stiffness, states, options);
+    EXPECT_TRUE(chosen.converged) << chosen.residual;
+    EXPECT_TRUE(std::is_sorted(chosen.points.begin(), chosen.points.end()));
+    EXPECT_LT(chosen.points.size(), static_cast<std::size_t>(most));
+  }
   // No state is left where every one has an inverted cell.
   const Eigen::MatrixXd torn = 100 * states;
   EXPECT_THROW((void)hyper_reduce(points, block.scene.materials, basis, rest.stiffness, torn, {}),
