@@ -370,7 +370,7 @@ TrainingStates move_in_training(const Scene& scene, const std::vector<Rheology>&
   return move_body(solver, paths, kStepsOfState);
 }
 
-std::vector<ToolPath> training_paths(const ReductionOptions& options, int num_tools, int first) {
+RandomPathOptions path_options(const ReductionOptions& options, int num_tools) {
   RandomPathOptions path;
   path.num_tools = num_tools;
   path.duration = options.path_duration;
@@ -378,6 +378,11 @@ std::vector<ToolPath> training_paths(const ReductionOptions& options, int num_to
   path.bandwidth = options.bandwidth;
   path.taps = options.taps;
   path.shortest_tap = options.shortest_tap;
+  return path;
+}
+
+std::vector<ToolPath> training_paths(const ReductionOptions& options, int num_tools, int first) {
+  const RandomPathOptions path = path_options(options, num_tools);
   std::vector<ToolPath> paths;
   for (int i = first; i < first + options.training_paths; ++i) {
     paths.push_back(random_path(path, options.seed + 1000 + static_cast<std::uint64_t>(i)));

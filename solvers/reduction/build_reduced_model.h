@@ -29,6 +29,7 @@
 #include "materials/rheology.h"
 #include "reduced/reduced_model.h"
 #include "reduction/body_points.h"
+#include "reduction/random_path.h"
 #include "reduction/training_run.h"
 
 namespace palpate {
@@ -156,6 +157,9 @@ struct TrainingGroups {
                                     const std::vector<std::vector<BondedPatch>>& places,
                                     const ReductionOptions& options, const TrainingRun& run,
                                     std::vector<TrainingGroups>& groups);
+
+/// What random paths of training are like.
+[[nodiscard]] RandomPathOptions path_options(const ReductionOptions& options, int num_tools);
 
 /// The random paths of training, from the number `first` on.
 [[nodiscard]] std::vector<ToolPath> training_paths(const ReductionOptions& options, int num_tools,

@@ -61,13 +61,7 @@ std::vector<MeasuredError> measure_model(const Scene& scene,
                   measure_equilibria(model, still, places)});
   if (!model.has_inertia()) return rows;
 
-  RandomPathOptions path;
-  path.num_tools = num_tools;
-  path.duration = options.path_duration;
-  path.reach = options.reach;
-  path.bandwidth = options.bandwidth;
-  path.taps = options.taps;
-  path.shortest_tap = options.shortest_tap;
+  const RandomPathOptions path = path_options(options, num_tools);
   ReducedBodyOptions steps;
   steps.time_step = options.time_step;
   DynamicsOptions dynamics;

@@ -230,13 +230,8 @@ void run(const Arguments& arguments) {
       scene.mesh.num_points(), tools.size(), to_string(law).c_str(), model.num_modes,
       built.one_tool_modes, built.all_tools_modes, built.motion_modes, model.points.num_points(),
       100 * built.residual, built.num_states, built.num_left_out, seconds_since(start));
-  RandomPathOptions path;
-  path.num_tools = static_cast<int>(tools.size());
+  RandomPathOptions path = path_options(options, static_cast<int>(tools.size()));
   path.duration = arguments["seconds"];
-  path.reach = options.reach;
-  path.bandwidth = options.bandwidth;
-  path.taps = options.taps;
-  path.shortest_tap = options.shortest_tap;
   ReducedBodyOptions body_options;
   body_options.time_step = options.time_step;
   const std::uint64_t unseen = options.seed + 100'000;
