@@ -39,46 +39,11 @@ class MpiCommunicator final : public Communicator {
   [[nodiscard]] int size() const override { return size_; }
 
   [[nodiscard]] std::vector<Bytes> all_gather(const Bytes& mine) override {
-    std::vector<std::int64_t> sent, sizes, received;
-    agree(*this, [&] {
-      sent = to_units(mine);
-      sizes.resize(size_);
-    });
-    gather_sizes(mine, sizes);
-    Layout layout;
-    std::vector<Bytes> all;
-    agree(*this, [&] {
-      layout = lay_out(std::move(sizes));
-      received.resize(layout.total);
-      all = make_room(layout);
-    });
-    check(MPI_Allgatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
-                         layout.counts.data(), layout.offsets.data(), MPI_INT64_T, comm_),
-          "MPI_Allgatherv");
-    take_apart(layout, received, all);
-    return all;
+    return gather(mine, true);
   }
 
   [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine) override {
-    std::vector<std::int64_t> sent, sizes, received;
-    agree(*this, [&] {
-      sent = to_units(mine);
-      sizes.resize(size_);
-    });
-    gather_sizes(mine, sizes);
-    Layout layout;
-    std::vector<Bytes> all;
-    agree(*this, [&] {
-      layout = lay_out(std::move(sizes));
-      if (rank_ != 0) return;
-      received.resize(layout.total);
-      all = make_room(layout);
-    });
-    check(MPI_Gatherv(sent.data(), layout.counts[rank_], MPI_INT64_T, received.data(),
-                      layout.counts.data(), layout.offsets.data(), MPI_INT64_T, 0, comm_),
-          "MPI_Gatherv");
-    if (rank_ == 0) take_apart(layout, received, all);
-    return all;
+    return gather(mine, false);
   }
 
   [[nodiscard]] std::vector<Bytes> exchange(const std::vector<Bytes>& to) override {
@@ -164,13 +129,6 @@ class MpiCommunicator final : public Communicator {
     std::int64_t total = 0;
   };
 
-  /// @param sizes [size()], bytes: how long the message of each rank is.
-  void gather_sizes(const Bytes& mine, std::vector<std::int64_t>& sizes) const {
-    const auto my_bytes = static_cast<std::int64_t>(mine.size());
-    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, sizes.data(), 1, MPI_INT64_T, comm_),
-          "MPI_Allgather");
-  }
-
   /// Of messages of these sizes.
   [[nodiscard]] static Layout lay_out(std::vector<std::int64_t> sizes) {
     Layout layout{std::move(sizes), {}, {}, 0};
@@ -206,6 +164,39 @@ class MpiCommunicator final : public Communicator {
       if (all[r].empty()) continue;
       std::memcpy(all[r].data(), units.data() + layout.offsets[r], all[r].size());
     }
+  }
+
+  /// @returns The messages of all ranks, on rank 0 or on all.
+  [[nodiscard]] std::vector<Bytes> gather(const Bytes& mine, bool is_for_all) {
+    std::vector<std::int64_t> sent, sizes, received;
+    agree(*this, [&] {
+      sent = to_units(mine);
+      sizes.resize(size_);
+    });
+    const auto my_bytes = static_cast<std::int64_t>(mine.size());
+    check(MPI_Allgather(&my_bytes, 1, MPI_INT64_T, sizes.data(), 1, MPI_INT64_T, comm_),
+          "MPI_Allgather");
+    const bool receives = is_for_all || rank_ == 0;
+    Layout layout;
+    std::vector<Bytes> all;
+    agree(*this, [&] {
+      layout = lay_out(std::move(sizes));
+      if (!receives) return;
+      received.resize(layout.total);
+      all = make_room(layout);
+    });
+    const int count = layout.counts[rank_];
+    if (is_for_all) {
+      check(MPI_Allgatherv(sent.data(), count, MPI_INT64_T, received.data(), layout.counts.data(),
+                           layout.offsets.data(), MPI_INT64_T, comm_),
+            "MPI_Allgatherv");
+    } else {
+      check(MPI_Gatherv(sent.data(), count, MPI_INT64_T, received.data(), layout.counts.data(),
+                        layout.offsets.data(), MPI_INT64_T, 0, comm_),
+            "MPI_Gatherv");
+    }
+    if (receives) take_apart(layout, received, all);
+    return all;
   }
 
   MPI_Comm comm_ = MPI_COMM_NULL;
