@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <sstream>
+#include <utility>
 
 #include "base/error.h"
 #include "exploration/precompute.h"
@@ -363,8 +364,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       const bool isDue = this->UpdateInterval > 0 && state.seconds >= this->UpdateInterval;
       return tell(state) && !(isDue && state.num_solved > 0);
     };
-    const palpate::PrecomputeResult result =
-      palpate::precompute(scene, options, communicator, progress);
+    palpate::PrecomputeResult result = palpate::precompute(scene, options, communicator, progress);
     const bool grows = this->UpdateInterval > 0 && !result.report.complete &&
       !palpate::any(communicator, this->GetAbortExecute() != 0);
     const auto keep = [&]
@@ -384,7 +384,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       keep();
       return;
     }
-    vtkPalpateFillCollection(scene, result.space, output);
+    vtkPalpateFillCollection(scene, std::move(result.space), output);
     for (const auto& configurations : vtkPalpateConfigurations(output))
     {
       vtkPalpateAddFile(this->FileName, result.report.complete, configurations->GetFieldData());

@@ -108,7 +108,8 @@ void AddModes(const TouchSpace& space, const TouchToolSpace& toolSpace, vtkPoint
   }
 }
 
-vtkSmartPointer<vtkPolyData> SurfaceData(const TouchSpace& space)
+/// @param space Loses its modes.
+vtkSmartPointer<vtkPolyData> SurfaceData(TouchSpace& space)
 {
   const palpate::Surface& surface = space.surface;
   auto data = vtkSmartPointer<vtkPolyData>::New();
@@ -122,9 +123,10 @@ vtkSmartPointer<vtkPolyData> SurfaceData(const TouchSpace& space)
     points->SetPoint(p, surface.points[p].data());
     meshPoints->SetValue(p, surface.mesh_points[p]);
   }
-  for (const TouchToolSpace& toolSpace : space.tool_spaces)
+  for (TouchToolSpace& toolSpace : space.tool_spaces)
   {
     AddModes(space, toolSpace, data->GetPointData());
+    toolSpace.modes = {};
   }
   vtkNew<vtkCellArray> triangles;
   for (const auto& [a, b, c] : surface.triangles)
@@ -841,7 +843,7 @@ std::size_t DataBytes(const palpate::Scene& scene, const TouchSpace& space)
 }
 
 void vtkPalpateFillCollection(
-  const palpate::Scene& scene, const TouchSpace& space, vtkPartitionedDataSetCollection* output)
+  const palpate::Scene& scene, TouchSpace space, vtkPartitionedDataSetCollection* output)
 {
   palpate::require_memory(DataBytes(scene, space), "for the data of the state space");
   const auto configurations = ConfigurationData(space);

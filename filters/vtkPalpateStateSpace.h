@@ -68,9 +68,10 @@ PALPATEFILTERS_EXPORT void vtkPalpateNameBlocks(
 PALPATEFILTERS_EXPORT bool vtkPalpateHasIntermediateStates(const palpate::TouchSpace& space);
 
 /// Fills the collection on the rank that has the space. Its blocks are named; the fourth one is, if
-/// the space has intermediate states.
-PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(const palpate::Scene& scene,
-  const palpate::TouchSpace& space, vtkPartitionedDataSetCollection* output);
+/// the space has intermediate states. A space that is moved here gives its modes away one active
+/// node after another, so that those of many are not in memory twice.
+PALPATEFILTERS_EXPORT void vtkPalpateFillCollection(
+  const palpate::Scene& scene, palpate::TouchSpace space, vtkPartitionedDataSetCollection* output);
 
 /// Adds the field arrays `FileName` and `Complete` (1: nothing is left to find).
 PALPATEFILTERS_EXPORT void vtkPalpateAddFile(

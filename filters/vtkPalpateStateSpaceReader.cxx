@@ -2,7 +2,10 @@
 #include "vtkPalpateStateSpaceReader.h"
 
 #include <algorithm>
+#include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "state_space/state_space_file.h"
@@ -90,16 +93,17 @@ int vtkPalpateStateSpaceReader::RequestData(
       {
         return;
       }
-      vtkPalpateFillCollection(scene, space, output);
+      const std::vector<std::string> leftOut = space.left_out;
+      vtkPalpateFillCollection(scene, std::move(space), output);
       for (const auto& configurations : vtkPalpateConfigurations(output))
       {
         vtkPalpateAddFile(this->FileName, complete, configurations->GetFieldData());
-        vtkPalpateAddLeftOut(space.left_out, configurations->GetFieldData());
+        vtkPalpateAddLeftOut(leftOut, configurations->GetFieldData());
         output->GetFieldData()->ShallowCopy(configurations->GetFieldData());
       }
-      if (!space.left_out.empty())
+      if (!leftOut.empty())
       {
-        vtkWarningMacro(<< palpate::describe_left_out(this->FileName, space.left_out)
+        vtkWarningMacro(<< palpate::describe_left_out(this->FileName, leftOut)
                         << " This is left out. Precompute State Space with this file computes it "
                         << "again.");
       }

@@ -1324,6 +1324,11 @@ std::shared_ptr<const FieldBasis> StateSpaceFile::read_basis(ToolSpaceId tool_sp
   return nullptr;
 }
 
+void StateSpaceFile::forget_bases() const {
+  impl_->bases.clear();
+  impl_->own_known_bases.clear();
+}
+
 void StateSpaceFile::share_bases(KnownBases& known) { impl_->known_bases = &known; }
 
 Keep StateSpaceFile::keep_of(ToolSpaceId tool_space, const ConfigurationSummary& summary) const {

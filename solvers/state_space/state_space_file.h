@@ -168,6 +168,8 @@ class StateSpaceFile {
   /// A basis, read when it is first asked for; null where it is damaged, and so left out.
   [[nodiscard]] std::shared_ptr<const FieldBasis> read_basis(ToolSpaceId tool_space,
                                                              std::int64_t number) const;
+  /// Gives back the memory of the bases that were read. They are read anew when they are asked for.
+  void forget_bases() const;
   /// Bases that were read, by tool space and checksum.
   using KnownBases =
       std::map<std::pair<ToolSpaceId, std::int64_t>, std::shared_ptr<const FieldBasis>>;

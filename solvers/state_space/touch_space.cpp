@@ -214,6 +214,8 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
       for (const ReducedFields& of : *reduced) fields.push_back(of.v.cols() > 0 ? &of : nullptr);
       add_tool_space(scene, tool_space.setup, summaries, std::move(states), basis.get(), fields,
                      space);
+      // Those of many active nodes are not in memory twice.
+      file.forget_bases();
       continue;
     }
     Configuration current;

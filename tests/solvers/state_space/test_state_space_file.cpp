@@ -18,6 +18,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <memory>
 #include <random>
 
 #include "base/error.h"
@@ -173,6 +174,11 @@ TEST_F(StateSpaceFileTest, ABasisIsLargerThanAllFieldsOfTheBody) {
     StateSpaceFile file = create();
     file.add_basis(tool_space, 0, pack(basis));
     file.shrink();
+    expect_it_there(file);
+    const std::weak_ptr<const FieldBasis> in_memory = file.read_basis(tool_space, 0);
+    EXPECT_FALSE(in_memory.expired());
+    file.forget_bases();
+    EXPECT_TRUE(in_memory.expired());
     expect_it_there(file);
   }
   {
