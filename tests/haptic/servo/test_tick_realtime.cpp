@@ -12,7 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -23,44 +22,14 @@
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
 #include "haptic/support/analytic_body.h"
+#include "solvers/support/allocations.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define PALPATE_COUNTS
 namespace {
-// Volatile: GCC 15 and later take it that operator new changes no variable.
-volatile long num_allocations = 0;
 long num_locks = 0;
 }  // namespace
 
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void* __libc_calloc(std::size_t number, std::size_t size);
-extern "C" void* __libc_realloc(void* memory, std::size_t size);
-extern "C" void* __libc_memalign(std::size_t alignment, std::size_t size);
-extern "C" void __libc_free(void* memory);
-extern "C" void* malloc(std::size_t size) noexcept {
-  ++num_allocations;
-  return __libc_malloc(size);
-}
-extern "C" void* calloc(std::size_t number, std::size_t size) noexcept {
-  ++num_allocations;
-  return __libc_calloc(number, size);
-}
-extern "C" void* realloc(void* memory, std::size_t size) noexcept {
-  ++num_allocations;
-  return __libc_realloc(memory, size);
-}
-extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  ++num_allocations;
-  return __libc_memalign(alignment, size);
-}
-extern "C" int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
-  *memory = aligned_alloc(alignment, size);
-  return *memory != nullptr ? 0 : ENOMEM;
-}
-extern "C" void free(void* memory) noexcept {
-  if (memory != nullptr) ++num_allocations;
-  __libc_free(memory);
-}
 extern "C" int __pthread_mutex_lock(pthread_mutex_t* mutex);
 // Counts, and locks nothing: this program has one thread.
 extern "C" int pthread_mutex_lock(pthread_mutex_t*) noexcept {
@@ -159,11 +128,11 @@ constexpr int kTicks = 5000;
 TEST(TickRealtime, NoAllocationAndNoLock) {
   for (double coupling : {0.0, 300.0}) {
     Scene scene(coupling);
-    const long allocations = num_allocations;
+    const long allocations = test::num_allocations();
     const long locks = num_locks;
     ASSERT_GT(allocations, 0) << "allocations are not counted";
     scene.run(kTicks);
-    EXPECT_EQ(num_allocations, allocations);
+    EXPECT_EQ(test::num_allocations(), allocations);
     EXPECT_EQ(num_locks, locks);
     EXPECT_GT(scene.board.num_forces, kTicks / 4);
     EXPECT_GT(scene.outbox.newest.read().counters.stale_ticks, 90U);
@@ -177,10 +146,10 @@ TEST(TickRealtime, EveryKindOfAllocationIsCounted) {
     double value[8];
   };
   const auto counts = [](const std::function<void*()>& allocate) {
-    const long before = num_allocations;
+    const long before = test::num_allocations();
     // What the compiler does not see it cannot leave out.
     void* volatile memory = allocate();
-    const bool counted = num_allocations > before;
+    const bool counted = test::num_allocations() > before;
     free(memory);
     return counted;
   };

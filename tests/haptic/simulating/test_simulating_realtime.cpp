@@ -2,32 +2,11 @@
 // Neither a step of a reduced body nor a tick that moves its tool allocates anything.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/loop.h"
 #include "haptic/simulating/reduced_body_loop.h"
 #include "haptic/support/block_model.h"
-
-// Counts every allocation of the program, those of Eigen too, which are none of operator new.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PALPATE_COUNTS_ALLOCATIONS
-namespace {
-std::atomic<long> num_allocations{0};
-}  // namespace
-
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void __libc_free(void* memory);
-extern "C" void* malloc(std::size_t size) noexcept {
-  ++num_allocations;
-  return __libc_malloc(size);
-}
-extern "C" void free(void* memory) noexcept {
-  if (memory != nullptr) ++num_allocations;
-  __libc_free(memory);
-}
-#endif
+#include "solvers/support/allocations.h"
 
 namespace palpate {
 namespace {
@@ -89,10 +68,8 @@ TEST(SimulatingRealtime, NeitherLoopAllocates) {
   inbox.settings.write(settings);
   inbox.tool.offer(tools[0]);
   inbox.recording.offer(std::make_shared<TickRing>(64));
-#ifdef PALPATE_COUNTS_ALLOCATIONS
-  const long before = num_allocations;
-  ASSERT_GT(before, 0) << "allocations are not counted";
-#endif
+  const long before = test::num_allocations();
+  ASSERT_EQ(before > 0, test::kCountsAllocations);
   static_assert(noexcept(body.step()));
   static_assert(noexcept(hand.tick()));
   for (int i = 0; i < 8000; ++i) {
@@ -105,16 +82,12 @@ TEST(SimulatingRealtime, NeitherLoopAllocates) {
     }
     hand.wait();
   }
-#ifdef PALPATE_COUNTS_ALLOCATIONS
-  EXPECT_EQ(num_allocations, before);
-#endif
+  EXPECT_EQ(test::num_allocations(), before);
   EXPECT_GT(board.num_forces, 3000);
   const ReducedBodyCounters counters = outbox.newest.read().counters;
   EXPECT_EQ(counters.steps, 4000U);
   EXPECT_GT(counters.untrusted, 100U);
-#ifndef PALPATE_COUNTS_ALLOCATIONS
-  GTEST_SKIP() << "allocations cannot be counted here";
-#endif
+  if (!test::kCountsAllocations) GTEST_SKIP() << "allocations cannot be counted here";
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 // The calls of the servo loop allocate nothing.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,20 +10,7 @@
 #include "interpolation/display_field.h"
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/contact_space.h"
-
-// Counts every allocation of the program, those of Eigen too, which are none of operator new.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PALPATE_COUNTS_ALLOCATIONS
-namespace {
-std::atomic<long> num_allocations{0};
-}  // namespace
-
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void* malloc(std::size_t size) noexcept {
-  ++num_allocations;
-  return __libc_malloc(size);
-}
-#endif
+#include "solvers/support/allocations.h"
 
 namespace palpate {
 namespace {
@@ -67,10 +52,8 @@ TEST_P(Realtime, EvaluationAllocatesNothing) {
 
   static_assert(noexcept(interpolators[0]->evaluate(std::declval<const Vec3&>())));
   static_assert(noexcept(field.coefficients(std::declval<const Vec3&>(), nullptr)));
-#ifdef PALPATE_COUNTS_ALLOCATIONS
-  const long before = num_allocations;
-  ASSERT_GT(before, 0) << "allocations are not counted";
-#endif
+  const long before = test::num_allocations();
+  ASSERT_EQ(before > 0, test::kCountsAllocations);
   for (int i = 0; i < 1000; ++i) {
     const Vec3 t = points();
     for (const auto& interpolator : interpolators) (void)interpolator->evaluate(t);
@@ -78,11 +61,8 @@ TEST_P(Realtime, EvaluationAllocatesNothing) {
     apply_modes(modes, coefficients.data(), single.data());
     apply_modes(modes, coefficients.data(), twice.data());
   }
-#ifdef PALPATE_COUNTS_ALLOCATIONS
-  EXPECT_EQ(num_allocations, before);
-#else
-  GTEST_SKIP() << "allocations cannot be counted here";
-#endif
+  EXPECT_EQ(test::num_allocations(), before);
+  if (!test::kCountsAllocations) GTEST_SKIP() << "allocations cannot be counted here";
 }
 
 INSTANTIATE_TEST_SUITE_P(, Realtime, testing::Values("Uniform", "Adaptive", "Contact"),

@@ -2,28 +2,13 @@
 // A step of a reduced body allocates nothing.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "reduced/reduced_body.h"
 #include "solvers/reduced/whole_model.h"
+#include "solvers/support/allocations.h"
 #include "solvers/support/block.h"
-
-// Counts every allocation of the program, those of Eigen too, which are none of operator new.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define PALPATE_COUNTS_ALLOCATIONS
-namespace {
-std::atomic<long> num_allocations{0};
-}  // namespace
-
-extern "C" void* __libc_malloc(std::size_t size);
-extern "C" void* malloc(std::size_t size) noexcept {
-  ++num_allocations;
-  return __libc_malloc(size);
-}
-#endif
 
 namespace palpate {
 namespace {
@@ -43,10 +28,8 @@ TEST(Realtime, AStepAllocatesNothing) {
   ReducedBody body(whole.model, {});
   static_assert(noexcept(body.step(std::declval<const double*>())));
   static_assert(noexcept(body.rest()));
-#ifdef PALPATE_COUNTS_ALLOCATIONS
-  const long before = num_allocations;
-  ASSERT_GT(before, 0) << "allocations are not counted";
-#endif
+  const long before = test::num_allocations();
+  ASSERT_EQ(before > 0, test::kCountsAllocations);
   int num_converged = 0;
   int num_failed = 0;
   for (int i = 1; i <= 300; ++i) {
@@ -67,15 +50,11 @@ TEST(Realtime, AStepAllocatesNothing) {
     const double d[6] = {size, 0.3 * size, 0, -size, 0, 0.5 * size};
     EXPECT_EQ(body.step(d).outcome, ReducedOutcome::converged) << i;
   }
-#ifdef PALPATE_COUNTS_ALLOCATIONS
-  EXPECT_EQ(num_allocations, before);
-#endif
+  EXPECT_EQ(test::num_allocations(), before);
   // Both ways through a step were gone.
   EXPECT_GE(num_converged, 199);
   EXPECT_GE(num_failed, 40);
-#ifndef PALPATE_COUNTS_ALLOCATIONS
-  GTEST_SKIP() << "allocations cannot be counted here";
-#endif
+  if (!test::kCountsAllocations) GTEST_SKIP() << "allocations cannot be counted here";
 }
 
 }  // namespace
