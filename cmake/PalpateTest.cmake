@@ -74,16 +74,17 @@ function(palpate_add_test part)
 endfunction()
 
 #[[
-palpate_add_pvpython_test(<name> <script.py> [ARGS <arg>…] [RANKS <n>] [RENDERS])
+palpate_add_pvpython_test(<name> <script.py> [ARGS <arg>…] [RANKS <n>] [RENDERS | WINDOW])
 
 Runs a script of the current folder with pvpython, or with RANKS under mpiexec with pvbatch. The
 plugin is loaded when the script starts (PV_PLUGIN_PATH): `from paraview.simple import *` gives its
 proxies. The script finds the reference data in the environment variable PALPATE_SHARED_DATA (may
 be empty) and the sources' root in PALPATE_SOURCE_DIR. Its working folder is its own, and empty at
-the start. Exit code 77 means skipped. RENDERS gives it a display.
+the start. Exit code 77 means skipped. RENDERS gives it a display; so does WINDOW, for a test that
+opens ParaView's window.
 ]]
 function(palpate_add_pvpython_test name script)
-  cmake_parse_arguments(PARSE_ARGV 2 arg "RENDERS" "RANKS" "ARGS")
+  cmake_parse_arguments(PARSE_ARGV 2 arg "RENDERS;WINDOW" "RANKS" "ARGS")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
       "palpate_add_pvpython_test(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
@@ -95,14 +96,14 @@ function(palpate_add_pvpython_test name script)
     sh "${PROJECT_SOURCE_DIR}/cmake/in_empty_folder.sh" "${CMAKE_CURRENT_BINARY_DIR}/${name}")
   set(locks "")
   set(cost 0)
-  if(arg_RENDERS)
-    # The X server shall not start anew when it has no client: one rank that leaves it would cut off
-    # another one that is just coming.
-    list(APPEND launcher xvfb-run -a -s "-noreset -screen 0 1280x1024x24")
-    # Two that start at once may pick the same display. So they run one after another, and first:
-    # meanwhile the others have the other cores.
-    set(locks display)
+  if(arg_RENDERS OR arg_WINDOW)
+    list(APPEND launcher sh "${PROJECT_SOURCE_DIR}/cmake/in_display.sh")
+    # The longest first: at the end one of them would leave the other cores idle.
     set(cost 100)
+  endif()
+  if(arg_WINDOW)
+    # What happens in a window happens in time, and drawing takes a core: one after another.
+    set(locks window)
   endif()
   if(arg_RANKS)
     list(APPEND launcher ${palpate_mpiexec} -n ${arg_RANKS} $<TARGET_FILE:ParaView::pvbatch>)
