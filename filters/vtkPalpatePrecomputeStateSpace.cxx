@@ -438,16 +438,9 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
   {
     os << ' ' << node;
   }
-  os << '\n'
-     << indent << "TipRadius: " << this->TipRadius << '\n'
-     << indent << "Tool: " << this->Tool << '\n'
-     << indent << "ToolRadius: " << this->ToolRadius << '\n'
-     << indent << "ToolAxis: " << this->ToolAxis[0] << ' ' << this->ToolAxis[1] << ' '
-     << this->ToolAxis[2] << '\n'
-     << indent << "ToolLength: " << this->ToolLength << '\n'
-     << indent << "ContactThickness: " << this->ContactThickness << '\n'
-     << indent << "ContactStiffness: " << this->ContactStiffness << '\n'
-     << indent << "Graspable: " << this->Graspable << '\n'
+  os << '\n' << indent << "TipRadius: " << this->TipRadius << '\n';
+  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  os << indent << "Graspable: " << this->Graspable << '\n'
      << indent << "UseToolRegion: " << this->UseToolRegion << '\n'
      << indent << "ToolRegion: " << this->ToolRegion.Get() << '\n'
      << indent << "Depth: " << this->Depth << '\n'

@@ -39,6 +39,17 @@ void AddSurface(vtkPolyData* surface, palpate::RigidTool& tool)
 }
 }
 
+void vtkPalpatePrintTool(ostream& os, vtkIndent indent, const vtkPalpateToolProperties& properties)
+{
+  os << indent << "Tool: " << properties.Kind << '\n'
+     << indent << "ToolRadius: " << properties.Radius << " m\n"
+     << indent << "ToolAxis: " << properties.Axis[0] << ' ' << properties.Axis[1] << ' '
+     << properties.Axis[2] << '\n'
+     << indent << "ToolLength: " << properties.Length << " m\n"
+     << indent << "ContactThickness: " << properties.Thickness << " m\n"
+     << indent << "ContactStiffness: " << properties.Stiffness << " Pa\n";
+}
+
 palpate::RigidTool vtkPalpateRigidTool(
   const vtkPalpateToolProperties& properties, vtkPolyData* surface)
 {

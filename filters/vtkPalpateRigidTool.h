@@ -6,6 +6,7 @@
 
 #include "PalpateFiltersModule.h"
 #include "interaction/rigid_tool.h"
+#include "vtkIndent.h"
 #include "vtkSmartPointer.h"
 
 class vtkPolyData;
@@ -40,6 +41,9 @@ vtkPalpateToolProperties vtkPalpateToolPropertiesOf(Filter& filter)
   return { filter.GetTool(), filter.GetToolRadius(), { axis[0], axis[1], axis[2] },
     filter.GetToolLength(), filter.GetContactThickness(), filter.GetContactStiffness() };
 }
+
+/// Prints them as PrintSelf() of a filter does.
+void vtkPalpatePrintTool(ostream& os, vtkIndent indent, const vtkPalpateToolProperties& properties);
 
 /// The tool. What is 0 of its contact stays so, see palpate::with_defaults().
 /// @param surface Where the tool is one: its middle is the middle of the bounds.

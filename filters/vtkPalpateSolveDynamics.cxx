@@ -477,16 +477,9 @@ void vtkPalpateSolveDynamics::PrintSelf(ostream& os, vtkIndent indent)
   {
     os << ' ' << node;
   }
-  os << '\n'
-     << indent << "TipRadius: " << this->TipRadius << " m\n"
-     << indent << "Tool: " << this->Tool << '\n'
-     << indent << "ToolRadius: " << this->ToolRadius << " m\n"
-     << indent << "ToolAxis: " << this->ToolAxis[0] << ' ' << this->ToolAxis[1] << ' '
-     << this->ToolAxis[2] << '\n'
-     << indent << "ToolLength: " << this->ToolLength << " m\n"
-     << indent << "ContactThickness: " << this->ContactThickness << " m\n"
-     << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n"
-     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
+  os << '\n' << indent << "TipRadius: " << this->TipRadius << " m\n";
+  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  os << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
      << this->BodyForce[2] << " m/s^2\n"
      << indent << "Settled: " << this->Settled << '\n'
      << indent << "EndTime: " << this->EndTime << " s\n"

@@ -466,17 +466,10 @@ void vtkPalpateSolveEquilibrium::PrintSelf(ostream& os, vtkIndent indent)
   {
     os << ' ' << component;
   }
-  os << " m\n"
-     << indent << "TipRadius: " << this->TipRadius << " m\n"
-     << indent << "Tool: " << this->Tool << '\n'
-     << indent << "ToolRadius: " << this->ToolRadius << " m\n"
-     << indent << "ToolAxis: " << this->ToolAxis[0] << ' ' << this->ToolAxis[1] << ' '
-     << this->ToolAxis[2] << '\n'
-     << indent << "ToolLength: " << this->ToolLength << " m\n"
-     << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
+  os << " m\n" << indent << "TipRadius: " << this->TipRadius << " m\n";
+  vtkPalpatePrintTool(os, indent, vtkPalpateToolPropertiesOf(*this));
+  os << indent << "ToolPosition: " << this->ToolPosition[0] << ' ' << this->ToolPosition[1] << ' '
      << this->ToolPosition[2] << " m\n"
-     << indent << "ContactThickness: " << this->ContactThickness << " m\n"
-     << indent << "ContactStiffness: " << this->ContactStiffness << " Pa\n"
      << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
      << this->BodyForce[2] << " m/s^2\n"
      << indent << "Tolerance: " << this->Tolerance << '\n'
