@@ -74,17 +74,18 @@ function(palpate_add_test part)
 endfunction()
 
 #[[
-palpate_add_pvpython_test(<name> <script.py> [ARGS <arg>…] [RANKS <n>] [RENDERS | WINDOW])
+palpate_add_pvpython_test(<name> <script.py> [ARGS <arg>…] [RANKS <n>] [SYMMETRIC]
+                          [RENDERS | WINDOW])
 
 Runs a script of the current folder with pvpython, or with RANKS under mpiexec with pvbatch. The
 plugin is loaded when the script starts (PV_PLUGIN_PATH): `from paraview.simple import *` gives its
 proxies. The script finds the reference data in the environment variable PALPATE_SHARED_DATA (may
 be empty) and the sources' root in PALPATE_SOURCE_DIR. Its working folder is its own, and empty at
-the start. Exit code 77 means skipped. RENDERS gives it a display; so does WINDOW, for a test that
-opens ParaView's window.
+the start. Exit code 77 means skipped. With SYMMETRIC each rank runs the script. RENDERS gives it a
+display; so does WINDOW, for a test that opens ParaView's window.
 ]]
 function(palpate_add_pvpython_test name script)
-  cmake_parse_arguments(PARSE_ARGV 2 arg "RENDERS;WINDOW" "RANKS" "ARGS")
+  cmake_parse_arguments(PARSE_ARGV 2 arg "RENDERS;SYMMETRIC;WINDOW" "RANKS" "ARGS")
   if(arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
       "palpate_add_pvpython_test(${name}): unknown arguments ${arg_UNPARSED_ARGUMENTS}")
@@ -107,6 +108,9 @@ function(palpate_add_pvpython_test name script)
   endif()
   if(arg_RANKS)
     list(APPEND launcher ${palpate_mpiexec} -n ${arg_RANKS} $<TARGET_FILE:ParaView::pvbatch>)
+    if(arg_SYMMETRIC)
+      list(APPEND launcher --symmetric)
+    endif()
   else()
     set(arg_RANKS 1)
     list(APPEND launcher $<TARGET_FILE:ParaView::pvpython>)
