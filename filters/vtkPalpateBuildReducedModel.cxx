@@ -252,6 +252,11 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
     vtkWarningMacro(<< palpate::describe_left_out(this->FileName, kept.damaged)
                     << " What the reduced model needs of it was computed again.");
   }
+  if (!kept.not_kept.empty())
+  {
+    vtkWarningMacro(<< kept.not_kept << " Nothing had to be trained, so that there is a reduced "
+                    << "model all the same, but it is not kept in the file.");
+  }
   if (!kept.within_tolerance)
   {
     vtkWarningMacro(<< "The " << kept.model.points.num_points()

@@ -173,6 +173,15 @@ std::string checksum(const std::string& text) {
   return key.str();
 }
 
+/// Whether the file has all that is trained at the places.
+bool has_places(const std::filesystem::path& path, const Scene& scene,
+                const std::vector<Rheology>& rheologies, const ReductionTools& tools,
+                const ReductionOptions& options) {
+  if (tools.places.empty() || !std::filesystem::exists(path)) return false;
+  const std::string key = key_of_places(scene, rheologies, tools.places, options);
+  return StateSpaceFile::open_read_only(path).read_reduced_model(key).has_value();
+}
+
 /// The tools of a model where they are, with what is trained at places.
 /// @note Collective
 BuiltModel build_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
@@ -263,8 +272,29 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
     const std::string key = key_of_model(scene, rheologies, tools, options);
     if (is_first && !path.empty()) {
       validate(options);
-      file.emplace(StateSpaceFile::open_or_create(path, scene, options.equilibrium.tolerance));
-      if (const auto arrays = file->read_reduced_model(key)) kept = kept_model_of(*arrays, scene);
+      const double tolerance = options.equilibrium.tolerance;
+      const auto read = [&] {
+        kept = {};
+        if (const auto arrays = file->read_reduced_model(key)) kept = kept_model_of(*arrays, scene);
+      };
+      if (std::filesystem::exists(path)) {
+        file.emplace(StateSpaceFile::open_read_only(path));
+        file->require(scene, tolerance);
+        read();
+      }
+      if (!(kept.was_there && are_of(measure, kept))) {
+        file.reset();
+        std::string not_kept;
+        try {
+          file.emplace(StateSpaceFile::open_or_create(path, scene, tolerance));
+        } catch (const BackendError& error) {
+          if (!kept.was_there && !has_places(path, scene, rheologies, tools, options)) throw;
+          not_kept = error.what();
+          file.emplace(StateSpaceFile::open_read_only(path));
+        }
+        read();
+        kept.not_kept = not_kept;
+      }
     }
     if (!any(communicator, kept.was_there)) {
       StateSpaceFile* const kept_in = file ? &*file : nullptr;
@@ -296,7 +326,9 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
         if (!ends()) throw;
       }
       kept.aborted = ends();
-      if (file && !kept.aborted) file->add_reduced_model(key, arrays_of(kept, tools));
+      if (file && kept.not_kept.empty() && !kept.aborted) {
+        file->add_reduced_model(key, arrays_of(kept, tools));
+      }
     }
     if (!file) return;
     kept.damaged = file->left_out();

@@ -62,6 +62,9 @@ struct KeptModel {
   bool were_places_there = false;
   /// There is no model, or not all errors. What was found in training is kept.
   bool aborted = false;
+  /// Why the model, or its errors, are not kept in the file, where nothing had to be trained: it
+  /// cannot be written. Empty: they are.
+  std::string not_kept;
   /// What was damaged in the file, as StateSpaceFile::left_out(), and was computed again.
   std::vector<std::string> damaged;
 };
@@ -90,15 +93,16 @@ bool keep_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                  KeptPlaces& kept);
 
 /// Reads the model, or builds and measures it.
-/// @param file Is made where it is not there; empty: nothing is kept. The solver tolerance of its
-///   scene is that of `options.equilibrium`. Errors that were measured on another number of paths
-///   are measured again.
+/// @param file Is made where it is not there; empty: nothing is kept. It is written only where
+///   something is to be added, and has to be only where something is to be trained. The solver
+///   tolerance of its scene is that of `options.equilibrium`. Errors that were measured on another
+///   number of paths are measured again.
 /// @param places On rank 0, without a file: what was trained at places is taken from here, and left
 ///   here; may be null.
 /// @returns On rank 0 all of it, on the others only whether it was aborted.
 /// @throws InputError as build_reduced_model(), or as train_places() and PlacedTools::attach(); a
 ///   file of another scene or tolerance.
-/// @throws BackendError the file cannot be written.
+/// @throws BackendError the file cannot be read, or not be written for what is to be trained.
 /// @note Collective
 [[nodiscard]] KeptModel build_kept_model(
     const Scene& scene, const std::vector<Rheology>& rheologies, const ReductionTools& tools,

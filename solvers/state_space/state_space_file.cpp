@@ -807,17 +807,7 @@ StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene&
   StateSpaceFile file(std::make_unique<Impl>(open_exclusively(path)));
   Impl& impl = *file.impl_;
   const Database& database = impl.database;
-  const std::string wanted = hash(scene);
-  if (impl.scene_hash != wanted) {
-    throw InputError(quoted(path) + " holds the state space of another scene: its hash is " +
-                     impl.scene_hash + ", that of this scene (mesh, materials, fixed points) is " +
-                     wanted + ". Give another file name, or restore the scene it was made for.");
-  }
-  if (impl.solver_tolerance != solver_tolerance) {
-    throw InputError(quoted(path) + " was computed with the solver tolerance " +
-                     number(impl.solver_tolerance) + ", not " + number(solver_tolerance) +
-                     " (scene " + wanted + " in both). Give another file name, or that tolerance.");
-  }
+  file.require(scene, solver_tolerance);
   if (database.text("PRAGMA journal_mode = WAL") != "wal") {
     throw BackendError("A write-ahead log cannot be kept beside " + quoted(path) +
                        ". Give a file name on another disk.");
@@ -828,6 +818,21 @@ StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene&
   // What may be touched is no part of the hash, and may have changed since.
   impl.set_touchable(scene.touchable);
   return file;
+}
+
+void StateSpaceFile::require(const Scene& scene, double solver_tolerance) const {
+  const std::string wanted = hash(scene);
+  if (impl_->scene_hash != wanted) {
+    throw InputError(quoted(path()) + " holds the state space of another scene: its hash is " +
+                     impl_->scene_hash +
+                     ", that of this scene (mesh, materials, fixed points) is " + wanted +
+                     ". Give another file name, or restore the scene it was made for.");
+  }
+  if (impl_->solver_tolerance != solver_tolerance) {
+    throw InputError(quoted(path()) + " was computed with the solver tolerance " +
+                     number(impl_->solver_tolerance) + ", not " + number(solver_tolerance) +
+                     " (scene " + wanted + " in both). Give another file name, or that tolerance.");
+  }
 }
 
 StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene& scene,

@@ -86,6 +86,9 @@ class StateSpaceFile {
   StateSpaceFile(StateSpaceFile&&) noexcept;
   StateSpaceFile& operator=(StateSpaceFile&&) noexcept;
 
+  /// @throws InputError it was made for another scene or tolerance.
+  void require(const Scene& scene, double solver_tolerance) const;
+
   /// Puts everything into the single file. Nothing may be called afterwards.
   void close();
 

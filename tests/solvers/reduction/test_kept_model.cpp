@@ -256,6 +256,68 @@ TEST_F(KeptModelTest, AnotherSceneOrFileIsRefusedOnEveryRank) {
   EXPECT_NE(message_of_build().find("There is no folder"), std::string::npos);
 }
 
+/// Lets nobody write a file and its folder while it lasts; the superuser, who may all the same,
+/// becomes another one.
+class Unwritable {
+ public:
+  explicit Unwritable(const fs::path& path) : path_(path) {
+    allow(fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+    if (geteuid() == 0) EXPECT_EQ(seteuid(kNobody), 0);
+  }
+  ~Unwritable() {
+    if (getuid() == 0) EXPECT_EQ(seteuid(0), 0);
+    allow(fs::perms::owner_all);
+  }
+  Unwritable(const Unwritable&) = delete;
+  Unwritable& operator=(const Unwritable&) = delete;
+
+ private:
+  static constexpr uid_t kNobody = 65534;
+
+  void allow(fs::perms perms) const {
+    fs::permissions(path_.parent_path(), fs::perms::owner_all);
+    fs::permissions(path_, perms);
+    const fs::perms enter = fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec;
+    fs::permissions(path_.parent_path(), perms | enter);
+  }
+
+  fs::path path_;
+};
+
+TEST_F(KeptModelTest, IsReadFromAFileThatCannotBeWritten) {
+  if (world_->size() > 1) GTEST_SKIP() << "on one rank";
+  const KeptModel built = build(path_);
+  attach_between_places();
+  const KeptModel placed = build(path_);
+  const Unwritable unwritable(path_);
+  const KeptModel read = build(path_);
+  expect_same(read, placed);
+  EXPECT_TRUE(read.was_there);
+  EXPECT_TRUE(read.not_kept.empty()) << read.not_kept;
+  // The places are trained: a tool that moves attaches.
+  tools_.nodes = {nearest_point({0.09, 0.06, 0.05})};
+  tools_.patches = {BondedPatches(block_.scene, 0.016).around(tools_.nodes[0])};
+  const KeptModel moved = build(path_);
+  EXPECT_NE(moved.not_kept.find("cannot be written"), std::string::npos) << moved.not_kept;
+  expect_same(build({}), moved);
+  // What is to be trained is not begun.
+  options_.reach *= 2;
+  options_.report = [](const std::string& what) { ADD_FAILURE() << what; };
+  EXPECT_NE(message_of_build().find("cannot be written"), std::string::npos);
+  tools_.places.clear();
+  EXPECT_NE(message_of_build().find("cannot be written"), std::string::npos);
+  options_.report = nullptr;
+  options_.reach /= 2;
+  SetUp();
+  const KeptModel of_first = build(path_);
+  expect_same(of_first, built);
+  measure_.paths = 2;
+  const KeptModel measured = build(path_);
+  EXPECT_TRUE(measured.was_there);
+  EXPECT_EQ(measured.errors.size(), built.errors.size() + 1);
+  EXPECT_NE(measured.not_kept.find("cannot be written"), std::string::npos);
+}
+
 TEST_F(KeptModelTest, PlacesServeToolsThatMove) {
   attach_between_places();
   const KeptModel first = build(path_);
