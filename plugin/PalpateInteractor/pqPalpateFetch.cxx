@@ -82,6 +82,26 @@ int pqPalpateCountTools(pqOutputPort* port)
   return nodes ? static_cast<int>(nodes->GetNumberOfTuples()) : 0;
 }
 
+std::vector<double> pqPalpateMarkReduced(pqOutputPort* port)
+{
+  std::vector<double> mark;
+  for (const auto& [name, association] :
+    { std::pair("ReducedBasis", vtkDataObject::POINT), { "ReducedRest", vtkDataObject::POINT },
+      { "ReducedPointGradients", vtkDataObject::FIELD }, { "ActiveNodes", vtkDataObject::FIELD } })
+  {
+    vtkPVArrayInformation* array =
+      port->getDataInformation()->GetArrayInformation(name, association);
+    const int components = array ? array->GetNumberOfComponents() : 0;
+    mark.push_back(components);
+    for (int component = 0; component < components; ++component)
+    {
+      const double* range = array->GetComponentRange(component);
+      mark.insert(mark.end(), range, range + 2);
+    }
+  }
+  return mark;
+}
+
 bool pqPalpateHasRigidTool(pqOutputPort* port)
 {
   return FindField(port, "ContactStiffness") != nullptr;

@@ -26,6 +26,9 @@ int pqPalpateCountTools(pqOutputPort* port);
 bool pqPalpateHasRigidTool(pqOutputPort* port);
 bool pqPalpateHasActiveNodes(pqOutputPort* port);
 
+/// Figures of such a model, by which it is told from another one.
+std::vector<double> pqPalpateMarkReduced(pqOutputPort* port);
+
 /// From this process where the server is built in, else over the connection. Brings the pipeline up
 /// to date.
 /// @throws palpate::InputError, std::runtime_error it is no state space, or cannot be fetched.

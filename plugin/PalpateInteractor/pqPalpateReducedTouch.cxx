@@ -15,6 +15,7 @@
 #include "haptic/servo/interlock.h"
 #include "haptic/servo/servo.h"
 #include "haptic/simulating/reduced_body_thread.h"
+#include "pqApplicationCore.h"
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
@@ -25,6 +26,7 @@
 #include "pqPipelineSource.h"
 #include "pqRenderView.h"
 #include "pqServer.h"
+#include "pqServerManagerModel.h"
 #include "vtkPVLogger.h"
 #include "vtkSMRenderViewProxy.h"
 
@@ -98,6 +100,8 @@ struct pqPalpateReducedTouch::Session
   QPointer<pqPipelineSource> Source;
   QPointer<pqRenderView> View;
   pqPalpateReducedSpace Space;
+  /// Of the model that is touched, see pqPalpateMarkReduced().
+  std::vector<double> Mark;
   pqPalpateTouch::Settings Settings;
   QString Recording;
   /// Around the body, m.
@@ -143,6 +147,17 @@ pqPalpateReducedTouch::pqPalpateReducedTouch(QObject* parent)
   this->FrameTimer.setTimerType(Qt::PreciseTimer);
   QObject::connect(&this->FrameTimer, &QTimer::timeout, this, &pqPalpateReducedTouch::showFrame);
   QObject::connect(&this->Watch, &pqPalpateRunWatch::mustEnd, this, &pqPalpateReducedTouch::end);
+  QObject::connect(pqApplicationCore::instance()->getServerManagerModel(),
+    &pqServerManagerModel::dataUpdated, this,
+    [this](pqPipelineSource* source)
+    {
+      if (this->Running && source == this->Running->Source &&
+        pqPalpateMarkReduced(this->Running->Port) != this->Running->Mark)
+      {
+        this->end("The reduced model was made anew. Start again to touch the new one.",
+          pqPalpateRunWatch::Left::All);
+      }
+    });
 }
 
 pqPalpateReducedTouch::~pqPalpateReducedTouch()
@@ -250,6 +265,7 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
     const palpate::ReducedModel& reduced = *session->Space.Model;
     session->Coordinates = Eigen::VectorXd::Zero(reduced.num_coordinates());
     session->Port = model;
+    session->Mark = pqPalpateMarkReduced(model);
     session->Source = model->getSource();
     session->View = view;
     session->Settings = this->Current;

@@ -16,6 +16,7 @@ from dock_support import measure_frames, runs, said, wait_for
 from qt import (Button, Event, QtCore, QTest, QtWidgets, application, part, pixel_of, press_escape,
                 send, wait, window)
 from support import box_body, node_at, source
+from test_interactor import HOST
 
 LENGTH, WIDTH = 0.2, 0.1
 REACH = 0.01
@@ -225,9 +226,40 @@ def apart():
     assert part("device").isVisible() and part("energy").isVisibleTo(part("live"))
 
 
+def remote():
+    """The model is built on a server, and shown by it; the body is stepped here."""
+    Connect(HOST, int(os.environ["PALPATE_INTERACTOR_PORT"]))
+    wait(0.5)
+    model, view, _ = model_of_block()
+    start("Mouse", "Simulated hand")
+    wait_for(lambda: holds(1) and force(1) > 0.05, "the hand holds tool 1")
+    end = press_and_drag(view)
+    print("between", largest_at(BETWEEN, 2))
+    wait_for(lambda: min(force(0), force(1)) > 0.05, "both feel the body")
+    print("forces", force(0), force(1))
+    print("ranks", servermanager.ActiveConnection.GetNumberOfDataPartitions())
+    let_go(end)
+    stop()
+    assert shown_at(BETWEEN) == (0, 0, 0)
+    # Another model is another run.
+    start("None", "Simulated hand")
+    wait_for(lambda: holds(1), "the hand holds tool 1 again")
+    model.Modes = 20
+    model.UpdatePipeline()
+    wait_for(lambda: not runs(), "the model is another one")
+    assert "Start again" in part("message").text(), part("message").text()
+    assert shown_at(BETWEEN) == (0, 0, 0)
+    start("None", "Simulated hand")
+    wait_for(lambda: holds(1) and force(1) > 0.05, "the hand holds tool 1 of the new model")
+    Disconnect()
+    wait_for(lambda: not runs(), "disconnected")
+    print("ended 1")
+
+
 def main():
     try:
-        {"both": both, "apart": apart, "sagging": sagging}[os.environ["PALPATE_INTERACTOR_RUN"]]()
+        {"both": both, "apart": apart, "sagging": sagging,
+         "remote": remote}[os.environ["PALPATE_INTERACTOR_RUN"]]()
     except BaseException:
         traceback.print_exc()
         window.grab().save("failed.png")

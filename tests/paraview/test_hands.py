@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A reduced body in ParaView's window that two tools move, one with the mouse and one with the
 simulated hand: both are felt, the body moves between them, and what becomes of one is none of the
-other's.
+other's. On a server, too.
 
-  test_hands.py <folder of the plugin PalpateInteractor>
+  test_hands.py <folder of the plugin PalpateInteractor> <server>…
+
+where <server> is the command that starts pvserver.
 """
 
 import shutil
@@ -11,11 +13,11 @@ import sys
 
 from image_support import share_different
 from support import SKIPPED
-from test_interactor import run
+from test_interactor import run, served
 
 
 def main():
-    folder, = sys.argv[1:]
+    folder, *server = sys.argv[1:]
     if shutil.which("paraview") is None:
         sys.exit(SKIPPED)
 
@@ -36,6 +38,12 @@ def main():
     apart = run("apart", folder, script="hands_script.py")
     # Neither tool stands still while the other one moves the body.
     assert min(apart["free"]) > 0.0005 and apart["threads"][0] <= 0, apart
+
+    with served(server) as running:
+        remote = run("remote", folder, running, script="hands_script.py")
+    assert min(remote["forces"]) > 0.02 and max(remote["forces"]) < 10, remote
+    assert remote["between"][0] > 0.0005 and remote["ended"] == [1], remote
+    assert remote["ranks"] == [server.count("-n") + 1], remote
 
 
 if __name__ == "__main__":
