@@ -121,7 +121,18 @@ public:
     const std::string first = settings ? settings->GetValue(0) : std::string();
     const std::string key = "scene=";
     const std::size_t at = first.find(key);
-    if (at != std::string::npos && first.compare(at + key.size(), sceneHash.size(), sceneHash) != 0)
+    if (at == std::string::npos)
+    {
+      return;
+    }
+    const std::string scene = first.substr(at + key.size(), first.find(';', at) - at - key.size());
+    if (scene.empty())
+    {
+      throw palpate::InputError(this->FileName +
+        " is not of a state space: a reduced model was touched, or nothing. Give Simulate Touch "
+        "the recorded displacements of the tools of a reduced model as a table, as its page says.");
+    }
+    if (scene != sceneHash)
     {
       throw palpate::InputError(this->FileName +
         " is a recording of another body. Connect the state space that was touched.");

@@ -36,7 +36,9 @@ void check(const CommandLine& line) {
   if (!line.replay.empty()) {
     throw InputError(
         "A recording of a reduced model cannot be replayed: the steps of its body are not in it, "
-        "and cannot be repeated to the bit. Leave out --replay.");
+        "and cannot be repeated to the bit. Leave out --replay. In ParaView, Simulate Touch leads "
+        "the "
+        "body along it, as the page of that filter says.");
   }
   for (const char* option :
        {"--node", "--method", "--bonded", "--release-force", "--no-blending", "--friction"}) {

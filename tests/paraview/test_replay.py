@@ -6,13 +6,18 @@
 
 import csv
 import glob
+import os
+import re
 import subprocess
 import sys
 
 import numpy
-from paraview.simple import (ReplayTouch, SaveData, StateSpaceReader, TouchStateSpace,
-                             XMLPolyDataReader)
-from support import expect_error, expect_silence, fetch, field, places, point_array
+from paraview import servermanager
+from paraview.simple import (BuildReducedModel, CSVReader, ReplayTouch, SaveData, SimulateTouch,
+                             StateSpaceReader, TouchStateSpace, XMLPolyDataReader)
+from support import (expect_error, expect_silence, fetch, field, node_at, places, point_array,
+                     scene)
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
 RATE = 20  # frames a second
 PRESSES, ATTACHED = 4, 3
@@ -99,12 +104,53 @@ def check(name, space, ticks, contact):
     return replay
 
 
+def check_reduced(servo, space):
+    """The body of a reduced model goes along a recording as the page of Simulate Touch says, and
+    Replay Touch says so. Without inertia its force follows from where the tools are alone."""
+    boundary = scene()
+    nodes = [node_at(boundary, [0.2, y, 0.1]) for y in (0, 0.1)]
+    model = BuildReducedModel(Input=boundary, ActiveNodes=nodes, TipRadius=0.02, Modes=12,
+                              FileName="model.palpate")
+    model.UpdatePipeline()
+    subprocess.run([servo, "model.palpate", "--device", "simulated", "--device", "simulated",
+                    "--seconds", "1", "--no-realtime", "--record", "run.csv"], check=True,
+                   stdout=subprocess.DEVNULL)
+    page = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "plugin", "help", "SimulateTouch.md")
+    with open(page, encoding="utf-8") as file:
+        code, = re.findall("```python\n(.*?)```", file.read(), re.S)
+    names = {"model": model, "SimulateTouch": SimulateTouch, "CSVReader": CSVReader}
+    exec(code, names)  # pylint: disable=exec-used
+    touch = names["touch"]
+    touch.UpdatePipeline()
+    steps = servermanager.Fetch(touch, idx=1)
+    found = 0
+    times = names["table"]["Time"]
+    for tool in (0, 1):
+        moved = numpy.transpose([names["table"][f"Tool{tool}_{axis}"] for axis in "XYZ"])
+        with open(f"run-tool{tool}.csv", newline="", encoding="utf-8") as file:
+            recorded = [vector(tick, "displacement", "m") for tick in csv.DictReader(file)]
+        assert tool == 1 or (moved == recorded).all()
+        of_steps = [vtk_to_numpy(steps.GetColumnByName(name))
+                    for name in ("Time", f"Position{tool}", f"Force{tool}")]
+        for time, place, force in list(zip(*of_steps))[1:]:
+            # Between two ticks the tool goes beyond neither.
+            after = min(numpy.searchsorted(times, time), len(times) - 1)
+            ends = moved[after - 1:after + 1]
+            assert (place >= ends.min(axis=0) - 1e-9).all(), (time, place, ends)
+            assert (place <= ends.max(axis=0) + 1e-9).all(), (time, place, ends)
+            found += numpy.linalg.norm(force) > 0.01
+    assert found > 100, found
+    replay = ReplayTouch(Input=space, FileName="run-tool0.csv")
+    expect_error(replay.UpdatePipeline, "a reduced model was touched", "Simulate Touch")
+
+
 def main():
     servo, make_space = sys.argv[1:]
     bonded, ticks = record(servo, make_space, "node")
     replay = check("node", bonded, ticks, ATTACHED)
     rigid, ticks = record(servo, make_space, "tool", "whole")
     check("tool", rigid, ticks, PRESSES)
+    check_reduced(servo, bonded)
 
     with open("node.csv", encoding="utf-8") as file:
         of_another = file.read().replace("scene=", "scene=0")
