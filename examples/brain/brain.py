@@ -33,7 +33,7 @@ from pictures import INK, Stage, show_arrow
 from pipeline import Failure, boundary, field, output, update
 from pressing import SHARE, Slide, touch_of
 from script import Arguments, run
-from tables import markdown, save_csv, vtk_table
+from tables import save_csv, save_table, vtk_table
 
 # What the body is made of: as it is, and of one tissue.
 KINDS = {"grey and white": TISSUES, "grey alone": (TISSUES[0],) * 2,
@@ -222,14 +222,10 @@ def main():
     save_csv(vtk_table([{"way (mm)": 1e3 * way, "force (N)": force}
                         for way, force in zip(ways, felt)], ("way (mm)", "force (N)")),
              os.path.join(args.output, "slide.csv"))
-    save_csv(vtk_table(rows, COLUMNS), os.path.join(args.output, "table.csv"))
     memory = " and ".join(f"{megabytes:.0f}" for megabytes in peak_memory())
     lines.append(f"all of it took {time.monotonic() - start:.0f} s and, rank by rank, {memory} MB "
                  "of memory")
-    text = markdown(rows, COLUMNS) + "\n\n" + "\n".join(f"- {line}." for line in lines)
-    with open(os.path.join(args.output, "table.md"), "w", encoding="utf-8") as file:
-        file.write(text + "\n")
-    print(text, flush=True)
+    save_table(rows, COLUMNS, [f"{line}." for line in lines], args.output)
     if not os.environ.get("DISPLAY"):
         print("brain.py: no pictures, there is no display (xvfb-run -a gives one).", flush=True)
         return

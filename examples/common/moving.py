@@ -10,7 +10,7 @@ from bodies import add_scene_arguments, corners_of, on_surface, places, save_bod
 from materials import add_law_arguments, assign, check_laws
 from pictures import HAND, PALE
 from pipeline import Failure, output, update
-from tables import markdown, save_csv, vtk_table
+from tables import save_csv, vtk_table
 
 # Of the table of errors of Build Reduced Model: title and case, and what of it is told, in %.
 CASES = {"one tool (%)": ("One tool at rest", "MaximumError"),
@@ -126,15 +126,6 @@ def off(touched, whole):
 def step_times(history):
     """The median and the time within which 99.9 % of the steps are, ms."""
     return tuple(1e3 * np.quantile(history["StepSeconds"][1:], share) for share in (0.5, 0.999))
-
-
-def save_table(rows, columns, note, args):
-    """Writes and prints the table and what is said below it; `columns` as those of markdown()."""
-    save_csv(vtk_table(rows, columns), os.path.join(args.output, "table.csv"))
-    text = markdown(rows, columns) + note
-    with open(os.path.join(args.output, "table.md"), "w", encoding="utf-8") as file:
-        file.write(text + "\n")
-    print(text, flush=True)
 
 
 def draw_motion(stage, touch, nodes, time, text, path):

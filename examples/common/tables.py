@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Rows of figures as a vtkTable, a CSV file and a table in Markdown."""
+import os
+
 from paraview.simple import *
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkTable
@@ -57,3 +59,15 @@ def markdown(rows, columns):
         lines.append("| " + " | ".join(cell(row.get(name), form)
                                        for name, form in columns.items()) + " |")
     return "\n".join(lines)
+
+
+def save_table(rows, columns, remarks, folder):
+    """Writes table.csv and table.md, which has the remarks below its rows, and prints the latter.
+    `columns` as those of markdown()."""
+    save_csv(vtk_table(rows, columns), os.path.join(folder, "table.csv"))
+    text = markdown(rows, columns)
+    if remarks:
+        text += "\n\n" + "\n".join(f"- {remark}" for remark in remarks)
+    with open(os.path.join(folder, "table.md"), "w", encoding="utf-8") as file:
+        file.write(text + "\n")
+    print(text, flush=True)

@@ -29,7 +29,7 @@ from materials import LAWS, assign
 from measure import Measured
 from pipeline import Failure, output
 from script import Arguments, run
-from tables import OUTCOMES, flag_names, markdown, save_csv, vtk_table
+from tables import OUTCOMES, flag_names, save_table
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkPolyData
@@ -240,11 +240,7 @@ def main():
     coarsest = organ.body(max(args.edges) * organ.size, "Linear", args.output)
     rows = measure(args, organ, samples_of(output(coarsest)))
     compare(rows)
-    save_csv(vtk_table(rows, COLUMNS), os.path.join(args.output, "table.csv"))
-    text = markdown(rows, COLUMNS) + "\n\n" + "\n".join(f"- {line}" for line in advice(rows, args))
-    with open(os.path.join(args.output, "table.md"), "w", encoding="utf-8") as file:
-        file.write(text + "\n")
-    print(text, flush=True)
+    save_table(rows, COLUMNS, advice(rows, args), args.output)
     if os.environ.get("DISPLAY"):
         draw(rows, args)
     else:

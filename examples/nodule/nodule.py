@@ -30,7 +30,7 @@ from pipeline import Failure, field, output, save_surface, update
 from pressing import INSIDE, SHARE, Slide, outwards, touch_of
 from remesh import arrays, vertex_normals, volume
 from script import Arguments, run
-from tables import markdown, save_csv, vtk_table
+from tables import save_csv, save_table, vtk_table
 
 NOTICED = 10  # %; a smaller difference of force is not noticed (Allin, Matsuoka, Klatzky 2002)
 KINDS = ("with the nodule", "without it")
@@ -234,11 +234,7 @@ def main():
                         for way, both in zip(ways, zip(*felt))], ("way (mm)", *KINDS)),
              os.path.join(args.output, "slide.csv"))
     rows = study(organ, slide, args)
-    save_csv(vtk_table(rows, COLUMNS), os.path.join(args.output, "table.csv"))
-    text = markdown(rows, COLUMNS) + "\n\n" + "\n".join(f"- {line}." for line in lines)
-    with open(os.path.join(args.output, "table.md"), "w", encoding="utf-8") as file:
-        file.write(text + "\n")
-    print(text, flush=True)
+    save_table(rows, COLUMNS, [f"{line}." for line in lines], args.output)
     if not os.environ.get("DISPLAY"):
         print("nodule.py: no pictures, there is no display (xvfb-run -a gives one).", flush=True)
         return

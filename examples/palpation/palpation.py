@@ -30,7 +30,7 @@ from pictures import PALE, TISSUE, Stage, show_arrow
 from pipeline import Failure, field, output, update
 from pressing import INSIDE, SHARE, outwards
 from script import Arguments, run
-from tables import markdown, save_csv, vtk_table
+from tables import save_csv, save_table, vtk_table
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 # Of the columns of Accuracy Report; of those in m, B and N what they are multiplied by.
@@ -281,13 +281,9 @@ def main():
     slide = Slide(organ, args)
     comparison = Comparison(slide, scene, space, args)
     lines.append(comparison.line())
-    save_csv(vtk_table(rows, COLUMNS), os.path.join(args.output, "table.csv"))
     comparison.save(os.path.join(args.output, "slide.csv"))
-    text = (markdown(rows, {name: form for name, (_, form, _) in COLUMNS.items()}) + "\n\n"
-            + "\n".join(f"- {line}." for line in lines))
-    with open(os.path.join(args.output, "table.md"), "w", encoding="utf-8") as file:
-        file.write(text + "\n")
-    print(text, flush=True)
+    save_table(rows, {name: form for name, (_, form, _) in COLUMNS.items()},
+               [f"{line}." for line in lines], args.output)
     if not os.environ.get("DISPLAY"):
         print("palpation.py: no pictures, there is no display (xvfb-run -a gives one).", flush=True)
         return

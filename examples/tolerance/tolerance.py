@@ -28,7 +28,7 @@ from charts import Curve, chart
 from materials import OWN, add_law_arguments, check_laws, scene_of
 from pipeline import Failure, field, output, update
 from script import Arguments, run
-from tables import markdown, save_csv, vtk_table
+from tables import save_table
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 INSIDE = 1
@@ -204,11 +204,7 @@ def main():
     if args.points < 1 or any(not 0 < percent < 100 for percent in args.tolerances):
         raise Failure("--points must be at least 1, and --tolerances between 0 and 100.")
     rows = measure(args)
-    save_csv(vtk_table(rows, COLUMNS), os.path.join(args.output, "table.csv"))
-    text = markdown(rows, COLUMNS) + "\n\n" + "\n".join(f"- {line}" for line in verdict(rows))
-    with open(os.path.join(args.output, "table.md"), "w", encoding="utf-8") as file:
-        file.write(text + "\n")
-    print(text, flush=True)
+    save_table(rows, COLUMNS, verdict(rows), args.output)
     if os.environ.get("DISPLAY"):
         draw(rows, args)
     else:

@@ -24,10 +24,11 @@ from paraview.simple import *
 from bodies import places, read_scene
 from charts import LINE, MARKS, Curve, chart
 from moving import (CASES, add_motion_arguments, check_motion, columns_of, draw_motion, model_of,
-                    moving_body, off, path_of, save_table, second_node, step_times)
+                    moving_body, off, path_of, second_node, step_times)
 from pictures import Stage
 from pipeline import update
 from script import Arguments, run
+from tables import save_table
 
 COLUMNS = {"modes": ".0f", "points": ".0f", "build (s)": ".0f", "step (ms)": ".2f",
            "99.9 % (ms)": ".2f", **{title: ".2g" for title in CASES}, "grasp, rms (%)": ".2g",
@@ -104,9 +105,10 @@ def main():
         print(", ".join(f"{title} {row[title]:{form}}" for title, form in COLUMNS.items()
                         if title in row), flush=True)
     largest = np.linalg.norm(whole["grasp"]["Force0"], axis=1).max()
-    save_table(rows, COLUMNS, f"\n\n- The tools are {1e3 * args.reach:.3g} mm from rest at the "
-               f"most in training; the largest force of the grasp is {largest:.3g} N; a step "
-               f"of the whole body takes {1e3 * seconds / steps:.3g} ms.", args)
+    save_table(rows, COLUMNS, [f"The tools are {1e3 * args.reach:.3g} mm from rest at the most in "
+                               f"training; the largest force of the grasp is {largest:.3g} N; a "
+                               f"step of the whole body takes {1e3 * seconds / steps:.3g} ms."],
+               args.output)
     if not os.environ.get("DISPLAY"):
         print("two_hands.py: no pictures, there is no display (xvfb-run -a gives one).", flush=True)
         return

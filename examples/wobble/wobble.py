@@ -24,11 +24,11 @@ from paraview.simple import *
 from bodies import read_scene
 from charts import LINE, MARKS, Curve, chart
 from moving import (CASES, add_motion_arguments, check_motion, columns_of, draw_motion, model_of,
-                    moving_body, off, path_of, save_table, step_times)
+                    moving_body, off, path_of, step_times)
 from pictures import Stage
 from pipeline import Failure, update
 from script import Arguments, run
-from tables import save_csv, vtk_table
+from tables import save_csv, save_table, vtk_table
 
 COLUMNS = {"viscous time (ms)": ".3g", "swings (1/s)": ".2g", "gone after (s)": ".2g",
            "modes": ".0f", "points": ".0f", "build (s)": ".0f", "step (ms)": ".2f",
@@ -100,7 +100,7 @@ def main():
         histories[viscous] = (whole, felt, touch)
         print(", ".join(f"{title} {row[title]:{form}}" for title, form in COLUMNS.items()
                         if title in row), flush=True)
-    save_table(rows, COLUMNS, "", args)
+    save_table(rows, COLUMNS, [], args.output)
     save_csv(vtk_table([{"viscous time (s)": viscous, "time (s)": moment, "way (mm)": 1e3 * way}
                         for viscous, (_, felt, _) in histories.items()
                         for moment, way in zip(felt["Time"], felt["Position0"] @ organ.normal)],
