@@ -323,7 +323,7 @@ int vtkPalpateAccuracyReport::RequestData(
     }
     this->LastOf.clear();
 
-    const palpate::Scene scene = vtkPalpateShareScene(body, communicator);
+    const palpate::Scene scene = vtkPalpateShareSceneOfSpace(body, communicator);
     const AccuracyResult result = palpate::measure_accuracy(scene, space, options, communicator,
       vtkPalpateProgress(this, rank, this->LogInterval, "Accuracy Report", "test points"));
     if (rank != 0)

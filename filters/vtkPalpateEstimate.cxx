@@ -63,8 +63,8 @@ void vtkPalpateNothingToEstimate()
   throw palpate::InputError("Apply the filter before this one: its output is empty.");
 }
 
-std::optional<palpate::Scene> vtkPalpateSceneToEstimate(
-  const vtkPalpatePieces& own, vtkMultiProcessController* controller)
+std::optional<palpate::Scene> vtkPalpateSceneToEstimate(const vtkPalpatePieces& own,
+  vtkMultiProcessController* controller, const palpate::Vec3& bodyForce)
 {
   vtkPalpatePieces pieces;
   std::copy_if(own.begin(), own.end(), std::back_inserter(pieces),
@@ -82,7 +82,7 @@ std::optional<palpate::Scene> vtkPalpateSceneToEstimate(
       {
         vtkPalpateNothingToEstimate();
       }
-      scene = vtkPalpateSceneFromGrid(body);
+      scene = vtkPalpateSceneFromGrid(body, bodyForce);
     });
   return scene;
 }

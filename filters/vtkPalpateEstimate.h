@@ -27,11 +27,12 @@ class vtkMultiProcessController;
 [[noreturn]] PALPATEFILTERS_EXPORT void vtkPalpateNothingToEstimate();
 
 /// The scene that a filter has as its input, on rank 0; none on the others.
-/// @param own What this rank has of it; a piece may be null.
+/// @param own What this rank has of it; a piece may be null. @param bodyForce It is under, m/s².
 /// @note Collective. @throws palpate::InputError on every rank: there is none yet, or as
 /// vtkPalpateSceneFromGrid.
 [[nodiscard]] PALPATEFILTERS_EXPORT std::optional<palpate::Scene> vtkPalpateSceneToEstimate(
-  const vtkPalpatePieces& own, vtkMultiProcessController* controller);
+  const vtkPalpatePieces& own, vtkMultiProcessController* controller,
+  const palpate::Vec3& bodyForce = palpate::Vec3::Zero());
 
 ///@{ Two figures: "12 000", "90 s", "2.5 min", "85 MB".
 PALPATEFILTERS_EXPORT std::string vtkPalpateTellNumber(double number);

@@ -278,8 +278,9 @@ void vtkPalpatePrecomputeStateSpace::UpdateEstimate()
   this->Estimate = vtkPalpateEstimate(controller,
     [&]
     {
-      const auto scene = vtkPalpateSceneToEstimate(
-        { vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) }, controller);
+      const auto scene =
+        vtkPalpateSceneToEstimate({ vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) },
+          controller, palpate::Vec3(this->BodyForce));
       const palpate::PrecomputeOptions options =
         this->Options(vtkPolyData::SafeDownCast(this->GetInputDataObject(1, 0)), controller);
       const auto communicator = vtkPalpateCommunicator(controller);
@@ -321,7 +322,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
     {
       return;
     }
-    const palpate::Scene scene = vtkPalpateShareScene(body, communicator);
+    palpate::Scene scene = vtkPalpateShareScene(body, communicator, palpate::Vec3(this->BodyForce));
     if (this->UpdateInterval > 0 && this->FileName.empty())
     {
       throw palpate::InputError("A space with an update interval goes on from its file. Set "
@@ -384,6 +385,7 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       keep();
       return;
     }
+    scene.settled = result.settled;
     vtkPalpateFillCollection(scene, std::move(result.space), output);
     for (const auto& configurations : vtkPalpateConfigurations(output))
     {
@@ -447,6 +449,8 @@ void vtkPalpatePrecomputeStateSpace::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "Spacing: " << this->Spacing << '\n'
      << indent << "BeginAt: " << this->BeginAt[0] << ' ' << this->BeginAt[1] << ' '
      << this->BeginAt[2] << '\n'
+     << indent << "BodyForce: " << this->BodyForce[0] << ' ' << this->BodyForce[1] << ' '
+     << this->BodyForce[2] << " m/s^2\n"
      << indent << "MaximumConfigurations: " << this->MaximumConfigurations << '\n'
      << indent << "HalfWidth: " << this->HalfWidth << '\n'
      << indent << "Resolution: " << this->Resolution << '\n'

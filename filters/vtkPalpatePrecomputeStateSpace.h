@@ -134,6 +134,11 @@ public:
   vtkGetMacro(MaximumConfigurations, int);
   ///@}
   ///@{
+  /// Gravity, m/s²: a body with density rests under its weight, and is touched from there.
+  vtkSetVector3Macro(BodyForce, double);
+  vtkGetVector3Macro(BodyForce, double);
+  ///@}
+  ///@{
   /// Half the side of the box of check-points around each active node, m.
   vtkSetMacro(HalfWidth, double);
   vtkGetMacro(HalfWidth, double);
@@ -292,6 +297,7 @@ private:
   double Depth = 0.005;
   double Spacing = 0;
   double BeginAt[3] = { 0, 0, 0 };
+  double BodyForce[3] = { 0, 0, 0 };
   int MaximumConfigurations = 30000;
   double HalfWidth = 0.01;
   int Resolution = 7;

@@ -12,6 +12,7 @@
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkDoubleArray.h"
+#include "vtkFieldData.h"
 #include "vtkGenericCell.h"
 #include "vtkNew.h"
 #include "vtkPalpateMaterials.h"
@@ -29,6 +30,9 @@ using palpate::InputError;
 
 /// Three unknowns a point are counted with an Index.
 constexpr vtkIdType MostPoints = std::numeric_limits<Index>::max() / 3;
+
+constexpr const char* BodyForceName = "BodyForce";
+constexpr const char* RestDisplacementName = "RestDisplacement";
 
 /// Null unless there is an array of that name with one number for each point or cell.
 vtkDataArray* ScalarArray(vtkDataSetAttributes* attributes, const char* name)
@@ -100,6 +104,31 @@ void AddMaterials(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
     materials.OfCell.assign(static_cast<std::size_t>(scene.mesh.num_cells()), 0);
   }
   vtkPalpateWriteMaterials(materials, grid);
+}
+
+vtkSmartPointer<vtkDoubleArray> Numbers(const char* name, int components, vtkIdType tuples)
+{
+  auto array = vtkSmartPointer<vtkDoubleArray>::New();
+  array->SetName(name);
+  array->SetNumberOfComponents(components);
+  array->SetNumberOfTuples(tuples);
+  return array;
+}
+
+void AddBodyForce(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
+{
+  const auto force = Numbers(BodyForceName, 3, 1);
+  force->SetTuple(0, scene.body_force.data());
+  grid->GetFieldData()->AddArray(force);
+  const auto density =
+    Numbers(palpate::rheology_names().front().c_str(), 1, scene.mesh.num_cells());
+  for (Index cell = 0; cell < scene.mesh.num_cells(); ++cell)
+  {
+    const Index material = scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell];
+    density->SetValue(cell, scene.densities[material]);
+  }
+  grid->GetCellData()->AddArray(density);
+  grid->GetPointData()->AddArray(vtkPalpateNodalArray(RestDisplacementName, scene.settled.u));
 }
 }
 
@@ -184,6 +213,46 @@ palpate::Scene vtkPalpateSceneFromGrid(
   return ReadScene(grid, &rheologies);
 }
 
+palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid, const palpate::Vec3& bodyForce)
+{
+  if (bodyForce.isZero(0))
+  {
+    return vtkPalpateSceneFromGrid(grid);
+  }
+  std::vector<palpate::Rheology> rheologies;
+  const palpate::Scene unloaded = vtkPalpateSceneFromGrid(grid, rheologies);
+  palpate::Scene scene = palpate::with_gravity(unloaded, rheologies, bodyForce);
+  palpate::check(scene);
+  return scene;
+}
+
+palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid)
+{
+  vtkDataArray* force = grid->GetFieldData()->GetArray(BodyForceName);
+  vtkDataArray* displacement = grid->GetPointData()->GetArray(RestDisplacementName);
+  if (!force && !displacement)
+  {
+    return vtkPalpateSceneFromGrid(grid);
+  }
+  if (!force || force->GetNumberOfValues() != 3 || !displacement ||
+    displacement->GetNumberOfComponents() != 3)
+  {
+    throw InputError(std::string("The body of the state space rests under its weight, but has not "
+                                 "both the field array ") +
+      BodyForceName + " and the point array " + RestDisplacementName +
+      " of three components. Read or compute the space again.");
+  }
+  palpate::Vec3 acceleration;
+  force->GetTuple(0, acceleration.data());
+  palpate::Scene scene = vtkPalpateSceneFromGrid(grid, acceleration);
+  scene.settled.u.resize(3 * static_cast<Eigen::Index>(scene.mesh.num_points()));
+  for (Index point = 0; point < scene.mesh.num_points(); ++point)
+  {
+    displacement->GetTuple(point, scene.settled.u.data() + 3 * static_cast<Eigen::Index>(point));
+  }
+  return scene;
+}
+
 vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(const palpate::Scene& scene)
 {
   const palpate::TetMesh& mesh = scene.mesh;
@@ -212,6 +281,10 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(const palpate::Scen
   AddMaterials(grid, scene);
   vtkPalpateAddChoice(grid, vtkPalpateArray::Fixed, scene.fixed);
   vtkPalpateAddChoice(grid, vtkPalpateArray::Touchable, scene.touchable);
+  if (scene.has_body_force())
+  {
+    AddBodyForce(grid, scene);
+  }
   return grid;
 }
 

@@ -57,7 +57,19 @@ PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid
 PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
   vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>& rheologies);
 
-/// The grid with its materials, `Fixed` and `Touchable`.
+/// The scene under a body force, m/s², checked; zero: the first of these scenes.
+/// @throws palpate::InputError the same, and a body without density.
+PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
+  vtkUnstructuredGrid* grid, const palpate::Vec3& bodyForce);
+
+/// The scene of the block Body of a state space: with the body force and the rest that
+/// vtkPalpateGridFromScene has written, if any.
+/// @throws palpate::InputError the same.
+PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid);
+
+/// The grid with its materials, `Fixed` and `Touchable`. Under a body force it has the field array
+/// `BodyForce` (m/s²), the cell array `Density` (kg/m³), and the point array `RestDisplacement`
+/// (m).
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
   const palpate::Scene& scene);
 

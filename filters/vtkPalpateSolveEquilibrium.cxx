@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "assembly/mass.h"
 #include "base/error.h"
 #include "base/memory_error.h"
 #include "equilibrium/equilibrium.h"
@@ -16,7 +15,6 @@
 #include "interaction/bonded_patch.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
-#include "materials/rheology.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkInformation.h"
@@ -142,8 +140,6 @@ struct vtkPalpateSolveEquilibrium::Route
   /// The same tool where it is a rigid one, else null, and what it is made of.
   const palpate::RigidContact* Contact = nullptr;
   palpate::RigidTool Rigid;
-  /// Of each material of the scene; empty where there is no gravity.
-  std::vector<palpate::Rheology> Rheologies;
 };
 
 vtkPalpateSolveEquilibrium::vtkPalpateSolveEquilibrium()
@@ -220,11 +216,9 @@ int vtkPalpateSolveEquilibrium::RequestData(
         {
           return;
         }
-        std::vector<palpate::Rheology> rheologies;
-        scene = this->MakeScene(body, rheologies);
+        scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
         route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
                                                    : this->ContactRoute(*scene, surface);
-        route.Rheologies = rheologies;
       });
 
     const bool together = palpate::any(communicator,
@@ -265,8 +259,9 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
   this->Estimate = vtkPalpateEstimate(controller,
     [&]
     {
-      const auto scene = vtkPalpateSceneToEstimate(
-        { vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) }, controller);
+      const auto scene =
+        vtkPalpateSceneToEstimate({ vtkPointSet::SafeDownCast(this->GetInputDataObject(0, 0)) },
+          controller, palpate::Vec3(this->BodyForce));
       const int threads = palpate::num_threads(*vtkPalpateCommunicator(controller), this->Threads);
       if (!scene)
       {
@@ -287,27 +282,13 @@ void vtkPalpateSolveEquilibrium::UpdateEstimate()
     });
 }
 
-palpate::Scene vtkPalpateSolveEquilibrium::MakeScene(
-  vtkUnstructuredGrid* body, std::vector<palpate::Rheology>& rheologies) const
-{
-  const palpate::Vec3 gravity(this->BodyForce);
-  if (gravity.isZero(0))
-  {
-    return vtkPalpateSceneFromGrid(body);
-  }
-  palpate::Scene scene = vtkPalpateSceneFromGrid(body, rheologies);
-  palpate::check_gravity(gravity, rheologies);
-  return scene;
-}
-
 palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
   palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const
 {
   Eigen::VectorXd start = route.Start;
-  if (!route.Rheologies.empty())
+  if (scene.has_body_force())
   {
-    palpate::Equilibrium rest = solver.set_load(palpate::weight_of(
-      scene, route.Rheologies, solver.assembly(), palpate::Vec3(this->BodyForce)));
+    palpate::Equilibrium rest = solver.settled();
     if (rest.outcome != palpate::Outcome::converged)
     {
       const Eigen::Index coordinates = start.size();
@@ -320,16 +301,23 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
     {
       // The tool starts where it is clear of the body as it lies.
       palpate::Scene settled = scene;
-      for (std::size_t point = 0; point < settled.mesh.points.size(); ++point)
-      {
-        settled.mesh.points[point] += rest.u.segment<3>(3 * static_cast<Eigen::Index>(point));
-      }
-      start = palpate::ToolClearance(settled, palpate::make_contact(settled, route.Rigid))
+      settled.settled = { rest.u, rest.p };
+      const palpate::Scene shape = palpate::shape_at_rest(settled);
+      start = palpate::ToolClearance(shape, palpate::make_contact(shape, route.Rigid))
                 .start_for(route.End);
     }
   }
   solver.set_interaction(*route.Tool);
-  return Follow(solver, start, route.End, this->Increments);
+  palpate::Equilibrium state = Follow(solver, start, route.End, this->Increments);
+  // Energies count from the body of the mesh.
+  const double ofRest = solver.settled().energy;
+  state.energy += ofRest;
+  for (palpate::Fold& fold : state.folds)
+  {
+    fold.energy += ofRest;
+    fold.landing_energy += ofRest;
+  }
+  return state;
 }
 
 std::unique_ptr<palpate::LinearSolver> vtkPalpateSolveEquilibrium::MakeLinearSolver(

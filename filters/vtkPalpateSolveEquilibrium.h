@@ -49,7 +49,6 @@ namespace palpate
 class EquilibriumSolver;
 class LinearSolver;
 struct Equilibrium;
-struct Rheology;
 struct Scene;
 }
 
@@ -188,9 +187,6 @@ private:
   vtkPalpateSolveEquilibrium(const vtkPalpateSolveEquilibrium&) = delete;
   void operator=(const vtkPalpateSolveEquilibrium&) = delete;
 
-  /// @param rheologies Of its materials; empty where there is no gravity.
-  palpate::Scene MakeScene(
-    vtkUnstructuredGrid* body, std::vector<palpate::Rheology>& rheologies) const;
   /// Null: there is no factor.
   std::unique_ptr<palpate::LinearSolver> MakeLinearSolver(
     const palpate::Scene& scene, int threads) const;

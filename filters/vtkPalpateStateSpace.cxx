@@ -932,7 +932,7 @@ TouchSpace vtkPalpateSpaceFromCollection(
   {
     if (IsContact(toolSpace))
     {
-      palpate::add_clearance(vtkPalpateSceneFromGrid(body), toolSpace);
+      palpate::add_clearance(vtkPalpateSceneOfSpace(body), toolSpace);
     }
   }
   return space;

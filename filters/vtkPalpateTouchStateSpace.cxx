@@ -148,10 +148,27 @@ struct WholeBodyOf
   std::optional<palpate::RigidContact> Contact;
   /// Made when stress is first asked for.
   std::optional<palpate::Assembly> Assembly;
-  /// Where it is displaced to: of every point [3 x points], m, and of mixed cells their pressures,
-  /// Pa.
+  /// Where it is displaced to from rest: of every point [3 x points], m, and of mixed cells their
+  /// pressures, Pa.
   palpate::NodalVector Displacement;
   palpate::NodalVector Pressure;
+
+  /// The same from the mesh of the scene on, which may sag under a body force.
+  [[nodiscard]] palpate::NodalVector DisplacementOfMesh() const
+  {
+    const palpate::NodalVector& rest = this->Scene.settled.u;
+    return rest.size() == 0 ? this->Displacement : this->Displacement + rest;
+  }
+  [[nodiscard]] palpate::NodalVector WholePressure() const
+  {
+    const palpate::NodalVector& rest = this->Scene.settled.p;
+    if (this->Pressure.size() == 0)
+    {
+      return rest;
+    }
+    return rest.size() == this->Pressure.size() ? palpate::NodalVector(this->Pressure + rest)
+                                                : this->Pressure;
+  }
 };
 }
 
@@ -266,7 +283,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
 {
   Prepared& cache = *this->Cache;
   WholeBodyOf& whole = *cache.Whole;
-  const palpate::NodalVector& u = whole.Displacement;
+  const palpate::NodalVector u = whole.DisplacementOfMesh();
   const palpate::TetMesh& mesh = whole.Scene.mesh;
   if (whole.Contact && cache.Node == palpate::kContactToolSpace)
   {
@@ -292,7 +309,8 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
       points->SetPoint(point, place.data());
     }
     body->SetPoints(points);
-    body->GetPointData()->AddArray(vtkPalpateNodalArray(vtkPalpateArray::Displacement, u));
+    body->GetPointData()->AddArray(
+      vtkPalpateNodalArray(vtkPalpateArray::Displacement, whole.Displacement));
     body->GetPointData()->SetActiveVectors(vtkPalpateArray::Displacement);
   }
   if (this->Stress)
@@ -302,7 +320,7 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
       whole.Assembly.emplace(whole.Scene);
     }
     const palpate::BodyStress stress =
-      palpate::find_stress(*whole.Assembly, mesh, u, whole.Pressure);
+      palpate::find_stress(*whole.Assembly, mesh, u, whole.WholePressure());
     vtkPalpateAddStress(
       stress.at_points, surface->GetPointData(), &cache.Space.surface.mesh_points);
     if (this->WholeBody)

@@ -96,6 +96,19 @@ palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body, palpate::Communic
   return Share<palpate::Scene>(communicator, [&] { return vtkPalpateSceneFromGrid(body); });
 }
 
+palpate::Scene vtkPalpateShareScene(
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator, const palpate::Vec3& bodyForce)
+{
+  return Share<palpate::Scene>(
+    communicator, [&] { return vtkPalpateSceneFromGrid(body, bodyForce); });
+}
+
+palpate::Scene vtkPalpateShareSceneOfSpace(
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator)
+{
+  return Share<palpate::Scene>(communicator, [&] { return vtkPalpateSceneOfSpace(body); });
+}
+
 palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body, palpate::Communicator& communicator,
   std::vector<palpate::Rheology>& rheologies)
 {

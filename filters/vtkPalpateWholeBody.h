@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "PalpateFiltersModule.h"
+#include "base/types.h"
 #include "vtkPalpatePieces.h"
 #include "vtkSmartPointer.h"
 
@@ -34,6 +35,12 @@ PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGatherBody(
 /// @note Collective.
 /// @throws palpate::InputError and palpate::MemoryError on every rank, with the same message.
 PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateShareScene(
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator);
+/// The same under a body force, m/s².
+PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateShareScene(
+  vtkUnstructuredGrid* body, palpate::Communicator& communicator, const palpate::Vec3& bodyForce);
+/// vtkPalpateSceneOfSpace, in the same way.
+PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateShareSceneOfSpace(
   vtkUnstructuredGrid* body, palpate::Communicator& communicator);
 /// The same with the rheology of each of its materials.
 PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateShareScene(vtkUnstructuredGrid* body,

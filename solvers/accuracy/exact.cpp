@@ -17,6 +17,7 @@
 #include "equilibrium/tangent_solver.h"
 #include "exploration/monitor.h"
 #include "exploration/rank_files.h"
+#include "exploration/settle.h"
 #include "exploration/state_solver.h"
 #include "exploration/transfer.h"
 
@@ -97,7 +98,11 @@ class Solver final : public Worker {
         monitor_(monitor),
         keep_(std::move(keep)) {
     const Surface surface = make_surface(scene.mesh);
-    for (const Index p : sample_points(surface)) samples_.push_back(surface.mesh_points[p]);
+    for (const Index p : sample_points(surface)) {
+      samples_.push_back(surface.mesh_points[p]);
+      at_rest_.push_back(place_at_rest(scene, samples_.back()) -
+                         scene.mesh.points[samples_.back()]);
+    }
     for (const auto& of_tool_space : points)
       num_all_ += static_cast<std::int64_t>(of_tool_space.size());
   }
@@ -237,7 +242,7 @@ class Solver final : public Worker {
     point.displacement.resize(3 * static_cast<Eigen::Index>(samples_.size()));
     for (std::size_t s = 0; s < samples_.size(); ++s) {
       point.displacement.segment<3>(3 * static_cast<Eigen::Index>(s)) =
-          found.u.segment<3>(3 * Eigen::Index{samples_[s]}).cast<float>();
+          (found.u.segment<3>(3 * Eigen::Index{samples_[s]}) - at_rest_[s]).cast<float>();
     }
   }
 
@@ -256,6 +261,8 @@ class Solver final : public Worker {
   Keep keep_;
   /// Points of the mesh.
   std::vector<Index> samples_;
+  /// Their displacement at rest, m.
+  std::vector<Vec3> at_rest_;
   std::int32_t held_ = -1;
   Equilibrium rest_;
 };
@@ -348,13 +355,11 @@ void validate(const ExactOptions& options) {
   validate(options.equilibrium);
 }
 
-ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
+ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSetup>& setups,
                               const ExactOptions& options, Communicator& communicator,
                               const Progress& progress) {
   Monitor monitor(progress, communicator.network());
   std::unique_ptr<EquilibriumSolver> solver;
-  InteractionFactory tools(scene);
-  Packer drawn;
   const int threads = num_threads(communicator, options.equilibrium.threads);
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
@@ -364,8 +369,16 @@ ExactResult solve_test_points(const Scene& scene, const std::vector<ToolSpaceSet
     of_solver.kept_factors = std::max(of_solver.kept_factors, 3);
     of_solver.abort_requested = [&monitor] { return !monitor.go_on(); };
     of_solver.threads = threads;
-    solver = std::make_unique<EquilibriumSolver>(scene, of_solver,
-                                                 choose_tangent_solver(scene, threads));
+    solver = std::make_unique<EquilibriumSolver>(asked, of_solver,
+                                                 choose_tangent_solver(asked, threads));
+  });
+  std::optional<Scene> settled;
+  const Scene& scene = asked.has_body_force()
+                           ? settled.emplace(settle(asked, *solver, options.file, communicator))
+                           : asked;
+  InteractionFactory tools(scene);
+  Packer drawn;
+  agree(communicator, [&] {
     for (const ToolSpaceSetup& setup : setups) (void)tools.make(setup.interaction);
     if (communicator.rank() == 0) drawn.put(draw(scene, setups, options, tools));
   });

@@ -8,8 +8,8 @@
 namespace palpate {
 
 SurfacePlaces::SurfacePlaces(const Scene& scene)
-    : tree_(scene.mesh.points, boundary_triangles(scene.mesh)) {
-  const std::vector<Vec3>& points = scene.mesh.points;
+    : tree_(points_at_rest(scene), boundary_triangles(scene.mesh)) {
+  const std::vector<Vec3> points = points_at_rest(scene);
   double area = 0;
   for (const auto& [a, b, c] : boundary_triangles(scene.mesh)) {
     const bool is_touchable =

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 
-#include "base/error.h"
 #include "elements/tetrahedron.h"
 
 namespace palpate {
@@ -115,20 +114,8 @@ NodalVector MassMatrix::weight(const Vec3& gravity) const {
   return load;
 }
 
-void check_gravity(const Vec3& gravity, const std::vector<Rheology>& rheologies) {
-  if (!gravity.allFinite()) throw InputError("BodyForce has a component that is no number.");
-  if (gravity.isZero(0) || has_density(rheologies)) return;
-  throw InputError(
-      "There is a BodyForce, but the body has no density, so that it has no weight. Give it one "
-      "(Density of Assign Material, kg/m³; soft tissue has about 1000), or no BodyForce.");
-}
-
-NodalVector weight_of(const Scene& scene, const std::vector<Rheology>& rheologies,
-                      const Assembly& assembly, const Vec3& gravity) {
-  check_gravity(gravity, rheologies);
-  std::vector<double> densities;
-  for (const Rheology& rheology : rheologies) densities.push_back(rheology.density);
-  return MassMatrix(scene, densities, assembly).weight(gravity);
+NodalVector weight_of(const Scene& scene, const Assembly& assembly) {
+  return MassMatrix(scene, scene.densities, assembly).weight(scene.body_force);
 }
 
 }  // namespace palpate

@@ -12,7 +12,6 @@
 
 #include "assembly/assembly.h"
 #include "assembly/scene.h"
-#include "materials/rheology.h"
 
 namespace palpate {
 
@@ -50,13 +49,7 @@ class MassMatrix {
   std::vector<Target> targets_;
 };
 
-/// @throws InputError a gravity (BodyForce, m/s²) that is not finite; one without any density.
-void check_gravity(const Vec3& gravity, const std::vector<Rheology>& rheologies);
-
-/// The weight of a body, N [state_size].
-/// @param rheologies Of each material of the scene. @param gravity m/s².
-/// @throws InputError as check_gravity().
-[[nodiscard]] NodalVector weight_of(const Scene& scene, const std::vector<Rheology>& rheologies,
-                                    const Assembly& assembly, const Vec3& gravity);
+/// The weight of a body that has a body force, N [state_size].
+[[nodiscard]] NodalVector weight_of(const Scene& scene, const Assembly& assembly);
 
 }  // namespace palpate

@@ -4,12 +4,71 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
 #include "base/error.h"
 
 namespace palpate {
+
+namespace {
+
+void check_body_force(const Scene& scene) {
+  if (!scene.body_force.allFinite()) {
+    throw InputError("BodyForce has a component that is no number.");
+  }
+  if (!scene.has_body_force()) return;
+  const auto is_density = [](double rho) { return std::isfinite(rho) && rho >= 0; };
+  if (!scene.densities.empty() &&
+      (scene.densities.size() != scene.materials.size() ||
+       !std::all_of(scene.densities.begin(), scene.densities.end(), is_density))) {
+    throw InputError("Each of the " + std::to_string(scene.materials.size()) +
+                     " materials needs a density that is finite and not negative.");
+  }
+  if (std::any_of(scene.densities.begin(), scene.densities.end(),
+                  [](double rho) { return rho > 0; })) {
+    return;
+  }
+  throw InputError(
+      "There is a BodyForce, but the body has no density, so that it has no weight. Give it one "
+      "(Density of Assign Material, kg/m³; soft tissue has about 1000), or no BodyForce.");
+}
+
+Index material_of(const Scene& scene, Index cell) {
+  return scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell];
+}
+
+}  // namespace
+
+Scene with_gravity(Scene scene, const std::vector<Rheology>& rheologies, const Vec3& gravity) {
+  if (gravity.isZero(0)) return scene;
+  scene.body_force = gravity;
+  scene.densities.clear();
+  for (const Rheology& rheology : rheologies) scene.densities.push_back(rheology.density);
+  return scene;
+}
+
+std::vector<Vec3> points_at_rest(const Scene& scene) {
+  std::vector<Vec3> points = scene.mesh.points;
+  for (Index p = 0; p < scene.mesh.num_points(); ++p) points[p] = place_at_rest(scene, p);
+  return points;
+}
+
+Vec3 place_at_rest(const Scene& scene, Index point) {
+  const Vec3& place = scene.mesh.points[point];
+  if (scene.settled.u.size() == 0) return place;
+  return place + scene.settled.u.segment<3>(3 * Eigen::Index{point});
+}
+
+Scene shape_at_rest(const Scene& scene) {
+  Scene shape = scene;
+  shape.mesh.points = points_at_rest(scene);
+  shape.body_force.setZero();
+  shape.densities.clear();
+  shape.settled = {};
+  return shape;
+}
 
 void check(Scene& scene) {
   check_and_orient(scene.mesh);
@@ -47,6 +106,7 @@ void check(Scene& scene) {
   if (num_free == 0) {
     throw InputError("Every point of the body is fixed: nothing can move. Fix fewer points.");
   }
+  check_body_force(scene);
 }
 
 std::string hash(const Scene& scene) {
@@ -64,13 +124,18 @@ std::string hash(const Scene& scene) {
   add_number(mesh.num_cells());
   add(mesh.cells.data(), mesh.cells.size() * sizeof(Index));
   for (Index c = 0; c < mesh.num_cells(); ++c) {
-    const Material& material =
-        scene.materials[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[c]];
+    const Material& material = scene.materials[material_of(scene, c)];
     add_number(static_cast<std::int64_t>(material.law));
     add_number(static_cast<std::int64_t>(material.formulation));
     add(material.parameters.data(), sizeof material.parameters);
   }
   for (char fixed : scene.fixed) add_number(fixed != 0 ? 1 : 0);
+  if (scene.has_body_force()) {
+    add(scene.body_force.data(), 3 * sizeof(double));
+    for (Index c = 0; c < mesh.num_cells(); ++c) {
+      add(&scene.densities[material_of(scene, c)], sizeof(double));
+    }
+  }
   const XXH128_hash_t digest = XXH3_128bits_digest(state.get());
   char text[33];
   std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(digest.high64),

@@ -114,6 +114,9 @@ std::vector<Rheology> checked(const Scene& scene, const std::vector<Rheology>& r
         "The body has no density, so that it has no motion in time. Give it one (Density of Assign "
         "Material, kg/m³; soft tissue has about 1000).");
   }
+  if (scene.has_body_force()) {
+    throw InputError("A motion takes its gravity from its options, not from the scene.");
+  }
   return rheologies;
 }
 

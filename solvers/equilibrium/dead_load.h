@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A load that is the same however the body deforms, such as its weight (assembly/mass.h): −fᵀx.
+// A load that is the same however the body deforms, such as its weight (assembly/mass.h):
+// −fᵀ(x − x₀) − W₀, where the rest x₀ and the energy W₀ that the body has there without the load
+// are zero until they are known. So the body has no energy at rest under the load.
 #pragma once
 
 #include <utility>
@@ -16,15 +18,24 @@ class DeadLoad final : public EnergyTerm {
   /// How much of it acts.
   void set_share(double share) { share_ = share; }
 
+  /// Lets the energy count from there. @param energy W₀, J.
+  void count_from(const NodalVector& rest, double energy) {
+    rest_ = rest;
+    rest_energy_ = energy;
+  }
+
   double add(const NodalVector& state, NodalVector& force,
              std::vector<double>* /*values*/) const override {
     force -= share_ * load_;
-    return -share_ * load_.dot(state);
+    if (rest_.size() == 0) return -share_ * load_.dot(state);
+    return -share_ * load_.dot(state - rest_) - rest_energy_;
   }
 
  private:
   NodalVector load_;
   double share_ = 1;
+  NodalVector rest_;
+  double rest_energy_ = 0;
 };
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "assembly/mass.h"
 #include "base/error.h"
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
@@ -53,16 +54,18 @@ void take(LinearisedState state, Equilibrium& equilibrium) {
 }
 
 /// Whether two equilibria can be on one smooth path, by their energies, reactions and stiffnesses.
-bool agree(const Equilibrium& from, const Equilibrium& to) {
+/// @param rest_energy What the body has in it at rest, J: its rounding is in each energy.
+bool agree(const Equilibrium& from, const Equilibrium& to, double rest_energy) {
   // A tool that touched nothing has come upon the body. There is one branch, which begins there.
   if (from.stiffness.isZero(0) && from.reaction.isZero(0)) return true;
   const Eigen::VectorXd d = to.t - from.t;
   const double change = to.energy - from.energy;
   const double expected =
       0.5 * d.dot(from.reaction + to.reaction) + d.dot((from.stiffness - to.stiffness) * d) / 12;
-  const double allowed = kEnergyGap * std::max(std::abs(change), std::abs(expected)) +
-                         kWorkGap * 0.5 * std::abs(d.dot(to.reaction - from.reaction)) +
-                         kEnergyRounding * (std::abs(from.energy) + std::abs(to.energy));
+  const double allowed =
+      kEnergyGap * std::max(std::abs(change), std::abs(expected)) +
+      kWorkGap * 0.5 * std::abs(d.dot(to.reaction - from.reaction)) +
+      kEnergyRounding * (std::abs(from.energy) + std::abs(to.energy) + rest_energy);
   return std::abs(change - expected) <= allowed;
 }
 
@@ -86,14 +89,17 @@ void validate(const EquilibriumOptions& options) {
 
 class EquilibriumSolver::Impl {
  public:
-  /// @param options They are valid.
+  /// @param scene, options They are valid.
   Impl(const Scene& scene, EquilibriumOptions options, std::unique_ptr<LinearSolver> solver,
        std::unique_ptr<Team> team)
       : options_(std::move(options)),
         team_(std::move(team)),
-        system_(checked(scene), std::move(solver), options_.kept_factors,
+        system_(scene, std::move(solver), options_.kept_factors,
                 options_.single_precision ? Precision::single_if_safe : Precision::full),
-        rest_(NodalVector::Zero(system_.assembly().state_size())) {}
+        rest_(NodalVector::Zero(system_.assembly().state_size())) {
+    settled_.outcome = Outcome::converged;
+    if (scene.has_body_force()) set_load(weight_of(scene, system_.assembly()));
+  }
 
   /// Null: there is one thread.
   Team* team() const { return team_.get(); }
@@ -103,7 +109,7 @@ class EquilibriumSolver::Impl {
     }
     system_.set_interaction(interaction);
   }
-  Equilibrium set_load(const NodalVector& load);
+  const Equilibrium& settled() const { return settled_; }
   Equilibrium rest(const Eigen::VectorXd& t);
   Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start, Tangent tangent);
   Equilibrium settle(const Equilibrium& near);
@@ -128,6 +134,7 @@ class EquilibriumSolver::Impl {
   };
 
   void begin();
+  void set_load(const NodalVector& load);
   void require_coordinates(const Eigen::VectorXd& t) const;
   [[nodiscard]] Outcome interruption() const;
   /// The equilibrium at next_t that a step from progress leads to.
@@ -165,6 +172,9 @@ class EquilibriumSolver::Impl {
   /// Without a tool, and its energy, J.
   NodalVector rest_;
   double rest_energy_ = 0;
+  /// The elastic energy that the load has put into the body at rest, J.
+  double load_energy_ = 0;
+  Equilibrium settled_;
   Clock::time_point start_{};
 };
 
@@ -191,13 +201,9 @@ Outcome EquilibriumSolver::Impl::interruption() const {
   return Outcome::converged;
 }
 
-Equilibrium EquilibriumSolver::Impl::set_load(const NodalVector& load) {
+void EquilibriumSolver::Impl::set_load(const NodalVector& load) {
   begin();
   const Assembly& assembly = system_.assembly();
-  if (load.size() != assembly.state_size() || !load.allFinite()) {
-    throw InputError("A load of " + std::to_string(assembly.state_size()) +
-                     " finite numbers is needed; " + std::to_string(load.size()) + " were given.");
-  }
   load_.emplace(load);
   system_.set_term(*load_);
   system_.set_interaction(InteractionList());
@@ -206,16 +212,18 @@ Equilibrium EquilibriumSolver::Impl::set_load(const NodalVector& load) {
     load_->set_share(share);
     return Eigen::VectorXd();
   };
-  rest_.setZero();
   const RampEnd end = follow_ramp(
       system_, options_, [this] { return interruption(); }, ramp, rest_);
   load_->set_share(1);
   system_.set_rest(rest_);
+  NodalVector force;
+  load_energy_ = assembly.residual(rest_, force).energy;
+  load_->count_from(rest_, load_energy_);
   rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_);
-  Equilibrium state;
+  Equilibrium& state = settled_;
   state.u = rest_.head(3 * Eigen::Index{assembly.num_points()});
   state.p = rest_.tail(assembly.num_pressures()).cwiseProduct(system_.pressure_scale());
-  state.energy = rest_energy_;
+  state.energy = load_energy_ - load.dot(rest_);
   state.outcome = end.outcome;
   state.residual = end.residual;
   state.iterations = end.iterations;
@@ -227,12 +235,11 @@ Equilibrium EquilibriumSolver::Impl::set_load(const NodalVector& load) {
   if (end.outcome != Outcome::converged) {
     std::ostringstream text;
     text << "The body finds no rest under its load: with a share of " << end.share
-         << " of it the solve has converged, and beyond that "
+         << " of BodyForce the solve has converged, and beyond that "
          << (end.inverts ? "a cell turns inside out" : "it is " + to_string(end.outcome))
-         << ". Make the load smaller or the body stiffer, or fix more of it.";
+         << ". Make BodyForce smaller or the body stiffer, or fix more of it.";
     state.message = text.str();
   }
-  return state;
 }
 
 Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
@@ -248,6 +255,11 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
   state.p_v.setZero(assembly.num_pressures(), coordinates);
   state.reaction.setZero(coordinates);
   state.stiffness.setZero(coordinates, coordinates);
+  if (settled_.outcome != Outcome::converged) {
+    state.outcome = settled_.outcome;
+    state.message = settled_.message;
+    return state;
+  }
   if (system_.evaluate(t, rest_) != rest_energy_) {
     throw InputError("The body is touched at the start, by " + system_.interaction().describe(t) +
                      ". Let the tool start outside of it.");
@@ -449,7 +461,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
                             last ? tangent : Tangent::factorised, progress);
     outcome = next.outcome;
     if (outcome == Outcome::aborted || outcome == Outcome::budget_used_up) break;
-    if (outcome == Outcome::converged && agree(progress.state, next)) {
+    if (outcome == Outcome::converged && agree(progress.state, next, std::abs(load_energy_))) {
       advance(stride, way, std::move(next), progress);
       stride *= 2;
       failures = 0;
@@ -542,10 +554,11 @@ double EquilibriumSolver::Impl::condition(const Equilibrium& state) {
 EquilibriumSolver::EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
                                      std::unique_ptr<LinearSolver> linear_solver) {
   validate(options);
+  const Scene sound = checked(scene);
   std::unique_ptr<Team> team =
       linear_solver == nullptr ? make_thread_team(options.threads) : nullptr;
   with_team(team.get(), [&] {
-    impl_ = std::make_unique<Impl>(scene, std::move(options), std::move(linear_solver),
+    impl_ = std::make_unique<Impl>(sound, std::move(options), std::move(linear_solver),
                                    std::move(team));
   });
 }
@@ -558,9 +571,7 @@ const Work& EquilibriumSolver::work() const { return impl_->system().work(); }
 void EquilibriumSolver::set_interaction(const Interaction& interaction) {
   impl_->set_interaction(interaction);
 }
-Equilibrium EquilibriumSolver::set_load(const NodalVector& load) {
-  return with_team(impl_->team(), [&] { return impl_->set_load(load); });
-}
+const Equilibrium& EquilibriumSolver::settled() const { return impl_->settled(); }
 Equilibrium EquilibriumSolver::rest(const Eigen::VectorXd& t) {
   return with_team(impl_->team(), [&] { return impl_->rest(t); });
 }
@@ -580,5 +591,11 @@ Path EquilibriumSolver::trace(const Eigen::VectorXd& t, const Equilibrium& start
 }
 void EquilibriumSolver::forget(const Equilibrium& state) { impl_->forget(state); }
 double EquilibriumSolver::condition(const Equilibrium& state) { return impl_->condition(state); }
+
+void require_rest(const EquilibriumSolver& solver) {
+  const Equilibrium& rest = solver.settled();
+  if (rest.outcome == Outcome::converged || rest.outcome == Outcome::aborted) return;
+  throw InputError(rest.message);
+}
 
 }  // namespace palpate

@@ -57,7 +57,8 @@ class EquilibriumSolver {
   ///   a time in proportion to the size of the body. There are no paths round folds then, and of
   ///   the inertia no more is known than the sign of the lowest eigenvalue.
   /// @throws InputError an invalid scene or option; an incompressible law with a linear solver that
-  ///   cannot factorise it, or a body with pressures without one.
+  ///   cannot factorise it, or a body with pressures without one. A body that finds no rest under
+  ///   its body force is told by settled().
   EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
                     std::unique_ptr<LinearSolver> linear_solver = make_linear_solver());
   ~EquilibriumSolver();
@@ -74,17 +75,14 @@ class EquilibriumSolver {
   ///   twice.
   void set_interaction(const Interaction& interaction);
 
-  /// Puts a load on the body that is the same however it deforms, such as its weight
-  /// (assembly/mass.h), and finds its rest under it, without a tool. From then on that is the rest
-  /// from which solves start, and from which the coordinates of a tool count that prescribes
-  /// points. Call set_interaction() afterwards.
-  /// @param load N [assembly().state_size()].
-  /// @returns The rest: u, p, energy, outcome, residual, iterations and message count.
-  /// @throws InputError a load of another size, or not finite.
-  [[nodiscard]] Equilibrium set_load(const NodalVector& load);
+  /// The rest of a body with a body force, without a tool: u, p, outcome, residual, iterations,
+  /// message and the energy, from the body of the mesh on, count. Solves start from there, and the
+  /// coordinates of a tool that prescribes points and the energy count from there. Without a body
+  /// force it has converged, and its u and p are empty.
+  [[nodiscard]] const Equilibrium& settled() const;
 
-  /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at t [d],
-  /// m; without t, where its coordinates are 0. Call set_interaction() before.
+  /// The body at rest (u = 0 without a body force) with its sensitivity and stiffness, the tool at
+  /// t [d], m; without t, where its coordinates are 0. Call set_interaction() before.
   /// @throws InputError the body is not at rest with the tool there: it touches the body.
   [[nodiscard]] Equilibrium rest(const Eigen::VectorXd& t);
   [[nodiscard]] Equilibrium rest();
@@ -116,5 +114,8 @@ class EquilibriumSolver {
   class Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// @throws InputError the body finds no rest under its body force; one that was aborted passes.
+void require_rest(const EquilibriumSolver& solver);
 
 }  // namespace palpate

@@ -20,6 +20,7 @@
 #include "exploration/monitor.h"
 #include "exploration/plan_spaces.h"
 #include "exploration/record.h"
+#include "exploration/settle.h"
 #include "exploration/start_graph.h"
 #include "exploration/transfer.h"
 #include "interaction/interaction_spec.h"
@@ -221,7 +222,7 @@ class ShellRounds {
 
 /// On ranks that solve.
 /// @param make_solver Of this rank; null for one without a factor.
-PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
+PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
                          Communicator& communicator, const Progress& progress,
                          const std::function<std::unique_ptr<LinearSolver>()>& make_solver) {
   PrecomputeResult result;
@@ -230,16 +231,25 @@ PrecomputeResult explore(const Scene& scene, const PrecomputeOptions& options,
   Monitor monitor(progress, communicator.network());
   std::vector<PlannedSpace> spaces;
   std::unique_ptr<EquilibriumSolver> solver;
-  InteractionFactory tools(scene);
-  std::optional<InteractionSolver> state_solver;
+  std::string solver_name;
   // All that can be wrong, before a file is touched.
   agree(communicator, [&] {
     with_memory("to prepare the solver of the body", [&] {
       std::unique_ptr<LinearSolver> linear_solver = make_solver();
-      const std::string solver_name =
-          linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
-      solver = std::make_unique<EquilibriumSolver>(scene, solver_options(options, monitor),
+      solver_name = linear_solver == nullptr ? kConjugateGradients : linear_solver->name();
+      solver = std::make_unique<EquilibriumSolver>(asked, solver_options(options, monitor),
                                                    std::move(linear_solver));
+    });
+  });
+  std::optional<Scene> settled;
+  const Scene& scene = asked.has_body_force()
+                           ? settled.emplace(settle(asked, *solver, options.file, communicator))
+                           : asked;
+  result.settled = scene.settled;
+  InteractionFactory tools(scene);
+  std::optional<InteractionSolver> state_solver;
+  agree(communicator, [&] {
+    with_memory("to prepare the solver of the body", [&] {
       state_solver.emplace(scene, *solver, tools);
       spaces = plan_spaces(scene, options, tools);
       require_few_enough(options, spaces);

@@ -63,6 +63,8 @@ struct PrecomputeReport {
 struct PrecomputeResult {
   /// Whole on rank 0, empty elsewhere.
   TouchSpace space;
+  /// Where the body is at rest, see Scene::settled.
+  SettledBody settled;
   /// The same on every rank.
   PrecomputeReport report;
   /// What was damaged in the file that the run went on from, and was removed from it, see

@@ -48,6 +48,12 @@ ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& set
   return task;
 }
 
+/// As fields are reduced.
+Configuration from_rest(const Scene& scene, Configuration configuration) {
+  count_from_rest(scene.settled, configuration);
+  return configuration;
+}
+
 /// Makes the touch space of what all ranks have found.
 /// @param parts, whole What this rank has, and of which it has the fields.
 /// @returns The whole on rank 0, empty elsewhere.
@@ -165,7 +171,8 @@ class MemoryRecord final : public Record {
     parts.intermediate_states = std::exchange(intermediate_states_, {});
     return assemble(
         scene_, setups_, std::move(parts), whole,
-        [this](const StateKey& key) { return found_.at(key); }, bound, communicator_);
+        [this](const StateKey& key) { return from_rest(scene_, found_.at(key)); }, bound,
+        communicator_);
   }
 
  private:
@@ -334,8 +341,8 @@ class FileRecord final : public Record {
       whole = list_whole(setups);
     });
     TouchSpace result = assemble(
-        scene_, setups, std::move(parts), whole, [this](const StateKey& key) { return load(key); },
-        bound, communicator_);
+        scene_, setups, std::move(parts), whole,
+        [this](const StateKey& key) { return from_rest(scene_, load(key)); }, bound, communicator_);
     files_.merge();
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
@@ -394,7 +401,7 @@ class FileRecord final : public Record {
       task.keep = keep;
       task.bound = bound;
       task.points = kept_points(scene_.mesh, make_surface(scene_.mesh), keep);
-      task.load = [this](const StateKey& key) { return load(key); };
+      task.load = [this](const StateKey& key) { return from_rest(scene_, load(key)); };
       std::map<ToolSpaceId, std::vector<StateKey>> of_spaces;
       for (const auto& [key, holder] : task.holders) of_spaces[key.tool_space].push_back(key);
       for (std::size_t s = 0; s < setups_.size(); ++s) {

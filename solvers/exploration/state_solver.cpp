@@ -39,7 +39,12 @@ Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equili
   if (!has_fields(near)) return near;
   take(setup);
   Equilibrium filled = near;
+  // The inside follows from what was displaced from rest.
+  const SettledBody& at_rest = scene_.settled;
+  if (at_rest.u.size() > 0) filled.u -= at_rest.u;
   extension(kept).fill(filled.u);
+  if (at_rest.u.size() > 0) filled.u += at_rest.u;
+  if (filled.p.size() == 0) filled.p = at_rest.p;
   Equilibrium restored = solver_.settle(filled);
   if (restored.outcome == Outcome::converged && is_same(restored, near)) return restored;
   // By the straight way from where the tool touches nothing, or from rest.

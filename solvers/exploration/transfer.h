@@ -119,6 +119,11 @@ void for_each_part(Snapshots& snapshots, Visit&& visit) {
 }
 
 template <class Visit>
+void for_each_part(SettledBody& settled, Visit&& visit) {
+  visit(settled.u);
+  visit(settled.p);
+}
+template <class Visit>
 void for_each_part(Scene& scene, Visit&& visit) {
   visit(scene.mesh.order);
   visit(scene.mesh.points);
@@ -127,6 +132,9 @@ void for_each_part(Scene& scene, Visit&& visit) {
   visit(scene.material_of_cell);
   visit(scene.fixed);
   visit(scene.touchable);
+  visit(scene.body_force);
+  visit(scene.densities);
+  visit(scene.settled);
 }
 
 class Packer {

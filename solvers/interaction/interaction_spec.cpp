@@ -9,7 +9,7 @@ namespace palpate {
 
 InteractionSpec bonded_patch_spec(const Scene& scene, Index node, double tip_radius) {
   InteractionSpec spec;
-  spec.material_point = scene.mesh.points[node];
+  spec.material_point = place_at_rest(scene, node);
   spec.active_node = node;
   spec.tip_radius = tip_radius;
   return spec;
@@ -44,7 +44,11 @@ InteractionFactory::Rigid& InteractionFactory::rigid(const InteractionSpec& spec
 
 std::shared_ptr<const ToolClearance> InteractionFactory::clearance(const InteractionSpec& spec) {
   Rigid& of = rigid(spec);
-  if (of.clearance == nullptr) {
+  if (of.clearance != nullptr) return of.clearance;
+  if (scene_.has_body_force()) {
+    const Scene shape = shape_at_rest(scene_);
+    of.clearance = std::make_shared<const ToolClearance>(shape, make_contact(shape, spec.tool));
+  } else {
     of.clearance = std::make_shared<const ToolClearance>(scene_, of.contact);
   }
   return of.clearance;

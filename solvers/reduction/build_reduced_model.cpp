@@ -105,8 +105,9 @@ class Training {
           displacements.middleCols(first, std::min(kPlacesOfPart, displacements.cols() - first));
       add(name, place, num_tools, [this, place, of_part] {
         report("Equilibria", place);
-        EquilibriumSolver solver(scene_, options_.equilibrium);
-        (void)settle_under_weight(solver, scene_, rheologies_, options_.gravity);
+        EquilibriumSolver solver(with_gravity(scene_, rheologies_, options_.gravity),
+                                 options_.equilibrium);
+        require_rest(solver);
         solver.set_interaction(places_[place]);
         return find_equilibria(solver, of_part);
       });
@@ -154,7 +155,7 @@ class Builder {
         rheologies_(rheologies),
         options_(options),
         num_tools_(static_cast<int>(tools.size())),
-        solver_(scene_, options.equilibrium),
+        solver_(with_gravity(scene, rheologies, options.gravity), options.equilibrium),
         points_(scene_, find_rest()),
         stiffness_(solver_.assembly(), points_.rest()),
         modes_(stiffness_, 3 * Eigen::Index{scene_.mesh.num_points()}) {
@@ -190,7 +191,7 @@ class Builder {
 
   /// u_r.
   [[nodiscard]] NodalVector find_rest() {
-    const Equilibrium rest = settle_under_weight(solver_, scene_, rheologies_, options_.gravity);
+    const Equilibrium& rest = solver_.settled();
     if (rest.outcome != Outcome::converged) throw InputError(rest.message);
     return rest.u;
   }
@@ -394,7 +395,9 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
                      const ReductionOptions& options) {
   validate(options);
   check_materials(scene, rheologies);
-  check_gravity(options.gravity, rheologies);
+  if (options.gravity.isZero(0)) return;
+  Scene under_gravity = with_gravity(scene, rheologies, options.gravity);
+  check(under_gravity);
 }
 
 bool train_with_tools(const Scene& scene, const std::vector<Rheology>& rheologies,

@@ -115,10 +115,13 @@ bool are_of(const MeasureOptions& measure, const KeptModel& kept) {
 }
 
 StateSpaceFile::Arrays arrays_of(const TrainedPlaces& trained) {
-  return {{"PlaceModes", trained.modes},
-          {"PlaceStates", trained.states},
-          {"PlaceTools", trained.tools},
-          {"PlaceReach", Eigen::RowVector2d(trained.reach, trained.num_left_out)}};
+  StateSpaceFile::Arrays arrays = {
+      {"PlaceModes", trained.modes},
+      {"PlaceStates", trained.states},
+      {"PlaceTools", trained.tools},
+      {"PlaceReach", Eigen::RowVector2d(trained.reach, trained.num_left_out)}};
+  if (trained.rest.size() > 0) arrays["PlaceRest"] = trained.rest;
+  return arrays;
 }
 
 /// @throws InputError an array that is missing or of another size: somebody else made it.
@@ -133,6 +136,8 @@ TrainedPlaces trained_of(const StateSpaceFile::Arrays& arrays) {
   trained.modes = find("PlaceModes");
   trained.states = find("PlaceStates");
   trained.tools = find("PlaceTools");
+  if (const auto rest = arrays.find("PlaceRest"); rest != arrays.end())
+    trained.rest = rest->second.reshaped();
   const Eigen::MatrixXd reach = find("PlaceReach");
   if (reach.rows() != 1 || reach.cols() != 2) {
     throw InputError(

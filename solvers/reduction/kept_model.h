@@ -18,6 +18,7 @@
 //   PlaceModes   [3 num_points × modes]   TrainedPlaces::modes
 //   PlaceStates  [modes × states]         and the others of TrainedPlaces
 //   PlaceTools   [tool coordinates × states]
+//   PlaceRest    u_r [3 num_points × 1], m; only under gravity
 //   PlaceReach   [1 × 2]   m, and the number of states that were left out
 #pragma once
 

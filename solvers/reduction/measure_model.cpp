@@ -47,8 +47,8 @@ std::vector<MeasuredError> measure_model(const Scene& scene,
   const int num_tools = static_cast<int>(tools.size());
   const std::uint64_t seed = options.seed + kUnseen;
 
-  EquilibriumSolver still(scene, options.equilibrium);
-  (void)settle_under_weight(still, scene, rheologies, options.gravity);
+  EquilibriumSolver still(with_gravity(scene, rheologies, options.gravity), options.equilibrium);
+  require_rest(still);
   still.set_interaction(list);
   Eigen::MatrixXd places = random_places(num_tools, options.reach, measure.equilibria, seed);
   if (num_tools > 1) {

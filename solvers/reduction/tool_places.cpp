@@ -66,22 +66,28 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& columns) {
          energies.eigenvectors().transpose();
 }
 
-void refuse_gravity(const ReductionOptions& options) {
-  if (options.gravity.isZero(0)) return;
-  throw InputError(
-      "A reduced model whose tools attach anywhere has no gravity. Leave BodyForce at 0 0 0.");
+/// @throws InputError the training is of a body that rests elsewhere.
+void require_same_rest(const TrainedPlaces& trained, const ReductionOptions& options) {
+  if (options.gravity.isZero(0) == (trained.rest.size() == 0)) return;
+  throw InputError(std::string("The training at places is of a body ") +
+                   (trained.rest.size() == 0 ? "without" : "with") +
+                   " a BodyForce, and the tools are to be attached to one " +
+                   (trained.rest.size() == 0 ? "with" : "without") +
+                   " it. Train at the places with the BodyForce of the model.");
 }
 
 /// The states of one group, of all places: of each place by modes of its own, so that not all
 /// states have to be in memory, and the eigenvalue problem does not grow with them.
 class GroupOfPlaces {
  public:
-  /// @param states They are lost. @param responses L of the place.
-  void add(const RestStiffness& stiffness, TrainingStates& states,
+  /// @param rest u_r; empty: there is no gravity. @param states They are lost.
+  /// @param responses L of the place.
+  void add(const RestStiffness& stiffness, const NodalVector& rest, TrainingStates& states,
            const Eigen::MatrixXd& responses) {
     num_left_out_ += states.num_left_out;
     if (states.tools.cols() == 0) return;
     states.u -= responses * states.tools;
+    if (rest.size() > 0) states.u.colwise() -= rest;
     ModeBuilder of_place(stiffness, states.u.rows());
     of_place.add(states.u, kModesOfPlace);
     parts_.push_back({of_place.modes(), of_place.coordinates(states.u), states.tools});
@@ -133,15 +139,17 @@ void check_places(const std::vector<std::vector<BondedPatch>>& places) {
 }
 
 /// Ψ of the states of all places, and these in it.
-TrainedPlaces modes_of_places(const Scene& scene,
+TrainedPlaces modes_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                               const std::vector<std::vector<BondedPatch>>& places,
                               const ReductionOptions& options,
                               std::vector<TrainingGroups>& groups) {
-  // This is one factorisation: nobody needs to end it half-way.
+  // This is one factorisation, and a few under gravity: nobody needs to end it half-way.
   EquilibriumOptions of_rest = options.equilibrium;
   of_rest.abort_requested = nullptr;
-  EquilibriumSolver solver(scene, of_rest);
-  const RestStiffness stiffness(solver.assembly());
+  EquilibriumSolver solver(with_gravity(scene, rheologies, options.gravity), of_rest);
+  require_rest(solver);
+  const NodalVector rest = solver.settled().u;
+  const RestStiffness stiffness(solver.assembly(), rest);
   GroupOfPlaces still;
   GroupOfPlaces moving;
   for (std::size_t place = 0; place < places.size(); ++place) {
@@ -149,8 +157,8 @@ TrainedPlaces modes_of_places(const Scene& scene,
     const Eigen::MatrixXd responses = solver.rest().v;
     TrainingGroups& of_place = groups[place];
     of_place.one_tool.append(of_place.all_tools);
-    still.add(stiffness, of_place.one_tool, responses);
-    moving.add(stiffness, of_place.moving, responses);
+    still.add(stiffness, rest, of_place.one_tool, responses);
+    moving.add(stiffness, rest, of_place.moving, responses);
     of_place = {};
   }
   if (still.empty() && moving.empty()) {
@@ -168,12 +176,27 @@ TrainedPlaces modes_of_places(const Scene& scene,
   if (!moving.empty()) builder.add(moving.fields(), most - builder.modes().cols());
   TrainedPlaces trained;
   trained.modes = builder.modes();
+  trained.rest = rest;
   trained.reach = options.reach;
   trained.states.resize(builder.modes().cols(), 0);
   trained.tools.resize(3 * static_cast<Eigen::Index>(places.front().size()), 0);
   still.append_to(trained, builder);
   moving.append_to(trained, builder);
   trained.num_left_out = still.num_left_out() + moving.num_left_out();
+  return trained;
+}
+
+/// @throws InputError the sizes of what training has left do not belong to the scene.
+const TrainedPlaces& of_scene(const TrainedPlaces& trained, const Scene& scene) {
+  const Eigen::Index rows = 3 * Eigen::Index{scene.mesh.num_points()};
+  if (trained.modes.rows() != rows || trained.states.rows() != trained.modes.cols() ||
+      trained.tools.cols() != trained.states.cols() ||
+      (trained.rest.size() > 0 && trained.rest.size() != rows)) {
+    throw InputError(
+        "The places of training are of another body: their modes have " +
+        std::to_string(trained.modes.rows()) + " rows in place of " + std::to_string(rows) +
+        ", or their arrays do not belong together. Train with the scene that is given.");
+  }
   return trained;
 }
 
@@ -192,7 +215,6 @@ TrainedPlaces train_places(const Scene& scene, const std::vector<Rheology>& rheo
   TrainedPlaces trained;
   agree(run.communicator, [&] {
     check_reduction(scene, rheologies, options);
-    refuse_gravity(options);
     check_places(places);
     Scene checked = scene;
     check(checked);
@@ -200,7 +222,7 @@ TrainedPlaces train_places(const Scene& scene, const std::vector<Rheology>& rheo
     trained.aborted = !train_with_tools(checked, rheologies, places, options, run, groups);
     if (trained.aborted || run.communicator.rank() != 0) return;
     if (options.report) options.report("Modes");
-    trained = modes_of_places(checked, places, options, groups);
+    trained = modes_of_places(checked, rheologies, places, options, groups);
   });
   return trained;
 }
@@ -210,21 +232,14 @@ class PlacedTools::Impl {
   Impl(const Scene& scene, const std::vector<Rheology>& rheologies, const TrainedPlaces& trained)
       : scene_(scene),
         rheologies_(rheologies),
-        trained_(trained),
+        trained_(of_scene(trained, scene)),
         assembly_(scene),
-        points_(scene),
-        stiffness_(assembly_) {
-    const Eigen::Index rows = 3 * Eigen::Index{scene.mesh.num_points()};
-    if (trained.modes.rows() != rows || trained.states.rows() != trained.modes.cols() ||
-        trained.tools.cols() != trained.states.cols()) {
-      throw InputError(
-          "The places of training are of another body: their modes have " +
-          std::to_string(trained.modes.rows()) + " rows in place of " + std::to_string(rows) +
-          ", or their arrays do not belong together. Train with the scene that is given.");
-    }
-    NodalVector force;
+        points_(scene, trained.rest),
+        stiffness_(assembly_, trained.rest) {
+    rest_state_.setZero(assembly_.state_size());
+    if (trained.rest.size() > 0) rest_state_.head(trained.rest.size()) = trained.rest;
     std::vector<double> values;
-    (void)assembly_.tangent(NodalVector::Zero(assembly_.state_size()), force, values);
+    (void)assembly_.tangent(rest_state_, rest_force_, values);
     if (has_density(rheologies)) {
       std::vector<double> densities;
       for (const Rheology& rheology : rheologies) densities.push_back(rheology.density);
@@ -241,7 +256,7 @@ class PlacedTools::Impl {
 
   BuiltModel attach(const std::vector<BondedPatch>& tools, const ReductionOptions& options) const {
     validate(options);
-    refuse_gravity(options);
+    require_same_rest(trained_, options);
     if (tools.empty()) throw InputError("No tool is to be attached. Give at least one.");
     const int num_tools = static_cast<int>(tools.size());
     if (3 * num_tools != trained_.tools.rows()) {
@@ -275,6 +290,7 @@ class PlacedTools::Impl {
     placed.motion_modes = static_cast<Index>(n) - placed.one_tool_modes;
     placed.basis.resize(trained_.modes.rows(), n + d);
     placed.basis << builder.modes(), held.responses;
+    placed.rest = trained_.rest;
     // What rounding has left at the tools.
     for (Eigen::Index i = 0; i < held.rigid.rows(); ++i) {
       placed.basis.row(held.rows[i]) << Eigen::RowVectorXd::Zero(n), held.rigid.row(i);
@@ -391,7 +407,8 @@ class PlacedTools::Impl {
   };
 
   /// The terms of second and third order of u(ε) = ε u₁ + ε² u₂ + ε³ u₃ + …, whose first one is
-  /// given, and whose inertia is that of the first one. From the internal forces f:
+  /// given, and whose inertia is that of the first one. From the internal forces f beside those at
+  /// rest:
   ///
   ///   K₀ u₂ = −½ (f(ε u₁) + f(−ε u₁))/ε²
   ///   K₀ u₃ = −½ (f(ε² u₂ + ε u₁) − f(ε² u₂ − ε u₁))/ε³ + K₀ u₁/ε²   u₂ = u₃ = 0 at the tools
@@ -494,13 +511,13 @@ class PlacedTools::Impl {
     return random_places(num_tools, trained_.reach, d * (d + 1) * (d + 2) / 6 + d, /*seed=*/1);
   }
 
-  /// f of each column.
+  /// f of each column, beside that at rest.
   [[nodiscard]] Eigen::MatrixXd forces_at(const Eigen::MatrixXd& u) const {
     Eigen::MatrixXd forces(u.rows(), u.cols());
     NodalVector force;
     for (Eigen::Index c = 0; c < u.cols(); ++c) {
-      (void)assembly_.residual(u.col(c), force);
-      forces.col(c) = force;
+      (void)assembly_.residual(rest_state_ + u.col(c), force);
+      forces.col(c) = force - rest_force_;
     }
     return forces;
   }
@@ -524,6 +541,9 @@ class PlacedTools::Impl {
   BodyPoints points_;
   RestStiffness stiffness_;
   std::unique_ptr<LinearSolver> solver_;
+  /// At rest, and f there.
+  NodalVector rest_state_;
+  NodalVector rest_force_;
   std::optional<MassMatrix> mass_;
   /// The root of the sum of a aᵀ over the training states a.
   Eigen::MatrixXd root_of_states_;

@@ -4,8 +4,9 @@
 //
 // The training leaves modes Ψ of the whole body, orthonormal in its stiffness K₀ at rest: of what
 // equilibria and motion with the tools at each of the places have beside the linear response to
-// them. Tools are then bonded to any patches. With C the rows of u at all points of them, and R the
-// rigid displacement of each tool, C L = R,
+// them. Rest is where the body settles under its weight, where there is gravity, and displacements
+// count from there. Tools are then bonded to any patches. With C the rows of u at all points of
+// them, and R the rigid displacement of each tool, C L = R,
 //
 //   Z = K₀⁻¹Cᵀ,  S = C Z,  L = Z S⁻¹R,  LᵀK₀L = RᵀS⁻¹R
 //
@@ -44,6 +45,8 @@ struct TrainedPlaces {
   Eigen::MatrixXd states;
   /// d of these states [tool coordinates × states], m.
   Eigen::MatrixXd tools;
+  /// u_r [3 num_points], m, from which the states count; empty: there is no gravity.
+  NodalVector rest;
   /// How far each coordinate of a tool went, m.
   double reach = 0;
   /// States that were left out: there was no equilibrium, or a cell was inverted.
@@ -54,8 +57,8 @@ struct TrainedPlaces {
 
 /// @param places The tools that are held at a time: one at each place, or several.
 /// @param options Its place modes and training paths are those of each place.
-/// @throws InputError as build_reduced_model(); gravity; no place, or places with different
-///   numbers of tools.
+/// @throws InputError as build_reduced_model(); no place, or places with different numbers of
+///   tools.
 [[nodiscard]] TrainedPlaces train_places(const Scene& scene,
                                          const std::vector<Rheology>& rheologies,
                                          const std::vector<std::vector<BondedPatch>>& places,
@@ -82,10 +85,11 @@ class PlacedTools {
   PlacedTools& operator=(PlacedTools&&) noexcept;
 
   /// The body with these tools, as many as at each place of training.
-  /// @param options Its modes, points, tolerance and seed count.
+  /// @param options Its modes, points, tolerance and seed count; its gravity is that of the
+  /// training.
   /// @throws InputError no tool, or another number of them; tools that share a point, or have one
   ///   that does not exist, is in no cell, is fixed, or is on a part of the body without a place;
-  ///   an option out of its range.
+  ///   an option out of its range; gravity, and a training without it, or the reverse.
   [[nodiscard]] BuiltModel attach(const std::vector<BondedPatch>& tools,
                                   const ReductionOptions& options) const;
 

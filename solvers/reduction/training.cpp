@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduction/training.h"
 
-#include "assembly/mass.h"
-#include "base/error.h"
 #include "reduction/random_path.h"
 
 namespace palpate {
@@ -53,20 +51,6 @@ Eigen::MatrixXd random_places(int num_tools, double reach, int count, std::uint6
     if (c % 2 == 0) places.col(c) *= reach / places.col(c).cwiseAbs().maxCoeff();
   }
   return places;
-}
-
-Equilibrium settle_under_weight(EquilibriumSolver& solver, const Scene& scene,
-                                const std::vector<Rheology>& rheologies, const Vec3& gravity) {
-  if (gravity.isZero(0)) {
-    Equilibrium unloaded;
-    unloaded.outcome = Outcome::converged;
-    return unloaded;
-  }
-  Equilibrium rest = solver.set_load(weight_of(scene, rheologies, solver.assembly(), gravity));
-  if (rest.outcome != Outcome::converged && rest.outcome != Outcome::aborted) {
-    throw InputError(rest.message);
-  }
-  return rest;
 }
 
 TrainingStates find_equilibria(EquilibriumSolver& solver, const Eigen::MatrixXd& places) {

@@ -30,16 +30,6 @@ struct TrainingStates {
 [[nodiscard]] Eigen::MatrixXd random_places(int num_tools, double reach, int count,
                                             std::uint64_t seed);
 
-/// Puts the weight on the body, where there is gravity, and finds its rest under it. Call
-/// set_interaction() of the solver afterwards.
-/// @param gravity m/s².
-/// @returns u and outcome count: the rest, or that the solve was aborted; u is empty without
-///   gravity.
-/// @throws InputError the body has no weight, or finds no rest.
-[[nodiscard]] Equilibrium settle_under_weight(EquilibriumSolver& solver, const Scene& scene,
-                                              const std::vector<Rheology>& rheologies,
-                                              const Vec3& gravity);
-
 /// Equilibria with the tools at each of the places.
 [[nodiscard]] TrainingStates find_equilibria(EquilibriumSolver& solver,
                                              const Eigen::MatrixXd& places);

@@ -134,7 +134,9 @@ void FieldCache::read(const ToolSpaceSetup& setup,
   StateSpaceFile file = open();
   file.share_bases(bases_);
   if (points_.empty()) {
-    const TetMesh mesh = file.read_scene().mesh;
+    Scene scene = file.read_scene();
+    settled_ = std::move(scene.settled);
+    const TetMesh& mesh = scene.mesh;
     const Surface surface = make_surface(mesh);
     for (const Keep keep : {Keep::touch, Keep::surface, Keep::all}) {
       points_[keep] = kept_points(mesh, surface, keep);
@@ -153,6 +155,7 @@ void FieldCache::read(const ToolSpaceSetup& setup,
         (fields.whole.u.size() == 0 || fields.whole.v.rows() != fields.whole.u.size())) {
       fail("a configuration has no displacement, or no derivative of it, there");
     }
+    if (is_whole) count_from_rest(settled_, fields.whole);
     const auto [entry, is_new] =
         entries_.try_emplace(key_of(setup.id, summary), Entry{std::move(fields), uses_});
     if (is_new) entry_bytes_ += bytes_of(entry->second.fields);

@@ -36,7 +36,8 @@ class FieldCache {
     /// m.
     Vec3 d = Vec3::Zero();
   };
-  /// Adds up shares of the fields of a tool space's configurations. The file is open only while
+  /// Adds up shares of the fields of a tool space's configurations, counted from the body at rest
+  /// (Scene::settled). The file is open only while
   /// something is read from it.
   /// @param needed The points whose displacement is needed; that of others may be zero.
   /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
@@ -69,6 +70,7 @@ class FieldCache {
   StateSpaceFile::KnownBases bases_;
   /// As kept_points(); empty until something is read. All: the number of points is theirs.
   std::map<Keep, std::vector<Index>> points_;
+  SettledBody settled_;
 };
 
 }  // namespace palpate

@@ -244,6 +244,12 @@ std::int64_t checksum(const std::vector<char>& touchable, double solver_toleranc
   return checksum_of(touchable.data(), touchable.size(), checksum_of(bits));
 }
 
+std::int64_t checksum(const SettledBody& settled) {
+  const auto [u, u_bytes] = blob_of(settled.u);
+  const auto [p, p_bytes] = blob_of(settled.p);
+  return checksum_of(u, u_bytes, checksum_of(p, p_bytes, 0));
+}
+
 bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
   const auto& [id, interaction, grid, policy] = setup;
   return (interaction.is_contact() ? is_possible(interaction.tool)

@@ -276,6 +276,7 @@ void set_modes(const std::array<sqlite::Statement::Blob, 2>& modes, PackedBasis&
 [[nodiscard]] std::int64_t checksum(const ReducedArrayRow& row, sqlite::Statement::Blob numbers);
 /// The checksum of those parts of a scene that its hash does not take in.
 [[nodiscard]] std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance);
+[[nodiscard]] std::int64_t checksum(const SettledBody& settled);
 
 /// Whether the numbers are ones that a program may rely on: indices that exist, and sizes for which
 /// there is memory.

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "state_space/schema.sql.h"
@@ -60,8 +61,9 @@ constexpr const char* kTablesOfToolSpaces[] = {"configuration", "transition", "i
 constexpr char kToolSpaceId[] = "tool_space_id";
 constexpr char kActiveNode[] = "active_node";
 
-/// The table that a file has where it holds a reduced model.
+/// The tables that a file has where it holds a reduced model, and where its scene has a body force.
 constexpr char kReducedArray[] = "reduced_array";
+constexpr char kBodyForce[] = "body_force";
 
 std::string quoted(const Database& database) { return '\'' + database.path().string() + '\''; }
 
@@ -122,10 +124,17 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
     tables[name] = statement;
   }
   if (version >= 10) {
-    const std::string reduced = bare(kReducedSchema);
-    tables[kReducedArray] = reduced.substr(0, reduced.find(';'));
+    for (const auto& [name, schema] :
+         {std::pair{kReducedArray, kReducedSchema}, std::pair{kBodyForce, kBodyForceSchema}}) {
+      const std::string made = bare(schema);
+      tables[name] = made.substr(0, made.find(';'));
+    }
   }
   return tables;
+}
+
+bool has_table(const Database& database, const std::string& name) {
+  return database.integer("SELECT count(*) FROM sqlite_master WHERE name = '" + name + '\'') > 0;
 }
 
 [[noreturn]] void refuse(const Database& database, const std::string& what) {
@@ -141,13 +150,15 @@ void make_schema(const Database& database) {
   database.execute(kSchema);
 }
 
-bool has_reduced_schema(const Database& database) {
-  return database.integer("SELECT count(*) FROM sqlite_master WHERE name = 'reduced_array'") > 0;
-}
+bool has_reduced_schema(const Database& database) { return has_table(database, kReducedArray); }
 
 void make_reduced_schema(const Database& database) {
   if (!has_reduced_schema(database)) database.execute(kReducedSchema);
 }
+
+bool has_body_force_schema(const Database& database) { return has_table(database, kBodyForce); }
+
+void make_body_force_schema(const Database& database) { database.execute(kBodyForceSchema); }
 
 std::int64_t check_schema(const Database& database) {
   if (database.integer("PRAGMA application_id") != kApplicationId) {
@@ -179,6 +190,7 @@ std::int64_t check_schema(const Database& database) {
     missing.erase(expected);
   }
   missing.erase(kReducedArray);
+  missing.erase(kBodyForce);
   if (!missing.empty()) {
     refuse(database, "it lacks the table '" + missing.begin()->first + '\'');
   }

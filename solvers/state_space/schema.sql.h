@@ -208,6 +208,21 @@ CREATE TABLE test_point (             -- equilibria by which interpolation is me
 );
 )sql";
 
+// The table of the body force is made with the file of a scene that has one. The whole displacement
+// of a configuration has that of the body at rest in it, and so have its pressures; fields by modes
+// count from there.
+inline constexpr char kBodyForceSchema[] = R"sql(
+CREATE TABLE body_force (
+  scene_id     INTEGER PRIMARY KEY REFERENCES scene,
+  acceleration BLOB NOT NULL,         -- float64 [3], m/s2
+  densities    BLOB NOT NULL,         -- float64 [materials], kg/m3
+  displacement BLOB NOT NULL,         -- float64 [num_points x 3], of the body at rest under it, m
+  pressures    BLOB,                  -- float64 [num_pressures], at rest under it, Pa; NULL: none
+  checksum     INTEGER NOT NULL       -- XXH3 (64 bit) of the bytes of displacement, seeded with that
+                                      -- of pressures; the hash of the scene takes in the rest
+);
+)sql";
+
 // The table of reduced models is made when the first array is stored: most files have none.
 inline constexpr char kReducedSchema[] = R"sql(
 CREATE TABLE reduced_array (          -- of a reduced model, or of what was found in its training

@@ -4,6 +4,24 @@
 #include <algorithm>
 
 namespace palpate {
+namespace {
+
+/// field += sign · at_rest, where both are there.
+void add(double sign, const NodalVector& at_rest, Eigen::VectorXd& field) {
+  if (field.size() > 0 && field.size() == at_rest.size()) field += sign * at_rest;
+}
+
+}  // namespace
+
+void count_from_rest(const SettledBody& settled, Configuration& configuration) {
+  add(-1, settled.u, configuration.u);
+  add(-1, settled.p, configuration.p);
+}
+
+void count_from_mesh(const SettledBody& settled, Configuration& configuration) {
+  add(1, settled.u, configuration.u);
+  add(1, settled.p, configuration.p);
+}
 
 const Configuration* ToolSpace::find(const CheckPoint& check_point, std::int32_t level) const {
   ConfigurationSummary key;

@@ -166,6 +166,20 @@ void bind_array(Statement& statement, const std::vector<T>& values) {
                  values.size() * sizeof(T));
 }
 
+void bind_vector(Statement& statement, const Eigen::VectorXd& values) {
+  statement.bind(values.size() == 0 ? nullptr : values.data(),
+                 static_cast<std::size_t>(values.size()) * sizeof(double));
+}
+
+Eigen::VectorXd take_vector(Statement& statement) {
+  const Statement::Blob blob = statement.take_blob();
+  Eigen::VectorXd values(static_cast<Eigen::Index>(blob.bytes / sizeof(double)));
+  if (values.size() > 0) {
+    std::memcpy(values.data(), blob.data, static_cast<std::size_t>(values.size()) * sizeof(double));
+  }
+  return values;
+}
+
 template <class T>
 std::vector<T> take_array(Statement& statement, std::int64_t size, const Database& database,
                           const char* what) {
@@ -260,6 +274,23 @@ void write_scene(const Database& database, const Scene& scene, double solver_tol
     for (double p : scene.materials[m].parameters) insert_material.bind(p);
     insert_material.run();
   }
+}
+
+/// @param scene It has a body force.
+void write_body_force(const Database& database, const Scene& scene) {
+  if (scene.settled.u.size() != 3 * Eigen::Index{scene.mesh.num_points()}) {
+    throw InputError(
+        "The rest of the body under its BodyForce is needed to store its state space, and is not "
+        "there. Find it first.");
+  }
+  make_body_force_schema(database);
+  Statement insert(database, "INSERT INTO body_force VALUES (1, ?, ?, ?, ?, ?)");
+  insert.bind(scene.body_force.data(), 3 * sizeof(double));
+  bind_array(insert, scene.densities);
+  bind_vector(insert, scene.settled.u);
+  bind_vector(insert, scene.settled.p);
+  insert.bind(rows::checksum(scene.settled));
+  insert.run();
 }
 
 /// The bytes of the numbers of a row, at the most.
@@ -396,6 +427,12 @@ struct StateSpaceFile::Impl {
                                                           std::int64_t num_kept) const;
   /// @throws InputError its arrays have not the size of the body.
   [[nodiscard]] TetMesh read_mesh() const;
+  /// Reads body force, densities and rest. @param scene It has its materials.
+  /// @throws InputError they are damaged.
+  void read_body_force(Scene& scene) const;
+  /// Where the body is at rest; read when it is first asked for.
+  [[nodiscard]] const SettledBody& settled() const;
+  mutable std::optional<SettledBody> settled_body;
   /// As kept_points(), made when it is first asked for.
   [[nodiscard]] const std::vector<Index>& points_of(Keep keep) const;
   mutable std::map<ToolSpaceId, std::vector<StoredBasis>> bases;
@@ -603,6 +640,35 @@ TetMesh StateSpaceFile::Impl::read_mesh() const {
   return read;
 }
 
+void StateSpaceFile::Impl::read_body_force(Scene& scene) const {
+  Statement select(database,
+                   "SELECT acceleration, densities, displacement, pressures, checksum FROM "
+                   "body_force WHERE scene_id = 1");
+  if (!select.step()) throw_damaged(path(), "the body force is missing");
+  scene.body_force = take_array<Vec3>(select, 1, database, "acceleration").front();
+  scene.densities = take_array<double>(select, static_cast<std::int64_t>(scene.materials.size()),
+                                       database, "densities");
+  scene.settled.u = take_vector(select);
+  scene.settled.p = take_vector(select);
+  if (select.take_integer() != rows::checksum(scene.settled) ||
+      scene.settled.u.size() != 3 * num_points || !scene.settled.u.allFinite() ||
+      !scene.settled.p.allFinite() || scene.body_force.isZero(0)) {
+    throw_damaged(path(), "the rest under the body force is none");
+  }
+}
+
+const SettledBody& StateSpaceFile::Impl::settled() const {
+  if (settled_body) return *settled_body;
+  settled_body.emplace();
+  if (!has_body_force_schema(database)) return *settled_body;
+  Scene scene;
+  Statement count(database, "SELECT count(*) FROM material WHERE scene_id = 1");
+  count.step();
+  scene.materials.resize(static_cast<std::size_t>(count.take_integer()));
+  read_body_force(scene);
+  return *(settled_body = std::move(scene.settled));
+}
+
 const std::vector<Index>& StateSpaceFile::Impl::points_of(Keep keep) const {
   const auto [found, is_new] = points.try_emplace(keep);
   if (!is_new) return found->second;
@@ -790,6 +856,7 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
     Transaction transaction(database);
     make_schema(database);
     write_scene(database, scene, solver_tolerance);
+    if (scene.has_body_force()) write_body_force(database, scene);
     transaction.commit();
   }
   fs::rename(part, path, error);
@@ -825,7 +892,8 @@ void StateSpaceFile::require(const Scene& scene, double solver_tolerance) const 
   if (impl_->scene_hash != wanted) {
     throw InputError(quoted(path()) + " holds the state space of another scene: its hash is " +
                      impl_->scene_hash +
-                     ", that of this scene (mesh, materials, fixed points) is " + wanted +
+                     ", that of this scene (mesh, materials, fixed points, and with a " +
+                     "BodyForce that and the densities) is " + wanted +
                      ". Give another file name, or restore the scene it was made for.");
   }
   if (impl_->solver_tolerance != solver_tolerance) {
@@ -1034,6 +1102,7 @@ Scene StateSpaceFile::read_scene() const {
       std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(), unknown)) {
     throw_damaged(database.path(), "a material is missing");
   }
+  if (has_body_force_schema(database)) impl_->read_body_force(scene);
   if (hash(scene) != impl_->scene_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
@@ -1422,6 +1491,7 @@ bool StateSpaceFile::read_fields(ToolSpaceId tool_space, Configuration& configur
   if (stored.basis != nullptr) {
     expand(*stored.basis, stored.reduced, impl_->points_of(stored.basis->keep),
            static_cast<Index>(impl_->num_points), configuration);
+    count_from_mesh(impl_->settled(), configuration);
     return true;
   }
   configuration.u = std::move(stored.whole.u);

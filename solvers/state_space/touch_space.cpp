@@ -66,7 +66,13 @@ void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
     const Configuration* configuration = fields_of(s);
     if (configuration == nullptr) return false;
     check_fields(*configuration, scene.mesh.num_points(), setup);
-    to.set(at, *configuration, points, step);
+    if (scene.has_body_force()) {
+      Configuration from_rest = *configuration;
+      count_from_rest(scene.settled, from_rest);
+      to.set(at, from_rest, points, step);
+    } else {
+      to.set(at, *configuration, points, step);
+    }
     return true;
   };
   FieldScale scale;
@@ -133,6 +139,9 @@ TouchSpace make_empty_touch_space(const Scene& scene, const std::string& scene_h
   TouchSpace space;
   space.scene_hash = scene_hash;
   space.surface = make_surface(scene.mesh);
+  for (Index p = 0; p < space.surface.num_points(); ++p) {
+    space.surface.points[p] = place_at_rest(scene, space.surface.mesh_points[p]);
+  }
   return space;
 }
 

@@ -46,6 +46,7 @@ struct TouchSpace {
   std::string scene_hash;
   /// The file that has the fields; empty: there is none.
   std::string file;
+  /// Of the body at rest: displacements count from there.
   Surface surface;
   /// The tool spaces in the order of their numbers.
   std::vector<TouchToolSpace> tool_spaces;

@@ -673,6 +673,8 @@ TEST(DynamicSolver, BadInputIsOneClearError) {
   const BondedPatch tool({block.corner});
   EXPECT_THROW(DynamicSolver(block.scene, {Rheology()}, tool, {}), InputError);
   EXPECT_THROW(DynamicSolver(block.scene, {}, tool, {}), InputError);
+  const Scene heavy = with_gravity(block.scene, {dense_rheology()}, Vec3(0, 0, -9.81));
+  EXPECT_THROW(DynamicSolver(heavy, {dense_rheology()}, tool, {}), InputError);
   for (int field = 0; field < 5; ++field) {
     DynamicsOptions options;
     if (field == 0) options.time_step = 0;

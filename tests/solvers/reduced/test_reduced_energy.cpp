@@ -68,7 +68,8 @@ TEST_P(OfEachLaw, UnderGravityTheyCountFromTheRest) {
   EXPECT_EQ(energy.evaluate(zero.data()).elastic, 0);
   EXPECT_EQ(energy.force(), zero);
   EXPECT_GT(sagging_.rest.lpNorm<Eigen::Infinity>(), 1e-4);
-  const NodalVector weight = weight_of(block_.scene, sagging_.model.rheologies, assembly, gravity_);
+  const NodalVector weight =
+      weight_of(with_gravity(block_.scene, sagging_.model.rheologies, gravity_), assembly);
   const Eigen::VectorXd y = random_.vector(zero.size(), 1e-3);
   const NodalVector way = sagging_.basis * y;
   NodalVector force;

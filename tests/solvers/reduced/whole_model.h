@@ -11,7 +11,6 @@
 #include "reduction/body_points.h"
 #include "reduction/build_reduced_model.h"
 #include "reduction/reduced_basis.h"
-#include "reduction/training.h"
 
 namespace palpate::test {
 
@@ -24,8 +23,8 @@ struct WholeModel {
 inline WholeModel make_whole_model(const Scene& scene, const std::vector<Rheology>& rheologies,
                                    const InteractionList& tools, double reach = 0.01,
                                    const Vec3& gravity = Vec3::Zero()) {
-  EquilibriumSolver solver(scene, {});
-  const NodalVector under_weight = settle_under_weight(solver, scene, rheologies, gravity).u;
+  EquilibriumSolver solver(with_gravity(scene, rheologies, gravity), {});
+  const NodalVector under_weight = solver.settled().u;
   solver.set_interaction(tools);
   const Equilibrium rest = solver.rest();
   const RestStiffness stiffness(solver.assembly(), under_weight);

@@ -158,8 +158,8 @@ TEST(BuildReducedModel, UnderGravityItCountsFromTheRestThere) {
   options.gravity = Vec3(1, 0, -9.81);
   const BuiltModel built = build_reduced_model(block.scene, rheologies, tools, options);
   EXPECT_TRUE(built.within_tolerance) << built.residual;
-  EquilibriumSolver solver(block.scene, {});
-  const Equilibrium rest = settle_under_weight(solver, block.scene, rheologies, options.gravity);
+  EquilibriumSolver solver(with_gravity(block.scene, rheologies, options.gravity), {});
+  const Equilibrium rest = solver.settled();
   solver.set_interaction(as_list(tools));
   EXPECT_EQ(built.rest, rest.u);
   EXPECT_GT(rest.u.lpNorm<Eigen::Infinity>(), 0.3 * kReach);

@@ -350,6 +350,23 @@ TEST_F(KeptModelTest, PlacesServeToolsThatMove) {
   EXPECT_TRUE(file.read_training(key).empty());
 }
 
+TEST_F(KeptModelTest, PlacesUnderGravityAreKeptWithTheirRest) {
+  attach_between_places();
+  const std::string without = places_key();
+  options_.gravity = Vec3(0, 0, -9.81);
+  EXPECT_NE(places_key(), without);
+  (void)build(path_);
+  tools_.nodes = {nearest_point({0.09, 0.06, 0.05})};
+  tools_.patches = {BondedPatches(block_.scene, 0.016).around(tools_.nodes[0])};
+  const KeptModel moved = build(path_);
+  EXPECT_TRUE(moved.were_places_there);
+  const KeptModel in_memory = build({});
+  expect_same(in_memory, moved);
+  if (world_->rank() != 0) return;
+  EXPECT_EQ(moved.rest.size(), moved.basis.rows());
+  EXPECT_EQ(moved.rest, in_memory.rest);
+}
+
 // Each rank trains alone, and then they do together.
 TEST_F(KeptModelTest, PlacesAreTheSameOnAnyNumberOfRanksAndInMemory) {
   attach_between_places();

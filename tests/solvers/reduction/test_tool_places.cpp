@@ -53,8 +53,13 @@ class ToolPlaces : public ::testing::Test {
   }
   [[nodiscard]] std::vector<BondedPatch> between() const { return {near({0.09, 0.03, 0.05})}; }
 
+  /// Of the body under the gravity of the options, if it has a density.
+  [[nodiscard]] EquilibriumSolver make_solver(const std::vector<Rheology>& rheologies) const {
+    return EquilibriumSolver(with_gravity(block_.scene, rheologies, options_.gravity), {});
+  }
+
   void expect_basis_of_place(const BuiltModel& placed, const std::vector<BondedPatch>& tools) {
-    EquilibriumSolver solver(block_.scene, {});
+    EquilibriumSolver solver = make_solver(placed.model.rheologies);
     solver.set_interaction(as_list(tools));
     const Equilibrium rest = solver.rest();
     const Eigen::Index n = placed.model.num_modes;
@@ -62,7 +67,8 @@ class ToolPlaces : public ::testing::Test {
     EXPECT_LT((placed.basis.rightCols(d) - rest.v).norm(), 1e-8 * rest.v.norm());
     EXPECT_LT((placed.model.tool_stiffness - rest.stiffness).norm(), 1e-8 * rest.stiffness.norm());
     const Eigen::MatrixXd product =
-        placed.basis.transpose() * RestStiffness(solver.assembly()).times(placed.basis);
+        placed.basis.transpose() *
+        RestStiffness(solver.assembly(), placed.rest).times(placed.basis);
     Eigen::MatrixXd expected = Eigen::MatrixXd::Identity(n + d, n + d);
     expected.bottomRightCorner(d, d) = rest.stiffness;
     EXPECT_LT((product - expected).topRows(n).lpNorm<Eigen::Infinity>(), 1e-7);
@@ -79,7 +85,7 @@ class ToolPlaces : public ::testing::Test {
 
   [[nodiscard]] PathError error_at_rest(const BuiltModel& placed,
                                         const std::vector<BondedPatch>& tools) const {
-    EquilibriumSolver solver(block_.scene, {});
+    EquilibriumSolver solver = make_solver(placed.model.rheologies);
     solver.set_interaction(as_list(tools));
     const auto num_tools = static_cast<int>(tools.size());
     return measure_equilibria(placed.model, solver, random_places(num_tools, kReach, 20, 12345));
@@ -147,6 +153,40 @@ TEST_F(ToolPlaces, MotionBetweenThePlaces) {
   EXPECT_LT(rows[1].error.max, 0.03);
 }
 
+// The bounds are those without gravity, with ten more modes.
+TEST_F(ToolPlaces, UnderGravityTheyCountFromTheRestThere) {
+  Rheology rheology;
+  rheology.density = 1000;
+  rheology.viscous_time = 0.01;
+  const std::vector<Rheology> rheologies = {rheology};
+  options_.gravity = Vec3(1, 0, -9.81);
+  options_.modes = 80;
+  options_.training_paths = 3;
+  options_.path_duration = 1;
+  const TrainedPlaces trained = train_places(block_.scene, rheologies, places(), options_);
+  const Equilibrium rest = make_solver(rheologies).settled();
+  EXPECT_EQ(trained.rest, rest.u);
+  EXPECT_GT(rest.u.lpNorm<Eigen::Infinity>(), 0.3 * kReach);
+  const PlacedTools placed(block_.scene, rheologies, trained);
+  options_.modes = 70;
+  const BuiltModel at = placed.attach(between(), options_);
+  EXPECT_EQ(at.rest, rest.u);
+  expect_basis_of_place(at, between());
+  const PathError still = error_at_rest(at, between());
+  EXPECT_EQ(still.num_failed, 0);
+  EXPECT_LT(still.max, 0.004);
+  options_.path_duration = 0.3;
+  const std::vector<MeasuredError> rows =
+      measure_model(block_.scene, rheologies, between(), options_, at.model, MeasureOptions());
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[1].error.num_failed, 0);
+  EXPECT_LT(rows[1].error.rms, 0.008);
+  EXPECT_LT(rows[1].error.max, 0.03);
+
+  options_.gravity.setZero();
+  EXPECT_THROW((void)placed.attach(between(), options_), InputError);
+}
+
 std::string message_of(const std::function<void()>& call) {
   try {
     call();
@@ -167,13 +207,11 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   options_.modes = 0;
   EXPECT_NE(train(places()).find("Modes"), std::string::npos);
   options_.modes = 5;
-  Rheology dense;
-  dense.density = 1000;
   ReductionOptions heavy = options_;
   heavy.gravity.z() = -9.81;
   EXPECT_NE(message_of([&] {
-              (void)train_places(block_.scene, {dense}, places(), heavy);
-            }).find("no gravity"),
+              (void)train_places(block_.scene, rheologies, places(), heavy);
+            }).find("no density"),
             std::string::npos);
 
   TrainedPlaces trained = train_places(block_.scene, rheologies, {places()[0]}, options_);
@@ -182,7 +220,7 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
     return message_of([&] { (void)placed.attach(tools, options_); });
   };
   EXPECT_EQ(attach(between()), "");
-  EXPECT_NE(message_of([&] { (void)placed.attach(between(), heavy); }).find("no gravity"),
+  EXPECT_NE(message_of([&] { (void)placed.attach(between(), heavy); }).find("without a BodyForce"),
             std::string::npos);
   EXPECT_NE(attach({}).find("No tool"), std::string::npos);
   EXPECT_NE(attach({between()[0], places()[0][0]}).find("1 tools each, and 2"), std::string::npos);

@@ -74,16 +74,6 @@ void put_inside(Scene& scene, const Material& other,
   }
 }
 
-Material scaled(Material material, double factor) {
-  const auto& names = parameter_names(material.law);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool is_modulus =
-        names[i] != "PoissonsRatio" && names[i].find("Exponent") == std::string::npos;
-    if (is_modulus) material.parameters[i] *= factor;
-  }
-  return material;
-}
-
 TetMesh make_graded_box(ElementOrder order, const std::array<std::vector<double>, 3>& planes,
                         const Vec3& size) {
   std::array<int, 3> cells{};

@@ -27,9 +27,6 @@ namespace palpate::test {
 void put_inside(Scene& scene, const Material& other,
                 const std::function<bool(const Vec3&)>& inside);
 
-/// The same law with moduli that many times as large.
-[[nodiscard]] Material scaled(Material material, double factor);
-
 /// A box of `size` whose planes across each axis are at these shares of it (ascending from 0 to 1).
 [[nodiscard]] TetMesh make_graded_box(ElementOrder order,
                                       const std::array<std::vector<double>, 3>& planes,

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "exploration/settle.h"
+
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "exploration/transfer.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+/// @throws InputError there is none.
+SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
+                      const std::filesystem::path& path) {
+  require_rest(solver);
+  const Equilibrium& rest = solver.settled();
+  if (rest.outcome == Outcome::aborted) {
+    throw InputError("The run was aborted before the body had come to rest under its BodyForce.");
+  }
+  if (!path.empty() && std::filesystem::exists(path)) {
+    const StateSpaceFile file = StateSpaceFile::open_read_only(path);
+    if (file.scene_hash() == hash(scene)) {
+      SettledBody settled = file.read_scene().settled;
+      if (settled.p.size() == rest.p.size()) return settled;
+      throw InputError(path.string() +
+                       " is damaged: the pressures of the body at rest under its BodyForce are not "
+                       "those of its cells. Remove it, and compute it again.");
+    }
+  }
+  return {rest.u, rest.p};
+}
+
+}  // namespace
+
+Scene settle(const Scene& scene, const EquilibriumSolver& solver, const std::filesystem::path& file,
+             Communicator& communicator) {
+  Packer mine;
+  agree(communicator, [&] {
+    if (communicator.rank() == 0) mine.put(find_rest(scene, solver, file));
+  });
+  const std::vector<Bytes> all = communicator.all_gather(mine.take());
+  Scene result = scene;
+  result.settled = Unpacker(all.front()).take<SettledBody>();
+  return result;
+}
+
+}  // namespace palpate

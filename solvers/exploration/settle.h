@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a body with a body force is at rest, the same for all ranks and all runs of a file: the
+// places of tools, and so their grids, count from there.
+#pragma once
+
+#include <filesystem>
+
+#include "assembly/scene.h"
+#include "equilibrium/equilibrium.h"
+#include "schedule/communicator.h"
+
+namespace palpate {
+
+/// The scene, which has a body force, with its body at rest.
+/// @param solver Of the scene, on each rank.
+/// @param file If it is there and of this scene, the rest is that of the file: runs that differ in
+///   rounding agree on it. Empty: there is none.
+/// @throws InputError the body finds no rest, or was aborted before it had found it.
+/// @note Collective
+[[nodiscard]] Scene settle(const Scene& scene, const EquilibriumSolver& solver,
+                           const std::filesystem::path& file, Communicator& communicator);
+
+}  // namespace palpate

@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Spaces of a body that rests under its weight: it is touched as it sags.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <random>
+#include <string>
+
+#include "base/error.h"
+#include "equilibrium/equilibrium.h"
+#include "exploration/precompute.h"
+#include "interpolation/body_field.h"
+#include "interpolation/display_field.h"
+#include "interpolation/interpolator.h"
+#include "solvers/support/block.h"
+#include "solvers/support/communicators.h"
+#include "solvers/support/world_folder.h"
+#include "state_space/field_cache.h"
+#include "state_space/sqlite.h"
+#include "state_space/state_space_file.h"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Vec3 kGravity(1, 0, -9.81);
+
+Scene heavy(const Scene& scene, double density, const Vec3& gravity = kGravity) {
+  Rheology rheology;
+  rheology.density = density;
+  return with_gravity(scene, {rheology}, gravity);
+}
+
+class GravitySpace : public testing::Test {
+ protected:
+  void SetUp() override {
+    scene_ = heavy(block_.scene, 400);
+    options_.active_nodes = {block_.corner};
+    options_.half_width = 0.01;
+    options_.resolution = 5;
+    options_.history = History::flat;
+    options_.equilibrium.third_derivatives = true;
+  }
+
+  PrecomputeResult run(Communicator& communicator) const {
+    return precompute(scene_, options_, communicator, progress_);
+  }
+
+  /// The message of the error that a run ends with.
+  std::string error() const {
+    try {
+      (void)run(*world_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  /// A rigid tool on the middle of the top.
+  void press() {
+    block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {5, 3, 3}});
+    scene_ = heavy(block_.scene, 200);
+    options_.active_nodes.clear();
+    options_.contact.emplace();
+    options_.contact->tool.radius = 0.015;
+    options_.contact->spacing = 0.005;
+    options_.contact->shell.depth = 0.006;
+    const Vec3 middle(0.065, 0.03, 0.05);
+    Index on_top = 0;
+    for (Index p = 0; p < scene_.mesh.num_points(); ++p) {
+      const auto& points = scene_.mesh.points;
+      if ((points[p] - middle).norm() < (points[on_top] - middle).norm()) on_top = p;
+    }
+    Scene settled = scene_;
+    const EquilibriumSolver solver(scene_, {});
+    settled.settled = {solver.settled().u, solver.settled().p};
+    ASSERT_GT(settled.settled.u.lpNorm<Eigen::Infinity>(), 0.005);
+    pressed_ = place_at_rest(settled, on_top);
+    options_.contact->shell.region = [place = pressed_](const Vec3& at) {
+      return (at - place).norm() < 0.012;
+    };
+  }
+
+  static void expect_equal(const TouchToolSpace& a, const TouchToolSpace& b) {
+    EXPECT_EQ(a.modes, b.modes);
+    EXPECT_EQ(a.coefficients, b.coefficients);
+    ASSERT_EQ(a.configurations.size(), b.configurations.size());
+    for (std::size_t i = 0; i < a.configurations.size(); ++i) {
+      const ConfigurationSummary& c = a.configurations[i];
+      const ConfigurationSummary& d = b.configurations[i];
+      EXPECT_EQ(c.check_point, d.check_point);
+      EXPECT_EQ(std::memcmp(c.force.data(), d.force.data(), sizeof c.force), 0);
+      EXPECT_EQ(std::memcmp(c.stiffness.data(), d.stiffness.data(), sizeof c.stiffness), 0);
+      EXPECT_EQ(std::memcmp(&c.energy, &d.energy, sizeof c.energy), 0);
+    }
+  }
+
+  /// The same equilibria, to the solver's tolerance.
+  static void expect_alike(const TouchToolSpace& a, const TouchToolSpace& b) {
+    constexpr double kAgreement = 1e-7;
+    ASSERT_EQ(a.configurations.size(), b.configurations.size());
+    const double largest = largest_force(a.configurations);
+    for (std::size_t i = 0; i < a.configurations.size(); ++i) {
+      EXPECT_LE((a.configurations[i].force - b.configurations[i].force).norm(),
+                kAgreement * largest);
+    }
+  }
+
+  /// The surface of the space is that of the body at rest.
+  void expect_rest(const PrecomputeResult& result, const Equilibrium& rest) const {
+    EXPECT_LT((result.settled.u - rest.u).lpNorm<Eigen::Infinity>(), 1e-12);
+    const Surface& surface = result.space.surface;
+    for (Index p = 0; p < surface.num_points(); ++p) {
+      const Index point = surface.mesh_points[p];
+      const Vec3 place = scene_.mesh.points[point] + rest.u.segment<3>(3 * Eigen::Index{point});
+      EXPECT_LT((surface.points[p] - place).norm(), 1e-12);
+    }
+  }
+
+  std::unique_ptr<Communicator> world_ = test::make_world();
+  test::WorldFolder folder_{*world_};
+  std::unique_ptr<Communicator> serial_ = make_serial_communicator();
+  test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {4, 2, 2}});
+  Scene scene_;
+  Vec3 pressed_ = Vec3::Zero();
+  PrecomputeOptions options_;
+  Progress progress_;
+};
+
+TEST_F(GravitySpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
+  const PrecomputeResult parallel = run(*world_);
+  EXPECT_TRUE(parallel.report.complete);
+  if (world_->rank() != 0) return;
+  const PrecomputeResult serial = run(*serial_);
+  expect_equal(parallel.space.tool_spaces.front(), serial.space.tool_spaces.front());
+}
+
+// At displacements that were not computed, against the body under its weight itself.
+TEST_F(GravitySpace, GivesForceAndShapeOfTheBodyThatSags) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
+  const PrecomputeResult result = run(*world_);
+  EquilibriumSolver solver(scene_, {});
+  const NodalVector sag = solver.settled().u;
+  EXPECT_GT(sag.lpNorm<Eigen::Infinity>(), 0.5 * options_.half_width);
+  expect_rest(result, solver.settled());
+  const TouchToolSpace& space = result.space.tool_spaces.front();
+  EXPECT_EQ(space.setup.interaction.material_point,
+            scene_.mesh.points[block_.corner] + sag.segment<3>(3 * Eigen::Index{block_.corner}));
+  const auto interpolator = make_interpolator(Method::energy_hermite, space);
+  const DisplayField field(space);
+  Eigen::VectorXf coefficients(field.num_modes());
+  Eigen::VectorXf shown(space.modes.rows());
+  solver.set_interaction(*InteractionFactory(scene_).make(space.setup.interaction));
+  const Equilibrium rest = solver.rest();
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> share(-1, 1);
+  double largest_force = 0;
+  double force_error = 0;
+  double shape_error = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 t = options_.half_width * Vec3(share(random), share(random), share(random));
+    const Equilibrium exact = solver.solve(t, rest);
+    ASSERT_EQ(exact.outcome, Outcome::converged) << exact.message;
+    const TouchResult touch = interpolator->evaluate(t);
+    largest_force = std::max(largest_force, exact.reaction.norm());
+    force_error = std::max(force_error, (touch.force - exact.reaction).norm());
+    EXPECT_EQ(field.coefficients(t, coefficients.data()), Support::inside);
+    apply_modes(space.modes, coefficients.data(), shown.data());
+    for (Index p = 0; p < result.space.surface.num_points(); ++p) {
+      const Eigen::Index at = 3 * Eigen::Index{result.space.surface.mesh_points[p]};
+      const Vec3 from_rest = (exact.u - sag).segment<3>(at);
+      shape_error = std::max(
+          shape_error, (from_rest - shown.segment<3>(3 * Eigen::Index{p}).cast<double>()).norm());
+    }
+  }
+  // The bounds are those that the same body without weight keeps.
+  EXPECT_LT(force_error, 0.002 * largest_force);
+  EXPECT_LT(shape_error, 0.01 * options_.half_width);
+  EXPECT_LT(interpolator->evaluate(Vec3::Zero()).force.norm(), 1e-7 * largest_force);
+}
+
+TEST_F(GravitySpace, GoesOnFromItsFileAndNoOtherBodyForceDoes) {
+  options_.keep = Keep::all;
+  const PrecomputeResult whole = run(*world_);
+  options_.file = folder_ / "space.palpate";
+  progress_ = [](const ProgressState& state) { return state.share() < 0.5; };
+  EXPECT_FALSE(run(*world_).report.complete);
+  progress_ = nullptr;
+  const PrecomputeResult rest = run(*world_);
+  EXPECT_TRUE(rest.report.complete);
+  EXPECT_GT(rest.report.num_reused, 0);
+  if (world_->rank() == 0) {
+    expect_equal(rest.space.tool_spaces.front(), whole.space.tool_spaces.front());
+    const StateSpaceFile file = StateSpaceFile::open_read_only(options_.file);
+    const Scene read = file.read_scene();
+    EXPECT_EQ(hash(read), hash(scene_));
+    EXPECT_EQ(read.body_force, kGravity);
+    EXPECT_EQ(read.densities, scene_.densities);
+    EXPECT_EQ(read.settled.u, whole.settled.u);
+    const TouchSpace touched = make_touch_space(file);
+    EXPECT_EQ(touched.surface.points, whole.space.surface.points);
+    expect_equal(touched.tool_spaces.front(), whole.space.tool_spaces.front());
+  }
+  const Scene right = scene_;
+  for (const Vec3& other : {Vec3(0, 0, -9.81), Vec3(0, 0, 0)}) {
+    scene_ = heavy(block_.scene, 400, other);
+    EXPECT_NE(error().find("another scene"), std::string::npos) << error();
+    EXPECT_NE(error().find("BodyForce"), std::string::npos) << error();
+  }
+  scene_ = heavy(block_.scene, 300);
+  EXPECT_NE(error().find("another scene"), std::string::npos);
+  scene_ = right;
+  EXPECT_EQ(run(*world_).report.num_solved, 0);
+  if (world_->rank() == 0) {
+    const sqlite::Database database(options_.file, sqlite::Access::read_write);
+    database.execute("UPDATE body_force SET checksum = checksum + 1");
+  }
+  agree(*world_, [] {});
+  EXPECT_NE(error().find("damaged"), std::string::npos) << error();
+}
+
+// What is left of the fields is brought back to equilibria of the body that sags.
+TEST_F(GravitySpace, AFinishedSpaceIsEnlarged) {
+  const PrecomputeResult whole = run(*world_);
+  for (const Keep keep : {Keep::touch, Keep::surface}) {
+    options_.keep = keep;
+    options_.file = folder_ / (std::string(name_of(keep)) + ".palpate");
+    options_.half_width = 0.005;
+    options_.resolution = 3;
+    EXPECT_TRUE(run(*world_).report.complete);
+    options_.half_width = 0.01;
+    options_.resolution = 5;
+    const PrecomputeResult larger = run(*world_);
+    EXPECT_EQ(larger.report.num_reused, 27);
+    EXPECT_EQ(larger.report.num_not_reached, 0);
+    if (world_->rank() != 0) continue;
+    expect_alike(larger.space.tool_spaces.front(), whole.space.tool_spaces.front());
+    EXPECT_LE(larger.space.displacement_error,
+              2 * kDefaultTouchBound * larger.space.largest_displacement);
+  }
+}
+
+TEST_F(GravitySpace, OfMixedCellsHasThePressuresOfTheRest) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
+  block_ = test::make_block(Law::neo_hookean, {ElementOrder::linear, {3, 2, 2}, 0.1, 3000, 0.495});
+  scene_ = heavy(block_.scene, 400);
+  options_.active_nodes = {block_.corner};
+  options_.resolution = 3;
+  options_.keep = Keep::all;
+  options_.file = folder_ / "space.palpate";
+  const PrecomputeResult result = run(*world_);
+  EXPECT_GT(result.settled.p.lpNorm<Eigen::Infinity>(), 0);
+  FieldCache fields(options_.file, result.space.scene_hash);
+  EXPECT_EQ(fields.read_scene().settled.p, result.settled.p);
+  const TouchToolSpace& space = result.space.tool_spaces.front();
+  EquilibriumSolver solver(scene_, {});
+  solver.set_interaction(*InteractionFactory(scene_).make(space.setup.interaction));
+  const Vec3 t(0.01, 0, 0);
+  const Equilibrium exact = solver.solve(t, solver.rest());
+  ASSERT_EQ(exact.outcome, Outcome::converged);
+  NodalVector u;
+  NodalVector p;
+  EXPECT_EQ(BodyField(space).evaluate(t, fields, Keep::all, u, p), Support::inside);
+  EXPECT_LT((u + result.settled.u - exact.u).norm(), 1e-6 * exact.u.norm());
+  EXPECT_LT((p + result.settled.p - exact.p).norm(), 1e-6 * exact.p.norm());
+}
+
+TEST_F(GravitySpace, ARigidToolPressesTheBodyThatSags) {
+  press();
+  options_.keep = Keep::all;
+  options_.file = folder_ / "space.palpate";
+  const PrecomputeResult result = run(*world_);
+  EXPECT_TRUE(result.report.complete);
+  EXPECT_EQ(result.report.num_not_reached, 0);
+  if (world_->rank() != 0) return;
+  EquilibriumSolver solver(scene_, {});
+  expect_rest(result, solver.settled());
+  Scene settled = scene_;
+  settled.settled = result.settled;
+  const TouchToolSpace& space = result.space.tool_spaces.front();
+  const auto interpolator = make_interpolator(Method::energy_hermite, space);
+  const BodyField field(space, interpolator->grid());
+  FieldCache fields(options_.file, result.space.scene_hash);
+  InteractionFactory tools(settled);
+  const InteractionSpec& spec = space.setup.interaction;
+  const auto clearance = tools.clearance(spec);
+  solver.set_interaction(*tools.make(spec));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> share(-1, 1);
+  double largest = 0;
+  double force_error = 0;
+  double shape_error = 0;
+  double shape = 0;
+  int num_pressed = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Vec3 q = pressed_ + Vec3(0.01 * share(random), 0.01 * share(random),
+                                   0.0125 + 0.0075 * share(random));
+    const auto approach = clearance->approach(q);
+    if (approach.depth > options_.contact->shell.depth ||
+        !options_.contact->shell.region(approach.touched)) {
+      continue;
+    }
+    const TouchResult touch = interpolator->evaluate(q);
+    const Equilibrium exact = solver.solve(q, solver.rest(clearance->start_for(q)));
+    ASSERT_EQ(exact.outcome, Outcome::converged);
+    largest = std::max(largest, exact.reaction.norm());
+    force_error = std::max(force_error, (exact.reaction - touch.force).norm());
+    NodalVector u;
+    NodalVector p;
+    if (field.evaluate(q, fields, Keep::all, u, p) == Support::none) u = 0 * exact.u;
+    shape_error = std::max(shape_error, (u + result.settled.u - exact.u).norm());
+    shape = std::max(shape, (exact.u - result.settled.u).norm());
+    if (approach.depth > 0) ++num_pressed;
+  }
+  EXPECT_GT(num_pressed, 10);
+  // The bounds are those of the body without weight.
+  EXPECT_LT(force_error, 0.02 * largest);
+  EXPECT_LT(shape_error, 0.05 * shape);
+  // Where the tool is clear of the body as it sags, though not of its mesh.
+  Vec3 away = pressed_;
+  while (clearance->clearance(away) <= 0) away.z() += 0.0005;
+  EXPECT_LT(InteractionFactory(scene_).clearance(spec)->clearance(away), 0);
+  EXPECT_LT(interpolator->evaluate(away).force.norm(), 0.02 * largest);
+}
+
+TEST_F(GravitySpace, ARigidToolGoesOnFromItsFile) {
+  press();
+  options_.contact->spacing = 0.0075;
+  const PrecomputeResult whole = run(*world_);
+  options_.file = folder_ / "space.palpate";
+  progress_ = [](const ProgressState& state) { return state.num_solved < 20; };
+  EXPECT_FALSE(run(*world_).report.complete);
+  progress_ = nullptr;
+  const PrecomputeResult rest = run(*world_);
+  EXPECT_TRUE(rest.report.complete);
+  EXPECT_GT(rest.report.num_reused, 0);
+  if (world_->rank() == 0) {
+    expect_alike(rest.space.tool_spaces.front(), whole.space.tool_spaces.front());
+  }
+}
+
+TEST_F(GravitySpace, ABodyWithoutDensityOrRestIsOneClearError) {
+  options_.file = folder_ / "space.palpate";
+  scene_ = heavy(block_.scene, 0);
+  EXPECT_NE(error().find("no density"), std::string::npos) << error();
+  scene_ = heavy(block_.scene, 1e6);
+  EXPECT_NE(error().find("finds no rest"), std::string::npos) << error();
+  EXPECT_NE(error().find("BodyForce"), std::string::npos) << error();
+  EXPECT_FALSE(fs::exists(options_.file));
+}
+
+TEST(HashOfGravity, TakesInForceAndDensitiesWhereThereIsOne) {
+  const Scene scene = test::make_block(Law::neo_hookean, {ElementOrder::linear, {2, 1, 1}}).scene;
+  EXPECT_EQ(hash(heavy(scene, 400, Vec3::Zero())), hash(scene));
+  const std::string one = hash(heavy(scene, 400));
+  EXPECT_NE(one, hash(scene));
+  EXPECT_NE(one, hash(heavy(scene, 401)));
+  EXPECT_NE(one, hash(heavy(scene, 400, Vec3(0, 0, -9.81))));
+  EXPECT_EQ(one, hash(heavy(scene, 400)));
+}
+
+}  // namespace
+}  // namespace palpate
