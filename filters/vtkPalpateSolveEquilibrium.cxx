@@ -302,8 +302,7 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
       // The tool starts where it is clear of the body as it lies.
       palpate::Scene settled = scene;
       settled.settled = { rest.u, rest.p };
-      const palpate::Scene shape = palpate::shape_at_rest(settled);
-      start = palpate::ToolClearance(shape, palpate::make_contact(shape, route.Rigid))
+      start = palpate::ToolClearance(settled, palpate::make_contact(settled, route.Rigid))
                 .start_for(route.End);
     }
   }

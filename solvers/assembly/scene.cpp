@@ -61,15 +61,6 @@ Vec3 place_at_rest(const Scene& scene, Index point) {
   return place + scene.settled.u.segment<3>(3 * Eigen::Index{point});
 }
 
-Scene shape_at_rest(const Scene& scene) {
-  Scene shape = scene;
-  shape.mesh.points = points_at_rest(scene);
-  shape.body_force.setZero();
-  shape.densities.clear();
-  shape.settled = {};
-  return shape;
-}
-
 void check(Scene& scene) {
   check_and_orient(scene.mesh);
   if (scene.materials.empty()) {

@@ -55,8 +55,6 @@ struct Scene {
 /// [num_points], m.
 [[nodiscard]] std::vector<Vec3> points_at_rest(const Scene& scene);
 [[nodiscard]] Vec3 place_at_rest(const Scene& scene, Index point);
-/// The scene with its mesh as it is at rest. It is a shape alone: it has no body force.
-[[nodiscard]] Scene shape_at_rest(const Scene& scene);
 
 /// Checks the mesh (and orients its cells), the sizes of the arrays, that some point is fixed, and
 /// the body force.

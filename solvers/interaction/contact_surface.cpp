@@ -137,13 +137,13 @@ ContactSurface::ContactSurface(const Scene& scene,
   }
 }
 
-std::vector<Vec3> ContactSurface::places_at_rest() const {
+std::vector<Vec3> ContactSurface::places(const std::vector<Vec3>& points) const {
   std::vector<Vec3> places;
   places.reserve(weights_.size());
   Eigen::Matrix3Xd nodes(3, nodes_per_face_);
   for (Index f = 0; f < num_faces(); ++f) {
     const Face of = face(f);
-    for (int a = 0; a < nodes_per_face_; ++a) nodes.col(a) = points_[of.nodes[a]];
+    for (int a = 0; a < nodes_per_face_; ++a) nodes.col(a) = points[of.nodes[a]];
     for (Eigen::Index i = 0; i < of.shape->rows(); ++i) {
       places.emplace_back(nodes * of.shape->row(i).transpose());
     }

@@ -54,8 +54,9 @@ class ContactSurface {
   }
   /// The places of all points of the mesh at rest, m.
   [[nodiscard]] const std::vector<Vec3>& points() const { return points_; }
-  /// The places at rest at which contact is integrated, m.
-  [[nodiscard]] std::vector<Vec3> places_at_rest() const;
+  /// The places at which contact is integrated, m.
+  /// @param points The places of all points of the mesh, m.
+  [[nodiscard]] std::vector<Vec3> places(const std::vector<Vec3>& points) const;
 
  private:
   /// @param divisions_for The number of parts of an edge of a face whose longest is that long, m.

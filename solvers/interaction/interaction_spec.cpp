@@ -44,11 +44,7 @@ InteractionFactory::Rigid& InteractionFactory::rigid(const InteractionSpec& spec
 
 std::shared_ptr<const ToolClearance> InteractionFactory::clearance(const InteractionSpec& spec) {
   Rigid& of = rigid(spec);
-  if (of.clearance != nullptr) return of.clearance;
-  if (scene_.has_body_force()) {
-    const Scene shape = shape_at_rest(scene_);
-    of.clearance = std::make_shared<const ToolClearance>(shape, make_contact(shape, spec.tool));
-  } else {
+  if (of.clearance == nullptr) {
     of.clearance = std::make_shared<const ToolClearance>(scene_, of.contact);
   }
   return of.clearance;

@@ -30,9 +30,9 @@ std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
 ToolClearance::ToolClearance(const Scene& scene, const RigidContact& contact)
     : shape_(contact.shape_ptr()),
       margin_(contact.law().thickness + 2 * shape_->error()),
-      body_(scene.mesh.points, boundary_triangles(scene.mesh)),
+      body_(points_at_rest(scene), boundary_triangles(scene.mesh)),
       balls_(shape_->balls()),
-      points_(contact.surface().places_at_rest()),
+      points_(contact.surface().places(points_at_rest(scene))),
       tree_(boxes_of(points_)) {
   const double tool = 2 * shape_->bounding_radius();
   const double body = body_.bounds().diagonal().norm();

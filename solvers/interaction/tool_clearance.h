@@ -16,6 +16,7 @@ namespace palpate {
 
 class ToolClearance {
  public:
+  /// @param scene With its body at rest, where it has a body force. @param contact With its body.
   /// @throws InputError the tool is larger than the body.
   ToolClearance(const Scene& scene, const RigidContact& contact);
 

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <random>
 #include <string>
 
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
 #include "exploration/precompute.h"
+#include "interaction/interaction_spec.h"
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
@@ -325,6 +327,36 @@ TEST_F(GravitySpace, ARigidToolPressesTheBodyThatSags) {
   while (clearance->clearance(away) <= 0) away.z() += 0.0005;
   EXPECT_LT(InteractionFactory(scene_).clearance(spec)->clearance(away), 0);
   EXPECT_LT(interpolator->evaluate(away).force.norm(), 0.02 * largest);
+}
+
+TEST_F(GravitySpace, AToolThatIsJustClearOfTheBodyThatSagsTouchesNothing) {
+  if (test::is_repetition(*world_)) GTEST_SKIP() << "it is the same on any number of ranks";
+  block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {4, 2, 2}});
+  Scene settled = heavy(block_.scene, 400);
+  EquilibriumSolver solver(settled, {});
+  settled.settled = {solver.settled().u, solver.settled().p};
+  ASSERT_GT(settled.settled.u.lpNorm<Eigen::Infinity>(), 0.01);
+  RigidTool tool;
+  tool.radius = 0.015;
+  InteractionFactory tools(settled);
+  const InteractionSpec spec = rigid_contact_spec(with_defaults(tool, settled));
+  solver.set_interaction(*tools.make(spec));
+  const auto clearance = tools.clearance(spec);
+  int num_tested = 0;
+  for (Index p = 0; p < settled.mesh.num_points(); ++p) {
+    const Vec3 on_body = place_at_rest(settled, p);
+    const std::optional<Vec3> start = clearance->find_start(on_body);
+    if (!start) continue;
+    Vec3 touches = on_body;
+    Vec3 clear = *start;
+    for (int i = 0; i < 30; ++i) {
+      const Vec3 middle = 0.5 * (touches + clear);
+      (clearance->clearance(middle) > 0 ? clear : touches) = middle;
+    }
+    EXPECT_NO_THROW((void)solver.rest(clear)) << clear.transpose();
+    ++num_tested;
+  }
+  EXPECT_GT(num_tested, 50);
 }
 
 TEST_F(GravitySpace, ARigidToolGoesOnFromItsFile) {
