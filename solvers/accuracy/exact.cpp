@@ -373,9 +373,7 @@ ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSet
                                                  choose_tangent_solver(asked, threads));
   });
   std::optional<Scene> settled;
-  const Scene& scene = asked.has_body_force()
-                           ? settled.emplace(settle(asked, *solver, options.file, communicator))
-                           : asked;
+  const Scene& scene = settle(asked, *solver, options.file, communicator, settled);
   InteractionFactory tools(scene);
   Packer drawn;
   agree(communicator, [&] {

@@ -242,9 +242,7 @@ PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
     });
   });
   std::optional<Scene> settled;
-  const Scene& scene = asked.has_body_force()
-                           ? settled.emplace(settle(asked, *solver, options.file, communicator))
-                           : asked;
+  const Scene& scene = settle(asked, *solver, options.file, communicator, settled);
   result.settled = scene.settled;
   InteractionFactory tools(scene);
   std::optional<InteractionSolver> state_solver;

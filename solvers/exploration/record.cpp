@@ -48,7 +48,7 @@ ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& set
   return task;
 }
 
-/// As fields are reduced.
+/// What fields are reduced: those that count from the body at rest.
 Configuration from_rest(const Scene& scene, Configuration configuration) {
   count_from_rest(scene.settled, configuration);
   return configuration;
@@ -323,11 +323,12 @@ class FileRecord final : public Record {
     return whole;
   }
 
+  /// As fields are reduced.
   [[nodiscard]] Configuration load(const StateKey& key) const {
     ConfigurationSummary summary;
     summary.check_point = key.check_point;
     summary.level = key.level;
-    return load(key.tool_space, summary);
+    return from_rest(scene_, load(key.tool_space, summary));
   }
 
   /// The file has all fields, those of other tool spaces too.
@@ -341,8 +342,8 @@ class FileRecord final : public Record {
       whole = list_whole(setups);
     });
     TouchSpace result = assemble(
-        scene_, setups, std::move(parts), whole,
-        [this](const StateKey& key) { return from_rest(scene_, load(key)); }, bound, communicator_);
+        scene_, setups, std::move(parts), whole, [this](const StateKey& key) { return load(key); },
+        bound, communicator_);
     files_.merge();
     agree(communicator_, [&] {
       if (communicator_.rank() != 0) return;
@@ -401,7 +402,7 @@ class FileRecord final : public Record {
       task.keep = keep;
       task.bound = bound;
       task.points = kept_points(scene_.mesh, make_surface(scene_.mesh), keep);
-      task.load = [this](const StateKey& key) { return from_rest(scene_, load(key)); };
+      task.load = [this](const StateKey& key) { return load(key); };
       std::map<ToolSpaceId, std::vector<StateKey>> of_spaces;
       for (const auto& [key, holder] : task.holders) of_spaces[key.tool_space].push_back(key);
       for (std::size_t s = 0; s < setups_.size(); ++s) {

@@ -34,16 +34,18 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
 
 }  // namespace
 
-Scene settle(const Scene& scene, const EquilibriumSolver& solver, const std::filesystem::path& file,
-             Communicator& communicator) {
+const Scene& settle(const Scene& scene, const EquilibriumSolver& solver,
+                    const std::filesystem::path& file, Communicator& communicator,
+                    std::optional<Scene>& settled) {
+  if (!scene.has_body_force()) return scene;
   Packer mine;
   agree(communicator, [&] {
     if (communicator.rank() == 0) mine.put(find_rest(scene, solver, file));
   });
   const std::vector<Bytes> all = communicator.all_gather(mine.take());
-  Scene result = scene;
-  result.settled = Unpacker(all.front()).take<SettledBody>();
-  return result;
+  settled = scene;
+  settled->settled = Unpacker(all.front()).take<SettledBody>();
+  return *settled;
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "assembly/scene.h"
 #include "equilibrium/equilibrium.h"
@@ -11,13 +12,15 @@
 
 namespace palpate {
 
-/// The scene, which has a body force, with its body at rest.
+/// The scene with its body at rest: that which is given, where it has no body force.
 /// @param solver Of the scene, on each rank.
 /// @param file If it is there and of this scene, the rest is that of the file: runs that differ in
 ///   rounding agree on it. Empty: there is none.
+/// @param settled Holds the scene, where it has a body force.
 /// @throws InputError the body finds no rest, or was aborted before it had found it.
 /// @note Collective
-[[nodiscard]] Scene settle(const Scene& scene, const EquilibriumSolver& solver,
-                           const std::filesystem::path& file, Communicator& communicator);
+[[nodiscard]] const Scene& settle(const Scene& scene, const EquilibriumSolver& solver,
+                                  const std::filesystem::path& file, Communicator& communicator,
+                                  std::optional<Scene>& settled);
 
 }  // namespace palpate

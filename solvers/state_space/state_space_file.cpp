@@ -160,15 +160,11 @@ Database open_to_read(const fs::path& path) {
   return {path, Access::read_only};
 }
 
-template <class T>
-void bind_array(Statement& statement, const std::vector<T>& values) {
-  statement.bind(values.empty() ? nullptr : static_cast<const void*>(values.data()),
-                 values.size() * sizeof(T));
-}
-
-void bind_vector(Statement& statement, const Eigen::VectorXd& values) {
-  statement.bind(values.size() == 0 ? nullptr : values.data(),
-                 static_cast<std::size_t>(values.size()) * sizeof(double));
+/// @tparam Values std::vector or Eigen::VectorXd.
+template <class Values>
+void bind_array(Statement& statement, const Values& values) {
+  statement.bind(values.size() == 0 ? nullptr : static_cast<const void*>(values.data()),
+                 static_cast<std::size_t>(values.size()) * sizeof(typename Values::value_type));
 }
 
 Eigen::VectorXd take_vector(Statement& statement) {
@@ -287,8 +283,8 @@ void write_body_force(const Database& database, const Scene& scene) {
   Statement insert(database, "INSERT INTO body_force VALUES (1, ?, ?, ?, ?, ?)");
   insert.bind(scene.body_force.data(), 3 * sizeof(double));
   bind_array(insert, scene.densities);
-  bind_vector(insert, scene.settled.u);
-  bind_vector(insert, scene.settled.p);
+  bind_array(insert, scene.settled.u);
+  bind_array(insert, scene.settled.p);
   insert.bind(rows::checksum(scene.settled));
   insert.run();
 }
