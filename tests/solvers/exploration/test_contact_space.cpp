@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -13,6 +12,7 @@
 #include "exploration/precompute.h"
 #include "exploration/state_solver.h"
 #include "interpolation/interpolator.h"
+#include "solvers/exploration/equal_spaces.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/world_folder.h"
@@ -23,24 +23,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using test::expect_equal;
+
 constexpr double kRadius = 0.015;
 constexpr double kDepth = 0.006;
-
-/// What is touched is equal to the bit; the times are not compared.
-void expect_equal(const TouchToolSpace& a, const TouchToolSpace& b) {
-  ASSERT_EQ(a.configurations.size(), b.configurations.size());
-  for (std::size_t i = 0; i < a.configurations.size(); ++i) {
-    ConfigurationSummary c = a.configurations[i];
-    ConfigurationSummary d = b.configurations[i];
-    EXPECT_EQ(c.check_point, d.check_point);
-    EXPECT_EQ(c.parent, d.parent);
-    EXPECT_EQ(c.outcome, d.outcome);
-    EXPECT_EQ(c.flags, d.flags);
-    EXPECT_EQ(std::memcmp(c.force.data(), d.force.data(), sizeof c.force), 0);
-    EXPECT_EQ(std::memcmp(c.stiffness.data(), d.stiffness.data(), sizeof c.stiffness), 0);
-    EXPECT_EQ(std::memcmp(&c.energy, &d.energy, sizeof c.energy), 0);
-  }
-}
 
 /// The same configurations were found, from starts of which one's were read from a file: there they
 /// are of single precision, so that the solver ends within its tolerance of the same.

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
@@ -17,6 +17,7 @@
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
+#include "solvers/exploration/equal_spaces.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/world_folder.h"
@@ -28,6 +29,8 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+
+using test::expect_equal;
 
 const Vec3 kGravity(1, 0, -9.81);
 
@@ -50,6 +53,17 @@ class GravitySpace : public testing::Test {
 
   PrecomputeResult run(Communicator& communicator) const {
     return precompute(scene_, options_, communicator, progress_);
+  }
+
+  /// A run that ends before it is complete, and what another one makes of its file.
+  PrecomputeResult run_in_two(Progress first) {
+    progress_ = std::move(first);
+    EXPECT_FALSE(run(*world_).report.complete);
+    progress_ = nullptr;
+    PrecomputeResult rest = run(*world_);
+    EXPECT_TRUE(rest.report.complete);
+    EXPECT_GT(rest.report.num_reused, 0);
+    return rest;
   }
 
   /// The message of the error that a run ends with.
@@ -85,20 +99,6 @@ class GravitySpace : public testing::Test {
     options_.contact->shell.region = [place = pressed_](const Vec3& at) {
       return (at - place).norm() < 0.012;
     };
-  }
-
-  static void expect_equal(const TouchToolSpace& a, const TouchToolSpace& b) {
-    EXPECT_EQ(a.modes, b.modes);
-    EXPECT_EQ(a.coefficients, b.coefficients);
-    ASSERT_EQ(a.configurations.size(), b.configurations.size());
-    for (std::size_t i = 0; i < a.configurations.size(); ++i) {
-      const ConfigurationSummary& c = a.configurations[i];
-      const ConfigurationSummary& d = b.configurations[i];
-      EXPECT_EQ(c.check_point, d.check_point);
-      EXPECT_EQ(std::memcmp(c.force.data(), d.force.data(), sizeof c.force), 0);
-      EXPECT_EQ(std::memcmp(c.stiffness.data(), d.stiffness.data(), sizeof c.stiffness), 0);
-      EXPECT_EQ(std::memcmp(&c.energy, &d.energy, sizeof c.energy), 0);
-    }
   }
 
   /// The same equilibria, to the solver's tolerance.
@@ -138,7 +138,7 @@ TEST_F(GravitySpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
   EXPECT_TRUE(parallel.report.complete);
   if (world_->rank() != 0) return;
   const PrecomputeResult serial = run(*serial_);
-  expect_equal(parallel.space.tool_spaces.front(), serial.space.tool_spaces.front());
+  expect_equal(parallel.space, serial.space);
 }
 
 // At displacements that were not computed, against the body under its weight itself.
@@ -189,14 +189,10 @@ TEST_F(GravitySpace, GoesOnFromItsFileAndNoOtherBodyForceDoes) {
   options_.keep = Keep::all;
   const PrecomputeResult whole = run(*world_);
   options_.file = folder_ / "space.palpate";
-  progress_ = [](const ProgressState& state) { return state.share() < 0.5; };
-  EXPECT_FALSE(run(*world_).report.complete);
-  progress_ = nullptr;
-  const PrecomputeResult rest = run(*world_);
-  EXPECT_TRUE(rest.report.complete);
-  EXPECT_GT(rest.report.num_reused, 0);
+  const PrecomputeResult rest =
+      run_in_two([](const ProgressState& state) { return state.share() < 0.5; });
   if (world_->rank() == 0) {
-    expect_equal(rest.space.tool_spaces.front(), whole.space.tool_spaces.front());
+    expect_equal(rest.space, whole.space);
     const StateSpaceFile file = StateSpaceFile::open_read_only(options_.file);
     const Scene read = file.read_scene();
     EXPECT_EQ(hash(read), hash(scene_));
@@ -205,7 +201,7 @@ TEST_F(GravitySpace, GoesOnFromItsFileAndNoOtherBodyForceDoes) {
     EXPECT_EQ(read.settled.u, whole.settled.u);
     const TouchSpace touched = make_touch_space(file);
     EXPECT_EQ(touched.surface.points, whole.space.surface.points);
-    expect_equal(touched.tool_spaces.front(), whole.space.tool_spaces.front());
+    expect_equal(touched, whole.space);
   }
   const Scene right = scene_;
   for (const Vec3& other : {Vec3(0, 0, -9.81), Vec3(0, 0, 0)}) {
@@ -364,12 +360,8 @@ TEST_F(GravitySpace, ARigidToolGoesOnFromItsFile) {
   options_.contact->spacing = 0.0075;
   const PrecomputeResult whole = run(*world_);
   options_.file = folder_ / "space.palpate";
-  progress_ = [](const ProgressState& state) { return state.num_solved < 20; };
-  EXPECT_FALSE(run(*world_).report.complete);
-  progress_ = nullptr;
-  const PrecomputeResult rest = run(*world_);
-  EXPECT_TRUE(rest.report.complete);
-  EXPECT_GT(rest.report.num_reused, 0);
+  const PrecomputeResult rest =
+      run_in_two([](const ProgressState& state) { return state.num_solved < 20; });
   if (world_->rank() == 0) {
     expect_alike(rest.space.tool_spaces.front(), whole.space.tool_spaces.front());
   }

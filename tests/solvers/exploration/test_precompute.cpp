@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -14,6 +13,7 @@
 #include "equilibrium/tangent_solver.h"
 #include "exploration/precompute.h"
 #include "interaction/bonded_patch.h"
+#include "solvers/exploration/equal_spaces.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
@@ -25,51 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool same_bits(const double* a, const double* b, std::size_t count) {
-  return std::memcmp(a, b, count * sizeof(double)) == 0;
-}
-
-/// What is touched is equal to the bit; the times are not compared.
-void expect_equal(const TouchSpace& a, const TouchSpace& b) {
-  EXPECT_EQ(a.scene_hash, b.scene_hash);
-  ASSERT_EQ(a.tool_spaces.size(), b.tool_spaces.size());
-  for (std::size_t s = 0; s < a.tool_spaces.size(); ++s) {
-    const TouchToolSpace& x = a.tool_spaces[s];
-    const TouchToolSpace& y = b.tool_spaces[s];
-    EXPECT_EQ(x.modes, y.modes);
-    EXPECT_EQ(x.coefficients, y.coefficients);
-    EXPECT_EQ(x.coefficient_gradients, y.coefficient_gradients);
-    ASSERT_EQ(x.configurations.size(), y.configurations.size());
-    for (std::size_t i = 0; i < x.configurations.size(); ++i) {
-      const ConfigurationSummary& c = x.configurations[i];
-      const ConfigurationSummary& d = y.configurations[i];
-      EXPECT_EQ(c.check_point, d.check_point);
-      EXPECT_EQ(c.parent, d.parent);
-      EXPECT_EQ(c.outcome, d.outcome);
-      EXPECT_EQ(c.flags, d.flags);
-      EXPECT_EQ(c.iterations, d.iterations);
-      EXPECT_TRUE(same_bits(c.force.data(), d.force.data(), 3));
-      EXPECT_TRUE(same_bits(c.stiffness.data(), d.stiffness.data(), 9));
-      EXPECT_TRUE(same_bits(&c.energy, &d.energy, 1));
-      EXPECT_EQ(c.has_third_derivative(), d.has_third_derivative());
-      if (c.has_third_derivative()) {
-        EXPECT_TRUE(same_bits(c.third_derivative.data(), d.third_derivative.data(), 10));
-      }
-    }
-    ASSERT_EQ(x.intermediate_states.size(), y.intermediate_states.size());
-    for (std::size_t i = 0; i < x.intermediate_states.size(); ++i) {
-      const IntermediateState& c = x.intermediate_states[i];
-      const IntermediateState& d = y.intermediate_states[i];
-      EXPECT_EQ(c.target, d.target);
-      EXPECT_EQ(c.number, d.number);
-      EXPECT_EQ(c.outcome, d.outcome);
-      EXPECT_EQ(c.flags, d.flags);
-      EXPECT_TRUE(same_bits(c.t.data(), d.t.data(), 3));
-      EXPECT_TRUE(same_bits(c.force.data(), d.force.data(), 3));
-      EXPECT_TRUE(same_bits(&c.energy, &d.energy, 1));
-    }
-  }
-}
+using test::expect_equal;
 
 class Precompute : public testing::Test {
  protected:
