@@ -220,8 +220,8 @@ palpate::Scene vtkPalpateSceneFromGrid(vtkUnstructuredGrid* grid, const palpate:
     return vtkPalpateSceneFromGrid(grid);
   }
   std::vector<palpate::Rheology> rheologies;
-  const palpate::Scene unloaded = vtkPalpateSceneFromGrid(grid, rheologies);
-  palpate::Scene scene = palpate::with_gravity(unloaded, rheologies, bodyForce);
+  palpate::Scene scene = vtkPalpateSceneFromGrid(grid, rheologies);
+  scene = palpate::with_gravity(std::move(scene), rheologies, bodyForce);
   palpate::check(scene);
   return scene;
 }
