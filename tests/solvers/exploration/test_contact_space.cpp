@@ -15,6 +15,7 @@
 #include "solvers/exploration/equal_spaces.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
@@ -66,12 +67,7 @@ class ContactSpace : public testing::Test {
 
   /// The message of the error that a run ends with.
   std::string error() const {
-    try {
-      (void)run(*world_);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return {};
+    return test::message_of([&] { (void)run(*world_); });
   }
 
   void expect_right_forces() {

@@ -20,6 +20,7 @@
 #include "solvers/exploration/equal_spaces.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
 #include "state_space/field_cache.h"
 #include "state_space/sqlite.h"
@@ -68,12 +69,7 @@ class GravitySpace : public testing::Test {
 
   /// The message of the error that a run ends with.
   std::string error() const {
-    try {
-      (void)run(*world_);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return {};
+    return test::message_of([&] { (void)run(*world_); });
   }
 
   /// A rigid tool on the middle of the top.

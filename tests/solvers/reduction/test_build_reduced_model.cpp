@@ -17,6 +17,7 @@
 #include "reduction/training.h"
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
+#include "solvers/support/message_of.h"
 
 namespace palpate {
 namespace {
@@ -294,21 +295,12 @@ TEST(HyperReduction, ItsWeightsStandForAllPointsOnTheTrainingStates) {
                InputError);
 }
 
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   const test::Block block = make_block(Law::neo_hookean);
   const std::vector<BondedPatch> tools = patches_of(block, 1);
   const auto build = [&](const Scene& scene, const std::vector<Rheology>& rheologies,
                          const std::vector<BondedPatch>& of, ReductionOptions options) {
-    return message_of([&] { (void)build_reduced_model(scene, rheologies, of, options); });
+    return test::message_of([&] { (void)build_reduced_model(scene, rheologies, of, options); });
   };
   const ReductionOptions options = small_options(5);
   EXPECT_NE(build(block.scene, {dense()}, {}, options).find("tool"), std::string::npos);
@@ -349,7 +341,7 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   for (const auto& [name, change] : out_of_range) {
     ReductionOptions changed = options;
     change(changed);
-    EXPECT_NE(message_of([&] { validate(changed); }).find(name), std::string::npos) << name;
+    EXPECT_NE(test::message_of([&] { validate(changed); }).find(name), std::string::npos) << name;
   }
 }
 
