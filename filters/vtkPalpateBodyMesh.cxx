@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <set>
+#include <sstream>
 #include <utility>
 
 #include "vtkBoundingBox.h"
@@ -17,27 +17,24 @@
 #include "vtkImplicitFunction.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
-#include "vtkPalpateSurfaceShells.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
+#include "vtkTetra.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
 {
 using Tetrahedron = std::array<vtkIdType, 4>;
-using Triangle = std::array<vtkIdType, 3>;
 
 /// In VTK's order of the points 4 to 9 of a quadratic tetrahedron.
 constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 2, 0 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-constexpr int Faces[4][3] = { { 0, 1, 2 }, { 0, 1, 3 }, { 1, 2, 3 }, { 2, 0, 3 } };
 
 /// What palpate-tetgen gives, taken apart.
 struct Mesh
 {
   std::vector<Tetrahedron> Tetrahedra;
-  std::vector<int> Regions;                       ///< TetGen's number for each
-  std::vector<std::pair<Triangle, int>> Boundary; ///< ascending corners, part of the surface
+  std::vector<int> Regions; ///< TetGen's number for each
   vtkPoints* Points;
 
   explicit Mesh(vtkUnstructuredGrid* grid)
@@ -54,27 +51,25 @@ struct Mesh
         Tetrahedra.push_back({ ids[0], ids[1], ids[2], ids[3] });
         Regions.push_back(marker->GetValue(i));
       }
-      else
-      {
-        Triangle triangle = { ids[0], ids[1], ids[2] };
-        std::sort(triangle.begin(), triangle.end());
-        // Markers count from 1: TetGen takes 0 for "none".
-        Boundary.emplace_back(triangle, marker->GetValue(i) - 1);
-      }
     }
-    std::sort(Boundary.begin(), Boundary.end());
   }
 };
 
+/// Triangles between the same two compartments are of one kind: where they lie in one plane, TetGen
+/// may cut it into others.
 vtkSmartPointer<vtkPolyData> ToTetGen(
-  const vtkPalpateSurface& surface, const vtkPalpateShells& shells)
+  const vtkPalpateSurface& walls, const vtkPalpateCompartments& compartments)
 {
-  auto polydata = vtkPalpateSurfaceToPolyData(surface);
+  auto polydata = vtkPalpateSurfaceToPolyData(walls);
+  std::map<std::array<int, 2>, int> kinds;
   vtkNew<vtkIntArray> marker;
   marker->SetName("Marker");
-  for (const int shell : shells.OfTriangle)
+  for (const auto& sides : compartments.Sides)
   {
-    marker->InsertNextValue(shell + 1);
+    // Markers count from 1: TetGen takes 0 for "none".
+    const auto [first, second] = std::minmax(sides[0], sides[1]);
+    const auto next = static_cast<int>(kinds.size()) + 1;
+    marker->InsertNextValue(kinds.emplace(std::array<int, 2>{ first, second }, next).first->second);
   }
   polydata->GetCellData()->AddArray(marker);
   return polydata;
@@ -136,48 +131,68 @@ vtkSmartPointer<vtkImageData> SampleRegion(
   return Sample(region, part);
 }
 
-/// For each of TetGen's regions but cavities the number that the user sees. A region belongs to the
-/// largest part of the surface that it touches: what else it touches lies within that part.
-std::map<int, int> NumberRegions(const Mesh& mesh, const vtkPalpateShells& shells)
+double VolumeOf(const Mesh& mesh, const Tetrahedron& ids)
 {
-  std::map<int, int> shell_of;
+  double p[4][3];
+  for (int i = 0; i < 4; ++i)
+  {
+    mesh.Points->GetPoint(ids[i], p[i]);
+  }
+  return vtkTetra::ComputeVolume(p[0], p[1], p[2], p[3]);
+}
+
+/// For each of TetGen's regions but cavities the number that the user sees: that of the compartment
+/// in which its largest tetrahedron has its middle.
+/// @throws palpate::BackendError the tetrahedra do not fill the compartments.
+std::map<int, int> NumberRegions(const Mesh& mesh, const vtkPalpateCompartments& compartments)
+{
+  struct Largest
+  {
+    double Volume = 0, Total = 0;
+    std::size_t Tetrahedron = 0;
+  };
+  std::map<int, Largest> regions;
   for (std::size_t i = 0; i < mesh.Tetrahedra.size(); ++i)
   {
-    for (const auto& face : Faces)
+    const double volume = VolumeOf(mesh, mesh.Tetrahedra[i]);
+    auto& region = regions[mesh.Regions[i]];
+    region.Total += volume;
+    if (volume > region.Volume)
     {
-      const auto& ids = mesh.Tetrahedra[i];
-      Triangle corners = { ids[face[0]], ids[face[1]], ids[face[2]] };
-      std::sort(corners.begin(), corners.end());
-      const auto found =
-        std::lower_bound(mesh.Boundary.begin(), mesh.Boundary.end(), std::make_pair(corners, -1));
-      if (found == mesh.Boundary.end() || found->first != corners || found->second < 0 ||
-        found->second >= shells.Count())
-      {
-        continue;
-      }
-      const int shell = found->second;
-      const auto [entry, is_new] = shell_of.emplace(mesh.Regions[i], shell);
-      if (!is_new && std::abs(shells.Volume[shell]) > std::abs(shells.Volume[entry->second]))
-      {
-        entry->second = shell;
-      }
-    }
-  }
-  std::set<int> filled;
-  for (const auto& [region, shell] : shell_of)
-  {
-    if (!shells.IsCavity[shell])
-    {
-      filled.insert(shell);
+      region.Volume = volume;
+      region.Tetrahedron = i;
     }
   }
   std::map<int, int> number;
-  for (const auto& [region, shell] : shell_of)
+  std::vector<double> filled(compartments.Count(), 0);
+  for (const auto& [region, largest] : regions)
   {
-    const auto found = filled.find(shell);
-    if (found != filled.end())
+    vtkPalpatePoint middle = { 0, 0, 0 };
+    for (const vtkIdType id : mesh.Tetrahedra[largest.Tetrahedron])
     {
-      number[region] = static_cast<int>(std::distance(filled.begin(), found));
+      for (int axis = 0; axis < 3; ++axis)
+      {
+        middle[axis] += mesh.Points->GetPoint(id)[axis] / 4;
+      }
+    }
+    const int compartment = vtkPalpateCompartmentOf(compartments, middle);
+    filled[compartment] += largest.Total;
+    if (compartments.Region[compartment] != vtkPalpateCompartments::Empty)
+    {
+      number[region] = compartments.Region[compartment];
+    }
+  }
+  // TetGen takes triangles for one that are nearly in one plane, and so moves walls a little.
+  constexpr double tolerance = 1e-2;
+  for (int i = 1; i < compartments.Count(); ++i)
+  {
+    if (std::abs(filled[i] - compartments.Volume[i]) > tolerance * compartments.Volume[i])
+    {
+      const auto x = vtkPalpateMiddleOf(compartments, i);
+      std::ostringstream text;
+      text << "TetGen filled " << filled[i] << " m³ of a region of " << compartments.Volume[i]
+           << " m³ near (" << x[0] << ", " << x[1] << ", " << x[2] << "). Mend the surface there.";
+      throw palpate::BackendError(text.str());
     }
   }
   return number;
@@ -278,21 +293,21 @@ void BuildBody(const Mesh& mesh, const std::map<int, int>& number, const char* n
 }
 }
 
-void vtkPalpateMeshBody(const vtkPalpateSurface& surface, const vtkPalpateBodyMeshOptions& options,
-  const vtkPalpateTetGenLimits& limits, vtkUnstructuredGrid* body)
+void vtkPalpateMeshBody(const vtkPalpateSurface& walls, const vtkPalpateCompartments& compartments,
+  const vtkPalpateBodyMeshOptions& options, const vtkPalpateTetGenLimits& limits,
+  vtkUnstructuredGrid* body)
 {
-  const auto shells = vtkPalpateFindShells(surface);
   auto tetgen = options.TetGen;
   vtkSmartPointer<vtkImageData> region;
   if (options.RefineRegion && options.RefineVolume > 0)
   {
-    region = SampleRegion(options.RefineRegion, surface);
+    region = SampleRegion(options.RefineRegion, walls);
     tetgen.Region = region;
     tetgen.RegionVolume = options.RefineVolume;
   }
-  const auto grid = vtkPalpateRunTetGen(ToTetGen(surface, shells), tetgen, limits);
+  const auto grid = vtkPalpateRunTetGen(ToTetGen(walls, compartments), tetgen, limits);
   const Mesh mesh(grid);
-  BuildBody(mesh, NumberRegions(mesh, shells), "Region", options.Quadratic, body);
+  BuildBody(mesh, NumberRegions(mesh, compartments), "Region", options.Quadratic, body);
 }
 
 void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From a surface without faults to the tetrahedra within it, or from the walls of several regions
-// to the tetrahedra between them.
+// From the walls of one region or of several to the tetrahedra between them.
 #pragma once
 
 #include "PalpateFiltersModule.h"
+#include "vtkPalpateCompartments.h"
 #include "vtkPalpateSurface.h"
 #include "vtkPalpateTetGenProcess.h"
 
@@ -33,9 +33,9 @@ PALPATEFILTERS_EXPORT void vtkPalpateMeshRegions(const vtkPalpateSurface& walls,
   const std::vector<vtkPalpateRegionSeed>& seeds, const vtkPalpateBodyMeshOptions& options,
   const vtkPalpateTetGenLimits& limits, vtkUnstructuredGrid* body);
 
-/// Fills `body` with tetrahedra and their cell array `Region`; see
-/// vtkPalpateTetrahedralizeSurface.h. Points that no tetrahedron uses are left out.
-/// @throws as vtkPalpateRunTetGen.
-PALPATEFILTERS_EXPORT void vtkPalpateMeshBody(const vtkPalpateSurface& surface,
-  const vtkPalpateBodyMeshOptions& options, const vtkPalpateTetGenLimits& limits,
-  vtkUnstructuredGrid* body);
+/// Fills `body` with the tetrahedra of the compartments that hold tissue, with their cell array
+/// `Region`. Points that no tetrahedron uses are left out.
+/// @pre The walls cross each other nowhere. @throws as vtkPalpateRunTetGen.
+PALPATEFILTERS_EXPORT void vtkPalpateMeshBody(const vtkPalpateSurface& walls,
+  const vtkPalpateCompartments& compartments, const vtkPalpateBodyMeshOptions& options,
+  const vtkPalpateTetGenLimits& limits, vtkUnstructuredGrid* body);

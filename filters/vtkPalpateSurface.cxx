@@ -11,9 +11,11 @@
 #include "base/error.h"
 #include "vtkCellArray.h"
 #include "vtkCellArrayIterator.h"
-#include "vtkCleanPolyData.h"
+#include "vtkCellData.h"
+#include "vtkIntArray.h"
 #include "vtkMath.h"
 #include "vtkNew.h"
+#include "vtkPointLocator.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkTriangleFilter.h"
@@ -159,15 +161,21 @@ vtkPalpateSurface FromTriangles(vtkPolyData* triangles)
   {
     triangles->GetPoint(i, surface.Points[i].data());
   }
+  auto* tissues = triangles->GetCellData()->GetArray(vtkPalpateTissueArray);
   const auto iterator = vtk::TakeSmartPointer(triangles->GetPolys()->NewIterator());
   for (iterator->GoToFirstCell(); !iterator->IsDoneWithTraversal(); iterator->GoToNextCell())
   {
     vtkIdType size;
     const vtkIdType* ids;
     iterator->GetCurrentCell(size, ids);
-    if (size == 3 && ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0])
+    if (size != 3)
     {
-      surface.Triangles.push_back({ ids[0], ids[1], ids[2] });
+      continue;
+    }
+    surface.Triangles.push_back({ ids[0], ids[1], ids[2] });
+    if (tissues)
+    {
+      surface.Tissues.push_back(static_cast<int>(tissues->GetTuple1(iterator->GetCurrentCellId())));
     }
   }
   return surface;
@@ -181,14 +189,72 @@ vtkPalpateSurface WithoutLoosePoints(const vtkPalpateSurface& surface)
   return vtkPalpateSubset(surface, all);
 }
 
-vtkPalpateSurface MergePoints(const vtkPalpateSurface& surface)
+/// A coordinate in single precision is off by this fraction of itself.
+constexpr double SingleRounding = 6e-8;
+
+/// Within which points are one, m. Coordinates that single precision holds without a rest come
+/// from a file in that precision, and are off by the more the larger they are.
+double MergeDistance(const vtkPalpateSurface& surface)
 {
-  vtkNew<vtkCleanPolyData> clean;
-  clean->SetInputData(vtkPalpateSurfaceToPolyData(WithoutLoosePoints(surface)));
-  clean->SetOutputPointsPrecision(vtkAlgorithm::DOUBLE_PRECISION);
-  clean->SetTolerance(vtkPalpateMergeTolerance);
-  clean->Update();
-  return WithoutLoosePoints(FromTriangles(clean->GetOutput()));
+  double largest = 0;
+  for (const auto& point : surface.Points)
+  {
+    for (const double x : point)
+    {
+      if (static_cast<double>(static_cast<float>(x)) != x)
+      {
+        return vtkPalpateMergeTolerance * vtkPalpateDiagonal(surface);
+      }
+      largest = std::max(largest, std::abs(x));
+    }
+  }
+  // Each of two points is off along three axes.
+  const double rounding = 2 * std::sqrt(3.) * SingleRounding * largest;
+  return std::max(vtkPalpateMergeTolerance * vtkPalpateDiagonal(surface), rounding);
+}
+
+/// Triangles of which corners have become one point are left out.
+vtkPalpateSurface MergePoints(const vtkPalpateSurface& given)
+{
+  const vtkPalpateSurface surface = WithoutLoosePoints(given);
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  vtkNew<vtkPointLocator> locator;
+  const double distance = MergeDistance(surface);
+  locator->SetTolerance(distance);
+  auto bounds = vtkPalpateBounds(surface);
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    bounds[2 * axis] -= distance;
+    bounds[2 * axis + 1] += distance;
+  }
+  locator->InitPointInsertion(points, bounds.data(), static_cast<vtkIdType>(surface.Points.size()));
+  std::vector<vtkIdType> merged(surface.Points.size());
+  for (std::size_t i = 0; i < merged.size(); ++i)
+  {
+    locator->InsertUniquePoint(surface.Points[i].data(), merged[i]);
+  }
+
+  vtkPalpateSurface result;
+  result.Points.resize(points->GetNumberOfPoints());
+  for (std::size_t i = 0; i < result.Points.size(); ++i)
+  {
+    points->GetPoint(static_cast<vtkIdType>(i), result.Points[i].data());
+  }
+  for (std::size_t i = 0; i < surface.Triangles.size(); ++i)
+  {
+    const auto& t = surface.Triangles[i];
+    const std::array<vtkIdType, 3> ids = { merged[t[0]], merged[t[1]], merged[t[2]] };
+    if (ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0])
+    {
+      result.Triangles.push_back(ids);
+      if (!surface.Tissues.empty())
+      {
+        result.Tissues.push_back(surface.Tissues[i]);
+      }
+    }
+  }
+  return WithoutLoosePoints(result);
 }
 }
 
@@ -313,6 +379,10 @@ vtkPalpateSurface vtkPalpateSubset(
       corner = new_id[corner];
     }
     result.Triangles.push_back(triangle);
+    if (!surface.Tissues.empty())
+    {
+      result.Tissues.push_back(surface.Tissues[id]);
+    }
   }
   return result;
 }
@@ -325,9 +395,10 @@ void vtkPalpateAppend(vtkPalpateSurface& surface, const vtkPalpateSurface& other
   {
     surface.Triangles.push_back({ t[0] + offset, t[1] + offset, t[2] + offset });
   }
+  surface.Tissues.insert(surface.Tissues.end(), other.Tissues.begin(), other.Tissues.end());
 }
 
-vtkPalpateSurface vtkPalpateSurfaceFromPolyData(vtkPolyData* input)
+vtkPalpateSurface vtkPalpateTissuesFromPolyData(vtkPolyData* input)
 {
   if (!input || input->GetNumberOfPolys() + input->GetNumberOfStrips() == 0)
   {
@@ -341,21 +412,35 @@ vtkPalpateSurface vtkPalpateSurfaceFromPolyData(vtkPolyData* input)
   structure->CopyStructure(input);
   structure->SetVerts(nullptr);
   structure->SetLines(nullptr);
+  if (auto* tissues = input->GetCellData()->GetArray(vtkPalpateTissueArray))
+  {
+    // VTK counts vertices and lines before polygons.
+    const vtkIdType first = input->GetNumberOfVerts() + input->GetNumberOfLines();
+    vtkNew<vtkIntArray> of_polygons;
+    of_polygons->SetName(vtkPalpateTissueArray);
+    of_polygons->InsertTuples(0, tissues->GetNumberOfTuples() - first, first, tissues);
+    structure->GetCellData()->AddArray(of_polygons);
+  }
 
   vtkNew<vtkTriangleFilter> triangulate;
   triangulate->SetInputData(structure);
   triangulate->PassVertsOff();
   triangulate->PassLinesOff();
-
   triangulate->Update();
 
   auto surface = MergePoints(FromTriangles(triangulate->GetOutput()));
-  FlipFlatTriangles(surface);
   if (surface.Triangles.empty())
   {
     throw palpate::InputError(
       "All triangles of the input have shrunk to lines or points: there is no surface to mesh.");
   }
+  return surface;
+}
+
+vtkPalpateSurface vtkPalpateSurfaceFromPolyData(vtkPolyData* input)
+{
+  auto surface = vtkPalpateTissuesFromPolyData(input);
+  FlipFlatTriangles(surface);
   return surface;
 }
 

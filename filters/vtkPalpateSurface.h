@@ -16,6 +16,8 @@ struct vtkPalpateSurface
 {
   std::vector<vtkPalpatePoint> Points;             ///< coordinates, m
   std::vector<std::array<vtkIdType, 3>> Triangles; ///< indices into Points
+  /// Of each triangle the number of the tissue that it bounds; empty where nobody says.
+  std::vector<int> Tissues;
 
   /// A side of a triangle, Low < High; Forward where the triangle runs through it from Low to High.
   struct Side
@@ -64,5 +66,11 @@ PALPATEFILTERS_EXPORT void vtkPalpateAppend(
 /// points that nothing uses and triangles without an area removed.
 /// @throws palpate::InputError where there is no triangle or a coordinate is not finite.
 PALPATEFILTERS_EXPORT vtkPalpateSurface vtkPalpateSurfaceFromPolyData(vtkPolyData* input);
+
+/// The name of the cell array (int) that holds the tissues of a surface.
+constexpr const char* vtkPalpateTissueArray = "PalpateTissue";
+/// The same, but triangles on the same points and such without an area stay: walls that two tissues
+/// share are there twice. `Tissues` is the cell array vtkPalpateTissueArray, if there is one.
+PALPATEFILTERS_EXPORT vtkPalpateSurface vtkPalpateTissuesFromPolyData(vtkPolyData* input);
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkPolyData> vtkPalpateSurfaceToPolyData(
   const vtkPalpateSurface& surface);

@@ -131,6 +131,14 @@ vtkPalpateSurfaceFaults vtkPalpateCheckSurface(const vtkPalpateSurface& surface)
   return faults;
 }
 
+vtkPalpateSurfaceFaults vtkPalpateCheckWalls(
+  const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments)
+{
+  auto faults = vtkPalpateCheckSurface(walls.Surface);
+  faults.NonManifoldEdges = compartments.Hinges;
+  return faults;
+}
+
 std::string vtkPalpateDescribeFaults(
   const vtkPalpateSurface& surface, const vtkPalpateSurfaceFaults& faults)
 {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "PalpateFiltersModule.h"
+#include "vtkPalpateCompartments.h"
 #include "vtkPalpateSurface.h"
 
 struct vtkPalpateSurfaceFaults
@@ -37,6 +38,11 @@ struct vtkPalpateSurfaceFaults
 
 PALPATEFILTERS_EXPORT vtkPalpateSurfaceFaults vtkPalpateCheckSurface(
   const vtkPalpateSurface& surface);
+
+/// The same of walls that regions share: any number of them may meet at an edge, unless tissue
+/// hangs together there by the edge alone.
+PALPATEFILTERS_EXPORT vtkPalpateSurfaceFaults vtkPalpateCheckWalls(
+  const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments);
 
 /// "2 open edges, near (…), (…); 3 pairs of triangles that cross each other, near (…)": how many of
 /// each kind, and where the first ones are, m. Empty without faults.

@@ -7,20 +7,6 @@
 
 #include "vtkMath.h"
 
-namespace
-{
-vtkPalpatePoint FirstCentre(const vtkPalpateSurface& surface)
-{
-  const auto& t = surface.Triangles[0];
-  vtkPalpatePoint centre;
-  for (int i = 0; i < 3; ++i)
-  {
-    centre[i] = (surface.Points[t[0]][i] + surface.Points[t[1]][i] + surface.Points[t[2]][i]) / 3;
-  }
-  return centre;
-}
-}
-
 double vtkPalpateWindingNumber(const vtkPalpateSurface& surface, const vtkPalpatePoint& x)
 {
   double angle = 0;
@@ -143,50 +129,4 @@ vtkIdType vtkPalpateMakeConsistent(vtkPalpateSurface& surface)
     }
   }
   return turned;
-}
-
-vtkPalpateShells vtkPalpateFindShells(const vtkPalpateSurface& surface)
-{
-  vtkPalpateShells shells;
-  int count = 0;
-  shells.OfTriangle = vtkPalpateConnectedParts(surface, count);
-
-  std::vector<std::vector<vtkIdType>> triangles(count);
-  for (std::size_t i = 0; i < surface.Triangles.size(); ++i)
-  {
-    triangles[shells.OfTriangle[i]].push_back(static_cast<vtkIdType>(i));
-  }
-  std::vector<vtkPalpateSurface> parts(count);
-  std::vector<std::array<double, 6>> bounds(count);
-  for (int i = 0; i < count; ++i)
-  {
-    parts[i] = vtkPalpateSubset(surface, triangles[i]);
-    bounds[i] = vtkPalpateBounds(parts[i]);
-    shells.Volume.push_back(vtkPalpateVolume(parts[i]));
-  }
-
-  // From the outside inwards: what is around a part is larger than it.
-  std::vector<int> order(count);
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-    [&shells](int a, int b) { return std::abs(shells.Volume[a]) > std::abs(shells.Volume[b]); });
-  shells.IsCavity.assign(count, 0);
-  for (int i = 0; i < count; ++i)
-  {
-    const int inner = order[i];
-    const auto probe = FirstCentre(parts[inner]);
-    for (int j = i - 1; j >= 0; --j)
-    {
-      const int outer = order[j];
-      // Any level between 0 (outside) and ±1 (inside).
-      if (vtkPalpateIsInside(bounds[outer], probe) &&
-        std::abs(vtkPalpateWindingNumber(parts[outer], probe)) > 0.5)
-      {
-        const bool same_sense = (shells.Volume[inner] > 0) == (shells.Volume[outer] > 0);
-        shells.IsCavity[inner] = !shells.IsCavity[outer] && !same_sense;
-        break;
-      }
-    }
-  }
-  return shells;
 }

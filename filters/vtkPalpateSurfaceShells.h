@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The closed parts of a surface, and what each of them encloses.
-//
-// A part within another one is a cavity where its normals point the other way than those of the
-// part around it (so does the inner wall of a hollow organ), and a region of its own where they
-// point the same way (so does a tumour). A part within a cavity is a body again, whichever way its
-// normals point. Turning the whole surface inside out changes nothing of that.
+// The parts of a surface that hang together, the sense of their triangles, and what they enclose.
 #pragma once
 
 #include <vector>
 
 #include "PalpateFiltersModule.h"
 #include "vtkPalpateSurface.h"
-
-struct vtkPalpateShells
-{
-  std::vector<int> OfTriangle; ///< the part that each triangle belongs to
-  std::vector<double> Volume;  ///< signed volume within each part, m³
-  std::vector<char> IsCavity;  ///< whether the space just within a part is empty
-
-  int Count() const { return static_cast<int>(Volume.size()); }
-};
 
 /// Parts whose triangles hang together by edges, numbered by their first triangle.
 PALPATEFILTERS_EXPORT std::vector<int> vtkPalpateConnectedParts(
@@ -38,6 +24,3 @@ PALPATEFILTERS_EXPORT double vtkPalpateWindingNumber(
 /// Whether x is in the box of vtkPalpateBounds().
 PALPATEFILTERS_EXPORT bool vtkPalpateIsInside(
   const std::array<double, 6>& bounds, const vtkPalpatePoint& x);
-
-/// @pre The surface has no faults.
-PALPATEFILTERS_EXPORT vtkPalpateShells vtkPalpateFindShells(const vtkPalpateSurface& surface);

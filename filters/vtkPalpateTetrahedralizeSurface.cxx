@@ -4,19 +4,25 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <set>
 #include <sstream>
 #include <vector>
 
 #include "base/error.h"
+#include "vtkCellData.h"
+#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+#include "vtkIntArray.h"
 #include "vtkMath.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateBodyMesh.h"
+#include "vtkPalpateCompartments.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
@@ -27,6 +33,7 @@
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
+#include "vtkTetra.h"
 #include "vtkUnstructuredGrid.h"
 
 vtkStandardNewMacro(vtkPalpateTetrahedralizeSurface);
@@ -96,6 +103,178 @@ double VolumeWithin(vtkImplicitFunction* function, const vtkPalpateSurface& surf
     (samples * samples * samples);
 }
 
+/// What the user sees of compartments.
+class Regions
+{
+public:
+  Regions(const vtkPalpateCompartments& compartments, const vtkPalpateTissueSurfaces& tissues)
+    : Compartments(compartments)
+    , Tissues(tissues)
+  {
+    for (int i = 1; i < Compartments.Count(); ++i)
+    {
+      if (Compartments.Region[i] != vtkPalpateCompartments::Empty)
+      {
+        VolumeOf[Compartments.Region[i]] += Compartments.Volume[i];
+      }
+    }
+  }
+
+  std::size_t Count() const { return VolumeOf.size(); }
+
+  /// Of all regions, m³.
+  double Volume() const
+  {
+    double volume = 0;
+    for (const auto& [region, part] : VolumeOf)
+    {
+      volume += part;
+    }
+    return volume;
+  }
+
+  /// @throws palpate::InputError two tissues claim the same space.
+  void RequireNoOverlap() const
+  {
+    if (Compartments.Overlaps.empty())
+    {
+      return;
+    }
+    const auto& overlap = Compartments.Overlaps.front();
+    throw InputError("The tissues " + this->Name(overlap.Tissues[0]) + " and " +
+      this->Name(overlap.Tissues[1]) + " overlap: both enclose " +
+      this->Where(overlap.Compartment) +
+      ". Take that away from one of them (Boolean Operation, or the program that they come from), "
+      "or give it as a tissue of its own.");
+  }
+
+  /// Gives the cells of the body the numbers of their regions, and the body the list of them.
+  /// @returns what is doubtful, for a person.
+  std::string Finish(vtkUnstructuredGrid* body) const
+  {
+    auto* region = vtkIntArray::SafeDownCast(body->GetCellData()->GetArray("Region"));
+    std::map<int, double> volumes;
+    for (vtkIdType i = 0; i < body->GetNumberOfCells(); ++i)
+    {
+      region->SetValue(i, this->Number(region->GetValue(i)));
+      vtkIdType size;
+      const vtkIdType* ids;
+      body->GetCellPoints(i, size, ids);
+      double p[4][3];
+      for (int k = 0; k < 4; ++k)
+      {
+        body->GetPoint(ids[k], p[k]);
+      }
+      volumes[region->GetValue(i)] += vtkTetra::ComputeVolume(p[0], p[1], p[2], p[3]);
+    }
+    vtkNew<vtkIntArray> number;
+    vtkNew<vtkDoubleArray> volume;
+    vtkNew<vtkStringArray> name;
+    number->SetName("RegionNumber");
+    volume->SetName("RegionVolume");
+    name->SetName("RegionName");
+    for (const auto& [value, sum] : volumes)
+    {
+      number->InsertNextValue(value);
+      volume->InsertNextValue(sum);
+      const auto at = std::find(Tissues.Numbers.begin(), Tissues.Numbers.end(), value);
+      name->InsertNextValue(
+        Tissues.Names.empty() ? "" : Tissues.Names[at - Tissues.Numbers.begin()]);
+    }
+    body->GetFieldData()->AddArray(number);
+    body->GetFieldData()->AddArray(volume);
+    if (!Tissues.Names.empty())
+    {
+      body->GetFieldData()->AddArray(name);
+    }
+    return this->Doubt();
+  }
+
+private:
+  int Number(int region) const
+  {
+    return Tissues.Numbers.empty() ? region : Tissues.Numbers[region];
+  }
+
+  std::string Name(int region) const
+  {
+    std::string text = std::to_string(this->Number(region));
+    return Tissues.Names.empty() || Tissues.Names[region].empty()
+      ? text
+      : text + " '" + Tissues.Names[region] + "'";
+  }
+
+  /// "1e-06 m³ near (…)"
+  std::string Where(int compartment) const
+  {
+    const auto x = vtkPalpateMiddleOf(Compartments, compartment);
+    std::ostringstream text;
+    text << Compartments.Volume[compartment] << " m³ near (" << x[0] << ", " << x[1] << ", " << x[2]
+         << ')';
+    return text.str();
+  }
+
+  std::string Doubt() const
+  {
+    std::string text;
+    for (const int i : Compartments.Doubtful)
+    {
+      text += "The walls around " + this->Where(i) +
+        " belong to several regions; there is no wall between them, and region " +
+        this->Name(Compartments.Region[i]) + ", which has most of them, got all. ";
+    }
+    for (int tissue = 0; tissue < static_cast<int>(Tissues.Numbers.size()); ++tissue)
+    {
+      if (VolumeOf.count(tissue) == 0)
+      {
+        text += "Region " + this->Name(tissue) + " encloses nothing of its own and is not there. ";
+      }
+    }
+    return text;
+  }
+
+  const vtkPalpateCompartments& Compartments;
+  const vtkPalpateTissueSurfaces& Tissues;
+  std::map<int, double> VolumeOf;
+};
+
+/// What to do about the faults of a surface.
+std::string AdviceFor(const vtkPalpateWalls& walls, const vtkPalpateSurfaceFaults& faults,
+  const vtkPalpateTissueSurfaces& tissues)
+{
+  std::set<std::array<int, 2>> crossing;
+  std::map<vtkIdType, int> tissue_of;
+  for (const auto& copy : walls.Copies)
+  {
+    tissue_of.emplace(copy.Triangle, copy.Tissue);
+  }
+  for (const auto& pair : faults.IntersectingPairs)
+  {
+    const auto [a, b] = std::minmax(tissue_of.at(pair[0]), tissue_of.at(pair[1]));
+    if (a != b)
+    {
+      crossing.insert({ a, b });
+    }
+  }
+  if (crossing.empty())
+  {
+    return "Turn on RepairSurface, or mend the surface.";
+  }
+  const auto name = [&tissues](int tissue)
+  {
+    const std::string number = std::to_string(tissues.Numbers[tissue]);
+    return tissues.Names.empty() || tissues.Names[tissue].empty()
+      ? number
+      : number + " '" + tissues.Names[tissue] + "'";
+  };
+  std::string text = "The regions ";
+  for (const auto& [a, b] : crossing)
+  {
+    text += (text.size() > 12 ? ", " : "") + name(a) + " and " + name(b);
+  }
+  return text + " overlap or have walls that do not fit each other.";
+}
+
 void AddText(vtkDataObject* output, const char* name, const std::string& text)
 {
   vtkNew<vtkStringArray> array;
@@ -114,6 +293,7 @@ void vtkPalpateTetrahedralizeSurface::PrintSelf(ostream& os, vtkIndent indent)
   this->Superclass::PrintSelf(os, indent);
   os << indent << "MaximumVolume: " << this->MaximumVolume << " m³\n"
      << indent << "PreserveSurface: " << this->PreserveSurface << "\n"
+     << indent << "RegionArray: " << this->RegionArray << "\n"
      << indent << "RepairSurface: " << this->RepairSurface << "\n"
      << indent << "RepairResolution: " << this->RepairResolution << "\n"
      << indent << "RefineRegion: " << this->RefineRegion.Get() << "\n"
@@ -146,14 +326,18 @@ vtkMTimeType vtkPalpateTetrahedralizeSurface::GetMTime()
 int vtkPalpateTetrahedralizeSurface::FillInputPortInformation(int, vtkInformation* info)
 {
   vtkPalpateTakeWhole(info, "vtkPolyData");
+  info->Set(vtkAlgorithm::INPUT_IS_REPEATABLE(), 1);
   return 1;
 }
 
 int vtkPalpateTetrahedralizeSurface::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** input, vtkInformationVector*)
 {
-  input[0]->GetInformationObject(0)->Set(
-    vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  for (int i = 0; i < input[0]->GetNumberOfInformationObjects(); ++i)
+  {
+    input[0]->GetInformationObject(i)->Set(
+      vtkStreamingDemandDrivenPipeline::UPDATE_NUMBER_OF_GHOST_LEVELS(), 0);
+  }
   return 1;
 }
 
@@ -169,15 +353,19 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
     [&]
     {
       // Every rank goes through the same calls of the controller, whatever happens on rank 0.
-      const auto whole =
-        vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(input[0]), this->Controller);
-      if (!whole)
+      std::vector<vtkDataObject*> inputs;
+      for (int i = 0; i < input[0]->GetNumberOfInformationObjects(); ++i)
+      {
+        inputs.push_back(vtkDataObject::GetData(input[0], i));
+      }
+      const auto tissues = vtkPalpateGatherTissues(inputs, this->RegionArray, this->Controller);
+      if (!tissues.Surface)
       {
         return;
       }
       try
       {
-        this->Tetrahedralize(whole, body, faults);
+        this->Tetrahedralize(tissues, body, faults);
       }
       catch (const Aborted&)
       {
@@ -234,8 +422,12 @@ double vtkPalpateTetrahedralizeSurface::CountTetrahedra(const vtkPalpateSurface&
 
 std::string vtkPalpateTetrahedralizeSurface::MakeEstimate()
 {
-  const auto whole = vtkPalpateGatherSurface(
-    vtkPolyData::SafeDownCast(this->GetInputDataObject(0, 0)), this->Controller);
+  std::vector<vtkDataObject*> inputs;
+  for (int i = 0; i < this->GetNumberOfInputConnections(0); ++i)
+  {
+    inputs.push_back(this->GetInputDataObject(0, i));
+  }
+  const auto whole = vtkPalpateGatherTissues(inputs, this->RegionArray, this->Controller).Surface;
   if (!whole)
   {
     return "";
@@ -245,7 +437,7 @@ std::string vtkPalpateTetrahedralizeSurface::MakeEstimate()
     vtkPalpateNothingToEstimate();
   }
   this->Validate();
-  const auto surface = this->SurfaceOf(whole);
+  const auto surface = vtkPalpateUniteWalls(this->SurfaceOf(whole)).Surface;
   const double number = this->CountTetrahedra(surface);
   this->RequireFewEnough(std::abs(vtkPalpateVolume(surface)));
   return vtkPalpateTellBody(number, this->ElementOrder == Quadratic,
@@ -254,7 +446,7 @@ std::string vtkPalpateTetrahedralizeSurface::MakeEstimate()
 
 vtkPalpateSurface vtkPalpateTetrahedralizeSurface::SurfaceOf(vtkPolyData* input) const
 {
-  auto surface = vtkPalpateSurfaceFromPolyData(input);
+  auto surface = vtkPalpateTissuesFromPolyData(input);
   const double unit = vtkPalpateUnit::Length(this->Unit);
   for (vtkPalpatePoint& point : surface.Points)
   {
@@ -279,23 +471,21 @@ void vtkPalpateTetrahedralizeSurface::RequireFewEnough(double volume) const
 }
 
 void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
-  vtkPolyData* input, vtkUnstructuredGrid* body, vtkPolyData* fault_output)
+  const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body, vtkPolyData* fault_output)
 {
   this->Validate();
-  const auto surface = this->SurfaceOf(input);
+  const auto surface = this->SurfaceOf(tissues.Surface);
   this->Progress(0.05);
-  const auto faults = vtkPalpateCheckSurface(surface);
-  vtkPalpateFaultsToPolyData(surface, faults, fault_output);
+  const auto walls = vtkPalpateUniteWalls(surface);
+  const auto faults = vtkPalpateCheckWalls(walls, vtkPalpateFindCompartments(walls));
+  vtkPalpateFaultsToPolyData(walls.Surface, faults, fault_output);
   this->Progress(0.1);
 
-  vtkPalpateRepairOptions repair_options;
-  repair_options.Resolution = this->RepairResolution;
-  repair_options.Progress = [this](double fraction) { this->Progress(0.1 + 0.3 * fraction); };
   vtkPalpateRepairedSurface repaired;
   repaired.Report = "none";
   if (this->RepairSurface)
   {
-    repaired = vtkPalpateRepairSurface(surface, repair_options);
+    repaired = vtkPalpateRepairSurface(surface, this->RepairOptions());
   }
   else if (faults.None())
   {
@@ -303,13 +493,33 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   }
   else
   {
-    throw InputError("The surface bounds no body: " + vtkPalpateDescribeFaults(surface, faults) +
-      ". Turn on RepairSurface, or mend the surface; the second output shows these places.");
+    throw InputError(
+      "The surface bounds no body: " + vtkPalpateDescribeFaults(walls.Surface, faults) + ". " +
+      AdviceFor(walls, faults, tissues) + " The second output shows these places.");
   }
+  this->Mesh(surface, repaired, tissues, body);
+  AddText(body, "Repair", repaired.Report);
+  AddText(fault_output, "Repair", repaired.Report);
+  const std::string warning =
+    tissues.Warning + (repaired.Lost.empty() ? "" : "RepairSurface " + repaired.Lost + ".");
+  if (!warning.empty())
+  {
+    vtkWarningMacro(<< warning);
+  }
+}
 
-  const double volume = std::abs(vtkPalpateVolume(repaired.Surface));
-  this->RequireFewEnough(volume);
+vtkPalpateRepairOptions vtkPalpateTetrahedralizeSurface::RepairOptions()
+{
+  vtkPalpateRepairOptions options;
+  options.Resolution = this->RepairResolution;
+  options.Progress = [this](double fraction) { this->Progress(0.1 + 0.3 * fraction); };
+  return options;
+}
 
+void vtkPalpateTetrahedralizeSurface::Mesh(const vtkPalpateSurface& given,
+  vtkPalpateRepairedSurface& repaired, const vtkPalpateTissueSurfaces& tissues,
+  vtkUnstructuredGrid* body)
+{
   vtkPalpateBodyMeshOptions options;
   options.TetGen.MaximumRadiusEdgeRatio = this->MaximumRadiusEdgeRatio;
   options.TetGen.MaximumVolume = this->MaximumVolume;
@@ -330,31 +540,41 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
     resolutions.insert(resolutions.begin(), this->RepairResolution);
   }
   auto next = resolutions.begin();
-  for (bool meshed = false; !meshed;)
+  for (;;)
   {
+    const auto walls = vtkPalpateUniteWalls(repaired.Surface);
+    const auto compartments = vtkPalpateFindCompartments(walls);
+    const Regions regions(compartments, tissues);
+    regions.RequireNoOverlap();
+    this->RequireFewEnough(regions.Volume());
     try
     {
-      vtkPalpateMeshBody(repaired.Surface, options, limits, body);
-      meshed = true;
+      vtkPalpateMeshBody(walls.Surface, compartments, options, limits, body);
+      if (body->GetNumberOfCells() == 0)
+      {
+        throw palpate::BackendError("TetGen made no tetrahedra: the surface encloses " +
+          std::to_string(regions.Volume()) + " m³. Mend the surface.");
+      }
+      const std::string doubt = regions.Finish(body);
+      if (!doubt.empty())
+      {
+        vtkWarningMacro(<< doubt);
+      }
+      return;
     }
     catch (const vtkPalpateTetGenFailure& failure)
     {
       if (!this->RepairSurface || next == resolutions.end())
       {
         throw palpate::BackendError(std::string(failure.what()) +
-          (this->RepairSurface ? " Try another RepairResolution, or mend the surface."
-                               : " Turn on RepairSurface, or mend the surface."));
+          (this->RepairSurface      ? " Try another RepairResolution, or mend the surface."
+              : regions.Count() > 1 ? " Mend the surface, or give it evenly sized triangles."
+                                    : " Turn on RepairSurface, or mend the surface."));
       }
-      repair_options.ResampleAll = true;
-      repair_options.Resolution = *next++;
-      repaired = vtkPalpateRepairSurface(surface, repair_options);
+      auto repair = this->RepairOptions();
+      repair.ResampleAll = true;
+      repair.Resolution = *next++;
+      repaired = vtkPalpateRepairSurface(given, repair);
     }
   }
-  if (body->GetNumberOfCells() == 0)
-  {
-    throw palpate::BackendError("TetGen made no tetrahedra: the surface encloses " +
-      std::to_string(volume) + " m³. Mend the surface.");
-  }
-  AddText(body, "Repair", repaired.Report);
-  AddText(fault_output, "Repair", repaired.Report);
 }

@@ -1,23 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /**
  * @class   vtkPalpateTetrahedralizeSurface
- * @brief   fills a closed surface with tetrahedra
+ * @brief   fills a closed surface, or several that share walls, with tetrahedra
  *
  * The surface (any vtkPolyData: triangles, quads, polygons, strips; in the unit of length that Unit
- * says; several disjoint bodies) is checked first: open edges, edges of more than two triangles,
- * opposite normals, triangles without an area, triangles that cross each other. TetGen then meshes
- * it in a program of its own, palpate-tetgen, so that its abort, crash or hang is an error message
- * here.
+ * says; several bodies and tissues) is checked first: open edges, edges at which bodies hang
+ * together by the edge alone, opposite normals, triangles without an area, triangles that cross
+ * each other. TetGen then meshes it in a program of its own, palpate-tetgen, so that its abort,
+ * crash or hang is an error message here.
  *
- * A closed surface within another one is a cavity where its normals point the other way than those
- * of the one around it, and a region of its own where they point the same way. A surface that is
- * inside out as a whole is met as if it were not.
+ * Surfaces may share walls, there once or twice: tissues beside each other become regions of one
+ * body, which share the points of the wall. A closed surface within another one is a cavity where
+ * its normals point the other way than those of the one around it, and a region of its own where
+ * they point the same way. A surface that is inside out as a whole is met as if it were not.
+ *
+ * Input port 0, repeatable: surfaces, or collections of surfaces. Several of them, or the cell
+ * array RegionArray of a single one, say which triangles bound which tissue.
  *
  * Output port 0: the tetrahedra, positively oriented, with straight edges; cell array `Region`
- * (int), the number of the body or region, in the order of the input. Port 1: the faults of the
- * surface as it was given, lines for edges and triangles, with the cell array `SurfaceFault` (int)
- * and the field arrays `FaultName` and `FaultCount`, there also where meshing failed. Both have the
- * field array `Repair` (string): what RepairSurface did.
+ * (int): the number of the input or block, or the value of RegionArray, or else the number of the
+ * body or region, in the order of the input; field arrays `RegionNumber` (int), `RegionVolume` (m³)
+ * and, where blocks have names, `RegionName` with a value for each region. Port 1: the faults of
+ * the surface as it was given, lines for edges and triangles, with the cell array `SurfaceFault`
+ * (int) and the field arrays `FaultName` and `FaultCount`, there also where meshing failed. Both
+ * have the field array `Repair` (string): what RepairSurface did.
  *
  * @note Collective. The pieces of all ranks are gathered, TetGen runs on rank 0, whose outputs are
  * whole; those of the other ranks are empty.
@@ -29,7 +35,10 @@
 
 class vtkImplicitFunction;
 class vtkPolyData;
+struct vtkPalpateRepairOptions;
+struct vtkPalpateRepairedSurface;
 struct vtkPalpateSurface;
+struct vtkPalpateTissueSurfaces;
 
 class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeSurface : public vtkPalpateTetrahedralize
 {
@@ -47,6 +56,12 @@ public:
   vtkSetMacro(PreserveSurface, bool);
   vtkGetMacro(PreserveSurface, bool);
   vtkBooleanMacro(PreserveSurface, bool);
+  ///@}
+
+  ///@{ The cell array of a single surface with the number of the region that each triangle bounds;
+  /// "Automatic": `Region`, where there is one; "None": none.
+  vtkSetStdStringFromCharMacro(RegionArray);
+  vtkGetCharFromStdStringMacro(RegionArray);
   ///@}
 
   ///@{ Whether a surface with faults is mended first.
@@ -89,8 +104,12 @@ private:
   vtkPalpateTetrahedralizeSurface(const vtkPalpateTetrahedralizeSurface&) = delete;
   void operator=(const vtkPalpateTetrahedralizeSurface&) = delete;
 
-  void Tetrahedralize(vtkPolyData* input, vtkUnstructuredGrid* body, vtkPolyData* faults);
+  void Tetrahedralize(
+    const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body, vtkPolyData* faults);
   vtkPalpateSurface SurfaceOf(vtkPolyData* input) const;
+  vtkPalpateRepairOptions RepairOptions();
+  void Mesh(const vtkPalpateSurface& given, vtkPalpateRepairedSurface& repaired,
+    const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body);
   /// @param volume Of the body, m³. @throws palpate::InputError it is far beyond MaximumVolume.
   void RequireFewEnough(double volume) const;
   /// About how many of them the mesher will make.
@@ -98,6 +117,7 @@ private:
 
   double MaximumVolume = 0;
   bool PreserveSurface = false;
+  std::string RegionArray = "Automatic";
   bool RepairSurface = false;
   int RepairResolution = 80;
   vtkSmartPointer<vtkImplicitFunction> RefineRegion;

@@ -11,6 +11,7 @@
 #include "vtkFieldData.h"
 #include "vtkIdTypeArray.h"
 #include "vtkIntArray.h"
+#include "vtkPalpateCompartments.h"
 #include "vtkPalpateSurface.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceShells.h"
@@ -275,18 +276,32 @@ TEST(SurfaceCheck, CountsPairsThatCrossOnceEach) {
   EXPECT_EQ(counts->GetValue(kind), static_cast<vtkIdType>(expected));
 }
 
-TEST(SurfaceShells, CavitiesRegionsAndBodiesWithinCavities) {
-  const auto shells_of = [](vtkPolyData* polydata) {
-    return vtkPalpateFindShells(Surface(polydata));
+TEST(Compartments, CavitiesRegionsAndBodiesWithinCavities) {
+  constexpr int empty = vtkPalpateCompartments::Empty;
+  const auto regions_of = [](vtkPolyData* polydata) {
+    const auto found = vtkPalpateFindCompartments(vtkPalpateUniteWalls(Surface(polydata)));
+    EXPECT_TRUE(found.Overlaps.empty() && found.Doubtful.empty() && found.Hinges.empty());
+    return std::vector<int>(found.Region.begin() + 1, found.Region.end());
   };
   const auto hollow = Append({Sphere(3), InsideOut(Sphere(2)), Sphere(1)});
-  const std::vector<char> expected = {0, 1, 0};
-  EXPECT_EQ(shells_of(hollow).IsCavity, expected);
-  EXPECT_EQ(shells_of(InsideOut(hollow)).IsCavity, expected);
-  EXPECT_EQ(shells_of(Append({Sphere(3), Sphere(2), Sphere(1)})).IsCavity,
-            (std::vector<char>{0, 0, 0}));
-  EXPECT_EQ(shells_of(Append({Sphere(1), InsideOut(Sphere(1, {5, 0, 0}))})).IsCavity,
-            (std::vector<char>{0, 0}));
-  EXPECT_EQ(shells_of(Append({InsideOut(Sphere(1)), Sphere(3)})).IsCavity,
-            (std::vector<char>{1, 0}));
+  const std::vector<int> expected = {0, empty, 1};
+  EXPECT_EQ(regions_of(hollow), expected);
+  EXPECT_EQ(regions_of(InsideOut(hollow)), expected);
+  EXPECT_EQ(regions_of(Append({Sphere(3), Sphere(2), Sphere(1)})), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(regions_of(Append({Sphere(1), InsideOut(Sphere(1, {5, 0, 0}))})),
+            (std::vector<int>{0, 1}));
+  EXPECT_EQ(regions_of(Append({InsideOut(Sphere(1)), Sphere(3)})), (std::vector<int>{empty, 0}));
+}
+
+TEST(Compartments, SidesAndVolumesOfNestedShells) {
+  const auto walls = vtkPalpateUniteWalls(Surface(Append({Cube(1), Cube(3)})));
+  const auto found = vtkPalpateFindCompartments(walls);
+  ASSERT_EQ(found.Count(), 3);
+  EXPECT_NEAR(found.Volume[1], 1, 1e-12);
+  EXPECT_NEAR(found.Volume[2], 26, 1e-12);
+  EXPECT_EQ(found.Sides.front(), (std::array<int, 2>{1, 2}));
+  EXPECT_EQ(found.Sides.back(), (std::array<int, 2>{2, vtkPalpateCompartments::Outside}));
+  EXPECT_EQ(vtkPalpateCompartmentOf(found, {0.1, 0.2, 0.3}), 1);
+  EXPECT_EQ(vtkPalpateCompartmentOf(found, {1.1, 0.2, 0.3}), 2);
+  EXPECT_EQ(vtkPalpateCompartmentOf(found, {5, 0, 0}), vtkPalpateCompartments::Outside);
 }

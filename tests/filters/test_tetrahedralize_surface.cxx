@@ -17,12 +17,16 @@
 #include "vtkCallbackCommand.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
+#include "vtkDoubleArray.h"
 #include "vtkErrorCode.h"
 #include "vtkFieldData.h"
 #include "vtkGenericCell.h"
 #include "vtkIdTypeArray.h"
+#include "vtkInformation.h"
 #include "vtkIntArray.h"
+#include "vtkMultiBlockDataSet.h"
 #include "vtkPalpateTetrahedralizeSurface.h"
+#include "vtkPartitionedDataSetCollection.h"
 #include "vtkPlane.h"
 #include "vtkPointData.h"
 #include "vtkSTLReader.h"
@@ -39,15 +43,18 @@ using Settings = std::function<void(Filter*)>;
 struct Result {
   vtkSmartPointer<vtkUnstructuredGrid> Body;
   vtkSmartPointer<vtkPolyData> Faults;
-  std::vector<std::string> Errors;
+  std::vector<std::string> Errors, Warnings;
   unsigned long ErrorCode;
   std::string Repair;
 };
 
-Result Meshed(vtkPolyData* surface, const Settings& settings = nullptr) {
+Result MeshedAll(const std::vector<vtkSmartPointer<vtkDataObject>>& inputs,
+                 const Settings& settings = nullptr) {
   CaughtMessages messages;
   vtkNew<Filter> filter;
-  filter->SetInputData(surface);
+  for (const auto& input : inputs) {
+    filter->AddInputDataObject(0, input);
+  }
   if (settings) {
     settings(filter);
   }
@@ -56,12 +63,18 @@ Result Meshed(vtkPolyData* surface, const Settings& settings = nullptr) {
   result.Body = filter->GetOutput();
   result.Faults = vtkPolyData::SafeDownCast(filter->GetOutputDataObject(1));
   result.Errors = messages.Errors();
+  result.Warnings = messages.Others();
   result.ErrorCode = filter->GetErrorCode();
   if (auto* text =
           vtkStringArray::SafeDownCast(result.Body->GetFieldData()->GetAbstractArray("Repair"))) {
     result.Repair = text->GetValue(0);
   }
-  EXPECT_TRUE(messages.Others().empty()) << messages.Others().front();
+  return result;
+}
+
+Result Meshed(vtkPolyData* surface, const Settings& settings = nullptr) {
+  const auto result = MeshedAll({surface}, settings);
+  EXPECT_TRUE(result.Warnings.empty()) << result.Warnings.front();
   return result;
 }
 
@@ -118,6 +131,121 @@ double RegionVolume(vtkUnstructuredGrid* body, int number) {
 }
 
 double SurfaceVolume(vtkPolyData* surface) { return TotalVolume(Meshed(surface).Body); }
+
+/// A box from the origin to (side, side, ·), whose horizontal faces are n × n squares, cut along
+/// one diagonal or the other.
+vtkSmartPointer<vtkPolyData> Slab(double bottom, double top, int n = 2, double side = 4,
+                                  double shift = 0, bool other_diagonal = false) {
+  std::vector<std::array<double, 3>> points;
+  std::vector<std::vector<vtkIdType>> cells;
+  std::map<std::array<int, 3>, vtkIdType> ids;
+  const auto point = [&](int i, int j, int k) {
+    const auto [entry, is_new] = ids.emplace(std::array<int, 3>{i, j, k}, ids.size());
+    if (is_new) {
+      points.push_back({shift + side * i / n, side * j / n, k ? top : bottom});
+    }
+    return entry->second;
+  };
+  const auto quad = [&](vtkIdType a, vtkIdType b, vtkIdType c, vtkIdType d) {
+    if (other_diagonal) {
+      cells.insert(cells.end(), {{a, b, d}, {b, c, d}});
+    } else {
+      cells.insert(cells.end(), {{a, b, c}, {a, c, d}});
+    }
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      quad(point(i, j, 1), point(i + 1, j, 1), point(i + 1, j + 1, 1), point(i, j + 1, 1));
+      quad(point(i, j, 0), point(i, j + 1, 0), point(i + 1, j + 1, 0), point(i + 1, j, 0));
+    }
+    quad(point(i, 0, 0), point(i + 1, 0, 0), point(i + 1, 0, 1), point(i, 0, 1));
+    quad(point(i + 1, n, 0), point(i, n, 0), point(i, n, 1), point(i + 1, n, 1));
+    quad(point(0, i + 1, 0), point(0, i, 0), point(0, i, 1), point(0, i + 1, 1));
+    quad(point(n, i, 0), point(n, i + 1, 0), point(n, i + 1, 1), point(n, i, 1));
+  }
+  return FromArrays(points, cells);
+}
+
+vtkSmartPointer<vtkPolyData> Labelled(vtkPolyData* surface, int region,
+                                      const char* name = "Region") {
+  auto result = vtkSmartPointer<vtkPolyData>::New();
+  result->DeepCopy(surface);
+  vtkNew<vtkIntArray> array;
+  array->SetName(name);
+  array->SetNumberOfValues(surface->GetNumberOfCells());
+  array->FillValue(region);
+  result->GetCellData()->AddArray(array);
+  return result;
+}
+
+/// Of triangles at the same place the first alone: walls once.
+vtkSmartPointer<vtkPolyData> WallsOnce(vtkPolyData* surface) {
+  std::set<std::set<std::array<double, 3>>> known;
+  std::vector<vtkIdType> again;
+  for (vtkIdType i = 0; i < surface->GetNumberOfCells(); ++i) {
+    std::set<std::array<double, 3>> corners;
+    for (vtkIdType k = 0; k < 3; ++k) {
+      std::array<double, 3> x;
+      surface->GetPoint(surface->GetCell(i)->GetPointId(k), x.data());
+      corners.insert(x);
+    }
+    if (!known.insert(corners).second) {
+      again.push_back(i);
+    }
+  }
+  return Without(surface, again);
+}
+
+/// The regions have these volumes, they share the points of their walls, and no other points lie at
+/// the same place.
+void ExpectRegions(const Result& result, const std::map<int, double>& volumes,
+                   double tolerance = 1e-9) {
+  double total = 0;
+  std::set<int> numbers;
+  for (const auto& [number, volume] : volumes) {
+    total += volume;
+    numbers.insert(number);
+  }
+  ExpectGood(result, total, tolerance);
+  EXPECT_TRUE(result.Warnings.empty()) << result.Warnings.front();
+  ASSERT_EQ(Regions(result.Body), numbers);
+  auto* number = result.Body->GetFieldData()->GetArray("RegionNumber");
+  auto* volume = result.Body->GetFieldData()->GetArray("RegionVolume");
+  ASSERT_TRUE(number && volume);
+  ASSERT_EQ(number->GetNumberOfTuples(), static_cast<vtkIdType>(volumes.size()));
+  vtkIdType row = 0;
+  for (const auto& [value, wanted] : volumes) {
+    EXPECT_NEAR(RegionVolume(result.Body, value) / wanted, 1, tolerance) << value;
+    EXPECT_EQ(number->GetTuple1(row), value);
+    EXPECT_NEAR(volume->GetTuple1(row) / wanted, 1, tolerance);
+    ++row;
+  }
+  std::set<std::array<double, 3>> places;
+  for (vtkIdType i = 0; i < result.Body->GetNumberOfPoints(); ++i) {
+    std::array<double, 3> x;
+    result.Body->GetPoint(i, x.data());
+    EXPECT_TRUE(places.insert(x).second) << "two points at one place";
+  }
+}
+
+/// How many faces lie between two regions.
+int FacesBetween(vtkUnstructuredGrid* body, int a, int b) {
+  auto* region = vtkIntArray::SafeDownCast(body->GetCellData()->GetArray("Region"));
+  std::map<std::array<vtkIdType, 3>, std::set<int>> faces;
+  for (vtkIdType i = 0; i < body->GetNumberOfCells(); ++i) {
+    vtkIdType size;
+    const vtkIdType* ids;
+    body->GetCellPoints(i, size, ids);
+    for (int out = 0; out < 4; ++out) {
+      std::array<vtkIdType, 3> face = {ids[(out + 1) % 4], ids[(out + 2) % 4], ids[(out + 3) % 4]};
+      std::sort(face.begin(), face.end());
+      faces[face].insert(region->GetValue(i));
+    }
+  }
+  return static_cast<int>(std::count_if(faces.begin(), faces.end(), [&](const auto& face) {
+    return face.second == std::set<int>{a, b};
+  }));
+}
 
 /// A program in the place of palpate-tetgen while it lives.
 class FakeTetGen {
@@ -378,6 +506,227 @@ TEST(TetrahedralizeSurface, BodiesThatTouchInAPoint) {
   EXPECT_EQ(Regions(result.Body), (std::set<int>{0, 1}));
 }
 
+TEST(SharedWalls, LayersOnceAndTwice) {
+  const std::map<int, double> volumes = {{0, 16}, {1, 24}, {2, 8}};
+  const auto twice = Append({Slab(0, 1), Slab(1, 2.5), Slab(2.5, 3)});
+  const auto once = WallsOnce(twice);
+  ASSERT_EQ(once->GetNumberOfCells(), twice->GetNumberOfCells() - 16);
+  for (const auto& surface : {once, twice, InsideOut(once), InsideOut(twice)}) {
+    for (const bool repair : {false, true}) {
+      const auto result = Meshed(surface, [repair](Filter* f) { f->SetRepairSurface(repair); });
+      ExpectRegions(result, volumes);
+      EXPECT_EQ(result.Repair, repair ? "none needed" : "none");
+      EXPECT_EQ(result.Faults->GetNumberOfCells(), 0);
+      EXPECT_GE(FacesBetween(result.Body, 0, 1), 8);
+      EXPECT_GE(FacesBetween(result.Body, 1, 2), 8);
+      EXPECT_EQ(FacesBetween(result.Body, 0, 2), 0);
+    }
+  }
+  ExpectRegions(Meshed(twice, [](Filter* f) { f->PreserveSurfaceOn(); }), volumes);
+  ExpectRegions(Meshed(twice, [](Filter* f) { f->SetElementOrder(Filter::Quadratic); }), volumes);
+}
+
+TEST(SharedWalls, OneSurfaceIsInsideOut) {
+  ExpectRegions(Meshed(Append({Slab(0, 1), InsideOut(Slab(1, 2.5)), Slab(2.5, 3)})),
+                {{0, 16}, {1, 24}, {2, 8}});
+  ExpectRegions(MeshedAll({InsideOut(Slab(0, 1)), Slab(1, 2.5), InsideOut(Slab(2.5, 3))}),
+                {{0, 16}, {1, 24}, {2, 8}});
+}
+
+TEST(SharedWalls, SinglePrecisionFarFromTheOrigin) {
+  // In mm, half a metre away, with walls that are off by their rounding.
+  const auto rounded = [](vtkPolyData* surface, float jitter) {
+    auto result = vtkSmartPointer<vtkPolyData>::New();
+    result->DeepCopy(surface);
+    vtkNew<vtkPoints> points;
+    points->SetDataTypeToFloat();
+    for (vtkIdType i = 0; i < surface->GetNumberOfPoints(); ++i) {
+      double x[3];
+      surface->GetPoint(i, x);
+      for (double& coordinate : x) {
+        coordinate = static_cast<float>(500.1 + 10 * coordinate) * (1 + jitter);
+      }
+      points->InsertNextPoint(x);
+    }
+    result->SetPoints(points);
+    return result;
+  };
+  for (const bool append : {false, true}) {
+    const auto lower = rounded(Slab(0, 1, 5), 0), upper = rounded(Slab(1, 2, 5), 1e-7F);
+    const auto in_mm = [](Filter* f) { f->SetUnit(2); };
+    const auto result =
+        append ? Meshed(Append({lower, upper}), in_mm) : MeshedAll({lower, upper}, in_mm);
+    ExpectRegions(result, {{0, 1.6e-5}, {1, 1.6e-5}}, 1e-5);
+    EXPECT_GE(FacesBetween(result.Body, 0, 1), 50);
+  }
+}
+
+TEST(SharedWalls, DoubledPointsAndTrianglesWithoutAnArea) {
+  const auto lower = Slab(0, 1), upper = Slab(1, 2);
+  // On the rim of the wall: one of its edges has a point in its middle in one tissue alone.
+  auto spoilt = vtkSmartPointer<vtkPolyData>::New();
+  spoilt->DeepCopy(upper);
+  const vtkIdType a = spoilt->FindPoint(0, 0, 1), b = spoilt->FindPoint(2, 0, 1);
+  const vtkIdType middle = spoilt->GetPoints()->InsertNextPoint(1, 0, 1);
+  vtkNew<vtkCellArray> triangles;
+  int split = 0;
+  vtkNew<vtkIdList> ids;
+  for (vtkIdType i = 0; i < upper->GetNumberOfCells(); ++i) {
+    upper->GetCellPoints(i, ids);
+    for (int k = 0; k < 3; ++k) {
+      const bool forward = ids->GetId(k) == a && ids->GetId((k + 1) % 3) == b;
+      if (forward) {
+        triangles->InsertNextCell({a, middle, b});
+        ++split;
+      }
+    }
+    triangles->InsertNextCell(ids);
+    if (i % 7 == 0) {
+      triangles->InsertNextCell({ids->GetId(0), ids->GetId(1), ids->GetId(1)});
+    }
+  }
+  ASSERT_EQ(split, 1);
+  // The triangle without an area closes the surface where the others leave it open.
+  for (vtkIdType i = 0; i < triangles->GetNumberOfCells(); ++i) {
+    triangles->GetCellAtId(i, ids);
+    if (ids->GetId(1) == middle) {
+      triangles->ReplaceCellAtId(i, {a, b, middle});
+      triangles->InsertNextCell({a, middle, b});
+      break;
+    }
+  }
+  spoilt->SetPolys(triangles);
+  ExpectRegions(MeshedAll({lower, spoilt}), {{0, 16}, {1, 16}});
+  ExpectRegions(MeshedAll({spoilt, lower}), {{0, 16}, {1, 16}});
+}
+
+TEST(SharedWalls, TheRegionArrayNamesThem) {
+  const auto labelled = Append({Labelled(Slab(0, 1), 7), Labelled(Slab(1, 2.5), -3)});
+  ExpectRegions(Meshed(labelled), {{-3, 24}, {7, 16}});
+  // The wall has the number of one of the two alone, and the surface of the other is open.
+  ExpectRegions(Meshed(WallsOnce(labelled)), {{-3, 24}, {7, 16}});
+  ExpectRegions(Meshed(labelled, [](Filter* f) { f->SetRegionArray("None"); }), {{0, 16}, {1, 24}});
+  // Two bodies of one tissue, and a tumour within a third.
+  ExpectRegions(Meshed(Append({Labelled(Cube(1), 4), Labelled(Cube(1, {5, 0, 0}), 4),
+                               Labelled(Cube(3, {0, 9, 0}), 1), Labelled(Cube(1, {0, 9, 0}), 2)})),
+                {{1, 26}, {2, 1}, {4, 2}});
+  const auto solids = Append(
+      {Labelled(Slab(0, 1), 0, "STLSolidLabeling"), Labelled(Slab(1, 2), 1, "STLSolidLabeling")});
+  ExpectRegions(Meshed(solids, [](Filter* f) { f->SetRegionArray("STLSolidLabeling"); }),
+                {{0, 16}, {1, 16}});
+  ExpectError(Meshed(labelled, [](Filter* f) { f->SetRegionArray("Tissue"); }),
+              {"RegionArray", "Tissue"});
+  auto broken = Labelled(Cube(1), 1);
+  vtkNew<vtkDoubleArray> halves;
+  halves->SetName("Region");
+  halves->SetNumberOfValues(broken->GetNumberOfCells());
+  halves->FillValue(0.5);
+  broken->GetCellData()->AddArray(halves);
+  ExpectError(Meshed(broken), {"0.5", "Region", "whole number", "RegionArray"});
+}
+
+TEST(SharedWalls, NumbersWithoutAWallBetweenThemAreTold) {
+  auto skin = Labelled(Cube(1), 0);
+  vtkIntArray::SafeDownCast(skin->GetCellData()->GetArray("Region"))->SetValue(0, 1);
+  const auto result = MeshedAll({skin});
+  ExpectGood(result, 1);
+  EXPECT_EQ(Regions(result.Body), std::set<int>{0});
+  ASSERT_EQ(result.Warnings.size(), 1u);
+  EXPECT_NE(result.Warnings[0].find("no wall between"), std::string::npos) << result.Warnings[0];
+  EXPECT_NE(result.Warnings[0].find("Region 1"), std::string::npos) << result.Warnings[0];
+}
+
+TEST(SharedWalls, CollectionsAreRegionsWithNames) {
+  vtkNew<vtkMultiBlockDataSet> tissues, group;
+  tissues->SetBlock(0, Slab(0, 1));
+  tissues->GetMetaData(0u)->Set(vtkCompositeDataSet::NAME(), "skin");
+  group->SetBlock(0, Slab(1, 2.5));
+  group->GetMetaData(0u)->Set(vtkCompositeDataSet::NAME(), "fat");
+  tissues->SetBlock(1, group);
+  const auto result = MeshedAll({tissues});
+  ExpectRegions(result, {{0, 16}, {1, 24}});
+  auto* names =
+      vtkStringArray::SafeDownCast(result.Body->GetFieldData()->GetAbstractArray("RegionName"));
+  ASSERT_TRUE(names);
+  EXPECT_EQ(names->GetValue(0), "skin");
+  EXPECT_EQ(names->GetValue(1), "fat");
+
+  vtkNew<vtkPartitionedDataSetCollection> sets;
+  sets->SetPartition(0, 0, Without(Slab(0, 1), {0, 1, 2}));
+  const auto rest = Slab(0, 1);
+  std::vector<vtkIdType> others;
+  for (vtkIdType i = 3; i < rest->GetNumberOfCells(); ++i) {
+    others.push_back(i);
+  }
+  sets->SetPartition(0, 1, Without(rest, others));
+  sets->SetPartition(1, 0, Slab(1, 2.5));
+  ExpectRegions(MeshedAll({sets}), {{0, 16}, {1, 24}});
+
+  vtkNew<vtkMultiBlockDataSet> wrong;
+  wrong->SetBlock(0, Slab(0, 1));
+  wrong->SetBlock(1, result.Body);
+  wrong->GetMetaData(1u)->Set(vtkCompositeDataSet::NAME(), "filled");
+  ExpectError(MeshedAll({wrong}), {"'filled'", "vtkUnstructuredGrid", "Extract Surface"});
+}
+
+TEST(SharedWalls, TissuesThatEncloseTheSameSpaceAreRefused) {
+  // The walls fit each other: nothing crosses, but the middle belongs to both.
+  const auto twice = MeshedAll({Slab(0, 1), Slab(0, 1)});
+  ExpectError(twice, {"The tissues 0 and 1 overlap", "16 m³", "(2, 2, 0.5)"});
+  const auto crossing = MeshedAll({Slab(0, 1.1), Slab(1, 2)});
+  ExpectError(crossing, {"cross each other", "regions 0 and 1"});
+  EXPECT_EQ(crossing.Errors[0].find("RepairSurface"), std::string::npos) << crossing.Errors[0];
+  EXPECT_GT(crossing.Faults->GetNumberOfCells(), 0);
+}
+
+TEST(SharedWalls, ATumourMayReachTheSkin) {
+  // The wall on the skin is there twice, with the same normals.
+  const auto organ = WallsOnce(Append({Slab(0, 1), Slab(1, 3)}));
+  auto whole = Append({Slab(0, 1), Slab(1, 3)});
+  std::vector<vtkIdType> wall;
+  for (vtkIdType i = 0; i < whole->GetNumberOfCells(); ++i) {
+    double b[6];
+    whole->GetCell(i)->GetBounds(b);
+    if (b[4] == 1 && b[5] == 1) {
+      wall.push_back(i);
+    }
+  }
+  ExpectRegions(MeshedAll({Without(whole, wall), Slab(1, 3)}), {{0, 16}, {1, 32}});
+}
+
+TEST(SharedWalls, ACavityAtAWall) {
+  // Two tissues around a hole: its walls hang together with theirs, and are there once.
+  std::vector<vtkSmartPointer<vtkPolyData>> boxes;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 3; ++k) {
+        if (i != 1 || j != 1 || k != 1) {
+          boxes.push_back(Labelled(Triangles(Cube(1, {1. * i, 1. * j, 1. * k})), i == 0 ? 5 : 6));
+        }
+      }
+    }
+  }
+  // Walls within a tissue divide it, but not its number.
+  const auto result = Meshed(Append(boxes));
+  ExpectRegions(result, {{5, 9}, {6, 17}});
+  EXPECT_GT(FacesBetween(result.Body, 5, 6), 0);
+}
+
+TEST(SharedWalls, RepairKeepsThem) {
+  const auto repair = [](Filter* f) { f->RepairSurfaceOn(); };
+  // A hole in the skin of one, and a triangle the wrong way round in the other.
+  const auto mended = Meshed(Append({Without(Slab(0, 1), {0}), Slab(1, 2)}), repair);
+  ExpectRegions(mended, {{0, 16}, {1, 16}});
+  const auto open = MeshedAll({Without(Slab(0, 1), {2}), Slab(1, 2)}, repair);
+  ExpectRegions(open, {{0, 16}, {1, 16}});
+  EXPECT_NE(open.Repair.find("filled holes"), std::string::npos) << open.Repair;
+  // What cannot be mended without joining them is refused, with the volume of each.
+  for (const auto& result : {MeshedAll({Slab(0, 1.1), Slab(1, 2)}, repair),
+                             Meshed(Append({Slab(0, 1), Slab(1, 2), Slab(1.5, 3)}), repair)}) {
+    ExpectError(result, {"joins the regions", "0 (1", "m³), 1 (16 m³)", "near ("});
+  }
+}
+
 TEST(TetrahedralizeSurface, AnyUnitAndPlace) {
   const double unit = SurfaceVolume(Sphere(1));
   for (const double factor : {1e-9, 1e-3, 1e9}) {
@@ -439,8 +788,13 @@ TEST(TetrahedralizeSurface, RepairClosesAHole) {
 }
 
 TEST(TetrahedralizeSurface, RepairJoinsBodiesThatCross) {
-  const auto result = Meshed(Append({Sphere(1, {0, 0, 0}, 24), Sphere(1, {1, 0, 0}, 24)}),
-                             [](Filter* f) { f->RepairSurfaceOn(); });
+  const auto result = MeshedAll({Append({Sphere(1, {0, 0, 0}, 24), Sphere(1, {1, 0, 0}, 24)})},
+                                [](Filter* f) { f->RepairSurfaceOn(); });
+  ASSERT_EQ(result.Warnings.size(), 1u);
+  EXPECT_NE(result.Warnings[0].find("before 0 (4.12182 m³), 1 (4.12182 m³); after 0 (6.9"),
+            std::string::npos)
+      << result.Warnings[0];
+  EXPECT_NE(result.Repair.find("joined or dropped regions"), std::string::npos) << result.Repair;
   ExpectGood(result, 2 * (4 * 3.14159265 / 3 - 3.14159265 * 0.625 / 3), 0.03);
   EXPECT_EQ(Regions(result.Body), std::set<int>{0});
 }

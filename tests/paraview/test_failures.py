@@ -32,7 +32,6 @@ def test_collections_are_refused():
     on_body = {AssignMaterial: {}, SetBoundary: {}, SolveEquilibrium: {"ActiveNodes": [node]},
                PrecomputeStateSpace: {"ActiveNodes": [node], "Resolution": 3}}
     cases = [(boundary, "collection", on_body),
-             (Sphere(), "collection", {TetrahedralizeSurface: {}}),
              (space, "no state space",
               {TouchStateSpace: {}, EstimateError: {}, AccuracyReport: {}})]
     for member, words, filters in cases:

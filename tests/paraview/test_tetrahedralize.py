@@ -6,8 +6,9 @@ import os
 
 import numpy
 from paraview import servermanager
-from paraview.simple import (AppendDatasets, Box, Clip, Cylinder, ExtractSurface,
-                             ProgrammableFilter, Sphere, STLReader, TetrahedralizeSurface)
+from paraview.simple import (AppendDatasets, AppendGeometry, Box, Clip, Cylinder, ExtractSurface,
+                             GroupDatasets, ProgrammableFilter, Sphere, STLReader,
+                             TetrahedralizeSurface)
 from support import cell_array, expect_error, expect_silence, fetch, places
 from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, VTK_TETRA
 
@@ -42,6 +43,7 @@ def check_defaults_and_names():
     assert body.MaximumRadiusEdgeRatio == 1.414
     assert body.MaximumVolume == 0
     assert body.PreserveSurface == 0
+    assert body.RegionArray == "Automatic"
     assert body.RepairSurface == 0
     assert body.RepairResolution == 80
     assert body.RefineVolume == 0
@@ -124,6 +126,51 @@ def check_several_bodies():
     assert set(cell_array(grid, "Region")) == {0, 1}
 
 
+def layers():
+    return [Box(ZLength=height, Center=[0, 0, middle])
+            for height, middle in ((1, 0.5), (2, 2), (0.5, 3.25))]
+
+
+def region_volumes(grid):
+    region = cell_array(grid, "Region")
+    exact = {int(k): volumes(grid)[region == k].sum() for k in numpy.unique(region)}
+    fields = grid.GetFieldData()
+    told = [fields.GetArray(name) for name in ("RegionNumber", "RegionVolume")]
+    assert exact.keys() == {int(told[0].GetTuple1(i)) for i in range(told[0].GetNumberOfTuples())}
+    for i in range(told[0].GetNumberOfTuples()):
+        assert abs(told[1].GetTuple1(i) / exact[int(told[0].GetTuple1(i))] - 1) < 1e-9
+    assert len(numpy.unique(places(grid), axis=0)) == grid.GetNumberOfPoints()
+    return [round(exact[k], 9) for k in sorted(exact)]
+
+
+def check_tissues_that_share_walls():
+    body = TetrahedralizeSurface(Input=layers())
+    assert region_volumes(good(body, 3.5)) == [1, 2, 0.5]
+    body.InvokeCommand("UpdateEstimate")
+    body.UpdatePropertyInformation()
+    assert "tetrahedra" in body.GetPropertyValue("Estimate")
+    for kind in ("vtkMultiBlockDataSet", "vtkPartitionedDataSetCollection"):
+        group = GroupDatasets(Input=layers(), BlockNames=["skin", "fat", "muscle"])
+        group.OutputType = kind
+        grid = good(TetrahedralizeSurface(Input=group), 3.5)
+        assert region_volumes(grid) == [1, 2, 0.5]
+        names = grid.GetFieldData().GetAbstractArray("RegionName")
+        assert [names.GetValue(i) for i in range(3)] == ["skin", "fat", "muscle"], kind
+    one = AppendGeometry(Input=layers())
+    assert region_volumes(good(TetrahedralizeSurface(Input=one), 3.5)) == [1, 2, 0.5]
+    numbered = ProgrammableFilter(Input=one, Script="""
+import numpy
+output.ShallowCopy(inputs[0].VTKObject)
+count = output.GetNumberOfCells()
+output.CellData.append(numpy.repeat([9, 4, 4], count // 3), "Tissue")
+""")
+    body = TetrahedralizeSurface(Input=numbered, RegionArray="Tissue")
+    assert region_volumes(good(body, 3.5)) == [2.5, 1]
+    assert set(cell_array(fetch(body), "Region")) == {4, 9}
+    body.RegionArray = "None"
+    assert region_volumes(good(body, 3.5)) == [1, 2, 0.5]
+
+
 def check_errors():
     half = ExtractSurface(Input=Clip(Input=Sphere(), ClipType="Plane"))
     body = TetrahedralizeSurface(Input=half)
@@ -163,5 +210,6 @@ check_defaults_and_names()
 check_every_property()
 check_refine_region()
 check_several_bodies()
+check_tissues_that_share_walls()
 check_errors()
 check_liver()
