@@ -11,6 +11,12 @@
 // A loop that was held up between its look for a trip and its write sends one force that is too
 // late. It sees the trip in its next tick, and the guardian's next zero comes in any case, because
 // nothing has acknowledged the trip.
+//
+// The loop may live on where the rest of its program, the host, has failed: a thread that has
+// crashed hangs in a handler of the crash, or the main thread waits for something that never comes.
+// Then nobody commands what the loop sends. So the channel also says how the host does: `crashed`,
+// for good, which the host says itself in a handler of the signal (crash_signals.h), or `hanging`,
+// as long as the guardian finds it so (host_watch.h).
 #pragma once
 
 #include <atomic>
@@ -20,6 +26,16 @@
 #include "haptic/realtime/clock.h"
 
 namespace palpate {
+
+/// How the program does that the loop is a part of.
+enum class HostState : std::uint32_t {
+  living,
+  /// The thread that a person commands it by waits for something that does not come, or handles a
+  /// crash.
+  hanging,
+  /// One of its threads has crashed.
+  crashed,
+};
 
 /// The memory that both share. All times are those of MonotonicClock. All calls are realtime-safe
 /// and make no system call.
@@ -31,7 +47,7 @@ class GuardianChannel {
   static constexpr Duration kGuardianSilence = std::chrono::milliseconds(60);
   static constexpr Duration kLook = std::chrono::milliseconds(10);
   /// The version of this class; the two programs must have the same.
-  static constexpr std::uint32_t kVersion = 1;
+  static constexpr std::uint32_t kVersion = 2;
 
   /// @param its_zero The report that switches the motors off, whatever the device's state is.
   explicit GuardianChannel(const Report& its_zero = {}) : zero(its_zero) {}
@@ -65,6 +81,19 @@ class GuardianChannel {
   [[nodiscard]] bool resting() const noexcept {
     return loop_lives_.load(std::memory_order_acquire) == kResting;
   }
+  [[nodiscard]] HostState host() const noexcept { return host_.load(std::memory_order_acquire); }
+
+  // Other threads of the host call these.
+
+  /// Says that the thread lives that a person commands the program by. From the first call on it
+  /// is watched.
+  /// @param thread The system's number of it (gettid()).
+  void host_beat(Time now, std::int32_t thread) noexcept {
+    host_thread_.store(thread, std::memory_order_relaxed);
+    host_lives_.store(now.count(), std::memory_order_release);
+  }
+  /// Says that a thread has crashed. Handlers of signals may call this.
+  void say_host_crashed() noexcept { host_.store(HostState::crashed, std::memory_order_release); }
 
   // The guardian calls these.
 
@@ -79,6 +108,22 @@ class GuardianChannel {
     // something has overwritten the memory.
     const Duration since = now - Time(lives);
     return since < -kLoopSilence ? Duration(0) : kLoopSilence - since;
+  }
+  /// The thread that is watched; 0: none.
+  [[nodiscard]] std::int32_t host_thread() const noexcept {
+    return host_lives_.load(std::memory_order_acquire) == kNever
+               ? 0
+               : host_thread_.load(std::memory_order_relaxed);
+  }
+  /// When that thread has last said that it lives.
+  [[nodiscard]] Time host_lived() const noexcept {
+    return Time(host_lives_.load(std::memory_order_acquire));
+  }
+  /// Says whether the host hangs. What has crashed stays so.
+  void say_host_hangs(bool hangs) noexcept {
+    HostState other = hangs ? HostState::living : HostState::hanging;
+    host_.compare_exchange_strong(other, hangs ? HostState::hanging : HostState::living,
+                                  std::memory_order_acq_rel);
   }
 
   // These are written before the guardian starts.
@@ -95,9 +140,13 @@ class GuardianChannel {
   alignas(64) std::atomic<std::int64_t> guardian_lives_{kNever};
   std::atomic<std::uint32_t> trips_{0};
   std::atomic<bool> device_is_gone_{false};
+  alignas(64) std::atomic<std::int64_t> host_lives_{kNever};
+  std::atomic<std::int32_t> host_thread_{0};
+  std::atomic<HostState> host_{HostState::living};
 
   static_assert(std::atomic<std::int64_t>::is_always_lock_free);
   static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+  static_assert(std::atomic<HostState>::is_always_lock_free);
 };
 
 }  // namespace palpate

@@ -97,6 +97,7 @@ Guardian::Guardian(const std::string& device, const Report& zero, Duration deadl
   try {
     start(program, device, memory.get());
     wait_until_it_watches(device, deadline);
+    crash_signals_.emplace(*channel_);
   } catch (...) {
     release();
     throw;
@@ -168,7 +169,13 @@ bool Guardian::ended(int& status) {
   return true;
 }
 
+void Guardian::host_lives() noexcept {
+  channel_->host_beat(MonotonicClock().now(), ::gettid());
+  CrashSignals::stay_in_front();
+}
+
 void Guardian::release() noexcept {
+  crash_signals_.reset();
   if (line_ >= 0) ::close(line_);
   // It ends by itself. One that hangs in the device's driver is left to itself: the system takes
   // it when this process is no more.
@@ -179,6 +186,9 @@ void Guardian::release() noexcept {
 }
 
 std::string Guardian::problem() const {
+  if (channel_->host() == HostState::crashed) {
+    return "The motors stay off: this program has crashed. Start it anew.";
+  }
   if (channel_->guarded(MonotonicClock().now()) || channel_->device_is_gone()) return {};
   return "The motors stay off: their guardian, the program palpate-guardian, has ended or does not "
          "run. Open the device again.";

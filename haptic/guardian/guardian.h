@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The guardian of a device: a small program, palpate-guardian, that sets the motors to zero when
-// this process no longer does, because it is killed, has crashed, is stopped, or hangs.
+// this process no longer does, because it is killed, has crashed, is stopped, or hangs, also where
+// only a part of it does and the servo loop lives on.
 //
 // It is in a session of its own and takes no signal that can be blocked: neither Ctrl+C nor what
 // is sent to this process's group reaches it. It opens the device itself. channel.h has what the
@@ -10,9 +11,11 @@
 
 #include <sys/types.h>
 
+#include <optional>
 #include <string>
 
 #include "haptic/guardian/channel.h"
+#include "haptic/guardian/crash_signals.h"
 
 namespace palpate {
 
@@ -31,6 +34,9 @@ class Guardian {
   Guardian& operator=(const Guardian&) = delete;
 
   [[nodiscard]] GuardianChannel& channel() noexcept { return *channel_; }
+  /// Says that the calling thread lives, by which a person commands this program. From the first
+  /// call on it is watched (host_watch.h); without a call no thread is.
+  void host_lives() noexcept;
   /// What is wrong with the program, in words; empty: nothing. It may be called from any thread.
   [[nodiscard]] std::string problem() const;
   [[nodiscard]] pid_t process() const noexcept { return process_; }
@@ -44,6 +50,7 @@ class Guardian {
   void release() noexcept;
 
   GuardianChannel* channel_ = nullptr;
+  std::optional<CrashSignals> crash_signals_;
   /// This end of the socket.
   int line_ = -1;
   /// The program; −1: it has ended, and was waited for.

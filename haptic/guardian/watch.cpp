@@ -11,13 +11,17 @@ Watch::Step Watch::look(Time now, Host host) noexcept {
   channel_.look(now);
   if (host == Host::finished) return {Action::end, Duration(0)};
   const bool is_dead = host == Host::dead;
+  channel_.say_host_hangs(host == Host::hanging);
+  const bool must_rest = is_dead || channel_.host() != HostState::living;
   if (is_dead && !std::exchange(host_was_dead_, true)) num_taken_ = 0;
   if (is_dead && num_taken_ >= kLastZeros) return {Action::end, Duration(0)};
   if (!channel_.tripped()) {
-    tripped_at_.reset();
-    const Duration left = channel_.until_loop_is_silent(now);
-    if (!is_dead && left.count() > 0) {
-      return {Action::none, std::min<Duration>(left, GuardianChannel::kLook)};
+    if (!must_rest) {
+      tripped_at_.reset();
+      const Duration left = channel_.until_loop_is_silent(now);
+      if (left.count() > 0) {
+        return {Action::none, std::min<Duration>(left, GuardianChannel::kLook)};
+      }
     }
     channel_.trip();
   }

@@ -22,6 +22,8 @@ class Watch {
   /// How the process that the loop runs in is doing.
   enum class Host {
     running,
+    /// It hangs, as HostWatch finds; it may go on.
+    hanging,
     /// It has said that it no longer needs a guardian.
     finished,
     /// It ended without a word.

@@ -22,6 +22,7 @@
 #include <ctime>
 
 #include "haptic/guardian/descriptors.h"
+#include "haptic/guardian/host_watch.h"
 #include "haptic/guardian/watch.h"
 
 namespace palpate {
@@ -86,6 +87,8 @@ void watch(GuardianChannel& channel, int device) {
   const Report zero = channel.zero;
   MonotonicClock clock;
   Watch watch(channel);
+  // The program that has started this one.
+  HostWatch host_watch(::getppid());
   Watch::Host host = Watch::Host::running;
   for (;;) {
     const Watch::Step step = watch.look(clock.now(), host);
@@ -103,6 +106,9 @@ void watch(GuardianChannel& channel, int device) {
       clock.sleep_until(clock.now() + step.wait);
     else
       host = wait_for_host(step.wait);
+    if (host == Watch::Host::running && host_watch.hangs(clock.now(), channel)) {
+      host = Watch::Host::hanging;
+    }
   }
 }
 

@@ -224,6 +224,7 @@ int touch_reduced(const CommandLine& line, StateSpaceFile file) {
   touch->start();
   std::vector<Index> lost;
   while (lost.empty() && !signals.wait_for(50ms)) {
+    touch->host_lives();
     if (line.seconds > 0 && seconds(clock->now() - begin) >= line.seconds) break;
     lost = touch->lost();
   }

@@ -147,6 +147,7 @@ int touch_space(CommandLine line, std::optional<StateSpaceFile> file) {
   bool gone = false;
   Time told = begin;
   while (!gone && !signals.wait_for(50ms)) {
+    servo.host_lives();
     const Time now = clock->now();
     if (line.seconds > 0 && seconds(now - begin) >= line.seconds) break;
     const Tick tick = servo.latest();

@@ -16,6 +16,10 @@ namespace {
 /// Of those that DeviceState::buttons holds.
 constexpr std::int32_t kLastButton = 31;
 
+/// After ticks that take longer than the period it waits for this part of it: with real-time
+/// priority nothing else would run on their processor.
+constexpr int kRest = 10;
+
 const ServoOptions& checked(const ServoOptions& options) {
   validate(options);
   return options;
@@ -102,6 +106,15 @@ void validate(const ServoSettings& settings, const Specification& device) {
   check(settings.grasp_button, "to grasp");
 }
 
+std::int32_t dead_man_button_of(const Specification& device) {
+  if (device.num_buttons > 0) return 0;
+  if (device.max_linear_force == 0) return -1;
+  throw InputError(
+      "Forces are wanted only while a button is held, but " + device.model +
+      " has motors and no button: it would get forces that nobody commands. Choose a device with a "
+      "button, or switch 'Only while the button is held' off.");
+}
+
 std::string_view to_string(ServoState state) noexcept {
   switch (state) {
     case ServoState::closed: return "closed";
@@ -175,7 +188,8 @@ void Loop::wait() noexcept {
     return;
   }
   due_ += options_.period;
-  clock_.sleep_until(due_);
+  const Time now = clock_.now();
+  clock_.sleep_until(now > due_ ? now + options_.period / kRest : due_);
 }
 
 void Loop::keep_time(Time begin) noexcept {

@@ -60,9 +60,10 @@ class Loop {
   /// @note Realtime-safe but for the device's own calls.
   void tick() noexcept;
 
-  /// Sleeps until the next tick is due. Where the device sets the pace it returns at once, since
-  /// the tick itself waits for the device. After a tick that was late by a period or more the
-  /// rhythm begins anew.
+  /// Sleeps until the next tick is due, and where that is past for a tenth of the period, so that
+  /// ticks that take longer leave time to others. Where the device sets the pace it returns at
+  /// once, since the tick itself waits for the device. After a tick that was late by a period or
+  /// more the rhythm begins anew.
   void wait() noexcept;
 
   [[nodiscard]] const Tick& last() const noexcept { return tick_; }

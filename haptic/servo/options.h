@@ -68,6 +68,11 @@ void validate(const ServoSettings& settings);
 /// @throws InputError a value is out of range, or the device lacks what is required.
 void validate(const ServoSettings& settings, const Specification& device);
 
+/// The dead-man switch of a device with which forces are wanted only while a person holds a button:
+/// its first one; −1: it has no button, and no motors either.
+/// @throws InputError it has motors, but no button that a person could hold.
+[[nodiscard]] std::int32_t dead_man_button_of(const Specification& device);
+
 /// The largest force that is sent, N.
 /// @param limit It is as ServoSettings::force_limit.
 [[nodiscard]] double largest_force(const Specification& device, double limit) noexcept;

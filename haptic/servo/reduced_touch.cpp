@@ -37,6 +37,12 @@ void ReducedTouch::start() {
   }
 }
 
+void ReducedTouch::host_lives() noexcept {
+  for (const auto& servo : servos_) {
+    if (servo) servo->host_lives();
+  }
+}
+
 std::vector<Index> ReducedTouch::lost() {
   std::vector<Index> lost;
   for (std::size_t tool = 0; tool < servos_.size(); ++tool) {

@@ -33,6 +33,8 @@ class ReducedTouch {
 
   /// @throws BackendError a thread cannot be started, or was started before; then all are stopped.
   void start();
+  /// As Servo::host_lives(), of all loops.
+  void host_lives() noexcept;
   /// The tools whose device is gone, or whose servo loop has ended by itself, from 0. The others go
   /// on until stop().
   [[nodiscard]] std::vector<Index> lost();

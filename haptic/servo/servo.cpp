@@ -30,7 +30,9 @@ std::string why_tripped(const Tick& tick) {
   }
   if (tick.tripped & trips::guardian) {
     text +=
-        "The guardian has set the motors to zero, because the loop was silent, or looks no more. ";
+        "The guardian has set the motors to zero, because the loop was silent or the window has "
+        "hung, "
+        "or it looks no more. ";
   }
   if (tick.tripped & trips::body) text += "The body was not stepped for too long. ";
   if (!text.empty()) text += "There is no force until the tool was outside of the body.";
@@ -144,6 +146,8 @@ bool Servo::stop() noexcept {
 }
 
 void Servo::let_go() noexcept { shared_->stop = true; }
+
+void Servo::host_lives() noexcept { shared_->transport->host_lives(); }
 
 void Servo::set_body(std::shared_ptr<const Touchable> body) {
   // The system calls for it are made here, and not in the loop.

@@ -46,6 +46,12 @@ class Servo {
   /// Zero force, and the loop ends by itself. Any thread may call this, and none waits in it.
   void let_go() noexcept;
 
+  /// Says that the calling thread lives, by which a person commands this program; call it some
+  /// times a second. From the first call on that thread is watched: where it hangs there is no
+  /// force (haptic/guardian/host_watch.h). A program that never calls this is watched for crashes
+  /// alone.
+  void host_lives() noexcept;
+
   /// Gives the body that is touched from the next tick on, also while another is touched; nullptr:
   /// none.
   void set_body(std::shared_ptr<const Touchable> body);

@@ -132,7 +132,8 @@ void DeviceSession::watch_guardian() noexcept {
   const Specification& device = profile_.specification();
   if (device.max_linear_force == 0 || gone_) return;
   const bool is_guarded = guardian_ != nullptr
-                              ? guardian_->guarded(clock_.now()) && !guardian_->tripped()
+                              ? guardian_->guarded(clock_.now()) && !guardian_->tripped() &&
+                                    guardian_->host() == HostState::living
                               : device.watchdog.count() > 0;
   interlock_.set(trips::guardian, !is_guarded);
 }

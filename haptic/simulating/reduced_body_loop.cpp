@@ -11,6 +11,10 @@
 namespace palpate {
 namespace {
 
+/// After steps that take longer than the period it waits for this part of it: with real-time
+/// priority nothing else would run on their processor.
+constexpr int kRest = 10;
+
 ReducedBodyOptions options_of_body(const ReducedBodyLoopOptions& options) {
   validate(options);
   ReducedBodyOptions result = options.body;
@@ -76,7 +80,8 @@ void ReducedBodyLoop::step() noexcept {
 
 void ReducedBodyLoop::wait() noexcept {
   due_ += options_.period;
-  clock_.sleep_until(due_);
+  const Time now = clock_.now();
+  clock_.sleep_until(now > due_ ? now + options_.period / kRest : due_);
 }
 
 void ReducedBodyLoop::keep_time(Time begin) noexcept {

@@ -82,8 +82,9 @@ class ReducedBodyLoop {
 
   /// Does one step, now. @note Realtime-safe.
   void step() noexcept;
-  /// Sleeps until the next step is due. After one that was late by a period or more the rhythm
-  /// begins anew.
+  /// Sleeps until the next step is due, and where that is past for a tenth of the period, so that
+  /// steps that take longer leave time to others. After one that was late by a period or more the
+  /// rhythm begins anew.
   void wait() noexcept;
 
   [[nodiscard]] const ReducedBody& body() const noexcept { return body_; }

@@ -56,6 +56,9 @@ class HidTransport final : public Transport {
   GuardianChannel* guardian() noexcept override {
     return guardian_ ? &guardian_->channel() : nullptr;
   }
+  void host_lives() noexcept override {
+    if (guardian_) guardian_->host_lives();
+  }
   /// As that of Transport; it may be called from any thread.
   std::string problem() const override;
 

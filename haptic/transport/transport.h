@@ -38,6 +38,9 @@ class Transport {
   /// is none.
   [[nodiscard]] virtual GuardianChannel* guardian() noexcept { return nullptr; }
 
+  /// Tells the guardian that the calling thread lives, by which a person commands this program.
+  virtual void host_lives() noexcept {}
+
   /// What was last wrong, in words; empty: nothing. It may be called from any thread.
   [[nodiscard]] virtual std::string problem() const = 0;
 };

@@ -115,6 +115,35 @@ TEST_F(WatchTest, ADeadHostIsBelievedWhateverTheMemorySays) {
   EXPECT_EQ(look(1s, Host::dead), Action::zero);
 }
 
+// Its loop lives on, takes zero and acknowledges, again and again.
+TEST_F(WatchTest, AHostThatHasCrashedGetsZeroForGood) {
+  channel.beat(1s);
+  EXPECT_EQ(look(1s), Action::none);
+  channel.say_host_crashed();
+  for (Time now = 1s; now < 3s; now += 10ms) {
+    channel.beat(now);
+    ASSERT_EQ(look(now), Action::zero);
+    channel.acknowledge();
+  }
+  EXPECT_EQ(step.wait, Watch::kSlowZeroPeriod);
+  EXPECT_EQ(channel.host(), HostState::crashed);
+}
+
+TEST_F(WatchTest, AHostThatHangsGetsZeroUntilItGoesOn) {
+  for (Time now = 1s; now < 2s; now += 10ms) {
+    channel.beat(now);
+    ASSERT_EQ(look(now, Host::hanging), Action::zero);
+    ASSERT_EQ(channel.host(), HostState::hanging);
+    channel.acknowledge();
+  }
+  channel.beat(2s);
+  EXPECT_EQ(look(2s, Host::running), Action::none);
+  EXPECT_EQ(channel.host(), HostState::living);
+  channel.say_host_crashed();
+  (void)look(2s + 2ms, Host::running);
+  EXPECT_EQ(channel.host(), HostState::crashed) << "what has crashed does not live again";
+}
+
 TEST_F(WatchTest, ATimeThatIsStillToComeIsSilence) {
   channel.beat(1000s);
   EXPECT_EQ(look(1s), Action::zero);

@@ -100,6 +100,36 @@ TEST_F(Guarded, ATripIsZeroUntilTheToolWasOutside) {
   EXPECT_EQ(rig->counters().trips_by_guardian, 1U);
 }
 
+TEST_F(Guarded, AProgramThatHasCrashedGetsNoForceAnyMore) {
+  begin(test::pressing(), &channel);
+  run(500ms);
+  ASSERT_GT(rig->motors().norm(), 0.5);
+  channel.say_host_crashed();
+  for (int i = 0; i < 3000; ++i) {
+    run(1ms);
+    ASSERT_EQ(rig->motors(), Vec3::Zero()) << "outside and in again";
+  }
+}
+
+TEST_F(Guarded, AHostThatHangsGetsNoForceUntilTheToolWasOutside) {
+  begin(test::pressing(), &channel);
+  run(500ms);
+  ASSERT_GT(rig->motors().norm(), 0.5);
+  channel.say_host_hangs(true);
+  for (int i = 0; i < 2000; ++i) {
+    run(1ms);
+    ASSERT_EQ(rig->motors(), Vec3::Zero()) << "outside and in again";
+  }
+  // At 500 ms of its motion, inside.
+  channel.say_host_hangs(false);
+  for (int i = 0; i < 250; ++i) {
+    run(1ms);
+    ASSERT_EQ(rig->motors(), Vec3::Zero());
+  }
+  run(700ms);
+  EXPECT_GT(rig->motors().norm(), 0.5);
+}
+
 TEST_F(Guarded, ATripIsAcknowledgedWhenTheDeviceHasTakenZero) {
   begin(test::holding(), &channel);
   run(500ms);

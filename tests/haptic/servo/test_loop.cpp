@@ -77,6 +77,19 @@ TEST(Loop, KeepsItsRate) {
   EXPECT_EQ(rig.counters().missed, 0U);
 }
 
+// With real-time priority nothing else would run on its processor.
+TEST(Loop, TicksThatTakeLongerThanThePeriodLeaveTimeToOthers) {
+  Rig rig(test::pressing());
+  for (int i = 0; i < 100; ++i) {
+    rig.tick();
+    rig.clock->advance(3ms);
+    const Time before = rig.clock->now();
+    rig.loop->wait();
+    ASSERT_GE(rig.clock->now() - before, 100us);
+  }
+  EXPECT_GT(rig.counters().missed, 100U);
+}
+
 TEST(Loop, DoesNotCatchUpAfterAnOverrun) {
   Rig rig(test::pressing());
   rig.run(50ms);
@@ -561,6 +574,27 @@ TEST(Loop, ForcesOnlyWhileTheDeadManButtonIsHeld) {
   rig.run(700ms);
   EXPECT_GT(rig.motors().norm(), 0.5);
   EXPECT_EQ(rig.counters().trips_by_disengaging, 1U);
+}
+
+TEST(Loop, WithoutAButtonTheDeadManSwitchIsRefused) {
+  Specification device;
+  device.model = "Ball on a spring";
+  device.max_linear_force = 3;
+  device.num_buttons = 0;
+  try {
+    (void)dead_man_button_of(device);
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("Ball on a spring has motors and no button"), std::string::npos) << text;
+    EXPECT_NE(text.find("'Only while the button is held'"), std::string::npos) << text;
+  }
+  device.num_buttons = 2;
+  EXPECT_EQ(dead_man_button_of(device), 0);
+  device.max_linear_force = 0;
+  EXPECT_EQ(dead_man_button_of(device), 0);
+  device.num_buttons = 0;
+  EXPECT_EQ(dead_man_button_of(device), -1) << "nothing moves the hand";
 }
 
 TEST(Loop, TheLimitsHoldWhateverTheBody) {

@@ -244,7 +244,12 @@ TEST(Hands, StepsThatTakeTooLongAreCounted) {
   class SlowClock final : public Clock {
    public:
     Time now() noexcept override { return now_ += 3ms; }
-    void sleep_until(Time time) noexcept override { now_ = std::max(now_, time); }
+    void sleep_until(Time time) noexcept override {
+      least_rest = std::min(least_rest, time - now_);
+      now_ = std::max(now_, time);
+    }
+
+    Duration least_rest = 1s;
 
    private:
     Time now_{0};
@@ -260,6 +265,8 @@ TEST(Hands, StepsThatTakeTooLongAreCounted) {
   EXPECT_EQ(counters.too_long, 10U);
   EXPECT_GE(counters.missed, 9U);
   EXPECT_EQ(outbox.step_time.percentiles().largest, 3ms);
+  // With real-time priority nothing else would run on its processor.
+  EXPECT_GE(clock.least_rest, 200us) << "they leave time to others";
 }
 
 TEST(Hands, AnAnswerThatIsNoNumberGivesNoForce) {
