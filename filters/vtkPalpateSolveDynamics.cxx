@@ -78,6 +78,7 @@ struct Step
     , Residual(state.residual)
     , Iterations(state.iterations)
     , Halvings(state.halvings)
+    , Flags(state.flags)
   {
   }
 
@@ -91,6 +92,7 @@ struct Step
   double Residual;
   int Iterations;
   int Halvings;
+  palpate::Flags Flags;
 };
 
 vtkSmartPointer<vtkTable> TableOf(const std::vector<Step>& steps, palpate::Outcome outcome)
@@ -127,6 +129,7 @@ vtkSmartPointer<vtkTable> TableOf(const std::vector<Step>& steps, palpate::Outco
   };
   integer("Iterations", [](const Step& step) { return step.Iterations; });
   integer("Halvings", [](const Step& step) { return step.Halvings; });
+  integer("Flags", [](const Step& step) { return step.Flags; });
   integer("Outcome",
     [&steps, outcome](const Step& step)
     { return static_cast<int>(&step == &steps.back() ? outcome : palpate::Outcome::converged); });

@@ -21,7 +21,8 @@
  *
  *   `Time`, `StepLength` (s), `KineticEnergy`, `ElasticEnergy`, `WeightEnergy`, `ViscousEnergy`,
  *   `Dissipated`, `Work` (J, see palpate::EnergyBalance), `Position0`, … (m) and `Force0`, … (N) of
- *   each tool, `MinimumDetF`, `LocalError` (m), `Residual`, `Iterations`, `Halvings`, `Outcome`
+ *   each tool, `MinimumDetF`, `LocalError` (m), `Residual`, `Iterations`, `Halvings`, `Flags`,
+ *   `Outcome`
  *
  * The run is made once, when the first time is asked for; its frames are kept in a file
  * (vtkPalpateFrames.h). One that does not come to its end is a result, not an error: Outcome is not

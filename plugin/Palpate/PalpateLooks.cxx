@@ -90,7 +90,7 @@ constexpr const char* HiddenSeries = R"json({
     },
     "PalpateMotionChartRepresentation": {
       "SeriesVisibility": ["Time", "0", "StepLength", "0", "MinimumDetF", "0", "LocalError", "0",
-        "Residual", "0", "Iterations", "0", "Halvings", "0", "Outcome", "0", "Trust", "0",
+        "Residual", "0", "Iterations", "0", "Halvings", "0", "Flags", "0", "Outcome", "0", "Trust", "0",
         "Tangents", "0", "StepSeconds", "0", "Position0_X", "0",
         "Position0_Y", "0", "Position0_Z", "0", "Position0_Magnitude", "0", "Force0_X", "0",
         "Force0_Y", "0", "Force0_Z", "0", "Force0_Magnitude", "0", "Position1_X", "0",

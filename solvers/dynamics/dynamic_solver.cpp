@@ -13,6 +13,8 @@
 #include "dynamics/viscosity.h"
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
+#include "equilibrium/explanation.h"
+#include "equilibrium/linearisation.h"
 #include "equilibrium/ramp.h"
 #include "interaction/interaction_list.h"
 #include "threads/thread_team.h"
@@ -30,6 +32,12 @@ constexpr double kShortestRatio = 0.3;
 constexpr double kSafety = 0.9;
 /// Where a step was halved, this many are taken before it is doubled.
 constexpr int kStepsBeforeDoubling = 4;
+/// Events that are nearer to each other than this share of the time step are at the same time.
+constexpr double kInstant = 1e-3;
+/// s; the squares of shorter ones are of no use in the equations.
+constexpr double kLeastTimeStep = 1e-12;
+/// No step is shorter than this share of the whole time: rounding would leave nothing of it.
+constexpr double kLeastShare = 1e-12;
 
 /// What a step adds to the energy of the materials.
 class StepTerm final : public EnergyTerm {
@@ -86,6 +94,33 @@ std::string text_of(double number) {
   return text.str();
 }
 
+/// What is notable of the states of a run, though it goes on.
+struct Notes {
+  int num_states = 0;
+  /// The states with inverted cells, and of the worst of them when and what it is.
+  int num_inverted = 0;
+  double worst_time = 0;
+  double worst_det_f = 0;
+  Index worst_cell = -1;
+  /// The steps that are less accurate than was asked for, and when the first of them ends, s.
+  int num_inaccurate = 0;
+  double first_inaccurate = 0;
+};
+
+void add(const DynamicState& state, Notes& notes) {
+  ++notes.num_states;
+  if ((state.flags & flags::inverted) != 0) {
+    if (notes.num_inverted++ == 0 || state.minimum_det_f < notes.worst_det_f) {
+      notes.worst_time = state.motion.time;
+      notes.worst_det_f = state.minimum_det_f;
+      notes.worst_cell = state.minimum_det_f_cell;
+    }
+  }
+  if ((state.flags & flags::inaccurate) != 0 && notes.num_inaccurate++ == 0) {
+    notes.first_inaccurate = state.motion.time;
+  }
+}
+
 bool ends_run(Outcome outcome) {
   return outcome == Outcome::aborted || outcome == Outcome::budget_used_up;
 }
@@ -126,8 +161,9 @@ void validate(const DynamicsOptions& options) {
   const auto check = [](bool good, const std::string& what) {
     if (!good) throw InputError(what);
   };
-  check(options.time_step > 0 && std::isfinite(options.time_step),
-        "The time step (TimeStep) is " + text_of(options.time_step) + " s; it must be above 0.");
+  check(options.time_step >= kLeastTimeStep && std::isfinite(options.time_step),
+        "The time step (TimeStep) is " + text_of(options.time_step) + " s; it must be at least " +
+            text_of(kLeastTimeStep) + " s.");
   check(options.tolerance >= 0 && options.tolerance < 1,
         "The tolerance of a step (StepTolerance) is " + text_of(options.tolerance) +
             "; it must be from 0 to below 1.");
@@ -170,18 +206,30 @@ class DynamicSolver::Impl {
                        " coordinates, but the tools have " +
                        std::to_string(system_.num_coordinates()) + '.');
     }
+    if (!(until >= 0 && std::isfinite(until))) {
+      throw InputError("The motion ends at " + text_of(until) +
+                       " s (EndTime); it must end at a time that is not negative.");
+    }
     DynamicState state =
         begin(path.at(0), clear.size() > 0 ? clear : Eigen::VectorXd::Zero(path.num_coordinates()));
     if (state.outcome != Outcome::converged || !take(state)) return state;
-    double next = options_.time_step;
+    Notes notes;
+    add(state, notes);
+    const double longest = std::min(options_.time_step, until);
+    double next = longest;
     int good_steps = 0;
-    // A last step is not left over by rounding.
-    const double rounding = 1e-9 * options_.time_step;
-    while (until - state.motion.time > rounding) {
-      let_go(path, state, rounding);
-      const double left =
-          std::min(until, path.next_release(state.motion.time + rounding)) - state.motion.time;
-      const int num_steps = static_cast<int>(std::ceil(left / next - 1e-9));
+    // What is so near is at the same time: no step is left over by rounding, or for a tool that is
+    // let go right after another, or right before the end.
+    const double instant = kInstant * longest;
+    const double shortest =
+        std::max(std::ldexp(longest, -options_.max_halvings), kLeastShare * until);
+    while (until - state.motion.time > instant) {
+      let_go(path, state, instant);
+      const double release = path.next_release(state.motion.time + instant);
+      const double event = until - release > instant ? release : until;
+      const double left = event - state.motion.time;
+      // The last two steps before an event are of one length.
+      const double num_steps = std::max(1.0, std::ceil(left / next - kInstant));
       double length = num_steps <= 2 ? left / num_steps : next;
       DynamicState to;
       int halvings = 0;
@@ -191,29 +239,30 @@ class DynamicSolver::Impl {
         if (ends_run(to.outcome)) break;
         const bool accurate = options_.tolerance == 0 || to.local_error <= allowed_error(path, to);
         if (to.outcome == Outcome::converged && accurate) break;
-        if (halvings == options_.max_halvings) {
-          if (to.outcome != Outcome::converged) break;
-          to.message = "A step of " + text_of(length) +
-                       " s is less accurate than was asked for, and may not be halved again.";
+        if (0.5 * length < shortest) {
+          to.flags |= flags::inaccurate;
           break;
         }
         length /= 2;
         good_steps = 0;
       }
       to.halvings = halvings;
+      if (length == left) to.motion.time = event;
       if (to.outcome != Outcome::converged) {
         state.outcome = to.outcome;
-        state.message = to.message;
+        state.message = ends_run(to.outcome) ? to.message : to.message + advice(state, shortest);
         return state;
       }
       end_step(state, to);
       state = std::move(to);
-      next = next_length(path, state, length, good_steps);
+      add(state, notes);
+      next = std::max(next_length(path, state, length, good_steps), shortest);
       if (!take(state)) {
         state.outcome = Outcome::aborted;
         return state;
       }
     }
+    state.message = describe(notes, shortest);
     return state;
   }
 
@@ -230,16 +279,45 @@ class DynamicSolver::Impl {
     DynamicState to;
     to.outcome = Outcome::not_converged;
     to.message = "In the step of " + text_of(length) + " s from " + text_of(from.motion.time) +
-                 " s on a tool moves so far that it could pass through the body. Take shorter "
-                 "steps, or move it more slowly.";
+                 " s on a tool moves so far that it could pass through the body.";
     return to;
   }
 
+  /// Of a motion that ends because no step may be shorter.
+  [[nodiscard]] std::string advice(const DynamicState& last, double shortest) const {
+    return " No step may be shorter than " + text_of(shortest) +
+           " s (TimeStep, halved MaximumHalvings times). The least det F before it is " +
+           text_of(last.minimum_det_f) + " in " +
+           describe_cell(scene_.mesh, last.minimum_det_f_cell) +
+           ". Move the tools more slowly or less far, give those that hold the body a TipRadius, "
+           "refine the mesh there, or allow for more halvings.";
+  }
+
+  [[nodiscard]] std::string describe(const Notes& notes, double shortest) const {
+    std::ostringstream text;
+    if (notes.num_inverted > 0) {
+      text << "In " << notes.num_inverted << " of " << notes.num_states
+           << " states cells are inverted: the worst is "
+           << describe_cell(scene_.mesh, notes.worst_cell) << " at " << notes.worst_time
+           << " s with det F = " << notes.worst_det_f
+           << ". Move the tools less far, give those that hold the body a TipRadius, or refine the "
+              "mesh there. ";
+    }
+    if (notes.num_inaccurate > 0) {
+      text << notes.num_inaccurate << " steps, the first up to " << notes.first_inaccurate
+           << " s, are less accurate than StepTolerance asks for: no step may be shorter than "
+           << shortest << " s (TimeStep, halved MaximumHalvings times). ";
+    }
+    std::string message = text.str();
+    if (!message.empty()) message.pop_back();
+    return message;
+  }
+
   /// Lets those tools go whose time has come.
-  void let_go(const ToolPath& path, DynamicState& state, double rounding) {
+  void let_go(const ToolPath& path, DynamicState& state, double instant) {
     bool any = false;
     for (Index tool = 0; tool < tools_.num_tools(); ++tool) {
-      if (released_[tool] || path.release(tool) > state.motion.time + rounding) continue;
+      if (released_[tool] || path.release(tool) > state.motion.time + instant) continue;
       released_[tool] = any = true;
       tools_.let_go(tool, state.tools.segment<3>(3 * Eigen::Index{tool}));
       state.force.segment<3>(3 * Eigen::Index{tool}).setZero();
@@ -339,7 +417,7 @@ class DynamicSolver::Impl {
         state.motion.acceleration = acceleration_when_let_go(state.motion.acceleration);
         measure(x, state.motion.acceleration, state);
       }
-      state.minimum_det_f = system_.assembly().minimum_det_f(x).value;
+      take_determinant(x, state);
     }
     remember(state.motion);
     return state;
@@ -412,13 +490,13 @@ class DynamicSolver::Impl {
     }
     to.motion = time.end(x);
     to.tools = q;
-    to.minimum_det_f = system_.assembly().minimum_det_f(x).value;
-    if (!(to.minimum_det_f > 0) || !to.motion.u.allFinite()) {
+    if (!to.motion.u.allFinite()) {
       to.outcome = Outcome::not_converged;
       to.message = "The step of " + text_of(length) + " s from " + text_of(from.motion.time) +
-                   " s on turns a cell inside out.";
+                   " s on has displacements that are no numbers.";
       return to;
     }
+    take_determinant(x, to);
     const NodalVector difference = to.motion.u - predicted;
     to.local_error =
         kErrorShare * difference.reshaped(3, difference.size() / 3).colwise().norm().maxCoeff();
@@ -465,6 +543,15 @@ class DynamicSolver::Impl {
       of_tools.segment<3>(coordinate) += force.segment<3>(3 * Eigen::Index{point});
     }
     state.force = of_tools;
+  }
+
+  void take_determinant(const NodalVector& x, DynamicState& state) const {
+    LinearisedState at;
+    palpate::take_determinant(system_.assembly(), x, at);
+    state.minimum_det_f = at.minimum_det_f;
+    state.minimum_det_f_cell = at.minimum_det_f_cell;
+    state.num_inverted_cells = at.num_inverted_cells;
+    state.flags = at.flags;
   }
 
   Correction correct_from(const LinearisedState& start, const Eigen::VectorXd& q, NodalVector& x) {

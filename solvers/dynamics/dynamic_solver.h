@@ -9,8 +9,13 @@
 //   c/2 (x − û)ᵀM(x − û) + Π(x; q) + memory (viscosity.h) − gᵀM x
 //
 // and is searched for in the same way (equilibrium/corrector.h): a factor serves as many iterations
-// and steps as it contracts in. Where a step does not converge, or turns a cell inside out, it is
-// halved.
+// and steps as it contracts in. Where a step does not converge it is halved, down to a shortest
+// one, with which the motion ends by name. A corner of a cell that is inside out ends nothing: it
+// is for flags::inverted. (The laws that are not defined there keep it away from quadrature
+// points.)
+//
+// A step ends where a tool is let go. Events that are nearer to each other than a thousandth of the
+// time step are at the same time.
 //
 // The motion begins at rest, in the equilibrium under gravity or without it, to which the tools
 // have come at their first place: the coordinates of those that prescribe points count from that
@@ -44,7 +49,7 @@ struct DynamicsOptions {
   /// of the tools or, without any, of the mean edge; the steps become as short as that asks for. 0:
   /// they are all of one length.
   double tolerance = 0;
-  /// A step may be halved this often.
+  /// No step is halved to less than the time step over 2 to this power.
   int max_halvings = 10;
   /// The field of gravity, m/s².
   Vec3 gravity = Vec3::Zero();
@@ -82,8 +87,13 @@ struct DynamicState {
   Eigen::VectorXd tools;
   Eigen::VectorXd force;
   EnergyBalance energy;
-  /// Least det F over quadrature points and corners.
+  /// Least det F over quadrature points and corners, and the cell where that is.
   double minimum_det_f = 1;
+  Index minimum_det_f_cell = -1;
+  Index num_inverted_cells = 0;
+  /// flags::inverted, and flags::inaccurate where the step may not be so short as its tolerance
+  /// asks for.
+  Flags flags = 0;
   Outcome outcome = Outcome::converged;
   /// Largest component of the residual, see EquilibriumOptions::tolerance.
   double residual = 0;
@@ -92,7 +102,7 @@ struct DynamicState {
   int halvings = 0;
   /// An estimate of the error of u that the step has made, m.
   double local_error = 0;
-  /// What went wrong; empty: nothing.
+  /// What went wrong, or of the last state what is notable of the run; empty: nothing.
   std::string message;
 };
 
@@ -118,7 +128,8 @@ class DynamicSolver {
   /// @param clear Where the tools do not act on the body at rest, from where they come to their
   ///   first place [d], m; empty: at 0, as those that are bonded.
   /// @returns The last state; its outcome and message say how the run has ended.
-  /// @throws InputError a path of other coordinates than the tools have.
+  /// @throws InputError a path of other coordinates than the tools have, an end that is negative or
+  ///   no number.
   DynamicState run(const ToolPath& path, double until, const TakeState& take,
                    const Eigen::VectorXd& clear = {});
 

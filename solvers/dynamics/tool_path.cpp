@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -24,8 +26,9 @@ ToolPath::ToolPath(std::vector<double> times, Eigen::MatrixXd coordinates)
   for (Eigen::Index i = 0; i < n; ++i) {
     const bool ascends = i == 0 || times_[i] > times_[i - 1];
     if (!std::isfinite(times_[i]) || !ascends || !coordinates_.col(i).allFinite()) {
-      throw InputError("Row " + std::to_string(i) + " of the way of the tools, at " +
-                       std::to_string(times_[i]) +
+      std::ostringstream time;
+      time << std::setprecision(std::numeric_limits<double>::max_digits10) << times_[i];
+      throw InputError("Row " + std::to_string(i) + " of the way of the tools, at " + time.str() +
                        " s, is not after the row before, or has a place that is no number. Sort "
                        "the rows by time, and give each time once.");
     }
@@ -39,9 +42,10 @@ ToolPath::ToolPath(std::vector<double> times, Eigen::MatrixXd coordinates)
     for (Eigen::Index d = 0; d < coordinates_.rows(); ++d) {
       const double a = (coordinates_(d, i) - coordinates_(d, i - 1)) / before;
       const double b = (coordinates_(d, i + 1) - coordinates_(d, i)) / after;
-      if (a * b <= 0) continue;
+      // Between rows that are nearly at the same time one of them may be infinite.
+      if (!(a * b > 0)) continue;
       const double w = (before + 2 * after) / (3 * (before + after));
-      slopes_(d, i) = a * b / (w * b + (1 - w) * a);
+      slopes_(d, i) = 1 / (w / a + (1 - w) / b);
     }
   }
 }

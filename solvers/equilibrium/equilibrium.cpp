@@ -227,16 +227,13 @@ void EquilibriumSolver::Impl::set_load(const NodalVector& load) {
   state.outcome = end.outcome;
   state.residual = end.residual;
   state.iterations = end.iterations;
-  const Assembly::Determinant least = assembly.minimum_det_f(rest_);
-  state.minimum_det_f = least.value;
-  state.minimum_det_f_cell = least.cell;
-  state.num_inverted_cells = least.num_inverted_cells;
+  take_determinant(assembly, rest_, state);
   state.seconds = seconds_since(start_);
   if (end.outcome != Outcome::converged) {
     std::ostringstream text;
     text << "The body finds no rest under its load: with a share of " << end.share
          << " of BodyForce the solve has converged, and beyond that "
-         << (end.inverts ? "a cell turns inside out" : "it is " + to_string(end.outcome))
+         << (end.is_unstable ? "an equilibrium is not stable" : "it is " + to_string(end.outcome))
          << ". Make BodyForce smaller or the body stiffer, or fix more of it.";
     state.message = text.str();
   }

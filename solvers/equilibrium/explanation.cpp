@@ -58,6 +58,10 @@ int dimension(const std::vector<Vec3>& points) {
 
 }  // namespace
 
+std::string describe_cell(const TetMesh& mesh, Index cell) {
+  return "cell " + std::to_string(cell) + " at " + describe(centre(mesh, cell));
+}
+
 std::string explain_singular(const CondensedSystem& system) {
   const TetMesh& mesh = system.mesh();
   const std::vector<Index> piece_of = find_pieces(mesh);
@@ -94,10 +98,7 @@ std::string explain_singular(const CondensedSystem& system) {
 
 std::string explain(const CondensedSystem& system, const Equilibrium& state,
                     const Eigen::VectorXd& target, double way) {
-  const auto worst_cell = [&](std::ostream& text) {
-    text << "cell " << state.minimum_det_f_cell << " at "
-         << describe(centre(system.mesh(), state.minimum_det_f_cell));
-  };
+  const auto worst_cell = [&] { return describe_cell(system.mesh(), state.minimum_det_f_cell); };
   std::ostringstream text;
   if (state.outcome != Outcome::converged) {
     text << "Stopped at " << std::lround(100 * way) << " % of the way to "
@@ -117,14 +118,12 @@ std::string explain(const CondensedSystem& system, const Equilibrium& state,
   if ((state.flags & flags::inverted) != 0) {
     text << state.num_inverted_cells
          << (state.num_inverted_cells == 1 ? " cell is inverted: "
-                                           : " cells are inverted, the worst is ");
-    worst_cell(text);
-    text << " with det F = " << state.minimum_det_f
+                                           : " cells are inverted, the worst is ")
+         << worst_cell() << " with det F = " << state.minimum_det_f
          << ". Displace less, give the tool a radius or refine the mesh there. ";
   } else if (state.outcome != Outcome::converged && state.outcome != Outcome::aborted && way > 0) {
-    text << "The least det F is " << state.minimum_det_f << " in ";
-    worst_cell(text);
-    text << ". Displace less, give the tool a radius or refine the mesh there. ";
+    text << "The least det F is " << state.minimum_det_f << " in " << worst_cell()
+         << ". Displace less, give the tool a radius or refine the mesh there. ";
   }
   if ((state.flags & flags::unstable) != 0) {
     text << "The equilibrium is not stable (" << state.negative_pivots << " negative pivots). ";

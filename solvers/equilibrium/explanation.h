@@ -9,6 +9,9 @@
 
 namespace palpate {
 
+/// "cell 12 at (0.1, 0, 0) m", where it is at rest.
+[[nodiscard]] std::string describe_cell(const TetMesh& mesh, Index cell);
+
 /// Explains a solve that came a share `way` of the way to `target`; empty: there is nothing to say.
 [[nodiscard]] std::string explain(const CondensedSystem& system, const Equilibrium& state,
                                   const Eigen::VectorXd& target, double way);

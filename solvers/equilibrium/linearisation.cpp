@@ -5,6 +5,14 @@
 
 namespace palpate {
 
+void take_determinant(const Assembly& assembly, const NodalVector& x, LinearisedState& state) {
+  const Assembly::Determinant least = assembly.minimum_det_f(x);
+  state.minimum_det_f = least.value;
+  state.minimum_det_f_cell = least.cell;
+  state.num_inverted_cells = least.num_inverted_cells;
+  state.flags = least.value <= 0 ? flags::inverted : 0;
+}
+
 namespace {
 
 /// Fills in what follows from x.
@@ -12,11 +20,7 @@ void take_vector(const CondensedSystem& system, const NodalVector& x, Linearised
   const Assembly& assembly = system.assembly();
   state.u = x.head(3 * Eigen::Index{assembly.num_points()});
   state.p = x.tail(assembly.num_pressures()).cwiseProduct(system.pressure_scale());
-  const Assembly::Determinant least = assembly.minimum_det_f(x);
-  state.minimum_det_f = least.value;
-  state.minimum_det_f_cell = least.cell;
-  state.num_inverted_cells = least.num_inverted_cells;
-  state.flags = least.value <= 0 ? flags::inverted : 0;
+  take_determinant(assembly, x, state);
 }
 
 /// Fills in what follows from v of the free unknowns.

@@ -17,6 +17,9 @@ struct Linearisation {
   NodalVector newton_step;
 };
 
+/// Fills in the least det F at x, where it is, and flags::inverted, as the only flag.
+void take_determinant(const Assembly& assembly, const NodalVector& x, LinearisedState& state);
+
 /// Factorises the tangent at an equilibrium x with the tool at t, and gives what follows from it.
 /// @returns nothing where there is no tangent.
 [[nodiscard]] std::optional<Linearisation> linearise(CondensedSystem& system,

@@ -9,6 +9,8 @@ namespace {
 
 /// An increment is halved this often at the most.
 constexpr int kMostHalvings = 8;
+/// Where one was halved, this many are taken before it is doubled.
+constexpr int kIncrementsBeforeDoubling = 2;
 
 /// What the corrector starts from.
 LinearisedState state_at(const CondensedSystem& system, const Eigen::VectorXd& q,
@@ -20,6 +22,16 @@ LinearisedState state_at(const CondensedSystem& system, const Eigen::VectorXd& q
   return state;
 }
 
+/// Whether the equilibrium x is one that the body stays in.
+bool is_stable(CondensedSystem& system, const Eigen::VectorXd& q, const NodalVector& x) {
+  if (system.is_iterative()) {
+    system.assemble_tangent(q, x);
+    return system.find_inertia().num_negative == 0;
+  }
+  const TangentFactor* factor = system.factorise(q, x);
+  return factor != nullptr && system.negative_pivots(*factor) == 0;
+}
+
 }  // namespace
 
 RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
@@ -28,30 +40,46 @@ RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
   LinearisedState start = state_at(system, ramp.at(0), x);
   double increment = ramp.longest_increment;
   const double least_increment = std::ldexp(increment, -kMostHalvings);
+  int good_increments = 0;
+  // The change of x for a unit of the share.
+  NodalVector slope = NodalVector::Zero(x.size());
   while (end.share < 1) {
     const double next = std::min(1.0, end.share + increment);
     const Eigen::VectorXd q = ramp.at(next);
-    NodalVector trial = x;
+    NodalVector trial = x + (next - end.share) * slope;
     system.prescribe(q, trial);
+    if (!std::isfinite(system.evaluate(q, trial))) {
+      trial = x;
+      system.prescribe(q, trial);
+    }
     const Correction correction =
         system.is_iterative() ? correct_by_iteration(system, options, interruption, q, trial)
                               : correct(system, options, interruption, start, q, trial);
     end.iterations += correction.iterations;
     end.residual = correction.residual;
     end.outcome = correction.outcome;
-    end.inverts =
-        end.outcome == Outcome::converged && !(system.assembly().minimum_det_f(trial).value > 0);
-    if (end.inverts) end.outcome = Outcome::not_converged;
+    // An increment that is too long may end on another branch, which has cells inside out and is
+    // not stable. A corner that is inside out in a stable equilibrium is none of its faults.
+    end.is_unstable = end.outcome == Outcome::converged &&
+                      system.assembly().minimum_det_f(trial).value <= 0 &&
+                      !is_stable(system, q, trial);
+    if (end.is_unstable) end.outcome = Outcome::not_converged;
     if (end.outcome == Outcome::converged) {
+      if (!system.interaction().has_potential()) slope = (trial - x) / (next - end.share);
       end.share = next;
       x = trial;
       start = state_at(system, q, x);
+      if (++good_increments == kIncrementsBeforeDoubling) {
+        good_increments = 0;
+        increment = std::min(2 * increment, ramp.longest_increment);
+      }
       continue;
     }
     const bool is_told_to =
         end.outcome == Outcome::aborted || end.outcome == Outcome::budget_used_up;
     if (is_told_to || increment <= least_increment) break;
     increment /= 2;
+    good_increments = 0;
   }
   return end;
 }

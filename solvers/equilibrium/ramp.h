@@ -20,8 +20,8 @@ struct Ramp {
 
 struct RampEnd {
   Outcome outcome = Outcome::not_converged;
-  /// What is beyond the end turns a cell inside out.
-  bool inverts = false;
+  /// What is beyond the end is an equilibrium that is not stable and has cells inside out.
+  bool is_unstable = false;
   /// Largest component of the residual, see EquilibriumOptions::tolerance.
   double residual = 0;
   int iterations = 0;
@@ -30,7 +30,8 @@ struct RampEnd {
 };
 
 /// Goes from the equilibrium x at the share 0 to that at 1, in increments that are halved where one
-/// does not converge or turns a cell inside out. x is the last equilibrium on the way.
+/// does not converge, and doubled where two have. x is the last equilibrium on the way. A corner
+/// that is inside out ends nothing: where the equilibrium is stable, it is for flags::inverted.
 [[nodiscard]] RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
                                   const Interruption& interruption, const Ramp& ramp,
                                   NodalVector& x);

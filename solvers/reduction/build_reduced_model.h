@@ -93,7 +93,7 @@ struct BuiltModel {
   Index all_tools_modes = 0;
   Index motion_modes = 0;
   int num_states = 0;
-  /// States that were left out: there was no equilibrium, or a cell was inverted.
+  /// States that were left out: there was no equilibrium, or a law was not defined.
   int num_left_out = 0;
   /// Training was ended by EquilibriumOptions::abort_requested; there is no model.
   bool aborted = false;

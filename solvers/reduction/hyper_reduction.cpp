@@ -126,12 +126,13 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   std::vector<Index> all(points.count());
   std::iota(all.begin(), all.end(), 0);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, states.cols());
-  Eigen::VectorXd least = Eigen::VectorXd::Ones(states.cols());
+  // Of each state, whether the laws are defined at all points.
+  std::vector<char> is_defined(static_cast<std::size_t>(states.cols()), 1);
   for_each_chunk(points, materials, scaled_basis, all,
                  [&](std::size_t, const BodyPoints::Reduced&, ReducedEnergy& energy) {
                    for (Eigen::Index s = 0; s < states.cols(); ++s) {
                      const ReducedSums of_chunk = energy.evaluate(scaled_states.col(s).data());
-                     least[s] = std::min(least[s], of_chunk.minimum_det_f);
+                     if (!std::isfinite(of_chunk.elastic)) is_defined[s] = 0;
                      sums.col(s) += energy.force();
                    }
                  });
@@ -139,15 +140,16 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   std::vector<Eigen::Index> used;
   double largest = 0;
   for (Eigen::Index s = 0; s < states.cols(); ++s) {
-    if (!(least[s] > 0)) continue;
+    if (is_defined[s] == 0) continue;
     used.push_back(s);
     largest = std::max(largest, sums.col(s).norm());
   }
   result.num_left_out = static_cast<int>(states.cols()) - static_cast<int>(used.size());
   if (!(largest > 0)) {
-    throw InputError("Of the " + std::to_string(states.cols()) +
-                     " states that a reduced model is made from, none has a force and no inverted "
-                     "cell. Let the tools go less far (Reach).");
+    throw InputError(
+        "Of the " + std::to_string(states.cols()) +
+        " states that a reduced model is made from, none has a force and an energy that "
+        "is finite. Let the tools go less far (Reach).");
   }
   const auto scale_of = [&](Eigen::Index s) {
     return 1 / std::max(sums.col(s).norm(), kLeastForce * largest);

@@ -44,7 +44,7 @@ struct HyperReduction {
   /// Of all training states that were used, as a share.
   double residual = 0;
   bool converged = false;
-  /// States that were left out, as a point has det F ≤ 0 there.
+  /// States that were left out: a law is not defined there, as a point has det F ≤ 0.
   int num_left_out = 0;
 };
 

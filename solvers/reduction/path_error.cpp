@@ -53,7 +53,7 @@ PathError measure_equilibria(const ReducedModel& model, EquilibriumSolver& whole
   const Equilibrium rest = whole.rest();
   for (Eigen::Index c = 0; c < places.cols(); ++c) {
     const Equilibrium state = whole.solve(places.col(c), rest, Tangent::rough);
-    if (state.outcome != Outcome::converged || !(state.minimum_det_f > 0)) continue;
+    if (state.outcome != Outcome::converged) continue;
     reduced.rest();
     const Eigen::VectorXd place = places.col(c);
     (void)reduced.step(place.data());

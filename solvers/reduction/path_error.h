@@ -26,7 +26,7 @@ struct PathError {
 };
 
 /// Equilibria with the tools at places [d × places], m, each from rest; those that the whole body
-/// does not reach uninverted are left out.
+/// does not reach are left out.
 [[nodiscard]] PathError measure_equilibria(const ReducedModel& model, EquilibriumSolver& whole,
                                            const Eigen::MatrixXd& places);
 

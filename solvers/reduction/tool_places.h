@@ -49,7 +49,7 @@ struct TrainedPlaces {
   NodalVector rest;
   /// How far each coordinate of a tool went, m.
   double reach = 0;
-  /// States that were left out: there was no equilibrium, or a cell was inverted.
+  /// States that were left out: there was no equilibrium.
   int num_left_out = 0;
   /// Training was ended by EquilibriumOptions::abort_requested; there is nothing else.
   bool aborted = false;

@@ -60,7 +60,7 @@ TrainingStates find_equilibria(EquilibriumSolver& solver, const Eigen::MatrixXd&
   const Equilibrium rest = solver.rest();
   for (Eigen::Index c = 0; c < places.cols(); ++c) {
     const Equilibrium state = solver.solve(places.col(c), rest, Tangent::rough);
-    if (state.outcome != Outcome::converged || !(state.minimum_det_f > 0)) {
+    if (state.outcome != Outcome::converged) {
       ++states.num_left_out;
       continue;
     }

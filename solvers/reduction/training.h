@@ -16,7 +16,7 @@ struct TrainingStates {
   Eigen::MatrixXd u;
   /// Of the tools [d × states], m.
   Eigen::MatrixXd tools;
-  /// States that were left out: there was no equilibrium, or a cell was inverted.
+  /// States that were left out: there was no equilibrium.
   int num_left_out = 0;
 
   void append(const TrainingStates& others);

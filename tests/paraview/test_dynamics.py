@@ -13,6 +13,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkDoubleArray
 
 CONVERGED, NOT_CONVERGED, _, BUDGET_USED_UP, ABORTED = range(5)
+INVERTED = 1  # of Flags
 DENSITY = 1000.0
 CORNER = [0.2, 0.1, 0.1]
 # Of a box as that of support.py, m: above the middle of its top.
@@ -112,7 +113,7 @@ def test_output():
     assert list(table) == [
         "Time", "StepLength", "KineticEnergy", "ElasticEnergy", "WeightEnergy", "ViscousEnergy",
         "Dissipated", "Work", "Position0", "Force0", "Position1", "Force1", "MinimumDetF",
-        "LocalError", "Residual", "Iterations", "Halvings", "Outcome"]
+        "LocalError", "Residual", "Iterations", "Halvings", "Flags", "Outcome"]
     assert (table["Outcome"] == CONVERGED).all() and (table["Iterations"][1:] > 0).all()
     assert table["Dissipated"][-1] > 0 and (table["Residual"] <= 1e-8).all()
     assert 0 < table["MinimumDetF"].min() < 1
@@ -314,10 +315,15 @@ def test_extremes():
         table = history(dynamics)
         assert all(numpy.isfinite(column).all() for column in table.values()), material
         assert numpy.isfinite(point_array(end, "Displacement")).all(), material
-        assert (table["MinimumDetF"] > 0).all() and table["Outcome"][-1] == outcome, material
+        assert table["Outcome"][-1] == outcome, material
+        # Inverted cells are a flag, which the message tells of.
+        inverted = (table["Flags"] & INVERTED) != 0
+        assert (inverted == (table["MinimumDetF"] <= 0)).all(), material
+        assert inverted.any() == (material.get("Law") == "St. Venant-Kirchhoff"), material
         assert messages.errors == 0, messages.text
-        assert messages.warnings == (outcome != CONVERGED), messages.text
-        assert (message(end) in messages.text) and (message(end) == "") == (outcome == CONVERGED)
+        assert messages.warnings == (outcome != CONVERGED or inverted.any()), messages.text
+        assert message(end) in messages.text and (message(end) != "") == (messages.warnings == 1)
+        assert ("inverted" in message(end)) == (outcome == CONVERGED and inverted.any())
         if outcome == CONVERGED:
             assert abs(table["Time"][-1] - 2 * tap) < 1e-12
     assert outcomes.count(CONVERGED) >= 6, outcomes

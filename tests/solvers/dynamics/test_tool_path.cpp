@@ -51,6 +51,24 @@ TEST(ToolPath, AToolThatIsLetGoStaysWhereItWas) {
   EXPECT_THROW(path.let_go(0, std::numeric_limits<double>::quiet_NaN()), InputError);
 }
 
+// A jump is two rows that are nearly at the same time.
+TEST(ToolPath, RowsThatAreNearlyAtTheSameTimeGiveNumbers) {
+  for (const double gap : {1e-9, 1e-15, 1e-310}) {
+    Eigen::MatrixXd places = Eigen::MatrixXd::Zero(3, 4);
+    places.row(0) << 0, 0.01, 0.03, 0.05;
+    const ToolPath path({-0.1, 0, gap, 0.2}, places);
+    double last = 0;
+    for (int i = -10; i <= 20; ++i) {
+      const Eigen::VectorXd at = path.at(0.01 * i);
+      ASSERT_TRUE(at.allFinite()) << gap;
+      EXPECT_GE(at.x(), last);
+      last = at.x();
+    }
+    EXPECT_NEAR(path.at(0).x(), 0.01, 1e-15);
+    EXPECT_EQ(path.at(0.2).x(), 0.05);
+  }
+}
+
 TEST(ToolPath, OneThatIsNoneIsRefused) {
   const Eigen::MatrixXd two = Eigen::MatrixXd::Zero(3, 2);
   EXPECT_THROW(ToolPath({}, Eigen::MatrixXd(3, 0)), InputError);

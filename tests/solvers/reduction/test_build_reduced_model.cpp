@@ -289,7 +289,7 @@ TEST(HyperReduction, ItsWeightsStandForAllPointsOnTheTrainingStates) {
     EXPECT_TRUE(std::is_sorted(chosen.points.begin(), chosen.points.end()));
     EXPECT_LT(chosen.points.size(), static_cast<std::size_t>(most));
   }
-  // No state is left where every one has an inverted cell.
+  // No state is left where the law is not defined in any.
   const Eigen::MatrixXd torn = 100 * states;
   EXPECT_THROW((void)hyper_reduce(points, block.scene.materials, basis, rest.stiffness, torn, {}),
                InputError);
