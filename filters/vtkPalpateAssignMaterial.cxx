@@ -17,6 +17,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateBodyCells.h"
 #include "vtkPalpateCellChoice.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
@@ -297,12 +298,14 @@ int vtkPalpateAssignMaterial::RequestData(
       {
         surface = vtkPalpateGatherSurface(vtkPalpateInput<vtkPolyData>(inputVector[1]), controller);
       }
-      const auto body =
+      const auto gathered =
         vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
-      if (!body || vtkPalpatePassFailure(body, output))
+      if (!gathered || vtkPalpatePassFailure(gathered, output))
       {
         return;
       }
+      const vtkPalpateBodyCells cells = vtkPalpateToTetrahedra(gathered);
+      vtkUnstructuredGrid* body = cells.Body;
       vtkPalpateElementOrder(body); // throws where the cells are not those of a body
       const std::vector<Assignment> assignments = this->Assignments(body, surface);
       std::vector<char> others(static_cast<std::size_t>(body->GetNumberOfCells()), 1);
@@ -332,6 +335,10 @@ int vtkPalpateAssignMaterial::RequestData(
         {
           vtkPalpateAssignRheology(*each.Rheology, each.Cells, output);
         }
+      }
+      if (!cells.LeftOut.empty())
+      {
+        vtkWarningMacro(<< cells.LeftOut);
       }
     });
   return 1;

@@ -12,6 +12,7 @@
 #include "vtkDataArray.h"
 #include "vtkImageData.h"
 #include "vtkMath.h"
+#include "vtkPalpateArrayCheck.h"
 #include "vtkPointData.h"
 
 namespace
@@ -20,9 +21,6 @@ using palpate::InputError;
 
 /// An image with more is not one of labels.
 constexpr std::size_t MostLabels = 1000;
-
-constexpr int Neighbours[6][3] = { { -1, 0, 0 }, { 1, 0, 0 }, { 0, -1, 0 }, { 0, 1, 0 },
-  { 0, 0, -1 }, { 0, 0, 1 } };
 
 vtkDataArray* FindArray(vtkImageData* image, const std::string& name, bool& ofPoints)
 {
@@ -68,126 +66,19 @@ std::string ToText(const std::set<int>& labels)
 
 int ToLabel(double value, vtkIdType voxel, vtkDataArray* array)
 {
-  const bool fits = value >= std::numeric_limits<int>::min() &&
-    value <= std::numeric_limits<int>::max() && value == std::floor(value);
+  const double whole = std::round(value);
+  const bool fits = whole >= std::numeric_limits<int>::min() &&
+    whole <= std::numeric_limits<int>::max() && std::abs(value - whole) <= vtkPalpateLabelTolerance;
   if (!fits)
   {
     std::ostringstream text;
-    text << "The array '" << array->GetName() << "' is not one of labels: voxel " << voxel
-         << " has the value " << value
-         << ". Labels are whole numbers; make them of grey values or probabilities with Threshold "
-            "or Calculator.";
+    text << "The array " << vtkPalpateNameOf(array) << " is not one of labels: voxel " << voxel
+         << " has the value " << value << ". Labels are whole numbers to within "
+         << vtkPalpateLabelTolerance
+         << ", of 32 bits; make them of grey values or probabilities with Threshold or Calculator.";
     throw InputError(text.str());
   }
-  return static_cast<int>(value);
-}
-
-/// The voxels of the connected part that one is in, and of how many faces it touches which label.
-class Part
-{
-public:
-  explicit Part(const vtkPalpateLabelGrid& grid)
-    : Grid(grid)
-    , Visited(grid.Labels.size(), 0)
-  {
-  }
-
-  bool IsVisited(std::size_t voxel) const { return Visited[voxel] != 0; }
-
-  void Fill(int i, int j, int k)
-  {
-    Voxels.clear();
-    Touched.clear();
-    ReachesBorder = false;
-    Label = Grid.At(i, j, k);
-    Visited[Grid.Index(i, j, k)] = 1;
-    Voxels.push_back({ i, j, k });
-    for (std::size_t next = 0; next < Voxels.size(); ++next)
-    {
-      const auto at = Voxels[next];
-      for (const auto& step : Neighbours)
-      {
-        const std::array<int, 3> to = { at[0] + step[0], at[1] + step[1], at[2] + step[2] };
-        const bool inside = to[0] >= 0 && to[1] >= 0 && to[2] >= 0 && to[0] < Grid.Size[0] &&
-          to[1] < Grid.Size[1] && to[2] < Grid.Size[2];
-        if (!inside)
-        {
-          ReachesBorder = true;
-          continue;
-        }
-        const std::size_t index = Grid.Index(to[0], to[1], to[2]);
-        if (Grid.Labels[index] != Label)
-        {
-          ++Touched[Grid.Labels[index]];
-        }
-        else if (Visited[index] == 0)
-        {
-          Visited[index] = 1;
-          Voxels.push_back(to);
-        }
-      }
-    }
-  }
-
-  /// That of most faces; what is outside the image counts as 0.
-  int MostTouched() const
-  {
-    const auto most = std::max_element(Touched.begin(), Touched.end(),
-      [](const auto& a, const auto& b) { return a.second < b.second; });
-    return most == Touched.end() ? 0 : most->first;
-  }
-
-  std::vector<std::array<int, 3>> Voxels;
-  std::map<int, std::size_t> Touched;
-  bool ReachesBorder = false;
-  int Label = 0;
-
-private:
-  const vtkPalpateLabelGrid& Grid;
-  std::vector<char> Visited;
-};
-
-/// Calls `use(part)` for each connected part.
-template <class Use>
-void ForEachPart(const vtkPalpateLabelGrid& grid, Use&& use)
-{
-  Part part(grid);
-  for (int k = 0; k < grid.Size[2]; ++k)
-  {
-    for (int j = 0; j < grid.Size[1]; ++j)
-    {
-      for (int i = 0; i < grid.Size[0]; ++i)
-      {
-        if (!part.IsVisited(grid.Index(i, j, k)))
-        {
-          part.Fill(i, j, k);
-          use(part);
-        }
-      }
-    }
-  }
-}
-
-/// Gives the parts that are `unwanted` to the labels that they touch most. @returns how many of
-/// each label.
-template <class Predicate>
-std::map<int, int> GiveAway(vtkPalpateLabelGrid& grid, Predicate&& unwanted)
-{
-  std::map<int, int> given;
-  const vtkPalpateLabelGrid before = grid;
-  ForEachPart(before,
-    [&](const Part& part)
-    {
-      if (unwanted(part))
-      {
-        ++given[part.Label];
-        for (const auto& at : part.Voxels)
-        {
-          grid.Labels[grid.Index(at[0], at[1], at[2])] = part.MostTouched();
-        }
-      }
-    });
-  return given;
+  return static_cast<int>(whole);
 }
 }
 
@@ -224,14 +115,14 @@ double vtkPalpateLabelGrid::Spacing(int axis) const
   return vtkMath::Norm(Axes[axis].data());
 }
 
-vtkPalpateLabelGrid vtkPalpateReadLabels(
-  vtkImageData* image, const std::string& name, const std::vector<int>& wanted, double unit)
+vtkPalpateLabelGrid vtkPalpateReadLabels(vtkImageData* image, const std::string& name,
+  const std::vector<int>& wanted, double unit, std::map<int, std::size_t>* negative)
 {
   bool ofPoints = true;
   vtkDataArray* array = FindArray(image, name, ofPoints);
   if (array->GetNumberOfComponents() != 1)
   {
-    throw InputError("The array '" + std::string(array->GetName()) + "' has " +
+    throw InputError("The array " + vtkPalpateNameOf(array) + " has " +
       std::to_string(array->GetNumberOfComponents()) +
       " components; labels are one number for each voxel.");
   }
@@ -278,6 +169,7 @@ vtkPalpateLabelGrid vtkPalpateReadLabels(
   }
 
   const auto count = static_cast<vtkIdType>(number);
+  vtkPalpateCheckArrays(image);
   grid.Labels.resize(static_cast<std::size_t>(count));
   const std::set<int> keep(wanted.begin(), wanted.end());
   std::set<int> there;
@@ -291,13 +183,18 @@ vtkPalpateLabelGrid vtkPalpateReadLabels(
       there.insert(label);
       if (there.size() > MostLabels)
       {
-        throw InputError("The array '" + std::string(array->GetName()) + "' has more than " +
+        throw InputError("The array " + vtkPalpateNameOf(array) + " has more than " +
           std::to_string(MostLabels) +
           " different values: it is not one of labels. Make them of grey values with Threshold or "
           "Calculator.");
       }
     }
-    grid.Labels[voxel] = keep.empty() || keep.count(label) > 0 ? label : 0;
+    const bool isTissue = keep.empty() ? label > 0 : keep.count(label) > 0;
+    grid.Labels[voxel] = isTissue ? label : 0;
+    if (keep.empty() && label < 0 && negative)
+    {
+      ++(*negative)[label];
+    }
   }
   there.erase(0);
   for (const int label : keep)
@@ -312,10 +209,11 @@ vtkPalpateLabelGrid vtkPalpateReadLabels(
         ", but no voxel has that value. The image has: " + ToText(there) + '.');
     }
   }
-  if (there.empty())
+  if (keep.empty() && (there.empty() || *there.rbegin() < 0))
   {
-    throw InputError("The array '" + std::string(array->GetName()) +
-      "' is 0 throughout: there is no body. Choose the array of labels as LabelArray.");
+    throw InputError("The array " + vtkPalpateNameOf(array) +
+      " is 0 throughout, or less: there is no body. Choose the array of labels as LabelArray; a "
+      "negative label is a tissue where Labels has it.");
   }
   return grid;
 }
@@ -331,22 +229,6 @@ std::map<int, std::size_t> vtkPalpateCountLabels(const vtkPalpateLabelGrid& grid
     }
   }
   return counts;
-}
-
-std::map<int, int> vtkPalpateRemoveIslands(vtkPalpateLabelGrid& grid, double smallest)
-{
-  if (smallest <= 0)
-  {
-    return {};
-  }
-  const double volume = grid.Volume();
-  return GiveAway(grid,
-    [=](const Part& part) { return part.Label != 0 && part.Voxels.size() * volume < smallest; });
-}
-
-int vtkPalpateFillHoles(vtkPalpateLabelGrid& grid)
-{
-  return GiveAway(grid, [](const Part& part) { return part.Label == 0 && !part.ReachesBorder; })[0];
 }
 
 vtkPalpateLabelShares::vtkPalpateLabelShares(
@@ -421,61 +303,15 @@ int vtkPalpateLabelShares::Most() const
     ->first;
 }
 
-vtkPalpateLabelGrid vtkPalpateResampleLabels(const vtkPalpateLabelGrid& grid, double edge)
+std::vector<int> vtkPalpateLabelShares::InOrder() const
 {
-  vtkPalpateLabelGrid cubes;
-  std::array<double, 3> step{}; // from a cube to the next, in voxels
-  std::array<double, 3> first{};
-  for (int axis = 0; axis < 3; ++axis)
+  std::vector<std::pair<int, double>> order = Shares;
+  std::stable_sort(
+    order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::vector<int> labels;
+  for (const auto& [label, share] : order)
   {
-    step[axis] = edge / grid.Spacing(axis);
-    cubes.Size[axis] =
-      std::max(1, static_cast<int>(std::ceil(grid.Size[axis] / step[axis] - 1e-9)));
-    // The cubes stand over both ends of the image alike.
-    first[axis] = 0.5 * (grid.Size[axis] - 1 - (cubes.Size[axis] - 1) * step[axis]);
-    for (int c = 0; c < 3; ++c)
-    {
-      cubes.Axes[axis][c] = step[axis] * grid.Axes[axis][c];
-    }
+    labels.push_back(label);
   }
-  cubes.Origin = grid.Place(first[0], first[1], first[2]);
-  cubes.Labels.assign(static_cast<std::size_t>(cubes.Size[0]) * cubes.Size[1] * cubes.Size[2], 0);
-  vtkPalpateLabelShares shares(grid, step);
-  for (int k = 0; k < cubes.Size[2]; ++k)
-  {
-    for (int j = 0; j < cubes.Size[1]; ++j)
-    {
-      for (int i = 0; i < cubes.Size[0]; ++i)
-      {
-        shares.MoveTo({ first[0] + i * step[0], first[1] + j * step[1], first[2] + k * step[2] });
-        cubes.Labels[cubes.Index(i, j, k)] = shares.Most();
-      }
-    }
-  }
-  return cubes;
-}
-
-vtkPalpateLabelParts vtkPalpateFindParts(const vtkPalpateLabelGrid& grid)
-{
-  vtkPalpateLabelParts parts;
-  parts.OfVoxel.assign(grid.Labels.size(), 0);
-  parts.Label = { 0 };
-  parts.Voxel = { { 0, 0, 0 } };
-  parts.Count = { 0 };
-  ForEachPart(grid,
-    [&](const Part& part)
-    {
-      if (part.Label == 0)
-      {
-        return;
-      }
-      for (const auto& at : part.Voxels)
-      {
-        parts.OfVoxel[grid.Index(at[0], at[1], at[2])] = static_cast<int>(parts.Label.size());
-      }
-      parts.Label.push_back(part.Label);
-      parts.Voxel.push_back(part.Voxels.front());
-      parts.Count.push_back(part.Voxels.size());
-    });
-  return parts;
+  return labels;
 }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A segmented image as a plain array of labels, and the steps that make it fit to be meshed: chosen
-// labels, islands and holes, another spacing. 0 is what is not part of the body.
+// A segmented image as a plain array of labels. 0 is what is not part of the body.
 #pragma once
 
 #include <array>
@@ -18,7 +17,8 @@ struct vtkPalpateLabelGrid
   std::array<int, 3> Size{};             ///< voxels along each axis of the image
   std::array<vtkPalpatePoint, 3> Axes{}; ///< from a voxel to the next along each of them, m
   vtkPalpatePoint Origin{};              ///< the middle of the first voxel, m
-  std::vector<int> Labels;               ///< of the voxels, the first axis fastest
+  /// Of the voxels, the first axis fastest; or the numbers of parts, see vtkPalpateLabelParts.h.
+  std::vector<int> Labels;
 
   std::size_t Index(int i, int j, int k) const
   {
@@ -44,26 +44,24 @@ struct vtkPalpateLabelGrid
 /// More voxels are refused.
 constexpr double vtkPalpateMostVoxels = 1e8;
 
+/// A value this near to a whole number is that number: a scaled image or one in single precision
+/// has 1.0000001.
+constexpr double vtkPalpateLabelTolerance = 1e-3;
+
 /// The labels of an image, with its orientation, its lengths times `unit` m.
 /// @param array The name of an array of the points or cells; empty: the active scalars.
-/// @param wanted The labels to keep, the others become 0; empty: all.
+/// @param wanted The labels to keep, the others become 0; empty: all that are positive.
+/// @param negative Gets the number of voxels of each negative label that became 0, unless `wanted`
+/// says what is kept; null: nobody asks.
 /// @throws palpate::InputError no such array with one whole number for each, an image of a single
 /// layer of voxels, more voxels than above, a wanted label that is not there, or none at all.
-PALPATEFILTERS_EXPORT vtkPalpateLabelGrid vtkPalpateReadLabels(
-  vtkImageData* image, const std::string& array, const std::vector<int>& wanted, double unit);
+PALPATEFILTERS_EXPORT vtkPalpateLabelGrid vtkPalpateReadLabels(vtkImageData* image,
+  const std::string& array, const std::vector<int>& wanted, double unit,
+  std::map<int, std::size_t>* negative = nullptr);
 
 /// The number of voxels of each label but 0.
 PALPATEFILTERS_EXPORT std::map<int, std::size_t> vtkPalpateCountLabels(
   const vtkPalpateLabelGrid& grid);
-
-/// Gives each connected part (by faces) of a label that is smaller than `smallest` (m³) to the
-/// label that it touches most. @returns how many parts of each label.
-PALPATEFILTERS_EXPORT std::map<int, int> vtkPalpateRemoveIslands(
-  vtkPalpateLabelGrid& grid, double smallest);
-
-/// Gives what is not part of the body but enclosed by it to the label that it touches most.
-/// @returns how many parts.
-PALPATEFILTERS_EXPORT int vtkPalpateFillHoles(vtkPalpateLabelGrid& grid);
 
 /// Which labels are how much of a box anywhere in an image. Between the middles of voxels their
 /// shares are linear.
@@ -78,6 +76,8 @@ public:
   double Of(int label) const;
   /// The label that has most of it.
   int Most() const;
+  /// Those that have some of it, that with most first.
+  std::vector<int> InOrder() const;
 
 private:
   const vtkPalpateLabelGrid& Grid;
@@ -85,19 +85,3 @@ private:
   std::array<int, 3> Samples;
   std::vector<std::pair<int, double>> Shares;
 };
-
-/// The same body by cubes with this edge (m), along the same axes: each has the label that fills
-/// most of it.
-PALPATEFILTERS_EXPORT vtkPalpateLabelGrid vtkPalpateResampleLabels(
-  const vtkPalpateLabelGrid& grid, double edge);
-
-/// The connected parts (by faces) of all labels, numbered from 1.
-struct vtkPalpateLabelParts
-{
-  std::vector<int> OfVoxel;              ///< 0 where there is no body
-  std::vector<int> Label;                ///< of each part; of 0, which is none, 0
-  std::vector<std::array<int, 3>> Voxel; ///< one of each part
-  std::vector<std::size_t> Count;        ///< voxels of each part
-};
-
-PALPATEFILTERS_EXPORT vtkPalpateLabelParts vtkPalpateFindParts(const vtkPalpateLabelGrid& grid);

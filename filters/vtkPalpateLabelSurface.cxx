@@ -15,26 +15,29 @@ namespace
 {
 using Vector = vtkVector3d;
 
-/// Shares of a voxel. Beyond half a voxel a wall could pass the middle of one.
+/// Shares of a cube. Beyond half a cube a wall could pass the middle of one.
 constexpr double Bound = 0.45;
+/// A box in place of a cube stays within that of the middle of the cube: other walls are farther
+/// away than 1.5 - Bound, and middles of cubes are farther away than that.
+constexpr double BoxBound = 0.95;
 constexpr int VolumeIterations = 20;
-/// Of a label's volume; below this there is nothing to be corrected.
+/// Of a part's volume; below this there is nothing to be corrected.
 constexpr double VolumeTolerance = 1e-4;
 constexpr int Rounds = 8;
 constexpr int Projections = 5;
 
-/// The walls with points in units of a voxel, where the middle of a voxel has whole numbers.
+/// The walls with points in units of a cube, where the middle of a cube has whole numbers.
 class Walls
 {
 public:
-  Walls(const vtkPalpateLabelGrid& grid, const vtkPalpateLabelParts& parts,
-    const vtkPalpateLabelGrid& image, double share)
+  /// @param boxes Whether a cube alone becomes a box.
+  Walls(
+    const vtkPalpateLabelGrid& grid, const vtkPalpateLabelParts& parts, double share, bool boxes)
     : Grid(grid)
     , Parts(parts)
-    , Image(image)
     , Share(share)
   {
-    this->FindFaces();
+    this->FindFaces(boxes);
     this->FindNeighbours();
   }
 
@@ -96,10 +99,10 @@ public:
     }
   }
 
-  /// Of each part, in voxels; that of 0 has no meaning.
+  /// Of each part, in cubes; that of 0 has no meaning.
   std::vector<double> Volumes() const
   {
-    std::vector<double> volumes(this->Parts.Label.size(), 0);
+    std::vector<double> volumes(this->Parts.Each.size(), 0);
     for (std::size_t t = 0; t < this->Triangles.size(); ++t)
     {
       const auto& c = this->Triangles[t];
@@ -113,9 +116,14 @@ public:
 
   /// Moves each wall between a and b by λ_a − λ_b, λ_0 = 0, so that the volumes of all parts are
   /// right to first order.
-  /// @param wanted In voxels; that of 0 has no meaning.
-  void FitVolumes(const std::vector<double>& wanted)
+  void FitVolumes()
   {
+    std::vector<double> wanted(this->Parts.Each.size());
+    for (std::size_t part = 0; part < wanted.size(); ++part)
+    {
+      wanted[part] = static_cast<double>(this->Parts.Each[part].Count) * this->Parts.Grid.Volume() /
+        this->Grid.Volume();
+    }
     for (int iteration = 0; iteration < VolumeIterations; ++iteration)
     {
       std::vector<double> missing(wanted.size(), 0);
@@ -123,6 +131,10 @@ public:
       const auto volumes = this->Volumes();
       for (std::size_t part = 1; part < wanted.size(); ++part)
       {
+        if (volumes[part] == 0)
+        {
+          continue; // It is lost.
+        }
         missing[part] = wanted[part] - volumes[part];
         worst = std::max(worst, std::abs(missing[part]) / wanted[part]);
       }
@@ -164,7 +176,8 @@ public:
     }
   }
 
-  /// @returns whether nothing was to be put back.
+  /// Points of triangles without an area or that cross each other keep this share of their way, and
+  /// go no farther from then on. @returns whether there were none.
   bool PutBack(const vtkPalpateSurface& surface, double share)
   {
     std::vector<char> wrong(this->Points.size(), 0);
@@ -190,6 +203,7 @@ public:
     {
       if (wrong[p] != 0)
       {
+        this->Reach[p] *= share;
         this->Points[p] = this->Rest[p] + share * (this->Points[p] - this->Rest[p]);
       }
     }
@@ -214,10 +228,25 @@ public:
     return surface;
   }
 
+  /// See vtkPalpateLabelSurface.
+  std::vector<std::pair<vtkPalpatePoint, int>> Inside() const
+  {
+    std::vector<std::pair<vtkPalpatePoint, int>> places;
+    const vtkPalpateLabelParts regions = vtkPalpateFindParts(this->Grid);
+    for (std::size_t region = 1; region < regions.Each.size(); ++region)
+    {
+      const auto& cube = regions.Each[region].Voxel;
+      const auto box = this->Boxes.find(cube);
+      const Vector at = box == this->Boxes.end() ? Vector(cube[0], cube[1], cube[2]) : box->second;
+      places.emplace_back(this->Grid.Place(at[0], at[1], at[2]), regions.Each[region].Label);
+    }
+    return places;
+  }
+
   std::vector<std::array<int, 2>> Sides;
 
 private:
-  /// Moves points between two labels alone to where these have the same share of a voxel around
+  /// Moves points between two parts alone to where these have the same share of a cube around
   /// them.
   void Project()
   {
@@ -236,9 +265,9 @@ private:
     std::array<double, 3> box{};
     for (int axis = 0; axis < 3; ++axis)
     {
-      box[axis] = this->Grid.Spacing(axis) / this->Image.Spacing(axis);
+      box[axis] = this->Grid.Spacing(axis) / this->Parts.Grid.Spacing(axis);
     }
-    vtkPalpateLabelShares shares(this->Image, box);
+    vtkPalpateLabelShares shares(this->Parts.Grid, box);
     for (std::size_t p = 0; p < this->Points.size(); ++p)
     {
       const double length = normals[p].Norm();
@@ -249,10 +278,9 @@ private:
       }
       const auto place =
         this->Grid.Place(this->Points[p][0], this->Points[p][1], this->Points[p][2]);
-      shares.MoveTo(this->Image.VoxelsOf(place));
+      shares.MoveTo(this->Parts.Grid.VoxelsOf(place));
       // Across a plane wall the difference falls from 1 to -1 within a voxel.
-      const double difference =
-        shares.Of(this->Parts.Label[behind]) - shares.Of(this->Parts.Label[front]);
+      const double difference = shares.Of(behind) - shares.Of(front);
       this->Points[p] = this->Points[p] + (0.5 * difference / length) * normals[p];
       this->Confine(p, this->Points[p]);
     }
@@ -282,21 +310,13 @@ private:
     return level;
   }
 
-  /// 0 outside the image.
-  int PartAt(int i, int j, int k) const
-  {
-    const auto& size = this->Grid.Size;
-    const bool inside = i >= 0 && j >= 0 && k >= 0 && i < size[0] && j < size[1] && k < size[2];
-    return inside ? this->Parts.OfVoxel[this->Grid.Index(i, j, k)] : 0;
-  }
-
-  /// A square of voxel corners for each pair of unlike voxels side by side.
-  void FindFaces()
+  /// A square of corners for each pair of unlike cubes side by side.
+  void FindFaces(bool boxes)
   {
     const auto& size = this->Grid.Size;
     const std::array<int, 3> corners = { size[0] + 1, size[1] + 1, size[2] + 1 };
     std::vector<int> number(static_cast<std::size_t>(corners[0]) * corners[1] * corners[2], -1);
-    // The corner (i, j, k) is between the voxels i − 1 and i, and so on.
+    // The corner (i, j, k) is between the cubes i − 1 and i, and so on.
     const auto point = [&](const std::array<int, 3>& at)
     {
       int& known =
@@ -314,12 +334,12 @@ private:
       {
         for (int i = 0; i <= size[0]; ++i)
         {
-          const int front = this->PartAt(i, j, k);
+          const int front = this->Grid.At(i, j, k);
           for (int axis = 0; axis < 3; ++axis)
           {
             std::array<int, 3> before = { i, j, k };
             --before[axis];
-            const int behind = this->PartAt(before[0], before[1], before[2]);
+            const int behind = this->Grid.At(before[0], before[1], before[2]);
             if (behind == front)
             {
               continue;
@@ -342,6 +362,106 @@ private:
       }
     }
     this->Rest = this->Points;
+    this->Reach.assign(this->Points.size(), 1);
+    this->CubesOf.assign(this->Parts.Each.size(), 0);
+    for (const int part : this->Grid.Labels)
+    {
+      ++this->CubesOf[static_cast<std::size_t>(part)];
+    }
+    if (boxes)
+    {
+      this->MakeBoxes(point);
+    }
+  }
+
+  /// @param point Gives the number of a corner.
+  template <class Point>
+  void MakeBoxes(Point&& point)
+  {
+    const auto& size = this->Grid.Size;
+    for (int k = 0; k < size[2]; ++k)
+    {
+      for (int j = 0; j < size[1]; ++j)
+      {
+        for (int i = 0; i < size[0]; ++i)
+        {
+          const std::array<int, 3> cube = { i, j, k };
+          std::array<double, 3> edges{};
+          if (!this->IsAlone(cube) || !this->BoxEdges(this->Grid.At(i, j, k), edges))
+          {
+            continue;
+          }
+          const Vector middle = this->BoxMiddle(cube, edges);
+          this->Boxes.emplace(cube, middle);
+          for (int corner = 0; corner < 8; ++corner)
+          {
+            const std::array<int, 3> up = { corner & 1, (corner >> 1) & 1, (corner >> 2) & 1 };
+            const auto p = static_cast<std::size_t>(point({ i + up[0], j + up[1], k + up[2] }));
+            for (int axis = 0; axis < 3; ++axis)
+            {
+              this->Rest[p][axis] = middle[axis] + (up[axis] - 0.5) * edges[axis];
+            }
+            this->Points[p] = this->Rest[p];
+            this->Reach[p] = 0;
+          }
+        }
+      }
+    }
+  }
+
+  /// Whether the cubes around it are all of one other part.
+  bool IsAlone(const std::array<int, 3>& cube) const
+  {
+    const int own = this->Grid.At(cube[0], cube[1], cube[2]);
+    const int around = this->Grid.At(cube[0] - 1, cube[1], cube[2]);
+    bool alone = own != 0 && around != own;
+    for (int step = 0; alone && step < 27; ++step)
+    {
+      const int to =
+        this->Grid.At(cube[0] + step % 3 - 1, cube[1] + step / 3 % 3 - 1, cube[2] + step / 9 - 1);
+      constexpr int itself = 13;
+      alone = step == itself || to == around;
+    }
+    return alone;
+  }
+
+  /// In cubes. @returns whether there is one that fits: the part is not in other cubes, too.
+  bool BoxEdges(int number, std::array<double, 3>& edges) const
+  {
+    const vtkPalpateLabelPart& part = this->Parts.Each[static_cast<std::size_t>(number)];
+    const double volume =
+      static_cast<double>(part.Count) * this->Parts.Grid.Volume() / this->Grid.Volume();
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      edges[axis] = part.Edges[axis] * this->Parts.Grid.Spacing(axis) / this->Grid.Spacing(axis);
+    }
+    const double scale = std::cbrt(volume / (edges[0] * edges[1] * edges[2]));
+    for (double& edge : edges)
+    {
+      edge *= scale;
+    }
+    const auto fits = [](double edge) { return edge < 2 * BoxBound; };
+    if (!std::all_of(edges.begin(), edges.end(), fits))
+    {
+      edges.fill(std::cbrt(volume));
+    }
+    return this->CubesOf[static_cast<std::size_t>(number)] == 1 && fits(edges[0]);
+  }
+
+  /// As near to that of the part as the box may be.
+  Vector BoxMiddle(const std::array<int, 3>& cube, const std::array<double, 3>& edges) const
+  {
+    const vtkPalpateLabelPart& part =
+      this->Parts.Each[static_cast<std::size_t>(this->Grid.At(cube[0], cube[1], cube[2]))];
+    const auto place =
+      this->Grid.VoxelsOf(this->Parts.Grid.Place(part.Middle[0], part.Middle[1], part.Middle[2]));
+    Vector middle;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      const double room = BoxBound - edges[axis] / 2;
+      middle[axis] = std::clamp(place[axis], cube[axis] - room, cube[axis] + room);
+    }
+    return middle;
   }
 
   /// Those that draw at a point: along the walls, or where walls of different labels meet, along
@@ -418,18 +538,21 @@ private:
 
   void Confine(std::size_t p, Vector& x) const
   {
+    const double bound = this->Reach[p] * Bound;
     for (int axis = 0; axis < 3; ++axis)
     {
-      x[axis] = std::clamp(x[axis], this->Rest[p][axis] - Bound, this->Rest[p][axis] + Bound);
+      x[axis] = std::clamp(x[axis], this->Rest[p][axis] - bound, this->Rest[p][axis] + bound);
     }
   }
 
   const vtkPalpateLabelGrid& Grid;
   const vtkPalpateLabelParts& Parts;
-  const vtkPalpateLabelGrid& Image;
   double Share;
   std::vector<Vector> Points;
   std::vector<Vector> Rest;
+  std::vector<std::size_t> CubesOf;           ///< each part
+  std::vector<double> Reach;                  ///< of each point, in Bound
+  std::map<std::array<int, 3>, Vector> Boxes; ///< their middles, by cube
   std::vector<std::array<vtkIdType, 4>> Faces;
   std::vector<std::array<int, 2>> FaceSides;
   std::vector<std::vector<int>> Neighbours;
@@ -439,48 +562,33 @@ private:
 };
 }
 
-vtkPalpateLabelSurface vtkPalpateMakeLabelSurface(const vtkPalpateLabelGrid& grid,
-  const vtkPalpateLabelParts& parts, const vtkPalpateLabelGrid& image,
-  const std::map<int, double>& wanted, int iterations, double share)
+vtkPalpateLabelSurface vtkPalpateMakeLabelSurface(
+  const vtkPalpateLabelGrid& cubes, const vtkPalpateLabelParts& parts, int iterations, double share)
 {
-  Walls walls(grid, parts, image, share);
+  Walls walls(cubes, parts, share, iterations > 0);
   walls.Smooth(iterations);
   walls.Split();
-  if (iterations > 0 && share > 0)
-  {
-    std::map<int, std::size_t> counts;
-    for (std::size_t part = 1; part < parts.Label.size(); ++part)
-    {
-      counts[parts.Label[part]] += parts.Count[part];
-    }
-    std::vector<double> in_voxels = { 0 };
-    for (std::size_t part = 1; part < parts.Label.size(); ++part)
-    {
-      const int label = parts.Label[part];
-      const double of_label = wanted.at(label) / grid.Volume();
-      in_voxels.push_back(
-        of_label * static_cast<double>(parts.Count[part]) / static_cast<double>(counts[label]));
-    }
-    walls.FitVolumes(in_voxels);
-  }
-  vtkPalpateLabelSurface result;
+  const bool fits = iterations > 0 && share > 0;
   // At rest nothing crosses.
   for (int round = 0; round < Rounds; ++round)
   {
+    if (fits)
+    {
+      walls.FitVolumes();
+    }
     if (walls.PutBack(walls.ToSpace(), round < Rounds / 2 ? 0.5 : 0))
     {
       break;
     }
   }
+  vtkPalpateLabelSurface result;
   result.Walls = walls.ToSpace();
-  for (const auto& [behind, front] : walls.Sides)
+  result.Sides = walls.Sides;
+  result.Volumes = walls.Volumes();
+  for (double& volume : result.Volumes)
   {
-    result.Sides.push_back({ parts.Label[behind], parts.Label[front] });
+    volume *= cubes.Volume();
   }
-  const std::vector<double> volumes = walls.Volumes();
-  for (std::size_t part = 1; part < volumes.size(); ++part)
-  {
-    result.Volumes[parts.Label[part]] += volumes[part] * grid.Volume();
-  }
+  result.Inside = walls.Inside();
   return result;
 }

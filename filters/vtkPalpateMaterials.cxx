@@ -15,6 +15,7 @@
 #include "vtkDoubleArray.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
+#include "vtkPalpateArrayCheck.h"
 #include "vtkUnstructuredGrid.h"
 
 namespace
@@ -26,13 +27,6 @@ using palpate::Law;
 using palpate::Material;
 
 constexpr int NoLaw = -1;
-
-/// Null unless there is an array of that name with one number for each cell.
-vtkDataArray* ScalarArray(vtkUnstructuredGrid* body, const char* name)
-{
-  vtkDataArray* array = body->GetCellData()->GetArray(name);
-  return array && array->GetNumberOfComponents() == 1 ? array : nullptr;
-}
 
 /// The number in the array as an enumeration of `count` values.
 int Choice(vtkDataArray* array, vtkIdType cell, int count)
@@ -56,14 +50,15 @@ class Reader
 {
 public:
   explicit Reader(vtkUnstructuredGrid* body)
-    : Laws(ScalarArray(body, vtkPalpateArray::Law))
-    , Formulations(ScalarArray(body, vtkPalpateArray::Formulation))
+    : Laws(vtkPalpateScalarArray(body->GetCellData(), vtkPalpateArray::Law))
+    , Formulations(vtkPalpateScalarArray(body->GetCellData(), vtkPalpateArray::Formulation))
   {
     for (int law = 0; law < palpate::num_laws; ++law)
     {
       for (const std::string& name : palpate::parameter_names(static_cast<Law>(law)))
       {
-        this->Parameters[law].push_back({ name, ScalarArray(body, name.c_str()) });
+        this->Parameters[law].push_back(
+          { name, vtkPalpateScalarArray(body->GetCellData(), name.c_str()) });
       }
     }
   }
@@ -210,7 +205,7 @@ void vtkPalpateAssignRheology(
   for (int i = 0; i < palpate::num_rheology_values; ++i)
   {
     const std::string& name = palpate::rheology_names()[i];
-    vtkDataArray* before = ScalarArray(body, name.c_str());
+    vtkDataArray* before = vtkPalpateScalarArray(body->GetCellData(), name.c_str());
     vtkNew<vtkDoubleArray> array;
     array->SetName(name.c_str());
     array->SetNumberOfValues(static_cast<vtkIdType>(wanted.size()));
@@ -237,7 +232,7 @@ std::vector<palpate::Rheology> vtkPalpateReadRheologies(
   std::array<vtkDataArray*, palpate::num_rheology_values> arrays{};
   for (int i = 0; i < palpate::num_rheology_values; ++i)
   {
-    arrays[i] = ScalarArray(body, palpate::rheology_names()[i].c_str());
+    arrays[i] = vtkPalpateScalarArray(body->GetCellData(), palpate::rheology_names()[i].c_str());
   }
   std::map<std::pair<Index, palpate::RheologyValues>, Index> indices;
   std::vector<palpate::Rheology> rheologies;

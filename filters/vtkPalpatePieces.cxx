@@ -14,6 +14,8 @@
 #include "vtkIdList.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
+#include "vtkPalpateArrayCheck.h"
+#include "vtkPalpateCommunicator.h"
 #include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
@@ -64,6 +66,8 @@ private:
 vtkPalpatePieces vtkPalpateGatherPieces(
   const vtkPalpatePieces& pieces, vtkMultiProcessController* controller)
 {
+  palpate::agree(*vtkPalpateCommunicator(controller),
+    [&] { std::for_each(pieces.begin(), pieces.end(), vtkPalpateCheckArrays); });
   if (!controller || controller->GetNumberOfProcesses() == 1)
   {
     return pieces;

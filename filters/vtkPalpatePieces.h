@@ -20,6 +20,7 @@ using vtkPalpatePieces = std::vector<vtkSmartPointer<vtkPointSet>>;
 /// The pieces of all ranks on rank 0, by rank; none on the others.
 /// @param controller The ranks; null: one.
 /// @note Collective.
+/// @throws palpate::InputError as vtkPalpateCheckArrays, on every rank.
 PALPATEFILTERS_EXPORT vtkPalpatePieces vtkPalpateGatherPieces(
   const vtkPalpatePieces& pieces, vtkMultiProcessController* controller);
 

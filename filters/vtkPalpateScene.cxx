@@ -13,8 +13,9 @@
 #include "vtkCellType.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
-#include "vtkGenericCell.h"
 #include "vtkNew.h"
+#include "vtkPalpateArrayCheck.h"
+#include "vtkPalpateBodyCells.h"
 #include "vtkPalpateMaterials.h"
 #include "vtkPalpatePointChoice.h"
 #include "vtkPointData.h"
@@ -34,19 +35,12 @@ constexpr vtkIdType MostPoints = std::numeric_limits<Index>::max() / 3;
 constexpr const char* BodyForceName = "BodyForce";
 constexpr const char* RestDisplacementName = "RestDisplacement";
 
-/// Null unless there is an array of that name with one number for each point or cell.
-vtkDataArray* ScalarArray(vtkDataSetAttributes* attributes, const char* name)
-{
-  vtkDataArray* array = attributes->GetArray(name);
-  return array && array->GetNumberOfComponents() == 1 ? array : nullptr;
-}
-
 /// Fills `materials`, each once, and `material_of_cell`.
 /// @param rheologies Null: they are not read.
 void ReadMaterials(
   vtkUnstructuredGrid* grid, palpate::Scene& scene, std::vector<palpate::Rheology>* rheologies)
 {
-  if (!ScalarArray(grid->GetCellData(), vtkPalpateArray::Law))
+  if (!vtkPalpateScalarArray(grid->GetCellData(), vtkPalpateArray::Law))
   {
     throw InputError("The body has no material: the cell array Law is missing. Apply Assign "
                      "Material to it.");
@@ -67,13 +61,6 @@ void ReadMaterials(
   scene.material_of_cell = std::move(read.OfCell);
 }
 
-/// As people know it, vtkHexahedron.
-std::string CellTypeName(int type)
-{
-  const auto cell = vtkSmartPointer<vtkCell>::Take(vtkGenericCell::InstantiateCell(type));
-  return cell ? cell->GetClassName() : "cell of the unknown type " + std::to_string(type);
-}
-
 palpate::Scene ReadScene(vtkUnstructuredGrid* grid, std::vector<palpate::Rheology>* rheologies)
 {
   palpate::Scene scene;
@@ -81,14 +68,14 @@ palpate::Scene ReadScene(vtkUnstructuredGrid* grid, std::vector<palpate::Rheolog
   // Before anything else looks at the geometry.
   palpate::check_and_orient(scene.mesh);
   ReadMaterials(grid, scene, rheologies);
-  vtkDataArray* fixed = ScalarArray(grid->GetPointData(), vtkPalpateArray::Fixed);
+  vtkDataArray* fixed = vtkPalpateScalarArray(grid->GetPointData(), vtkPalpateArray::Fixed);
   if (!fixed)
   {
     throw InputError("No point of the body is fixed: the point array Fixed is missing. Apply Set "
                      "Boundary to it.");
   }
   scene.fixed = vtkPalpateChosenPoints(fixed);
-  vtkDataArray* touchable = ScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
+  vtkDataArray* touchable = vtkPalpateScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
   scene.touchable = touchable ? vtkPalpateChosenPoints(touchable)
                               : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
   palpate::check(scene);
@@ -145,14 +132,15 @@ palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructuredGrid* grid)
     const int type = grid->GetCellType(cell);
     if (type != VTK_TETRA && type != VTK_QUADRATIC_TETRA)
     {
-      throw InputError("Cell " + std::to_string(cell) + " is a " + CellTypeName(type) +
-        "; a body has tetrahedra alone (vtkTetra or vtkQuadraticTetra). Remove other cells or mesh "
-        "the surface with Tetrahedralize Surface.");
+      throw InputError("Cell " + std::to_string(cell) + " is a " + vtkPalpateCellTypeName(type) +
+        "; a body has tetrahedra alone (vtkTetra or vtkQuadraticTetra). Apply Assign Material or "
+        "Set "
+        "Boundary to it, which cut other solids into tetrahedra and leave the rest out.");
     }
     if (type != first)
     {
-      throw InputError("Cell " + std::to_string(cell) + " is a " + CellTypeName(type) +
-        ", but cell 0 is a " + CellTypeName(first) +
+      throw InputError("Cell " + std::to_string(cell) + " is a " + vtkPalpateCellTypeName(type) +
+        ", but cell 0 is a " + vtkPalpateCellTypeName(first) +
         ": linear and quadratic tetrahedra cannot be mixed.");
     }
   }

@@ -8,6 +8,7 @@
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateBodyCells.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpatePointChoice.h"
@@ -33,8 +34,11 @@ struct Choice
   vtkSelection* Selection;
 };
 
-std::vector<char> ChosenPoints(vtkUnstructuredGrid* body, const Choice& choice)
+/// @param input Of `cells`: a selection has its ids.
+std::vector<char> ChosenPoints(
+  vtkUnstructuredGrid* input, const vtkPalpateBodyCells& cells, const Choice& choice)
 {
+  vtkUnstructuredGrid* body = cells.Body;
   switch (choice.By)
   {
     case vtkPalpateSetBoundary::REGION:
@@ -53,7 +57,7 @@ std::vector<char> ChosenPoints(vtkUnstructuredGrid* body, const Choice& choice)
           "Selection is not set. Select points or cells of the body and press Copy Active "
           "Selection.");
       }
-      return vtkPalpatePointsOfSelection(body, choice.Selection);
+      return vtkPalpateExtendChoice(cells, vtkPalpatePointsOfSelection(input, choice.Selection));
     default:
       throw InputError(choice.Name + "By is " + std::to_string(choice.By) +
         "; it must be 0 (Region), 1 (Array)" +
@@ -134,17 +138,19 @@ int vtkPalpateSetBoundary::RequestData(
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&]
     {
-      const auto body =
+      const auto gathered =
         vtkPalpateGatherBody(vtkPalpateInput<vtkUnstructuredGrid>(inputVector[0]), controller);
-      if (!body || vtkPalpatePassFailure(body, output))
+      if (!gathered || vtkPalpatePassFailure(gathered, output))
       {
         return;
       }
+      const vtkPalpateBodyCells cells = vtkPalpateToTetrahedra(gathered);
+      vtkUnstructuredGrid* body = cells.Body;
       palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
       palpate::check_and_orient(mesh);
       const std::vector<char> used = palpate::points_in_use(mesh);
 
-      std::vector<char> fixed = ChosenPoints(body,
+      std::vector<char> fixed = ChosenPoints(gathered, cells,
         { "Fixed", this->FixedBy, this->FixedRegion, this->FixedArray,
           vtkSelection::GetData(inputVector[FixedSelectionPort]) });
       std::transform(fixed.begin(), fixed.end(), used.begin(), fixed.begin(),
@@ -165,7 +171,7 @@ int vtkPalpateSetBoundary::RequestData(
       std::vector<char> touchable = vtkPalpateTouchableSurface(mesh, fixed);
       if (this->TouchableBy != SURFACE)
       {
-        const std::vector<char> chosen = ChosenPoints(body,
+        const std::vector<char> chosen = ChosenPoints(gathered, cells,
           { "Touchable", this->TouchableBy, this->TouchableRegion, this->TouchableArray,
             vtkSelection::GetData(inputVector[TouchableSelectionPort]) });
         std::transform(touchable.begin(), touchable.end(), chosen.begin(), touchable.begin(),
@@ -181,6 +187,10 @@ int vtkPalpateSetBoundary::RequestData(
       vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, fixed);
       vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, touchable);
       vtkPalpateAddBoundaryKinds(output, fixed, touchable);
+      if (!cells.LeftOut.empty())
+      {
+        vtkWarningMacro(<< cells.LeftOut);
+      }
     });
   return 1;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "base/error.h"
@@ -21,7 +22,7 @@
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
-#include "vtkPalpateLabelGrid.h"
+#include "vtkPalpateLabelParts.h"
 #include "vtkPalpateLabelSurface.h"
 #include "vtkPalpateUnit.h"
 #include "vtkPolyData.h"
@@ -41,7 +42,7 @@ constexpr double VolumeOfEdge = 0.2;
 /// Of a tetrahedron on the average, as measured: those at the walls are smaller.
 constexpr double MeanVolumeOfEdge = 0.04;
 constexpr double AutomaticNumber = 1e4;
-/// Of a label's volume.
+/// Of a part's volume.
 constexpr double VolumeTolerance = 0.02;
 /// A voxel whose edges differ by no more is taken for a cube, and one that is as long as the
 /// elements to within that stays as it is.
@@ -115,6 +116,181 @@ Quality QualityOf(vtkUnstructuredGrid* body)
   return quality;
 }
 
+/// The parts of a body in its image, in the cubes, and in the mesh.
+class PartsReport
+{
+public:
+  PartsReport(const vtkPalpateLabelParts& parts, const vtkPalpateCubes& cubes,
+    const vtkPalpateLabelSurface& surface)
+    : Parts(parts)
+    , Cubes(cubes)
+    , Surface(surface)
+  {
+    for (std::size_t part = 1; part < parts.Each.size(); ++part)
+    {
+      ++NumberOf[parts.Each[part].Label];
+    }
+  }
+
+  double ImageVolume(std::size_t part) const
+  {
+    return static_cast<double>(Parts.Each[part].Count) * Parts.Grid.Volume();
+  }
+
+  vtkPalpatePoint Place(std::size_t part) const
+  {
+    const auto& middle = Parts.Each[part].Middle;
+    return Parts.Grid.Place(middle[0], middle[1], middle[2]);
+  }
+
+  /// What is not as in the image, the largest part of each kind first; empty where all is.
+  std::string Wrong() const
+  {
+    std::vector<std::size_t> lost, off, apart;
+    for (std::size_t part = 1; part < Parts.Each.size(); ++part)
+    {
+      const bool isLost = Cubes.Pieces[part] == 0;
+      (isLost ? lost : off).push_back(part);
+      if (Cubes.Pieces[part] > 1)
+      {
+        apart.push_back(part);
+      }
+    }
+    off.erase(std::remove_if(off.begin(), off.end(),
+                [this](std::size_t part) { return std::abs(Error(part)) <= VolumeTolerance; }),
+      off.end());
+    std::string text = List(
+      "Lost, as they are too small for the elements or too near to others of their label:", lost,
+      [](std::size_t) { return std::string(); });
+    text += List("Volumes that are off:", off,
+      [this](std::size_t part)
+      {
+        std::ostringstream error;
+        error.precision(3);
+        error << ", " << 100 * std::abs(Error(part)) << " % too "
+              << (Error(part) > 0 ? "much" : "little");
+        return error.str();
+      });
+    text += List("In several pieces:", apart,
+      [this](std::size_t part) { return ", " + std::to_string(Cubes.Pieces[part]) + " pieces"; });
+    std::vector<std::size_t> joined;
+    std::map<std::size_t, std::size_t> other;
+    for (const auto& [a, b] : Cubes.Joined)
+    {
+      // The outside is no part.
+      joined.push_back(static_cast<std::size_t>(b));
+      other[joined.back()] = static_cast<std::size_t>(a);
+    }
+    text += List("Grown together with another one:", joined,
+      [&](std::size_t part)
+      { return other[part] == 0 ? " with the outside" : " with " + Name(other[part]); });
+    return text;
+  }
+
+  /// A line for each part of labels that have several, and for each cavity.
+  std::string Lines() const
+  {
+    std::ostringstream text;
+    text.precision(3);
+    std::size_t lines = 0;
+    for (std::size_t part = 1; part < Parts.Each.size(); ++part)
+    {
+      const int label = Parts.Each[part].Label;
+      if ((label != 0 && NumberOf.at(label) == 1) || ++lines > MostLines)
+      {
+        continue;
+      }
+      text << Name(part) << ": ";
+      if (Cubes.Pieces[part] == 0)
+      {
+        text << "lost.\n";
+      }
+      else
+      {
+        text << 100 * Error(part) << " % more or less in the body.\n";
+      }
+    }
+    if (lines > MostLines)
+    {
+      text << "And " << lines - MostLines << " parts more.\n";
+    }
+    return text.str();
+  }
+
+private:
+  static constexpr std::size_t MostLines = 100;
+  static constexpr std::size_t MostNamed = 20;
+
+  double Error(std::size_t part) const { return Surface.Volumes[part] / ImageVolume(part) - 1; }
+
+  std::string Name(std::size_t part) const
+  {
+    const int label = Parts.Each[part].Label;
+    std::ostringstream name;
+    name.precision(3);
+    name << (label == 0 ? "A cavity" : "Label " + std::to_string(label));
+    name << (label == 0 || NumberOf.at(label) == 1 ? " of " : ", the part of ");
+    const auto x = Place(part);
+    name << ImageVolume(part) << " m³ around (" << x[0] << ", " << x[1] << ", " << x[2] << ") m";
+    return name.str();
+  }
+
+  template <class Tell>
+  std::string List(const char* title, std::vector<std::size_t> parts, Tell&& tell) const
+  {
+    if (parts.empty())
+    {
+      return "";
+    }
+    std::stable_sort(parts.begin(), parts.end(),
+      [this](std::size_t a, std::size_t b) { return Parts.Each[a].Count > Parts.Each[b].Count; });
+    std::ostringstream text;
+    text.precision(3);
+    text << ' ' << title;
+    double rest = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+    {
+      if (i < MostNamed)
+      {
+        text << (i > 0 ? "; " : " ") << Name(parts[i]) << tell(parts[i]);
+      }
+      else
+      {
+        rest += ImageVolume(parts[i]);
+      }
+    }
+    if (rest > 0)
+    {
+      text << "; and " << parts.size() - MostNamed << " smaller ones, together " << rest << " m³";
+    }
+    text << '.';
+    return text.str();
+  }
+
+  const vtkPalpateLabelParts& Parts;
+  const vtkPalpateCubes& Cubes;
+  const vtkPalpateLabelSurface& Surface;
+  std::map<int, std::size_t> NumberOf; ///< parts of each label
+};
+
+/// Changes the cell array of the numbers of parts into one of labels, and adds one of those numbers
+/// as the field arrays count them.
+void NameRegions(vtkUnstructuredGrid* body, const vtkPalpateLabelParts& parts,
+  const std::map<std::size_t, int>& numbers)
+{
+  auto* regions = vtkIntArray::SafeDownCast(body->GetCellData()->GetArray("RegionId"));
+  vtkNew<vtkIntArray> own;
+  own->SetName("Part");
+  own->SetNumberOfValues(regions->GetNumberOfValues());
+  for (vtkIdType cell = 0; cell < regions->GetNumberOfValues(); ++cell)
+  {
+    const auto part = static_cast<std::size_t>(regions->GetValue(cell));
+    own->SetValue(cell, numbers.at(part));
+    regions->SetValue(cell, parts.Each[part].Label);
+  }
+  body->GetCellData()->AddArray(own);
+}
+
 std::map<int, double> VolumesOf(const std::map<int, std::size_t>& counts, double voxel)
 {
   std::map<int, double> volumes;
@@ -126,10 +302,11 @@ std::map<int, double> VolumesOf(const std::map<int, std::size_t>& counts, double
 }
 
 template <class Array, class Values>
-void AddField(vtkDataObject* output, const char* name, const Values& values)
+void AddField(vtkDataObject* output, const char* name, const Values& values, int components = 1)
 {
   vtkNew<Array> array;
   array->SetName(name);
+  array->SetNumberOfComponents(components);
   for (const auto& value : values)
   {
     array->InsertNextValue(value);
@@ -275,7 +452,7 @@ std::string vtkPalpateTetrahedralizeLabelMap::MakeEstimate()
     vtkPalpateNothingToEstimate();
   }
   this->Validate();
-  const vtkPalpateLabelGrid grid = this->ReadLabels(image);
+  const vtkPalpateLabelGrid grid = this->ReadLabels(image, nullptr);
   const auto volumes = VolumesOf(vtkPalpateCountLabels(grid), grid.Volume());
   const double number = this->CountTetrahedra(volumes, this->Sizes(volumes, grid));
   const auto voxels = static_cast<double>(grid.Labels.size());
@@ -283,10 +460,11 @@ std::string vtkPalpateTetrahedralizeLabelMap::MakeEstimate()
     number, this->ElementOrder == Quadratic, voxels * SecondsOfVoxel, voxels * BytesOfVoxel);
 }
 
-vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::ReadLabels(vtkImageData* image) const
+vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::ReadLabels(
+  vtkImageData* image, std::map<int, std::size_t>* negative) const
 {
-  return vtkPalpateReadLabels(
-    image, this->LabelArray == "None" ? "" : this->LabelArray, this->Labels, this->UnitOf(image));
+  return vtkPalpateReadLabels(image, this->LabelArray == "None" ? "" : this->LabelArray,
+    this->Labels, this->UnitOf(image), negative);
 }
 
 double vtkPalpateTetrahedralizeLabelMap::UnitOf(vtkImageData* image) const
@@ -357,9 +535,10 @@ double vtkPalpateTetrahedralizeLabelMap::CountTetrahedra(
   return number;
 }
 
-vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::Resample(const vtkPalpateLabelGrid& grid,
+vtkPalpateCubes vtkPalpateTetrahedralizeLabelMap::Resample(const vtkPalpateLabelParts& parts,
   const std::map<int, double>& volumes, std::map<int, double>& sizes) const
 {
+  const vtkPalpateLabelGrid& grid = parts.Grid;
   const double longest = std::max({ grid.Spacing(0), grid.Spacing(1), grid.Spacing(2) });
   const double shortest = std::min({ grid.Spacing(0), grid.Spacing(1), grid.Spacing(2) });
   for (int trial = 1;; ++trial)
@@ -370,7 +549,7 @@ vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::Resample(const vtkPalpateL
       })->second;
     if (longest <= (1 + AlmostEqual) * edge && shortest >= (1 - AlmostEqual) * edge)
     {
-      return grid;
+      return vtkPalpateResampleParts(parts, 0);
     }
     double cubes = 1;
     for (int axis = 0; axis < 3; ++axis)
@@ -385,13 +564,20 @@ vtkPalpateLabelGrid vtkPalpateTetrahedralizeLabelMap::Resample(const vtkPalpateL
            << ". Raise ElementSize or LabelSizes, or cut the organ out with Extract Subset.";
       throw InputError(text.str());
     }
-    vtkPalpateLabelGrid cubic = vtkPalpateResampleLabels(grid, edge);
-    const auto left = vtkPalpateCountLabels(cubic);
+    vtkPalpateCubes resampled = vtkPalpateResampleParts(parts, edge);
+    std::set<int> left;
+    for (std::size_t part = 1; part < parts.Each.size(); ++part)
+    {
+      if (resampled.Pieces[part] > 0)
+      {
+        left.insert(parts.Each[part].Label);
+      }
+    }
     const auto lost = std::find_if(volumes.begin(), volumes.end(),
       [&left](const auto& of) { return left.count(of.first) == 0; });
     if (lost == volumes.end())
     {
-      return cubic;
+      return resampled;
     }
     if (this->ElementSize > 0 || trial == MostTrials)
     {
@@ -416,8 +602,17 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
 {
   this->Validate();
   std::ostringstream report;
-  vtkPalpateLabelGrid grid = this->ReadLabels(image);
+  std::string warning;
+  std::map<int, std::size_t> negative;
+  vtkPalpateLabelGrid grid = this->ReadLabels(image, &negative);
   this->Progress(0.05);
+  for (const auto& [label, count] : negative)
+  {
+    warning += (warning.empty() ? "Negative labels are no tissue, unless Labels has them:" : ",") +
+      (' ' + std::to_string(label)) + " (" + std::to_string(count) + " voxels)";
+  }
+  warning += warning.empty() ? "" : ". ";
+  report << warning << (warning.empty() ? "" : "\n");
   const auto before = vtkPalpateCountLabels(grid);
   for (const auto& [label, parts] : vtkPalpateRemoveIslands(grid, this->SmallestIsland))
   {
@@ -441,22 +636,14 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
         "label out of Labels.");
     }
   }
+  const vtkPalpateLabelParts parts = vtkPalpateFindParts(std::move(grid));
   this->Progress(0.1);
 
-  auto sizes = this->Sizes(volumes, grid);
+  auto sizes = this->Sizes(volumes, parts.Grid);
   (void)this->CountTetrahedra(volumes, sizes);
-  const vtkPalpateLabelGrid image_grid = std::move(grid);
-  grid = this->Resample(image_grid, volumes, sizes);
+  const vtkPalpateCubes cubes = this->Resample(parts, volumes, sizes);
   this->Progress(0.2);
 
-  std::vector<vtkPalpateRegionSeed> seeds;
-  const vtkPalpateLabelParts parts = vtkPalpateFindParts(grid);
-  for (std::size_t part = 1; part < parts.Label.size(); ++part)
-  {
-    const auto& voxel = parts.Voxel[part];
-    seeds.push_back({ grid.Place(voxel[0], voxel[1], voxel[2]), parts.Label[part],
-      VolumeOfEdge * std::pow(sizes.at(parts.Label[part]), 3) });
-  }
   vtkPalpateBodyMeshOptions options;
   options.TetGen.MaximumRadiusEdgeRatio = this->MaximumRadiusEdgeRatio;
   options.Quadratic = this->ElementOrder == 2;
@@ -468,8 +655,17 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   vtkPalpateLabelSurface surface;
   for (double share = 1;; share = share > 0.5 ? 0.5 : 0)
   {
-    surface = vtkPalpateMakeLabelSurface(grid, parts, image_grid, volumes, this->Smoothing, share);
+    surface = vtkPalpateMakeLabelSurface(cubes.Grid, parts, this->Smoothing, share);
     this->Progress(0.4);
+    std::vector<vtkPalpateRegionSeed> seeds;
+    for (const auto& [place, part] : surface.Inside)
+    {
+      const int label = parts.Each[static_cast<std::size_t>(part)].Label;
+      if (part != 0 && label != 0)
+      {
+        seeds.push_back({ place, part, VolumeOfEdge * std::pow(sizes.at(label), 3) });
+      }
+    }
     try
     {
       vtkPalpateMeshRegions(surface.Walls, seeds, options, limits, body);
@@ -489,36 +685,51 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   vtkNew<vtkIntArray> sides;
   sides->SetName("BoundaryLabels");
   sides->SetNumberOfComponents(2);
-  for (const auto& side : surface.Sides)
+  for (const auto& [behind, front] : surface.Sides)
   {
-    sides->InsertNextTuple2(side[0], side[1]);
+    sides->InsertNextTuple2(
+      behind == 0 ? 0 : parts.Each[behind].Label, front == 0 ? 0 : parts.Each[front].Label);
   }
   polydata->GetCellData()->AddArray(sides);
   walls->ShallowCopy(polydata);
 
+  const PartsReport of_parts(parts, cubes, surface);
+  std::vector<int> part_labels;
+  std::vector<double> part_image_volumes, part_mesh_volumes, part_places;
+  std::map<std::size_t, int> numbers;
+  std::map<int, double> mesh_volume;
+  for (std::size_t part = 1; part < parts.Each.size(); ++part)
+  {
+    const int label = parts.Each[part].Label;
+    if (label == 0)
+    {
+      continue;
+    }
+    numbers[part] = static_cast<int>(part_labels.size());
+    part_labels.push_back(label);
+    part_image_volumes.push_back(of_parts.ImageVolume(part));
+    part_mesh_volumes.push_back(surface.Volumes[part]);
+    const auto place = of_parts.Place(part);
+    part_places.insert(part_places.end(), place.begin(), place.end());
+    mesh_volume[label] += surface.Volumes[part];
+  }
+  NameRegions(body, parts, numbers);
+
   std::vector<int> labels;
   std::vector<double> image_volumes, mesh_volumes;
-  std::string thin;
   for (const auto& [label, volume] : volumes)
   {
     labels.push_back(label);
     image_volumes.push_back(volume);
-    mesh_volumes.push_back(surface.Volumes.at(label));
-    const double error = mesh_volumes.back() / volume - 1;
-    std::ostringstream line;
-    line.precision(3);
-    line << "Label " << label << ": " << volume << " m³ in the image, " << 100 * error
-         << " % more or less in the body.";
-    report << line.str() << '\n';
-    if (std::abs(error) > VolumeTolerance)
-    {
-      thin += (thin.empty() ? "" : " ") + line.str();
-    }
+    mesh_volumes.push_back(mesh_volume.at(label));
+    report.precision(3);
+    report << "Label " << label << ": " << volume << " m³ in the image, "
+           << 100 * (mesh_volumes.back() / volume - 1) << " % more or less in the body.\n";
   }
+  report << of_parts.Lines();
   const Quality quality = QualityOf(body);
   double b[6];
   body->GetBounds(b);
-  report.precision(3);
   report << "The body spans " << b[1] - b[0] << " × " << b[3] - b[2] << " × " << b[5] - b[4]
          << " m. Of its " << body->GetNumberOfCells()
          << " tetrahedra the smallest angle between two faces is " << quality.Angle
@@ -526,11 +737,23 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   AddField<vtkIntArray>(body, "Label", labels);
   AddField<vtkDoubleArray>(body, "ImageVolume", image_volumes);
   AddField<vtkDoubleArray>(body, "MeshVolume", mesh_volumes);
-  AddField<vtkStringArray>(body, "Report", std::vector<std::string>{ report.str() });
-  if (!thin.empty())
+  AddField<vtkIntArray>(body, "PartLabel", part_labels);
+  AddField<vtkDoubleArray>(body, "PartImageVolume", part_image_volumes);
+  AddField<vtkDoubleArray>(body, "PartMeshVolume", part_mesh_volumes);
+  AddField<vtkDoubleArray>(body, "PartCentre", part_places, 3);
+  const std::string wrong = of_parts.Wrong();
+  if (!wrong.empty())
   {
-    vtkWarningMacro("Some labels do not keep their volume to 2 %, as where they are thinner than "
-                    "three elements; lower ElementSize or LabelSizes. "
-      << thin);
+    const std::string text =
+      "Not every part of a label is in the body as it is in the image, to 2 % of its volume; lower "
+      "ElementSize or LabelSizes to keep it so, or take small parts out with SmallestIsland." +
+      wrong;
+    report << '\n' << text;
+    warning += text;
+  }
+  AddField<vtkStringArray>(body, "Report", std::vector<std::string>{ report.str() });
+  if (!warning.empty())
+  {
+    vtkWarningMacro(<< warning);
   }
 }

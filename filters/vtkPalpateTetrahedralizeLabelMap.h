@@ -4,14 +4,18 @@
  * @brief   makes one body of tetrahedra of a segmented image
  *
  * The image has a whole number for each voxel (an array of its points or cells), the label of the
- * tissue there; 0 is not part of the body. The walls between unlike voxels are smoothed and bound
- * the tetrahedra, so that tissues share the points of the walls between them.
+ * tissue there; 0 is not part of the body, nor are negative ones unless they are named. The walls
+ * between unlike voxels are smoothed and bound the tetrahedra, so that tissues share the points of
+ * the walls between them. Each connected part of a label keeps its volume, or is named in a
+ * warning.
  *
  * Output port 0: the tetrahedra, positively oriented, with straight edges, in m; cell array
- * `RegionId` (int), the label; field arrays `Label` (int), `ImageVolume` and `MeshVolume` (m³) with
- * a value for each label, and `Report` (string), what was done and how good it is. Port 1: the
- * walls, with the cell array `BoundaryLabels` (2 components: the labels behind the wall and in
- * front of it).
+ * `RegionId` (int), the label, and `Part` (int), the connected part of a label; field arrays
+ * `Label` (int), `ImageVolume` and `MeshVolume` (m³) with a value for each label, `PartLabel`
+ * (int), `PartImageVolume`, `PartMeshVolume` (m³; 0: it is lost) and `PartCentre` (m, 3 components,
+ * in the image) with one for each part, and `Report` (string), what was done and how good it is.
+ * Port 1: the walls, with the cell array `BoundaryLabels` (2 components: the labels behind the wall
+ * and in front of it).
  *
  * @note Collective. The image of rank 0 is taken, which has to be whole there; the outputs of the
  * other ranks are empty.
@@ -26,7 +30,9 @@
 
 class vtkImageData;
 class vtkPolyData;
+struct vtkPalpateCubes;
 struct vtkPalpateLabelGrid;
+struct vtkPalpateLabelParts;
 
 class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeLabelMap : public vtkPalpateTetrahedralize
 {
@@ -89,7 +95,8 @@ private:
   void operator=(const vtkPalpateTetrahedralizeLabelMap&) = delete;
 
   void Tetrahedralize(vtkImageData* image, vtkUnstructuredGrid* body, vtkPolyData* walls);
-  vtkPalpateLabelGrid ReadLabels(vtkImageData* image) const;
+  /// @param negative See vtkPalpateReadLabels.
+  vtkPalpateLabelGrid ReadLabels(vtkImageData* image, std::map<int, std::size_t>* negative) const;
   double UnitOf(vtkImageData* image) const;
   /// The edge of the tetrahedra of each label, m.
   std::map<int, double> Sizes(
@@ -99,8 +106,8 @@ private:
     const std::map<int, double>& volumes, const std::map<int, double>& sizes) const;
   /// Cubes of the least of these edges, which become less where they are automatic and a label
   /// vanishes.
-  vtkPalpateLabelGrid Resample(const vtkPalpateLabelGrid& grid,
-    const std::map<int, double>& volumes, std::map<int, double>& sizes) const;
+  vtkPalpateCubes Resample(const vtkPalpateLabelParts& parts, const std::map<int, double>& volumes,
+    std::map<int, double>& sizes) const;
 
   std::string LabelArray = "None";
   std::vector<int> Labels;

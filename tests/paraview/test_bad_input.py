@@ -9,7 +9,8 @@ from paraview.simple import (AssignMaterial, Calculator, Delete, IDSelectionSour
 from support import (box_body, expect_error, expect_silence, fetch, field, grid_of, places, produce,
                      source)
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkUnsignedCharArray
-from vtkmodules.vtkCommonDataModel import VTK_HEXAHEDRON, VTK_QUADRATIC_TETRA, VTK_TETRA
+from vtkmodules.vtkCommonDataModel import (VTK_CONVEX_POINT_SET, VTK_QUAD, VTK_QUADRATIC_TETRA,
+                                           VTK_TETRA)
 
 LAWS_WITH_MODULUS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean")
 FAR_CORNER = (0.2, 0.1, 0.1)
@@ -73,8 +74,10 @@ def test_no_cells(bad):
 
 
 def test_other_cells(bad):
-    bad.fails("Cell 0", "vtkHexahedron",
-              body=source(grid_of(CUBE, [range(8)], VTK_HEXAHEDRON), "hexahedron"))
+    bad.fails("Cell 0", "vtkConvexPointSet", "filter Tetrahedralize",
+              body=source(grid_of(CUBE, [range(8)], VTK_CONVEX_POINT_SET), "convex"))
+    bad.fails("no solid cells", "1 vtkQuad",
+              body=source(grid_of(CUBE, [range(4)], VTK_QUAD), "quadrilateral"))
 
     mixed = box_body((1, 1, 1))
     corners = mixed.GetCell(0).GetPointIds()
