@@ -324,8 +324,8 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateRunTetGen(vtkPolyData* surface,
       }
       if (std::chrono::steady_clock::now() > limits.Deadline)
       {
-        throw BackendError("TetGen did not finish within TimeOut and was stopped. Raise "
-                           "MaximumVolume, MaximumRadiusEdgeRatio or TimeOut. " +
+        throw BackendError("TetGen did not finish within TimeOut and was stopped. Ask for larger "
+                           "tetrahedra, or raise MaximumRadiusEdgeRatio or TimeOut. " +
           LastWords(errors));
       }
       std::this_thread::sleep_for(pause);

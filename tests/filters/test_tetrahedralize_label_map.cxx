@@ -684,7 +684,7 @@ vtkSmartPointer<vtkImageData> RandomParts(int seed) {
 // PALPATE_LABEL_MAPS=200 for as many of them, see tests/benchmark/README.md.
 TEST_F(LabelMap, EachPartKeepsItsVolumeOrIsNamed) {
   const char* asked = std::getenv("PALPATE_LABEL_MAPS");
-  const int number = asked ? std::stoi(asked) : 12;
+  const int number = asked ? std::stoi(asked) : 8;
   const char* only = std::getenv("PALPATE_LABEL_MAP");
   PartFigures figures;
   int bodies = 0;
