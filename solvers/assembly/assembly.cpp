@@ -13,6 +13,7 @@
 
 #include "assembly/kernels.h"
 #include "assembly/packet_sets.h"
+#include "assembly/pressures.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "elements/inversion.h"
@@ -225,7 +226,7 @@ struct Assembly::Data {
   [[nodiscard]] Index num_pressures() const { return static_cast<Index>(pressure_scale.size()); }
   /// In which decade above the softest a mixed material lies.
   [[nodiscard]] int decade_of(const Material& material) const {
-    return static_cast<int>(std::log10(shear_modulus(material) / softest));
+    return decade_above(softest, material);
   }
   [[nodiscard]] double pressure_scale_of(const Material& material) const;
   [[nodiscard]] std::vector<double> kernel_parameters(const Material& material,
@@ -295,10 +296,7 @@ double Assembly::Data::pressure_scale_of(const Material& material) const {
 }
 
 void Assembly::Data::number_pressures(const Scene& scene) {
-  for (const Material& material : scene.materials) {
-    if (material.formulation != Formulation::mixed) continue;
-    softest = std::min(softest, shear_modulus(material));
-  }
+  softest = softest_mixed(scene.materials);
   if (std::isinf(softest)) return;
   const TetMesh& mesh = scene.mesh;
   pressure_of_corner.assign(4 * static_cast<std::size_t>(mesh.num_cells()), -1);

@@ -69,8 +69,7 @@ Way way_between(const ConfigurationSummary& a, const ConfigurationSummary& b) {
 /// Finds the branches of a tool space with levels.
 class Builder {
  public:
-  explicit Builder(const TouchToolSpace& tool_space)
-      : all_(with_flat_transitions(tool_space)), reach_(tool_space.setup.grid.reach()) {
+  explicit Builder(const TouchToolSpace& tool_space) : all_(with_flat_transitions(tool_space)) {
     for (std::size_t i = 0; i < all_.size(); ++i) {
       if (!all_[i].usable() || (all_[i].flags & flags::unstable) != 0) continue;
       at_[all_[i].check_point].push_back(static_cast<std::int32_t>(i));
@@ -112,11 +111,21 @@ class Builder {
     return branches;
   }
 
-  /// Of each branch and cell the branch that the body is on there.
+  /// The first corners of the cells that a branch spans, ascending.
+  [[nodiscard]] std::vector<CheckPoint> cells() const {
+    std::vector<CheckPoint> all;
+    for (const auto& [first, branches] : branches_at_) all.push_back(first);
+    return all;
+  }
+
+  /// Of each of these cells and each branch the branch that the body is on there.
   [[nodiscard]] std::vector<std::int16_t> next() const {
     std::vector<std::int16_t> all;
-    for (std::size_t s = 0; s < branches_.size(); ++s) {
-      for_each_cell([&](const CheckPoint& first) { all.push_back(next_of(s, first)); });
+    all.reserve(branches_at_.size() * branches_.size());
+    for (const auto& [first, branches] : branches_at_) {
+      for (std::size_t s = 0; s < branches_.size(); ++s) {
+        all.push_back(next_of(s, first, branches));
+      }
     }
     return all;
   }
@@ -161,15 +170,6 @@ class Builder {
     return broken;
   }
 
-  template <class F>
-  void for_each_cell(F&& f) const {
-    for (std::int32_t i = -reach_; i < reach_; ++i) {
-      for (std::int32_t j = -reach_; j < reach_; ++j) {
-        for (std::int32_t k = -reach_; k < reach_; ++k) f(CheckPoint{i, j, k});
-      }
-    }
-  }
-
   static CheckPoint corner(const CheckPoint& first, int c) {
     return {first[0] + (c >> 2), first[1] + (c >> 1 & 1), first[2] + (c & 1)};
   }
@@ -206,12 +206,12 @@ class Builder {
     return sum / 8;
   }
 
-  [[nodiscard]] std::int16_t next_of(std::size_t branch, const CheckPoint& first) const {
-    const auto here = branches_at_.find(first);
-    if (here == branches_at_.end()) return static_cast<std::int16_t>(branch);
+  /// @param here The branches that span the cell.
+  [[nodiscard]] std::int16_t next_of(std::size_t branch, const CheckPoint& first,
+                                     const std::vector<std::size_t>& here) const {
     std::size_t best = branch;
     std::pair<int, double> most{0, std::numeric_limits<double>::infinity()};
-    for (std::size_t s : here->second) {
+    for (std::size_t s : here) {
       if (s == branch) return static_cast<std::int16_t>(branch);
       // More votes, then less energy.
       const std::pair<int, double> of_s{-votes(branches_[branch], branches_[s], first),
@@ -225,7 +225,6 @@ class Builder {
   }
 
   std::vector<ConfigurationSummary> all_;
-  std::int32_t reach_;
   /// Usable and stable, by check-point.
   std::map<CheckPoint, std::vector<std::int32_t>> at_;
   std::vector<Branch> branches_;
@@ -244,7 +243,10 @@ SolutionBranches::SolutionBranches(const TouchToolSpace& tool_space)
   if (!tool_space.setup.grid.sparse && std::any_of(all.begin(), all.end(), has_history)) {
     Builder builder(tool_space);
     configurations_ = builder.find();
-    if (configurations_.size() > 1) next_ = builder.next();
+    if (configurations_.size() > 1) {
+      cells_ = builder.cells();
+      next_ = builder.next();
+    }
   }
   if (configurations_.empty()) {
     configurations_.emplace_back(all.size());
@@ -261,16 +263,18 @@ int SolutionBranches::move(int branch, const Vec3& from, const Vec3& to) const n
   return branch;
 }
 
+int SolutionBranches::next(int branch, const CheckPoint& cell) const noexcept {
+  const auto found = std::lower_bound(cells_.begin(), cells_.end(), cell);
+  if (found == cells_.end() || *found != cell) return branch;
+  const auto at = static_cast<std::size_t>(found - cells_.begin()) * configurations_.size();
+  return next_[at + static_cast<std::size_t>(branch)];
+}
+
 int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
   const std::int32_t n = 2 * reach_;
-  const auto next = [&](const std::array<std::int32_t, 3>& cell) {
-    const auto cells = static_cast<std::size_t>(n) * n * n;
-    const std::size_t at = (static_cast<std::size_t>(cell[0]) * n + cell[1]) * n + cell[2];
-    return static_cast<int>(next_[static_cast<std::size_t>(branch) * cells + at]);
-  };
-  std::array<std::int32_t, 3> cell{};
+  CheckPoint cell{};
   /// Where t lies on the border with the cell before or after along an axis: −1 or 1.
-  std::array<std::int32_t, 3> beside{};
+  CheckPoint beside{};
   for (int k = 0; k < 3; ++k) {
     const double x =
         std::clamp((t[k] - origin_[k]) / spacing_ + reach_, 0.0, static_cast<double>(n));
@@ -278,13 +282,16 @@ int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
     const double s = x - cell[k];
     if (s < kOnBorder && cell[k] > 0) beside[k] = -1;
     if (s > 1 - kOnBorder && cell[k] + 1 < n) beside[k] = 1;
+    cell[k] -= reach_;
   }
-  for (int across = 0; across < 8; ++across) {
-    std::array<std::int32_t, 3> other = cell;
+  const int here = next(branch, cell);
+  if (here == branch || beside == CheckPoint{}) return here;
+  for (int across = 1; across < 8; ++across) {
+    CheckPoint other = cell;
     for (int k = 0; k < 3; ++k) other[k] += (across >> k & 1) * beside[k];
-    if (next(other) == branch) return branch;
+    if (next(branch, other) == branch) return branch;
   }
-  return next(cell);
+  return here;
 }
 
 TouchToolSpace restricted(const TouchToolSpace& tool_space,

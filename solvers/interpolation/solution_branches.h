@@ -37,17 +37,25 @@ class SolutionBranches {
   [[nodiscard]] int move(int branch, const Vec3& from, const Vec3& to) const noexcept;
 
   /// Memory that move() needs.
-  void add_memory(MemoryRanges& ranges) const { palpate::add_memory(next_, ranges); }
+  void add_memory(MemoryRanges& ranges) const {
+    palpate::add_memory(cells_, ranges);
+    palpate::add_memory(next_, ranges);
+  }
 
  private:
   [[nodiscard]] int follow(int branch, const Vec3& t) const noexcept;
+  /// The branch that the body is on in a cell; where none spans it, the one that it was on.
+  [[nodiscard]] int next(int branch, const CheckPoint& cell) const noexcept;
 
   double spacing_ = 0;
   std::int32_t reach_ = 0;
   Vec3 origin_;
   std::vector<std::vector<std::int32_t>> configurations_;
-  /// Of each branch and cell the branch that the body is on there [size × cells], k fastest; empty
-  /// where there is one branch.
+  /// The first corners of the cells that a branch spans, ascending; empty where there is one
+  /// branch. The others of the grid, which may be very many, take no memory.
+  std::vector<CheckPoint> cells_;
+  /// Of each of them and each branch the branch that the body is on there [cells × size], those of
+  /// a cell one after the other.
   std::vector<std::int16_t> next_;
 };
 

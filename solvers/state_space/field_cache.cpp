@@ -132,7 +132,7 @@ StateSpaceFile FieldCache::open() const {
 void FieldCache::read(const ToolSpaceSetup& setup,
                       const std::vector<ConfigurationSummary>& missing) {
   StateSpaceFile file = open();
-  file.share_bases(bases_);
+  file.share(known_);
   if (points_.empty()) {
     Scene scene = file.read_scene();
     settled_ = std::move(scene.settled);
@@ -164,7 +164,7 @@ void FieldCache::read(const ToolSpaceSetup& setup,
 
 std::size_t FieldCache::bytes() const {
   std::size_t sum = entry_bytes_;
-  for (const auto& [key, basis] : bases_) sum += bytes_of(*basis);
+  for (const auto& [key, basis] : known_.bases) sum += bytes_of(*basis);
   return sum;
 }
 
@@ -184,9 +184,10 @@ void FieldCache::forget_old_ones() {
       entry_bytes_ -= bytes_of(entry->second.fields);
       entry = entries_.erase(entry);
     }
-    for (auto known = bases_.begin(); known != bases_.end();) {
+    auto& bases = known_.bases;
+    for (auto known = bases.begin(); known != bases.end();) {
       const bool is_needed = known->second.use_count() > 1;
-      known = is_needed ? std::next(known) : bases_.erase(known);
+      known = is_needed ? std::next(known) : bases.erase(known);
     }
   }
 }

@@ -67,7 +67,7 @@ class FieldCache {
   std::size_t entry_bytes_ = 0;
   std::uint64_t uses_ = 0;
   std::map<StateKey, Entry> entries_;
-  StateSpaceFile::KnownBases bases_;
+  StateSpaceFile::Known known_;
   /// As kept_points(); empty until something is read. All: the number of points is theirs.
   std::map<Keep, std::vector<Index>> points_;
   SettledBody settled_;

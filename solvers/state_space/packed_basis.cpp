@@ -3,6 +3,7 @@
 
 #include <zlib.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <new>
@@ -48,6 +49,54 @@ void for_each_number(Basis& basis, Visit&& visit) {
   }
 }
 
+/// The bytes that a basis was deflated from, one after the other.
+class Inflation {
+ public:
+  explicit Inflation(const std::vector<std::byte>& deflated) {
+    // zlib's type is not constant, but it does not write there.
+    stream_.next_in =
+        const_cast<Bytef*>(reinterpret_cast<const Bytef*>(deflated.data()));  // NOLINT
+    stream_.avail_in = static_cast<uInt>(deflated.size());
+    if (inflateInit(&stream_) != Z_OK) throw std::bad_alloc();
+  }
+  ~Inflation() { inflateEnd(&stream_); }
+  Inflation(const Inflation&) = delete;
+  Inflation& operator=(const Inflation&) = delete;
+
+  /// Zero after the last one, and where they are damaged.
+  [[nodiscard]] Bytef next() {
+    if (at_ == size_ && !fill()) {
+      is_short_ = true;
+      return 0;
+    }
+    return buffer_[at_++];
+  }
+
+  /// That was the last one, none was missing, and their checksum is right.
+  [[nodiscard]] bool is_at_end() {
+    return !is_short_ && at_ == size_ && !fill() && status_ == Z_STREAM_END;
+  }
+
+ private:
+  bool fill() {
+    if (status_ != Z_OK) return false;
+    stream_.next_out = buffer_.data();
+    stream_.avail_out = static_cast<uInt>(buffer_.size());
+    status_ = inflate(&stream_, Z_NO_FLUSH);
+    if (status_ == Z_MEM_ERROR) throw std::bad_alloc();
+    at_ = 0;
+    size_ = buffer_.size() - stream_.avail_out;
+    return size_ > 0;
+  }
+
+  z_stream stream_{};
+  std::array<Bytef, 1 << 16> buffer_;
+  std::size_t at_ = 0;
+  std::size_t size_ = 0;
+  int status_ = Z_OK;
+  bool is_short_ = false;
+};
+
 std::size_t count_of(const FieldBasis& basis) {
   return static_cast<std::size_t>(basis.modes.size() + basis.pressure_modes.size());
 }
@@ -90,28 +139,28 @@ std::int64_t most_bytes(const PackedBasis& head, std::int64_t num_points) {
 std::optional<FieldBasis> unpack(const PackedBasis& packed, std::int64_t num_points) {
   const auto count = static_cast<std::size_t>(3 * num_points * packed.num_modes +
                                               packed.num_pressures * packed.num_pressure_modes);
-  const std::size_t bytes = kBytesOfNumber * count;
   if (packed.steps.size() != packed.num_modes + packed.num_pressure_modes) return std::nullopt;
-  if (bytes / kMostInflated > packed.numbers.size()) return std::nullopt;
-  // One more, so that there is an address where there is no mode.
-  std::vector<Bytef> planes(bytes + 1);
-  uLongf size = static_cast<uLongf>(planes.size());
-  const int outcome =
-      uncompress(planes.data(), &size, reinterpret_cast<const Bytef*>(packed.numbers.data()),
-                 static_cast<uLong>(packed.numbers.size()));
-  if (outcome == Z_MEM_ERROR) throw std::bad_alloc();
-  if (outcome != Z_OK || size != bytes) return std::nullopt;
+  if (kBytesOfNumber * count / kMostInflated > packed.numbers.size()) return std::nullopt;
   FieldBasis basis;
   static_cast<BasisHead&>(basis) = packed;
   basis.steps = packed.steps;
-  basis.modes.resize(3 * num_points, packed.num_modes);
-  basis.pressure_modes.resize(packed.num_pressures, packed.num_pressure_modes);
+  basis.modes.setZero(3 * num_points, packed.num_modes);
+  basis.pressure_modes.setZero(packed.num_pressures, packed.num_pressure_modes);
+  // The bits of each number are gathered where it will be: no other memory is taken for them.
+  Inflation numbers(packed.numbers);
+  for (std::size_t b = 0; b < kBytesOfNumber; ++b) {
+    for_each_number(basis, [&](std::size_t, float& number, float) {
+      std::uint32_t bits = 0;
+      std::memcpy(&bits, &number, sizeof bits);
+      bits |= std::uint32_t{numbers.next()} << (8 * b);
+      std::memcpy(&number, &bits, sizeof bits);
+    });
+  }
+  if (!numbers.is_at_end()) return std::nullopt;
   bool finite = basis.steps.allFinite();
-  for_each_number(basis, [&](std::size_t i, float& number, float step) {
+  for_each_number(basis, [&](std::size_t, float& number, float step) {
     std::uint32_t bits = 0;
-    for (std::size_t b = 0; b < kBytesOfNumber; ++b) {
-      bits |= std::uint32_t{planes[b * count + i]} << (8 * b);
-    }
+    std::memcpy(&bits, &number, sizeof bits);
     number = number_of(bits, step);
     finite = finite && std::isfinite(number);
   });

@@ -6,6 +6,8 @@
 
 #include <type_traits>
 
+#include "base/printable.h"
+
 namespace palpate::rows {
 namespace {
 
@@ -162,12 +164,11 @@ std::array<sqlite::Statement::Blob, 2> modes_of(const PackedBasis& basis) {
           sqlite::Statement::Blob{basis.numbers.data(), basis.numbers.size()}};
 }
 
-void set_modes(const std::array<sqlite::Statement::Blob, 2>& modes, PackedBasis& basis) {
+bool set_modes(const std::array<sqlite::Statement::Blob, 2>& modes, std::int64_t num_kept,
+               PackedBasis& basis) {
   const auto& [steps, numbers] = modes;
-  basis.steps.resize(static_cast<Eigen::Index>(steps.bytes / sizeof(float)));
-  if (steps.bytes > 0) std::memcpy(basis.steps.data(), steps.data, steps.bytes);
-  const auto* first = static_cast<const std::byte*>(numbers.data);
-  basis.numbers.assign(first, first + numbers.bytes);
+  return blobs::copy(steps, blobs::steps(basis), basis.steps) &&
+         blobs::copy(numbers, blobs::modes(basis, num_kept), basis.numbers);
 }
 
 std::int64_t checksum(const std::array<sqlite::Statement::Blob, 2>& modes) {
@@ -252,9 +253,12 @@ std::int64_t checksum(const SettledBody& settled) {
 
 bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
   const auto& [id, interaction, grid, policy] = setup;
-  return (interaction.is_contact() ? is_possible(interaction.tool)
-                                   : is_bonded(interaction, num_points)) &&
-         grid.sparse == interaction.is_contact() && grid.origin.allFinite() &&
+  // The number says which kind it is: what is touched is looked up by it.
+  const bool is_possible_tool =
+      interaction.is_contact()
+          ? id == kContactToolSpace && is_possible(interaction.tool)
+          : is_bonded(interaction, num_points) && id == interaction.active_node;
+  return is_possible_tool && grid.sparse == interaction.is_contact() && grid.origin.allFinite() &&
          is_length(policy.depth) && is_length(grid.half_width) && is_length(policy.force_limit) &&
          is_length(policy.tolerance) && grid.resolution >= 1 && grid.resolution % 2 == 1 &&
          grid.resolution <= kLargestResolution && (grid.half_width > 0 || grid.resolution == 1) &&
@@ -270,7 +274,10 @@ bool is_possible(const Grid& grid, const ConfigurationSummary& c) {
       !is_possible(c.outcome) || !is_possible(c.flags)) {
     return false;
   }
-  return !c.usable() || (c.t - grid.place(c.check_point)).norm() <= kOffCheckPoint * grid.spacing();
+  return !c.usable() ||
+         ((c.t - grid.place(c.check_point)).norm() <= kOffCheckPoint * grid.spacing() &&
+          std::isfinite(c.energy) && c.force.allFinite() && c.stiffness.allFinite() &&
+          c.signature.allFinite());
 }
 
 bool is_possible(const Grid& grid, const LevelTransition& transition) {
@@ -283,12 +290,17 @@ bool is_possible(const Grid& grid, const LevelTransition& transition) {
 bool is_possible(const Grid& grid, const IntermediateState& state) {
   return is_in_box(grid, state.target) && state.number >= 1 &&
          state.number <= kMostIntermediateStates && is_possible(state.outcome) &&
-         is_possible(state.flags);
+         is_possible(state.flags) &&
+         (!state.usable() ||
+          (state.t.allFinite() && std::isfinite(state.energy) && state.force.allFinite()));
 }
 
 bool is_possible(const TestPoint& point) {
   return point.kind >= TestKind::uniform && point.kind <= TestKind::near_rest &&
-         point.number >= 0 && is_possible(point.outcome) && is_possible(point.flags);
+         point.number >= 0 && is_possible(point.outcome) && is_possible(point.flags) &&
+         (point.outcome != Outcome::converged ||
+          (point.t.allFinite() && std::isfinite(point.energy) && point.force.allFinite() &&
+           point.stiffness.allFinite() && point.displacement.allFinite()));
 }
 
 bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_cells) {
@@ -302,24 +314,23 @@ bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_ce
 
 bool fit_basis(const Fields& fields, const FieldBasis& basis, std::int64_t num_points) {
   const auto& [u, v, p, p_v] = fields;
-  const auto of_modes = [](const Eigen::MatrixXf& modes) {
-    return static_cast<std::size_t>(modes.cols()) * sizeof(float);
-  };
-  return u.bytes % sizeof(float) == 0 && v.bytes == 3 * u.bytes &&
-         u.bytes <= of_modes(basis.modes) &&
+  return blobs::coefficients(basis.modes.cols()).fits(u.bytes) && v.bytes == 3 * u.bytes &&
          u.bytes < static_cast<std::size_t>(num_points) * 3 * sizeof(float) &&
-         p.bytes % sizeof(float) == 0 && p_v.bytes == 3 * p.bytes &&
-         p.bytes <= of_modes(basis.pressure_modes);
+         blobs::coefficients(basis.pressure_modes.cols()).fits(p.bytes) && p_v.bytes == 3 * p.bytes;
 }
 
-bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells) {
+bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_pressures) {
   const auto& [u, v, p, p_v] = fields;
-  const std::size_t number = bytes_of_number(fields, num_points);
-  const std::size_t of_points = static_cast<std::size_t>(num_points) * 3 * number;
-  // A mixed cell has a pressure at each of its corners, and may share them.
-  const std::size_t most_of_pressures = static_cast<std::size_t>(num_cells) * 4 * number;
-  return (u.bytes == 0 || u.bytes == of_points) && (v.bytes == 0 || v.bytes == 3 * of_points) &&
-         p.bytes % number == 0 && p.bytes <= most_of_pressures && p_v.bytes == 3 * p.bytes;
+  const auto have_size = [&](const auto& of_u, const auto& of_p) {
+    return of_u.fits(u.bytes) && of_p.fits(p.bytes) && p_v.bytes == 3 * p.bytes;
+  };
+  const bool fits = bytes_of_number(fields, num_points) == sizeof(float)
+                        ? have_size(blobs::displacement<float>(num_points),
+                                    blobs::pressures<float>(num_pressures))
+                        : have_size(blobs::displacement<double>(num_points),
+                                    blobs::pressures<double>(num_pressures));
+  // There is no derivative, and no pressure, without a displacement.
+  return fits && (v.bytes == 0 || v.bytes == 3 * u.bytes) && (u.bytes > 0 || p.bytes == 0);
 }
 
 bool is_possible(const ReducedArrayRow& row, std::int64_t bytes) {
@@ -357,8 +368,8 @@ std::string describe(const TestPoint& point, const std::string& tool_space) {
 }
 
 std::string describe(const ReducedArrayRow& row) {
-  return "array " + row.name + (row.num_arrays == 0 ? " of the training" : "") +
-         " of the reduced model " + row.model;
+  return "array " + printable(row.name) + (row.num_arrays == 0 ? " of the training" : "") +
+         " of the reduced model " + printable(row.model);
 }
 
 }  // namespace palpate::rows

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "state_space/blob_sizes.h"
 #include "state_space/packed_basis.h"
 #include "state_space/reduced_fields.h"
 #include "state_space/sqlite.h"
@@ -200,32 +201,18 @@ struct Take {
     if (static_cast<std::int64_t>(x) != stored) sound = false;
   }
   void operator()(Vec3& x) const {
-    const auto [data, bytes] = statement.take_blob();
-    if (bytes == sizeof x) {
-      std::memcpy(static_cast<void*>(x.data()), data, bytes);
-    } else {
-      sound = false;
-    }
+    sound = blobs::copy(statement.take_blob(), blobs::vector(), x) && sound;
   }
-  template <class T>
-  void operator()(std::vector<T>& x) const {
-    const auto [data, bytes] = statement.take_blob();
-    if (bytes % sizeof(T) != 0) {
-      sound = false;
-      return;
-    }
-    x.resize(bytes / sizeof(T));
-    if (bytes > 0) std::memcpy(static_cast<void*>(x.data()), data, bytes);
+  void operator()(std::vector<Vec3>& x) const {
+    sound = blobs::copy(statement.take_blob(), blobs::tool_points(), x) && sound;
+  }
+  void operator()(std::vector<std::array<Index, 3>>& x) const {
+    sound = blobs::copy(statement.take_blob(), blobs::tool_triangles(), x) && sound;
   }
   void operator()(ThirdDerivative& x) const {
-    const auto [data, bytes] = statement.take_blob();
     x.setConstant(std::numeric_limits<double>::quiet_NaN());
-    if (bytes == 0) return;
-    if (bytes == sizeof x) {
-      std::memcpy(static_cast<void*>(x.data()), data, bytes);
-    } else {
-      sound = false;
-    }
+    const sqlite::Statement::Blob blob = statement.take_blob();
+    if (blob.bytes > 0) sound = blobs::copy(blob, blobs::third_derivative(), x) && sound;
   }
 };
 
@@ -254,8 +241,11 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 [[nodiscard]] Fields fields_of(const ReducedFields& reduced);
 /// The steps and the numbers of the modes; valid as long as the basis is.
 [[nodiscard]] std::array<sqlite::Statement::Blob, 2> modes_of(const PackedBasis& basis);
-/// Gives a basis the bytes of its steps and numbers. @param modes The first has whole floats.
-void set_modes(const std::array<sqlite::Statement::Blob, 2>& modes, PackedBasis& basis);
+/// Gives a basis the bytes of its steps and numbers.
+/// @param num_kept The points that the basis is for. @returns False: they have another length than
+///   its head says, and nothing was copied.
+[[nodiscard]] bool set_modes(const std::array<sqlite::Statement::Blob, 2>& modes,
+                             std::int64_t num_kept, PackedBasis& basis);
 [[nodiscard]] std::int64_t checksum(const std::array<sqlite::Statement::Blob, 2>& modes);
 /// Gives a configuration's fields by modes. @param fields They fit a basis, see fit_basis().
 [[nodiscard]] ReducedFields reduced_of(const Fields& fields);
@@ -287,8 +277,16 @@ void set_modes(const std::array<sqlite::Statement::Blob, 2>& modes, PackedBasis&
 [[nodiscard]] bool is_possible(const TestPoint& point);
 /// @param num_cells Of the body. @param num_kept The points that the basis is for.
 [[nodiscard]] bool is_possible(const BasisRow& row, std::int64_t num_kept, std::int64_t num_cells);
+/// Whether all numbers of the fields are finite.
+template <class OfConfiguration>
+[[nodiscard]] bool is_finite(const OfConfiguration& fields) {
+  bool finite = true;
+  for_each_field(fields, [&](const auto& field) { finite = finite && field.allFinite(); });
+  return finite;
+}
 /// Whether the fields have the sizes that they have for such a body, all in the same precision.
-[[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_cells);
+/// @param num_pressures Of the body; it counts where there are any in the fields.
+[[nodiscard]] bool fit(const Fields& fields, std::int64_t num_points, std::int64_t num_pressures);
 
 /// Whether they are the coefficients of modes of a basis, and not of the sizes of whole fields.
 [[nodiscard]] bool fit_basis(const Fields& fields, const FieldBasis& basis,

@@ -17,7 +17,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "assembly/pressures.h"
 #include "base/error.h"
+#include "base/printable.h"
+#include "state_space/blob_sizes.h"
 #include "state_space/folder.h"
 #include "state_space/rows.h"
 #include "state_space/schema.h"
@@ -38,8 +41,6 @@ namespace {
 
 /// Large pages suit large blobs: a configuration of 160 kB is 10 pages.
 constexpr int kPageSize = 16384;
-
-std::string quoted(const fs::path& path) { return '\'' + path.string() + '\''; }
 
 /// The shortest text that reads back as the same number.
 std::string number(double value) {
@@ -160,6 +161,8 @@ Database open_to_read(const fs::path& path) {
   return {path, Access::read_only};
 }
 
+using blobs::kLargestRow;
+
 /// @tparam Values std::vector or Eigen::VectorXd.
 template <class Values>
 void bind_array(Statement& statement, const Values& values) {
@@ -167,25 +170,13 @@ void bind_array(Statement& statement, const Values& values) {
                  static_cast<std::size_t>(values.size()) * sizeof(typename Values::value_type));
 }
 
-Eigen::VectorXd take_vector(Statement& statement) {
-  const Statement::Blob blob = statement.take_blob();
-  Eigen::VectorXd values(static_cast<Eigen::Index>(blob.bytes / sizeof(double)));
-  if (values.size() > 0) {
-    std::memcpy(values.data(), blob.data, static_cast<std::size_t>(values.size()) * sizeof(double));
-  }
-  return values;
-}
-
-template <class T>
-std::vector<T> take_array(Statement& statement, std::int64_t size, const Database& database,
-                          const char* what) {
-  const Statement::Blob blob = statement.take_blob();
-  if (size < 0 || blob.bytes != static_cast<std::size_t>(size) * sizeof(T)) {
+/// @throws InputError it has another size than the body tells.
+template <class Number, class Values>
+void take_array(Statement& statement, const blobs::Size<Number>& size, const Database& database,
+                const char* what, Values& values) {
+  if (!blobs::copy(statement.take_blob(), size, values)) {
     throw_damaged(database.path(), std::string(what) + " has another size than the body");
   }
-  std::vector<T> values(static_cast<std::size_t>(size));
-  if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), blob.data, blob.bytes);
-  return values;
 }
 
 constexpr char kAtKey[] =
@@ -195,6 +186,13 @@ constexpr char kAtKey[] =
 std::int64_t coarsest_corners(const ToolSpaceSetup& setup) {
   const std::int64_t n = setup.grid.coarsest_resolution();
   return n * n * n;
+}
+
+/// What the surface of a rigid tool takes in its row.
+std::int64_t bytes_of_surface(const ToolSpaceSetup& setup) {
+  const RigidTool& tool = setup.interaction.tool;
+  return static_cast<std::int64_t>(tool.points.size() * sizeof(tool.points[0]) +
+                                   tool.triangles.size() * sizeof(tool.triangles[0]));
 }
 
 std::string describe(const ToolSpaceSetup& setup) {
@@ -308,8 +306,16 @@ struct Reset {
   ~Reset() { statement.reset(); }
 };
 
-/// What SQLite keeps in one row at the most.
-constexpr std::int64_t kLargestRow = 1'000'000'000;
+/// The oldest version in which a tool has a surface of its own.
+constexpr std::int64_t kFirstWithSurfaces = 8;
+
+/// A basis whose modes take no more memory than this is read, however few bytes it has in the file.
+constexpr std::int64_t kAnyBasis = std::int64_t{64} << 20;
+
+/// Of a basis with r modes, the configurations that were reduced have no fewer than r²/4
+/// coefficients: r is at most the number of their fields and derivatives. Three quarters of them
+/// may have been lost.
+constexpr std::int64_t kMostModesSquared = 16;
 
 /// The part of a file that is free when it is worth the time to make it smaller.
 constexpr double kFreeShare = 0.1;
@@ -337,6 +343,12 @@ struct StateSpaceFile::Impl {
                                 std::to_string(num_cells) + " cells");
     }
     limit_row(largest_row(num_points, num_cells));
+    // A body may be touched by a tool with a surface that is finer than its own.
+    if (version >= kFirstWithSurfaces) {
+      make_room_for_bytes(
+          database.integer("SELECT max(coalesce(length(tool_points), 0) + "
+                           "coalesce(length(tool_triangles), 0)) FROM tool_space"));
+    }
   }
 
   [[nodiscard]] const fs::path& path() const { return database.path(); }
@@ -379,6 +391,10 @@ struct StateSpaceFile::Impl {
                const ConfigurationSummary& summary) const;
   void write(ToolSpaceId tool_space, const IntermediateState& state) const;
   void set_touchable(const std::vector<char>& touchable) const;
+  /// Whether fields that are whole have the sizes of the body.
+  [[nodiscard]] bool fit(const rows::Fields& fields) const {
+    return rows::fit(fields, num_points, fields[2].bytes > 0 ? num_pressures() : 0);
+  }
   /// Inserts a row of the table of configurations, in place of one with the same key.
   void insert_configuration(ToolSpaceId tool_space, const ConfigurationSummary& summary,
                             const rows::Fields& fields);
@@ -421,8 +437,15 @@ struct StateSpaceFile::Impl {
   [[nodiscard]] std::optional<FieldBasis> read_modes_of_9(ToolSpaceId tool_space,
                                                           const rows::BasisRow& row,
                                                           std::int64_t num_kept) const;
-  /// @throws InputError its arrays have not the size of the body.
+  /// @throws InputError its arrays have not the size of the body, or a cell is none.
   [[nodiscard]] TetMesh read_mesh() const;
+  /// Reads materials, and which cell is of which. @throws InputError one is none.
+  void read_materials(Scene& scene) const;
+  /// Of the body; counted when it is first asked for.
+  [[nodiscard]] Index num_pressures() const;
+  /// Whether what is there explains so many modes.
+  [[nodiscard]] bool are_explained(ToolSpaceId tool_space, const PackedBasis& head,
+                                   std::int64_t num_kept) const;
   /// Reads body force, densities and rest. @param scene It has its materials.
   /// @throws InputError they are damaged.
   void read_body_force(Scene& scene) const;
@@ -432,8 +455,8 @@ struct StateSpaceFile::Impl {
   /// As kept_points(), made when it is first asked for.
   [[nodiscard]] const std::vector<Index>& points_of(Keep keep) const;
   mutable std::map<ToolSpaceId, std::vector<StoredBasis>> bases;
-  KnownBases own_known_bases;
-  KnownBases* known_bases = &own_known_bases;
+  Known own_known;
+  Known* known = &own_known;
   mutable std::map<Keep, std::vector<Index>> points;
   mutable std::optional<TetMesh> mesh;
 
@@ -456,10 +479,10 @@ struct StateSpaceFile::Impl {
     std::int64_t row = 0;
   };
   void leave_out(const std::string& what, const std::string& table, std::int64_t row) const {
-    left_out.emplace(what, Place{table, row});
+    left_out[{what, row}] = Place{table, row};
   }
-  /// What was found damaged; reading adds to it.
-  mutable std::map<std::string, Place> left_out;
+  /// What was found damaged, by its name and row; reading adds to it.
+  mutable std::map<std::pair<std::string, std::int64_t>, Place> left_out;
 };
 
 template <class Take, class Forget>
@@ -543,6 +566,7 @@ void StateSpaceFile::Impl::before_change() {
 }
 
 void StateSpaceFile::Impl::write(const ToolSpace& space) const {
+  make_room_for_bytes(bytes_of_surface(space.setup));
   std::string parameters;
   for (int c = 0; c < rows::num_tool_space_columns + 1; ++c) parameters += ", ?";
   Statement insert_space(database, std::string("INSERT OR REPLACE INTO tool_space (scene_id, ") +
@@ -631,9 +655,59 @@ TetMesh StateSpaceFile::Impl::read_mesh() const {
   const std::int64_t order = select.take_integer();
   if (order != 1 && order != 2) throw_damaged(path(), "an unknown order of elements");
   read.order = static_cast<ElementOrder>(order);
-  read.points = take_array<Vec3>(select, num_points, database, "points");
-  read.cells = take_array<Index>(select, num_cells * nodes_per_cell(read.order), database, "cells");
+  take_array(select, blobs::points(num_points), database, "points", read.points);
+  take_array(select, blobs::cells(num_cells, nodes_per_cell(read.order)), database, "cells",
+             read.cells);
+  if (std::any_of(read.cells.begin(), read.cells.end(),
+                  [&](Index p) { return p < 0 || p >= num_points; })) {
+    throw_damaged(path(), "a cell of the body is none");
+  }
   return read;
+}
+
+void StateSpaceFile::Impl::read_materials(Scene& scene) const {
+  {
+    Statement select(database, "SELECT material_of_cell FROM scene WHERE scene_id = 1");
+    select.step();
+    take_array(select, blobs::material_of_cell(num_cells), database, "material_of_cell",
+               scene.material_of_cell);
+  }
+  Statement select(database,
+                   "SELECT law, formulation, parameter_0, parameter_1, parameter_2, "
+                   "parameter_3, parameter_4, parameter_5, parameter_6, parameter_7, "
+                   "parameter_8, parameter_9 FROM material WHERE scene_id = 1 ORDER BY material");
+  while (select.step()) {
+    const std::int64_t law = select.take_integer();
+    if (law < 0 || law >= num_laws) throw_damaged(path(), "an unknown law");
+    const std::int64_t formulation = select.take_integer();
+    if (formulation != 0 && formulation != 1) throw_damaged(path(), "an unknown formulation");
+    std::array<double, max_parameters> parameters{};
+    for (double& p : parameters) p = select.take_double();
+    try {
+      Material& material = scene.materials.emplace_back(with_formulation(
+          make_material(static_cast<Law>(law), parameters), static_cast<Formulation>(formulation)));
+      // The hash takes in those that the law has not, as they were given.
+      material.parameters = parameters;
+    } catch (const InputError& error) {
+      throw_damaged(path(), std::string("a material is none: ") + error.what());
+    }
+  }
+  const auto known_materials = static_cast<Index>(scene.materials.size());
+  if (known_materials == 0 ||
+      std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(),
+                  [&](Index m) { return m < 0 || m >= known_materials; })) {
+    throw_damaged(path(), "a material is missing");
+  }
+}
+
+Index StateSpaceFile::Impl::num_pressures() const {
+  if (!known->num_pressures) {
+    Scene scene;
+    scene.mesh = read_mesh();
+    read_materials(scene);
+    known->num_pressures = count_pressures(scene);
+  }
+  return *known->num_pressures;
 }
 
 void StateSpaceFile::Impl::read_body_force(Scene& scene) const {
@@ -641,15 +715,21 @@ void StateSpaceFile::Impl::read_body_force(Scene& scene) const {
                    "SELECT acceleration, densities, displacement, pressures, checksum FROM "
                    "body_force WHERE scene_id = 1");
   if (!select.step()) throw_damaged(path(), "the body force is missing");
-  scene.body_force = take_array<Vec3>(select, 1, database, "acceleration").front();
-  scene.densities = take_array<double>(select, static_cast<std::int64_t>(scene.materials.size()),
-                                       database, "densities");
-  scene.settled.u = take_vector(select);
-  scene.settled.p = take_vector(select);
-  if (select.take_integer() != rows::checksum(scene.settled) ||
-      scene.settled.u.size() != 3 * num_points || !scene.settled.u.allFinite() ||
-      !scene.settled.p.allFinite() || scene.body_force.isZero(0)) {
+  take_array(select, blobs::vector(), database, "acceleration", scene.body_force);
+  const auto num_materials = static_cast<std::int64_t>(scene.materials.size());
+  take_array(select, blobs::densities(num_materials), database, "densities", scene.densities);
+  take_array(select, blobs::settled_displacement(num_points), database, "the displacement at rest",
+             scene.settled.u);
+  take_array(select, blobs::pressures<double>(num_pressures()), database, "the pressures at rest",
+             scene.settled.p);
+  if (select.take_integer() != rows::checksum(scene.settled) || !scene.settled.u.allFinite() ||
+      !scene.settled.p.allFinite()) {
     throw_damaged(path(), "the rest under the body force is none");
+  }
+  if (!scene.body_force.allFinite() || scene.body_force.isZero(0) ||
+      !std::all_of(scene.densities.begin(), scene.densities.end(),
+                   [](double density) { return std::isfinite(density) && density >= 0; })) {
+    throw_damaged(path(), "the body force is none");
   }
 }
 
@@ -658,9 +738,7 @@ const SettledBody& StateSpaceFile::Impl::settled() const {
   settled_body.emplace();
   if (!has_body_force_schema(database)) return *settled_body;
   Scene scene;
-  Statement count(database, "SELECT count(*) FROM material WHERE scene_id = 1");
-  count.step();
-  scene.materials.resize(static_cast<std::size_t>(count.take_integer()));
+  read_materials(scene);
   read_body_force(scene);
   return *(settled_body = std::move(scene.settled));
 }
@@ -668,13 +746,7 @@ const SettledBody& StateSpaceFile::Impl::settled() const {
 const std::vector<Index>& StateSpaceFile::Impl::points_of(Keep keep) const {
   const auto [found, is_new] = points.try_emplace(keep);
   if (!is_new) return found->second;
-  if (!mesh) {
-    mesh = read_mesh();
-    if (std::any_of(mesh->cells.begin(), mesh->cells.end(),
-                    [&](Index p) { return p < 0 || p >= num_points; })) {
-      throw_damaged(path(), "a cell of the body is none");
-    }
-  }
+  if (!mesh) mesh = read_mesh();
   found->second = kept_points(*mesh, make_surface(*mesh), keep);
   return found->second;
 }
@@ -702,7 +774,8 @@ std::vector<StateSpaceFile::Impl::StoredBasis>& StateSpaceFile::Impl::bases_of(
     bool sound = true;
     rows::for_each_number_of_basis(stored.row, rows::Take{select, sound});
     stored.checksum = select.take_integer();
-    if (sound && stored.checksum == rows::checksum(tool_space, stored.row, checked())) {
+    if (sound && stored.checksum == rows::checksum(tool_space, stored.row, checked()) &&
+        rows::is_possible(stored.row, num_points, num_cells)) {
       make_room_for(stored.row.basis);
       continue;
     }
@@ -716,10 +789,10 @@ std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::basis_of(ToolSpaceId too
                                                                  StoredBasis& stored) const {
   if (stored.is_read) return stored.basis;
   stored.is_read = true;
-  const auto known = known_bases->find({tool_space, stored.checksum});
-  if (known != known_bases->end()) return stored.basis = known->second;
+  const auto found = known->bases.find({tool_space, stored.checksum});
+  if (found != known->bases.end()) return stored.basis = found->second;
   stored.basis = read_basis(tool_space, stored);
-  if (stored.basis != nullptr) (*known_bases)[{tool_space, stored.checksum}] = stored.basis;
+  if (stored.basis != nullptr) known->bases[{tool_space, stored.checksum}] = stored.basis;
   return stored.basis;
 }
 
@@ -728,7 +801,9 @@ std::shared_ptr<const FieldBasis> StateSpaceFile::Impl::read_basis(
   const rows::BasisRow& row = stored_basis.row;
   const auto num_kept = static_cast<std::int64_t>(points_of(row.basis.keep).size());
   std::optional<FieldBasis> basis;
-  if (rows::is_possible(row, num_kept, num_cells)) {
+  if (rows::is_possible(row, num_kept, num_cells) &&
+      (row.basis.num_pressures == 0 || row.basis.num_pressures == num_pressures()) &&
+      are_explained(tool_space, row.basis, num_kept)) {
     basis = version == 9 ? read_modes_of_9(tool_space, row, num_kept)
                          : read_modes(stored_basis, num_kept);
   }
@@ -750,8 +825,21 @@ std::optional<FieldBasis> StateSpaceFile::Impl::read_modes(const StoredBasis& st
   for (Statement::Blob& blob : modes) blob = select.take_blob();
   if (rows::checksum(modes) != stored.row.modes_checksum) return std::nullopt;
   PackedBasis packed = stored.row.basis;
-  rows::set_modes(modes, packed);
+  if (!rows::set_modes(modes, num_kept, packed)) return std::nullopt;
   return unpack(packed, num_kept);
+}
+
+bool StateSpaceFile::Impl::are_explained(ToolSpaceId tool_space, const PackedBasis& head,
+                                         std::int64_t num_kept) const {
+  const std::int64_t most = std::max(head.num_modes, head.num_pressure_modes);
+  if (most_bytes(head, num_kept) <= kAnyBasis) return true;
+  Statement select(database,
+                   "SELECT coalesce(sum(length(u)), 0) FROM configuration WHERE scene_id = 1 AND "
+                   "tool_space_id = ?");
+  select.bind(tool_space);
+  select.step();
+  const std::int64_t num_coefficients = select.take_integer() / std::int64_t{sizeof(float)};
+  return most * most <= kMostModesSquared * num_coefficients;
 }
 
 std::optional<FieldBasis> StateSpaceFile::Impl::read_modes_of_9(ToolSpaceId tool_space,
@@ -761,11 +849,15 @@ std::optional<FieldBasis> StateSpaceFile::Impl::read_modes_of_9(ToolSpaceId tool
   constexpr char kOfBasis[] = " FROM mode WHERE scene_id = 1 AND tool_space_id = ? AND basis = ?";
   // No memory is taken for modes that are not there.
   {
-    Statement count(database, std::string("SELECT count(*)") + kOfBasis);
+    Statement count(database,
+                    std::string("SELECT count(*), coalesce(sum(length(field)), 0)") + kOfBasis);
     count.bind(tool_space);
     count.bind(row.number);
     count.step();
     if (count.take_integer() != num_modes) return std::nullopt;
+    const std::int64_t num_numbers =
+        3 * num_kept * row.basis.num_modes + row.basis.num_pressures * row.basis.num_pressure_modes;
+    if (count.take_integer() < num_numbers * std::int64_t{sizeof(Eigen::half)}) return std::nullopt;
   }
   FieldBasis basis;
   static_cast<BasisHead&>(basis) = row.basis;
@@ -965,7 +1057,9 @@ double StateSpaceFile::solver_tolerance() const { return impl_->solver_tolerance
 
 std::vector<std::string> StateSpaceFile::left_out() const {
   std::vector<std::string> names;
-  for (const auto& [name, place] : impl_->left_out) names.push_back(name);
+  for (const auto& [key, place] : impl_->left_out) {
+    if (names.empty() || names.back() != key.first) names.push_back(key.first);
+  }
   // A row whose key was damaged may belong to nothing that is read, and where the index is damaged
   // a row is not found by its key.
   for (const auto& [table, key] :
@@ -1025,12 +1119,13 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
   bool is_way_damaged = false;
   impl_->before_change();
   Transaction transaction(impl_->database);
-  for (const auto& [name, place] : impl_->left_out) {
+  for (const auto& [key, place] : impl_->left_out) {
+    const std::string& name = key.first;
     if (place.row == 0) throw_damaged(path(), name);
     Statement remove(impl_->database, "DELETE FROM " + place.table + " WHERE rowid = ?");
     remove.bind(place.row);
     remove.run();
-    names.push_back(name);
+    if (names.empty() || names.back() != name) names.push_back(name);
     is_way_damaged = is_way_damaged || place.table == "intermediate";
   }
   if (is_way_damaged) {
@@ -1046,7 +1141,7 @@ std::vector<std::string> StateSpaceFile::remove_damaged() {
   transaction.commit();
   impl_->left_out.clear();
   impl_->bases.clear();
-  impl_->known_bases->clear();
+  impl_->known->bases.clear();
   return names;
 }
 
@@ -1054,60 +1149,29 @@ Scene StateSpaceFile::read_scene() const {
   const Database& database = impl_->database;
   const bool has_checksum = impl_->has_checksums();
   const std::int64_t num_points = impl_->num_points;
-  const std::int64_t num_cells = impl_->num_cells;
   Scene scene;
   scene.mesh = impl_->read_mesh();
   const TetMesh& mesh = scene.mesh;
-  Statement select(database,
-                   std::string("SELECT material_of_cell IS NULL, material_of_cell, fixed, "
-                               "touchable, ") +
-                       (has_checksum ? "checksum" : "NULL") + " FROM scene WHERE scene_id = 1");
+  Statement select(database, std::string("SELECT fixed, touchable, ") +
+                                 (has_checksum ? "checksum" : "NULL") +
+                                 " FROM scene WHERE scene_id = 1");
   select.step();
-  const bool uniform = select.take_integer() != 0;
-  scene.material_of_cell =
-      take_array<Index>(select, uniform ? 0 : num_cells, database, "material_of_cell");
-  scene.fixed = take_array<char>(select, num_points, database, "fixed");
-  scene.touchable = take_array<char>(select, num_points, database, "touchable");
+  take_array(select, blobs::marks(num_points), database, "fixed", scene.fixed);
+  take_array(select, blobs::marks(num_points), database, "touchable", scene.touchable);
   if (has_checksum &&
       select.take_integer() != rows::checksum(scene.touchable, impl_->solver_tolerance)) {
     impl_->leave_out("where the body may be touched", "scene", 0);
     std::fill(scene.touchable.begin(), scene.touchable.end(), char{0});
   }
-
-  Statement materials(
-      database,
-      "SELECT law, formulation, parameter_0, parameter_1, parameter_2, "
-      "parameter_3, parameter_4, parameter_5, parameter_6, parameter_7, "
-      "parameter_8, parameter_9 FROM material WHERE scene_id = 1 ORDER BY material");
-  while (materials.step()) {
-    Material material;
-    const std::int64_t law = materials.take_integer();
-    if (law < 0 || law >= num_laws) throw_damaged(database.path(), "an unknown law");
-    material.law = static_cast<Law>(law);
-    const std::int64_t formulation = materials.take_integer();
-    if (formulation != 0 && formulation != 1) {
-      throw_damaged(database.path(), "an unknown formulation");
-    }
-    material.formulation = static_cast<Formulation>(formulation);
-    for (double& p : material.parameters) p = materials.take_double();
-    scene.materials.push_back(material);
-  }
-  const auto known = static_cast<Index>(scene.materials.size());
-  const auto unknown = [&](Index m) { return m < 0 || m >= known; };
-  if (known == 0 ||
-      std::any_of(scene.material_of_cell.begin(), scene.material_of_cell.end(), unknown)) {
-    throw_damaged(database.path(), "a material is missing");
-  }
+  impl_->read_materials(scene);
   if (has_body_force_schema(database)) impl_->read_body_force(scene);
   if (hash(scene) != impl_->scene_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }
   // Who made the file may have made the hash fit a body that is none.
-  const auto is_no_point = [&](Index p) { return p < 0 || p >= num_points; };
-  if (std::any_of(mesh.cells.begin(), mesh.cells.end(), is_no_point) ||
-      !std::all_of(mesh.points.begin(), mesh.points.end(),
+  if (!std::all_of(mesh.points.begin(), mesh.points.end(),
                    [](const Vec3& p) { return p.allFinite(); })) {
-    throw_damaged(database.path(), "a cell or a point of the body is none");
+    throw_damaged(database.path(), "a point of the body is none");
   }
   return scene;
 }
@@ -1116,6 +1180,12 @@ void StateSpaceFile::add_tool_space(const ToolSpaceSetup& setup) {
   if (!rows::is_possible(setup, impl_->num_points)) {
     throw InputError("Of " + setup.name() + " with " + describe(setup) +
                      " a number is out of its range, so that it cannot be stored.");
+  }
+  if (bytes_of_surface(setup) > kLargestRow - kOfNumbers) {
+    throw InputError("The surface of the rigid tool has " +
+                     std::to_string(setup.interaction.tool.points.size()) + " points and " +
+                     std::to_string(setup.interaction.tool.triangles.size()) +
+                     " triangles: more than a state-space file can hold. Take a coarser one.");
   }
   if (const std::optional<ToolSpace> there = find_tool_space(setup.id)) {
     require_extension(path(), there->setup, setup);
@@ -1220,10 +1290,10 @@ void StateSpaceFile::add_alone(ToolSpaceId tool_space, const Configuration& conf
   const bool is_single = tool_space == kContactToolSpace;
   if (is_single) single = rows::single_fields_of(configuration);
   const rows::Fields fields = is_single ? rows::fields_of(single) : rows::fields_of(configuration);
-  if (!rows::fit(fields, impl_->num_points, impl_->num_cells)) {
+  if (!impl_->fit(fields)) {
     throw InputError("Configuration " + rows::describe(configuration.check_point) + " of " +
-                     name_of(tool_space) + " has fields of another size than the " +
-                     std::to_string(impl_->num_points) + " points of the body.");
+                     name_of(tool_space) + " has fields of another size than the body of " +
+                     std::to_string(impl_->num_points) + " points.");
   }
   impl_->insert_configuration(tool_space, configuration, fields);
   if (impl_->database.changes() == 0) {
@@ -1396,10 +1466,10 @@ std::shared_ptr<const FieldBasis> StateSpaceFile::read_basis(ToolSpaceId tool_sp
 
 void StateSpaceFile::forget_bases() const {
   impl_->bases.clear();
-  impl_->own_known_bases.clear();
+  impl_->own_known.bases.clear();
 }
 
-void StateSpaceFile::share_bases(KnownBases& known) { impl_->known_bases = &known; }
+void StateSpaceFile::share(Known& known) { impl_->known = &known; }
 
 Keep StateSpaceFile::keep_of(ToolSpaceId tool_space, const ConfigurationSummary& summary) const {
   const std::vector<Impl::StoredBasis>& bases = impl_->bases_of(tool_space);
@@ -1536,11 +1606,10 @@ bool StateSpaceFile::read_stored(ToolSpaceId tool_space, const ConfigurationSumm
       if (has_fields && basis != nullptr && rows::fit_basis(fields, *basis, impl_->num_points)) {
         stored.basis = std::move(basis);
         stored.reduced = rows::reduced_of(fields);
-        return true;
-      }
-      if (rows::fit(fields, impl_->num_points, impl_->num_cells)) {
+        if (rows::is_finite(stored.reduced)) return true;
+      } else if (impl_->fit(fields)) {
         rows::set_fields(fields, impl_->num_points, stored.whole);
-        return true;
+        if (rows::is_finite(stored.whole)) return true;
       }
     }
   } catch (const InputError&) {
@@ -1609,12 +1678,9 @@ std::vector<TestPoint> StateSpaceFile::read_test_points(const TestSet& set) cons
     bool sound = true;
     for_each_number_of_test_point(point, rows::Take{select, sound});
     const std::int64_t stored_checksum = select.take_integer();
-    const Statement::Blob blob = select.take_blob();
-    if (sound && blob.bytes % (3 * sizeof(float)) == 0 &&
-        blob.bytes <= kSamplePoints * 3 * sizeof(float)) {
-      point.displacement.resize(static_cast<Eigen::Index>(blob.bytes / sizeof(float)));
-      if (blob.bytes > 0) std::memcpy(point.displacement.data(), blob.data, blob.bytes);
-      if (rows::checksum(set, point) == stored_checksum && rows::is_possible(point)) continue;
+    if (blobs::copy(select.take_blob(), blobs::sampled_displacement(), point.displacement) &&
+        sound && rows::checksum(set, point) == stored_checksum && rows::is_possible(point)) {
+      continue;
     }
     impl_->leave_out(rows::describe(point, name_of(set.tool_space)), "test_point", row);
     points.pop_back();
@@ -1729,11 +1795,13 @@ StateSpaceFile::Arrays StateSpaceFile::read_arrays(const std::string& key, bool 
       if (select.step()) {
         const std::int64_t stored = select.take_integer();
         const Statement::Blob numbers = select.take_blob();
-        if (stored == rows::checksum(row, numbers)) {
-          Eigen::MatrixXd& array = arrays[row.name];
-          array.resize(row.num_rows, row.num_columns);
-          if (numbers.bytes > 0) std::memcpy(array.data(), numbers.data, numbers.bytes);
-          continue;
+        const blobs::Size<double> size = blobs::array(row.num_rows, row.num_columns);
+        if (size.fits(numbers.bytes) && stored == rows::checksum(row, numbers)) {
+          Eigen::MatrixXd array(row.num_rows, row.num_columns);
+          if (blobs::copy(numbers, size, array)) {
+            arrays[row.name] = std::move(array);
+            continue;
+          }
         }
       }
     } catch (const InputError&) {

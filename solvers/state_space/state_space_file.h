@@ -146,7 +146,8 @@ class StateSpaceFile {
 
   /// Fills in the fields u, v, p and p_v of a configuration: what is kept of them, and zero
   /// elsewhere.
-  /// @returns False where the fields are damaged; then they are left out.
+  /// @returns False where the fields are damaged, or hold what is no number; then they are left
+  ///   out.
   [[nodiscard]] bool read_fields(ToolSpaceId tool_space, Configuration& configuration) const;
   /// The usable configurations of a tool space whose fields are whole, in the order of operator<.
   [[nodiscard]] std::vector<StateKey> list_whole(ToolSpaceId tool_space) const;
@@ -173,11 +174,15 @@ class StateSpaceFile {
                                                              std::int64_t number) const;
   /// Gives back the memory of the bases that were read. They are read anew when they are asked for.
   void forget_bases() const;
-  /// Bases that were read, by tool space and checksum.
-  using KnownBases =
-      std::map<std::pair<ToolSpaceId, std::int64_t>, std::shared_ptr<const FieldBasis>>;
-  /// Has bases taken from here, and put here, that another object has read of the same file before.
-  void share_bases(KnownBases& known);
+  /// What was read of a file, and need not be read again.
+  struct Known {
+    /// By tool space and checksum.
+    std::map<std::pair<ToolSpaceId, std::int64_t>, std::shared_ptr<const FieldBasis>> bases;
+    /// Of the body; nothing: it was not asked for.
+    std::optional<Index> num_pressures;
+  };
+  /// Has this taken from here, and put here, that another object has read of the same file before.
+  void share(Known& known);
   /// Stores a basis, in place of one of the same number. That one's modes must be the first of its
   /// own: what was reduced by them stays so.
   void add_basis(ToolSpaceId tool_space, std::int64_t number, const PackedBasis& basis);

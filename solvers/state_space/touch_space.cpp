@@ -238,12 +238,10 @@ TouchSpace make_touch_space(const StateSpaceFile& file, double bound) {
             damaged.insert(c);
             return nullptr;
           }
-          if (has_fields(current, scene.mesh.num_points()) && has_finite_fields(current)) {
-            return &current;
-          }
+          if (has_fields(current, scene.mesh.num_points())) return &current;
           damaged.insert(c);
           without_fields.push_back(describe(current, tool_space.setup) +
-                                   ", whose fields are no numbers");
+                                   ", whose fields are not whole");
           return nullptr;
         },
         space);

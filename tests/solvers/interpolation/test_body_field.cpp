@@ -61,7 +61,8 @@ class BodyFieldTest : public testing::Test {
     file.close();
   }
 
-  static constexpr Eigen::Index kPressures = 5;
+  /// Of the body.
+  static constexpr Eigen::Index kPressures = 7;
   Scene scene_ = test::cube_scene(1, ElementOrder::linear);
   std::filesystem::path folder_;
 };

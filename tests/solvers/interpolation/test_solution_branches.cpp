@@ -214,6 +214,27 @@ TEST(SolutionBranches, NothingUnstableIsOnABranch) {
   EXPECT_GT(num_unstable, 0U);
 }
 
+// Beyond what was explored there may be a billion cells.
+TEST(SolutionBranches, TakeMemoryForCellsThatAreThereAlone) {
+  const Bistable body;
+  TouchToolSpace wide = make_tool_space(body, 9);
+  const double spacing = wide.setup.grid.spacing();
+  const SolutionBranches branches(wide);
+  wide.setup.grid.resolution = 993;
+  wide.setup.grid.half_width = spacing * wide.setup.grid.reach();
+  const SolutionBranches of_wide(wide);
+  ASSERT_EQ(of_wide.size(), branches.size());
+  ASSERT_GT(of_wide.size(), 1);
+  MemoryRanges ranges;
+  of_wide.add_memory(ranges);
+  EXPECT_LT(total_bytes(ranges), 100000U);
+  for (int branch = 0; branch < branches.size(); ++branch) {
+    for (const Vec3& t : {Vec3(0, 0, 1.2), Vec3(0.3, -0.2, -1.1), Vec3(1.4, 0.1, 0)}) {
+      EXPECT_EQ(of_wide.move(branch, Vec3::Zero(), t), branches.move(branch, Vec3::Zero(), t));
+    }
+  }
+}
+
 TEST(SolutionBranches, AWayThatIsNotFiniteStaysWhereItIs) {
   const SolutionBranches branches(make_tool_space(Bistable(), 9));
   const Vec3 nowhere = Vec3::Constant(std::nan(""));

@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "assembly/pressures.h"
 #include "assembly/scene.h"
 #include "state_space/state_space.h"
 
@@ -50,8 +51,10 @@ inline TetMesh cube_mesh(int n, ElementOrder order) {
 inline Scene cube_scene(int n = 2, ElementOrder order = ElementOrder::quadratic) {
   Scene scene;
   scene.mesh = cube_mesh(n, order);
-  scene.materials = {make_isotropic(Law::st_venant_kirchhoff, 2000, 0.4),
-                     make_isotropic(Law::neo_hookean, 1000, 0.3)};
+  // One of them has pressures.
+  scene.materials = {
+      with_formulation(make_isotropic(Law::st_venant_kirchhoff, 2000, 0.4), Formulation::mixed),
+      make_isotropic(Law::neo_hookean, 1000, 0.3)};
   for (Index c = 0; c < scene.mesh.num_cells(); ++c) scene.material_of_cell.push_back(c % 2);
   for (const Vec3& p : scene.mesh.points) {
     scene.fixed.push_back(p.z() == 0 ? 1 : 0);
@@ -59,6 +62,13 @@ inline Scene cube_scene(int n = 2, ElementOrder order = ElementOrder::quadratic)
   }
   check(scene);
   return scene;
+}
+
+/// Gives a configuration pressures, of which no two are alike, and their derivatives.
+inline void add_pressures(const Scene& scene, Configuration& c) {
+  const Index count = count_pressures(scene);
+  c.p = Eigen::VectorXd::LinSpaced(count, -1, 1);
+  c.p_v = Eigen::VectorXd::LinSpaced(3 * count, -5, 7).reshaped(count, 3);
 }
 
 /// Numbers that fill every member; the field bends and bulges with t, so that its rank is small but

@@ -66,8 +66,7 @@ class DamageTest : public testing::Test {
   [[nodiscard]] Configuration configuration(const CheckPoint& check_point) const {
     Configuration c = example_configuration(scene_, tool_space_, check_point);
     c.third_derivative = test::example_third_derivative(c.t);
-    c.p = Eigen::VectorXd::LinSpaced(3, 1, 2);
-    c.p_v = Eigen::MatrixXd::Constant(3, 3, 0.5);
+    test::add_pressures(scene_, c);
     return c;
   }
   /// With a row in every table.
@@ -398,6 +397,20 @@ TEST_F(DamageTest, LeavesOutWhatCannotBe) {
     make();
     forge_tool_space(sql, same_change);
     EXPECT_EQ(left_out().front(), "active node 8") << sql;
+  }
+  // A number that does not fit the kind: nothing would be found by it.
+  for (const auto& [sql, same_change] :
+       {std::pair<std::string, std::function<void(ToolSpaceSetup&)>>(
+            "tool_space_id = 9", [](ToolSpaceSetup& s) { s.id = 9; }),
+        {"tool_space_id = -1", [](ToolSpaceSetup& s) { s.id = kContactToolSpace; }},
+        {"interaction = 1, sparse = 1", [](ToolSpaceSetup& s) {
+           s.interaction.kind = InteractionKind::rigid_contact;
+           s.grid.sparse = true;
+         }}}) {
+    fs::remove(path_);
+    make();
+    forge_tool_space(sql, same_change);
+    EXPECT_TRUE(StateSpaceFile::open_read_only(path_).read_tool_spaces().empty()) << sql;
   }
   fs::remove(path_);
   make();

@@ -28,6 +28,7 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
+using test::add_pressures;
 using test::example_configuration;
 using test::example_setup;
 using test::example_third_derivative;
@@ -204,9 +205,8 @@ TEST_F(StateSpaceFileTest, RoundTripIsExact) {
   odd.third_derivative = example_third_derivative(odd.t);
   odd.third_derivative[3] = -0.0;
   odd.u[4] = -0.0;
-  odd.u[5] = std::numeric_limits<double>::quiet_NaN();
-  odd.p = Eigen::VectorXd::LinSpaced(7, -1, 1);
-  odd.p_v = Eigen::MatrixXd::Random(7, 3);
+  odd.u[5] = 5e-324;
+  add_pressures(scene_, odd);
   Configuration failed = example_configuration(scene_, tool_space_, {1, 1, 1});
   failed.outcome = Outcome::not_converged;
   failed.residual = std::numeric_limits<double>::infinity();
@@ -275,10 +275,12 @@ TEST_F(StateSpaceFileTest, KeepsTheSpaceOfARigidTool) {
   setup.policy.depth = 0.007;
   setup.policy.tolerance = 0.01;
   setup.policy.tolerance_is_relative = true;
-  Configuration touching = example_configuration(scene_, setup, {-2, 0, 4});
+  // Its fields are those around a node.
+  ToolSpaceSetup around_node = setup;
+  around_node.interaction.active_node = 8;
+  Configuration touching = example_configuration(scene_, around_node, {-2, 0, 4});
   touching.t = setup.grid.place(touching.check_point);
-  touching.p = Eigen::VectorXd::LinSpaced(7, -1, 1);
-  touching.p_v = Eigen::MatrixXd::Random(7, 3);
+  add_pressures(scene_, touching);
   Configuration free;
   free.check_point = {2, 0, 4};
   free.t = setup.grid.place(free.check_point);
@@ -311,6 +313,35 @@ TEST_F(StateSpaceFileTest, KeepsTheSpaceOfARigidTool) {
   StateSpaceFile merged = StateSpaceFile::create(folder_ / "b.palpate", scene_, kTolerance);
   EXPECT_TRUE(merged.merge(path_).empty());
   expect_there(merged);
+}
+
+TEST_F(StateSpaceFileTest, KeepsAToolWhoseSurfaceIsFinerThanTheBody) {
+  ToolSpaceSetup setup;
+  setup.id = kContactToolSpace;
+  RigidTool tool;
+  tool.shape = ToolShape::surface;
+  tool.points.assign(50000, Vec3(0.01, 0.02, 0.03));
+  tool.triangles.assign(100000, {0, 1, 2});
+  setup.interaction = rigid_contact_spec(tool);
+  setup.grid = {0.08, 17, 2, Vec3::Zero(), true};
+  {
+    StateSpaceFile file = StateSpaceFile::create(path_, scene_, kTolerance);
+    file.add_tool_space(setup);
+    file.set_complete(setup.id, true);
+    file.close();
+  }
+  {
+    StateSpaceFile file = StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+    file.add_tool_space(setup);
+    setup.policy.force_limit = 3;
+    file.add_tool_space(setup);
+    file.close();
+  }
+  StateSpaceFile other = StateSpaceFile::create(folder_ / "other", scene_, kTolerance);
+  EXPECT_TRUE(other.merge(path_).empty());
+  const std::vector<ToolSpace> spaces = other.read_tool_spaces();
+  ASSERT_EQ(spaces.size(), 1U);
+  EXPECT_TRUE(spaces[0].setup == setup);
 }
 
 TEST_F(StateSpaceFileTest, KeepsTheCellsAndToleranceOfAToolSpace) {
