@@ -10,7 +10,8 @@ from pipeline import boundary, field
 from remesh import arrays, volume
 
 OUTCOMES = ("converged", "not converged", "tangent could not be factorised", "budget used up",
-            "aborted", "invalid scene", "tangent could not be solved for without a factor")
+            "aborted", "invalid scene", "tangent could not be solved for without a factor",
+            "tool inside the body")
 FLAGS = {1: "inverted (det F ≤ 0 somewhere)", 2: "unstable (negative pivots)",
          4: "beyond the force limit", 8: "near a fold", 16: "inertia not computed",
          32: "inaccurate", 64: "touches nothing"}

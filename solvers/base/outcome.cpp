@@ -15,6 +15,7 @@ std::string to_string(Outcome outcome) {
     case Outcome::aborted: return "aborted";
     case Outcome::invalid_scene: return "invalid scene";
     case Outcome::tangent_not_solved: return "tangent could not be solved for without a factor";
+    case Outcome::tool_inside: return "tool inside the body";
   }
   return "unknown";
 }

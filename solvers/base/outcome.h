@@ -17,6 +17,9 @@ enum class Outcome : std::int32_t {
   invalid_scene = 5,
   /// Conjugate gradients did not solve for the tangent, where there was no factor.
   tangent_not_solved = 6,
+  /// A rigid tool has gone through the surface and is in the body: what presses it there is no
+  /// contact any more, or nothing at all.
+  tool_inside = 7,
 };
 
 /// Properties of a configuration, as bits.

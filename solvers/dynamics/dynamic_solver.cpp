@@ -39,6 +39,10 @@ constexpr double kLeastTimeStep = 1e-12;
 /// No step is shorter than this share of the whole time: rounding would leave nothing of it.
 constexpr double kLeastShare = 1e-12;
 
+/// A tool that goes through the surface of the body in a step of this share of the longest one does
+/// not do so because the step is long.
+constexpr double kShortestThrough = 1.0 / 16;
+
 /// What a step adds to the energy of the materials.
 class StepTerm final : public EnergyTerm {
  public:
@@ -237,6 +241,10 @@ class DynamicSolver::Impl {
         to =
             moves_too_far(path, state, length) ? untried(state, length) : step(path, state, length);
         if (ends_run(to.outcome)) break;
+        // Shorter steps would only come ever nearer to the time at which the tool goes through.
+        if (to.outcome == Outcome::tool_inside && length <= kShortestThrough * options_.time_step) {
+          break;
+        }
         const bool accurate = options_.tolerance == 0 || to.local_error <= allowed_error(path, to);
         if (to.outcome == Outcome::converged && accurate) break;
         if (0.5 * length < shortest) {
@@ -479,7 +487,10 @@ class DynamicSolver::Impl {
     to.iterations = correction.iterations;
     if (correction.outcome != Outcome::converged) {
       to.message = "The step of " + text_of(length) + " s from " + text_of(from.motion.time) +
-                   " s on is " + to_string(correction.outcome) + '.';
+                   (correction.outcome == Outcome::tool_inside
+                        ? " s on takes a tool through the surface of the body. Make the edges of "
+                          "the mesh under it at most as long as its radius, or press less deep."
+                        : " s on is " + to_string(correction.outcome) + '.');
       return to;
     }
     if (correction.factor != nullptr && correction.factor_state.size() > 0) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "elements/containment.h"
 #include "linear/condition.h"
 #include "linear/product.h"
 
@@ -268,6 +269,12 @@ void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& va
   ++work_.assemblies;
   assembly_.tangent(state, force_, values);
   if (term_ != nullptr) (void)term_->add(state, force_, &values);
+}
+
+bool CondensedSystem::tool_is_inside(const Eigen::VectorXd& q, const NodalVector& state) const {
+  if (!has_potential()) return false;
+  const std::vector<Vec3> places = interaction_->inner_places(q);
+  return !places.empty() && body_contains_any(mesh_, state, places);
 }
 
 bool CondensedSystem::feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const {

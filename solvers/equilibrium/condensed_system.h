@@ -64,6 +64,8 @@ class CondensedSystem {
   [[nodiscard]] Index num_coordinates() const {
     return interaction_ == nullptr ? 0 : interaction_->num_coordinates();
   }
+  /// Whether the tool at q is in the body, through its surface.
+  [[nodiscard]] bool tool_is_inside(const Eigen::VectorXd& q, const NodalVector& state) const;
   /// Whether the body is at rest and the tool away from it, so that nothing is felt.
   [[nodiscard]] bool feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const;
   /// Tangents have no factor, so that nothing may be asked for that needs one.

@@ -104,6 +104,14 @@ std::optional<Outcome> reason_to_end(const Correction& so_far, const Equilibrium
   return std::nullopt;
 }
 
+/// Takes a state in equilibrium, unless the tool has gone through the body in it.
+Outcome arrive(const CondensedSystem& system, const Eigen::VectorXd& t, const NodalVector& found,
+               NodalVector& x) {
+  if (system.tool_is_inside(t, found)) return Outcome::tool_inside;
+  x = found;
+  return Outcome::converged;
+}
+
 }  // namespace
 
 Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
@@ -133,8 +141,7 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
   for (;;) {
     result.residual = iterate.norm / scale;
     if (const auto reason = reason_to_end(result, options, interruption)) {
-      if (*reason == Outcome::converged) x = iterate.state;
-      return end(*reason);
+      return end(*reason == Outcome::converged ? arrive(system, t, iterate.state, x) : *reason);
     }
 
     if (result.iterations == 0) {
@@ -196,8 +203,7 @@ Correction correct_by_iteration(CondensedSystem& system, const EquilibriumOption
   for (;;) {
     result.residual = iterate.norm / scale;
     if (const auto reason = reason_to_end(result, options, interruption)) {
-      if (*reason == Outcome::converged) x = iterate.state;
-      return end(*reason);
+      return end(*reason == Outcome::converged ? arrive(system, t, iterate.state, x) : *reason);
     }
     ++result.iterations;
 

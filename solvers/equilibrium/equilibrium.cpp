@@ -261,6 +261,10 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
     throw InputError("The body is touched at the start, by " + system_.interaction().describe(t) +
                      ". Let the tool start outside of it.");
   }
+  if (system_.tool_is_inside(t, rest_)) {
+    throw InputError("The tool is inside the body at the start: " +
+                     system_.interaction().describe(t) + ". Let the tool start outside of it.");
+  }
   std::optional<Linearisation> at_rest = linearise_at(state.t, rest_, Tangent::factorised);
   if (at_rest) {
     take(std::move(at_rest->state), state);
@@ -458,6 +462,12 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
                             last ? tangent : Tangent::factorised, progress);
     outcome = next.outcome;
     if (outcome == Outcome::aborted || outcome == Outcome::budget_used_up) break;
+    if (outcome == Outcome::tool_inside) {
+      // There is no path round that: what is beyond is no contact.
+      longest_stride = 0.5 * stride;
+      if (longest_stride < least_stride) break;
+      continue;
+    }
     if (outcome == Outcome::converged && agree(progress.state, next, std::abs(load_energy_))) {
       advance(stride, way, std::move(next), progress);
       stride *= 2;
@@ -470,7 +480,8 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     if (may_follow && (++failures == kFailuresBeforeFollowing || least)) {
       may_follow = false;
       const Outcome of_path = follow(t, progress);
-      if (of_path == Outcome::converged || of_path == Outcome::aborted) {
+      if (of_path == Outcome::converged || of_path == Outcome::aborted ||
+          of_path == Outcome::tool_inside) {
         outcome = of_path;
         break;
       }

@@ -105,6 +105,14 @@ std::string explain(const CondensedSystem& system, const Equilibrium& state,
          << system.interaction().describe(target) << " (" << to_string(state.outcome) << ", "
          << state.iterations << " iterations in " << state.steps << " steps). ";
   }
+  if (state.outcome == Outcome::tool_inside) {
+    text << "Beyond that the tool goes through the surface of the body, whose cells are too large "
+            "for it or are pressed too far. Make the edges of the mesh under the tool at most as "
+            "long as its radius, take a larger tool, or press less deep, and not where the surface "
+            "is fixed: it is "
+            "not felt there. ";
+    return text.str().substr(0, text.str().size() - 1);
+  }
   for (const Fold& fold : state.folds) {
     text << "The path folds at " << 100 * fold.way << " % of the way: from a force of "
          << fold.reaction.norm() << " N and an energy of " << fold.energy << " J ";

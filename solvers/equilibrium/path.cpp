@@ -59,6 +59,10 @@ class Follower {
                     : Outcome::budget_used_up;
       if (outcome != Outcome::converged) break;
       if (advance()) continue;
+      if (goes_through_) {
+        outcome = Outcome::tool_inside;
+        break;
+      }
       length_ *= 0.5;
       if (length_ < kShortestStep * first_length_) outcome = Outcome::not_converged;
     }
@@ -107,6 +111,8 @@ class Follower {
       next.way = 1;
       if (!correct_across(true, next, iterations, residual)) return false;
     }
+    goes_through_ = system_.tool_is_inside(t_at(next.way), next.x);
+    if (goes_through_) return false;
     Equilibrium equilibrium;
     std::optional<Linearisation> at_next = linearise(system_, t_at(next.way), next.x);
     if (!at_next) return false;
@@ -221,6 +227,8 @@ class Follower {
   Vector tangent_;
   double first_length_ = 0;
   double length_ = 0;
+  /// The step that was tried last leads to where the tool is inside the body.
+  bool goes_through_ = false;
   int iterations_ = 0;
   Path path_;
   /// First point behind each fold.

@@ -70,6 +70,12 @@ class Interaction {
   /// Where the tool is, for a message: "a displacement of 0.01 m".
   [[nodiscard]] virtual std::string describe(const Eigen::VectorXd& q) const = 0;
 
+  /// Places in the tool that no surface of the body can come to as long as it is pressed by the
+  /// tool's, m: where the body is at one of them, the tool has gone through.
+  [[nodiscard]] virtual std::vector<Vec3> inner_places(const Eigen::VectorXd& /*q*/) const {
+    return {};
+  }
+
   /// Whether there is a Φ. Without one, the functions below add nothing.
   [[nodiscard]] virtual bool has_potential() const { return false; }
   /// Gives Φ, J, and adds ∂Φ/∂u, N, to the components of `force` and ∂Φ/∂q, N, to `of_q` [d].

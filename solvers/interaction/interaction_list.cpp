@@ -102,6 +102,15 @@ std::string InteractionList::describe(const Eigen::VectorXd& q) const {
   return text;
 }
 
+std::vector<Vec3> InteractionList::inner_places(const Eigen::VectorXd& q) const {
+  std::vector<Vec3> places;
+  for_each_tool(tools_, [&](const Interaction& tool, Index first) {
+    const std::vector<Vec3> of_tool = tool.inner_places(coordinates_of(tool, first, q));
+    places.insert(places.end(), of_tool.begin(), of_tool.end());
+  });
+  return places;
+}
+
 bool InteractionList::has_potential() const {
   return std::any_of(tools_.begin(), tools_.end(),
                      [](const auto& tool) { return tool->has_potential(); });

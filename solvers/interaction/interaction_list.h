@@ -31,6 +31,7 @@ class InteractionList final : public Interaction {
   [[nodiscard]] double displacement_scale(const Eigen::VectorXd& q) const override;
   [[nodiscard]] double longest_step() const override;
   [[nodiscard]] std::string describe(const Eigen::VectorXd& q) const override;
+  [[nodiscard]] std::vector<Vec3> inner_places(const Eigen::VectorXd& q) const override;
   [[nodiscard]] bool has_potential() const override;
   [[nodiscard]] double potential(const Eigen::VectorXd& q, const NodalVector& state,
                                  NodalVector& force, Eigen::VectorXd& of_q) const override;

@@ -67,6 +67,7 @@ class RoundedSegment final : public RigidShape {
   double error() const noexcept override { return error_; }
   double depth() const noexcept override { return kDepth * radius_; }
   std::vector<Ball> balls() const override;
+  std::vector<Vec3> inner_places() const override;
   std::string description() const override {
     if (half_length_ == 0) return "a sphere of radius " + quantity(radius_, "m");
     return "a capsule of radius " + quantity(radius_, "m") + " and length " +
@@ -115,6 +116,12 @@ std::vector<RigidShape::Ball> RoundedSegment::balls() const {
     balls.push_back({s * axis_, radius_});
   }
   return balls;
+}
+
+std::vector<Vec3> RoundedSegment::inner_places() const {
+  std::vector<Vec3> places;
+  for (const Ball& ball : balls()) places.push_back(ball.centre);
+  return places;
 }
 
 // With b = ∇Q/2 and ∇b = I + β a aᵀ there are

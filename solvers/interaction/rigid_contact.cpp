@@ -88,6 +88,12 @@ std::string RigidContact::describe(const Eigen::VectorXd& q) const {
   return text.str();
 }
 
+std::vector<Vec3> RigidContact::inner_places(const Eigen::VectorXd& q) const {
+  std::vector<Vec3> places = shape_->inner_places();
+  for (Vec3& place : places) place += q;
+  return places;
+}
+
 bool RigidContact::evaluate(const Vec3& offset, const Vec3& normal, bool with_hessian,
                             Point& point) const {
   const double thickness = law_.thickness;

@@ -47,6 +47,7 @@ class RigidContact final : public Interaction {
   [[nodiscard]] double displacement_scale(const Eigen::VectorXd& q) const override;
   [[nodiscard]] std::string describe(const Eigen::VectorXd& q) const override;
   [[nodiscard]] double longest_step() const override { return longest_step_; }
+  [[nodiscard]] std::vector<Vec3> inner_places(const Eigen::VectorXd& q) const override;
   [[nodiscard]] bool has_potential() const override { return true; }
   [[nodiscard]] double potential(const Eigen::VectorXd& q, const NodalVector& state,
                                  NodalVector& force, Eigen::VectorXd& of_q) const override;

@@ -68,6 +68,10 @@ class RigidShape {
   /// Balls in the tool that come near to all of its surface: within a hundredth of the radius of a
   /// capsule, a tenth of the bounding radius of another one. They tell how deep it is in a body.
   [[nodiscard]] virtual std::vector<Ball> balls() const = 0;
+  /// Places in the tool, about its centre, that are as far from its surface as any around them, m:
+  /// along the segment of a capsule, along the middle of another one where that is deeper than the
+  /// band. A surface that is pressed by the tool's does not come to them.
+  [[nodiscard]] virtual std::vector<Vec3> inner_places() const = 0;
   /// For messages: "a sphere of radius 0.01 m".
   [[nodiscard]] virtual std::string description() const = 0;
 

@@ -13,6 +13,10 @@
 namespace palpate {
 namespace {
 
+/// A place of the surface counts as the nearest to one inside up to this share of the distance,
+/// which is found up to that share of the bounding radius.
+constexpr double kNearestShare = 0.9;
+constexpr double kDepthError = 1e-3;
 /// Spacing over thickness: with a larger one the spline would be rough on the scale of the layer.
 /// The distance of the balls that stand for the tool, in bounding radii.
 constexpr double kBallsApart = 0.1;
@@ -84,6 +88,7 @@ RigidSurface::RigidSurface(ToolSurface tool)
     }
   }
   balls_ = balls_on(tool, kBallsApart * bounding_radius_);
+  find_inner_places();
   if (tool.spacing > 0) {
     make_spline(tool.spacing);
     measure_error(tool);
@@ -96,6 +101,32 @@ RigidSurface::RigidSurface(ToolSurface tool)
     if (error_ <= wanted) break;
     spacing *= std::clamp(kAim * wanted / error_, kMostRefinement, kLeastRefinement);
   }
+}
+
+void RigidSurface::find_inner_places() {
+  // From each place of the surface as far inwards as it stays the nearest one, roughly.
+  double deepest = 0;
+  std::vector<double> depths;
+  for (const Ball& ball : balls_) {
+    const Vec3 inwards = -tree_.nearest(ball.centre).normal;
+    const auto is_nearest = [&](double way) {
+      return -tree_.nearest(ball.centre + way * inwards).distance >= kNearestShare * way;
+    };
+    double depth = 0;
+    for (double step = bounding_radius_; step > kDepthError * bounding_radius_; step /= 2) {
+      if (is_nearest(depth + step)) depth += step;
+    }
+    inner_places_.push_back(ball.centre + depth * inwards);
+    depths.push_back(depth);
+    deepest = std::max(deepest, depth);
+  }
+  // Near edges a body that is pressed hard may come to them.
+  const double enough = std::min(thickness_, 0.5 * deepest);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    if (depths[i] >= enough) inner_places_[kept++] = inner_places_[i];
+  }
+  inner_places_.resize(kept);
 }
 
 void RigidSurface::make_spline(double spacing) {

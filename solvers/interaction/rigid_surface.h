@@ -66,6 +66,7 @@ class RigidSurface final : public RigidShape {
   [[nodiscard]] double error() const noexcept override { return error_; }
   [[nodiscard]] double depth() const noexcept override { return kDepth * thickness_; }
   [[nodiscard]] std::vector<Ball> balls() const override { return balls_; }
+  [[nodiscard]] std::vector<Vec3> inner_places() const override { return inner_places_; }
   [[nodiscard]] std::string description() const override;
 
   /// The root of the mean square of the error at the places where it is measured, m.
@@ -76,11 +77,13 @@ class RigidSurface final : public RigidShape {
  private:
   static constexpr double kDepth = 0.25;
 
+  void find_inner_places();
   void make_spline(double spacing);
   void measure_error(const ToolSurface& tool);
 
   SurfaceTree tree_;
   std::vector<Ball> balls_;
+  std::vector<Vec3> inner_places_;
   double thickness_;
   double bounding_radius_ = 0;
   double spacing_ = 0;

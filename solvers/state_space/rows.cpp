@@ -65,7 +65,7 @@ Fields blobs_of(const OfConfiguration& fields) {
 constexpr double kOffCheckPoint = 1e-4;
 
 bool is_possible(Outcome outcome) {
-  return outcome >= Outcome::converged && outcome <= Outcome::tangent_not_solved;
+  return outcome >= Outcome::converged && outcome <= Outcome::tool_inside;
 }
 
 bool is_possible(Flags of_solve) { return (of_solve & ~flags::all) == 0; }

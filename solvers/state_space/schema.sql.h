@@ -101,7 +101,8 @@ CREATE TABLE configuration (
   stiffness_zx, stiffness_zy, stiffness_zz,
   outcome     INTEGER NOT NULL,       -- 0 converged, 1 not converged, 2 tangent could not be
                                       -- factorised, 3 budget used up, 4 aborted, 5 invalid scene,
-                                      -- 6 tangent could not be solved for without a factor
+                                      -- 6 tangent could not be solved for without a factor,
+                                      -- 7 tool inside the body
   flags       INTEGER NOT NULL,       -- bits: 1 inverted, 2 unstable, 4 beyond the force limit,
                                       -- 8 near a fold, 16 inertia not computed, 32 inaccurate,
                                       -- 64 touches nothing

@@ -17,6 +17,7 @@ TEST(Outcome, NumbersAreKept) {
   EXPECT_EQ(static_cast<int>(Outcome::aborted), 4);
   EXPECT_EQ(static_cast<int>(Outcome::invalid_scene), 5);
   EXPECT_EQ(static_cast<int>(Outcome::tangent_not_solved), 6);
+  EXPECT_EQ(static_cast<int>(Outcome::tool_inside), 7);
   EXPECT_EQ(flags::inverted, 1);
   EXPECT_EQ(flags::unstable, 2);
   EXPECT_EQ(flags::beyond_force_limit, 4);
@@ -29,8 +30,8 @@ TEST(Outcome, NumbersAreKept) {
 
 TEST(Outcome, HasANameOfItsOwn) {
   std::set<std::string> names;
-  for (int i = 0; i <= 6; ++i) names.insert(to_string(static_cast<Outcome>(i)));
-  EXPECT_EQ(names.size(), 7U);
+  for (int i = 0; i <= 7; ++i) names.insert(to_string(static_cast<Outcome>(i)));
+  EXPECT_EQ(names.size(), 8U);
   EXPECT_EQ(names.count("unknown"), 0U);
   EXPECT_EQ(to_string(static_cast<Outcome>(77)), "unknown");
 }

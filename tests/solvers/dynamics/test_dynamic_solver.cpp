@@ -638,6 +638,29 @@ TEST(Contact, AFastSphereDoesNotPassThroughTheBody) {
   }
 }
 
+// Beside cells of 10 mm it is small, and goes through them in the end.
+TEST(Contact, ASmallSphereInTheBodyIsTold) {
+  const Pressing pressing;
+  RigidTool tool;
+  tool.radius = 0.0015;
+  const RigidContact contact =
+      make_contact(pressing.scene(), with_defaults(tool, pressing.scene()));
+  const auto at_depth = [&](double depth) {
+    return Vec3(0.043, 0.0325, Pressing::kHeight + tool.radius - depth);
+  };
+  Eigen::MatrixXd places(3, 2);
+  places << at_depth(-0.002), at_depth(0.015);
+  DynamicsOptions options;
+  options.time_step = 0.01;
+  DynamicSolver solver(pressing.scene(), {dense_rheology(0.01)}, contact, options);
+  const DynamicState end = solver.run(
+      ToolPath({0, 0.5}, places), 0.5, [](const DynamicState&) { return true; }, at_depth(-0.002));
+  EXPECT_EQ(end.outcome, Outcome::tool_inside);
+  EXPECT_NE(end.message.find("through the surface"), std::string::npos) << end.message;
+  EXPECT_LT(end.motion.time, 0.5);
+  EXPECT_LT(end.force.z(), -0.01) << "the last contact";
+}
+
 TEST(DynamicSolver, EndsWhenItsTimeIsUsedUpOrItIsToldTo) {
   const test::Block block = test::make_block(Law::neo_hookean, {ElementOrder::linear});
   for (const Outcome outcome : {Outcome::budget_used_up, Outcome::aborted}) {
