@@ -18,6 +18,7 @@
 #include "vtkMultiPieceDataSet.h"
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
+#include "vtkPalpateArrayCheck.h"
 #include "vtkPalpateSurface.h"
 #include "vtkPartitionedDataSet.h"
 #include "vtkPartitionedDataSetCollection.h"
@@ -93,7 +94,15 @@ private:
   {
     if (auto* surface = vtkPolyData::SafeDownCast(piece))
     {
-      slot.Pieces.push_back(surface);
+      try
+      {
+        vtkPalpateCheckArrays(surface);
+        slot.Pieces.push_back(surface);
+      }
+      catch (const InputError& error)
+      {
+        Error = error.what();
+      }
     }
     else if (piece)
     {

@@ -623,6 +623,11 @@ TEST(SharedWalls, TheRegionArrayNamesThem) {
   halves->FillValue(0.5);
   broken->GetCellData()->AddArray(halves);
   ExpectError(Meshed(broken), {"0.5", "Region", "whole number", "RegionArray"});
+  // Fewer or more values than there are triangles.
+  for (const int number : {3, 3000}) {
+    halves->SetNumberOfValues(number);
+    ExpectError(Meshed(broken), {"cell array 'Region'", std::to_string(number) + " values"});
+  }
 }
 
 TEST(SharedWalls, NumbersWithoutAWallBetweenThemAreTold) {
