@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "mesh/touching_pieces.h"
 #include "vtkAlgorithm.h"
 #include "vtkCellData.h"
 #include "vtkFieldData.h"
@@ -75,10 +76,18 @@ int vtkPalpateFEBioReader::RequestData(
       output->ShallowCopy(vtkPalpateGridFromScene(model.Scene));
       vtkPalpateAddBoundaryKinds(output, model.Scene.fixed, model.Scene.touchable);
       AddRegions(model, output);
-      if (!model.Warnings.empty())
+      std::vector<std::string> warnings = model.Warnings;
+      const palpate::TetMesh& mesh = model.Scene.mesh;
+      const palpate::Pieces pieces = palpate::find_pieces(mesh);
+      if (const auto touching =
+            palpate::describe(palpate::find_touching_pieces(mesh, pieces), pieces.size(), false))
+      {
+        warnings.push_back(*touching);
+      }
+      if (!warnings.empty())
       {
         std::string text;
-        for (const std::string& warning : model.Warnings)
+        for (const std::string& warning : warnings)
         {
           text += (text.empty() ? "" : " ") + warning;
         }

@@ -4,16 +4,23 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "mesh/touching_pieces.h"
+#include "vtkCellData.h"
+#include "vtkIdList.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateBodyCells.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateFields.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpatePointChoice.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
+#include "vtkPointData.h"
+#include "vtkPoints.h"
 #include "vtkSelection.h"
 #include "vtkUnstructuredGrid.h"
 
@@ -63,6 +70,53 @@ std::vector<char> ChosenPoints(
         "; it must be 0 (Region), 1 (Array)" +
         (choice.Name == "Fixed" ? " or 2 (Selection)." : ", 2 (Selection) or 3 (Surface)."));
   }
+}
+
+/// The chosen points after points were merged: one of those that are one now was chosen.
+std::vector<char> OfMerged(const std::vector<char>& chosen, const palpate::MergedMesh& merged)
+{
+  std::vector<char> now(merged.before.size(), 0);
+  for (std::size_t point = 0; point < chosen.size(); ++point)
+  {
+    char& here = now[static_cast<std::size_t>(merged.number[point])];
+    here = here != 0 || chosen[point] != 0 ? 1 : 0;
+  }
+  return now;
+}
+
+/// The body with points merged: each has the values of the first of them.
+vtkSmartPointer<vtkUnstructuredGrid> Merged(
+  vtkUnstructuredGrid* body, const palpate::MergedMesh& merged)
+{
+  auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
+  const auto numberOfPoints = static_cast<vtkIdType>(merged.before.size());
+  vtkNew<vtkPoints> points;
+  points->SetDataType(body->GetPoints()->GetDataType());
+  points->SetNumberOfPoints(numberOfPoints);
+  vtkPointData* values = grid->GetPointData();
+  values->CopyAllOn();
+  values->CopyAllocate(body->GetPointData(), numberOfPoints);
+  for (vtkIdType point = 0; point < numberOfPoints; ++point)
+  {
+    const palpate::Index before = merged.before[static_cast<std::size_t>(point)];
+    points->SetPoint(point, body->GetPoint(before));
+    values->CopyData(body->GetPointData(), before, point);
+  }
+  grid->SetPoints(points);
+  grid->Allocate(body->GetNumberOfCells());
+  vtkNew<vtkIdList> nodes;
+  for (vtkIdType cell = 0; cell < body->GetNumberOfCells(); ++cell)
+  {
+    body->GetCellPoints(cell, nodes);
+    for (vtkIdType& node : *nodes)
+    {
+      node = merged.number[static_cast<std::size_t>(node)];
+    }
+    grid->InsertNextCell(body->GetCellType(cell), nodes);
+  }
+  grid->GetCellData()->ShallowCopy(body->GetCellData());
+  grid->GetFieldData()->ShallowCopy(body->GetFieldData());
+  return grid;
 }
 
 bool Any(const std::vector<char>& chosen)
@@ -145,7 +199,7 @@ int vtkPalpateSetBoundary::RequestData(
         return;
       }
       const vtkPalpateBodyCells cells = vtkPalpateToTetrahedra(gathered);
-      vtkUnstructuredGrid* body = cells.Body;
+      vtkSmartPointer<vtkUnstructuredGrid> body = cells.Body;
       palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
       palpate::check_and_orient(mesh);
       const std::vector<char> used = palpate::points_in_use(mesh);
@@ -168,12 +222,26 @@ int vtkPalpateSetBoundary::RequestData(
         throw InputError("Every point of the body is fixed: nothing can move. Fix fewer points.");
       }
 
+      std::vector<char> chosen;
+      if (this->TouchableBy != SURFACE)
+      {
+        chosen = ChosenPoints(gathered, cells,
+          { "Touchable", this->TouchableBy, this->TouchableRegion, this->TouchableArray,
+            vtkSelection::GetData(inputVector[TouchableSelectionPort]) });
+      }
+      const palpate::Pieces pieces = palpate::find_pieces(mesh);
+      const palpate::TouchingPieces touching = palpate::find_touching_pieces(mesh, pieces);
+      if (this->Merge && touching.num_coincident > 0)
+      {
+        const palpate::MergedMesh merged = palpate::merge_points(mesh, touching);
+        body = Merged(body, merged);
+        mesh = merged.mesh;
+        fixed = OfMerged(fixed, merged);
+        chosen = chosen.empty() ? chosen : OfMerged(chosen, merged);
+      }
       std::vector<char> touchable = vtkPalpateTouchableSurface(mesh, fixed);
       if (this->TouchableBy != SURFACE)
       {
-        const std::vector<char> chosen = ChosenPoints(gathered, cells,
-          { "Touchable", this->TouchableBy, this->TouchableRegion, this->TouchableArray,
-            vtkSelection::GetData(inputVector[TouchableSelectionPort]) });
         std::transform(touchable.begin(), touchable.end(), chosen.begin(), touchable.begin(),
           [](char surface, char here) { return static_cast<char>(surface != 0 && here != 0); });
       }
@@ -184,6 +252,14 @@ int vtkPalpateSetBoundary::RequestData(
       }
 
       output->ShallowCopy(body);
+      if (this->Merge)
+      {
+        vtkPalpateAddInteger(output, "MergedPoints", touching.num_coincident);
+      }
+      if (const auto text = palpate::describe(touching, pieces.size(), this->Merge))
+      {
+        vtkWarningMacro(<< *text);
+      }
       vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, fixed);
       vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, touchable);
       vtkPalpateAddBoundaryKinds(output, fixed, touchable);
@@ -201,5 +277,6 @@ void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "FixedBy: " << this->FixedBy << '\n'
      << indent << "TouchableBy: " << this->TouchableBy << '\n'
      << indent << "FixedArray: " << this->FixedArray << '\n'
-     << indent << "TouchableArray: " << this->TouchableArray << '\n';
+     << indent << "TouchableArray: " << this->TouchableArray << '\n'
+     << indent << "Merge: " << this->Merge << '\n';
 }

@@ -7,6 +7,10 @@
  * chosen, midside nodes too. Touchable are those of the chosen points that are corners on the
  * surface and not fixed.
  *
+ * Of a body in several pieces it tells which of them touch without sharing points, so that nothing
+ * joins them. Those points are merged where that is asked for; then the field array `MergedPoints`
+ * says how many were taken away, and points have other ids than in the input.
+ *
  * Input ports 1 and 2 are the selections of fixed and of touchable points, both optional. Of
  * selected cells all points are chosen.
  */
@@ -59,6 +63,12 @@ public:
   vtkGetCharFromStdStringMacro(TouchableArray);
   ///@}
   ///@{
+  /// Whether points of different pieces of the body that coincide become one.
+  vtkSetMacro(Merge, bool);
+  vtkGetMacro(Merge, bool);
+  vtkBooleanMacro(Merge, bool);
+  ///@}
+  ///@{
   /// A vtkSelection of points or cells of the body.
   void SetFixedSelectionConnection(vtkAlgorithmOutput* selection);
   void SetTouchableSelectionConnection(vtkAlgorithmOutput* selection);
@@ -83,4 +93,5 @@ private:
   vtkSmartPointer<vtkImplicitFunction> TouchableRegion;
   std::string FixedArray = "None";
   std::string TouchableArray = "None";
+  bool Merge = false;
 };

@@ -7,12 +7,14 @@
 #include <optional>
 #include <utility>
 
+#include "assembly/piece_support.h"
 #include "base/error.h"
 #include "base/memory_error.h"
 #include "equilibrium/equilibrium.h"
 #include "equilibrium/solve_cost.h"
 #include "equilibrium/tangent_solver.h"
 #include "interaction/bonded_patch.h"
+#include "interaction/held_points.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
 #include "vtkCellData.h"
@@ -219,6 +221,10 @@ int vtkPalpateSolveEquilibrium::RequestData(
         scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
         route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
                                                    : this->ContactRoute(*scene, surface);
+        // The weight acts before a tool holds anything.
+        palpate::PieceSupport(scene->mesh, scene->fixed)
+          .require_held(scene->has_body_force() ? std::vector<palpate::Index>()
+                                                : palpate::held_points(*route.Tool));
       });
 
     const bool together = palpate::any(communicator,

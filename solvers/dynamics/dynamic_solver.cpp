@@ -9,6 +9,7 @@
 
 #include "assembly/energy_term.h"
 #include "assembly/mass.h"
+#include "assembly/piece_support.h"
 #include "base/error.h"
 #include "dynamics/viscosity.h"
 #include "equilibrium/condensed_system.h"
@@ -16,6 +17,7 @@
 #include "equilibrium/explanation.h"
 #include "equilibrium/linearisation.h"
 #include "equilibrium/ramp.h"
+#include "interaction/held_points.h"
 #include "interaction/interaction_list.h"
 #include "threads/thread_team.h"
 
@@ -195,6 +197,7 @@ class DynamicSolver::Impl {
         mass_(scene, densities(rheologies_), system_.assembly()),
         term_(system_.assembly(), mass_, mass_.weight(options_.gravity)) {
     system_.set_interaction(all_tools_);
+    require_held();
     if (system_.is_iterative()) team_ = make_thread_team(options_.equilibrium.threads);
   }
 
@@ -275,6 +278,14 @@ class DynamicSolver::Impl {
   }
 
  private:
+  /// Each piece is held where the motion begins: by what is fixed alone where it settles first,
+  /// else by bonded tools too. Later inertia keeps what they let go from being singular.
+  void require_held() const {
+    const bool settles = options_.settled && !options_.gravity.isZero(0);
+    PieceSupport(scene_.mesh, scene_.fixed)
+        .require_held(settles ? std::vector<Index>() : held_points(all_tools_));
+  }
+
   /// Whether a tool could pass through the body in a step.
   [[nodiscard]] bool moves_too_far(const ToolPath& path, const DynamicState& from,
                                    double length) const {

@@ -148,6 +148,10 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
       const NodalVector start_x = system.vector_of(start);
       use(system.find_factor(start.t, start_x));
       if (factor == nullptr) use(system.factorise(start.t, start_x));
+      // What can move freely at rest goes anywhere when it is pushed.
+      if (factor == nullptr && system.feels_nothing(start.t, start_x)) {
+        return end(Outcome::tangent_not_factorised);
+      }
     }
     if (factor == nullptr) {
       use(system.factorise(t, iterate.state));

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "assembly/mass.h"
+#include "assembly/piece_support.h"
 #include "base/error.h"
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
@@ -17,6 +18,7 @@
 #include "equilibrium/linearisation.h"
 #include "equilibrium/ramp.h"
 #include "equilibrium/third_derivative.h"
+#include "interaction/held_points.h"
 #include "interaction/interaction_list.h"
 #include "threads/thread_team.h"
 
@@ -51,6 +53,11 @@ Scene checked(Scene scene) {
 
 void take(LinearisedState state, Equilibrium& equilibrium) {
   static_cast<LinearisedState&>(equilibrium) = std::move(state);
+}
+
+/// Whether a step from a state has shown that the body can move freely at rest.
+bool is_mobile(Outcome outcome, const Equilibrium& from) {
+  return outcome == Outcome::tangent_not_factorised && (from.flags & flags::touches_nothing) != 0;
 }
 
 /// Whether two equilibria can be on one smooth path, by their energies, reactions and stiffnesses.
@@ -96,6 +103,7 @@ class EquilibriumSolver::Impl {
         team_(std::move(team)),
         system_(scene, std::move(solver), options_.kept_factors,
                 options_.single_precision ? Precision::single_if_safe : Precision::full),
+        support_(scene.mesh, scene.fixed),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
     if (scene.has_body_force()) set_load(weight_of(scene, system_.assembly()));
@@ -108,6 +116,8 @@ class EquilibriumSolver::Impl {
       throw InputError("No active node was given. Name a point that is not fixed.");
     }
     system_.set_interaction(interaction);
+    held_by_tool_ = held_points(interaction);
+    mobile_part_.reset();
   }
   const Equilibrium& settled() const { return settled_; }
   Equilibrium rest(const Eigen::VectorXd& t);
@@ -162,12 +172,20 @@ class EquilibriumSolver::Impl {
                                      const Progress& progress);
   /// Goes the rest of the way along the path, round its folds; stays where it is if that fails.
   Outcome follow(const Eigen::VectorXd& t, Progress& progress);
+  /// What there is to say of a solve that came a share `way` of the way to t.
+  [[nodiscard]] std::string explain_end(const Equilibrium& state, const Eigen::VectorXd& t,
+                                        double way);
   /// The fold that the body jumped at, between two equilibria that do not agree.
   static Fold jump(const Equilibrium& from, const Equilibrium& to, double way);
 
   EquilibriumOptions options_;
   std::unique_ptr<Team> team_;
   CondensedSystem system_;
+  PieceSupport support_;
+  /// The points that the tool prescribes.
+  std::vector<Index> held_by_tool_;
+  /// Which part of the body turns, once it was searched for; empty: none does.
+  std::optional<std::string> mobile_part_;
   std::optional<DeadLoad> load_;
   /// Without a tool, and its energy, J.
   NodalVector rest_;
@@ -230,6 +248,10 @@ void EquilibriumSolver::Impl::set_load(const NodalVector& load) {
   take_determinant(assembly, rest_, state);
   state.seconds = seconds_since(start_);
   if (end.outcome != Outcome::converged) {
+    if (auto mobile = support_.find_mobile_piece({})) {
+      state.message = std::move(*mobile);
+      return;
+    }
     std::ostringstream text;
     text << "The body finds no rest under its load: with a share of " << end.share
          << " of BodyForce the solve has converged, and beyond that "
@@ -265,7 +287,10 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
     throw InputError("The tool is inside the body at the start: " +
                      system_.interaction().describe(t) + ". Let the tool start outside of it.");
   }
-  std::optional<Linearisation> at_rest = linearise_at(state.t, rest_, Tangent::factorised);
+  // A tool that touches nothing makes no tangent that would tell.
+  const std::optional<std::string> mobile = support_.find_mobile_piece(held_by_tool_);
+  std::optional<Linearisation> at_rest;
+  if (!mobile) at_rest = linearise_at(state.t, rest_, Tangent::factorised);
   if (at_rest) {
     take(std::move(at_rest->state), state);
     state.outcome = Outcome::converged;
@@ -274,6 +299,7 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
   }
   tell_accuracy(state);
   state.message = state.outcome == Outcome::converged ? explain(system_, state, state.t, 1)
+                  : mobile                            ? *mobile
                                                       : explain_singular(system_);
   add_third_derivative(state);
   state.seconds = seconds_since(start_);
@@ -432,6 +458,21 @@ Fold EquilibriumSolver::Impl::jump(const Equilibrium& from, const Equilibrium& t
   return {way, from.t, from.energy, from.reaction, true, to.energy, to.reaction};
 }
 
+std::string EquilibriumSolver::Impl::explain_end(const Equilibrium& state, const Eigen::VectorXd& t,
+                                                 double way) {
+  std::string text = explain(system_, state, t, way);
+  // A factor would have told a singular tangent; conjugate gradients lose their way there.
+  const bool is_lost =
+      state.outcome == Outcome::not_converged || state.outcome == Outcome::tangent_not_solved;
+  if (!is_lost || !system_.is_iterative()) return text;
+  if (!mobile_part_) {
+    std::vector<char> held = system_.fixed();
+    for (const Index point : held_by_tool_) held[point] = 1;
+    mobile_part_ = find_mobile_part(system_.mesh(), held).value_or("");
+  }
+  return mobile_part_->empty() ? text : text + ' ' + *mobile_part_;
+}
+
 Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                            Tangent tangent) {
   begin();
@@ -468,6 +509,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       if (longest_stride < least_stride) break;
       continue;
     }
+    if (is_mobile(outcome, progress.state)) break;
     if (outcome == Outcome::converged && agree(progress.state, next, std::abs(load_energy_))) {
       advance(stride, way, std::move(next), progress);
       stride *= 2;
@@ -505,7 +547,8 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   state.third_derivative.resize(0);  // of the start
   if (tangent != Tangent::rough) add_third_derivative(state);
   state.seconds = seconds_since(start_);
-  state.message = explain(system_, state, t, progress.way);
+  state.message =
+      is_mobile(outcome, state) ? explain_singular(system_) : explain_end(state, t, progress.way);
   return std::move(progress.state);
 }
 

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "equilibrium/explanation.h"
 
-#include <Eigen/SVD>
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <sstream>
 #include <vector>
 
+#include "assembly/piece_support.h"
+#include "interaction/held_points.h"
+
 namespace palpate {
 namespace {
-
-/// Held points whose spread across their line is below this share of that along it lie on a line.
-constexpr double kLine = 1e-6;
 
 std::string describe(const Vec3& p) {
   std::ostringstream text;
@@ -26,36 +23,6 @@ Vec3 centre(const TetMesh& mesh, Index cell) {
   return sum / 4;
 }
 
-/// The connected piece of each point, by its lowest point; points without a cell are alone.
-std::vector<Index> find_pieces(const TetMesh& mesh) {
-  std::vector<Index> parent(mesh.points.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](Index p) {
-    while (parent[p] != p) p = parent[p] = parent[parent[p]];
-    return p;
-  };
-  for (Index c = 0; c < mesh.num_cells(); ++c) {
-    for (int a = 1; a < nodes_per_cell(mesh.order); ++a) {
-      const Index one = root(mesh.cell(c)[0]);
-      const Index other = root(mesh.cell(c)[a]);
-      parent[std::max(one, other)] = std::min(one, other);
-    }
-  }
-  for (Index p = 0; p < mesh.num_points(); ++p) parent[p] = root(p);
-  return parent;
-}
-
-/// Dimension of what the points span: −1 none, 0 a point, 1 a line, 2 more.
-int dimension(const std::vector<Vec3>& points) {
-  if (points.empty()) return -1;
-  Eigen::MatrixXd offsets(3, points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) offsets.col(i) = points[i] - points[0];
-  const Eigen::Vector3d spread =
-      Eigen::JacobiSVD<Eigen::MatrixXd>(offsets * offsets.transpose()).singularValues().cwiseSqrt();
-  if (spread[0] == 0) return 0;
-  return spread[1] <= kLine * spread[0] ? 1 : 2;
-}
-
 }  // namespace
 
 std::string describe_cell(const TetMesh& mesh, Index cell) {
@@ -64,26 +31,13 @@ std::string describe_cell(const TetMesh& mesh, Index cell) {
 
 std::string explain_singular(const CondensedSystem& system) {
   const TetMesh& mesh = system.mesh();
-  const std::vector<Index> piece_of = find_pieces(mesh);
   std::vector<char> held = system.fixed();
-  for (const PrescribedPoint& p : system.prescribed_points()) held[p.point] = 1;
-  const std::vector<char> used = points_in_use(mesh);
-  for (Index piece = 0; piece < mesh.num_points(); ++piece) {
-    if (piece_of[piece] != piece || used[piece] == 0) continue;
-    std::vector<Vec3> of_piece;
-    for (Index p = 0; p < mesh.num_points(); ++p) {
-      if (piece_of[p] == piece && held[p] != 0) of_piece.push_back(mesh.points[p]);
-    }
-    const int spanned = dimension(of_piece);
-    if (spanned == 2) continue;
-    std::ostringstream text;
-    text << "The tangent of the body at rest is singular: the piece with point " << piece << " at "
-         << describe(mesh.points[piece]) << " is not held";
-    if (spanned == 0) text << " but at one point, about which it turns";
-    if (spanned == 1) text << " but along one line, about which it turns";
-    text << ". Fix three points of every connected piece that are not on a line.";
-    return text.str();
+  const std::vector<Index> held_by_tools = held_points(system.interaction());
+  for (const Index point : held_by_tools) held[point] = 1;
+  if (auto piece = PieceSupport(mesh, system.fixed()).find_mobile_piece(held_by_tools)) {
+    return *piece;
   }
+  if (auto part = find_mobile_part(mesh, held)) return *part;
   if (system.is_iterative()) {
     return "Conjugate gradients do not solve for the tangent of the body at rest: it is much "
            "thinner "

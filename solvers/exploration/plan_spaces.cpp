@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "assembly/piece_support.h"
 #include "base/error.h"
 #include "exploration/start_graph.h"
 #include "interaction/bonded_patch.h"
@@ -60,8 +61,9 @@ std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   const BondedPatches patches(scene, options.tip_radius);
   std::vector<PlannedSpace> spaces;
+  const PieceSupport support(scene.mesh, scene.fixed);
   for (const Index node : nodes) {
-    (void)patches.around(node);
+    support.require_held(patches.around(node).points());
     ToolSpaceSetup setup;
     setup.id = node;
     setup.interaction = bonded_patch_spec(scene, node, options.tip_radius);
@@ -76,6 +78,7 @@ std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions
 
 std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions& options,
                                      InteractionFactory& tools) {
+  PieceSupport(scene.mesh, scene.fixed).require_held({});
   const ContactOptions& contact = *options.contact;
   ToolSpaceSetup setup;
   setup.id = kContactToolSpace;
