@@ -6,12 +6,15 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "state_space/folder.h"
+#include "base/folder.h"
 
 namespace palpate {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// As NewFile names what is not whole yet.
+constexpr char kPart[] = ".part";
 
 [[noreturn]] void throw_not_removed(const fs::path& file, const std::error_code& error) {
   throw BackendError("The file " + file.string() +
@@ -26,8 +29,10 @@ void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
   agree(communicator_, [&] {
     if (communicator_.rank() != 0) return;
     if (const auto left = left_by_ranks(); !left.empty() && !fs::exists(path_)) {
-      throw InputError("The file " + path_.string() + " is gone, but " + left.front().string() +
-                       " of its last run is there. Remove that too, or give another file name.");
+      throw InputError(
+          "The file " + path_.string() + " is gone, but " + left.front().string() +
+          " of its last run is there, which holds what that has computed. Bring the file back, "
+          "or move the other away, or give another file name.");
     }
     const bool was_there = fs::exists(path_);
     own_ = StateSpaceFile::open_or_create(path_, scene_, solver_tolerance_);
@@ -71,7 +76,11 @@ std::vector<fs::path> RankFiles::left_by_ranks(const std::string& ending) const 
     if (name.compare(0, prefix.size(), prefix) != 0) continue;
     const std::size_t digits_end =
         std::min(name.find_first_not_of("0123456789", prefix.size()), name.size());
-    if (digits_end > prefix.size() && name.substr(digits_end) == ending) {
+    const std::string rest = name.substr(digits_end);
+    // Before its ending, one that was half made has what no other has.
+    const bool is_part = ending == kPart && rest.size() >= ending.size() &&
+                         rest.compare(rest.size() - ending.size(), ending.size(), ending) == 0;
+    if (digits_end > prefix.size() && (rest == ending || is_part)) {
       files.push_back(path_.parent_path() / name);
     }
   }
@@ -84,15 +93,15 @@ void RankFiles::take_over() {
   for (const fs::path& file : left_by_ranks()) {
     const std::vector<std::string> left_out = own_->merge(file);
     if (!left_out.empty()) {
-      throw InputError(describe_left_out(file, left_out) + " All else of it is in " +
-                       path_.string() + " now. Remove the file, or move it away, and run again: " +
-                       "what is missing is computed again.");
+      throw InputError(
+          describe_left_out(file, left_out) + " All else of it is in " + path_.string() +
+          " now. Move the file away, and run again: " + "what is missing is computed again.");
     }
     std::error_code error;
     if (!fs::remove(file, error)) throw_not_removed(file, error);
   }
   // Of a file that was half made or half removed when the power was lost.
-  for (const char* ending : {".part", "-journal", "-wal"}) {
+  for (const char* ending : {kPart, "-journal", "-wal"}) {
     for (const fs::path& remains : left_by_ranks(ending)) fs::remove(remains);
   }
   sync_folder_of(path_);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "state_space/schema.sql.h"
 
 namespace palpate {
@@ -65,7 +66,7 @@ constexpr char kActiveNode[] = "active_node";
 constexpr char kReducedArray[] = "reduced_array";
 constexpr char kBodyForce[] = "body_force";
 
-std::string quoted(const Database& database) { return '\'' + database.path().string() + '\''; }
+std::string quoted(const Database& database) { return palpate::quoted(database.path()); }
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
@@ -184,7 +185,7 @@ std::int64_t check_schema(const Database& database) {
     if (type == "index" && sql.empty() && name == "sqlite_autoindex_" + table + "_1") continue;
     const auto expected = missing.find(name);
     if (type != "table" || expected == missing.end()) {
-      refuse(database, "it has the " + type + " '" + name + '\'');
+      refuse(database, "it has the " + printable(type) + " '" + printable(name) + '\'');
     }
     if (bare(sql) != expected->second) refuse(database, "its table '" + name + "' is another");
     missing.erase(expected);

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/memory_error.h"
+#include "base/printable.h"
 
 namespace palpate::sqlite {
 namespace {
@@ -24,7 +25,6 @@ std::string query_of(Access access) {
     case Access::read_only: return "mode=ro";
     case Access::immutable: return "mode=ro&immutable=1";
     case Access::read_write: return "mode=rw";
-    case Access::create: return "mode=rwc";
   }
   return {};
 }
@@ -67,7 +67,7 @@ Database::Database(const std::filesystem::path& path, Access access) : path_(pat
   const int status = sqlite3_open_v2(
       to_uri(path, query_of(access)).c_str(), &handle_,
       SQLITE_OPEN_URI | SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX, nullptr);
-  const bool writes = access == Access::read_write || access == Access::create;
+  const bool writes = access == Access::read_write;
   // SQLite falls back to reading where it may not write.
   const bool denied = status == SQLITE_OK && writes && sqlite3_db_readonly(handle_, "main") == 1;
   if (status == SQLITE_OK && !denied) {
@@ -77,7 +77,7 @@ Database::Database(const std::filesystem::path& path, Access access) : path_(pat
   }
   try {
     if (denied) {
-      throw BackendError('\'' + path.string() + "' cannot be written. Change the permissions of " +
+      throw BackendError(quoted(path) + " cannot be written. Change the permissions of " +
                          "the file and its folder, or give another file name.");
     }
     fail();
@@ -116,6 +116,21 @@ void Database::limit_row(std::int64_t bytes) const {
   sqlite3_limit(handle_, SQLITE_LIMIT_LENGTH, static_cast<int>(bytes));
 }
 
+void Database::read_first(void* bytes, std::size_t count) const {
+  sqlite3_file* file = nullptr;
+  std::memset(bytes, 0, count);
+  // What is short is filled with zeros, and is told as an error.
+  const int status = sqlite3_file_control(handle_, "main", SQLITE_FCNTL_FILE_POINTER, &file);
+  if (status != SQLITE_OK || file == nullptr || file->pMethods == nullptr) return;
+  (void)file->pMethods->xRead(file, bytes, static_cast<int>(count), 0);
+}
+
+bool Database::has_moved() const {
+  int moved = 0;
+  const int status = sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+  return status == SQLITE_OK && moved != 0;
+}
+
 bool Database::is_in_transaction() const { return sqlite3_get_autocommit(handle_) == 0; }
 
 void Database::vacuum() const {
@@ -133,8 +148,9 @@ void Database::vacuum() const {
 std::int64_t Database::changes() const { return sqlite3_changes64(handle_); }
 
 void Database::fail() const {
-  const std::string name = '\'' + path_.string() + '\'';
-  const std::string reason = handle_ != nullptr ? sqlite3_errmsg(handle_) : "out of memory";
+  const std::string name = quoted(path_);
+  const std::string reason =
+      handle_ != nullptr ? printable(sqlite3_errmsg(handle_)) : "out of memory";
   const int system_error = handle_ != nullptr ? sqlite3_system_errno(handle_) : 0;
   const std::string cause =
       system_error != 0 ? reason + ": " + std::strerror(system_error) : reason;
@@ -145,8 +161,8 @@ void Database::fail() const {
     case SQLITE_CORRUPT:
     case SQLITE_TOOBIG:
       throw InputError(name + " is damaged (" + reason +
-                       "). Take a copy that is whole, or remove " +
-                       "the file and compute it again.");
+                       "). Take a copy that is whole, or give another file name and compute it " +
+                       "again.");
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
       throw BackendError(name + " is in use by another program that writes it. Wait until that " +

@@ -17,8 +17,6 @@ enum class Access {
   /// As read_only, for a file that nobody can be writing: it is not locked and needs no journal.
   immutable,
   read_write,
-  /// As read_write, and the file is made.
-  create,
 };
 
 /// An open file. Every member throws as `Database::fail` says.
@@ -36,6 +34,10 @@ class Database {
   [[nodiscard]] std::string text(const std::string& sql) const;
   /// From now on a value or a row that is larger counts as damaged.
   void limit_row(std::int64_t bytes) const;
+  /// The first bytes of the file, zero beyond its end.
+  void read_first(void* bytes, std::size_t count) const;
+  /// It is no longer under its name.
+  [[nodiscard]] bool has_moved() const;
   /// A transaction is under way.
   [[nodiscard]] bool is_in_transaction() const;
   /// Writes the file anew without what is free in it.

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <optional>
@@ -19,9 +18,10 @@
 
 #include "assembly/pressures.h"
 #include "base/error.h"
+#include "base/folder.h"
+#include "base/new_file.h"
 #include "base/printable.h"
 #include "state_space/blob_sizes.h"
-#include "state_space/folder.h"
 #include "state_space/rows.h"
 #include "state_space/schema.h"
 #include "state_space/sqlite.h"
@@ -52,11 +52,10 @@ std::string number(double value) {
   }
 }
 
-/// The first bytes of the file, as SQLite's file format defines them.
+/// The first bytes of the file, as SQLite's file format defines them. They are read by SQLite: when
+/// a program closes a file that it has opened otherwise, all locks that it has on it are gone.
 struct FileHeader {
-  explicit FileHeader(const fs::path& path) {
-    std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(bytes.data()), bytes.size());
-  }
+  explicit FileHeader(const Database& database) { database.read_first(bytes.data(), bytes.size()); }
   [[nodiscard]] std::uint64_t number(std::size_t at, std::size_t size) const {
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < size; ++i) value = value << 8 | bytes[at + i];
@@ -81,10 +80,11 @@ bool has_log(const fs::path& path) {
 
 [[noreturn]] void throw_damaged(const fs::path& path, const std::string& what) {
   throw InputError(quoted(path) + " is damaged (" + what + "). Take a copy that is " +
-                   "whole, or remove the file and compute it again.");
+                   "whole, or give another file name and compute it again.");
 }
 
 void check_is_there(const fs::path& path) {
+  require_short_name(path);
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) {
@@ -101,8 +101,12 @@ void check_is_there(const fs::path& path) {
     throw InputError(quoted(path) + " is empty, not a state space. Remove it, or give another " +
                      "file name.");
   }
-  // SQLite would take the missing end of the last page as zeros.
-  const FileHeader header(path);
+}
+
+/// SQLite would take the missing end of the last page as zeros.
+void check_end(const Database& database) {
+  const fs::path& path = database.path();
+  const FileHeader header(database);
   if (header.is_sqlite() && !has_log(path) && header.file_size() > fs::file_size(path)) {
     throw_damaged(path, "its end is missing");
   }
@@ -110,8 +114,11 @@ void check_is_there(const fs::path& path) {
 
 /// Opens with the file locked for this program alone: then the log needs no shared memory, and
 /// works on network disks.
-Database open_exclusively(const fs::path& path) {
+Database open_exclusively(const fs::path& given) {
+  const fs::path path = without_links(given);
+  check_is_there(path);
   Database database(path, Access::read_write);
+  check_end(database);
   database.execute("PRAGMA locking_mode = EXCLUSIVE");
   (void)check_schema(database);
   return database;
@@ -128,6 +135,13 @@ void close_as_single_file(Database database) {
   const fs::path path = database.path();
   {
     const Database closed = std::move(database);
+    if (closed.has_moved()) {
+      throw BackendError(quoted(path) +
+                         " was moved, removed or replaced while it was written. What was stored "
+                         "last is in its log " +
+                         quoted(fs::path(path.string() + "-wal")) +
+                         ": bring the file back to where it was, beside that, and open it.");
+    }
     if (closed.text("PRAGMA journal_mode = DELETE") != "delete") throw_log_stays(path);
   }
   sync_folder_of(path);
@@ -138,12 +152,16 @@ void checkpoint(const Database& database) {
   if (database.integer("PRAGMA wal_checkpoint(TRUNCATE)") != 0) throw_log_stays(database.path());
 }
 
-Database open_to_read(const fs::path& path) {
+Database open_to_read(const fs::path& given) {
+  const fs::path path = without_links(given);
   check_is_there(path);
-  if (!has_log(path) && !FileHeader(path).has_write_ahead_log()) {
+  {
     Database database(path, Access::read_only);
-    (void)check_schema(database);
-    return database;
+    check_end(database);
+    if (!has_log(path) && !FileHeader(database).has_write_ahead_log()) {
+      (void)check_schema(database);
+      return database;
+    }
   }
   try {
     close_as_single_file(open_exclusively(path));
@@ -910,35 +928,33 @@ StateSpaceFile::~StateSpaceFile() {
   }
 }
 
-StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
-                                      double solver_tolerance) {
+namespace {
+
+/// Makes the file of a scene under a name that no file has. @returns False: one has it by now.
+bool make_file(const fs::path& path, const Scene& scene, double solver_tolerance) {
   const fs::path folder = fs::absolute(path).parent_path();
   if (!fs::is_directory(folder)) {
     throw InputError("There is no folder " + quoted(folder) + ". Make it, or give another file " +
                      "name.");
   }
-  if (fs::exists(path)) {
-    throw InputError(quoted(path) + " is there already. Open it to append, or give another file " +
-                     "name.");
-  }
+  require_short_name(path);
   if (largest_row(scene.mesh.num_points(), scene.mesh.num_cells()) > kLargestRow) {
     throw InputError("The body has " + std::to_string(scene.mesh.num_points()) + " points and " +
                      std::to_string(scene.mesh.num_cells()) +
                      " cells: more than a state-space file can hold. Take a coarser mesh.");
   }
-  // Filled under another name, so that a run killed here leaves no half file under this one.
-  const fs::path part = path.string() + ".part";
-  // What SQLite left beside a file that was removed would be taken for a log of the new one.
-  std::error_code error;
-  fs::remove(part, error);
-  for (const fs::path& file : {path, part}) {
-    for (const char* suffix : {"-wal", "-shm", "-journal"}) {
-      fs::remove(file.string() + suffix, error);
+  // It would be taken for a log of the new file, and may hold what was computed last.
+  for (const char* suffix : {"-wal", "-journal"}) {
+    const fs::path log = path.string() + suffix;
+    if (!fs::exists(path) && fs::exists(log)) {
+      throw InputError(quoted(log) + " is the log of a file " + quoted(path) +
+                       " that is not there any more, and holds what was computed last. Bring that "
+                       "file back, or move the log away, or give another file name.");
     }
   }
-  sync_folder_of(path);
+  NewFile part(path);
   {
-    const Database database(part, Access::create);
+    const Database database(part.path(), Access::read_write);
     database.execute("PRAGMA page_size = " + std::to_string(kPageSize));
     database.execute("PRAGMA journal_mode = MEMORY");
     Transaction transaction(database);
@@ -947,18 +963,23 @@ StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
     if (scene.has_body_force()) write_body_force(database, scene);
     transaction.commit();
   }
-  fs::rename(part, path, error);
-  if (error) {
-    throw BackendError(quoted(part) + " cannot be renamed to " + quoted(path) + ": " +
-                       error.message() + ". Check the permissions of the folder.");
+  return part.put_where_none_is();
+}
+
+}  // namespace
+
+StateSpaceFile StateSpaceFile::create(const fs::path& path, const Scene& scene,
+                                      double solver_tolerance) {
+  const fs::path target = without_links(path);
+  if (fs::exists(target) || !make_file(target, scene, solver_tolerance)) {
+    throw InputError(quoted(path) + " is there already. Open it to append, or give another file " +
+                     "name.");
   }
-  sync_folder_of(path);
-  return open_to_append(path, scene, solver_tolerance);
+  return open_to_append(target, scene, solver_tolerance);
 }
 
 StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene& scene,
                                               double solver_tolerance) {
-  check_is_there(path);
   StateSpaceFile file(std::make_unique<Impl>(open_exclusively(path)));
   Impl& impl = *file.impl_;
   const Database& database = impl.database;
@@ -968,6 +989,8 @@ StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene&
                        ". Give a file name on another disk.");
   }
   impl.writes = true;
+  // The file is there, and no other writer has it.
+  remove_unfinished(database.path());
   impl.before_change();
   if (impl.version < kSchemaVersion) file.upgrade();
   // What may be touched is no part of the hash, and may have changed since.
@@ -993,11 +1016,13 @@ void StateSpaceFile::require(const Scene& scene, double solver_tolerance) const 
 
 StateSpaceFile StateSpaceFile::open_or_create(const fs::path& path, const Scene& scene,
                                               double solver_tolerance) {
-  return fs::exists(path) ? open_to_append(path, scene, solver_tolerance)
-                          : create(path, scene, solver_tolerance);
+  const fs::path target = without_links(path);
+  // Where another run is the first to make it, it is opened as one that was there.
+  if (!fs::exists(target)) (void)make_file(target, scene, solver_tolerance);
+  return open_to_append(target, scene, solver_tolerance);
 }
 
-bool StateSpaceFile::is_being_written(const fs::path& path) { return has_log(path); }
+bool StateSpaceFile::is_being_written(const fs::path& path) { return has_log(without_links(path)); }
 
 StateSpaceFile StateSpaceFile::open_read_only(const fs::path& path) {
   auto impl = std::make_unique<Impl>(open_to_read(path));

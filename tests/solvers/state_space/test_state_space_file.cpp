@@ -919,6 +919,134 @@ TEST_F(StateSpaceFileTest, OneWriterAtATime) {
                   {"in use"});
 }
 
+/// Runs `body` in another process, and gives its exit code.
+int in_process(const std::function<int()>& body) {
+  const pid_t child = fork();
+  if (child == 0) {
+    int code = 101;
+    try {
+      code = body();
+    } catch (const std::exception&) {
+    }
+    _exit(code);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// An attempt of the same process to read the file must not take the lock away.
+TEST_F(StateSpaceFileTest, NoOtherProcessGetsAFileThatIsBeingWritten) {
+  const StateSpaceFile writer = create();
+  EXPECT_THROW((void)StateSpaceFile::open_read_only(path_), BackendError);
+  EXPECT_THROW((void)StateSpaceFile::open_to_append(path_, scene_, kTolerance), BackendError);
+  EXPECT_EQ(in_process([&] {
+              try {
+                (void)StateSpaceFile::open_to_append(path_, scene_, kTolerance);
+              } catch (const BackendError& error) {
+                return std::strstr(error.what(), "in use") != nullptr ? 0 : 1;
+              }
+              return 2;
+            }),
+            0);
+}
+
+// Each of the processes has either all that it has added in the file, or an error.
+TEST_F(StateSpaceFileTest, OfProcessesThatMakeOneFileAtOnceNoneLosesWhatItHasStored) {
+  constexpr int kProcesses = 4;
+  for (int round = 0; round < 8; ++round) {
+    fs::remove(path_);
+    std::array<pid_t, kProcesses> children{};
+    for (int c = 0; c < kProcesses; ++c) {
+      children[c] = fork();
+      if (children[c] != 0) continue;
+      int code = 1;
+      try {
+        StateSpaceFile file = StateSpaceFile::open_or_create(path_, scene_, kTolerance);
+        const ToolSpaceSetup own = example_setup(c, 3);
+        file.add_tool_space(own);
+        file.add(c, example_configuration(scene_, own, {0, 0, 0}));
+        file.close();
+        code = 0;
+      } catch (const BackendError& error) {
+        code = std::strstr(error.what(), "in use") != nullptr ? 2 : 3;
+      } catch (const std::exception&) {
+      }
+      _exit(code);
+    }
+    int num_stored = 0;
+    std::array<int, kProcesses> codes{};
+    for (int c = 0; c < kProcesses; ++c) {
+      int status = 0;
+      waitpid(children[c], &status, 0);
+      codes[c] = WEXITSTATUS(status);
+      EXPECT_TRUE(codes[c] == 0 || codes[c] == 2) << codes[c];
+    }
+    const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
+    for (int c = 0; c < kProcesses; ++c) {
+      num_stored += codes[c] == 0 ? 1 : 0;
+      EXPECT_TRUE(codes[c] != 0 || file.read_summaries(c).size() == 1U);
+    }
+    EXPECT_GE(num_stored, 1);
+    EXPECT_EQ(files().size(), 1U);
+  }
+}
+
+TEST_F(StateSpaceFileTest, LeavesTheLogOfAFileThatWasMovedAway) {
+  const fs::path log = path_.string() + "-wal";
+  std::ofstream(log) << "what was computed last";
+  for (const auto& make : {&StateSpaceFile::create, &StateSpaceFile::open_or_create}) {
+    expect_mentions(message_of<InputError>([&] { (void)make(path_, scene_, kTolerance); }),
+                    {log.filename().string(), "move the log away"});
+  }
+  EXPECT_EQ(files(), std::vector<std::string>{log.filename().string()});
+  EXPECT_EQ(fs::file_size(log), 22U);
+}
+
+TEST_F(StateSpaceFileTest, SaysThatItWasTakenAwayWhileItWasWritten) {
+  StateSpaceFile file = create();
+  fs::rename(path_, folder_ / "moved");
+  file.add(tool_space_.id, example_configuration(scene_, tool_space_, {0, 0, 0}));
+  expect_mentions(message_of<BackendError>([&] { file.close(); }), {"was moved, removed", "-wal"});
+  // As it says, nothing is lost.
+  fs::rename(folder_ / "moved", path_);
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_summaries(tool_space_.id).size(), 1U);
+}
+
+TEST_F(StateSpaceFileTest, ALinkIsTheFileThatItLeadsTo) {
+  fs::create_directory(folder_ / "other");
+  const fs::path link = folder_ / "other" / "link.palpate";
+  fs::create_symlink("../" + path_.filename().string(), link);
+  {
+    StateSpaceFile file = StateSpaceFile::create(link, scene_, kTolerance);
+    file.add_tool_space(tool_space_);
+    EXPECT_TRUE(StateSpaceFile::is_being_written(link));
+    EXPECT_EQ(in_process([&] {
+                try {
+                  (void)StateSpaceFile::open_read_only(link);
+                } catch (const BackendError& error) {
+                  return std::strstr(error.what(), "in use") != nullptr ? 0 : 1;
+                }
+                return 2;
+              }),
+              0);
+    file.close();
+  }
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(path_)));
+  EXPECT_EQ(StateSpaceFile::open_read_only(link).read_tool_spaces().size(), 1U);
+  EXPECT_THROW((void)StateSpaceFile::create(link, scene_, kTolerance), InputError);
+  EXPECT_EQ(files().size(), 2U);
+}
+
+TEST_F(StateSpaceFileTest, SaysThatANameIsTooLong) {
+  path_ = folder_ / std::string(247, 'x');
+  create().close();
+  EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_tool_spaces().size(), 1U);
+  path_ = folder_ / std::string(248, 'x');
+  expect_mentions(message_of<InputError>([&] { (void)create(); }), {"248 bytes", "shorter"});
+}
+
 TEST_F(StateSpaceFileTest, CandidatesGetTheirLevelOrGo) {
   const Index node = tool_space_.interaction.active_node;
   const CheckPoint start{0, 0, 0};

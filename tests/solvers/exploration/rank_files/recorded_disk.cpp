@@ -122,6 +122,14 @@ void Recording::renamed(const std::string& from, const std::string& to) {
   operations_.push_back({Kind::rename, -1, name, new_name, 0, {}});
 }
 
+void Recording::linked(const std::string& from, const std::string& to) {
+  if (!is_inside(from)) return;
+  const std::string name = fs::path(from).filename();
+  const std::string new_name = fs::path(to).filename();
+  file_of_name_[new_name] = file_of_name_.at(name);
+  operations_.push_back({Kind::link, -1, name, new_name, 0, {}});
+}
+
 Folder Recording::after_power_loss(std::size_t num_operations, std::mt19937& random) const {
   // All of what was not synced, nothing of it, or some.
   const double share = std::array<double, 5>{0, 0.2, 0.5, 0.8, 1}[random() % 5];
@@ -139,8 +147,8 @@ Folder Recording::after_power_loss(std::size_t num_operations, std::mt19937& ran
     if (operation.kind == Kind::make) {
       names[operation.name] = operation.file;
     } else if (const auto old = names.find(operation.name); old != names.end()) {
-      if (operation.kind == Kind::rename) names[operation.new_name] = old->second;
-      names.erase(operation.name);
+      if (operation.kind != Kind::remove) names[operation.new_name] = old->second;
+      if (operation.kind != Kind::link) names.erase(operation.name);
     }
   };
   /// @param reaches Of the sector with a number: whether this write of it does.
@@ -171,6 +179,7 @@ Folder Recording::after_power_loss(std::size_t num_operations, std::mt19937& ran
     switch (operation.kind) {
       case Kind::make:
       case Kind::remove:
+      case Kind::link:
       case Kind::rename: pending_names.push_back(o); break;
       case Kind::write:
       case Kind::resize:
@@ -193,7 +202,7 @@ Folder Recording::after_power_loss(std::size_t num_operations, std::mt19937& ran
       apply_name(operation);
     } else {
       missing_names.insert(operation.name);
-      if (operation.kind == Kind::rename) missing_names.insert(operation.new_name);
+      if (!operation.new_name.empty()) missing_names.insert(operation.new_name);
     }
   }
   Folder folder;
@@ -299,6 +308,14 @@ int unlink(const char* path) {
 int remove(const char* path) {
   const int status = unlink(path);
   return status == 0 || errno != EISDIR ? status : rmdir(path);
+}
+
+int link(const char* from, const char* to) {
+  const auto status = static_cast<int>(syscall(SYS_linkat, AT_FDCWD, from, AT_FDCWD, to, 0));
+  if (status == 0 && palpate::test::recording != nullptr) {
+    palpate::test::recording->linked(from, to);
+  }
+  return status;
 }
 
 int rename(const char* from, const char* to) {

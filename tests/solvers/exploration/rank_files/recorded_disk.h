@@ -51,9 +51,10 @@ class Recording {
   void synced(int descriptor);
   void removed(const std::string& path);
   void renamed(const std::string& from, const std::string& to);
+  void linked(const std::string& from, const std::string& to);
 
  private:
-  enum class Kind { make, remove, rename, write, resize, sync, sync_folder };
+  enum class Kind { make, remove, rename, link, write, resize, sync, sync_folder };
   struct Operation {
     Kind kind;
     int file = -1;

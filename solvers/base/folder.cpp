@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "state_space/folder.h"
+#include "base/folder.h"
 
 #include <dirent.h>
 #include <fcntl.h>
