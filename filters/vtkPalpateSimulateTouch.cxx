@@ -18,6 +18,7 @@
 #include "vtkPalpateFields.h"
 #include "vtkPalpateFrameTimes.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateProgress.h"
 #include "vtkPalpateReducedModel.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateToolPath.h"
@@ -100,6 +101,8 @@ struct vtkPalpateSimulateTouch::Run
   std::vector<std::size_t> StepOfFrame;
   std::vector<Step> Steps;
   vtkSmartPointer<vtkTable> History;
+  /// It was not aborted.
+  bool IsComplete = true;
 };
 
 vtkStandardNewMacro(vtkPalpateSimulateTouch);
@@ -158,6 +161,8 @@ int vtkPalpateSimulateTouch::RequestData(
       if (palpate::any(communicator, !this->LastRun || this->LastRunTime != now()))
       {
         this->LastRun.reset();
+        // A request that ended the run before is not for this one, and nobody else takes it back.
+        this->SetAbortExecute(0);
         auto run = std::make_unique<Run>();
         palpate::agree(communicator,
           [&]
@@ -184,7 +189,7 @@ int vtkPalpateSimulateTouch::RequestData(
   return 1;
 }
 
-void vtkPalpateSimulateTouch::Simulate(vtkUnstructuredGrid* body, vtkTable* paths, Run& run) const
+void vtkPalpateSimulateTouch::Simulate(vtkUnstructuredGrid* body, vtkTable* paths, Run& run)
 {
   run.Reduced = vtkPalpateReadReducedModel(body);
   const palpate::ReducedModel& model = run.Reduced.Model;
@@ -211,9 +216,18 @@ void vtkPalpateSimulateTouch::Simulate(vtkUnstructuredGrid* body, vtkTable* path
   run.StepOfFrame.push_back(0);
   Eigen::VectorXd before = reduced.coordinates();
   const double rounding = vtkPalpateTimeRounding * this->TimeStep;
+  const auto abortRequested =
+    vtkPalpateAbortRequested(this, [&] { return run.Steps.back().Time / this->EndTime; });
   while (this->EndTime - run.Steps.back().Time > rounding)
   {
     const double last = run.Steps.back().Time;
+    if (abortRequested())
+    {
+      vtkWarningMacro("Aborted at " << last << " s of " << this->EndTime
+                                    << " s. Later frames show the last one that was computed.");
+      run.IsComplete = false;
+      break;
+    }
     for (int tool = 0; tool < tools; ++tool)
     {
       if (path.release(tool) <= last + rounding)
@@ -259,6 +273,7 @@ void vtkPalpateSimulateTouch::Show(
   vtkPalpateAddNumber(output, "Time", times[frame]);
   vtkPalpateAddNumber(output, "Trust", step.State.trust);
   vtkPalpateAddInteger(output, "Outcome", static_cast<int>(step.State.outcome));
+  vtkPalpateAddInteger(output, "Complete", run.IsComplete ? 1 : 0);
   output->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
 }
 

@@ -66,7 +66,7 @@ private:
   /// What was simulated, on the rank that has the body.
   struct Run;
 
-  void Simulate(vtkUnstructuredGrid* body, vtkTable* paths, Run& run) const;
+  void Simulate(vtkUnstructuredGrid* body, vtkTable* paths, Run& run);
   void Show(double time, vtkUnstructuredGrid* output, vtkTable* history) const;
 
   double EndTime = 1;

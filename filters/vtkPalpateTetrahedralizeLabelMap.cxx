@@ -397,6 +397,8 @@ int vtkPalpateTetrahedralizeLabelMap::RequestData(
   auto* walls = vtkPolyData::GetData(output, 1);
   body->Initialize();
   walls->Initialize();
+  // A request that ended the run before is not for this one, and nobody else takes it back.
+  this->SetAbortExecute(0);
   this->ErrorCode = vtkPalpateProduce(this, body, this->Controller,
     [&]
     {

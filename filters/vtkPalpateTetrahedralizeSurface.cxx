@@ -348,6 +348,8 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
   auto* faults = vtkPolyData::GetData(output, 1);
   body->Initialize();
   faults->Initialize();
+  // A request that ended the run before is not for this one, and nobody else takes it back.
+  this->SetAbortExecute(0);
 
   this->ErrorCode = vtkPalpateProduce(this, body, this->Controller,
     [&]

@@ -63,6 +63,11 @@ double depth_of(const ToolSpaceSetup& setup) {
   return setup.policy.depth > 0 ? setup.policy.depth : half_width(setup.interaction.tool);
 }
 
+double depth_in_body(const SurfaceTree& surface, const RigidTool& tool, const Vec3& place) {
+  const SurfaceTree::Nearest nearest = surface.nearest(place);
+  return reach(tool, -nearest.normal) - nearest.distance;
+}
+
 StartPlace start_place(const TouchSpace& space, const Touchable& body) {
   const TouchToolSpace* rigid = space.find(kContactToolSpace);
   if (rigid == nullptr) {

@@ -34,6 +34,12 @@ namespace palpate {
 [[nodiscard]] double depth_of(const ToolSpaceSetup& setup);
 
 /// Where a hand may begin to touch.
+/// How deep a rigid tool is in the body at rest [m]: that of the point of it that is farthest down,
+/// along the normal of the surface nearest to its centre; below 0 it is outside.
+/// @param place Of its centre [3], m.
+[[nodiscard]] double depth_in_body(const SurfaceTree& surface, const RigidTool& tool,
+                                   const Vec3& place);
+
 struct StartPlace {
   /// Of the tool when it touches [3], m, and the normal of the surface there, outward.
   Vec3 place = Vec3::Zero();

@@ -3,6 +3,8 @@
 
 #include <QApplication>
 #include <QEvent>
+#include <QScopedValueRollback>
+#include <QStringList>
 
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
@@ -16,6 +18,11 @@
 
 namespace
 {
+/// Filters that tell their progress while they work, and hear there that they shall end.
+const QStringList Aborts = { "AccuracyReport", "BuildReducedModel", "PrecomputeStateSpace",
+  "SimulateTouch", "SolveDynamics", "SolveEquilibrium", "TetrahedralizeLabelMap",
+  "TetrahedralizeSurface" };
+
 pqProgressManager* Progress()
 {
   return pqApplicationCore::instance()->getProgressManager();
@@ -69,9 +76,7 @@ pqPalpateAbort::pqPalpateAbort(QObject* parent)
 void pqPalpateAbort::watch(pqPipelineSource* source)
 {
   auto* filter = vtkAlgorithm::SafeDownCast(source->getProxy()->GetClientSideObject());
-  const QString name = source->getProxy()->GetXMLName();
-  if (filter &&
-    (name == "PrecomputeStateSpace" || name == "AccuracyReport" || name == "SolveEquilibrium"))
+  if (filter && Aborts.contains(source->getProxy()->GetXMLName()))
   {
     filter->AddObserver(vtkCommand::StartEvent, this, &pqPalpateAbort::beginWork);
     filter->AddObserver(vtkCommand::ProgressEvent, this, &pqPalpateAbort::handleEvents);
@@ -96,12 +101,11 @@ void pqPalpateAbort::handleEvents(vtkObject*, unsigned long, void*)
   {
     return;
   }
-  this->IsHandling = true;
+  const QScopedValueRollback<bool> handling(this->IsHandling, true);
   // ParaView's own filter would also keep from the window what is meant for the button.
   const bool unblocked = Progress()->unblockEvents(true);
   QApplication::processEvents();
   Progress()->unblockEvents(unblocked);
-  this->IsHandling = false;
 }
 
 void pqPalpateAbort::endWork(vtkObject*, unsigned long, void*)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pqPalpateBodyView.h"
 
+#include <QScopeGuard>
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -13,10 +15,12 @@
 #include "pqRenderView.h"
 #include "vtkDataObject.h"
 #include "vtkNew.h"
+#include "vtkRenderer.h"
 #include "vtkSMOutputPort.h"
 #include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMParaViewPipelineControllerWithRendering.h"
 #include "vtkSMPropertyHelper.h"
+#include "vtkSMRenderViewProxy.h"
 #include "vtkSMRepresentationProxy.h"
 #include "vtkSMSourceProxy.h"
 #include "vtkSMTransferFunctionManager.h"
@@ -27,6 +31,20 @@ namespace
 {
 /// A frame that comes later than this after the one before is late: 25 Hz.
 constexpr qint64 LatestFrame = 40; // ms
+/// A filter that the dock has made has this annotation: which colours it was last given. A person
+/// may have changed them since.
+constexpr const char* OwnColours = "PalpateColours";
+constexpr const char* Tissue = "tissue";
+constexpr const char* Map = "map";
+/// From none to most, as in the pictures of the pages: the first is that of tissue.
+constexpr std::array<std::array<double, 3>, 3> OverTissue = { { { 0.88, 0.70, 0.62 },
+  { 0.93, 0.50, 0.27 }, { 0.60, 0.05, 0.20 } } };
+/// Of "ColorSpace": between two of them it is neither grey nor dark.
+constexpr int Lab = 2;
+/// The part of a colour that does not depend on the light.
+constexpr double Brightness = 0.3;
+/// Of a view: on a background that is brighter letters are dark.
+constexpr double LightBackground = 0.5;
 constexpr const char* TouchSpace = "TouchStateSpace";
 constexpr const char* TouchReduced = "TouchReducedModel";
 /// So many more late than punctual ones, and the picture becomes plainer.
@@ -52,8 +70,7 @@ pqPipelineSource* FindFilter(pqOutputPort* space, const char* name)
   return nullptr;
 }
 
-pqPipelineSource* MakeFilter(
-  pqOutputPort* space, pqRenderView* view, const char* name, const char* colouredBy, double most)
+pqPipelineSource* MakeFilter(pqOutputPort* space, const char* name)
 {
   pqPipelineSource* filter = pqApplicationCore::instance()->getObjectBuilder()->createFilter(
     "filters", name, space->getSource(), space->getPortNumber());
@@ -63,37 +80,28 @@ pqPipelineSource* MakeFilter(
       std::string("The server has no filter ") + name + ": load the plugin Palpate on it, too.");
   }
   filter->setModifiedState(pqProxy::UNMODIFIED);
-  vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
-  auto* shown = vtkSMPVRepresentationProxy::SafeDownCast(
-    controller->Show(filter->getSourceProxy(), 0, view->getViewProxy()));
-  if (shown && shown->SetScalarColoring(colouredBy, vtkDataObject::POINT))
-  {
-    // The colours shall not change their meaning from frame to frame.
-    vtkSMProxy* colours = vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy();
-    vtkSMPropertyHelper(colours, "AutomaticRescaleRangeMode")
-      .Set(vtkSMTransferFunctionManager::NEVER);
-    colours->UpdateVTKObjects();
-    vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, most);
-    shown->SetScalarBarVisibility(view->getViewProxy(), true);
-  }
+  filter->getProxy()->SetAnnotation(OwnColours, "");
   return filter;
 }
 }
 
-pqPalpateBodyView::pqPalpateBodyView(
-  pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most, const double* free)
-  : pqPalpateBodyView(space, view, TouchSpace, colouredBy, most, free)
+pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view,
+  const char* colouredBy, double most, bool inTissue, const double* free)
+  : pqPalpateBodyView(space, view, TouchSpace, colouredBy, most, inTissue, free)
 {
 }
 
-pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* model, pqRenderView* view, double most)
-  : pqPalpateBodyView(model, view, TouchReduced, "Displacement", most, nullptr)
+pqPalpateBodyView::pqPalpateBodyView(
+  pqOutputPort* model, pqRenderView* view, double most, bool inTissue)
+  : pqPalpateBodyView(model, view, TouchReduced, "Displacement", most, inTissue, nullptr)
 {
 }
 
 pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* filter,
-  const char* colouredBy, double most, const double* free)
+  const char* colouredBy, double most, bool inTissue, const double* free)
   : IsReduced(!free)
+  , ColouredBy(colouredBy)
+  , Most(most)
   , Filter(FindFilter(space, filter))
   , View(view)
 {
@@ -103,7 +111,7 @@ pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, co
   }
   if (!this->Filter)
   {
-    this->Filter = MakeFilter(space, view, filter, colouredBy, most);
+    this->Filter = MakeFilter(space, filter);
   }
   // It may be a person's own, and show another place, or nothing here.
   this->SetRest();
@@ -112,9 +120,106 @@ pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, co
   {
     controller->Show(this->Filter->getSourceProxy(), 0, view->getViewProxy());
   }
+  if (const char* has = this->Filter->getProxy()->GetAnnotation(OwnColours))
+  {
+    if (std::string(has) != (inTissue ? Tissue : Map))
+    {
+      this->SetColours(inTissue);
+    }
+    this->SetLegend();
+  }
   // What is seen of the space itself would hide the touched body.
   controller->Hide(space->getSourceProxy(), space->getPortNumber(), view->getViewProxy());
   this->Time.start();
+}
+
+void pqPalpateBodyView::SetColours(bool inTissue)
+{
+  vtkSMPVRepresentationProxy* shown = this->FindShown();
+  if (!shown || !shown->SetScalarColoring(this->ColouredBy.c_str(), vtkDataObject::POINT))
+  {
+    return;
+  }
+  vtkSMProxy* colours = vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy();
+  // They shall not change their meaning from frame to frame.
+  vtkSMPropertyHelper(colours, "AutomaticRescaleRangeMode")
+    .Set(vtkSMTransferFunctionManager::NEVER);
+  if (inTissue)
+  {
+    std::vector<double> points;
+    for (std::size_t i = 0; i < OverTissue.size(); ++i)
+    {
+      points.push_back(static_cast<double>(i) / (OverTissue.size() - 1));
+      points.insert(points.end(), OverTissue[i].begin(), OverTissue[i].end());
+    }
+    vtkSMPropertyHelper table(colours, "RGBPoints");
+    table.SetNumberOfElements(static_cast<unsigned int>(points.size()));
+    table.Set(points.data(), static_cast<unsigned int>(points.size()));
+    vtkSMPropertyHelper(colours, "ColorSpace").Set(Lab);
+  }
+  else
+  {
+    vtkSMTransferFunctionProxy::ApplyPreset(colours, "Cool to Warm", true);
+  }
+  colours->UpdateVTKObjects();
+  vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, this->Most);
+  // What looks away from the light, and deep folds, are seen too.
+  vtkSMPropertyHelper(shown, "Ambient", true).Set(inTissue ? Brightness : 0);
+  vtkSMPropertyHelper(shown, "Diffuse", true).Set(inTissue ? 1 - Brightness : 1);
+  shown->UpdateVTKObjects();
+  shown->SetScalarBarVisibility(this->View->getViewProxy(), true);
+  this->Filter->getProxy()->SetAnnotation(OwnColours, inTissue ? Tissue : Map);
+  this->SetLegend();
+  this->View->render();
+}
+
+vtkSMPVRepresentationProxy* pqPalpateBodyView::FindShown() const
+{
+  return this->Filter && this->View
+    ? vtkSMPVRepresentationProxy::SafeDownCast(
+        this->View->getViewProxy()->FindRepresentation(this->Filter->getSourceProxy(), 0))
+    : nullptr;
+}
+
+void pqPalpateBodyView::SetLegend()
+{
+  vtkSMPVRepresentationProxy* shown = this->FindShown();
+  vtkSMProxy* legend = shown
+    ? vtkSMTransferFunctionProxy::FindScalarBarRepresentation(
+        vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy(), this->View->getViewProxy())
+    : nullptr;
+  vtkRenderer* renderer = this->View->getRenderViewProxy()->GetRenderer();
+  if (!legend || !renderer)
+  {
+    return;
+  }
+  double brightness = 0;
+  for (const double part :
+    { renderer->GetBackground()[0], renderer->GetBackground()[1], renderer->GetBackground()[2] })
+  {
+    brightness += part / 3;
+  }
+  const std::vector<double> ink(3, brightness > LightBackground ? 0.1 : 1);
+  for (const char* letters : { "TitleColor", "LabelColor" })
+  {
+    vtkSMPropertyHelper(legend, letters).Set(ink.data(), 3);
+  }
+  vtkSMPropertyHelper(legend, "Title")
+    .Set(this->ColouredBy == "Displacement" ? "Displacement (m)" : "Pressure (Pa)");
+  vtkSMPropertyHelper(legend, "ComponentTitle").Set("");
+  legend->UpdateVTKObjects();
+}
+
+void pqPalpateBodyView::Leave(pqPalpateRunWatch::Left left)
+{
+  if (left != pqPalpateRunWatch::Left::Nothing)
+  {
+    this->RestorePicture();
+  }
+  if (left == pqPalpateRunWatch::Left::All)
+  {
+    this->ShowRest();
+  }
 }
 
 void pqPalpateBodyView::RestorePicture()
@@ -237,8 +342,8 @@ void pqPalpateBodyView::Draw()
   // The bar of progress would be drawn anew for each frame.
   pqProgressManager* progress = pqApplicationCore::instance()->getProgressManager();
   progress->lockProgress(progress);
+  const auto unlock = qScopeGuard([progress] { progress->unlockProgress(progress); });
   this->View->forceRender();
-  progress->unlockProgress(progress);
   ++this->NumberOfFrames;
   this->Frames.push_back(this->Time.elapsed());
   this->KeepPace();

@@ -10,14 +10,17 @@
 
 #include <QElapsedTimer>
 #include <QPointer>
+#include <string>
 #include <vector>
 
+#include "pqPalpateRunWatch.h"
 #include "vtkSMProxy.h"
 #include "vtkWeakPointer.h"
 
 class pqOutputPort;
 class pqPipelineSource;
 class pqRenderView;
+class vtkSMPVRepresentationProxy;
 
 class pqPalpateBodyView
 {
@@ -25,15 +28,21 @@ public:
   /// Shows the body at rest in the place of its state space. The filter is made where there is
   /// none.
   /// @param colouredBy A point array of the filter, and the largest value that is coloured.
+  /// @param inTissue See SetColours(). It counts for a filter that was made here, unless a person
+  /// has
+  ///   coloured it since.
   /// @param free Where a rigid tool touches nothing [3], m.
   /// @throws std::runtime_error the server does not have the filter.
   pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most,
-    const double* free);
+    bool inTissue, const double* free);
 
   /// Shows a reduced body at rest.
   /// @param model The body with its reduced model.
   /// @param most The largest displacement that is coloured, m.
-  pqPalpateBodyView(pqOutputPort* model, pqRenderView* view, double most);
+  pqPalpateBodyView(pqOutputPort* model, pqRenderView* view, double most, bool inTissue);
+
+  /// @param inTissue At rest the body has the colour of tissue; else the map is that of ParaView.
+  void SetColours(bool inTissue);
 
   pqPipelineSource* GetFilter() const { return this->Filter; }
 
@@ -46,9 +55,9 @@ public:
   /// @param coordinates Of a reduced body, all of them; none: it is at rest.
   /// @param number Of them.
   void ShowReduced(const double* coordinates, unsigned int number);
+  /// At the end: the whole picture of the view, and the body at rest, as far as they are there.
+  void Leave(pqPalpateRunWatch::Left left);
   void ShowRest();
-  /// Nothing is left out any more.
-  void RestorePicture();
   /// Draws the view.
   void Draw();
   /// There is nothing to draw now: the next frame is not late.
@@ -58,6 +67,8 @@ public:
   double GetFrameRate();
 
 private:
+  /// Nothing is left out any more.
+  void RestorePicture();
   void SetRest();
   /// All that is shown is up to date.
   bool IsKnown() const;
@@ -73,11 +84,17 @@ private:
 
   /// @param filter The name of the one that shows the body.
   pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* filter,
-    const char* colouredBy, double most, const double* free);
+    const char* colouredBy, double most, bool inTissue, const double* free);
+  /// The legend says what is coloured, in letters that are seen on the view's background.
+  void SetLegend();
+  /// How the filter is shown in the view; null: it is not.
+  vtkSMPVRepresentationProxy* FindShown() const;
 
   /// Not of a reduced body.
   double Free[3] = { 0, 0, 0 };
   bool IsReduced;
+  std::string ColouredBy;
+  double Most;
   QPointer<pqPipelineSource> Filter;
   QPointer<pqRenderView> View;
   struct Omission

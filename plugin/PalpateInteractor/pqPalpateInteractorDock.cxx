@@ -23,15 +23,18 @@
 #include <QToolBar>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "pqActiveObjects.h"
 #include "pqApplicationCore.h"
 #include "pqCoreUtilities.h"
+#include "pqExpanderButton.h"
 #include "pqFileChooserWidget.h"
 #include "pqOutputPort.h"
 #include "pqPalpateAbort.h"
 #include "pqPalpateDevices.h"
+#include "pqPalpateFault.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateForceGraph.h"
 #include "pqPipelineSource.h"
@@ -76,6 +79,14 @@ QDoubleSpinBox* NumberBox(double value, double most, double step, const char* su
   return box;
 }
 
+/// Its names may be long.
+void KeepNarrow(QComboBox* choice)
+{
+  constexpr int letters = 7;
+  choice->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  choice->setMinimumContentsLength(letters);
+}
+
 /// By the proxy: names are the user's, and may be the same.
 QString IdOf(pqOutputPort* port)
 {
@@ -89,22 +100,37 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   new pqPalpateAbort(this);
   auto* content = Named(new QWidget(), "content");
   auto* column = new QVBoxLayout(content);
+  const auto makeForm = [](QWidget* holder)
+  {
+    auto* form = new QFormLayout(holder);
+    form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
+    return form;
+  };
   const auto addGroup = [&](const char* title, const char* name)
   {
     auto* group = Named(new QGroupBox(title), name);
     column->addWidget(group);
-    auto* form = new QFormLayout(group);
-    form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
-    return form;
+    return makeForm(group);
+  };
+  // What is not needed while one touches is folded.
+  QVector<QWidget*> folded;
+  const auto addFold = [&](const char* title, const char* name)
+  {
+    auto* button = Named(new pqExpanderButton(), (std::string(name) + "Fold").c_str());
+    button->setText(title);
+    auto* holder = Named(new QWidget(), name);
+    QObject::connect(button, &pqExpanderButton::toggled, holder, &QWidget::setVisible);
+    column->addWidget(button);
+    column->addWidget(holder);
+    folded.push_back(holder);
+    return makeForm(holder);
   };
   this->makeActions();
   this->makeChoices(addGroup("Touch", "touch"));
   this->ToolsGroup = Named(new QGroupBox("Tools"), "toolsGroup");
   column->addWidget(this->ToolsGroup);
   this->makeTools(new QVBoxLayout(this->ToolsGroup));
-  this->makeSettings(addGroup("Settings", "settings"));
   this->makeFigures(addGroup("Live", "live"));
-  this->makeRecorder(addGroup("Recording", "recording"));
   this->GraphGroup = Named(new QGroupBox("Force over time"), "graph",
     "The last ten seconds, a sample a frame; the recording has every tick.");
   this->GraphGroup->setCheckable(true);
@@ -113,6 +139,9 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   column->addWidget(this->GraphGroup);
   QObject::connect(
     this->GraphGroup, &QGroupBox::toggled, this, &pqPalpateInteractorDock::showGraph);
+  this->makeSettings(addFold("Settings", "settings"));
+  this->makeRecorder(addFold("Recording", "recording"));
+  this->makePace(addFold("Pace of the loop", "pace"));
   column->addStretch();
   // What is said in the dock shall not change the size of the view.
   auto* area = Named(new QScrollArea(this), "area");
@@ -120,7 +149,13 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   area->setFrameShape(QFrame::NoFrame);
   area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   area->setWidget(content);
-  area->setMinimumWidth(content->minimumSizeHint().width());
+  // Nothing is cut off at the right, whatever is unfolded, with the bar that scrolls or without.
+  area->setMinimumWidth(
+    content->minimumSizeHint().width() + area->verticalScrollBar()->sizeHint().width());
+  for (QWidget* holder : folded)
+  {
+    holder->hide();
+  }
   this->setWidget(area);
 
   this->follow(this->Touch);
@@ -133,19 +168,19 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
       this->say(why, true);
     });
   this->FiguresTimer.setInterval(FiguresInterval);
-  QObject::connect(
-    &this->FiguresTimer, &QTimer::timeout, this, &pqPalpateInteractorDock::showFigures);
+  QObject::connect(&this->FiguresTimer, &QTimer::timeout, this,
+    [this] { this->guard([this] { this->showFigures(); }); });
 
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
-  const auto list = [this] { this->listSpaces(); };
+  const auto list = [this] { this->guard([this] { this->listSpaces(); }); };
   QObject::connect(model, &pqServerManagerModel::sourceRemoved, this, list);
   // While it runs the touched body is updated each frame.
   QObject::connect(model, &pqServerManagerModel::dataUpdated, this,
-    [this]
+    [this, list]
     {
       if (!this->isTouching())
       {
-        this->listSpaces();
+        list();
       }
     });
   // Later: where it ended because the server is gone, that has first to be dealt with.
@@ -172,6 +207,8 @@ void pqPalpateInteractorDock::makeChoices(QFormLayout* form)
   this->Start = Named(new QPushButton("Start"), "start");
   this->Message = Named(new QLabel(), "message");
   this->Message->setWordWrap(true);
+  KeepNarrow(this->Space);
+  KeepNarrow(this->Device);
   auto* devices = new QHBoxLayout();
   devices->addWidget(this->Device, 1);
   devices->addWidget(this->Refresh);
@@ -191,10 +228,12 @@ void pqPalpateInteractorDock::makeTools(QVBoxLayout* column)
     "that no device has moves with the body. A device that is chosen while the body is touched has "
     "the tool from then on, and the others go on.");
   this->Tools->setColumnCount(NumberOfToolColumns);
-  this->Tools->setHorizontalHeaderLabels({ "Tool (node)", "Device", "Force / body, N", "State" });
+  this->Tools->setHorizontalHeaderLabels({ "Tool (node)", "Device", "Force, N", "State" });
   this->Tools->verticalHeader()->hide();
   this->Tools->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
+  // What it says in full is in its tip.
   this->Tools->horizontalHeader()->setStretchLastSection(true);
+  this->Tools->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   this->Tools->setSelectionMode(QAbstractItemView::NoSelection);
   this->Tools->setEditTriggers(QAbstractItemView::NoEditTriggers);
   column->addWidget(this->Tools);
@@ -207,7 +246,7 @@ void pqPalpateInteractorDock::listTools()
   const int number = isReduced ? pqPalpateCountTools(space) : 0;
   this->ToolsGroup->setVisible(isReduced);
   this->Device->setVisible(!isReduced);
-  for (QWidget* field : { this->Energy, this->Damping, this->Place, this->Force })
+  for (QWidget* field : { this->Energy, this->Damping, this->Place, this->Force, this->Depth })
   {
     this->showRow(field, !isReduced);
   }
@@ -232,6 +271,7 @@ void pqPalpateInteractorDock::listTools()
   for (int tool = 0; tool < number; ++tool)
   {
     auto* devices = new QComboBox();
+    KeepNarrow(devices);
     devices->setObjectName(QString("deviceOfTool%1").arg(tool));
     devices->addItem("None", QString());
     for (int i = 0; i < this->Device->count(); ++i)
@@ -245,7 +285,7 @@ void pqPalpateInteractorDock::listTools()
     devices->setCurrentIndex(
       std::max(0, devices->findData(tool < chosen.size() ? chosen[tool] : QString())));
     QObject::connect(devices, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
-      [this, tool] { this->chooseDevice(tool); });
+      [this, tool] { this->guard([this, tool] { this->chooseDevice(tool); }); });
     this->DeviceOfTool.push_back(devices);
     this->Tools->setCellWidget(tool, DeviceColumn, devices);
     this->Tools->setItem(tool, ToolColumn, new QTableWidgetItem(QString::number(tool)));
@@ -255,12 +295,12 @@ void pqPalpateInteractorDock::listTools()
   constexpr int mostRows = 6;
   const int rowHeight = this->Tools->verticalHeader()->defaultSectionSize();
   this->Tools->setFixedHeight(this->Tools->horizontalHeader()->sizeHint().height() +
-    rowHeight * std::min(number, mostRows) +
-    this->Tools->horizontalScrollBar()->sizeHint().height());
+    rowHeight * std::min(number, mostRows) + 2 * this->Tools->frameWidth());
 }
 
 void pqPalpateInteractorDock::chooseDevice(int tool)
 {
+  this->enableSettings();
   if (!this->ReducedTouch.isRunning())
   {
     return;
@@ -302,7 +342,8 @@ QString pqPalpateInteractorDock::whyTaken(int tool) const
 void pqPalpateInteractorDock::showRow(QWidget* field, bool shown)
 {
   field->setVisible(shown);
-  this->Live->labelForField(field)->setVisible(shown);
+  auto* form = qobject_cast<QFormLayout*>(field->parentWidget()->layout());
+  form->labelForField(field)->setVisible(shown);
 }
 
 void pqPalpateInteractorDock::makeActions()
@@ -310,8 +351,8 @@ void pqPalpateInteractorDock::makeActions()
   this->StartAction = new QAction(this);
   this->StartAction->setObjectName("startAction");
   this->StartAction->setShortcut(QKeySequence("Ctrl+Shift+T"));
-  QObject::connect(
-    this->StartAction, &QAction::triggered, this, &pqPalpateInteractorDock::startOrStop);
+  QObject::connect(this->StartAction, &QAction::triggered, this,
+    [this] { this->guard([this] { this->startOrStop(); }); });
   if (auto* window = qobject_cast<QMainWindow*>(pqCoreUtilities::mainWidget()))
   {
     auto* bar = Named(new QToolBar("Palpate", window), "PalpateToolbar");
@@ -375,7 +416,8 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
   this->Grasps->setChecked(settings.GraspsWithButton);
   this->NeedsButton = Named(new QCheckBox("Only while the button is held"), "needsButton",
     "There is a force only as long as the first button of the device is held. Who lets go of it "
-    "gets a force again when the tool was outside of the body. For devices with a button.");
+    "gets a force again when the tool was outside of the body. A device with motors and without a "
+    "button is refused meanwhile. Of real devices.");
   this->NeedsButton->setChecked(settings.NeedsButton);
   form->addRow("Workspace scale", this->WorkspaceScale);
   form->addRow("Workspace", this->FollowsCamera);
@@ -385,14 +427,20 @@ void pqPalpateInteractorDock::makeSettings(QFormLayout* form)
   form->addRow("Lets go above", this->ReleaseForce);
   form->addRow("Friction", this->Friction);
   form->addRow("Grasp", this->Grasps);
+  this->InTissue = Named(new QCheckBox("In the colour of tissue"), "inTissue",
+    "The body at rest is seen in the colour of tissue, and the pressure on it, or how far it is "
+    "moved, over that; else in ParaView's colours from blue to red.");
+  this->InTissue->setChecked(settings.InTissue);
   form->addRow("Force", this->NeedsButton);
+  form->addRow("Body", this->InTissue);
   for (QDoubleSpinBox* box : { this->WorkspaceScale, this->ForceScale, this->ForceLimit,
          this->ReleaseForce, this->Friction })
   {
     QObject::connect(box, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
       &pqPalpateInteractorDock::sendSettings);
   }
-  for (QCheckBox* box : { this->FollowsCamera, this->Bonded, this->Grasps, this->NeedsButton })
+  for (QCheckBox* box :
+    { this->FollowsCamera, this->Bonded, this->Grasps, this->NeedsButton, this->InTissue })
   {
     QObject::connect(box, &QCheckBox::toggled, this, &pqPalpateInteractorDock::sendSettings);
   }
@@ -417,6 +465,14 @@ void pqPalpateInteractorDock::enableSettings()
   const bool hasButton = isReduced
     ? std::any_of(this->DeviceOfTool.begin(), this->DeviceOfTool.end(), hasButtonOf)
     : hasButtonOf(this->Device);
+  const auto isRealIn = [](const QComboBox* devices)
+  {
+    const QString device = devices->currentData().toString();
+    return !device.isEmpty() && device != pqPalpateMouseDevice && device != pqPalpateHandDevice;
+  };
+  this->NeedsButton->setEnabled(isReduced
+      ? std::any_of(this->DeviceOfTool.begin(), this->DeviceOfTool.end(), isRealIn)
+      : isRealIn(this->Device));
   if (isReduced)
   {
     // The tool is bonded, and its coupling is made for these scales.
@@ -424,7 +480,6 @@ void pqPalpateInteractorDock::enableSettings()
     this->ReleaseForce->setEnabled(false);
     this->Friction->setEnabled(false);
     this->Grasps->setEnabled(hasButton);
-    this->NeedsButton->setEnabled(hasButton);
     this->ForceScale->setEnabled(!this->isTouching());
     this->WorkspaceScale->setEnabled(!this->isTouching());
     return;
@@ -435,36 +490,47 @@ void pqPalpateInteractorDock::enableSettings()
   this->ReleaseForce->setEnabled(isRigid || this->Bonded->isChecked());
   this->Friction->setEnabled(isRigid);
   this->Grasps->setEnabled(isRigid && hasButton);
-  this->NeedsButton->setEnabled(hasButton);
+}
+
+QLabel* pqPalpateInteractorDock::addFigure(
+  QFormLayout* form, const char* title, const char* name, const char* tip)
+{
+  auto* label = Named(new QLabel(), name, tip);
+  label->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  label->setWordWrap(true);
+  form->addRow(title, label);
+  return label;
 }
 
 void pqPalpateInteractorDock::makeFigures(QFormLayout* form)
 {
-  this->Live = form;
-  const auto addRow = [&](const char* title, const char* name, const char* tip)
-  {
-    auto* label = Named(new QLabel(), name, tip);
-    label->setTextInteractionFlags(Qt::TextSelectableByMouse);
-    form->addRow(title, label);
-    return label;
-  };
-  this->State = addRow("State", "state", "Of the loop, and of the tool.");
-  this->Rates = addRow("Rates", "rates", "Ticks of the loop and frames of the view in a second.");
-  this->Lateness = addRow("Lateness", "lateness",
-    "How late ticks began after their time: half of them less than, 99 %, all.");
-  this->Missed = addRow("Missed ticks", "missed", "That should have been and were not, of all.");
-  this->Force = addRow("Force", "force", "That is sent to the device, and that of the body.");
-  this->Energy = addRow("Energy balance", "energy",
-    "What the hand has put in less what the body stores; below zero the loop has made energy.");
-  this->Damping = addRow("Added damping", "damping", "Against energy of the loop's own making.");
-  this->Trust = addRow("Trust", "trust",
-    "How far the body is moved, of how far its model was trained for: to about 1 it is inside; "
-    "above 2 forces are not to be trusted.");
-  this->StepTime =
-    addRow("Step", "stepTime", "What a step of the body took: half of them less than, 99 %.");
-  this->Place = addRow("Place", "place",
+  this->Force =
+    this->addFigure(form, "Force", "force", "That is sent to the device, and that of the body.");
+  this->Depth = this->addFigure(form, "Depth", "depth",
+    "How deep a rigid tool is in the body at rest, or how far the tool has moved its node.");
+  this->Place = this->addFigure(form, "Place", "place",
     "Of the tool in the space: the node that it moves and its branch, or how much deeper a rigid "
     "tool can go before the space ends.");
+  this->Trust = this->addFigure(form, "Trust", "trust",
+    "How far the body is moved, of how far its model was trained for: to about 1 it is inside; "
+    "above 2 forces are not to be trusted.");
+  this->State = this->addFigure(form, "State", "state", "Of the loop, and of the tool.");
+  this->Missed =
+    this->addFigure(form, "Missed ticks", "missed", "That should have been and were not, of all.");
+}
+
+void pqPalpateInteractorDock::makePace(QFormLayout* form)
+{
+  this->Rates = this->addFigure(
+    form, "Rates", "rates", "Ticks of the loop and frames of the view in a second.");
+  this->Lateness = this->addFigure(form, "Lateness", "lateness",
+    "How late ticks began after their time: half of them less than, 99 %, all.");
+  this->StepTime = this->addFigure(
+    form, "Step", "stepTime", "What a step of the body took: half of them less than, 99 %.");
+  this->Energy = this->addFigure(form, "Energy balance", "energy",
+    "What the hand has put in less what the body stores; below zero the loop has made energy.");
+  this->Damping =
+    this->addFigure(form, "Added damping", "damping", "Against energy of the loop's own making.");
 }
 
 void pqPalpateInteractorDock::listSpaces()
@@ -599,7 +665,9 @@ void pqPalpateInteractorDock::sendSettings()
   settings.ReleaseForce = this->ReleaseForce->value();
   settings.Friction = this->Friction->value();
   settings.GraspsWithButton = this->Grasps->isEnabled() && this->Grasps->isChecked();
-  settings.NeedsButton = this->NeedsButton->isEnabled() && this->NeedsButton->isChecked();
+  // Grey or not: what is ticked is not given up because another device is chosen.
+  settings.NeedsButton = this->NeedsButton->isChecked();
+  settings.InTissue = this->InTissue->isChecked();
   this->Touch.setSettings(settings);
   this->ReducedTouch.setSettings(settings);
 }
@@ -667,8 +735,11 @@ void pqPalpateInteractorDock::showReducedFigures()
     const pqPalpateReducedTouch::ToolFigures& figures = f.Tools[tool];
     this->Tools->item(tool, ToolColumn)
       ->setText(QString("%1 (%2)").arg(tool).arg(figures.ActiveNode));
+    this->Tools->item(tool, ForceColumn)->setText(QString::number(figures.Force, 'f', 3));
     this->Tools->item(tool, ForceColumn)
-      ->setText(QString("%1 / %2").arg(figures.Force, 0, 'f', 3).arg(figures.BodyForce, 0, 'f', 3));
+      ->setToolTip(QString("%1 N at the device, %2 N of the body")
+                     .arg(figures.Force, 0, 'f', 3)
+                     .arg(figures.BodyForce, 0, 'f', 3));
     this->Tools->item(tool, StateColumn)->setText(figures.State);
     this->Tools->item(tool, StateColumn)->setToolTip(figures.State);
   }
@@ -709,6 +780,9 @@ void pqPalpateInteractorDock::showFigures()
   this->Missed->setText(QString("%1 of %2").arg(f.Missed).arg(f.Ticks));
   this->Force->setText(
     QString("%1 N, body %2 N").arg(f.Force, 0, 'f', 3).arg(f.BodyForce, 0, 'f', 3));
+  this->Depth->setText(f.Depth < 0
+      ? QString("none")
+      : QString("%1 mm%2").arg(1e3 * f.Depth, 0, 'f', 1).arg(f.Node >= 0 ? " moved" : " deep"));
   this->Energy->setText(QString("%1 mJ").arg(1e3 * f.Dissipated, 0, 'f', 3));
   this->Damping->setText(QString("%1 N·s/m").arg(f.Damping, 0, 'f', 3));
   QString place = f.Support.isEmpty() ? "none" : f.Support;
@@ -754,6 +828,15 @@ void pqPalpateInteractorDock::say(const QString& text, bool isFault)
   this->Message->setText(text);
   this->Message->setStyleSheet(isFault ? FaultStyle : "");
   this->Message->setVisible(!text.isEmpty());
+}
+
+void pqPalpateInteractorDock::guard(const std::function<void()>& body)
+{
+  const QString fault = pqPalpateFault(body);
+  if (!fault.isEmpty())
+  {
+    this->say(fault, true);
+  }
 }
 
 void pqPalpateInteractorDock::stopTouching()

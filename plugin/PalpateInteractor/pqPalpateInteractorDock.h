@@ -5,6 +5,7 @@
 
 #include <QDockWidget>
 #include <QTimer>
+#include <functional>
 
 #include "pqPalpateReducedTouch.h"
 #include "pqPalpateTouch.h"
@@ -38,7 +39,10 @@ private:
   void makeChoices(QFormLayout* form);
   void makeTools(QVBoxLayout* column);
   void makeSettings(QFormLayout* form);
+  QLabel* addFigure(QFormLayout* form, const char* title, const char* name, const char* tip);
+  /// What one looks at while touching.
   void makeFigures(QFormLayout* form);
+  void makePace(QFormLayout* form);
   void makeRecorder(QFormLayout* form);
   /// In a toolbar of ParaView's window, with keys.
   void makeActions();
@@ -70,6 +74,8 @@ private:
   void showGraph(bool shown);
   void sendSettings();
   pqOutputPort* chosenSpace() const;
+  /// Calls `body()`, and says what it throws.
+  void guard(const std::function<void()>& body);
   /// What goes well is black.
   void say(const QString& text, bool isFault);
 
@@ -84,7 +90,6 @@ private:
   QGroupBox* ToolsGroup = nullptr;
   QTableWidget* Tools = nullptr;
   QVector<QComboBox*> DeviceOfTool;
-  QFormLayout* Live = nullptr;
   QPushButton* Refresh = nullptr;
   QPushButton* Start = nullptr;
   QAction* StartAction = nullptr;
@@ -99,6 +104,7 @@ private:
   QDoubleSpinBox* Friction = nullptr;
   QCheckBox* Grasps = nullptr;
   QCheckBox* NeedsButton = nullptr;
+  QCheckBox* InTissue = nullptr;
 
   QCheckBox* Records = nullptr;
   pqFileChooserWidget* RecordingFile = nullptr;
@@ -111,6 +117,7 @@ private:
   QLabel* Lateness = nullptr;
   QLabel* Missed = nullptr;
   QLabel* Force = nullptr;
+  QLabel* Depth = nullptr;
   QLabel* Energy = nullptr;
   QLabel* Place = nullptr;
   QLabel* Damping = nullptr;

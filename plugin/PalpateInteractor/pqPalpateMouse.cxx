@@ -10,6 +10,7 @@
 #include "vtkCellArray.h"
 #include "vtkCommand.h"
 #include "vtkInteractorObserver.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkRenderWindowInteractor.h"
@@ -88,12 +89,17 @@ void pqPalpateMouse::TakeOver(const pqPalpateMouse& other)
   this->Target = other.Target;
 }
 
-bool pqPalpateMouse::HandleEvent(vtkObject*, unsigned long event, void*)
+bool pqPalpateMouse::HandleEvent(vtkObject* sender, unsigned long event, void*)
 {
   if (!this->Renderer || !this->Interactor)
   {
     return false;
   }
+  return vtkPalpateGuard(sender, [&] { return this->Handle(event) ? 1 : 0; }) != 0;
+}
+
+bool pqPalpateMouse::Handle(unsigned long event)
+{
   switch (event)
   {
     case vtkCommand::LeftButtonPressEvent:

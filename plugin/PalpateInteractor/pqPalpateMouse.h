@@ -97,7 +97,9 @@ protected:
   std::string Hint;
 
 private:
-  bool HandleEvent(vtkObject* caller, unsigned long event, void* data);
+  bool HandleEvent(vtkObject* sender, unsigned long event, void* data);
+  /// @return Whether nobody else shall hear of it.
+  bool Handle(unsigned long event);
 
   std::shared_ptr<palpate::MouseMotion> Motion;
   vtkNew<vtkStaticCellLocator> Surface;

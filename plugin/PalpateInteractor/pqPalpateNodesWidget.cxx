@@ -22,6 +22,7 @@
 #include "vtkCommand.h"
 #include "vtkDataSetSurfaceFilter.h"
 #include "vtkMath.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
 #include "vtkRenderWindowInteractor.h"
@@ -208,7 +209,13 @@ void pqPalpateNodesWidget::end()
   this->PickingView->render();
 }
 
-bool pqPalpateNodesWidget::handleEvent(vtkObject*, unsigned long event, void*)
+bool pqPalpateNodesWidget::handleEvent(vtkObject* sender, unsigned long event, void*)
+{
+  vtkPalpateGuard(sender, [&] { this->handle(event); });
+  return false;
+}
+
+void pqPalpateNodesWidget::handle(unsigned long event)
 {
   const int* pixel = this->Interactor->GetEventPosition();
   if (event == vtkCommand::LeftButtonPressEvent)
@@ -221,7 +228,6 @@ bool pqPalpateNodesWidget::handleEvent(vtkObject*, unsigned long event, void*)
   {
     this->pick(this->Pressed);
   }
-  return false;
 }
 
 void pqPalpateNodesWidget::pick(const int* pixel)

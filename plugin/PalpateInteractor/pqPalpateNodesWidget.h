@@ -42,7 +42,8 @@ private:
   void activate();
   void start();
   void end();
-  bool handleEvent(vtkObject*, unsigned long event, void*);
+  bool handleEvent(vtkObject* sender, unsigned long event, void*);
+  void handle(unsigned long event);
   void pick(const int* pixel);
   /// The nearest point of the body that may be touched or is held; -1: there is none.
   vtkIdType nearest(const double* place) const;

@@ -4,6 +4,7 @@
 #include <QElapsedTimer>
 #include <QFileInfo>
 #include <QPointer>
+#include <QScopedValueRollback>
 #include <algorithm>
 #include <exception>
 #include <mutex>
@@ -19,6 +20,7 @@
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
+#include "pqPalpateFault.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateRecording.h"
 #include "pqPalpateReducedMouse.h"
@@ -151,11 +153,19 @@ pqPalpateReducedTouch::pqPalpateReducedTouch(QObject* parent)
     &pqServerManagerModel::dataUpdated, this,
     [this](pqPipelineSource* source)
     {
-      if (this->Running && source == this->Running->Source &&
-        pqPalpateMarkReduced(this->Running->Port) != this->Running->Mark)
+      if (!this->Running || source != this->Running->Source)
       {
-        this->end("The reduced model was made anew. Start again to touch the new one.",
-          pqPalpateRunWatch::Left::All);
+        return;
+      }
+      std::vector<double> mark;
+      QString why = pqPalpateFault([&] { mark = pqPalpateMarkReduced(this->Running->Port); });
+      if (why.isEmpty() && mark != this->Running->Mark)
+      {
+        why = "The reduced model was made anew. Start again to touch the new one.";
+      }
+      if (!why.isEmpty())
+      {
+        this->end(why, pqPalpateRunWatch::Left::All);
       }
     });
 }
@@ -207,6 +217,8 @@ std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
       ? session.Settings.WorkspaceScale
       : session.Radius / hand->Servo->specification().workspace_radius;
   }
+  // Before anything is started: a device may lack what they ask for.
+  this->applySettings(session, *hand);
   if (!session.Recording.isEmpty())
   {
     const QFileInfo file(session.Recording);
@@ -237,8 +249,12 @@ void pqPalpateReducedTouch::applySettings(Session& session, Hand& hand) const
   }
   else
   {
-    const int buttons = hand.Servo->specification().num_buttons;
-    servo.dead_man_button = this->Current.NeedsButton && buttons > 0 ? 0 : -1;
+    const palpate::Specification& specification = hand.Servo->specification();
+    if (this->Current.NeedsButton)
+    {
+      servo.dead_man_button = palpate::dead_man_button_of(specification);
+    }
+    const int buttons = specification.num_buttons;
     if (this->Current.GraspsWithButton && buttons - 1 > servo.dead_man_button)
     {
       servo.grasp_button = buttons - 1;
@@ -301,8 +317,8 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
     }
     session->Body = std::make_unique<palpate::ReducedBodyThread>(
       session->Space.Model, session->Options, session->Clock);
-    session->BodyView =
-      std::make_unique<pqPalpateBodyView>(model, view, reduced.trained_tools.maxCoeff());
+    session->BodyView = std::make_unique<pqPalpateBodyView>(
+      model, view, reduced.trained_tools.maxCoeff(), this->Current.InTissue);
     for (int tool = 0; tool < tools; ++tool)
     {
       const double stiffness = reduced.tool_stiffness.block<3, 3>(3 * tool, 3 * tool).norm();
@@ -318,7 +334,6 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
       if (Hand* hand = session->Hands[static_cast<std::size_t>(tool)].get())
       {
         hand->Servo->set_tool(session->Body->tool(tool));
-        this->applySettings(*session, *hand);
         hand->Servo->start();
       }
     }
@@ -363,7 +378,6 @@ QString pqPalpateReducedTouch::setDevice(int tool, const QString& device)
         "device, and start again.");
     }
     hand->Servo->set_tool(session->Body->tool(tool));
-    this->applySettings(*session, *hand);
     hand->Servo->start();
     session->Exchange(tool, std::move(hand));
   }
@@ -438,32 +452,43 @@ void pqPalpateReducedTouch::end(const QString& why, pqPalpateRunWatch::Left left
     static_cast<unsigned long long>(frames),
     1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
   session->Tools.clear();
-  if (left != pqPalpateRunWatch::Left::Nothing)
-  {
-    session->BodyView->RestorePicture();
-  }
-  if (left == pqPalpateRunWatch::Left::All)
-  {
-    session->BodyView->ShowRest();
-  }
-  Q_EMIT this->stopped(
-    ended ? why : "A device's driver hangs: the device itself has to switch its motors off.");
+  // What has ended it may come again.
+  const QString fault = pqPalpateFault([&] { session->BodyView->Leave(left); });
+  Q_EMIT this->stopped(ended
+      ? (why.isEmpty() ? fault : why)
+      : "A device's driver hangs: the device itself has to switch its motors off.");
   // Last: what is still asked of a server that is lost makes ParaView end, and that is told before.
   this->Watch.end();
 }
 
 void pqPalpateReducedTouch::showFrame()
 {
+  const QString fault = pqPalpateFault([this] { this->advance(); });
+  if (!fault.isEmpty())
+  {
+    this->end(fault, pqPalpateRunWatch::Left::All);
+  }
+}
+
+void pqPalpateReducedTouch::advance()
+{
   if (this->Watch.hearsEscape())
   {
     this->stop();
+  }
+  for (int tool = 0; this->Running && tool < static_cast<int>(this->Running->Hands.size()); ++tool)
+  {
+    if (Hand* hand = this->Running->Hands[static_cast<std::size_t>(tool)].get())
+    {
+      hand->Servo->host_lives();
+    }
   }
   // Rendering may handle events, a timer's too.
   if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
   {
     return;
   }
-  this->IsShowing = true;
+  const QScopedValueRollback<bool> showing(this->IsShowing, true);
   const std::shared_ptr<Session> session = this->Running;
   double largest[2] = { 0, 0 };
   for (int tool = 0; tool < static_cast<int>(session->Hands.size()); ++tool)
@@ -488,14 +513,12 @@ void pqPalpateReducedTouch::showFrame()
     {
       hand->Mouse->Advance(hand->Tick);
     }
-    try
-    {
-      this->applySettings(*session, *hand);
-    }
-    catch (const std::exception& error)
+    // What a device lacks is no reason to end the others.
+    const QString fault = pqPalpateFault([&] { this->applySettings(*session, *hand); });
+    if (!fault.isEmpty())
     {
       this->endHand(*session, tool);
-      Q_EMIT this->toolLost(tool, error.what());
+      Q_EMIT this->toolLost(tool, fault);
       continue;
     }
     largest[0] = std::max(largest[0], hand->Tick.force.norm());
@@ -509,7 +532,6 @@ void pqPalpateReducedTouch::showFrame()
   {
     Q_EMIT this->sampled(1e-3 * session->Time.elapsed(), largest[0], largest[1]);
   }
-  this->IsShowing = false;
 }
 
 void pqPalpateReducedTouch::show(Session& session)
@@ -558,6 +580,15 @@ void pqPalpateReducedTouch::show(Session& session)
     }
   }
   session.BodyView->Draw();
+}
+
+void pqPalpateReducedTouch::setSettings(const pqPalpateTouch::Settings& settings)
+{
+  if (this->Running && settings.InTissue != this->Current.InTissue)
+  {
+    this->Running->BodyView->SetColours(settings.InTissue);
+  }
+  this->Current = settings;
 }
 
 pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()

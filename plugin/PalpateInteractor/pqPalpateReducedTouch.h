@@ -80,7 +80,7 @@ public:
 
   /// Scales count from the next start on, so that no coupling becomes stiffer than its device
   /// displays; the rest at once.
-  void setSettings(const pqPalpateTouch::Settings& settings) { this->Current = settings; }
+  void setSettings(const pqPalpateTouch::Settings& settings);
   Figures figures();
 
 Q_SIGNALS:
@@ -105,7 +105,9 @@ private:
   void applySettings(Session& session, Hand& hand) const;
   /// @return Whether the thread of its loop has ended.
   bool endHand(Session& session, int tool);
+  /// At each frame: advance(), and the end where that fails.
   void showFrame();
+  void advance();
   /// What has changed since the last frame.
   void show(Session& session);
   /// Zero force first; then the whole picture of the view, and the body at rest.

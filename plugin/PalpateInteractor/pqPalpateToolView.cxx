@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "haptic/touching/pressing_range.h"
 #include "vtkArrowSource.h"
+#include "vtkCamera.h"
 #include "vtkCellArray.h"
-#include "vtkCoordinate.h"
 #include "vtkFloatArray.h"
 #include "vtkGlyph3D.h"
 #include "vtkMatrix4x4.h"
@@ -31,12 +32,21 @@ namespace
 /// Of the diagonal of the body.
 constexpr double ToolRadius = 0.012;
 constexpr double LongestArrow = 0.4;
+/// So that the direction of a small force is seen, too.
+constexpr double ShortestArrow = 0.08;
 constexpr double NodeRadius = 0.008;
 constexpr double RimRadius = 0.012;
 
 constexpr int TextSize = 14;
 /// Of the height of the view.
 constexpr double TextPlace = 0.98;
+/// Of the numbers beside the tool, and how far they are from its middle: pixels.
+constexpr int NumbersSize = 18;
+constexpr double NumbersAside = 45;
+/// Below this force it has one more digit, N.
+constexpr double SmallForce = 0.1;
+/// An arrow is seen from its end, where the cosine of its angle to the sight is more than this.
+constexpr double EndOn = 0.94;
 
 /// Units of depth that bring anything to the front: a force that points into the body is seen too.
 constexpr double ToFront = -66000;
@@ -46,10 +56,42 @@ constexpr double ToRim = -20000;
 constexpr double BeforeBody = -30;
 
 double ToolColour[3] = { 0.95, 0.75, 0.1 };
+/// As in the pictures of the pages: neither tissue nor pressure has it.
+double ForceColour[3] = { 0.05, 0.55, 0.25 };
 double MouseColour[3] = { 0.1, 0.35, 0.9 };
 constexpr double ToolOpacity = 0.35;
 double VeilColour[3] = { 0.8, 0.8, 0.8 };
 constexpr double VeilOpacity = 0.75;
+/// The part of a colour that does not depend on the light.
+constexpr double Brightness = 0.3;
+
+/// Dark on a light box with an edge: legible on each background.
+void SetStyle(vtkTextActor* text, int size)
+{
+  vtkTextProperty* style = text->GetTextProperty();
+  style->SetFontSize(size);
+  style->SetColor(0, 0, 0);
+  style->SetBackgroundColor(1, 1, 0.85);
+  style->SetBackgroundOpacity(0.9);
+  style->FrameOn();
+  style->SetFrameColor(0.3, 0.3, 0.3);
+  text->PickableOff();
+  text->VisibilityOff();
+}
+
+/// @param towards Cosine of the angle between the force and the way to the person.
+std::string InNumbers(const palpate::Contact& contact, double force, double depth, double towards)
+{
+  const bool presses = contact.status == palpate::ContactStatus::pressing;
+  char text[160];
+  const char* way = towards > EndOn ? " towards you" : towards < -EndOn ? " away from you" : "";
+  const char* where = contact.support == palpate::Support::marked ? "\n in a marked region "
+    : contact.support == palpate::Support::extrapolated           ? "\n beyond the space "
+                                                                  : "";
+  std::snprintf(text, sizeof text, " %.*f N%s \n %.1f mm %s %s", force < SmallForce ? 3 : 2, force,
+    way, 1e3 * depth, presses ? "deep" : "moved", where);
+  return text;
+}
 
 // Real spheres: points that a driver shall draw as spheres are not drawn at all by Mesa's llvmpipe.
 void ShowSpheres(
@@ -122,6 +164,7 @@ pqPalpateToolView::pqPalpateToolView(
     }
   }
   this->ArrowScale = largestForce > 0 ? LongestArrow * size / largestForce : 0;
+  this->ShortestArrow = ::ShortestArrow * size;
 
   this->MakeNodes(points, size);
 
@@ -141,6 +184,7 @@ pqPalpateToolView::pqPalpateToolView(
 pqPalpateToolView::pqPalpateToolView(
   vtkSMRenderViewProxy* view, const palpate::Vec3& place, double size, double largestForce)
   : ArrowScale(largestForce > 0 ? LongestArrow * size / largestForce : 0)
+  , ShortestArrow(::ShortestArrow * size)
 {
   vtkNew<vtkPoints> points;
   points->InsertNextPoint(place.data());
@@ -163,7 +207,8 @@ void pqPalpateToolView::MakeActors(vtkSMRenderViewProxy* view)
   arrow->SetTipResolution(20);
   arrow->SetShaftResolution(16);
   SetMapper(this->Arrow, arrow->GetOutputPort(), ToFront);
-  this->Arrow->GetProperty()->SetColor(0.8, 0.1, 0.1);
+  this->Arrow->GetProperty()->SetColor(ForceColour);
+  this->Arrow->GetProperty()->SetAmbient(Brightness);
 
   if (auto* client = vtkPVRenderView::SafeDownCast(view->GetClientSideObject()))
   {
@@ -180,20 +225,23 @@ void pqPalpateToolView::MakeActors(vtkSMRenderViewProxy* view)
   this->Tool->VisibilityOff();
   this->Arrow->VisibilityOff();
 
+  SetStyle(this->Text, TextSize);
   vtkTextProperty* style = this->Text->GetTextProperty();
-  style->SetFontSize(TextSize);
-  style->SetColor(0, 0, 0);
-  style->SetBackgroundColor(1, 1, 0.85);
-  style->SetBackgroundOpacity(0.85);
   style->SetJustificationToCentered();
   style->SetVerticalJustificationToTop();
   this->Text->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   this->Text->SetPosition(0.5, TextPlace);
-  this->Text->PickableOff();
-  this->Text->VisibilityOff();
+  // A camera that moves takes them along.
+  SetStyle(this->Numbers, NumbersSize);
+  this->Numbers->GetTextProperty()->BoldOn();
+  this->Numbers->GetTextProperty()->SetVerticalJustificationToCentered();
+  this->NumbersPlace->SetCoordinateSystemToWorld();
+  this->Numbers->GetPositionCoordinate()->SetCoordinateSystemToViewport();
+  this->Numbers->GetPositionCoordinate()->SetReferenceCoordinate(this->NumbersPlace);
   if (this->Renderer)
   {
     this->Renderer->AddViewProp(this->Text);
+    this->Renderer->AddViewProp(this->Numbers);
   }
 }
 
@@ -239,6 +287,7 @@ void pqPalpateToolView::MakeVeil(
   SetPolyData(this->Veil, veil, BeforeBody);
   this->Veil->GetProperty()->SetColor(VeilColour);
   this->Veil->GetProperty()->SetOpacity(VeilOpacity);
+  this->Veil->GetProperty()->SetAmbient(Brightness);
   this->Veil->SetVisibility(!veiled.empty());
 }
 
@@ -254,6 +303,7 @@ pqPalpateToolView::~pqPalpateToolView()
   if (this->Renderer)
   {
     this->Renderer->RemoveViewProp(this->Text);
+    this->Renderer->RemoveViewProp(this->Numbers);
   }
 }
 
@@ -269,7 +319,7 @@ bool pqPalpateToolView::Say(const std::string& text)
   return true;
 }
 
-void pqPalpateToolView::Show(const palpate::Tick& tick, bool free)
+void pqPalpateToolView::Show(const palpate::Tick& tick, bool free, double depth)
 {
   const palpate::Contact& contact = tick.contact;
   const bool touches = palpate::touches(contact.status);
@@ -277,7 +327,7 @@ void pqPalpateToolView::Show(const palpate::Tick& tick, bool free)
     touches ? palpate::Vec3(contact.anchor + contact.displacement) : tick.position;
   this->Tool->SetVisibility(touches || free);
   this->Tool->SetPosition(place.x(), place.y(), place.z());
-  this->ShowForce(contact, place);
+  this->ShowForce(contact, place, depth);
 }
 
 void pqPalpateToolView::ShowTool(const palpate::Contact& contact, bool has)
@@ -290,7 +340,7 @@ void pqPalpateToolView::ShowTool(const palpate::Contact& contact, bool has)
   }
   this->Tool->SetVisibility(has);
   this->Tool->SetPosition(place.x(), place.y(), place.z());
-  this->ShowForce(contact, place);
+  this->ShowForce(contact, place, u.norm());
 }
 
 void pqPalpateToolView::MarkMouse()
@@ -298,11 +348,36 @@ void pqPalpateToolView::MarkMouse()
   this->Tool->GetProperty()->SetColor(MouseColour);
 }
 
-void pqPalpateToolView::ShowForce(const palpate::Contact& contact, const palpate::Vec3& place)
+void pqPalpateToolView::PlaceNumbers(const palpate::Vec3& place)
+{
+  this->NumbersPlace->SetValue(place.x(), place.y(), place.z());
+  if (!this->Renderer)
+  {
+    return;
+  }
+  const int* seen = this->NumbersPlace->GetComputedViewportValue(this->Renderer);
+  const bool isRight = 2 * seen[0] > this->Renderer->GetSize()[0];
+  this->Numbers->SetPosition(isRight ? -NumbersAside : NumbersAside, 0);
+  this->Numbers->GetTextProperty()->SetJustification(isRight ? VTK_TEXT_RIGHT : VTK_TEXT_LEFT);
+}
+
+void pqPalpateToolView::ShowForce(
+  const palpate::Contact& contact, const palpate::Vec3& place, double depth)
 {
   const bool touches = palpate::touches(contact.status);
   const double force = contact.force.norm();
-  this->Arrow->SetVisibility(touches && force > 0 && std::isfinite(force));
+  const bool isKnown = touches && std::isfinite(force) && std::isfinite(depth);
+  this->Numbers->SetVisibility(isKnown);
+  this->Arrow->SetVisibility(isKnown && force > 0);
+  if (isKnown)
+  {
+    const palpate::Vec3 sight = this->Renderer
+      ? palpate::Vec3(this->Renderer->GetActiveCamera()->GetDirectionOfProjection())
+      : palpate::Vec3::Zero();
+    const double towards = force > 0 ? -sight.dot(contact.force) / force : 0;
+    this->Numbers->SetInput(InNumbers(contact, force, depth, towards).c_str());
+    this->PlaceNumbers(place);
+  }
   if (!this->Arrow->GetVisibility())
   {
     return;
@@ -311,7 +386,7 @@ void pqPalpateToolView::ShowForce(const palpate::Contact& contact, const palpate
   const palpate::Vec3 along = contact.force / force;
   const palpate::Vec3 across = along.unitOrthogonal();
   const palpate::Vec3 third = along.cross(across);
-  const double length = this->ArrowScale * force;
+  const double length = std::max(this->ArrowScale * force, this->ShortestArrow);
   vtkNew<vtkMatrix4x4> matrix;
   for (int i = 0; i < 3; ++i)
   {

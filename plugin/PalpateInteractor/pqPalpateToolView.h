@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What is drawn over the body: the active nodes, the tool, the force on it as an arrow, a line of
-/// text, and a grey veil where a rigid tool cannot press. Plain actors of the client's own, beside
-/// ParaView's representations: they follow without a pipeline. The arrow, and the tip of a bonded
-/// tool, are seen through the body; a rigid tool has its size, and is seen through.
+/// What is drawn over the body: the active nodes, the tool, the force on it as an arrow and in
+/// numbers beside the tool, a line of text, and a grey veil where a rigid tool cannot press. Plain
+/// actors of the client's own, beside ParaView's representations: they follow without a pipeline.
+/// The arrow, and the tip of a bonded tool, are seen through the body; a rigid tool has its size,
+/// and is seen through.
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 #include "haptic/servo/tick.h"
 #include "haptic/touching/touchable.h"
 #include "vtkActor.h"
+#include "vtkCoordinate.h"
 #include "vtkNew.h"
 #include "vtkPalpateStateSpace.h"
 #include "vtkWeakPointer.h"
@@ -37,7 +39,8 @@ public:
   void operator=(const pqPalpateToolView&) = delete;
 
   /// @param free The tool is drawn where it touches nothing, too.
-  void Show(const palpate::Tick& tick, bool free);
+  /// @param depth How deep it is, or how far it has moved a node, m.
+  void Show(const palpate::Tick& tick, bool free, double depth);
   /// Of a tool of a reduced body, which takes its dot with it.
   /// @param has The tip of a tool that a device has is seen also while it does not hold.
   void ShowTool(const palpate::Contact& contact, bool has);
@@ -54,7 +57,10 @@ private:
   void MakeNodes(vtkPoints* places, double size);
   /// The rest, and adds all to the view.
   void MakeActors(vtkSMRenderViewProxy* view);
-  void ShowForce(const palpate::Contact& contact, const palpate::Vec3& place);
+  /// The arrow, and the numbers beside the tool.
+  void ShowForce(const palpate::Contact& contact, const palpate::Vec3& place, double depth);
+  /// Beside a place, on that side of it where there is room.
+  void PlaceNumbers(const palpate::Vec3& place);
   void MakeTip(double radius);
   void MakeRigidTool(const palpate::RigidTool& tool);
   void MakeVeil(const palpate::Surface& surface, const std::vector<char>& pressable);
@@ -67,6 +73,11 @@ private:
   vtkNew<vtkActor> Tool;
   vtkNew<vtkActor> Arrow;
   vtkNew<vtkTextActor> Text;
+  /// Force and depth, and the place of the tool that they stand beside.
+  vtkNew<vtkTextActor> Numbers;
+  vtkNew<vtkCoordinate> NumbersPlace;
   /// Length of the arrow for a newton of the body, m.
   double ArrowScale = 0;
+  /// m.
+  double ShortestArrow = 0;
 };

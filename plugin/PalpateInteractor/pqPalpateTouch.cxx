@@ -3,6 +3,7 @@
 
 #include <QElapsedTimer>
 #include <QPointer>
+#include <QScopedValueRollback>
 #include <algorithm>
 #include <exception>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "pqOutputPort.h"
 #include "pqPalpateBodyView.h"
 #include "pqPalpateDevices.h"
+#include "pqPalpateFault.h"
 #include "pqPalpateFetch.h"
 #include "pqPalpateNodeMouse.h"
 #include "pqPalpateRecording.h"
@@ -125,6 +127,7 @@ struct pqPalpateTouch::Session
   double Radius = 0;
   /// How deep a rigid tool presses, m; 0: there is none.
   double Deepest = 0;
+  palpate::RigidTool RigidTool;
   /// Where the simulated hand is.
   Vec3 HandCentre = Vec3::Zero();
   Mat3 HandRotation = Mat3::Identity();
@@ -173,6 +176,19 @@ struct pqPalpateTouch::Session
     this->Radius = Room * (box.diagonal().norm() / 2 + beyond);
     const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
     this->Deepest = rigid ? palpate::depth_of(rigid->setup) : 0;
+    this->RigidTool = rigid ? rigid->setup.interaction.tool : palpate::RigidTool();
+  }
+
+  /// How deep a rigid tool is in the body at rest, or how far the tool has moved its node, m; below
+  /// 0: it touches nothing.
+  double Depth(const palpate::Contact& contact) const
+  {
+    if (contact.status == palpate::ContactStatus::pressing)
+    {
+      const palpate::SurfaceTree& surface = this->Body->surface();
+      return std::max(0.0, palpate::depth_in_body(surface, this->RigidTool, contact.anchor));
+    }
+    return palpate::touches(contact.status) ? contact.displacement.norm() : -1;
   }
 
   /// Where a rigid tool touches nothing.
@@ -228,12 +244,12 @@ struct pqPalpateTouch::Session
     return pqPalpateOpenDevice(this->Device);
   }
 
-  void MakeBodyView(const palpate::TouchSpace& space)
+  void MakeBodyView(const palpate::TouchSpace& space, bool inTissue)
   {
     const palpate::TouchToolSpace* rigid = RigidToolSpace(space);
     const double depth = palpate::depth_of(space.tool_spaces.front().setup);
     this->BodyView = std::make_unique<pqPalpateBodyView>(this->Space, this->View,
-      rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth,
+      rigid ? "ContactPressure" : "Displacement", rigid ? UsualPressure(*rigid) : depth, inTissue,
       this->Away().data());
   }
 
@@ -285,7 +301,7 @@ QString pqPalpateTouch::start(
     session->SetSpace(copy);
     const auto clock = std::make_shared<palpate::MonotonicClock>();
     pqPalpateDevice opened = session->OpenDevice(clock, copy);
-    session->MakeBodyView(copy);
+    session->MakeBodyView(copy, this->Current.InTissue);
     session->ShowSpace(copy);
     session->Servo = std::make_unique<palpate::Servo>(
       std::move(opened.Transport), std::move(opened.Profile), clock, opened.Setup.options);
@@ -342,16 +358,11 @@ void pqPalpateTouch::end(const QString& why, pqPalpateRunWatch::Left left)
   this->closeRecording(*session, {});
   session->Mouse.reset();
   session->Tool.reset();
-  if (left != pqPalpateRunWatch::Left::Nothing)
-  {
-    session->BodyView->RestorePicture();
-  }
-  if (left == pqPalpateRunWatch::Left::All)
-  {
-    session->BodyView->ShowRest();
-  }
-  Q_EMIT this->stopped(
-    ended ? why : "The device's driver hangs: the device itself has to switch its motors off.");
+  // What has ended it may come again.
+  const QString fault = pqPalpateFault([&] { session->BodyView->Leave(left); });
+  Q_EMIT this->stopped(ended
+      ? (why.isEmpty() ? fault : why)
+      : "The device's driver hangs: the device itself has to switch its motors off.");
   // Last: what is still asked of a server that is lost makes ParaView end, and that is told before.
   this->Watch.end();
 }
@@ -368,6 +379,10 @@ void pqPalpateTouch::closeRecording(Session& session, const QString& fault)
 
 void pqPalpateTouch::setSettings(const Settings& settings)
 {
+  if (this->Running && settings.InTissue != this->Current.InTissue)
+  {
+    this->Running->BodyView->SetColours(settings.InTissue);
+  }
   this->Current = settings;
 }
 
@@ -377,7 +392,10 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
   palpate::ServoSettings& servo = session.ServoSettings;
   servo.force_scale = this->Current.ForceScale;
   servo.force_limit = this->Current.ForceLimit;
-  servo.dead_man_button = this->Current.NeedsButton ? 0 : -1;
+  const bool isReal = !session.Mouse && !session.IsSimulatedHand();
+  servo.dead_man_button = isReal && this->Current.NeedsButton
+    ? palpate::dead_man_button_of(session.Servo->specification())
+    : -1;
   session.TouchSettings.bonded = this->Current.Bonded;
   session.TouchSettings.release_force = this->Current.ReleaseForce;
   servo.grasp_button = -1;
@@ -422,58 +440,71 @@ void pqPalpateTouch::takeNewData()
   // It may end while the data are on their way.
   const std::shared_ptr<Session> kept = this->Running;
   Session& session = *kept;
-  const vtkMTimeType time = pqPalpateDataTime(session.Space);
-  if (time != 0 && time == session.DataTime)
-  {
-    return;
-  }
-  session.DataTime = time;
-  try
-  {
-    const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Space);
-    if (this->Running != kept)
+  const QString fault = pqPalpateFault(
+    [&]
     {
-      return;
-    }
-    const bool isOther = copy.scene_hash != session.Body->scene_hash();
-    session.SetSpace(copy);
-    session.ShowSpace(copy);
-    session.Servo->set_body(session.Body);
-    if (isOther && session.Recording)
-    {
-      session.Servo->set_recording(nullptr);
-      this->closeRecording(session, "The body has become another one: the recording ends there.");
-    }
-    if (session.Node >= 0 && session.Body->find(session.Node) < 0)
-    {
-      session.Node = -1;
-      session.BodyView->ShowRest();
-    }
-  }
-  catch (const std::exception& error)
+      const vtkMTimeType time = pqPalpateDataTime(session.Space);
+      if (time != 0 && time == session.DataTime)
+      {
+        return;
+      }
+      session.DataTime = time;
+      const palpate::TouchSpace copy = pqPalpateFetchSpace(session.Space);
+      if (this->Running != kept)
+      {
+        return;
+      }
+      const bool isOther = copy.scene_hash != session.Body->scene_hash();
+      session.SetSpace(copy);
+      session.ShowSpace(copy);
+      session.Servo->set_body(session.Body);
+      if (isOther && session.Recording)
+      {
+        session.Servo->set_recording(nullptr);
+        this->closeRecording(session, "The body has become another one: the recording ends there.");
+      }
+      if (session.Node >= 0 && session.Body->find(session.Node) < 0)
+      {
+        session.Node = -1;
+        session.BodyView->ShowRest();
+      }
+    });
+  if (!fault.isEmpty())
   {
-    this->end(error.what(), pqPalpateRunWatch::Left::View);
+    this->end(fault, pqPalpateRunWatch::Left::View);
   }
 }
 
 void pqPalpateTouch::showFrame()
 {
+  const QString fault = pqPalpateFault([this] { this->advance(); });
+  if (!fault.isEmpty())
+  {
+    this->end(fault, pqPalpateRunWatch::Left::All);
+  }
+}
+
+void pqPalpateTouch::advance()
+{
   if (this->Watch.hearsEscape())
   {
     this->stop();
+  }
+  if (this->Running)
+  {
+    this->Running->Servo->host_lives();
   }
   // Rendering may handle events, a timer's too.
   if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
   {
     return;
   }
-  this->IsShowing = true;
+  const QScopedValueRollback<bool> showing(this->IsShowing, true);
   const std::shared_ptr<Session> kept = this->Running;
   Session& session = *kept;
   const palpate::Tick tick = session.Servo->latest();
   if (tick.state == palpate::ServoState::gone)
   {
-    this->IsShowing = false;
     this->end("The device is gone: " + QString::fromStdString(session.Servo->problem()),
       pqPalpateRunWatch::Left::All);
     return;
@@ -482,16 +513,7 @@ void pqPalpateTouch::showFrame()
   {
     session.Mouse->Advance(tick);
   }
-  try
-  {
-    this->applySettings(tick);
-  }
-  catch (const std::exception& error)
-  {
-    this->IsShowing = false;
-    this->end(error.what(), pqPalpateRunWatch::Left::All);
-    return;
-  }
+  this->applySettings(tick);
 
   // A space that grows does so here: not within the frame, where no progress would be seen and no
   // button heard.
@@ -509,7 +531,6 @@ void pqPalpateTouch::showFrame()
     Q_EMIT this->sampled(
       1e-3 * session.Time.elapsed(), tick.force.norm(), tick.contact.force.norm());
   }
-  this->IsShowing = false;
 }
 
 void pqPalpateTouch::show(const palpate::Tick& tick)
@@ -556,7 +577,7 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
   session.ShowsFree = showsFree;
   session.Place = tick.position;
   session.Touches = touches;
-  session.Tool->Show(tick, showsFree);
+  session.Tool->Show(tick, showsFree, session.Depth(contact));
   session.BodyView->Draw();
 }
 
@@ -583,6 +604,7 @@ pqPalpateTouch::Figures pqPalpateTouch::figures()
   figures.Missed = statistics.missed;
   figures.Force = tick.force.norm();
   figures.BodyForce = tick.contact.force.norm();
+  figures.Depth = session.Depth(tick.contact);
   figures.Dissipated = tick.dissipated;
   figures.Damping = tick.added_damping;
   if (tick.contact.status == palpate::ContactStatus::attached)

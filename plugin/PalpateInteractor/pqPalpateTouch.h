@@ -52,6 +52,9 @@ public:
     bool GraspsWithButton = true;
     /// Coefficient of friction of a rigid tool.
     double Friction = 0;
+    /// The body at rest has the colour of tissue, and others where it is pressed or moved; else
+    /// those of ParaView's map. What a person has coloured before keeps its colours.
+    bool InTissue = true;
   };
 
   /// What is known of the loop and of the view, in words where it is not a number.
@@ -76,6 +79,9 @@ public:
     int Node = -1;
     int Branch = 0;
     QString Support;
+    /// How deep a rigid tool is in the body at rest, or how far the tool has moved its node, m;
+    /// below 0: it touches nothing.
+    double Depth = -1;
     /// How much deeper a rigid tool that presses can go, m; below 0: there is none.
     double DepthLeft = -1;
     /// Ticks in the recording, and those that it lost.
@@ -116,7 +122,9 @@ Q_SIGNALS:
 private:
   struct Session;
 
+  /// At each frame: advance(), and the end where that fails.
   void showFrame();
+  void advance();
   /// What has changed since the last frame.
   void show(const palpate::Tick& tick);
   /// @param fault Why it ends before its time; empty: it does not.

@@ -64,6 +64,12 @@ def work():
     return time.thread_time(), waited
 
 
+def unfold(name):
+    """Opens one of the dock's folds."""
+    part(name + "Fold").setProperty("checked", True)
+    assert part(name).isVisible()
+
+
 def measure_frames(view, seconds):
     """Prints what a frame takes on a processor, s; the share of the time in which threads have
     waited for one; frames in a second."""

@@ -70,6 +70,9 @@ def touching():
     wait(2)
     wait_for(lambda: touches() and number("force") > 0.1 and shown() > 0.002, "the hand presses")
     assert number("place") >= 0
+    # Beside the tool, too: newtons, and how far the node is moved.
+    assert re.search(r"\d\.\d+ N.*\n \d+\.\d mm moved", said(view)), said(view)
+    assert re.fullmatch(r"\d+\.\d mm moved", part("depth").text()), part("depth").text()
     assert not part("refresh").isEnabled()  # It would open other devices.
     # The hand has no button, and a tool that does not pull lets go by itself.
     assert not part("needsButton").isEnabled() and not part("releaseForce").isEnabled()

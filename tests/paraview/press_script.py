@@ -10,7 +10,7 @@ from paraview.simple import *
 
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
 from dock_support import (click_start, click_stop, number, runs, said, touch_filter, touches,
-                          wait_for)
+                          unfold, wait_for)
 from qt import (Button, Event, Modifier, QtCore, QTest, QtWidgets, application, canvas, drag, part,
                 pixel_of, property_widget, send, turn_wheel, wait, window)
 
@@ -115,6 +115,63 @@ def press():
         SaveScreenshot(f"rest_{size[0]}.png", view, ImageResolution=IMAGE)
         print(f"size_{size[0]}", first, glided)
     click_stop()
+
+
+def colour_at(at):
+    return canvas().grabFramebuffer().pixelColor(at).getRgb()[:3]
+
+
+def looks():
+    """On a dark and a light background the body at rest has the colour of tissue, and the legend
+    and the numbers beside the tool are seen; one box gives ParaView's colours; nothing of the dock
+    is cut off in a narrow window."""
+    _, view = open_space()
+    view.UseColorPaletteForBackground = 0
+    for shade in (0.1, 1):
+        view.Background = 3 * [shade]
+        Render()
+        click_start("Mouse")
+        wait(0.5)
+        at = pixel_of(view, MIDDLE)
+        red, green, blue = colour_at(at)
+        assert red > 120 and red > green > blue, (shade, red, green, blue)
+        legend = GetScalarBar(GetColorTransferFunction("ContactPressure"), view)
+        for letters in (legend.TitleColor, legend.LabelColor):
+            assert abs(letters[0] - shade) > 0.8, (shade, letters)
+        assert legend.Title == "Pressure (Pa)"
+        hover(at)
+        send(Event.MouseButtonPress, at)
+        wait_for(presses, "the press is felt")
+        wait_for(lambda: " mm deep" in said(view) and " N" in said(view), "it is told")
+        assert part("depth").text().endswith(" mm deep"), part("depth").text()
+        window.grab().save(f"looks_{shade}.png")
+        let_go(at)
+        wait_for(lambda: " mm deep" not in said(view), "it is told no more")
+        click_stop()
+    # A person's colours stay, until the box is changed.
+    colours = GetColorTransferFunction("ContactPressure")
+    colours.RGBPoints = [0, 0, 1, 0, 1000, 0, 0.5, 0]
+    click_start("Mouse")
+    wait(0.5)
+    red, green, blue = colour_at(pixel_of(view, MIDDLE))
+    assert green > max(red, blue), (red, green, blue)
+    part("inTissue").click()
+    wait(0.5)
+    red, green, blue = colour_at(pixel_of(view, MIDDLE))
+    assert blue > max(red, green), (red, green, blue)
+    part("inTissue").click()
+    wait(0.5)
+    red, green, blue = colour_at(pixel_of(view, MIDDLE))
+    assert red > green > blue, (red, green, blue)
+    click_stop()
+    window.resize(1050, 700)
+    for name in ("settings", "recording", "pace"):
+        assert not part(name).isVisible()
+        unfold(name)
+    wait(0.5)
+    window.grab().save("unfolded.png")
+    assert part("content").minimumSizeHint().width() <= part("area").viewport().width()
+    print("looks 1")
 
 
 def rub():
@@ -264,7 +321,7 @@ def grow():
 
 def main():
     try:
-        {"press": press, "rub": rub, "grasp": grasp, "edge": edge,
+        {"press": press, "looks": looks, "rub": rub, "grasp": grasp, "edge": edge,
          "grow": grow}[os.environ["PALPATE_INTERACTOR_RUN"]]()
     except BaseException:
         traceback.print_exc()

@@ -37,6 +37,7 @@ def main():
     # Coulomb's law at a coefficient of 1: √2 times as much, on a surface that is not quite flat.
     assert 1.2 < rubbed / free < 1.6 and abs(again - free) < 0.05, (free, rubbed, again)
 
+    assert run_window("looks")["looks"] == [1]
     assert run_window("grasp")["pulled"][0] > 0.001
     assert run_window("edge")["edge"] == [1]
     grown = run_window("grow")

@@ -9,7 +9,7 @@ from paraview import servermanager
 from paraview.simple import (AssignMaterial, BuildReducedModel, CSVReader,
                              PrecomputeStateSpace, SetBoundary, SimulateTouch, SolveDynamics,
                              SolveEquilibrium, TouchReducedModel)
-from support import box_body, expect_error, fetch, field, node_at, point_array, source
+from support import Messages, box_body, expect_error, fetch, field, node_at, point_array, source
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 DENSITY = 1000.0
@@ -83,6 +83,20 @@ def test_one_tool_moves_as_the_whole_body_does():
     largest = numpy.linalg.norm(of_whole["Force0"], axis=1).max()
     error = numpy.linalg.norm(of_touch["Force0"] - of_whole["Force0"], axis=1).max()
     assert error < 0.01 * largest, error / largest
+
+    # It says how far it is, and an abort keeps what there is.
+    shortened = SimulateTouch(Input=model, **common)
+    algorithm = shortened.GetClientSideObject()
+    observer = algorithm.AddObserver("ProgressEvent", lambda *_: algorithm.SetAbortExecute(1))
+    with Messages() as messages:
+        of_shortened = columns_of(shortened, 1)
+    assert messages.warnings == 1 and "Aborted at" in messages.text, messages.text
+    assert of_shortened["Time"][-1] < 0.5
+    assert field(servermanager.Fetch(shortened), "Complete")[0] == 0
+    algorithm.RemoveObserver(observer)
+    shortened.EndTime = 0.4
+    assert columns_of(shortened, 1)["Time"][-1] == 0.4
+    assert field(servermanager.Fetch(shortened), "Complete")[0] == 1
 
     # The animation: the same shape at each time, in any order.
     touch.UpdatePipelineInformation()

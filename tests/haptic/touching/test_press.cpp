@@ -346,6 +346,22 @@ TEST(Press, TellsWhereAndHowDeepItCan) {
   EXPECT_EQ(depth_left(force, below(0.02), -Vec3::UnitZ(), 1), 0);
 }
 
+TEST(Press, TheDepthIsThatOfTheLowestPointOfTheTool) {
+  const SurfaceTree& surface = Pressing::shared_body()->surface();
+  RigidTool tool;
+  tool.radius = 0.01;
+  for (const double depth : {-0.002, 0.0, 0.004}) {
+    EXPECT_NEAR(depth_in_body(surface, tool, below(depth)), depth, 1e-12);
+  }
+  tool.shape = ToolShape::capsule;
+  tool.length = 0.006;
+  EXPECT_NEAR(depth_in_body(surface, tool, below(0.004)), 0.004 + 0.003, 1e-12) << "upright";
+  tool.axis = Vec3::UnitX();
+  EXPECT_NEAR(depth_in_body(surface, tool, below(0.004)), 0.004, 1e-12) << "lying";
+  // Where the centre is in the body, too.
+  EXPECT_NEAR(depth_in_body(surface, tool, below(0.012)), 0.012, 1e-12);
+}
+
 TEST(Press, APlaceThatIsNotFiniteIsNowhere) {
   Pressing p;
   (void)p.press(0.003);
