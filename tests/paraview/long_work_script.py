@@ -12,6 +12,9 @@ from paraview.simple import *
 sys.path.append(os.path.join(os.environ["PALPATE_SOURCE_DIR"], "tests", "paraview"))
 from qt import (Button, Modifier, QtCore, QTest, QtWidgets, application, drag, part,
                 pixel_of_node, press_escape, wait_until, window)
+from support import box_body, node_at, source
+
+ABORTED = 4
 
 
 def figure(space, name):
@@ -90,6 +93,52 @@ def aborting():
     Delete(space)
 
 
+def press_abort_in(work):
+    """Presses the button of ParaView's bar as soon as it may be, while the filter works."""
+    bar = next(w for w in window.findChildren(QtWidgets.QWidget)
+               if w.metaObject().className() == "pqProgressWidget")
+    button = bar.findChild(QtWidgets.QToolButton)
+    pressed = []
+
+    def look():
+        if button.isEnabled() and button.isVisible():
+            pressed.append(1)
+            QTest.mouseClick(window.windowHandle(), Button.LeftButton, Modifier.NoModifier,
+                             button.mapTo(window, button.rect().center()))
+
+    timer = QtCore.QTimer()
+    timer.timeout.connect(look)
+    timer.start(20)
+    work.UpdatePipeline()
+    timer.stop()
+    assert pressed, f"{work.GetXMLName()} hears no button"
+
+
+def hearing():
+    """Each filter that works for long hears the button: motions that would take minutes, and a model
+    that would, end at once, with what there is."""
+    body = source(box_body((4, 2, 2), (0.2, 0.1, 0.1)), "box")
+    material = AssignMaterial(Input=body, Law="Neo-Hookean", YoungsModulus=5000,
+                              PoissonsRatio=0.4, Density=1000, ViscousTime=0.01)
+    boundary = SetBoundary(Input=material, FixedRegion="Plane")
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
+    tool = {"ActiveNodes": [node_at(boundary, [0.2, 0, 0.1])], "TipRadius": 0.02}
+    model = {"Reach": 0.01, "Modes": 10, "TestPaths": 0, "PathDuration": 0.2} | tool
+    with open("path.csv", "w", encoding="ascii") as table:
+        table.write("Time,Tool0_X,Tool0_Y,Tool0_Z\n0,0,0,0\n1,0.005,0,0\n")
+    motion = {"ToolPaths": CSVReader(FileName=["path.csv"])}
+    reduced = BuildReducedModel(Input=boundary, TrainingPaths=1, **model)
+    reduced.UpdatePipeline()
+    touch = SimulateTouch(Input=reduced, EndTime=400, **motion)
+    press_abort_in(touch)
+    assert figure(touch, "Complete") == 0
+    whole = SolveDynamics(Input=boundary, EndTime=100, **motion, **tool)
+    press_abort_in(whole)
+    assert figure(whole, "Outcome") == ABORTED
+    press_abort_in(BuildReducedModel(Input=boundary, TrainingPaths=200, **model))
+    print("heard 1")
+
+
 def touches():
     return part("state").text().endswith(", touching")
 
@@ -135,6 +184,7 @@ def growing(touched=True):
 
 def here():
     aborting()
+    hearing()
     growing()
 
 

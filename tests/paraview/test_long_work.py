@@ -36,6 +36,7 @@ def main():
     assert here["closed"] == [0] and here["enabled"] == [0, 1, 0], here
     found, expected, complete = here["aborted"]
     assert 1 < found < expected and complete == 0 and here["touched"][0] >= 1, here
+    assert here["heard"] == [1], here
     assert share_different("empty.png", "partial.png") > 0.001
     expect_growth(here)
 
