@@ -228,11 +228,11 @@ void pqPalpateInteractorDock::makeTools(QVBoxLayout* column)
     "that no device has moves with the body. A device that is chosen while the body is touched has "
     "the tool from then on, and the others go on.");
   this->Tools->setColumnCount(NumberOfToolColumns);
-  this->Tools->setHorizontalHeaderLabels({ "Tool (node)", "Device", "Force, N", "State" });
+  this->Tools->setHorizontalHeaderLabels({ "Tool", "Device", "Force, N", "State" });
   this->Tools->verticalHeader()->hide();
   this->Tools->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
   // What it says in full is in its tip.
-  this->Tools->horizontalHeader()->setStretchLastSection(true);
+  this->Tools->horizontalHeader()->setSectionResizeMode(StateColumn, QHeaderView::Stretch);
   this->Tools->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   this->Tools->setSelectionMode(QAbstractItemView::NoSelection);
   this->Tools->setEditTriggers(QAbstractItemView::NoEditTriggers);
