@@ -115,8 +115,8 @@ def press_abort_in(work):
 
 
 def hearing():
-    """Each filter that works for long hears the button: motions that would take minutes, and a model
-    that would, end at once, with what there is."""
+    """Each filter that works for long hears the button: motions that would take minutes, and a
+    model that would, end at once, with what there is."""
     body = source(box_body((4, 2, 2), (0.2, 0.1, 0.1)), "box")
     material = AssignMaterial(Input=body, Law="Neo-Hookean", YoungsModulus=5000,
                               PoissonsRatio=0.4, Density=1000, ViscousTime=0.01)
