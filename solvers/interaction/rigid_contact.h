@@ -7,7 +7,13 @@
 //
 // over the surface at rest. The pressure −ψ′ acts in a layer of thickness δ, in which it rises
 // smoothly: ψ is C³ and zero beyond it, so that a tool that touches nothing adds exactly nothing,
-// and a tool seems larger by about half of it.
+// and a tool seems larger by about half of it: a pressure p = −ψ′ is at the gap δ (1 −
+// (p/κ)^{1/3}). With h = δ − g it feels as if it were deeper than it is by
+//
+//   e = δ − 5/6 ∫ h p dA / ∫ p dA
+//
+// The factor makes that mean the one that belongs to the force: with Hertz's pressure, by the
+// principle of complementary energy, it is δ (1 − ¾ (p₀/κ)^{1/3}).
 //
 // The far side of a thin lobe may lie in the layer too, or in the tool. It is told apart by which
 // way it looks: with c = −N·∇d, N the normal of the face at rest, s is 1 where c ≥ 0, as on every
@@ -62,6 +68,8 @@ class RigidContact final : public Interaction {
     double area = 0;
     /// The longest edge of a face on which there is pressure, m; 0: nothing is touched.
     double longest_edge = 0;
+    /// e: how much deeper the tool seems to be than it is, m; 0 where nothing is touched.
+    double layer_depth = 0;
   };
   [[nodiscard]] Patch patch(const Eigen::VectorXd& q, const NodalVector& state) const;
 
@@ -84,5 +92,14 @@ class RigidContact final : public Interaction {
   ContactLaw law_;
   double longest_step_;
 };
+
+/// What of a force is the error of the layer, N; positive: the tool feels it stronger than a hard
+/// one. With the stiffness k along the force F, a sphere of which Hertz's law F ~ d^{3/2} holds is
+/// at the depth d = 3/2 F/k, of which e is too much.
+/// @param layer_depth e, see RigidContact::Patch.
+/// @param stiffness Derivative of the force by the place of the tool, N/m.
+/// @returns NaN where the tool has no stiffness along the force, as where it slides off.
+[[nodiscard]] double contact_layer_force(double layer_depth, const Vec3& force,
+                                         const Mat3& stiffness);
 
 }  // namespace palpate
