@@ -512,7 +512,7 @@ private:
     const std::size_t whole = Result.Boundary[compartment].Triangles.size();
     std::vector<int> full, some;
     int largest = -1;
-    double area = -1;
+    std::pair<double, std::size_t> most = { -1, 0 };
     for (const auto& [tissue, share] : shares)
     {
       if (share.Outwards.size() == whole)
@@ -523,9 +523,9 @@ private:
       {
         some.push_back(tissue);
       }
-      if (share.Area > area)
+      if (const auto size = std::make_pair(share.Area, share.All.size()); size > most)
       {
-        area = share.Area;
+        most = size;
         largest = tissue;
       }
     }
@@ -687,6 +687,10 @@ vtkPalpateWalls vtkPalpateUniteWalls(const vtkPalpateSurface& surfaces)
   }
   std::stable_sort(walls.Copies.begin(), walls.Copies.end(),
     [](const Copy& a, const Copy& b) { return a.Triangle < b.Triangle; });
+  // TetGen crashes on points that lie on a facet but are none of its corners.
+  std::vector<vtkIdType> every(walls.Surface.Triangles.size());
+  std::iota(every.begin(), every.end(), vtkIdType{ 0 });
+  walls.Surface = vtkPalpateSubset(walls.Surface, every);
   return walls;
 }
 

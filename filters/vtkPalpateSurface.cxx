@@ -153,6 +153,32 @@ void CheckFinite(vtkPolyData* input)
   check(input->GetStrips());
 }
 
+/// Triangles that hang together by points have the same number.
+std::vector<int> PartsByPoints(const vtkPalpateSurface& surface)
+{
+  std::vector<vtkIdType> parent(surface.Points.size());
+  std::iota(parent.begin(), parent.end(), vtkIdType{ 0 });
+  const auto root = [&parent](vtkIdType i)
+  {
+    while (parent[i] != i)
+    {
+      i = parent[i] = parent[parent[i]];
+    }
+    return i;
+  };
+  for (const auto& t : surface.Triangles)
+  {
+    parent[root(t[1])] = root(t[0]);
+    parent[root(t[2])] = root(t[0]);
+  }
+  std::vector<int> parts;
+  for (const auto& t : surface.Triangles)
+  {
+    parts.push_back(static_cast<int>(root(t[0])));
+  }
+  return parts;
+}
+
 vtkPalpateSurface FromTriangles(vtkPolyData* triangles)
 {
   vtkPalpateSurface surface;
@@ -178,6 +204,7 @@ vtkPalpateSurface FromTriangles(vtkPolyData* triangles)
       surface.Tissues.push_back(static_cast<int>(tissues->GetTuple1(iterator->GetCurrentCellId())));
     }
   }
+  surface.Parts = PartsByPoints(surface);
   return surface;
 }
 
@@ -252,6 +279,7 @@ vtkPalpateSurface MergePoints(const vtkPalpateSurface& given)
       {
         result.Tissues.push_back(surface.Tissues[i]);
       }
+      result.Parts.push_back(surface.Parts[i]);
     }
   }
   return WithoutLoosePoints(result);
@@ -383,6 +411,10 @@ vtkPalpateSurface vtkPalpateSubset(
     {
       result.Tissues.push_back(surface.Tissues[id]);
     }
+    if (!surface.Parts.empty())
+    {
+      result.Parts.push_back(surface.Parts[id]);
+    }
   }
   return result;
 }
@@ -396,6 +428,7 @@ void vtkPalpateAppend(vtkPalpateSurface& surface, const vtkPalpateSurface& other
     surface.Triangles.push_back({ t[0] + offset, t[1] + offset, t[2] + offset });
   }
   surface.Tissues.insert(surface.Tissues.end(), other.Tissues.begin(), other.Tissues.end());
+  surface.Parts.clear();
 }
 
 vtkPalpateSurface vtkPalpateTissuesFromPolyData(vtkPolyData* input)

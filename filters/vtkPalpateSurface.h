@@ -18,6 +18,9 @@ struct vtkPalpateSurface
   std::vector<std::array<vtkIdType, 3>> Triangles; ///< indices into Points
   /// Of each triangle the number of the tissue that it bounds; empty where nobody says.
   std::vector<int> Tissues;
+  /// Of each triangle the part of the input whose polygons have points in common; empty after the
+  /// first change.
+  std::vector<int> Parts;
 
   /// A side of a triangle, Low < High; Forward where the triangle runs through it from Low to High.
   struct Side

@@ -22,15 +22,17 @@ using Faults = vtkPalpateSurfaceFaults;
 
 constexpr std::array<const char*, Faults::NumberOfKinds> Names = { "open edge",
   "edge of more than two triangles", "edge of two triangles with opposite normals",
-  "triangle without an area", "pair of triangles that cross each other" };
+  "triangle without an area", "pair of triangles that cross each other",
+  "triangle around a space that two regions claim" };
 constexpr std::array<const char*, Faults::NumberOfKinds> PluralNames = { "open edges",
   "edges of more than two triangles", "edges of two triangles with opposite normals",
-  "triangles without an area", "pairs of triangles that cross each other" };
+  "triangles without an area", "pairs of triangles that cross each other",
+  "triangles around a space that two regions claim" };
 
 std::array<std::size_t, Faults::NumberOfKinds> Counts(const Faults& faults)
 {
   return { faults.OpenEdges.size(), faults.NonManifoldEdges.size(), faults.InconsistentEdges.size(),
-    faults.FlatTriangles.size(), faults.IntersectingPairs.size() };
+    faults.FlatTriangles.size(), faults.IntersectingPairs.size(), faults.ClaimedTwice.size() };
 }
 
 vtkPalpatePoint MiddleOfEdge(const vtkPalpateSurface& surface, const Faults::Pair& edge)
@@ -136,6 +138,19 @@ vtkPalpateSurfaceFaults vtkPalpateCheckWalls(
 {
   auto faults = vtkPalpateCheckSurface(walls.Surface);
   faults.NonManifoldEdges = compartments.Hinges;
+  std::set<int> claimed;
+  for (const auto& overlap : compartments.Overlaps)
+  {
+    claimed.insert(overlap.Compartment);
+  }
+  for (std::size_t i = 0; i < compartments.Sides.size(); ++i)
+  {
+    const auto& [behind, front] = compartments.Sides[i];
+    if (claimed.count(behind) || claimed.count(front))
+    {
+      faults.ClaimedTwice.push_back(static_cast<vtkIdType>(i));
+    }
+  }
   return faults;
 }
 
@@ -151,6 +166,8 @@ std::string vtkPalpateDescribeFaults(
     [&surface](vtkIdType id) { return MiddleOfTriangle(surface, id); });
   description.Add(Faults::IntersectingTriangle, faults.IntersectingPairs,
     [&surface](const Faults::Pair& pair) { return MiddleOfPair(surface, pair); });
+  description.Add(Faults::ClaimedTwiceTriangle, faults.ClaimedTwice,
+    [&surface](vtkIdType id) { return MiddleOfTriangle(surface, id); });
   return description.String();
 }
 
@@ -205,6 +222,10 @@ void vtkPalpateFaultsToPolyData(
   for (const vtkIdType id : intersecting)
   {
     add_triangle(Faults::IntersectingTriangle, id);
+  }
+  for (const vtkIdType id : faults.ClaimedTwice)
+  {
+    add_triangle(Faults::ClaimedTwiceTriangle, id);
   }
 
   vtkNew<vtkStringArray> names;

@@ -19,6 +19,7 @@ struct vtkPalpateSurfaceFaults
     InconsistentEdge,
     FlatTriangle,
     IntersectingTriangle,
+    ClaimedTwiceTriangle,
     NumberOfKinds
   };
 
@@ -29,10 +30,12 @@ struct vtkPalpateSurfaceFaults
   std::vector<vtkIdType> FlatTriangles; ///< without an area: ids of the triangles
   std::vector<Pair> IntersectingPairs;  ///< ids of the triangles, each pair once
 
+  std::vector<vtkIdType> ClaimedTwice; ///< triangles around a space that two regions claim
+
   bool None() const
   {
     return OpenEdges.empty() && NonManifoldEdges.empty() && InconsistentEdges.empty() &&
-      FlatTriangles.empty() && IntersectingPairs.empty();
+      FlatTriangles.empty() && IntersectingPairs.empty() && ClaimedTwice.empty();
   }
 };
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "mesh/box_tree.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
@@ -28,7 +29,9 @@
 #include "vtkPalpateInput.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceRepair.h"
+#include "vtkPalpateSurfaceShells.h"
 #include "vtkPalpateUnit.h"
+#include "vtkPalpateWallMatch.h"
 #include "vtkPalpateWholeSurface.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -103,6 +106,15 @@ double VolumeWithin(vtkImplicitFunction* function, const vtkPalpateSurface& surf
     (samples * samples * samples);
 }
 
+/// "1 'skin'"
+std::string NameOf(const vtkPalpateTissueSurfaces& tissues, int region)
+{
+  std::string text = std::to_string(tissues.Numbers.empty() ? region : tissues.Numbers[region]);
+  return tissues.Names.empty() || tissues.Names[region].empty()
+    ? text
+    : text + " '" + tissues.Names[region] + "'";
+}
+
 /// What the user sees of compartments.
 class Regions
 {
@@ -141,11 +153,17 @@ public:
       return;
     }
     const auto& overlap = Compartments.Overlaps.front();
-    throw InputError("The tissues " + this->Name(overlap.Tissues[0]) + " and " +
-      this->Name(overlap.Tissues[1]) + " overlap: both enclose " +
-      this->Where(overlap.Compartment) +
-      ". Take that away from one of them (Boolean Operation, or the program that they come from), "
-      "or give it as a tissue of its own.");
+    const int i = overlap.Compartment;
+    std::ostringstream text;
+    text.precision(3);
+    text
+      << "The regions " << this->Name(overlap.Tissues[0]) << " and "
+      << this->Name(overlap.Tissues[1]) << " overlap: both enclose " << this->Where(i) << ", about "
+      << 2 * Compartments.Volume[i] / vtkPalpateArea(Compartments.Boundary[i])
+      << " m thick. If that is one wall, set WallTolerance to a little more than this. Else take "
+         "that space away from one of them in the program that they come from, or give it as a "
+         "region of its own. The second output shows it.";
+    throw InputError(text.str());
   }
 
   /// Gives the cells of the body the numbers of their regions, and the body the list of them.
@@ -196,13 +214,7 @@ private:
     return Tissues.Numbers.empty() ? region : Tissues.Numbers[region];
   }
 
-  std::string Name(int region) const
-  {
-    std::string text = std::to_string(this->Number(region));
-    return Tissues.Names.empty() || Tissues.Names[region].empty()
-      ? text
-      : text + " '" + Tissues.Names[region] + "'";
-  }
+  std::string Name(int region) const { return NameOf(Tissues, region); }
 
   /// "1e-06 m³ near (…)"
   std::string Where(int compartment) const
@@ -238,41 +250,147 @@ private:
   std::map<int, double> VolumeOf;
 };
 
-/// What to do about the faults of a surface.
-std::string AdviceFor(const vtkPalpateWalls& walls, const vtkPalpateSurfaceFaults& faults,
-  const vtkPalpateTissueSurfaces& tissues)
+/// The same compartments with the overlaps that there are if each surface that hangs together is of
+/// a region of its own.
+vtkPalpateCompartments OfSeparateSurfaces(
+  const vtkPalpateSurface& surfaces, vtkPalpateCompartments compartments)
 {
-  std::set<std::array<int, 2>> crossing;
-  std::map<vtkIdType, int> tissue_of;
-  for (const auto& copy : walls.Copies)
+  auto named = surfaces;
+  named.Tissues = vtkPalpateSeparateSurfaces(surfaces);
+  if (*std::max_element(named.Tissues.begin(), named.Tissues.end()) > 0)
   {
-    tissue_of.emplace(copy.Triangle, copy.Tissue);
+    compartments.Overlaps = vtkPalpateFindCompartments(vtkPalpateUniteWalls(named)).Overlaps;
   }
-  for (const auto& pair : faults.IntersectingPairs)
+  return compartments;
+}
+
+/// How far the surfaces of two tissues, or of two parts where nobody says, reach into each other,
+/// m.
+class Overlaps
+{
+public:
+  Overlaps(const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments,
+    const vtkPalpateSurfaceFaults& faults)
+    : Walls(walls.Surface)
   {
-    const auto [a, b] = std::minmax(tissue_of.at(pair[0]), tissue_of.at(pair[1]));
-    if (a != b)
+    int parts = 0;
+    Owner = vtkPalpateConnectedParts(Walls, parts);
+    Named = walls.Copies.front().Tissue >= 0;
+    if (Named)
     {
-      crossing.insert({ a, b });
+      for (const auto& copy : walls.Copies)
+      {
+        Owner[copy.Triangle] = copy.Tissue;
+      }
+    }
+    else
+    {
+      // The number that the user would see.
+      for (int i = compartments.Count() - 1; i > 0; --i)
+      {
+        Region[compartments.Part[i]] = compartments.Region[i];
+      }
+    }
+    for (const auto& [s, t] : faults.IntersectingPairs)
+    {
+      if (Owner[s] != Owner[t])
+      {
+        const auto [first, second] = std::minmax(Owner[s], Owner[t]);
+        Crossing[{ first, second }].insert({ s, t });
+      }
     }
   }
-  if (crossing.empty())
+
+  bool Any() const { return !Crossing.empty(); }
+  bool HasNumbers() const { return Named; }
+
+  /// "0 and 1 reach into each other by 1e-05 m, 1 and 2 …"
+  template <class Name>
+  std::string List(Name&& name) const
+  {
+    std::ostringstream text;
+    text.precision(3);
+    for (const auto& [owners, triangles] : Crossing)
+    {
+      text << (text.tellp() > 0 ? ", " : "") << name(this->NumberOf(owners[0])) << " and "
+           << name(this->NumberOf(owners[1])) << " reach into each other by "
+           << std::max(this->Depth(triangles, owners[0], owners[1]),
+                this->Depth(triangles, owners[1], owners[0]))
+           << " m";
+    }
+    return text.str();
+  }
+
+private:
+  int NumberOf(int owner) const { return Named ? owner : Region.at(owner); }
+
+  /// How deep the corners of one's crossing triangles lie within the other at most.
+  double Depth(const std::set<vtkIdType>& triangles, int one, int other) const
+  {
+    std::vector<vtkIdType> around;
+    for (std::size_t i = 0; i < Owner.size(); ++i)
+    {
+      if (Owner[i] == other)
+      {
+        around.push_back(static_cast<vtkIdType>(i));
+      }
+    }
+    const vtkPalpateSurface surface = vtkPalpateSubset(Walls, around);
+    std::set<vtkIdType> corners;
+    for (const vtkIdType id : triangles)
+    {
+      if (Owner[id] == one)
+      {
+        corners.insert(Walls.Triangles[id].begin(), Walls.Triangles[id].end());
+      }
+    }
+    constexpr std::size_t most = 300; // spread over all, so that it takes no time
+    const std::size_t step = 1 + corners.size() / most;
+    double depth = 0;
+    std::size_t i = 0;
+    for (const vtkIdType id : corners)
+    {
+      const auto& x = Walls.Points[id];
+      if (i++ % step == 0 && std::abs(vtkPalpateWindingNumber(surface, x)) > 0.5)
+      {
+        depth = std::max(depth, DistanceTo(surface, x));
+      }
+    }
+    return depth;
+  }
+
+  static double DistanceTo(const vtkPalpateSurface& surface, const vtkPalpatePoint& x)
+  {
+    const auto at = [&surface](vtkIdType id) { return palpate::Vec3(surface.Points[id].data()); };
+    double squared = VTK_DOUBLE_MAX;
+    for (const auto& [a, b, c] : surface.Triangles)
+    {
+      squared = std::min(squared,
+        palpate::nearest_on_triangle(at(a), at(b), at(c), palpate::Vec3(x.data()))
+          .squared_distance);
+    }
+    return std::sqrt(squared);
+  }
+
+  const vtkPalpateSurface& Walls;
+  bool Named;
+  std::vector<int> Owner; ///< of each triangle: its tissue or part
+  std::map<int, int> Region;
+  std::map<std::array<int, 2>, std::set<vtkIdType>> Crossing;
+};
+
+/// What to do about the faults of a surface.
+std::string AdviceFor(const Overlaps& overlaps, const vtkPalpateTissueSurfaces& tissues)
+{
+  if (!overlaps.Any())
   {
     return "Turn on RepairSurface, or mend the surface.";
   }
-  const auto name = [&tissues](int tissue)
-  {
-    const std::string number = std::to_string(tissues.Numbers[tissue]);
-    return tissues.Names.empty() || tissues.Names[tissue].empty()
-      ? number
-      : number + " '" + tissues.Names[tissue] + "'";
-  };
-  std::string text = "The regions ";
-  for (const auto& [a, b] : crossing)
-  {
-    text += (text.size() > 12 ? ", " : "") + name(a) + " and " + name(b);
-  }
-  return text + " overlap or have walls that do not fit each other.";
+  return "The regions " +
+    overlaps.List([&tissues](int region) { return NameOf(tissues, region); }) +
+    ". If that is one wall, triangulated twice, set WallTolerance to a little more than this. Else "
+    "take the overlap away from one of them in the program that they come from" +
+    (overlaps.HasNumbers() ? "." : "; RepairSurface would join them to one region.");
 }
 
 void AddText(vtkDataObject* output, const char* name, const std::string& text)
@@ -294,6 +412,7 @@ void vtkPalpateTetrahedralizeSurface::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "MaximumVolume: " << this->MaximumVolume << " m³\n"
      << indent << "PreserveSurface: " << this->PreserveSurface << "\n"
      << indent << "RegionArray: " << this->RegionArray << "\n"
+     << indent << "WallTolerance: " << this->WallTolerance << " m\n"
      << indent << "RepairSurface: " << this->RepairSurface << "\n"
      << indent << "RepairResolution: " << this->RepairResolution << "\n"
      << indent << "RefineRegion: " << this->RefineRegion.Get() << "\n"
@@ -383,6 +502,8 @@ void vtkPalpateTetrahedralizeSurface::Validate() const
   const auto volume = [](double value) { return value >= 0 && std::isfinite(value); };
   Require(volume(this->MaximumVolume), "MaximumVolume", this->MaximumVolume,
     "a volume in m³, or 0 for none");
+  Require(volume(this->WallTolerance), "WallTolerance", this->WallTolerance,
+    "a length in m, or 0 for that of rounding");
   Require(volume(this->RefineVolume), "RefineVolume", this->RefineVolume,
     "a volume in m³, or 0 for none");
   Require(this->RepairResolution >= LeastResolution && this->RepairResolution <= GreatestResolution,
@@ -476,11 +597,30 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body, vtkPolyData* fault_output)
 {
   this->Validate();
-  const auto surface = this->SurfaceOf(tissues.Surface);
+  auto surface = this->SurfaceOf(tissues.Surface);
   this->Progress(0.05);
-  const auto walls = vtkPalpateUniteWalls(surface);
-  const auto faults = vtkPalpateCheckWalls(walls, vtkPalpateFindCompartments(walls));
+  auto walls = vtkPalpateUniteWalls(surface);
+  auto compartments = vtkPalpateFindCompartments(walls);
+  auto faults = vtkPalpateCheckWalls(walls, compartments);
+  std::string matched;
+  if (const auto changed = this->MatchWalls(surface, walls, compartments, faults))
+  {
+    matched = changed->Report;
+    surface = changed->Surface;
+    walls = vtkPalpateUniteWalls(surface);
+    compartments = vtkPalpateFindCompartments(walls);
+    faults = vtkPalpateCheckWalls(walls, compartments);
+  }
+  if (surface.Tissues.empty() && faults.None())
+  {
+    compartments = OfSeparateSurfaces(surface, compartments);
+    faults = vtkPalpateCheckWalls(walls, compartments);
+  }
   vtkPalpateFaultsToPolyData(walls.Surface, faults, fault_output);
+  if (faults.OpenEdges.empty() && faults.IntersectingPairs.empty())
+  {
+    Regions(compartments, tissues).RequireNoOverlap();
+  }
   this->Progress(0.1);
 
   vtkPalpateRepairedSurface repaired;
@@ -497,9 +637,14 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   {
     throw InputError(
       "The surface bounds no body: " + vtkPalpateDescribeFaults(walls.Surface, faults) + ". " +
-      AdviceFor(walls, faults, tissues) + " The second output shows these places.");
+      AdviceFor(Overlaps(walls, compartments, faults), tissues) +
+      " The second output shows these places.");
   }
   this->Mesh(surface, repaired, tissues, body);
+  if (!matched.empty())
+  {
+    repaired.Report = matched + (repaired.Report == "none" ? "" : "; " + repaired.Report);
+  }
   AddText(body, "Repair", repaired.Report);
   AddText(fault_output, "Repair", repaired.Report);
   const std::string warning =
@@ -508,6 +653,61 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   {
     vtkWarningMacro(<< warning);
   }
+}
+
+std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchWalls(
+  const vtkPalpateSurface& surface, const vtkPalpateWalls& walls,
+  const vtkPalpateCompartments& compartments, const vtkPalpateSurfaceFaults& faults) const
+{
+  // Larger than the rounding of a coordinate in single precision, smaller than any feature.
+  constexpr double rounding = 1e-6;
+  double largest = vtkPalpateDiagonal(walls.Surface);
+  for (const double bound : vtkPalpateBounds(walls.Surface))
+  {
+    largest = std::max(largest, std::abs(bound));
+  }
+  const double tolerance = this->WallTolerance > 0 ? this->WallTolerance : rounding * largest;
+  const auto is_thin = [&](int i)
+  {
+    const auto& boundary = compartments.Boundary[i];
+    return 2 * compartments.Volume[i] < tolerance * vtkPalpateArea(boundary);
+  };
+  bool needed = this->WallTolerance > 0 || !faults.IntersectingPairs.empty();
+  for (int i = 1; i < compartments.Count(); ++i)
+  {
+    needed = needed || is_thin(i);
+  }
+  if (!needed)
+  {
+    return {};
+  }
+  auto matched = vtkPalpateMatchWalls(surface, tolerance);
+  if (matched.Replaced == 0)
+  {
+    return {};
+  }
+  if (this->WallTolerance == 0)
+  {
+    // What was not asked for has to be a success.
+    const auto result = vtkPalpateUniteWalls(matched.Surfaces);
+    auto found = vtkPalpateFindCompartments(result);
+    if (surface.Tissues.empty())
+    {
+      found = OfSeparateSurfaces(matched.Surfaces, std::move(found));
+    }
+    if (!vtkPalpateCheckWalls(result, found).None())
+    {
+      return {};
+    }
+  }
+  std::ostringstream report;
+  report.precision(3);
+  report << "gave " << matched.Replaced << " triangles of walls the places of those that they lay "
+         << "on, at most " << matched.Moved << " m away";
+  vtkPalpateRepairedSurface changed;
+  changed.Surface = std::move(matched.Surfaces);
+  changed.Report = report.str();
+  return changed;
 }
 
 vtkPalpateRepairOptions vtkPalpateTetrahedralizeSurface::RepairOptions()
@@ -547,7 +747,6 @@ void vtkPalpateTetrahedralizeSurface::Mesh(const vtkPalpateSurface& given,
     const auto walls = vtkPalpateUniteWalls(repaired.Surface);
     const auto compartments = vtkPalpateFindCompartments(walls);
     const Regions regions(compartments, tissues);
-    regions.RequireNoOverlap();
     this->RequireFewEnough(regions.Volume());
     try
     {

@@ -30,15 +30,20 @@
  */
 #pragma once
 
+#include <optional>
+
 #include "PalpateFiltersModule.h"
 #include "vtkPalpateTetrahedralize.h"
 
 class vtkImplicitFunction;
 class vtkPolyData;
+struct vtkPalpateCompartments;
 struct vtkPalpateRepairOptions;
 struct vtkPalpateRepairedSurface;
 struct vtkPalpateSurface;
+struct vtkPalpateSurfaceFaults;
 struct vtkPalpateTissueSurfaces;
+struct vtkPalpateWalls;
 
 class PALPATEFILTERS_EXPORT vtkPalpateTetrahedralizeSurface : public vtkPalpateTetrahedralize
 {
@@ -62,6 +67,13 @@ public:
   /// "Automatic": `Region`, where there is one; "None": none.
   vtkSetStdStringFromCharMacro(RegionArray);
   vtkGetCharFromStdStringMacro(RegionArray);
+  ///@}
+
+  ///@{ How far from each other the walls of two tissues may lie that are one wall, m; 0 = by no
+  /// more
+  /// than rounding.
+  vtkSetMacro(WallTolerance, double);
+  vtkGetMacro(WallTolerance, double);
   ///@}
 
   ///@{ Whether a surface with faults is mended first.
@@ -107,6 +119,11 @@ private:
   void Tetrahedralize(
     const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body, vtkPolyData* faults);
   vtkPalpateSurface SurfaceOf(vtkPolyData* input) const;
+  /// The surfaces with one triangulation for each wall that two of them share; nothing where none
+  /// was found.
+  std::optional<vtkPalpateRepairedSurface> MatchWalls(const vtkPalpateSurface& surface,
+    const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments,
+    const vtkPalpateSurfaceFaults& faults) const;
   vtkPalpateRepairOptions RepairOptions();
   void Mesh(const vtkPalpateSurface& given, vtkPalpateRepairedSurface& repaired,
     const vtkPalpateTissueSurfaces& tissues, vtkUnstructuredGrid* body);
@@ -118,6 +135,7 @@ private:
   double MaximumVolume = 0;
   bool PreserveSurface = false;
   std::string RegionArray = "Automatic";
+  double WallTolerance = 0;
   bool RepairSurface = false;
   int RepairResolution = 80;
   vtkSmartPointer<vtkImplicitFunction> RefineRegion;
