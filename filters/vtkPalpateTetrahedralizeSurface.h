@@ -9,10 +9,11 @@
  * each other. TetGen then meshes it in a program of its own, palpate-tetgen, so that its abort,
  * crash or hang is an error message here.
  *
- * Surfaces may share walls, there once or twice: tissues beside each other become regions of one
- * body, which share the points of the wall. A closed surface within another one is a cavity where
- * its normals point the other way than those of the one around it, and a region of its own where
- * they point the same way. A surface that is inside out as a whole is met as if it were not.
+ * Surfaces may share walls, there once or twice, with the same triangles or others: tissues beside
+ * each other become regions of one body, which share the points of the wall. A closed surface
+ * within another one is a cavity where its normals point the other way than those of the one around
+ * it, and a region of its own where they point the same way. A surface that is inside out as a
+ * whole is met as if it were not.
  *
  * Input port 0, repeatable: surfaces, or collections of surfaces. Several of them, or the cell
  * array RegionArray of a single one, say which triangles bound which tissue.

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "mesh/box_tree.h"
-#include "vtkLine.h"
 #include "vtkMath.h"
 
 namespace
@@ -18,6 +17,29 @@ using Box = palpate::BoxTree::Box;
 using palpate::Vec3;
 using Edge = std::array<vtkIdType, 2>;
 using Triangle = std::array<vtkIdType, 3>;
+
+/// The points of two segments that are nearest to each other (Ericson, Real-Time Collision
+/// Detection, 2005, 5.1.9). VTK's take short segments for parallel.
+std::array<Vec3, 2> NearestOnSegments(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& w)
+{
+  const Vec3 d = q - p;
+  const Vec3 e = w - r;
+  const Vec3 between = p - r;
+  const double dd = d.dot(d);
+  const double ee = e.dot(e);
+  const double de = d.dot(e);
+  const double db = d.dot(between);
+  const double eb = e.dot(between);
+  const double determinant = dd * ee - de * de;
+  double s = determinant > 0 ? std::clamp((de * eb - db * ee) / determinant, 0., 1.) : 0;
+  double t = (de * s + eb) / ee;
+  if (t < 0 || t > 1)
+  {
+    t = std::clamp(t, 0., 1.);
+    s = std::clamp((t * de - db) / dd, 0., 1.);
+  }
+  return { p + s * d, r + t * e };
+}
 
 /// Triangles that are cut while they are matched.
 class Matcher
@@ -55,6 +77,11 @@ public:
       this->Replace();
     }
     vtkPalpateMatchedWalls result;
+    if (!this->AreClosedAsBefore())
+    {
+      result.Surfaces = Given;
+      return result;
+    }
     result.Replaced = Replaced;
     result.Moved = Moved;
     result.Surfaces.Points = Points;
@@ -101,6 +128,14 @@ private:
     vtkIdType Piece = -1;
     palpate::OnTriangle At;
   };
+
+  /// An outline that asks for more is none: the tolerance is larger than what it has to keep apart.
+  std::size_t MostPieces() const
+  {
+    constexpr std::size_t of_each = 30;
+    constexpr std::size_t at_least = 10000;
+    return at_least + of_each * Given.Triangles.size();
+  }
 
   Vec3 At(vtkIdType id) const { return Vec3(Points[id].data()); }
 
@@ -409,11 +444,9 @@ private:
           {
             continue;
           }
-          Vec3 own, others;
-          double s, u;
-          auto p = Points[a], q = Points[b], r = Points[c], w = Points[d];
-          const double squared = vtkLine::DistanceBetweenLineSegments(
-            p.data(), q.data(), r.data(), w.data(), own.data(), others.data(), s, u);
+          const auto [own, others] =
+            NearestOnSegments(this->At(a), this->At(b), this->At(c), this->At(d));
+          const double squared = (own - others).squaredNorm();
           if (squared <= Tolerance * Tolerance && this->IsFarFrom(own, a, b) &&
             this->IsFarFrom(others, c, d))
           {
@@ -438,7 +471,7 @@ private:
     const bool other = !late;
     bool changed = false;
     std::vector<Edge> waiting = { edge };
-    while (!waiting.empty())
+    while (!waiting.empty() && Pieces.size() < this->MostPieces())
     {
       const vtkIdType a = this->Resolved(waiting.back()[0]);
       const vtkIdType b = this->Resolved(waiting.back()[1]);
@@ -595,6 +628,50 @@ private:
       }
       this->Add(copy);
     }
+  }
+
+  /// The surfaces that have open edges.
+  template <class Triangles, class Group>
+  std::set<int> OpenSurfaces(const Triangles& triangles, Group&& group_of) const
+  {
+    std::map<std::pair<int, Edge>, int> uses;
+    for (std::size_t i = 0; i < triangles.size(); ++i)
+    {
+      for (int k = 0; k < 3; ++k)
+      {
+        const auto [low, high] = std::minmax(triangles[i][k], triangles[i][(k + 1) % 3]);
+        ++uses[{ group_of(i), Edge{ low, high } }];
+      }
+    }
+    std::set<int> open;
+    for (const auto& [edge, count] : uses)
+    {
+      if (count == 1)
+      {
+        open.insert(edge.first);
+      }
+    }
+    return open;
+  }
+
+  /// Whether no surface has got open edges, as where outlines did not meet within the tolerance.
+  bool AreClosedAsBefore() const
+  {
+    const auto before =
+      this->OpenSurfaces(Given.Triangles, [this](std::size_t i) { return Pieces[i].Group; });
+    std::vector<Triangle> triangles;
+    std::vector<int> groups;
+    for (const Piece& piece : Pieces)
+    {
+      if (piece.State == Here)
+      {
+        triangles.push_back(piece.Corners);
+        groups.push_back(piece.Group);
+      }
+    }
+    const auto after =
+      this->OpenSurfaces(triangles, [&groups](std::size_t i) { return groups[i]; });
+    return std::includes(before.begin(), before.end(), after.begin(), after.end());
   }
 
   Vec3 NormalOf(const Triangle& t) const

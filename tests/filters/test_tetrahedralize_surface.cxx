@@ -25,6 +25,7 @@
 #include "vtkInformation.h"
 #include "vtkIntArray.h"
 #include "vtkMultiBlockDataSet.h"
+#include "vtkPalpateSurface.h"
 #include "vtkPalpateTetrahedralizeSurface.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPlane.h"
@@ -733,6 +734,48 @@ TEST(SharedWalls, TriangulatedOtherwise) {
       ExpectRegions(MeshedAll({upper, lower}), {{0, 24}, {1, 16}});
     }
   }
+}
+
+TEST(SharedWalls, OfDifferentSize) {
+  // Each has a part of its face in contact, and cuts the triangles of the other.
+  const auto lower = Slab(0, 1), shifted = Slab(1, 2, 3, 3, 1.1);
+  ExpectRegions(MeshedAll({lower, shifted}), {{0, 16}, {1, 9}});
+  ExpectRegions(MeshedAll({shifted, lower}), {{0, 9}, {1, 16}});
+  const auto small = Cube(0.5, {1.3, 1.2, 1.25});
+  ExpectRegions(MeshedAll({lower, small}), {{0, 16}, {1, 0.125}});
+  ExpectRegions(MeshedAll({small, lower}), {{0, 0.125}, {1, 16}});
+}
+
+TEST(SharedWalls, ApartOrOverlappingByLessThanTheTolerance) {
+  const auto lower = Slab(0, 1);
+  const auto tolerant = [](Filter* f) { f->SetWallTolerance(2e-3); };
+  for (const int n : {2, 3}) {
+    for (const double z : {1 - 1e-3, 1 + 1e-3}) {
+      const auto result = MeshedAll({lower, Slab(z, 2, n)}, tolerant);
+      // The first keeps its shape, the second reaches up to it.
+      ExpectRegions(result, {{0, 16}, {1, 16}});
+      EXPECT_GT(FacesBetween(result.Body, 0, 1), 0);
+      EXPECT_NE(result.Repair.find("at most 0.001 m away"), std::string::npos) << result.Repair;
+      const auto parts = Meshed(Append({lower, Slab(z, 2, n)}), tolerant);
+      ExpectRegions(parts, {{0, 16}, {1, 16}});
+    }
+    ExpectError(MeshedAll({lower, Slab(1 - 1e-3, 2, n)}),
+                {"0 and 1 reach into each other by 0.001 m", "WallTolerance"});
+  }
+  ExpectError(MeshedAll({lower}, [](Filter* f) { f->SetWallTolerance(-1); }), {"WallTolerance"});
+}
+
+TEST(SharedWalls, CurvedWallsTriangulatedOtherwise) {
+  // A core in a shell: facets of 24 and of 20 meridians lie up to 1 % of the radius apart.
+  const auto hull = Append({Sphere(2, {0, 0, 0}, 24), InsideOut(Sphere(1, {0, 0, 0}, 24))});
+  const auto core = Sphere(1, {0, 0, 0}, 20);
+  const auto result = MeshedAll({hull, core}, [](Filter* f) { f->SetWallTolerance(0.03); });
+  const double inner = vtkPalpateVolume(vtkPalpateSurfaceFromPolyData(Sphere(1, {0, 0, 0}, 24)));
+  const double outer = vtkPalpateVolume(vtkPalpateSurfaceFromPolyData(Sphere(2, {0, 0, 0}, 24)));
+  ExpectRegions(result, {{0, outer - inner}, {1, inner}}, 1e-6);
+  EXPECT_NEAR(inner / vtkPalpateVolume(vtkPalpateSurfaceFromPolyData(core)), 1, 0.02);
+  ExpectError(MeshedAll({hull, core}),
+              {"regions 0 and 1 reach into each other by 0.0", "near (", "WallTolerance"});
 }
 
 TEST(SharedWalls, RepairKeepsThem) {

@@ -44,6 +44,7 @@ def check_defaults_and_names():
     assert body.MaximumVolume == 0
     assert body.PreserveSurface == 0
     assert body.RegionArray == "Automatic"
+    assert body.WallTolerance == 0
     assert body.RepairSurface == 0
     assert body.RepairResolution == 80
     assert body.RefineVolume == 0
@@ -156,6 +157,13 @@ def check_tissues_that_share_walls():
         assert region_volumes(grid) == [1, 2, 0.5]
         names = grid.GetFieldData().GetAbstractArray("RegionName")
         assert [names.GetValue(i) for i in range(3)] == ["skin", "fat", "muscle"], kind
+    # The second lies 1 mm above the first, and has other triangles.
+    apart = TetrahedralizeSurface(Input=[Box(Center=[0, 0, 0.5]), Box(ZLength=2,
+                                                                      Center=[0.2, 0, 2.001])])
+    assert region_volumes(good(apart, 3)) == [1, 2]
+    apart.WallTolerance = 0.002
+    region_volumes(good(apart, 3.0008, 1e-4))
+    assert "0.001 m away" in repair_report(fetch(apart))
     one = AppendGeometry(Input=layers())
     assert region_volumes(good(TetrahedralizeSurface(Input=one), 3.5)) == [1, 2, 0.5]
     numbered = ProgrammableFilter(Input=one, Script="""
