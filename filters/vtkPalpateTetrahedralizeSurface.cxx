@@ -154,12 +154,14 @@ public:
     }
     const auto& overlap = Compartments.Overlaps.front();
     const int i = overlap.Compartment;
+    // Of a layer the mean is its thickness; a lens is three times as thick in its middle.
+    const double mean = 2 * Compartments.Volume[i] / vtkPalpateArea(Compartments.Boundary[i]);
     std::ostringstream text;
     text.precision(3);
     text
       << "The regions " << this->Name(overlap.Tissues[0]) << " and "
-      << this->Name(overlap.Tissues[1]) << " overlap: both enclose " << this->Where(i) << ", about "
-      << 2 * Compartments.Volume[i] / vtkPalpateArea(Compartments.Boundary[i])
+      << this->Name(overlap.Tissues[1]) << " overlap: both enclose " << this->Where(i)
+      << ", between " << mean << " and " << 3 * mean
       << " m thick. If that is one wall, set WallTolerance to a little more than this. Else take "
          "that space away from one of them in the program that they come from, or give it as a "
          "region of its own. The second output shows it.";
@@ -264,35 +266,66 @@ vtkPalpateCompartments OfSeparateSurfaces(
   return compartments;
 }
 
-/// How far the surfaces of two tissues, or of two parts where nobody says, reach into each other,
+/// Tells of bodies that lie beside each other so closely that a wall between them was meant; empty
+/// where there are none.
+std::string GapsBetween(const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments)
+{
+  constexpr double close = 1e-3; // of the diagonal
+  int parts = 0;
+  const auto part = vtkPalpateConnectedParts(walls.Surface, parts);
+  std::vector<char> is_outermost(parts, 0);
+  std::vector<vtkIdType> beside;
+  for (std::size_t i = 0; i < part.size(); ++i)
+  {
+    const auto& [behind, front] = compartments.Sides[i];
+    if (behind == vtkPalpateCompartments::Outside || front == vtkPalpateCompartments::Outside)
+    {
+      is_outermost[part[i]] = 1;
+      beside.push_back(static_cast<vtkIdType>(i));
+    }
+  }
+  if (std::count(is_outermost.begin(), is_outermost.end(), 1) < 2)
+  {
+    return "";
+  }
+  auto bodies = vtkPalpateSubset(walls.Surface, beside);
+  for (const vtkIdType id : beside)
+  {
+    bodies.Tissues.push_back(part[id]);
+  }
+  const auto matched = vtkPalpateMatchWalls(bodies, close * vtkPalpateDiagonal(walls.Surface));
+  if (matched.Replaced == 0)
+  {
+    return "";
+  }
+  std::ostringstream text;
+  text.precision(3);
+  text << "Bodies lie beside each other at a distance of " << matched.Moved << " m, near ("
+       << matched.Place[0] << ", " << matched.Place[1] << ", " << matched.Place[2]
+       << "), without a wall in common: nothing is transmitted between them. If they should touch, "
+          "set WallTolerance to a little more than this. ";
+  return text.str();
+}
+
+/// How far the surfaces of two tissues, or two surfaces where nobody says, reach into each other,
 /// m.
 class Overlaps
 {
 public:
-  Overlaps(const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments,
+  Overlaps(const vtkPalpateSurface& surfaces, const vtkPalpateWalls& walls,
     const vtkPalpateSurfaceFaults& faults)
     : Walls(walls.Surface)
+    , Named(!surfaces.Tissues.empty())
+    , Owner(Walls.Triangles.size())
   {
-    int parts = 0;
-    Owner = vtkPalpateConnectedParts(Walls, parts);
-    Named = walls.Copies.front().Tissue >= 0;
-    if (Named)
+    const auto owners = Named ? surfaces.Tissues : vtkPalpateSeparateSurfaces(surfaces);
+    for (const auto& copy : walls.Copies)
     {
-      for (const auto& copy : walls.Copies)
-      {
-        Owner[copy.Triangle] = copy.Tissue;
-      }
-    }
-    else
-    {
-      // The number that the user would see.
-      for (int i = compartments.Count() - 1; i > 0; --i)
-      {
-        Region[compartments.Part[i]] = compartments.Region[i];
-      }
+      Owner[copy.Triangle] = owners[copy.Source];
     }
     for (const auto& [s, t] : faults.IntersectingPairs)
     {
+      CrossesItself = CrossesItself || Owner[s] == Owner[t];
       if (Owner[s] != Owner[t])
       {
         const auto [first, second] = std::minmax(Owner[s], Owner[t]);
@@ -302,6 +335,17 @@ public:
   }
 
   bool Any() const { return !Crossing.empty(); }
+  /// Of all, m; infinity where one crosses itself.
+  double Deepest() const
+  {
+    double depth = CrossesItself ? VTK_DOUBLE_MAX : 0;
+    for (const auto& [owners, triangles] : Crossing)
+    {
+      depth = std::max({ depth, this->Depth(triangles, owners[0], owners[1]),
+        this->Depth(triangles, owners[1], owners[0]) });
+    }
+    return depth;
+  }
   bool HasNumbers() const { return Named; }
 
   /// "0 and 1 reach into each other by 1e-05 m, 1 and 2 …"
@@ -312,8 +356,8 @@ public:
     text.precision(3);
     for (const auto& [owners, triangles] : Crossing)
     {
-      text << (text.tellp() > 0 ? ", " : "") << name(this->NumberOf(owners[0])) << " and "
-           << name(this->NumberOf(owners[1])) << " reach into each other by "
+      text << (text.tellp() > 0 ? ", " : "") << name(owners[0]) << " and " << name(owners[1])
+           << " reach into each other by "
            << std::max(this->Depth(triangles, owners[0], owners[1]),
                 this->Depth(triangles, owners[1], owners[0]))
            << " m";
@@ -322,8 +366,6 @@ public:
   }
 
 private:
-  int NumberOf(int owner) const { return Named ? owner : Region.at(owner); }
-
   /// How deep the corners of one's crossing triangles lie within the other at most.
   double Depth(const std::set<vtkIdType>& triangles, int one, int other) const
   {
@@ -374,8 +416,8 @@ private:
 
   const vtkPalpateSurface& Walls;
   bool Named;
-  std::vector<int> Owner; ///< of each triangle: its tissue or part
-  std::map<int, int> Region;
+  bool CrossesItself = false;
+  std::vector<int> Owner; ///< of each triangle: its tissue or surface
   std::map<std::array<int, 2>, std::set<vtkIdType>> Crossing;
 };
 
@@ -637,7 +679,7 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   {
     throw InputError(
       "The surface bounds no body: " + vtkPalpateDescribeFaults(walls.Surface, faults) + ". " +
-      AdviceFor(Overlaps(walls, compartments, faults), tissues) +
+      AdviceFor(Overlaps(surface, walls, faults), tissues) +
       " The second output shows these places.");
   }
   this->Mesh(surface, repaired, tissues, body);
@@ -647,8 +689,8 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   }
   AddText(body, "Repair", repaired.Report);
   AddText(fault_output, "Repair", repaired.Report);
-  const std::string warning =
-    tissues.Warning + (repaired.Lost.empty() ? "" : "RepairSurface " + repaired.Lost + ".");
+  const std::string warning = tissues.Warning + GapsBetween(walls, compartments) +
+    (repaired.Lost.empty() ? "" : "RepairSurface " + repaired.Lost + ".");
   if (!warning.empty())
   {
     vtkWarningMacro(<< warning);
@@ -677,7 +719,9 @@ std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchW
   {
     needed = needed || is_thin(i);
   }
-  if (!needed)
+  // Without a tolerance walls are in the same place, but for rounding.
+  if (!needed ||
+    (this->WallTolerance == 0 && Overlaps(surface, walls, faults).Deepest() > tolerance))
   {
     return {};
   }

@@ -84,6 +84,7 @@ public:
     }
     result.Replaced = Replaced;
     result.Moved = Moved;
+    result.Place = Place;
     result.Surfaces.Points = Points;
     std::vector<const Piece*> left;
     for (const Piece& piece : Pieces)
@@ -132,7 +133,7 @@ private:
   /// An outline that asks for more is none: the tolerance is larger than what it has to keep apart.
   std::size_t MostPieces() const
   {
-    constexpr std::size_t of_each = 30;
+    constexpr std::size_t of_each = 8;
     constexpr std::size_t at_least = 10000;
     return at_least + of_each * Given.Triangles.size();
   }
@@ -165,10 +166,17 @@ private:
   {
     const auto id = static_cast<vtkIdType>(Pieces.size());
     Pieces.push_back(piece);
-    PiecesOfRoot[piece.Root].push_back(id);
+    const auto add_to = [&](std::vector<vtkIdType>& list)
+    {
+      list.erase(std::remove_if(list.begin(), list.end(),
+                   [this](vtkIdType other) { return Pieces[other].State == Cut; }),
+        list.end());
+      list.push_back(id);
+    };
+    add_to(PiecesOfRoot[piece.Root]);
     for (const vtkIdType corner : piece.Corners)
     {
-      Incident[corner].push_back(id);
+      add_to(Incident[corner]);
     }
   }
 
@@ -598,6 +606,9 @@ private:
     {
       return;
     }
+    const Triangle& first = Pieces[on.front()].Corners;
+    const Vec3 place = (this->At(first[0]) + this->At(first[1]) + this->At(first[2])) / 3;
+    Place = { place[0], place[1], place[2] };
     std::set<Triangle> known;
     const auto count = Pieces.size();
     for (std::size_t i = 0; i < count; ++i)
@@ -692,6 +703,7 @@ private:
   Box Reach;
   vtkIdType Replaced = 0;
   double Moved = 0;
+  vtkPalpatePoint Place = {};
 };
 }
 

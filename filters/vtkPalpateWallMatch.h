@@ -21,8 +21,9 @@ struct vtkPalpateMatchedWalls
 {
   /// A wall of two of them is there twice, with the same triangles. Its parts are the surfaces.
   vtkPalpateSurface Surfaces;
-  vtkIdType Replaced = 0; ///< triangles
-  double Moved = 0;       ///< how far the wall of one lay from that of the other at most, m
+  vtkIdType Replaced = 0;     ///< triangles
+  double Moved = 0;           ///< how far the wall of one lay from that of the other at most, m
+  vtkPalpatePoint Place = {}; ///< of one of the triangles that were replaced, m
 };
 
 /// @param surfaces Those of one tissue are one surface; where nobody says, those that hang

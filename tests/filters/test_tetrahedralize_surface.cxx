@@ -765,6 +765,17 @@ TEST(SharedWalls, ApartOrOverlappingByLessThanTheTolerance) {
   ExpectError(MeshedAll({lower}, [](Filter* f) { f->SetWallTolerance(-1); }), {"WallTolerance"});
 }
 
+TEST(SharedWalls, BodiesWithAGapBetweenThemAreTold) {
+  const auto apart = MeshedAll({Slab(0, 1), Slab(1.001, 2, 3)});
+  ExpectGood(apart, 16 + 15.984);
+  ASSERT_EQ(apart.Warnings.size(), 1u);
+  EXPECT_NE(apart.Warnings[0].find("a distance of 0.001 m, near ("), std::string::npos)
+      << apart.Warnings[0];
+  EXPECT_NE(apart.Warnings[0].find("WallTolerance"), std::string::npos);
+  // Not where they are far from each other.
+  ExpectRegions(MeshedAll({Slab(0, 1), Slab(1.1, 2, 3)}), {{0, 16}, {1, 14.4}});
+}
+
 TEST(SharedWalls, CurvedWallsTriangulatedOtherwise) {
   // A core in a shell: facets of 24 and of 20 meridians lie up to 1 % of the radius apart.
   const auto hull = Append({Sphere(2, {0, 0, 0}, 24), InsideOut(Sphere(1, {0, 0, 0}, 24))});

