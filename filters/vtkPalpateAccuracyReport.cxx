@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
-#include <sstream>
 
 #include "accuracy/accuracy.h"
+#include "base/content_hash.h"
 #include "base/error.h"
 #include "exploration/exploration_estimate.h"
 #include "vtkCellArray.h"
@@ -43,36 +43,32 @@ constexpr int FactorsOfReport = 3;
 /// away than a neighbour.
 constexpr double TimeOfPoint = 2;
 
-/// All that a report depends on.
-std::string Describe(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
+/// Of all that a report depends on.
+std::string KeyOf(const palpate::TouchSpace& space, const palpate::AccuracyOptions& options)
 {
-  std::ostringstream text;
-  text << std::hexfloat << space.scene_hash << ' ' << space.file;
+  palpate::ContentHash key;
+  key.add(space.scene_hash).add(space.file);
   for (const palpate::TouchToolSpace& toolSpace : space.tool_spaces)
   {
     const palpate::ToolSpaceSetup& s = toolSpace.setup;
-    text << ' ' << s.interaction.active_node << ' ' << s.interaction.tip_radius << ' '
-         << s.grid.half_width << ' ' << s.grid.resolution << ' ' << s.grid.coarsest << ' '
-         << s.policy.force_limit << ' ' << s.policy.depth << ' ' << s.name() << ' '
-         << toolSpace.modes.sum() << ' ' << toolSpace.coefficients.sum();
+    key.add(s.interaction.active_node).add(s.interaction.tip_radius).add(s.name());
+    key.add(s.grid.half_width).add(s.grid.resolution).add(s.grid.coarsest);
+    key.add(s.policy.force_limit).add(s.policy.depth);
+    key.add(toolSpace.modes).add(toolSpace.coefficients);
     for (const palpate::ConfigurationSummary& c : toolSpace.configurations)
     {
-      text << ' ' << c.energy << ' ' << c.force.transpose() << ' ' << c.stiffness.sum() << ' '
-           << c.third_derivative.sum() << ' ' << c.flags << ' ' << static_cast<int>(c.outcome)
-           << ' ' << c.seconds;
+      key.add(c.check_point).add(c.level).add(c.t).add(c.energy).add(c.force).add(c.stiffness);
+      key.add(c.third_derivative).add(c.flags).add(c.outcome).add(c.seconds);
     }
     for (const palpate::IntermediateState& state : toolSpace.intermediate_states)
     {
-      text << ' ' << state.energy << ' ' << state.force.transpose();
+      key.add(state.t).add(state.energy).add(state.force);
     }
   }
-  text << " with " << options.exact.test_points << ' ' << options.exact.seed << ' '
-       << options.exact.equilibrium.tolerance << ' ' << options.exact.file;
-  for (const palpate::Method method : options.methods)
-  {
-    text << ' ' << static_cast<int>(method);
-  }
-  return text.str();
+  key.add(options.exact.test_points).add(options.exact.seed);
+  key.add(options.exact.equilibrium.tolerance).add(options.exact.file.string());
+  key.add(options.methods);
+  return key.text();
 }
 
 template <class Array, class Rows, class Get>
@@ -311,7 +307,7 @@ int vtkPalpateAccuracyReport::RequestData(
     {
       options.methods.push_back(static_cast<palpate::Method>(method));
     }
-    const std::string of = rank == 0 ? Describe(space, options) : "";
+    const std::string of = rank == 0 ? KeyOf(space, options) : "";
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
     if (!palpate::any(communicator, rank == 0 && (of != this->LastOf || !fileIsThere)))
     {

@@ -65,6 +65,12 @@ void vtkPalpateMarkFailed(vtkDataObject* output, const char* message)
   output->SetFieldData(fieldData);
 }
 
+std::string vtkPalpateFailureOf(vtkDataObject* data)
+{
+  vtkStringArray* mark = FindMark(data);
+  return mark ? mark->GetValue(0) : std::string();
+}
+
 bool vtkPalpatePassFailure(vtkDataObject* input, vtkDataObject* output)
 {
   vtkStringArray* mark = FindMark(input);

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "PalpateFiltersModule.h"
 
@@ -24,6 +25,9 @@ class vtkObject;
 
 /// Empties `output` and leaves the mark in it.
 PALPATEFILTERS_EXPORT void vtkPalpateMarkFailed(vtkDataObject* output, const char* message);
+
+/// The message of the mark that the data bears; empty where it bears none.
+[[nodiscard]] PALPATEFILTERS_EXPORT std::string vtkPalpateFailureOf(vtkDataObject* data);
 
 /// Where `input` bears the mark: empties `output`, passes the mark on and answers true.
 PALPATEFILTERS_EXPORT bool vtkPalpatePassFailure(vtkDataObject* input, vtkDataObject* output);

@@ -18,13 +18,15 @@
 /// Times that differ by less, in steps or frames, are the same but for rounding.
 inline constexpr double vtkPalpateTimeRounding = 1e-9;
 
+/// So many time steps may be shown of a motion.
+inline constexpr double vtkPalpateMostFrames = 1e6;
+
 /// The times of the frames, s; none where the two make none, or far too many.
 inline std::vector<double> vtkPalpateFrameTimes(double endTime, double frameRate)
 {
-  constexpr double MostFrames = 1e6;
   std::vector<double> times;
   const double number = endTime * frameRate;
-  if (!(endTime > 0) || !(number > 0) || !(number <= MostFrames))
+  if (!(endTime > 0) || !(number > 0) || !(number <= vtkPalpateMostFrames))
   {
     return times;
   }

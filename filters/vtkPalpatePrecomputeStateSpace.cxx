@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/content_hash.h"
 #include "base/error.h"
 #include "exploration/precompute.h"
 #include "state_space/state_space_file.h"
@@ -36,47 +37,32 @@
 
 namespace
 {
-/// All that a state space depends on.
-std::string Describe(const palpate::Scene& scene, const palpate::PrecomputeOptions& options)
+/// Of all that a state space depends on.
+/// @param region Of the tool; null: there is none.
+std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions& options,
+  vtkImplicitFunction* region)
 {
-  std::ostringstream text;
-  text << std::hexfloat << palpate::hash(scene) << ' ' << options.tip_radius << ' '
-       << options.half_width << ' ' << options.resolution << ' ' << options.tolerance << ' '
-       << options.tolerance_is_relative << ' ' << options.force_limit << ' '
-       << static_cast<int>(options.history) << ' ' << options.intermediate_states << ' '
-       << options.equilibrium.third_derivatives << ' ' << options.touch_bound << ' '
-       << options.equilibrium.tolerance << ' ' << options.equilibrium.max_seconds << ' '
-       << options.equilibrium.single_precision << ' ' << options.ranks_per_solve << ' '
-       << options.file << " nodes";
-  for (const palpate::Index node : options.active_nodes)
-  {
-    text << ' ' << node;
-  }
+  palpate::ContentHash key;
+  key.add(palpate::hash(scene)).add(scene.touchable).add(options.active_nodes);
+  key.add(options.tip_radius).add(options.half_width).add(options.resolution);
+  key.add(options.tolerance).add(options.tolerance_is_relative).add(options.force_limit);
+  key.add(options.history).add(options.intermediate_states);
+  key.add(options.touch_bound).add(options.keep).add(options.file.string());
+  const palpate::EquilibriumOptions& equilibrium = options.equilibrium;
+  key.add(equilibrium.third_derivatives).add(equilibrium.tolerance);
+  key.add(equilibrium.max_seconds).add(equilibrium.single_precision);
+  key.add(options.ranks_per_solve);
   if (options.contact)
   {
     const auto& [tool, spacing, shell, most] = *options.contact;
-    text << " tool " << static_cast<int>(tool.shape) << ' ' << tool.radius << ' '
-         << tool.axis.transpose() << ' ' << tool.length << ' ' << tool.law.thickness << ' '
-         << tool.law.stiffness << ' ' << spacing << ' ' << shell.depth << ' ' << most << " region";
-    for (const palpate::Vec3& point : scene.mesh.points)
-    {
-      text << (!shell.region || shell.region(point) ? '1' : '0');
-    }
-    for (const palpate::Vec3& point : tool.points)
-    {
-      text << ' ' << point.transpose();
-    }
-    for (const auto& triangle : tool.triangles)
-    {
-      text << ' ' << triangle[0] << ' ' << triangle[1] << ' ' << triangle[2];
-    }
+    key.add(tool.shape).add(tool.radius).add(tool.axis).add(tool.length);
+    key.add(tool.points).add(tool.triangles);
+    key.add(tool.law.thickness).add(tool.law.stiffness);
+    key.add(spacing).add(shell.depth).add(shell.begin_at).add(most);
+    // A function is asked anywhere; what it says at some places does not tell it from others.
+    key.add(region ? region->GetMTime() : vtkMTimeType(0));
   }
-  text << " touchable ";
-  for (const char touchable : scene.touchable)
-  {
-    text << (touchable != 0 ? '1' : '0');
-  }
-  return text.str();
+  return key.text();
 }
 
 std::string ToText(const palpate::ExplorationEstimate& estimate)
@@ -347,7 +333,8 @@ int vtkPalpatePrecomputeStateSpace::RequestData(
       };
     }
 
-    const std::string of = Describe(scene, options);
+    const std::string of =
+      KeyOf(scene, options, this->UseToolRegion ? this->ToolRegion.Get() : nullptr);
     const bool fileIsThere = this->FileName.empty() || std::filesystem::exists(this->FileName);
     if (!palpate::any(communicator, of != this->LastOf || !fileIsThere))
     {

@@ -22,6 +22,8 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateFrameTimes.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateRigidTool.h"
 #include "vtkPalpateScene.h"
@@ -98,6 +100,15 @@ public:
     {
       throw palpate::InputError(fileName + " holds no tick.");
     }
+    for (vtkIdType i = 0; i < this->NumberOfTicks; ++i)
+    {
+      if (this->Number("time_s", i) < this->Times->GetValue(std::max<vtkIdType>(i - 1, 0)))
+      {
+        throw palpate::InputError(this->Place("time_s", i) +
+          " is earlier than the one before. A recording has its ticks in the order of time: take "
+          "those that are not out.");
+      }
+    }
   }
 
   [[nodiscard]] double Duration() const
@@ -149,16 +160,16 @@ public:
     const vtkIdType i = std::max<vtkIdType>(after - times, 1) - 1;
     Frame frame;
     frame.Time = times[i] - times[0];
-    frame.Contact = static_cast<int>(this->Column("contact")->GetValue(i));
-    frame.Found = static_cast<int>(this->Column("found")->GetValue(i));
+    frame.Contact = static_cast<int>(this->Integer("contact", i));
+    frame.Found = static_cast<int>(this->Integer("found", i));
     const Vec3 anchor = this->Vector("anchor", "_m", i);
     frame.Displacement = this->Vector("displacement", "_m", i);
     frame.Force = this->Vector("body_force", "_N", i);
     for (int k = 0; k < MostNodes; ++k)
     {
       const std::string place = "_" + std::to_string(k);
-      frame.Nodes[k] = static_cast<vtkIdType>(this->Column("node" + place)->GetValue(i));
-      frame.Weights[k] = this->Column("weight" + place)->GetValue(i);
+      frame.Nodes[k] = this->Integer("node" + place, i);
+      frame.Weights[k] = this->Number("weight" + place, i);
     }
     const bool touches = frame.Contact == Attached || frame.Contact == Pressing;
     frame.Place = touches ? Vec3(anchor + frame.Displacement) : this->Vector("position", "_m", i);
@@ -185,11 +196,34 @@ private:
     }
     return column;
   }
+  [[nodiscard]] std::string Place(const std::string& name, vtkIdType i) const
+  {
+    return "In row " + std::to_string(i + 1) + " of " + this->FileName + " the number in " + name;
+  }
+  /// @throws palpate::InputError it is not finite.
+  [[nodiscard]] double Number(const std::string& name, vtkIdType i) const
+  {
+    const double number = this->Column(name)->GetValue(i);
+    if (!std::isfinite(number))
+    {
+      throw palpate::InputError(this->Place(name, i) + " is not finite. Take the row out.");
+    }
+    return number;
+  }
+  /// @throws palpate::InputError it is none that a recording has.
+  [[nodiscard]] vtkIdType Integer(const std::string& name, vtkIdType i) const
+  {
+    const double number = this->Number(name, i);
+    if (std::trunc(number) != number || std::abs(number) > VTK_INT_MAX)
+    {
+      throw palpate::InputError(this->Place(name, i) + " is no whole number. Take the row out.");
+    }
+    return static_cast<vtkIdType>(number);
+  }
   Vec3 Vector(const std::string& what, const std::string& unit, vtkIdType i) const
   {
-    return { this->Column(what + "_x" + unit)->GetValue(i),
-      this->Column(what + "_y" + unit)->GetValue(i),
-      this->Column(what + "_z" + unit)->GetValue(i) };
+    return { this->Number(what + "_x" + unit, i), this->Number(what + "_y" + unit, i),
+      this->Number(what + "_z" + unit, i) };
   }
 
   std::string FileName;
@@ -427,42 +461,40 @@ int vtkPalpateReplayTouch::FillInputPortInformation(int, vtkInformation* info)
   return 1;
 }
 
-int vtkPalpateReplayTouch::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+std::vector<double> vtkPalpateReplayTouch::TimesToShow() const
 {
+  const std::vector<double>& ticks = this->Cache->TickTimes;
+  if (this->FrameRate == 0 || ticks.empty())
+  {
+    return ticks;
+  }
   std::vector<double> times;
-  try
+  const double intervals = std::floor(ticks.back() * this->FrameRate);
+  if (intervals >= 0 && intervals < vtkPalpateMostFrames)
   {
-    vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
-    this->Cache->Read(this->FileName, controller, *vtkPalpateCommunicator(controller));
-    times = this->Cache->TickTimes;
-  }
-  catch (const std::exception&)
-  {
-    // The execution says what is wrong.
-  }
-  if (this->FrameRate > 0 && !times.empty())
-  {
-    const double duration = times.back();
-    times.clear();
-    for (int k = 0; k <= duration * this->FrameRate; ++k)
+    for (int k = 0; k <= intervals; ++k)
     {
       times.push_back(k / this->FrameRate);
     }
   }
+  return times;
+}
+
+int vtkPalpateReplayTouch::RequestInformation(
+  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
+{
+  std::vector<double> times;
+  // The execution says what is wrong.
+  vtkPalpateGuard(nullptr,
+    [&]
+    {
+      vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+      this->Cache->Read(this->FileName, controller, *vtkPalpateCommunicator(controller));
+      times = this->TimesToShow();
+    });
   for (int port = 0; port < NumberOfPorts; ++port)
   {
-    vtkInformation* info = outputVector->GetInformationObject(port);
-    if (times.empty())
-    {
-      info->Remove(vtkStreamingDemandDrivenPipeline::TIME_STEPS());
-      info->Remove(vtkStreamingDemandDrivenPipeline::TIME_RANGE());
-      continue;
-    }
-    const double range[] = { times.front(), times.back() };
-    info->Set(
-      vtkStreamingDemandDrivenPipeline::TIME_STEPS(), times.data(), static_cast<int>(times.size()));
-    info->Set(vtkStreamingDemandDrivenPipeline::TIME_RANGE(), range, 2);
+    vtkPalpateSetTimes(times, outputVector->GetInformationObject(port));
   }
   return 1;
 }
@@ -471,12 +503,7 @@ int vtkPalpateReplayTouch::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
 {
   auto* surface = vtkPolyData::GetData(outputVector, SurfacePort);
-  const int asked = request->Has(vtkExecutive::FROM_OUTPUT_PORT())
-    ? std::max(request->Get(vtkExecutive::FROM_OUTPUT_PORT()), 0)
-    : 0;
-  vtkInformation* port = outputVector->GetInformationObject(asked);
-  const auto timeKey = vtkStreamingDemandDrivenPipeline::UPDATE_TIME_STEP();
-  const double time = port->Has(timeKey) ? port->Get(timeKey) : 0;
+  const double time = vtkPalpateAskedTime(request, outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
   this->ErrorCode = vtkPalpateProduce(this, surface, controller,
     [&](palpate::Communicator& ranks)
@@ -486,13 +513,19 @@ int vtkPalpateReplayTouch::RequestData(
       {
         return;
       }
-      if (!(this->FrameRate >= 0))
+      if (!(this->FrameRate >= 0) || !std::isfinite(this->FrameRate))
       {
-        throw palpate::InputError("The frame rate is " + std::to_string(this->FrameRate) +
+        throw palpate::InputError("FrameRate is " + std::to_string(this->FrameRate) +
           "; it must be a number of time steps in a second, or 0 for every tick.");
       }
       Replay& replay = *this->Cache;
       replay.Read(this->FileName, controller, ranks);
+      if (this->TimesToShow().empty())
+      {
+        throw palpate::InputError("FrameRate makes too many time steps of a recording of " +
+          std::to_string(replay.TickTimes.back()) +
+          " s; there may be a million. Make it smaller, or 0 for every tick.");
+      }
       const bool shows = !controller || controller->GetLocalProcessId() == 0;
       Frame frame;
       palpate::agree(ranks,

@@ -24,6 +24,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "PalpateFiltersModule.h"
 #include "vtkPolyDataAlgorithm.h"
@@ -59,6 +60,9 @@ private:
   void operator=(const vtkPalpateReplayTouch&) = delete;
 
   struct Replay;
+
+  /// s from the first tick; none where FrameRate makes far too many.
+  [[nodiscard]] std::vector<double> TimesToShow() const;
 
   std::string FileName;
   double FrameRate = 25;

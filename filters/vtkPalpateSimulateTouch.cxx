@@ -18,6 +18,7 @@
 #include "vtkPalpateFields.h"
 #include "vtkPalpateFrameTimes.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateKeptRun.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateReducedModel.h"
 #include "vtkPalpateScene.h"
@@ -108,6 +109,7 @@ struct vtkPalpateSimulateTouch::Run
 vtkStandardNewMacro(vtkPalpateSimulateTouch);
 
 vtkPalpateSimulateTouch::vtkPalpateSimulateTouch()
+  : LastRun(std::make_unique<vtkPalpateKeptRun<Run>>())
 {
   this->SetNumberOfInputPorts(NumberOfInputs);
   this->SetNumberOfOutputPorts(NumberOfOutputs);
@@ -158,32 +160,25 @@ int vtkPalpateSimulateTouch::RequestData(
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&](palpate::Communicator& communicator)
     {
-      if (palpate::any(communicator, !this->LastRun || this->LastRunTime != now()))
+      const auto compute = [&]
       {
-        this->LastRun.reset();
         // A request that ended the run before is not for this one, and nobody else takes it back.
         this->SetAbortExecute(0);
+        vtkPalpateCheckTimes(this->EndTime, this->FrameRate, this->TimeStep);
         auto run = std::make_unique<Run>();
-        palpate::agree(communicator,
-          [&]
-          {
-            vtkPalpateCheckTimes(this->EndTime, this->FrameRate, this->TimeStep);
-            const auto body = vtkPalpateGatherBody(
-              vtkPalpateInput<vtkUnstructuredGrid>(inputVector[BodyPort]), controller);
-            if (!body || vtkPalpatePassFailure(body, output))
-            {
-              return;
-            }
-            palpate::with_memory("to simulate the touch",
-              [&]
-              { this->Simulate(body, vtkPalpateInput<vtkTable>(inputVector[PathPort]), *run); });
-          });
-        this->LastRun = std::move(run);
-        this->LastRunTime = now();
-      }
-      if (this->LastRun->Body)
+        const auto body = vtkPalpateGatherBody(
+          vtkPalpateInput<vtkUnstructuredGrid>(inputVector[BodyPort]), controller);
+        if (body && !vtkPalpatePassFailure(body, output))
+        {
+          palpate::with_memory("to simulate the touch",
+            [&] { this->Simulate(body, vtkPalpateInput<vtkTable>(inputVector[PathPort]), *run); });
+        }
+        return run;
+      };
+      const Run* run = this->LastRun->Update(communicator, output, now, compute);
+      if (run && run->Body)
       {
-        this->Show(time, output, history);
+        this->Show(*run, time, output, history);
       }
     });
   return 1;
@@ -256,9 +251,8 @@ void vtkPalpateSimulateTouch::Simulate(vtkUnstructuredGrid* body, vtkTable* path
 }
 
 void vtkPalpateSimulateTouch::Show(
-  double time, vtkUnstructuredGrid* output, vtkTable* history) const
+  const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history) const
 {
-  const Run& run = *this->LastRun;
   output->ShallowCopy(run.Body);
   history->ShallowCopy(run.History);
   const std::vector<double> times = vtkPalpateFrameTimes(this->EndTime, this->FrameRate);

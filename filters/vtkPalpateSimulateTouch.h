@@ -26,6 +26,8 @@
 #include "vtkUnstructuredGridAlgorithm.h"
 
 class vtkTable;
+template <class Run>
+class vtkPalpateKeptRun;
 
 class PALPATEFILTERS_EXPORT vtkPalpateSimulateTouch : public vtkUnstructuredGridAlgorithm
 {
@@ -67,14 +69,11 @@ private:
   struct Run;
 
   void Simulate(vtkUnstructuredGrid* body, vtkTable* paths, Run& run);
-  void Show(double time, vtkUnstructuredGrid* output, vtkTable* history) const;
+  void Show(const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history) const;
 
   double EndTime = 1;
   double FrameRate = 50;
   double TimeStep = 0.002;
 
-  /// Null: there was none, or it has failed.
-  std::unique_ptr<Run> LastRun;
-  /// Of the filter and its inputs when it was made.
-  vtkMTimeType LastRunTime = 0;
+  std::unique_ptr<vtkPalpateKeptRun<Run>> LastRun;
 };

@@ -22,6 +22,7 @@
 #include "vtkPalpateFrameTimes.h"
 #include "vtkPalpateFrames.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateKeptRun.h"
 #include "vtkPalpateLinearSolver.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateRigidTool.h"
@@ -165,6 +166,7 @@ vtkStandardNewMacro(vtkPalpateSolveDynamics);
 
 vtkPalpateSolveDynamics::vtkPalpateSolveDynamics()
   : LinearSolverNames(vtkPalpateLinearSolverNames())
+  , LastRun(std::make_unique<vtkPalpateKeptRun<Run>>())
 {
   this->SetNumberOfInputPorts(NumberOfInputs);
   this->SetNumberOfOutputPorts(NumberOfOutputs);
@@ -249,23 +251,22 @@ int vtkPalpateSolveDynamics::RequestData(
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&](palpate::Communicator& communicator)
     {
-      if (palpate::any(communicator, !this->LastRun || this->LastRunTime != now()))
+      const auto compute = [&]
       {
-        this->LastRun.reset();
         // A request that ended the run before is not for this one, and nobody else takes it back.
         this->SetAbortExecute(0);
-        this->Compute(inputVector, communicator, output);
-        this->LastRunTime = now();
-      }
-      if (this->LastRun && this->LastRun->Body)
+        return this->Compute(inputVector, communicator, output);
+      };
+      const Run* run = this->LastRun->Update(communicator, output, now, compute);
+      if (run && run->Body)
       {
-        this->Show(time, output, history);
+        this->Show(*run, time, output, history);
       }
     });
   return 1;
 }
 
-void vtkPalpateSolveDynamics::Compute(
+std::unique_ptr<vtkPalpateSolveDynamics::Run> vtkPalpateSolveDynamics::Compute(
   vtkInformationVector** inputs, palpate::Communicator& communicator, vtkUnstructuredGrid* output)
 {
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
@@ -317,7 +318,7 @@ void vtkPalpateSolveDynamics::Compute(
   {
     palpate::serve_group_solver(comm);
   }
-  this->LastRun = std::move(run);
+  return run;
 }
 
 vtkPalpateSolveDynamics::Setup vtkPalpateSolveDynamics::MakeSetup(
@@ -419,9 +420,8 @@ void vtkPalpateSolveDynamics::Simulate(
 }
 
 void vtkPalpateSolveDynamics::Show(
-  double time, vtkUnstructuredGrid* output, vtkTable* history) const
+  const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history) const
 {
-  const Run& run = *this->LastRun;
   output->ShallowCopy(run.Body);
   history->ShallowCopy(run.History);
   const std::vector<double> times = this->FrameTimes();

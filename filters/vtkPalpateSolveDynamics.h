@@ -41,6 +41,8 @@
 class vtkPolyData;
 class vtkStringArray;
 class vtkTable;
+template <class Run>
+class vtkPalpateKeptRun;
 
 namespace palpate
 {
@@ -196,11 +198,12 @@ private:
   std::vector<double> FrameTimes() const;
   void CheckProperties() const;
   Setup MakeSetup(vtkUnstructuredGrid* body, vtkTable* paths, vtkPolyData* surface);
-  void Compute(vtkInformationVector** inputs, palpate::Communicator& communicator,
+  /// @note Collective
+  std::unique_ptr<Run> Compute(vtkInformationVector** inputs, palpate::Communicator& communicator,
     vtkUnstructuredGrid* output);
   void Simulate(
     const Setup& setup, std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, Run& run);
-  void Show(double time, vtkUnstructuredGrid* output, vtkTable* history) const;
+  void Show(const Run& run, double time, vtkUnstructuredGrid* output, vtkTable* history) const;
 
   std::vector<vtkIdType> ActiveNodes;
   double TipRadius = 0;
@@ -227,8 +230,5 @@ private:
   std::string LinearSolver = "Automatic";
   vtkSmartPointer<vtkStringArray> LinearSolverNames;
 
-  /// Null: there was none, or it has failed.
-  std::unique_ptr<Run> LastRun;
-  /// Of the filter and its inputs when it was made.
-  vtkMTimeType LastRunTime = 0;
+  std::unique_ptr<vtkPalpateKeptRun<Run>> LastRun;
 };

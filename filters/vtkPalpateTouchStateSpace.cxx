@@ -17,6 +17,7 @@
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
+#include "vtkErrorCode.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkIdTypeArray.h"
@@ -336,6 +337,7 @@ int vtkPalpateTouchStateSpace::RequestData(
 {
   auto* output = vtkPolyData::GetData(outputVector);
   vtkMultiProcessController* controller = vtkMultiProcessController::GetGlobalController();
+  bool isWhole = true;
   this->ErrorCode = vtkPalpateProduce(this, output, controller,
     [&](palpate::Communicator& ranks)
     {
@@ -357,132 +359,143 @@ int vtkPalpateTouchStateSpace::RequestData(
         prepared->InputTime = input->GetMTime();
         this->Cache = std::move(prepared);
       }
-      if (controller && controller->GetLocalProcessId() != 0)
-      {
-        return;
-      }
-
-      const TouchSpace& space = this->Cache->Space;
-      const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
-      const bool isContact = toolSpace.setup.interaction.is_contact();
-      const bool hasRigidTool = space.find(palpate::kContactToolSpace) != nullptr;
-      const palpate::Vec3 t(isContact ? this->ToolPosition : this->Displacement);
-      const palpate::Vec3 start(isContact ? this->ToolPosition : this->StartDisplacement);
-      Prepared::Branch& branch =
-        this->Cache->Find(toolSpace, start, this->StartBranch, t, this->Branch);
-      auto& interpolator = branch.Interpolators[this->Interpolation];
-      if (!interpolator)
-      {
-        const auto method = static_cast<palpate::Method>(this->Interpolation);
-        // The stiffness at rest is that of the branch that rest is on.
-        const int of = method == palpate::Method::linear ? 0 : this->Cache->OnBranch;
-        interpolator = palpate::make_interpolator(method, this->Cache->SiteOnBranch(toolSpace, of));
-      }
-      const palpate::TouchResult touch = interpolator->evaluate(t);
-
-      const bool needsBody = isContact || this->Stress || this->WholeBody;
-      std::string problem;
-      if (!needsBody)
-      {
-        this->Cache->Whole.reset();
-      }
-      // What is touched goes on without; at many frames a second it is told once.
-      const auto tryWith = [&](auto&& part)
-      {
-        try
+      bool isHere = true;
+      palpate::agree(ranks,
+        [&]
         {
-          if (needsBody && problem.empty())
+          if (ranks.rank() == 0)
           {
-            palpate::with_memory("to find the displacement inside the body", part);
+            isHere = this->Touch(output, vtkUnstructuredGrid::GetData(outputVector, 1));
           }
-        }
-        catch (const std::exception& error)
-        {
-          problem = error.what();
-        }
-      };
-      tryWith([&] { this->FindWholeBody(toolSpace, *interpolator, t.data()); });
-
-      const palpate::Surface& surface = space.surface;
-      Eigen::VectorXf u =
-        Eigen::VectorXf::Zero(3 * static_cast<Eigen::Index>(surface.num_points()));
-      if (!isContact)
-      {
-        if (!branch.Field)
-        {
-          branch.Field = std::make_unique<palpate::DisplayField>(
-            this->Cache->SiteOnBranch(toolSpace, this->Cache->OnBranch));
-        }
-        if (touch.support != palpate::Support::none)
-        {
-          u = BySurfaceModes(toolSpace, *branch.Field, t);
-        }
-      }
-      else if (problem.empty())
-      {
-        for (palpate::Index p = 0; p < surface.num_points(); ++p)
-        {
-          const Index point = surface.mesh_points[static_cast<std::size_t>(p)];
-          u.segment<3>(3 * p) =
-            this->Cache->Whole->Displacement.segment<3>(3 * point).cast<float>();
-        }
-      }
-      vtkNew<vtkFloatArray> displacement;
-      displacement->SetName("Displacement");
-      displacement->SetNumberOfComponents(3);
-      displacement->SetNumberOfTuples(surface.num_points());
-      std::copy(u.begin(), u.end(), displacement->GetPointer(0));
-      vtkNew<vtkPoints> points;
-      points->SetNumberOfPoints(surface.num_points());
-      for (palpate::Index p = 0; p < surface.num_points(); ++p)
-      {
-        const palpate::Vec3& x = surface.points[p];
-        points->SetPoint(p, x[0] + u[3 * p], x[1] + u[3 * p + 1], x[2] + u[3 * p + 2]);
-      }
-      output->SetPoints(points);
-      output->SetPolys(this->Cache->Triangles);
-      output->GetPointData()->SetVectors(displacement);
-      vtkNew<vtkTriangleMeshPointNormals> normals;
-      normals->SetInputData(output);
-      normals->Update();
-      output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
-      output->GetPointData()->SetActiveScalars(displacement->GetName());
-
-      AddVector(output, "Force", 3, touch.force.data());
-      AddVector(output, "Stiffness", 9, touch.stiffness.data());
-      AddVector(output, "Energy", 1, &touch.energy);
-      AddInteger(output, "Found", static_cast<int>(touch.support));
-      if (isContact)
-      {
-        AddVector(output, "ToolPosition", 3, t.data());
-      }
-      else
-      {
-        const palpate::Vec3 position = toolSpace.setup.interaction.material_point + t;
-        AddVector(output, "ActivePosition", 3, position.data());
-        AddInteger(output, "Branch", this->Cache->OnBranch);
-        vtkNew<vtkIdTypeArray> active;
-        active->SetName("ActiveNode");
-        active->InsertNextValue(toolSpace.setup.interaction.active_node);
-        output->GetFieldData()->AddArray(active);
-        if (hasRigidTool)
-        {
-          // Nothing is pressed: what colours the surface by it goes on.
-          vtkNew<vtkDoubleArray> pressure;
-          pressure->SetName(vtkPalpateArray::ContactPressure);
-          pressure->SetNumberOfTuples(surface.num_points());
-          pressure->Fill(0);
-          output->GetPointData()->AddArray(pressure);
-        }
-      }
-      tryWith([&]
-        { this->AddWholeBody(t.data(), output, vtkUnstructuredGrid::GetData(outputVector, 1)); });
-      if (std::exchange(this->Cache->Problem, problem) != problem && !problem.empty())
-      {
-        vtkErrorMacro(<< problem);
-      }
+        });
+      isWhole = !palpate::any(ranks, !isHere);
     });
+  if (this->ErrorCode == vtkErrorCode::NoError && !isWhole)
+  {
+    this->ErrorCode = vtkErrorCode::UserError;
+  }
   return 1;
+}
+
+bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* wholeBody)
+{
+  const TouchSpace& space = this->Cache->Space;
+  const TouchToolSpace& toolSpace = SiteOf(space, this->ActiveNode);
+  const bool isContact = toolSpace.setup.interaction.is_contact();
+  const bool hasRigidTool = space.find(palpate::kContactToolSpace) != nullptr;
+  const palpate::Vec3 t(isContact ? this->ToolPosition : this->Displacement);
+  const palpate::Vec3 start(isContact ? this->ToolPosition : this->StartDisplacement);
+  Prepared::Branch& branch =
+    this->Cache->Find(toolSpace, start, this->StartBranch, t, this->Branch);
+  auto& interpolator = branch.Interpolators[this->Interpolation];
+  if (!interpolator)
+  {
+    const auto method = static_cast<palpate::Method>(this->Interpolation);
+    // The stiffness at rest is that of the branch that rest is on.
+    const int of = method == palpate::Method::linear ? 0 : this->Cache->OnBranch;
+    interpolator = palpate::make_interpolator(method, this->Cache->SiteOnBranch(toolSpace, of));
+  }
+  const palpate::TouchResult touch = interpolator->evaluate(t);
+
+  const bool needsBody = isContact || this->Stress || this->WholeBody;
+  std::string problem;
+  if (!needsBody)
+  {
+    this->Cache->Whole.reset();
+  }
+  // What is touched goes on without; at many frames a second it is told once.
+  const auto tryWith = [&](auto&& part)
+  {
+    try
+    {
+      if (needsBody && problem.empty())
+      {
+        palpate::with_memory("to find the displacement inside the body", part);
+      }
+    }
+    catch (const std::exception& error)
+    {
+      problem = error.what();
+    }
+  };
+  tryWith([&] { this->FindWholeBody(toolSpace, *interpolator, t.data()); });
+
+  const palpate::Surface& surface = space.surface;
+  Eigen::VectorXf u = Eigen::VectorXf::Zero(3 * static_cast<Eigen::Index>(surface.num_points()));
+  if (!isContact)
+  {
+    if (!branch.Field)
+    {
+      branch.Field = std::make_unique<palpate::DisplayField>(
+        this->Cache->SiteOnBranch(toolSpace, this->Cache->OnBranch));
+    }
+    if (touch.support != palpate::Support::none)
+    {
+      u = BySurfaceModes(toolSpace, *branch.Field, t);
+    }
+  }
+  else if (problem.empty())
+  {
+    for (palpate::Index p = 0; p < surface.num_points(); ++p)
+    {
+      const Index point = surface.mesh_points[static_cast<std::size_t>(p)];
+      u.segment<3>(3 * p) = this->Cache->Whole->Displacement.segment<3>(3 * point).cast<float>();
+    }
+  }
+  vtkNew<vtkFloatArray> displacement;
+  displacement->SetName("Displacement");
+  displacement->SetNumberOfComponents(3);
+  displacement->SetNumberOfTuples(surface.num_points());
+  std::copy(u.begin(), u.end(), displacement->GetPointer(0));
+  vtkNew<vtkPoints> points;
+  points->SetNumberOfPoints(surface.num_points());
+  for (palpate::Index p = 0; p < surface.num_points(); ++p)
+  {
+    const palpate::Vec3& x = surface.points[p];
+    points->SetPoint(p, x[0] + u[3 * p], x[1] + u[3 * p + 1], x[2] + u[3 * p + 2]);
+  }
+  output->SetPoints(points);
+  output->SetPolys(this->Cache->Triangles);
+  output->GetPointData()->SetVectors(displacement);
+  vtkNew<vtkTriangleMeshPointNormals> normals;
+  normals->SetInputData(output);
+  normals->Update();
+  output->GetPointData()->SetNormals(normals->GetOutput()->GetPointData()->GetNormals());
+  output->GetPointData()->SetActiveScalars(displacement->GetName());
+
+  AddVector(output, "Force", 3, touch.force.data());
+  AddVector(output, "Stiffness", 9, touch.stiffness.data());
+  AddVector(output, "Energy", 1, &touch.energy);
+  AddInteger(output, "Found", static_cast<int>(touch.support));
+  if (isContact)
+  {
+    AddVector(output, "ToolPosition", 3, t.data());
+  }
+  else
+  {
+    const palpate::Vec3 position = toolSpace.setup.interaction.material_point + t;
+    AddVector(output, "ActivePosition", 3, position.data());
+    AddInteger(output, "Branch", this->Cache->OnBranch);
+    vtkNew<vtkIdTypeArray> active;
+    active->SetName("ActiveNode");
+    active->InsertNextValue(toolSpace.setup.interaction.active_node);
+    output->GetFieldData()->AddArray(active);
+    if (hasRigidTool)
+    {
+      // Nothing is pressed: what colours the surface by it goes on.
+      vtkNew<vtkDoubleArray> pressure;
+      pressure->SetName(vtkPalpateArray::ContactPressure);
+      pressure->SetNumberOfTuples(surface.num_points());
+      pressure->Fill(0);
+      output->GetPointData()->AddArray(pressure);
+    }
+  }
+  tryWith([&] { this->AddWholeBody(t.data(), output, wholeBody); });
+  if (std::exchange(this->Cache->Problem, problem) != problem && !problem.empty())
+  {
+    vtkErrorMacro(<< problem);
+  }
+  return problem.empty();
 }
 
 void vtkPalpateTouchStateSpace::PrintSelf(ostream& os, vtkIndent indent)

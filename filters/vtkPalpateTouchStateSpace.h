@@ -129,6 +129,10 @@ private:
 
   struct Prepared;
 
+  /// Fills the outputs, on the rank that has the space.
+  /// @returns Whether all that was asked for is there. Where the inside of the body is not, an
+  /// error says why, and the surface is there without.
+  bool Touch(vtkPolyData* output, vtkUnstructuredGrid* wholeBody);
   /// The displacement of the whole body, on the rank that has the space.
   /// @param interpolator Of the force there.
   void FindWholeBody(const palpate::TouchToolSpace& toolSpace,

@@ -260,9 +260,9 @@ PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
   for (const PlannedSpace& space : spaces) setups.push_back(space.setup);
   const double tolerance = options.equilibrium.tolerance;
   const std::unique_ptr<Record> record =
-      options.file.empty()
-          ? make_memory_record(scene, setups, communicator)
-          : make_file_record(options.file, scene, setups, tolerance, options.keep, communicator);
+      options.file.empty() ? make_memory_record(scene, setups, communicator)
+                           : make_file_record(options.file, scene, setups, tolerance, options.keep,
+                                              options.touch_bound, communicator);
   result.damaged = record->damaged();
 
   Engine engine(spaces, *state_solver, *record, communicator.network(), monitor, report);

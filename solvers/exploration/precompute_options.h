@@ -60,7 +60,8 @@ struct PrecomputeOptions {
   int intermediate_states = 0;
   /// The file in which the space is kept and from which it is resumed; empty: in memory alone.
   std::filesystem::path file;
-  /// Largest error of the displacement that is carried for touching, as a share of the largest.
+  /// Largest error of the displacement that is carried for touching, as a share of the largest. A
+  /// file that keeps it with a larger error cannot do better again.
   double touch_bound = kDefaultTouchBound;
   /// What of the fields a file keeps of a space that is complete. Until then all is kept. A file
   /// that keeps less cannot keep more again.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <sstream>
 #include <utility>
 
 #include "base/error.h"
@@ -14,6 +15,9 @@
 
 namespace palpate {
 namespace {
+
+/// Of a ratio of two numbers that were stored.
+constexpr double kRounding = 1e-12;
 
 namespace fs = std::filesystem;
 
@@ -187,7 +191,7 @@ class MemoryRecord final : public Record {
 class FileRecord final : public Record {
  public:
   FileRecord(const fs::path& path, const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
-             double solver_tolerance, Keep keep, Communicator& communicator)
+             double solver_tolerance, Keep keep, double bound, Communicator& communicator)
       : path_(path),
         scene_(scene),
         setups_(setups),
@@ -201,6 +205,7 @@ class FileRecord final : public Record {
                          "), and what it has left out is lost. Ask for " + name_of(file.keep()) +
                          ", or give another file name.");
       }
+      require_bound(file, bound);
       for (const ToolSpaceSetup& setup : setups) file.add_tool_space(setup);
     });
   }
@@ -269,6 +274,23 @@ class FileRecord final : public Record {
   }
 
  private:
+  /// @throws InputError what the file keeps of these spaces has a larger error than is asked for.
+  void require_bound(const StateSpaceFile& file, double bound) const {
+    for (const ToolSpaceSetup& setup : setups_) {
+      for (const StateSpaceFile::BasisBox& box : file.list_bases(setup.id)) {
+        if (box.error <= bound * (1 + kRounding)) continue;
+        std::ostringstream text;
+        text
+            << path_.string() << " keeps the displacements of " << setup.name()
+            << " with an error of " << box.error
+            << " of the largest, more than is asked for (DisplacementBound is " << bound
+            << "), and what it has left out is lost. Ask for an error that is not smaller, or give "
+               "another file name.";
+        throw InputError(text.str());
+      }
+    }
+  }
+
   void set_complete() {
     for (const ToolSpaceSetup& setup : setups_) files_.own().set_complete(setup.id, true);
   }
@@ -482,9 +504,10 @@ std::unique_ptr<Record> make_memory_record(const Scene& scene,
 
 std::unique_ptr<Record> make_file_record(const fs::path& path, const Scene& scene,
                                          const std::vector<ToolSpaceSetup>& setups,
-                                         double solver_tolerance, Keep keep,
+                                         double solver_tolerance, Keep keep, double bound,
                                          Communicator& communicator) {
-  return std::make_unique<FileRecord>(path, scene, setups, solver_tolerance, keep, communicator);
+  return std::make_unique<FileRecord>(path, scene, setups, solver_tolerance, keep, bound,
+                                      communicator);
 }
 
 }  // namespace palpate

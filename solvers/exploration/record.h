@@ -68,14 +68,15 @@ class Record {
 
 /// A record in a state-space file, which may hold a part of the space already, see rank_files.h.
 /// @param keep What the file keeps of the fields when nothing is left to find.
+/// @param bound Of their error, as a share of the largest displacement.
 /// @throws InputError a file of another scene, tolerance, tip or grid, with another number of
 ///   intermediate states, or where third derivatives are there or asked for alone; one that keeps
-///   less than is asked for.
+///   less than is asked for, or with a larger error.
 /// @note Collective
 [[nodiscard]] std::unique_ptr<Record> make_file_record(const std::filesystem::path& path,
                                                        const Scene& scene,
                                                        const std::vector<ToolSpaceSetup>& setups,
                                                        double solver_tolerance, Keep keep,
-                                                       Communicator& communicator);
+                                                       double bound, Communicator& communicator);
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "assembly/mass.h"
 #include "base/error.h"
@@ -34,10 +35,28 @@ constexpr int kReducedPlaces = 10;
 /// The least range of a coordinate, over the largest one: what moves less has no part in the force.
 constexpr double kLeastRange = 0.03;
 
+/// Steps of the whole body on paths, rows of their tables, and taps on one, at the most: more would
+/// not come to their end, or fill the memory.
+constexpr double kMostSteps = 1e7;
+constexpr double kMostRows = 1e7;
+constexpr double kMostTaps = 1e5;
+/// A path that is shorter, in periods of the bandwidth, does not leave the ramp at its beginning.
+constexpr double kLeastPeriods = 0.01;
+
 void require(bool good, const char* name, double value, const char* what) {
   if (good) return;
-  throw InputError(std::string("The option ") + name + " of the reduced model is " +
-                   std::to_string(value) + "; " + what);
+  std::ostringstream text;
+  text << "The option " << name << " of the reduced model is " << value << "; " << what;
+  throw InputError(text.str());
+}
+
+/// @param names Of the options that it is made of. @param what Of that so many there would be.
+void require_at_most(double most, double number, const char* names, const char* what) {
+  if (number <= most) return;
+  std::ostringstream text;
+  text << "The options " << names << " of the reduced model make " << number << ' ' << what
+       << "; there may be " << most << ". Make the steps longer, or the rest less.";
+  throw InputError(text.str());
 }
 
 void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies) {
@@ -289,7 +308,7 @@ void validate(const ReductionOptions& options) {
   require(options.place_modes >= 1, "PlaceModes", options.place_modes, "it must be at least 1.");
   require(options.tolerance > 0 && options.tolerance < 1, "Tolerance", options.tolerance,
           "it must be between 0 and 1.");
-  require(options.max_points >= 1, "MaxPoints", options.max_points, "it must be at least 1.");
+  require(options.max_points >= 1, "MaximumPoints", options.max_points, "it must be at least 1.");
   require(options.training_paths >= 1, "TrainingPaths", options.training_paths,
           "it must be at least 1.");
   require(options.reach > 0 && std::isfinite(options.reach), "Reach", options.reach,
@@ -306,7 +325,19 @@ void validate(const ReductionOptions& options) {
           "it must be a number of seconds above 0.");
   require(options.all_tools_states >= 1, "AllToolsStates", options.all_tools_states,
           "it must be at least 1.");
+  require(options.path_duration >= options.time_step, "PathDuration", options.path_duration,
+          "it must be at least TimeStep.");
+  require(options.path_duration * options.bandwidth >= kLeastPeriods, "Bandwidth",
+          options.bandwidth, "a path of PathDuration must have a hundredth of a period at least.");
+  check_steps(options, options.training_paths, "TrainingPaths, PathDuration and TimeStep");
+  require_at_most(kMostRows, options.training_paths * num_rows(path_options(options, 1)),
+                  "TrainingPaths, PathDuration and ShortestTap", "rows of the paths' tables");
+  require_at_most(kMostTaps, options.taps * options.path_duration, "PathDuration and Taps", "taps");
   validate(options.equilibrium);
+}
+
+void check_steps(const ReductionOptions& options, int paths, const char* names) {
+  require_at_most(kMostSteps, paths * (options.path_duration / options.time_step), names, "steps");
 }
 
 ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>& rheologies,
@@ -332,8 +363,10 @@ ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>&
     model.mass = basis.transpose() * of_basis;
   }
   const Eigen::VectorXd ranges = states.cwiseAbs().rowwise().maxCoeff();
-  const auto at_least = [](const Eigen::VectorXd& range) {
-    return range.cwiseMax(kLeastRange * range.maxCoeff()).eval();
+  // A body of the linear law has no modes, and Eigen no largest coefficient of an empty vector.
+  const auto at_least = [](const Eigen::VectorXd& range) -> Eigen::VectorXd {
+    if (range.size() == 0) return range;
+    return range.cwiseMax(kLeastRange * range.maxCoeff());
   };
   model.trained_modes = at_least(ranges.head(model.num_modes));
   model.trained_tools = at_least(ranges.tail(model.num_tool_coordinates));

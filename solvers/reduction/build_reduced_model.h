@@ -72,6 +72,10 @@ struct ReductionOptions {
 /// @throws InputError a field out of its range, by name.
 void validate(const ReductionOptions& options);
 
+/// @param names Of the options that the steps follow from, for the message.
+/// @throws InputError the body would make more steps on so many paths than can be waited for.
+void check_steps(const ReductionOptions& options, int paths, const char* names);
+
 /// @throws InputError as validate(); a mixed material; an invalid rheology, or not one for each
 ///   material; gravity, but no density.
 void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies,

@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 
+#include "base/content_hash.h"
 #include "base/error.h"
 #include "reduced/model_arrays.h"
 
@@ -149,13 +150,32 @@ TrainedPlaces trained_of(const StateSpaceFile::Arrays& arrays) {
   return trained;
 }
 
+/// Of the rheology of each cell, so that it does not count how the materials are listed. The hash
+/// of a scene without a body force does not tell materials apart that differ in their rheology
+/// alone.
+std::string rheology_of_cells(const Scene& scene, const std::vector<Rheology>& rheologies) {
+  ContentHash hash;
+  for (const Index material : scene.material_of_cell) {
+    hash.add(values_of(rheologies.at(static_cast<std::size_t>(material))));
+  }
+  return hash.text();
+}
+
 /// All that a model, or a training, follows from.
 std::string text_of(const Scene& scene, const std::vector<Rheology>& rheologies,
                     const ReductionTools& tools, const ReductionOptions& options) {
   std::ostringstream text;
   text << std::hexfloat << hash(scene);
-  for (const Rheology& rheology : rheologies) {
-    for (const double x : values_of(rheology)) text << ' ' << x;
+  const bool is_uniform = std::adjacent_find(rheologies.begin(), rheologies.end(),
+                                             [](const Rheology& a, const Rheology& b) {
+                                               return !(a == b);
+                                             }) == rheologies.end();
+  if (is_uniform) {
+    for (const Rheology& rheology : rheologies) {
+      for (const double x : values_of(rheology)) text << ' ' << x;
+    }
+  } else {
+    text << " cells " << rheology_of_cells(scene, rheologies);
   }
   for (std::size_t t = 0; t < tools.patches.size(); ++t) {
     text << " tool " << tools.nodes[t];

@@ -32,24 +32,28 @@ Index RandomNumbers::below(Index count) {
   return static_cast<Index>(engine_() % static_cast<std::uint64_t>(count));
 }
 
+double num_rows(const RandomPathOptions& options) {
+  return std::ceil(options.duration / (options.shortest_tap / kRowsOfTap)) + 1;
+}
+
 ToolPath random_path(const RandomPathOptions& options, std::uint64_t seed) {
   RandomNumbers random(seed);
   const Eigen::Index d = 3 * options.num_tools;
   const double row = options.shortest_tap / kRowsOfTap;
-  const auto num_rows = static_cast<Eigen::Index>(std::ceil(options.duration / row)) + 1;
+  const auto rows = static_cast<Eigen::Index>(num_rows(options));
   std::vector<double> times;
-  for (Eigen::Index i = 0; i < num_rows; ++i) times.push_back(row * static_cast<double>(i));
-  Eigen::MatrixXd places = Eigen::MatrixXd::Zero(d, num_rows);
+  for (Eigen::Index i = 0; i < rows; ++i) times.push_back(row * static_cast<double>(i));
+  Eigen::MatrixXd places = Eigen::MatrixXd::Zero(d, rows);
   for (Eigen::Index c = 0; c < d; ++c) {
     for (int k = 0; k < kNumSinusoids; ++k) {
       const double frequency = random.uniform(0.1, 1) * options.bandwidth;
       const double phase = random.uniform(0, 2 * kPi);
-      for (Eigen::Index i = 0; i < num_rows; ++i) {
+      for (Eigen::Index i = 0; i < rows; ++i) {
         places(c, i) += std::sin(2 * kPi * frequency * times[i] + phase);
       }
     }
   }
-  for (Eigen::Index i = 0; i < num_rows; ++i) {
+  for (Eigen::Index i = 0; i < rows; ++i) {
     places.col(i) *= smooth_step(times[i] * options.bandwidth / kRampPeriods);
   }
   for (int tool = 0; tool < options.num_tools; ++tool) {
@@ -60,7 +64,7 @@ ToolPath random_path(const RandomPathOptions& options, std::uint64_t seed) {
     const double length = random.uniform(1, 3) * options.shortest_tap;
     Vec3 way(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
     way *= random.uniform(0.1, 0.4) * options.reach / way.cwiseAbs().maxCoeff();
-    for (Eigen::Index i = 0; i < num_rows; ++i) {
+    for (Eigen::Index i = 0; i < rows; ++i) {
       const double s = (times[i] - start) / length;
       if (s <= 0 || s >= 1) continue;
       places.col(i).segment<3>(3 * tool) += std::pow(std::sin(kPi * s), 2) * way;

@@ -35,6 +35,9 @@ struct RandomPathOptions {
   double shortest_tap = 0.03;
 };
 
+/// The number of rows of the table that a way is; not checked, and so it may be any.
+[[nodiscard]] double num_rows(const RandomPathOptions& options);
+
 /// A way that begins at rest with 0, of sinusoids with frequencies from a tenth of the bandwidth
 /// on, and taps: of up to 40 % of the reach, in any direction, each a sin² that takes up to three
 /// times the shortest.

@@ -1476,7 +1476,9 @@ std::vector<StateSpaceFile::BasisBox> StateSpaceFile::list_bases(ToolSpaceId too
   std::vector<BasisBox> boxes;
   for (const Impl::StoredBasis& stored : impl_->bases_of(tool_space)) {
     const BasisHead& basis = stored.row.basis;
-    boxes.push_back({stored.row.number, basis.box, basis.keep});
+    const double error =
+        basis.largest_displacement > 0 ? basis.displacement_error / basis.largest_displacement : 0;
+    boxes.push_back({stored.row.number, basis.box, basis.keep, error});
   }
   return boxes;
 }

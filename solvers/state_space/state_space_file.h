@@ -167,6 +167,8 @@ class StateSpaceFile {
     std::int64_t number = 0;
     CheckPointBox box;
     Keep keep = Keep::touch;
+    /// That its modes make in a displacement, as a share of the largest one.
+    double error = 0;
   };
   [[nodiscard]] std::vector<BasisBox> list_bases(ToolSpaceId tool_space) const;
   /// A basis, read when it is first asked for; null where it is damaged, and so left out.

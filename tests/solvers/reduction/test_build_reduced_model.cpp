@@ -328,7 +328,7 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   const std::pair<const char*, std::function<void(O&)>> out_of_range[] = {
       {"Modes", [](O& o) { o.modes = 0; }},
       {"Tolerance", [](O& o) { o.tolerance = 0; }},
-      {"MaxPoints", [](O& o) { o.max_points = 0; }},
+      {"MaximumPoints", [](O& o) { o.max_points = 0; }},
       {"TrainingPaths", [](O& o) { o.training_paths = 0; }},
       {"Reach", [](O& o) { o.reach = 0; }},
       {"PathDuration", [](O& o) { o.path_duration = -1; }},
@@ -336,6 +336,16 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
       {"Taps", [](O& o) { o.taps = -1; }},
       {"ShortestTap", [](O& o) { o.shortest_tap = 0; }},
       {"TimeStep", [](O& o) { o.time_step = 0; }},
+      // What makes more than can be waited for, or nothing.
+      {"TrainingPaths", [](O& o) { o.training_paths = 1'000'000'000; }},
+      {"TimeStep", [](O& o) { o.time_step = 1e-9; }},
+      {"TimeStep", [](O& o) { o.time_step = 1e-300; }},
+      {"TimeStep", [](O& o) { o.time_step = 100; }},
+      {"PathDuration", [](O& o) { o.path_duration = 1e9; }},
+      {"PathDuration", [](O& o) { o.path_duration = 1e-300; }},
+      {"Taps", [](O& o) { o.taps = 1e9; }},
+      {"ShortestTap", [](O& o) { o.shortest_tap = 1e-300; }},
+      {"Bandwidth", [](O& o) { o.bandwidth = 1e-300; }},
       {"AllToolsStates", [](O& o) { o.all_tools_states = 0; }}};
   EXPECT_NO_THROW(validate(options));
   for (const auto& [name, change] : out_of_range) {
@@ -343,6 +353,15 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
     change(changed);
     EXPECT_NE(test::message_of([&] { validate(changed); }).find(name), std::string::npos) << name;
   }
+}
+
+TEST(BuildReducedModel, OfTheLinearLawHasNoModes) {
+  const test::Block block = make_block(Law::linear);
+  const BuiltModel built =
+      build_reduced_model(block.scene, {Rheology()}, patches_of(block, 1), small_options(5));
+  EXPECT_EQ(built.model.num_modes, 0);
+  EXPECT_EQ(built.model.trained_modes.size(), 0);
+  EXPECT_GT(built.model.trained_tools.minCoeff(), 0);
 }
 
 TEST(RandomPath, StaysWithinItsReachAndBeginsAtRest) {

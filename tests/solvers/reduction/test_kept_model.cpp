@@ -456,16 +456,37 @@ TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
   const auto key = [&] { return key_of_model(block_.scene, {rheology_}, tools_, options_); };
   const std::string before = key();
   EXPECT_EQ(key(), before);
-  options_.seed = 2;
-  EXPECT_NE(key(), before);
-  options_.seed = 1;
-  options_.gravity.z() = -9.81;
-  EXPECT_NE(key(), before);
-  options_.gravity.setZero();
+  using O = ReductionOptions;
+  const std::pair<const char*, std::function<void(O&)>> changes[] = {
+      {"modes", [](O& o) { o.modes += 1; }},
+      {"tolerance", [](O& o) { o.tolerance *= 2; }},
+      {"max_points", [](O& o) { o.max_points += 1; }},
+      {"training_paths", [](O& o) { o.training_paths += 1; }},
+      {"seed", [](O& o) { o.seed += 1; }},
+      {"reach", [](O& o) { o.reach *= 1.1; }},
+      {"path_duration", [](O& o) { o.path_duration *= 1.1; }},
+      {"bandwidth", [](O& o) { o.bandwidth *= 1.1; }},
+      {"taps", [](O& o) { o.taps += 1; }},
+      {"shortest_tap", [](O& o) { o.shortest_tap *= 1.1; }},
+      {"time_step", [](O& o) { o.time_step *= 1.1; }},
+      {"gravity", [](O& o) { o.gravity.z() = -9.81; }},
+      {"all_tools_states", [](O& o) { o.all_tools_states += 1; }},
+      {"equilibrium.tolerance", [](O& o) { o.equilibrium.tolerance *= 2; }}};
+  for (const auto& [name, change] : changes) {
+    const ReductionOptions kept = options_;
+    change(options_);
+    EXPECT_NE(key(), before) << name;
+    options_ = kept;
+  }
+  for (std::size_t i = 0; i < num_rheology_values; ++i) {
+    RheologyValues values = values_of(rheology_);
+    // A term of the Prony series has a modulus and a time.
+    values[i] += 0.5;
+    if (i >= 2) values[i ^ 1u] += 0.5;
+    const std::vector<Rheology> changed = {make_rheology(values)};
+    EXPECT_NE(key_of_model(block_.scene, changed, tools_, options_), before) << rheology_names()[i];
+  }
   EXPECT_EQ(key(), before);
-  rheology_.prony_moduli[0] = 0.1;
-  EXPECT_NE(key(), before);
-  rheology_.prony_moduli[0] = 0;
   tools_.patches = {BondedPatches(block_.scene, 0).around(block_.corner)};
   EXPECT_NE(key(), before);
 
@@ -479,6 +500,24 @@ TEST_F(KeptModelTest, ItsKeyIsThatOfAllItFollowsFrom) {
   std::swap(tools_.places[0], tools_.places[1]);
   EXPECT_NE(key(), between);
   EXPECT_NE(places_key(), trained);
+}
+
+TEST_F(KeptModelTest, ItsKeyTellsWhichCellHasWhichRheology) {
+  Scene scene = block_.scene;
+  scene.materials = {scene.materials[0], scene.materials[0]};
+  Rheology dense = rheology_;
+  dense.density *= 2;
+  const auto key = [&](Index num_dense, bool listed_first) {
+    scene.material_of_cell.assign(static_cast<std::size_t>(scene.mesh.num_cells()),
+                                  listed_first ? 1 : 0);
+    std::fill_n(scene.material_of_cell.begin(), num_dense, listed_first ? 0 : 1);
+    return key_of_model(
+        scene, listed_first ? std::vector{dense, rheology_} : std::vector{rheology_, dense}, tools_,
+        options_);
+  };
+  EXPECT_NE(key(2, false), key(3, false));
+  EXPECT_NE(key(2, false), key_of_model(block_.scene, {rheology_}, tools_, options_));
+  EXPECT_EQ(key(2, false), key(2, true));
 }
 
 }  // namespace

@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A result is that of the properties and arrays that it depends on: each of them is changed, one
+by one, in a filter that has run and in one with the file of another run, and a filter that has
+never run says what is right.
+
+Every property of the filters is named here, so that a new one cannot be forgotten.
+"""
+
+import os
+import shutil
+
+import numpy
+from paraview import servermanager
+from paraview.simple import (AssignMaterial, BuildReducedModel, Delete, PrecomputeStateSpace,
+                             SetBoundary)
+from state_space_support import TIMES, arrays_of
+from support import Messages, box_body, node_at, produce
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+CORNER = (0.2, 0.1, 0.1)
+# Of forces, of their largest: a file has what a solver of another precision has found.
+SAME = 1e-6
+# What says where a result is kept, or how it is computed or told, and not what it is.
+NO_EFFECT = {"Threads", "LogInterval", "UpdateEstimate", "UpdateInterval", "FileName"}
+
+
+def held(grid, **material):
+    material = {"Law": "Neo-Hookean", "YoungsModulus": 5000, "PoissonsRatio": 0.4,
+                "Density": 1000, **material}
+    boundary = SetBoundary(Input=AssignMaterial(Input=produce(grid), **material),
+                           FixedRegion="Plane")
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
+    return boundary
+
+
+def body():
+    return held(box_body((2, 1, 1), quadratic=False))
+
+
+def leaves(data):
+    """The data sets of an output."""
+    if not data.IsA("vtkPartitionedDataSetCollection"):
+        return [data]
+    return [data.GetPartition(i, 0) for i in range(data.GetNumberOfPartitionedDataSets())
+            if data.GetNumberOfPartitions(i)]
+
+
+def numbers(data):
+    """Every number of an output, by where it stands."""
+    result = {}
+    for i, leaf in enumerate(leaves(data)):
+        kinds = (["GetRowData"] if leaf.IsA("vtkTable") else ["GetPointData", "GetCellData"])
+        for kind in kinds + ["GetFieldData"]:
+            for name, array in arrays_of(getattr(leaf, kind)()).items():
+                if not (name in TIMES or name.endswith("Seconds") or name.endswith("Step")):
+                    result[i, kind, name] = array
+        if not leaf.IsA("vtkTable") and leaf.GetNumberOfPoints():
+            result[i, "places"] = vtk_to_numpy(leaf.GetPoints().GetData())
+    return result
+
+
+def outcome(proxy):
+    """The numbers of a filter; None where it refuses."""
+    with Messages():
+        proxy.UpdatePipeline()
+        proxy.UpdatePropertyInformation()
+    if proxy.GetPropertyValue("ErrorCode") != 0:
+        return None
+    ports = range(proxy.GetNumberOfOutputPorts())
+    return {(port, *key): array for port in ports
+            for key, array in numbers(servermanager.Fetch(proxy, 0, idx=port)).items()}
+
+
+def differences(ours, theirs):
+    """Where two results differ, to the bit; a NaN is equal to a NaN."""
+    if ours is None or theirs is None:
+        return [] if ours is theirs else ["one of them is refused"]
+    return [key for key in sorted(ours.keys() | theirs.keys(), key=str)
+            if key not in ours or key not in theirs or ours[key].shape != theirs[key].shape
+            or not numpy.array_equal(ours[key], theirs[key],
+                                     equal_nan=ours[key].dtype.kind == "f")]
+
+
+def changeable(proxy):
+    """The properties that a user sets."""
+    for name in proxy.ListProperties():
+        sm_property = proxy.GetProperty(name).SMProperty
+        if not sm_property.GetInformationOnly() and sm_property.GetCommand():
+            yield name
+
+
+def change(proxy, name, value):
+    """Sets a property; one that is another proxy gets its own properties set."""
+    if isinstance(value, dict):
+        for part, number in value.items():
+            setattr(getattr(proxy, name), part, number)
+    else:
+        setattr(proxy, name, value)
+
+
+def held_in(proxy, name, value):
+    """What a property has, of the kind of `value`."""
+    if isinstance(value, dict):
+        return {part: held_in(getattr(proxy, name), part, number)
+                for part, number in value.items()}
+    # A copy: ParaView gives what goes on showing the value of the property.
+    has = proxy.GetPropertyValue(name)
+    if isinstance(value, str):
+        return str(has).strip("'")
+    return list(has) if isinstance(value, list) else has
+
+
+def check_properties(make, changes):
+    """A filter that has run gives what one that has not gives, whatever is changed.
+    @param make makes a filter that has not run. @param changes other values by property.
+    @returns the properties that the result depends on."""
+    ran = make()
+    before = {name: held_in(ran, name, value) for name, value in changes.items()}
+    base = outcome(ran)
+    assert base is not None
+    effects = set()
+    for name, value in changes.items():
+        fresh = make()
+        change(fresh, name, value)
+        right = outcome(fresh)
+        change(ran, name, value)
+        assert not differences(outcome(ran), right), name
+        change(ran, name, before[name])
+        if differences(right, base):
+            effects.add(name)
+        Delete(fresh)
+    assert not differences(outcome(ran), base)
+    return effects
+
+
+def states(result):
+    """What is known of each configuration, by its key."""
+    columns = {name: array for (block, kind, name), array in
+               ((key[1:], array) for key, array in result.items() if len(key) == 4)
+               if (block, kind) == (2, "GetPointData")}
+    keys = zip(columns["ActiveNode"], map(tuple, columns["CheckPoint"]), columns["Level"])
+    return {key: numpy.concatenate([numpy.ravel(columns[name][i]) for name in
+                                    ("Displacement", "Energy", "Force", "Stiffness", "Outcome",
+                                     "Flags")]) for i, key in enumerate(keys)}
+
+
+def check_file(make, changes, file):
+    """A filter that finds the file of another one has each configuration that it has without, and
+    it is the same, or it refuses. (The file may have more.)
+    @returns the properties for which it refuses."""
+    kept = make()
+    kept.FileName = file
+    assert outcome(kept) is not None
+    Delete(kept)
+    shutil.copy(file, "base.palpate")
+    refused = set()
+    for name, value in changes.items():
+        results = []
+        for file_name in ("", file):
+            shutil.copy("base.palpate", file)
+            proxy = make()
+            proxy.FileName = file_name
+            change(proxy, name, value)
+            results.append(outcome(proxy))
+            Delete(proxy)
+        if results[1] is None:
+            refused.add(name)
+            continue
+        right, found = map(states, results)
+        assert right.keys() <= found.keys(), name
+        scale = numpy.max(numpy.abs(list(right.values())), axis=0)
+        for key, row in right.items():
+            assert (abs(found[key] - row) <= SAME * scale).all(), (name, key)
+        # What is drawn has the error that was asked for; with other nodes theirs counts too.
+        error = (0, 2, "GetFieldData", "DisplacementError")
+        assert name == "ActiveNodes" or results[1][error] <= results[0][error], name
+    return refused
+
+
+# Other values of the properties of a space.
+OF_BOTH = {"ForceLimit": 0.5, "ThirdDerivatives": 0, "SolverTolerance": 1e-6,
+           "SinglePrecisionFactors": 0, "MaximumSeconds": 60, "BodyForce": [0, 0, -1], "Keep": "All",
+           "RanksPerSolve": 2, "Graspable": 1}
+OF_BONDED = {"TipRadius": 0.11, "HalfWidth": 0.012, "Resolution": 5, "Tolerance": 0.05,
+             "ToleranceType": "Absolute", "History": "Levels", "IntermediateStates": 1,
+             "DisplacementBound": 0.1}
+OF_RIGID = {"ToolRadius": 0.04, "ToolAxis": [0, 1, 0], "ToolLength": 0.02, "UseToolRegion": 0,
+            "ToolRegion": {"Center": [0.21, 0.1, 0.1]}, "Depth": 0.004, "Spacing": 0.02,
+            "BeginAt": [0.1, 0, 0], "MaximumConfigurations": 10, "ContactThickness": 0.008,
+            "ContactStiffness": 3000}
+
+
+def test_bonded_space():
+    boundary = body()
+    node, other = (node_at(boundary, place) for place in (CORNER, (0.2, 0, 0)))
+
+    def make():
+        return PrecomputeStateSpace(Input=boundary, ActiveNodes=[node], HalfWidth=0.01,
+                                    Resolution=3, LogInterval=0)
+
+    changes = {**OF_BOTH, **OF_BONDED, "ActiveNodes": [other]}
+    assert set(changeable(make())) == set(changes) | set(OF_RIGID) | NO_EFFECT | {
+        "Input", "Tool", "ToolSurface"}
+    # Each of the others is without a meaning here, or does not change what is found.
+    assert check_properties(make, changes) == set(changes) - {
+        "Graspable", "Keep", "MaximumSeconds", "ToleranceType"}
+    # By a file that is there, what is to be found may be more, and otherwise computed or drawn.
+    changes["DisplacementBound"] = 1e-5
+    assert check_file(make, changes, "bonded.palpate") == set(changes) - {
+        "ActiveNodes", "ForceLimit", "Graspable", "History", "MaximumSeconds",
+        "SinglePrecisionFactors", "ToleranceType"}
+
+
+def test_rigid_space():
+    boundary = body()
+
+    def make():
+        proxy = PrecomputeStateSpace(Input=boundary, Tool="Capsule", ToolRadius=0.03,
+                                     ToolLength=0.01, Depth=0.005, Spacing=0.03,
+                                     UseToolRegion=1, ToolRegion="Sphere", LogInterval=0)
+        proxy.ToolRegion.Center, proxy.ToolRegion.Radius = [0.2, 0.1, 0.1], 0.02
+        return proxy
+
+    changes = {**OF_BOTH, **OF_RIGID, "Tool": "Sphere"}
+    assert check_properties(make, changes) == set(changes) - {"BeginAt", "Keep", "MaximumSeconds"}
+    assert check_file(make, changes, "rigid.palpate") == set(changes) - {
+        "BeginAt", "Depth", "ForceLimit", "MaximumSeconds", "SinglePrecisionFactors", "ToolRegion",
+        "UseToolRegion"}
+
+
+def body_with(fixed_at=0, touchable=False, region=None, **material):
+    """@param region where the second material begins, m, and what is different in it."""
+    grid = box_body((4, 1, 1), quadratic=False)
+    same = {"Law": "Neo-Hookean", "YoungsModulus": 5000, "PoissonsRatio": 0.4, "Density": 1000,
+            "ViscousTime": 0.01, **material}
+    whole = AssignMaterial(Input=produce(grid), **same)
+    if region:
+        start, other = region
+        whole = AssignMaterial(Input=whole, RegionType="Shape", RegionShape="Plane",
+                               **{**same, **other})
+        whole.RegionShape.Origin, whole.RegionShape.Normal = [start, 0, 0], [-1, 0, 0]
+    boundary = SetBoundary(Input=whole, FixedRegion="Plane")
+    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [fixed_at, 0, 0], [1, 0, 0]
+    return boundary
+
+
+DENSE, STIFF, VISCOUS = {"Density": 20000}, {"YoungsModulus": 9000}, {"ViscousTime": 0.05}
+BODIES = {
+    "as it is": {}, "law": {"Law": "St. Venant-Kirchhoff"}, "stiffness": STIFF,
+    "Poisson's ratio": {"PoissonsRatio": 0.3}, "density": {"Density": 1100},
+    "viscous time": VISCOUS, "Prony series": {"PronyModuli": [0.5], "PronyTimes": [0.1]},
+    "fixed points": {"fixed_at": 0.051},
+    "dense half": {"region": (0.1, DENSE)}, "dense end": {"region": (0.15, DENSE)},
+    "stiff half": {"region": (0.1, STIFF)}, "stiff end": {"region": (0.15, STIFF)},
+    "viscous half": {"region": (0.1, VISCOUS)}, "viscous end": {"region": (0.15, VISCOUS)}}
+
+
+def check_bodies(make, file):
+    """What has run, or finds the file of another body, gives what a new one gives, or refuses.
+    @returns how many bodies have results of their own."""
+    for body_of_file in ("as it is", "dense half", "stiff half", "viscous half"):
+        if os.path.exists(file):
+            os.remove(file)
+        ran = make(body_with(**BODIES[body_of_file]), file)
+        assert outcome(ran) is not None
+        shutil.copy(file, "base.palpate")
+        distinct = []
+        for name, settings in BODIES.items():
+            body_of_it = body_with(**settings)
+            right = outcome(make(body_of_it, ""))
+            shutil.copy("base.palpate", file)
+            found = outcome(make(body_of_it, file))
+            assert found is None or not differences(found, right), (body_of_file, name)
+            if all(differences(right, other) for other in distinct):
+                distinct.append(right)
+    return len(distinct)
+
+
+def test_reduced_model():
+    boundary = body()
+    node, other = (node_at(boundary, place) for place in (CORNER, (0.2, 0, 0)))
+
+    def make():
+        return BuildReducedModel(Input=boundary, ActiveNodes=[node], Reach=0.01, Modes=4,
+                                 TrainingPaths=1, PathDuration=0.02, TestPaths=0)
+
+    changes = {"ActiveNodes": [other], "TrainingPlaces": [other], "TipRadius": 0.11,
+               "Reach": 0.012, "BodyForce": [0, 0, -1], "Modes": 3, "Tolerance": 0.3,
+               "MaximumPoints": 5, "TrainingPaths": 2, "PathDuration": 0.03, "Bandwidth": 20,
+               "Taps": 100, "ShortestTap": 0.01, "TimeStep": 0.003, "Seed": 2, "TestPaths": 1,
+               "SolverTolerance": 1e-6}
+    assert set(changeable(make())) == set(changes) | {"FileName", "Input"}
+    file = "model.palpate"
+    kept = make()
+    kept.FileName = file
+    base = outcome(kept)
+    shutil.copy(file, "base.palpate")
+    effects, refused = set(), set()
+    for name, value in changes.items():
+        results = []
+        for file_name in ("", file):
+            shutil.copy("base.palpate", file)
+            proxy = make()
+            proxy.FileName = file_name
+            change(proxy, name, value)
+            results.append(outcome(proxy))
+            Delete(proxy)
+        right, found = results
+        if found is None:
+            refused.add(name)
+        else:
+            assert not differences(found, right), name
+        if differences(right, base):
+            effects.add(name)
+    assert effects == set(changes), set(changes) - effects
+    assert refused == {"SolverTolerance"}, refused
+
+
+def test_bodies():
+    def reduced(boundary, file):
+        return BuildReducedModel(Input=boundary, ActiveNodes=[node_at(boundary, CORNER)],
+                                 Reach=0.01, Modes=4, TrainingPaths=1, PathDuration=0.02,
+                                 TestPaths=0, FileName=file)
+
+    assert check_bodies(reduced, "reduced.palpate") == len(BODIES)
+
+
+if __name__ == "__main__":
+    test_bonded_space()
+    test_rigid_space()
+    test_reduced_model()
+    test_bodies()
