@@ -326,7 +326,7 @@ def test_bodies():
 
 
 if __name__ == "__main__":
-    test_bonded_space()
-    test_rigid_space()
-    test_reduced_model()
-    test_bodies()
+    for name, test in list(globals().items()):
+        if name.startswith("test_"):
+            test()
+            print(name, "passed", flush=True)

@@ -241,6 +241,25 @@ def test_one_run_for_all_times():
     assert abs(history(dynamics)["Time"][-1] - 0.1) < 1e-12
 
 
+def test_a_failed_run_fails_once():
+    """At each time step the output bears the mark, and nothing is computed or said again."""
+    boundary = held(source(box_body((2, 1, 1), quadratic=False), "failed once"))
+    way = paths("failed once", [0, 0.1], [[0, 0, 0], [0.01, 0, 0]])
+    broken = SetBoundary(Input=boundary, FixedBy="Array", FixedArray="missing")
+    for body, word in ((boundary, "does not exist"), (broken, "missing")):
+        dynamics = SolveDynamics(Input=body, ActiveNodes=[10**6], ToolPaths=way, EndTime=0.1)
+        expect_error(lambda run=dynamics: run.UpdatePipeline(0.0), word)
+        for time in (0.02, 0.06):
+            expect_silence(lambda run=dynamics, at=time: run.UpdatePipeline(at))
+            dynamics.UpdatePropertyInformation()
+            assert dynamics.GetPropertyValue("ErrorCode") != 0
+            output = dynamics.GetClientSideObject().GetOutputDataObject(0)
+            assert word in output.GetFieldData().GetAbstractArray("Error").GetValue(0)
+    # Mended, it runs.
+    dynamics.Input, dynamics.ActiveNodes = boundary, [node_at(boundary, [0.2, 0.1, 0.1])]
+    expect_silence(lambda: dynamics.UpdatePipeline(0.06))
+
+
 def test_adaptive_steps():
     boundary = held(source(box_body(quadratic=False), "adaptive"), ViscousTime=0.005)
     node = node_at(boundary, CORNER)

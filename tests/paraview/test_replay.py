@@ -6,6 +6,7 @@
 
 import csv
 import glob
+import math
 import os
 import re
 import subprocess
@@ -104,6 +105,34 @@ def check(name, space, ticks, contact):
     return replay
 
 
+def check_bad_input(space):
+    """What makes no time steps, or too many, and what is no number of a recording."""
+    def fails(*words, rate=RATE, last=None):
+        with open("node.csv", newline="", encoding="utf-8") as file:
+            ticks = list(csv.DictReader(file))
+        ticks[-1].update(last or {})
+        with open("bad.csv", "w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, ticks[0].keys())
+            writer.writeheader()
+            writer.writerows(ticks)
+        replay = ReplayTouch(Input=space, FileName="bad.csv", FrameRate=rate)
+        expect_silence(replay.UpdatePipelineInformation)
+        expect_error(lambda: replay.UpdatePipeline(1e300), *words)
+
+    for rate in (1e9, 1e15):
+        fails("FrameRate", "there may be a million", rate=rate)
+    for rate in (math.inf, math.nan, -1):
+        fails("FrameRate", rate=rate)
+    for time in ("1e12", "1e300"):
+        fails("there may be a million", last={"time_s": time})
+    fails("time_s", last={"time_s": "inf"})
+    fails("time_s", last={"time_s": "nan"})
+    fails("time_s", "earlier", last={"time_s": "-5"})
+    fails("node_0", "no whole number", last={"node_0": "1e300"})
+    fails("contact", last={"contact": "nan"})
+    fails("displacement_x_m", last={"displacement_x_m": "inf"})
+
+
 def check_reduced(servo, space):
     """The body of a reduced model goes along a recording as the page of Simulate Touch says, and
     Replay Touch says so. Without inertia its force follows from where the tools are alone."""
@@ -151,6 +180,8 @@ def main():
     rigid, ticks = record(servo, make_space, "tool", "whole")
     check("tool", rigid, ticks, PRESSES)
     check_reduced(servo, bonded)
+
+    check_bad_input(bonded)
 
     with open("node.csv", encoding="utf-8") as file:
         of_another = file.read().replace("scene=", "scene=0")
