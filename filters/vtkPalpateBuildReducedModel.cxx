@@ -233,6 +233,7 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   // What is left is not known: it never comes to its end.
   options.equilibrium.abort_requested =
     vtkPalpateAbortRequested(this, [told = 0.0]() mutable { return told += (1 - told) / 500; });
+  palpate::validate(options);
   palpate::check_steps(options, this->TestPaths, "TestPaths, PathDuration and TimeStep");
   palpate::MeasureOptions measure;
   measure.paths = this->TestPaths;
