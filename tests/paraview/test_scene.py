@@ -81,7 +81,7 @@ def test_every_property(body):
         SetBoundary: {
             "FixedBy": "Array", "TouchableBy": "Region", "FixedRegion": "Cylinder",
             "TouchableRegion": "Box", "FixedArray": "Inlet", "TouchableArray": "Inlet",
-            "FixedSelection": selection, "TouchableSelection": selection},
+            "FixedSelection": selection, "TouchableSelection": selection, "Merge": 1},
         SolveEquilibrium: {
             "ActiveNodes": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0, "Threads": 2,
