@@ -145,8 +145,8 @@ class Training {
 
   void add(const std::string& name, std::size_t place, int num_tools,
            std::function<TrainingStates()> compute) {
-    parts_.push_back(
-        {name + std::to_string(parts_.size()), Index{3} * num_tools, std::move(compute)});
+    parts_.push_back({name + std::to_string(parts_.size()), Index{3} * num_tools,
+                      3 * Eigen::Index{scene_.mesh.num_points()}, std::move(compute)});
     place_of_part_.push_back(place);
   }
 

@@ -140,7 +140,8 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   std::vector<Eigen::Index> used;
   double largest = 0;
   for (Eigen::Index s = 0; s < states.cols(); ++s) {
-    if (is_defined[s] == 0) continue;
+    // What overflows says nothing, and would be the largest of all.
+    if (is_defined[s] == 0 || !std::isfinite(sums.col(s).squaredNorm())) continue;
     used.push_back(s);
     largest = std::max(largest, sums.col(s).norm());
   }

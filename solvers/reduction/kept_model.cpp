@@ -41,6 +41,7 @@ void for_each_number(Error& row, Visit&& visit) {
   visit(row.whole_step);
 }
 constexpr Eigen::Index kErrorColumns = 11;
+const std::string kErrors = "Errors";
 
 Eigen::MatrixXd matrix_of(const std::vector<MeasuredError>& errors) {
   Eigen::MatrixXd matrix(static_cast<Eigen::Index>(errors.size()), kErrorColumns);
@@ -77,7 +78,7 @@ StateSpaceFile::Arrays arrays_of(const KeptModel& kept, const ReductionTools& to
       Eigen::Map<const Eigen::Matrix<Index, Eigen::Dynamic, 1>>(tools.nodes.data(), num_tools)
           .cast<double>();
   arrays["Fit"] = Eigen::RowVector2d(kept.residual, kept.within_tolerance ? 1 : 0);
-  arrays["Errors"] = matrix_of(kept.errors);
+  arrays[kErrors] = matrix_of(kept.errors);
   return arrays;
 }
 
@@ -85,12 +86,17 @@ StateSpaceFile::Arrays arrays_of(const KeptModel& kept, const ReductionTools& to
 KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene) {
   KeptModel kept;
   kept.model = model_of(arrays);
-  const auto find = [&](const char* name, Eigen::Index rows, Eigen::Index columns) {
+  const auto find = [&](const std::string& name, Eigen::Index rows, Eigen::Index columns) {
     const auto found = arrays.find(name);
     if (found == arrays.end() || (rows >= 0 && found->second.rows() != rows) ||
         found->second.cols() != columns) {
-      throw InputError(std::string("The reduced model is damaged: its array ") + name +
+      throw InputError("The reduced model is damaged: its array " + name +
                        " is missing or of another size. Build it again, with another file.");
+    }
+    // Where nothing could be compared, an error is no number.
+    if (name != kErrors && !found->second.allFinite()) {
+      throw InputError("The reduced model is damaged: its array " + name +
+                       " has a number that is not finite. Build it again, with another file.");
     }
     return found->second;
   };
@@ -100,7 +106,7 @@ KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene
   const Eigen::MatrixXd fit = find("Fit", 1, 2);
   kept.residual = fit(0, 0);
   kept.within_tolerance = fit(0, 1) != 0;
-  kept.errors = errors_of(find("Errors", -1, kErrorColumns));
+  kept.errors = errors_of(find(kErrors, -1, kErrorColumns));
   kept.was_there = true;
   return kept;
 }

@@ -22,14 +22,30 @@ Eigen::MatrixXd matrix_of(const TrainingStates& states) {
   return matrix;
 }
 
-TrainingStates states_of(const Eigen::MatrixXd& matrix, Eigen::Index num_tool_rows) {
-  TrainingStates states;
+/// Of the columns of a part's matrix, those that are a state: the others, which follow, were left
+/// out.
+Eigen::Index count_states(const Eigen::MatrixXd& matrix) {
   Eigen::Index count = matrix.cols();
-  while (count > 0 && !matrix.col(count - 1).allFinite()) --count;
+  while (count > 0 && matrix.col(count - 1).array().isNaN().all()) --count;
+  return count;
+}
+
+/// Whether a matrix of a file is what such a part may find: u and d of each state, all finite.
+bool fits(const Eigen::MatrixXd& matrix, const TrainingPart& part) {
+  if (matrix.rows() == 0) return false;
+  const Eigen::Index count = count_states(matrix);
+  return (count == 0 || matrix.rows() == part.num_body_coordinates + part.num_tool_coordinates) &&
+         matrix.leftCols(count).allFinite();
+}
+
+/// @param matrix It fits the part.
+TrainingStates states_of(const Eigen::MatrixXd& matrix, const TrainingPart& part) {
+  TrainingStates states;
+  const Eigen::Index count = count_states(matrix);
   states.num_left_out = static_cast<int>(matrix.cols() - count);
   if (count == 0) return states;
-  states.u = matrix.leftCols(count).topRows(matrix.rows() - num_tool_rows);
-  states.tools = matrix.leftCols(count).bottomRows(num_tool_rows);
+  states.u = matrix.leftCols(count).topRows(part.num_body_coordinates);
+  states.tools = matrix.leftCols(count).bottomRows(part.num_tool_coordinates);
   return states;
 }
 
@@ -50,8 +66,12 @@ bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
   agree(communicator, [&] {
     std::map<std::string, Eigen::MatrixXd> found;
     if (run.file != nullptr) found = run.file->read_training(run.key);
+    // What is not that of this training is computed again, and stored in its place.
     std::vector<char> is_found;
-    for (const TrainingPart& part : parts) is_found.push_back(found.count(part.name) > 0 ? 1 : 0);
+    for (const TrainingPart& part : parts) {
+      const auto stored = found.find(part.name);
+      is_found.push_back(stored != found.end() && fits(stored->second, part) ? 1 : 0);
+    }
     is_found = share(std::move(is_found), communicator);
     std::vector<std::size_t> missing;
     for (std::size_t p = 0; p < parts.size(); ++p) {
@@ -79,7 +99,7 @@ bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
     }
     if (aborted || rank != 0) return;
     for (const TrainingPart& part : parts) {
-      states.push_back(states_of(found.at(part.name), part.num_tool_coordinates));
+      states.push_back(states_of(found.at(part.name), part));
     }
   });
   return !aborted;

@@ -19,6 +19,8 @@ struct TrainingPart {
   std::string name;
   /// The length of d.
   Index num_tool_coordinates = 0;
+  /// The length of u, 3 num_points.
+  Eigen::Index num_body_coordinates = 0;
   std::function<TrainingStates()> compute;
 };
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 #include "base/error.h"
@@ -194,6 +195,48 @@ TEST_F(KeptModelTest, GoesOnAfterKill9) {
   ASSERT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(StateSpaceFile::open_read_only(path_).read_training(key).size(), 2U);
   expect_same(build(path_), whole);
+}
+
+// What is stored of the training has other sizes, or is no number: it is computed again.
+TEST_F(KeptModelTest, TrainingOfAnotherShapeIsNotGoneOnFrom) {
+  const KeptModel whole = build({});
+  const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
+  const Eigen::Index rows = 3 * Eigen::Index{block_.scene.mesh.num_points()} + 3;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Eigen::MatrixXd one_nan = Eigen::MatrixXd::Zero(rows, 3);
+  one_nan(1, 1) = nan;
+  const std::vector<Eigen::MatrixXd> forged = {
+      Eigen::MatrixXd::Ones(1, 3),        Eigen::MatrixXd::Ones(2, 3),
+      Eigen::MatrixXd::Zero(0, 3),        Eigen::MatrixXd::Ones(rows - 1, 3),
+      Eigen::MatrixXd::Ones(rows + 1, 3), one_nan};
+  for (const Eigen::MatrixXd& matrix : forged) {
+    remove();
+    if (world_->rank() == 0) {
+      StateSpaceFile file =
+          StateSpaceFile::create(path_, block_.scene, options_.equilibrium.tolerance);
+      for (const char* name : {"OneTool0", "OneTool1", "Motion2", "Motion7", "Motion8"}) {
+        file.add_training(key, name, matrix);
+      }
+      file.close();
+    }
+    (void)any(*world_, false);
+    expect_same(build(path_), whole);
+  }
+}
+
+TEST_F(KeptModelTest, FiguresThatAreNotFiniteAreToldByName) {
+  (void)build(path_);
+  if (world_->rank() == 0) {
+    const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
+    StateSpaceFile file =
+        StateSpaceFile::open_to_append(path_, block_.scene, options_.equilibrium.tolerance);
+    StateSpaceFile::Arrays arrays = *file.read_reduced_model(key);
+    arrays.at("Basis")(5, 2) = std::numeric_limits<double>::quiet_NaN();
+    file.add_reduced_model(key, arrays);
+    file.close();
+  }
+  const std::string message = message_of_build();
+  EXPECT_NE(message.find("Basis has a number that is not finite"), std::string::npos) << message;
 }
 
 // A limit on the size of files stands for a full disk.
