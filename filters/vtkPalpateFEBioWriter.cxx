@@ -10,12 +10,15 @@
 #include <initializer_list>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "base/new_file.h"
+#include "base/printable.h"
 #include "vtkCellData.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
@@ -418,18 +421,14 @@ void WriteFile(const Scene& scene, const std::vector<Part>& parts, const std::st
 {
   namespace fs = std::filesystem;
   std::error_code error;
-  const bool isDevice = fs::exists(name, error) && !fs::is_regular_file(name, error);
-  const std::string written = isDevice ? name : name + ".part";
-  const auto fail = [&](const std::string& reason)
+  const fs::path target = palpate::without_links(name);
+  const bool isDevice = fs::exists(target, error) && !fs::is_regular_file(target, error);
+  std::optional<palpate::NewFile> whole;
+  if (!isDevice)
   {
-    if (!isDevice)
-    {
-      fs::remove(written, error);
-    }
-    throw BackendError("The file " + name + " cannot be written: " + reason +
-      ". Choose a folder that is there, may be written to and has room.");
-  };
-  std::ofstream file(written, std::ios::binary);
+    whole.emplace(target);
+  }
+  std::ofstream file(isDevice ? target : whole->path(), std::ios::binary);
   if (file)
   {
     WriteModel(scene, parts, file);
@@ -437,15 +436,13 @@ void WriteFile(const Scene& scene, const std::vector<Part>& parts, const std::st
   }
   if (!file)
   {
-    fail(std::generic_category().message(errno));
+    throw BackendError("The file " + palpate::quoted(name) +
+      " cannot be written: " + std::generic_category().message(errno) +
+      ". Choose a folder that is there, may be written to and has room.");
   }
-  if (!isDevice)
+  if (whole)
   {
-    fs::rename(written, name, error);
-    if (error)
-    {
-      fail(error.message());
-    }
+    whole->replace();
   }
 }
 
