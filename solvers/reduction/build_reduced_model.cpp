@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include <Eigen/Geometry>
+
 #include "assembly/mass.h"
 #include "base/error.h"
 #include "dynamics/dynamic_solver.h"
@@ -40,6 +42,8 @@ constexpr double kLeastRange = 0.03;
 constexpr double kMostSteps = 1e7;
 constexpr double kMostRows = 1e7;
 constexpr double kMostTaps = 1e5;
+/// How far a tool may go in training, in sizes of the body.
+constexpr double kMostReach = 10;
 /// A path that is shorter, in periods of the bandwidth, does not leave the ramp at its beginning.
 constexpr double kLeastPeriods = 0.01;
 
@@ -327,6 +331,8 @@ void validate(const ReductionOptions& options) {
           "it must be at least 1.");
   require(options.path_duration >= options.time_step, "PathDuration", options.path_duration,
           "it must be at least TimeStep.");
+  require(options.shortest_tap <= options.path_duration, "ShortestTap", options.shortest_tap,
+          "it must be at most PathDuration.");
   require(options.path_duration * options.bandwidth >= kLeastPeriods, "Bandwidth",
           options.bandwidth, "a path of PathDuration must have a hundredth of a period at least.");
   check_steps(options, options.training_paths, "TrainingPaths, PathDuration and TimeStep");
@@ -428,6 +434,10 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
                      const ReductionOptions& options) {
   validate(options);
   check_materials(scene, rheologies);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& point : scene.mesh.points) box.extend(point);
+  require(options.reach <= kMostReach * box.diagonal().norm(), "Reach", options.reach,
+          "it must be at most ten times the size of the body, in m.");
   if (options.gravity.isZero(0)) return;
   Scene under_gravity = with_gravity(scene, rheologies, options.gravity);
   check(under_gravity);

@@ -62,6 +62,8 @@ InteractionList as_list(const std::vector<BondedPatch>& tools) {
 
 /// The root of the sum of c cᵀ over the columns c of a matrix: its columns have the same sum.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& columns) {
+  // At rest a body of the linear law has no modes, and Eigen no eigenvalues of nothing.
+  if (columns.rows() == 0) return columns.leftCols(0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energies(columns * columns.transpose());
   return energies.eigenvectors() * energies.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
          energies.eigenvectors().transpose();

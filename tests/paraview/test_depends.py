@@ -278,11 +278,11 @@ def test_reduced_model():
 
     def make():
         return BuildReducedModel(Input=boundary, ActiveNodes=[node], Reach=0.01, Modes=4,
-                                 TrainingPaths=1, PathDuration=0.02, TestPaths=0)
+                                 TrainingPaths=1, PathDuration=0.04, TestPaths=0)
 
     changes = {"ActiveNodes": [other], "TrainingPlaces": [other], "TipRadius": 0.11,
                "Reach": 0.012, "BodyForce": [0, 0, -1], "Modes": 3, "Tolerance": 0.3,
-               "MaximumPoints": 5, "TrainingPaths": 2, "PathDuration": 0.03, "Bandwidth": 20,
+               "MaximumPoints": 5, "TrainingPaths": 2, "PathDuration": 0.05, "Bandwidth": 20,
                "Taps": 100, "ShortestTap": 0.01, "TimeStep": 0.003, "Seed": 2, "TestPaths": 1,
                "SolverTolerance": 1e-6}
     assert set(changeable(make())) == set(changes) | {"FileName", "Input"}
@@ -315,7 +315,7 @@ def test_reduced_model():
 def test_bodies():
     def reduced(boundary, file):
         return BuildReducedModel(Input=boundary, ActiveNodes=[node_at(boundary, CORNER)],
-                                 Reach=0.01, Modes=4, TrainingPaths=1, PathDuration=0.02,
+                                 Reach=0.01, Modes=4, TrainingPaths=1, PathDuration=0.04,
                                  TestPaths=0, FileName=file)
 
     check_bodies(reduced, "reduced.palpate")

@@ -324,6 +324,10 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   heavy.gravity[1] = std::nan("");
   EXPECT_NE(build(block.scene, {dense()}, tools, heavy).find("BodyForce"), std::string::npos);
 
+  ReductionOptions far = options;
+  far.reach = 1e300;
+  EXPECT_NE(build(block.scene, {dense()}, tools, far).find("Reach"), std::string::npos);
+
   using O = ReductionOptions;
   const std::pair<const char*, std::function<void(O&)>> out_of_range[] = {
       {"Modes", [](O& o) { o.modes = 0; }},
@@ -345,6 +349,7 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
       {"PathDuration", [](O& o) { o.path_duration = 1e-300; }},
       {"Taps", [](O& o) { o.taps = 1e9; }},
       {"ShortestTap", [](O& o) { o.shortest_tap = 1e-300; }},
+      {"ShortestTap", [](O& o) { o.shortest_tap = 1e300; }},
       {"Bandwidth", [](O& o) { o.bandwidth = 1e-300; }},
       {"AllToolsStates", [](O& o) { o.all_tools_states = 0; }}};
   EXPECT_NO_THROW(validate(options));

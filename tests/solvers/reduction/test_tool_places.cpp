@@ -196,6 +196,21 @@ std::string message_of(const std::function<void()>& call) {
   return "";
 }
 
+TEST_F(ToolPlaces, OfTheLinearLawHaveModesOfMotionAlone) {
+  block_ = test::make_block(Law::linear, {ElementOrder::quadratic, {4, 2, 2}});
+  options_.path_duration = 0.1;
+  for (const double density : {0.0, 1000.0}) {
+    Rheology rheology;
+    rheology.density = density;
+    const std::vector<Rheology> rheologies = {rheology};
+    const TrainedPlaces trained = train_places(block_.scene, rheologies, places(), options_);
+    EXPECT_EQ(trained.modes.cols() > 0, density > 0);
+    const BuiltModel placed =
+        PlacedTools(block_.scene, rheologies, trained).attach(between(), options_);
+    EXPECT_LT(error_at_rest(placed, between()).max, 1e-8);
+  }
+}
+
 TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   const std::vector<Rheology> rheologies = {Rheology()};
   const auto train = [&](const std::vector<std::vector<BondedPatch>>& at) {
