@@ -7,10 +7,10 @@
 //   e = 0.040 x² / (1 + 0.105 x)    quadratic cells
 //   e = 0.45 x^1.3                  linear cells
 //
-// mostly within a third of it for x of 0.6 … 9; beyond, under deep presses of very coarse meshes, the
-// curve is above them. It was fitted to these same points, and the values that they tend to were
-// extrapolated from the two finest meshes: it is a guide, not a bound. The force is too large by
-// this share of the true one: a coarse mesh is too stiff.
+// mostly within a third of it for x of 0.6 … 9; beyond, under deep presses of very coarse meshes,
+// the curve is above them. It was fitted to these same points, and the values that they tend to
+// were extrapolated from the two finest meshes: it is a guide, not a bound. The force is too large
+// by this share of the true one: a coarse mesh is too stiff.
 #pragma once
 
 #include "mesh/tet_mesh.h"

@@ -179,8 +179,8 @@ def check_file(make, changes, file):
 
 # Other values of the properties of a space.
 OF_BOTH = {"ForceLimit": 0.5, "ThirdDerivatives": 0, "SolverTolerance": 1e-6,
-           "SinglePrecisionFactors": 0, "MaximumSeconds": 60, "BodyForce": [0, 0, -1], "Keep": "All",
-           "RanksPerSolve": 2, "Graspable": 1}
+           "SinglePrecisionFactors": 0, "MaximumSeconds": 60, "BodyForce": [0, 0, -1],
+           "Keep": "All", "RanksPerSolve": 2, "Graspable": 1}
 OF_BONDED = {"TipRadius": 0.11, "HalfWidth": 0.012, "Resolution": 5, "Tolerance": 0.05,
              "ToleranceType": "Absolute", "History": "Levels", "IntermediateStates": 1,
              "DisplacementBound": 0.1}

@@ -435,10 +435,19 @@ TEST_F(Precompute, AFileOfAnotherSceneIsRefusedAndStaysAsItIs) {
 TEST_F(Precompute, WhatAKilledRunLeftOfARemovedFileIsNotTakenForIts) {
   options_.resolution = 3;
   options_.file = folder_ / "a.palpate";
+  const fs::path log = options_.file.string() + "-wal";
   agree(*world_, [&] {
     if (world_->rank() != 0) return;
-    // A log beside a file that somebody removed: the new file is not to be mixed with it.
-    std::ofstream(options_.file.string() + "-wal") << std::string(100000, 'x');
+    // A log beside a file that somebody has moved: the new file is not to be mixed with it, and it
+    // may hold what was computed last.
+    std::ofstream(log) << std::string(100000, 'x');
+  });
+  EXPECT_THROW((void)run(*world_), InputError);
+  agree(*world_, [&] {
+    if (world_->rank() != 0) return;
+    EXPECT_TRUE(fs::exists(log));
+    EXPECT_FALSE(fs::exists(options_.file));
+    fs::rename(log, folder_ / "kept");
   });
   EXPECT_EQ(run(*world_).report.num_solved, 54);
   EXPECT_EQ(run(*world_).report.num_reused, 54);
