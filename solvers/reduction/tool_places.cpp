@@ -376,6 +376,8 @@ class PlacedTools::Impl {
   /// A tool on a part of the body that hangs together with no place: all that training knows of
   /// there is rest.
   void check_trained_around(const Held& held, const std::vector<BondedPatch>& tools) const {
+    // What tools do to a body of the linear law without inertia needs no training.
+    if (trained_.modes.cols() == 0) return;
     for (std::size_t tool = 0; tool < tools.size(); ++tool) {
       const Eigen::MatrixXd response =
           held.responses.middleCols(3 * static_cast<Eigen::Index>(tool), 3);

@@ -207,7 +207,8 @@ TEST_F(ToolPlaces, OfTheLinearLawHaveModesOfMotionAlone) {
     EXPECT_EQ(trained.modes.cols() > 0, density > 0);
     const BuiltModel placed =
         PlacedTools(block_.scene, rheologies, trained).attach(between(), options_);
-    EXPECT_LT(error_at_rest(placed, between()).max, 1e-8);
+    // What is left is that of the points.
+    EXPECT_LT(error_at_rest(placed, between()).max, options_.tolerance);
   }
 }
 
