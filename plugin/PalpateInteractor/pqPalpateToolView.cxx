@@ -356,9 +356,18 @@ void pqPalpateToolView::PlaceNumbers(const palpate::Vec3& place)
     return;
   }
   const int* seen = this->NumbersPlace->GetComputedViewportValue(this->Renderer);
-  const bool isRight = 2 * seen[0] > this->Renderer->GetSize()[0];
-  this->Numbers->SetPosition(isRight ? -NumbersAside : NumbersAside, 0);
-  this->Numbers->GetTextProperty()->SetJustification(isRight ? VTK_TEXT_RIGHT : VTK_TEXT_LEFT);
+  const double at[] = { static_cast<double>(seen[0]), static_cast<double>(seen[1]) };
+  const int* view = this->Renderer->GetSize();
+  double size[2];
+  this->Numbers->GetSize(this->Renderer, size);
+  // Beside the tool, towards the middle of the view. Where that side is too narrow they are whole
+  // all the same, above the tool, or below it where it is in the upper half.
+  const bool isRight = 2 * at[0] > view[0];
+  const double beside = isRight ? at[0] - NumbersAside - size[0] : at[0] + NumbersAside;
+  const double left = std::max(0.0, std::min(beside, view[0] - size[0]));
+  const double aside = NumbersAside + size[1] / 2;
+  const double up = left == beside ? 0 : (2 * at[1] > view[1] ? -aside : aside);
+  this->Numbers->SetPosition(left - at[0], up);
 }
 
 void pqPalpateToolView::ShowForce(
