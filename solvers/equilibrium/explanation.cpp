@@ -69,7 +69,7 @@ std::string explain_singular(const CondensedSystem& system) {
   for (const PrescribedPoint& p : system.prescribed_points()) held[p.point] = 1;
   const std::vector<char> used = points_in_use(mesh);
   for (Index piece = 0; piece < mesh.num_points(); ++piece) {
-    if (piece_of[piece] != piece || used[piece] == 0) continue;
+    if (piece_of[piece] != piece || used[piece] == 0 || system.has_supports()) continue;
     std::vector<Vec3> of_piece;
     for (Index p = 0; p < mesh.num_points(); ++p) {
       if (piece_of[p] == piece && held[p] != 0) of_piece.push_back(mesh.points[p]);
