@@ -518,6 +518,12 @@ int vtkPalpateFEBioWriter::RequestData(
         throw InputError("No file is named. Set FileName to a .feb file.");
       }
       const Scene scene = vtkPalpateSceneFromGrid(body);
+      if (scene.has_supports_or_surface_loads())
+      {
+        throw InputError("The body has HeldDirection, SupportStiffness, AppliedPressure or "
+                         "AppliedTraction, which are not written for FEBio: the file would hold "
+                         "another scene. Remove them with Pass Arrays, and add them in FEBio.");
+      }
       const std::vector<Part> parts = PartsOf(scene, RegionsOf(body));
       WriteFile(scene, parts, this->FileName);
       const std::string unsaid = Unsaid(scene, parts);

@@ -286,7 +286,7 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
   palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const
 {
   Eigen::VectorXd start = route.Start;
-  if (scene.has_body_force())
+  if (scene.has_load())
   {
     palpate::Equilibrium rest = solver.settled();
     if (rest.outcome != palpate::Outcome::converged)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "assembly/loaded_faces.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <numeric>
 
 namespace palpate {
 namespace {
@@ -75,6 +77,60 @@ std::vector<Index> faces_under_pressure(const TetMesh& mesh, const std::vector<d
     return pressure[c[0]] != 0 && pressure[c[0]] == pressure[c[1]] &&
            pressure[c[0]] == pressure[c[2]];
   });
+}
+
+double area_of(const TetMesh& mesh, const std::vector<Index>& faces) {
+  const std::vector<FacePoint> rule = face_quadrature(mesh.order);
+  const int nodes = nodes_per_face(mesh.order);
+  double area = 0;
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    Eigen::Matrix3Xd x(3, nodes);
+    for (int a = 0; a < nodes; ++a) x.col(a) = mesh.points[faces[first + a]];
+    for (const FacePoint& point : rule) {
+      const Eigen::Matrix<double, 3, 2> t = x * point.slopes;
+      area += point.weight * t.col(0).cross(t.col(1)).norm();
+    }
+  }
+  return area;
+}
+
+std::vector<Vec3> normals_at(const TetMesh& mesh, const std::vector<Index>& faces) {
+  std::vector<Vec3> normals(mesh.points.size(), Vec3::Zero());
+  const int nodes = nodes_per_face(mesh.order);
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    const Vec3& origin = mesh.points[faces[first]];
+    const Vec3 normal =
+        (mesh.points[faces[first + 1]] - origin).cross(mesh.points[faces[first + 2]] - origin);
+    for (int a = 0; a < nodes; ++a) normals[faces[first + a]] += normal;
+  }
+  return normals;
+}
+
+std::vector<char> points_of_cavities(const TetMesh& mesh) {
+  std::vector<Index> parent(mesh.points.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index p) {
+    while (parent[p] != p) p = parent[p] = parent[parent[p]];
+    return p;
+  };
+  const std::vector<Index> faces = boundary_faces(mesh);
+  const int nodes = nodes_per_face(mesh.order);
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    for (int a = 1; a < nodes; ++a) parent[root(faces[first + a])] = root(faces[first]);
+  }
+  // Faces look out of the body, and so into a cavity: the volume that they close in is negative.
+  std::vector<double> volume(mesh.points.size(), 0);
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    const Index part = root(faces[first]);
+    const Vec3& origin = mesh.points[part];
+    const Vec3 a = mesh.points[faces[first]] - origin;
+    const Vec3 b = mesh.points[faces[first + 1]] - origin;
+    const Vec3 c = mesh.points[faces[first + 2]] - origin;
+    volume[part] += a.dot(b.cross(c)) / 6;
+  }
+  std::vector<char> chosen(mesh.points.size(), 0);
+  for (Index p = 0; p < mesh.num_points(); ++p) chosen[p] = volume[root(p)] < 0 ? 1 : 0;
+  return chosen;
 }
 
 }  // namespace palpate

@@ -40,4 +40,15 @@ struct FacePoint {
 [[nodiscard]] std::vector<Index> faces_under_pressure(const TetMesh& mesh,
                                                       const std::vector<double>& pressure);
 
+/// The area of faces, m².
+[[nodiscard]] double area_of(const TetMesh& mesh, const std::vector<Index>& faces);
+
+/// The outward normals of faces at their nodes, those of the corners of each with twice its area,
+/// m², as their length, summed up; 0 at other points [num_points].
+[[nodiscard]] std::vector<Vec3> normals_at(const TetMesh& mesh, const std::vector<Index>& faces);
+
+/// 1 for each point on a connected part of the surface that closes in a cavity and no body
+/// [num_points].
+[[nodiscard]] std::vector<char> points_of_cavities(const TetMesh& mesh);
+
 }  // namespace palpate

@@ -229,6 +229,20 @@ bool is_led(const Scene& scene, const std::vector<Index>& edge) {
 
 }  // namespace
 
+void hold_along(const Vec3& direction, HeldDirections& held, char& fixed) {
+  make_orthonormal(held);
+  const Vec3 left = projector(held) * direction.normalized();
+  if (fixed != 0 || left.norm() <= kSameDirection) return;
+  if (held.col(0).isZero(0)) {
+    held.col(0) = left.normalized();
+  } else if (held.col(1).isZero(0)) {
+    held.col(1) = left.normalized();
+  } else {
+    held.setZero();
+    fixed = 1;
+  }
+}
+
 void check_supports(Scene& scene) {
   if (!scene.has_supports()) return;
   check_array(scene, "HeldDirection", scene.held_directions);

@@ -11,6 +11,10 @@ namespace palpate {
   return Mat3::Identity() - held * held.transpose();
 }
 
+/// Holds a point along one more direction; three that are independent fix it.
+/// @param fixed Of the point, as in Scene. @param direction Of any length but 0.
+void hold_along(const Vec3& direction, HeldDirections& held, char& fixed);
+
 /// Checks the supports, and where there are any besides fixed points, that they hold each connected
 /// piece of the body against every rigid motion. Directions become orthonormal, those of fixed
 /// points none, and arrays of zeros empty.

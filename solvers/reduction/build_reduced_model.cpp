@@ -55,6 +55,18 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
   for (const Rheology& rheology : rheologies) validate(rheology);
 }
 
+/// The body that is reduced is held by fixed points alone, and loaded by its weight alone.
+void check_boundary(const Scene& scene) {
+  if (!scene.has_supports_or_surface_loads()) return;
+  throw InputError(
+      "A reduced model takes no supports but fixed points, and no load but BodyForce: this body "
+      "has "
+      "HeldDirection, SupportStiffness, AppliedPressure or AppliedTraction, with which the error "
+      "of "
+      "the model would not be what it tells. Take Solve Dynamics or Precompute State Space, or fix "
+      "points with Set Boundary instead.");
+}
+
 /// What the body is solved for in training, with the tools at each of some places.
 class Training {
  public:
@@ -395,6 +407,7 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
                      const ReductionOptions& options) {
   validate(options);
   check_materials(scene, rheologies);
+  check_boundary(scene);
   if (options.gravity.isZero(0)) return;
   Scene under_gravity = with_gravity(scene, rheologies, options.gravity);
   check(under_gravity);

@@ -133,6 +133,28 @@ TEST_P(External, ATractionIsItsAreaTimesItself) {
   EXPECT_LT((sum - 0.1 * 0.06 * Vec3(10, -20, 30)).norm(), 1e-13);
 }
 
+TEST_P(External, CavitiesAreTheSurfacesThatCloseInNoBody) {
+  // A box of 3 × 3 × 3 bricks without the one in the middle, of which the corners are left.
+  TetMesh mesh = make_box(GetParam(), {3, 3, 3}, Vec3(3, 3, 3));
+  mesh = subset(mesh, [&](Index c) {
+    Vec3 middle = Vec3::Zero();
+    for (int a = 0; a < 4; ++a) middle += mesh.points[mesh.cell(c)[a]] / 4;
+    return (middle - Vec3(1.5, 1.5, 1.5)).lpNorm<Eigen::Infinity>() > 0.5;
+  });
+  const std::vector<char> chosen = points_of_cavities(mesh);
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    const double away = (mesh.points[p] - Vec3(1.5, 1.5, 1.5)).lpNorm<Eigen::Infinity>();
+    const bool is_in_use = points_in_use(mesh)[p] != 0;
+    EXPECT_EQ(chosen[p] != 0, is_in_use && std::abs(away - 0.5) < 1e-12) << p;
+  }
+  const std::vector<Index> faces =
+      faces_where(mesh, [&](const Index* c) { return chosen[c[0]] != 0 && chosen[c[1]] != 0; });
+  EXPECT_NEAR(area_of(mesh, faces), 6, 1e-12);
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& normal : normals_at(mesh, faces)) sum += normal;
+  EXPECT_LT(sum.norm(), 1e-12);
+}
+
 Scene box_on_planes() {
   Scene scene = make_scene(make_box(ElementOrder::linear, {2, 2, 2}, Vec3(0.1, 0.1, 0.1)),
                            make_material(Law::linear, 1000, 0.3), std::vector<char>(27, 0));

@@ -45,20 +45,13 @@ Scene half_body(ElementOrder order) {
   const std::vector<char> fixed = fixed_below(mesh);
   Scene scene = make_scene(mesh, make_material(Law::neo_hookean, 3000, 0.35), fixed);
   push(scene);
-  hold_along(scene, Vec3::UnitX(), 0);
+  hold_plane(scene, Vec3::UnitX(), 0);
   return scene;
 }
 
-/// The whole body; the points of the half come first, and `twin` is that of each on the other side.
+/// The whole body, see with_mirror_image().
 Scene whole_body(const Scene& half, std::vector<Index>& twin) {
-  TetMesh mesh = half.mesh;
-  twin.clear();
-  for (const Vec3& p : half.mesh.points) {
-    twin.push_back(p.x() == 0 ? static_cast<Index>(twin.size()) : mesh.num_points());
-    if (p.x() != 0) mesh.points.emplace_back(-p.x(), p.y(), p.z());
-  }
-  // The mirror image is left-handed, until check() has turned it round.
-  for (const Index p : half.mesh.cells) mesh.cells.push_back(twin[p]);
+  TetMesh mesh = with_mirror_image(half.mesh, twin);
   const std::vector<char> fixed = fixed_below(mesh);
   Scene scene = make_scene(std::move(mesh), half.materials.front(), fixed);
   push(scene);

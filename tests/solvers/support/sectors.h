@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sectors of a tube and of a hollow sphere between their planes of symmetry, under a pressure from
-// inside, and what a neo-Hookean incompressible one does by its closed form.
+// Parts of symmetric bodies between their planes of symmetry: halves, and sectors of a tube and of
+// a hollow sphere under a pressure from inside, and what neo-Hookean incompressible ones do by
+// their closed forms.
 #pragma once
 
 #include <cmath>
 
+#include "assembly/supports.h"
 #include "solvers/support/block.h"
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/laws.h"
@@ -19,18 +21,25 @@ struct Shell {
   double youngs_modulus = 3e5;
 };
 
-inline void hold_along(Scene& scene, const Vec3& normal, double offset) {
+/// A mesh with its mirror image in x = 0; its points come first, and `twin` is that of each on the
+/// other side.
+inline TetMesh with_mirror_image(const TetMesh& half, std::vector<Index>& twin) {
+  TetMesh mesh = half;
+  twin.clear();
+  for (const Vec3& p : half.points) {
+    twin.push_back(p.x() == 0 ? static_cast<Index>(twin.size()) : mesh.num_points());
+    if (p.x() != 0) mesh.points.emplace_back(-p.x(), p.y(), p.z());
+  }
+  // These are left-handed, until check() has turned them round.
+  for (const Index p : half.cells) mesh.cells.push_back(twin[p]);
+  return mesh;
+}
+
+inline void hold_plane(Scene& scene, const Vec3& normal, double offset) {
   scene.held_directions.resize(scene.mesh.points.size(), HeldDirections::Zero());
   for (Index p = 0; p < scene.mesh.num_points(); ++p) {
     if (std::abs(normal.dot(scene.mesh.points[p]) - offset) > 1e-12) continue;
-    HeldDirections& held = scene.held_directions[p];
-    if (held.col(0).isZero(0)) {
-      held.col(0) = normal;
-    } else if (held.col(1).isZero(0)) {
-      held.col(1) = normal;
-    } else {
-      scene.fixed[p] = 1;
-    }
+    hold_along(normal, scene.held_directions[p], scene.fixed[p]);
   }
 }
 
@@ -56,10 +65,10 @@ inline Scene make_tube(const Shell& shell, std::array<int, 3> cells) {
     return {r * std::cos(angle), r * std::sin(angle), kLength * p.z()};
   });
   Scene scene = make_sector(std::move(mesh), shell, inside);
-  hold_along(scene, Vec3::UnitX(), 0);
-  hold_along(scene, Vec3::UnitY(), 0);
-  hold_along(scene, Vec3::UnitZ(), 0);
-  hold_along(scene, Vec3::UnitZ(), kLength);
+  hold_plane(scene, Vec3::UnitX(), 0);
+  hold_plane(scene, Vec3::UnitY(), 0);
+  hold_plane(scene, Vec3::UnitZ(), 0);
+  hold_plane(scene, Vec3::UnitZ(), kLength);
   return scene;
 }
 
@@ -74,10 +83,10 @@ inline Scene make_sphere_sector(const Shell& shell, std::array<int, 3> cells) {
     return r * Vec3(1, std::tan(quarter * p.y()), std::tan(quarter * p.z())).normalized();
   });
   Scene scene = make_sector(std::move(mesh), shell, inside);
-  hold_along(scene, Vec3::UnitY(), 0);
-  hold_along(scene, Vec3::UnitZ(), 0);
-  hold_along(scene, Vec3(1, -1, 0).normalized(), 0);
-  hold_along(scene, Vec3(1, 0, -1).normalized(), 0);
+  hold_plane(scene, Vec3::UnitY(), 0);
+  hold_plane(scene, Vec3::UnitZ(), 0);
+  hold_plane(scene, Vec3(1, -1, 0).normalized(), 0);
+  hold_plane(scene, Vec3(1, 0, -1).normalized(), 0);
   return scene;
 }
 
