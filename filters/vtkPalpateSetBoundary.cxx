@@ -11,6 +11,7 @@
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateArrayCheck.h"
 #include "vtkPalpateBodyCells.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
@@ -181,7 +182,7 @@ int vtkPalpateSetBoundary::RequestData(
       palpate::check_and_orient(scene.mesh);
       vtkPalpateReadBoundary(body, scene);
       // What was fixed before stays so, but for other points that are to be fixed instead.
-      vtkDataArray* before = body->GetPointData()->GetArray(vtkPalpateArray::Fixed);
+      vtkDataArray* before = vtkPalpateScalarArray(body->GetPointData(), vtkPalpateArray::Fixed);
       scene.fixed = before && this->Support != FIXED
         ? vtkPalpateChosenPoints(before)
         : std::vector<char>(scene.mesh.points.size(), 0);
@@ -193,14 +194,20 @@ int vtkPalpateSetBoundary::RequestData(
           scene);
       }
       double area = 0;
-      if (this->Load != NO_LOAD)
+      if (this->Load != NO_LOAD && this->LoadBy == SURFACE)
       {
-        const auto chosen = this->LoadBy == SURFACE ? palpate::boundary_points(scene.mesh)
-          : this->LoadBy == CAVITIES                ? palpate::points_of_cavities(scene.mesh)
-                                                    : ChosenPoints(gathered, cells,
-                                                        { "Load", this->LoadBy, this->LoadRegion, this->LoadArray,
-                                                          vtkSelection::GetData(inputVector[LoadSelectionPort]) });
-        area = this->LoadFaces(chosen, scene);
+        area = this->LoadFaces(palpate::boundary_points(scene.mesh), scene);
+      }
+      else if (this->Load != NO_LOAD && this->LoadBy == CAVITIES)
+      {
+        area = this->LoadFaces(palpate::points_of_cavities(scene.mesh), scene);
+      }
+      else if (this->Load != NO_LOAD)
+      {
+        area = this->LoadFaces(ChosenPoints(gathered, cells,
+                                 { "Load", this->LoadBy, this->LoadRegion, this->LoadArray,
+                                   vtkSelection::GetData(inputVector[LoadSelectionPort]) }),
+          scene);
       }
 
       std::vector<char> touchable =
