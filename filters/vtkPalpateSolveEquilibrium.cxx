@@ -13,6 +13,7 @@
 #include "equilibrium/solve_cost.h"
 #include "equilibrium/tangent_solver.h"
 #include "interaction/bonded_patch.h"
+#include "interaction/mesh_error.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
 #include "vtkCellData.h"
@@ -355,8 +356,8 @@ vtkPalpateSolveEquilibrium::Route vtkPalpateSolveEquilibrium::ContactRoute(
   return route;
 }
 
-void vtkPalpateSolveEquilibrium::AddContact(
-  const Route& route, const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
+void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene, const Route& route,
+  const palpate::Equilibrium& state, vtkUnstructuredGrid* output)
 {
   const palpate::RigidContact::Patch patch = route.Contact->patch(state.t, state.u);
   vtkNew<vtkDoubleArray> pressure;
@@ -365,15 +366,22 @@ void vtkPalpateSolveEquilibrium::AddContact(
   std::copy(patch.pressure.begin(), patch.pressure.end(), pressure->GetPointer(0));
   output->GetPointData()->AddArray(pressure);
   vtkPalpateAddNumber(output, "ContactArea", patch.area);
+  const double layerForce =
+    palpate::contact_layer_force(patch.layer_depth, state.reaction, state.stiffness);
+  vtkPalpateAddNumber(output, "ContactLayerForce", layerForce);
+  const double meshError =
+    palpate::expected_mesh_error(scene.mesh.order, patch.longest_edge, patch.area);
+  vtkPalpateAddNumber(output, "ContactMeshError", meshError);
   const double radius = 0.5 * route.Contact->shape().bounds().sizes().minCoeff();
   if (patch.longest_edge > radius)
   {
     vtkWarningMacro("The edges of the mesh under the tool are up to "
       << patch.longest_edge << " m long, and the tool's radius is " << radius
-      << " m. The force along the surface ripples by about 2 % of the force where edges are as "
-         "long "
-         "as the radius, and by 7 % where they are twice as long. Mesh the body more finely "
-         "there.");
+      << " m. Such cells are too stiff: expect a force that is too large by about "
+      << std::lround(100 * meshError)
+      << " %, and that ripples along the surface, by about 2 % of it where edges are as long as "
+         "the "
+         "radius and 7 % where they are twice as long. Mesh the body more finely there.");
   }
 }
 
@@ -424,7 +432,7 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
   }
   if (route.Contact)
   {
-    this->AddContact(route, state, output);
+    this->AddContact(scene, route, state, output);
   }
   if (!state.folds.empty())
   {

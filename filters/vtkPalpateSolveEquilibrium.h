@@ -21,6 +21,10 @@
  * of all reactions); After is NaN where the path does not come by that place again
  *
  *   `ContactArea`     only with a rigid tool: the area at rest on which it presses, m^2
+ *   `ContactLayerForce` only with a rigid tool: what of its force is the error of the layer in
+ * which it presses, N, see solvers/interaction/rigid_contact.h `ContactMeshError` only with a rigid
+ * tool: by which share its force is expected to be too large because of the size of the cells, see
+ * solvers/interaction/mesh_error.h
  *
  * with a rigid tool the point array `ContactPressure` (Pa), and the cell array `MinimumDetF`, the
  * least det F of each cell; where they are asked for also the cell and point arrays of
@@ -107,7 +111,7 @@ public:
   vtkGetMacro(ContactThickness, double);
   ///@}
   ///@{
-  /// The pressure where tool and body meet, Pa; 0: twice Young's modulus of the touchable surface.
+  /// The pressure at the inner side of that layer, Pa; 0: see palpate::with_defaults().
   vtkSetMacro(ContactStiffness, double);
   vtkGetMacro(ContactStiffness, double);
   ///@}
@@ -196,8 +200,8 @@ private:
   Route ContactRoute(const palpate::Scene& scene, vtkPolyData* surface);
   palpate::Equilibrium SolveWith(
     palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const;
-  void AddContact(
-    const Route& route, const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
+  void AddContact(const palpate::Scene& scene, const Route& route,
+    const palpate::Equilibrium& state, vtkUnstructuredGrid* output);
   void Solve(const palpate::Scene& scene, const Route& route,
     std::unique_ptr<palpate::LinearSolver> linearSolver, int threads, vtkUnstructuredGrid* output);
 

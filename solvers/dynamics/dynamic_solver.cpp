@@ -258,7 +258,8 @@ class DynamicSolver::Impl {
       if (length == left) to.motion.time = event;
       if (to.outcome != Outcome::converged) {
         state.outcome = to.outcome;
-        state.message = ends_run(to.outcome) ? to.message : to.message + advice(state, shortest);
+        const bool is_of_steps = !ends_run(to.outcome) && to.outcome != Outcome::tool_inside;
+        state.message = is_of_steps ? to.message + advice(state, shortest) : to.message;
         return state;
       }
       end_step(state, to);

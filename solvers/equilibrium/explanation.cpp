@@ -109,8 +109,7 @@ std::string explain(const CondensedSystem& system, const Equilibrium& state,
     text << "Beyond that the tool goes through the surface of the body, whose cells are too large "
             "for it or are pressed too far. Make the edges of the mesh under the tool at most as "
             "long as its radius, take a larger tool, or press less deep, and not where the surface "
-            "is fixed: it is "
-            "not felt there. ";
+            "is fixed: it is not felt there. ";
     return text.str().substr(0, text.str().size() - 1);
   }
   for (const Fold& fold : state.folds) {

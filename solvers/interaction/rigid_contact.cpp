@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -16,6 +17,9 @@ constexpr double kAway = 0.5;
 /// Share of the smallest extent of a tool that it, or the surface, moves in one step at the most: a
 /// surface that went through the tool would come out on its other side.
 constexpr double kLongestStep = 0.5;
+
+/// Of Hertz's pressure p the mean of p^{1/3} that the force follows over that weighted by p.
+constexpr double kMeanOfHertz = 5.0 / 6;
 
 /// From 0 at x = 0 to 1 at x = 1 with three derivatives that vanish at both ends, and the first two
 /// of these.
@@ -65,6 +69,11 @@ void validate(const ContactLaw& law) {
     throw InputError("The contact stiffness is " + std::to_string(law.stiffness) +
                      " Pa; it must be positive.");
   }
+  if (!(law.offset >= 0 && law.offset < law.thickness)) {
+    throw InputError("The layer of contact is drawn back by " + std::to_string(law.offset) +
+                     " m; it must be at least 0 and less than its thickness of " +
+                     std::to_string(law.thickness) + " m.");
+  }
 }
 
 RigidContact::RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape,
@@ -98,7 +107,7 @@ bool RigidContact::evaluate(const Vec3& offset, const Vec3& normal, bool with_he
                             Point& point) const {
   const double thickness = law_.thickness;
   RigidShape::Jet jet = shape_->evaluate(offset, with_hessian ? 2 : 1);
-  const double depth = thickness - jet.value;
+  const double depth = law_.reach() - jet.value;
   if (!(depth > 0)) return false;
   const double towards = -normal.dot(jet.gradient);
   if (towards <= -kAway) return false;
@@ -135,7 +144,7 @@ void RigidContact::for_each_touched_point(const Eigen::VectorXd& q, const NodalV
                                           bool with_hessian, Visit&& visit) const {
   const Vec3 centre = q;
   Eigen::AlignedBox3d reach = shape_->bounds();
-  const double margin = law_.thickness + shape_->error();
+  const double margin = law_.reach() + shape_->error();
   reach = Eigen::AlignedBox3d(reach.min().array() - margin, reach.max().array() + margin);
   Eigen::Matrix3Xd places(3, surface_->nodes_per_face());
   Point point;
@@ -219,18 +228,35 @@ RigidContact::Patch RigidContact::patch(const Eigen::VectorXd& q, const NodalVec
       }
     }
   }
+  double force = 0;
+  double moment = 0;
   for_each_touched_point(
       q, state, false, [&](const ContactSurface::Face& face, Eigen::Index i, const Point& point) {
+        const double pressure = point.gradient.norm();
+        force += face.weights[i] * pressure;
+        moment += face.weights[i] * pressure * std::cbrt(pressure / law_.stiffness);
         result.area += face.weights[i];
         result.longest_edge = std::max(result.longest_edge, face.longest_edge);
         for (int a = 0; a < surface_->nodes_per_face(); ++a) {
-          result.pressure[face.nodes[a]] += share(face, i, a) * point.gradient.norm();
+          result.pressure[face.nodes[a]] += share(face, i, a) * pressure;
         }
       });
   for (std::size_t p = 0; p < num_points; ++p) {
     if (areas[p] > 0) result.pressure[p] /= areas[p];
   }
+  if (force > 0) {
+    result.layer_depth = law_.reach() - kMeanOfHertz * law_.thickness * moment / force;
+  }
   return result;
+}
+
+double contact_layer_force(double layer_depth, const Vec3& force, const Mat3& stiffness) {
+  const double size = force.norm();
+  if (size == 0) return 0;
+  const double along = force.dot(stiffness * force) / (size * size);
+  if (!(along > 0)) return std::numeric_limits<double>::quiet_NaN();
+  const double share = layer_depth * along / (1.5 * size);
+  return size * (1 - std::pow(std::max(1 - share, 0.0), 1.5));
 }
 
 }  // namespace palpate

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A rigid tool that presses the surface of a body without friction. Its coordinates are the place p
-// of its centre; it does not turn. With the gap g = d(x − p), d the signed distance to the tool
+// of its centre; it does not turn. With the gap g = d(x − p) + s, d the signed distance to the tool
 // (rigid_shape.h), and x the place of a point of the surface,
 //
 //   Φ(u; p) = ∫_Γ₀ ψ(g) s dA₀,   ψ(g) = κ⟨δ − g⟩⁴ / (4 δ³)
 //
 // over the surface at rest. The pressure −ψ′ acts in a layer of thickness δ, in which it rises
-// smoothly: ψ is C³ and zero beyond it, so that a tool that touches nothing adds exactly nothing,
-// and a tool seems larger by about half of it.
+// smoothly: ψ is C³ and zero beyond it, so that a tool that touches nothing adds exactly nothing.
+// A pressure p = −ψ′ is at the gap δ (1 − (p/κ)^{1/3}), so that a tool seems larger by the mean of
+// that; s draws the layer back into the tool, so that it seems as large as it is.
+//
+// What is left of it, e = δ − s − 5/6 ∫ h p dA / ∫ p dA with h = δ − g, makes the tool feel as if
+// it were deeper by e than it is. The factor makes that mean the one that belongs to the force:
+// with Hertz's pressure, by the principle of complementary energy, it is δ − s − ¾ δ (p₀/κ)^{1/3}.
 //
 // The far side of a thin lobe may lie in the layer too, or in the tool. It is told apart by which
 // way it looks: with c = −N·∇d, N the normal of the face at rest, s is 1 where c ≥ 0, as on every
@@ -27,9 +32,18 @@ struct ContactLaw {
   double thickness = 0;
   /// κ, Pa: the pressure at g = 0.
   double stiffness = 0;
+  /// s, m, less than δ.
+  double offset = 0;
+
+  /// How far outside of the tool the layer begins, m.
+  [[nodiscard]] double reach() const { return thickness - offset; }
+
+  [[nodiscard]] friend bool operator==(const ContactLaw& a, const ContactLaw& b) {
+    return a.thickness == b.thickness && a.stiffness == b.stiffness && a.offset == b.offset;
+  }
 };
 
-/// @throws InputError a thickness or stiffness that is not positive.
+/// @throws InputError a thickness or stiffness that is not positive, or an offset out of its range.
 void validate(const ContactLaw& law);
 
 class RigidContact final : public Interaction {
@@ -62,6 +76,8 @@ class RigidContact final : public Interaction {
     double area = 0;
     /// The longest edge of a face on which there is pressure, m; 0: nothing is touched.
     double longest_edge = 0;
+    /// e: how much deeper the tool seems to be than it is, m; 0 where nothing is touched.
+    double layer_depth = 0;
   };
   [[nodiscard]] Patch patch(const Eigen::VectorXd& q, const NodalVector& state) const;
 
@@ -84,5 +100,14 @@ class RigidContact final : public Interaction {
   ContactLaw law_;
   double longest_step_;
 };
+
+/// What of a force is the error of the layer, N; positive: the tool feels it stronger than a hard
+/// one. With the stiffness k along the force F, a sphere of which Hertz's law F ~ d^{3/2} holds is
+/// at the depth d = 3/2 F/k, of which e is too much.
+/// @param layer_depth e, see RigidContact::Patch.
+/// @param stiffness Derivative of the force by the place of the tool, N/m.
+/// @returns NaN where the tool has no stiffness along the force, as where it slides off.
+[[nodiscard]] double contact_layer_force(double layer_depth, const Vec3& force,
+                                         const Mat3& stiffness);
 
 }  // namespace palpate

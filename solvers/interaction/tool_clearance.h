@@ -54,7 +54,7 @@ class ToolClearance {
 
  private:
   RigidShapePtr shape_;
-  /// The thickness of the layer of contact and twice the error of the shape, m: what the shape
+  /// The reach of the layer of contact and twice the error of the shape, m: what the shape
   /// gives for two places differs by no more than their distance and that.
   double margin_;
   SurfaceTree body_;

@@ -64,6 +64,8 @@ constexpr char kActiveNode[] = "active_node";
 /// The tables that a file has where it holds a reduced model, and where its scene has a body force.
 constexpr char kReducedArray[] = "reduced_array";
 constexpr char kBodyForce[] = "body_force";
+/// And where a rigid tool has an offset.
+constexpr char kContactOffset[] = "contact_offset";
 
 std::string quoted(const Database& database) { return '\'' + database.path().string() + '\''; }
 
@@ -125,7 +127,8 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
   }
   if (version >= 10) {
     for (const auto& [name, schema] :
-         {std::pair{kReducedArray, kReducedSchema}, std::pair{kBodyForce, kBodyForceSchema}}) {
+         {std::pair{kReducedArray, kReducedSchema}, std::pair{kBodyForce, kBodyForceSchema},
+          std::pair{kContactOffset, kContactOffsetSchema}}) {
       const std::string made = bare(schema);
       tables[name] = made.substr(0, made.find(';'));
     }
@@ -160,6 +163,14 @@ bool has_body_force_schema(const Database& database) { return has_table(database
 
 void make_body_force_schema(const Database& database) { database.execute(kBodyForceSchema); }
 
+bool has_contact_offset_schema(const Database& database) {
+  return has_table(database, kContactOffset);
+}
+
+void make_contact_offset_schema(const Database& database) {
+  if (!has_contact_offset_schema(database)) database.execute(kContactOffsetSchema);
+}
+
 std::int64_t check_schema(const Database& database) {
   if (database.integer("PRAGMA application_id") != kApplicationId) {
     throw InputError(quoted(database) + " is an SQLite file of another program, not a Palpate " +
@@ -191,6 +202,7 @@ std::int64_t check_schema(const Database& database) {
   }
   missing.erase(kReducedArray);
   missing.erase(kBodyForce);
+  missing.erase(kContactOffset);
   if (!missing.empty()) {
     refuse(database, "it lacks the table '" + missing.begin()->first + '\'');
   }
