@@ -383,8 +383,7 @@ void WriteModel(const Scene& scene, const std::vector<Part>& parts, std::ostream
   for (const Part& part : parts)
   {
     // Of its own FEBio takes the one with a pressure for every uncoupled material.
-    const bool hasPressure =
-      part.Law->IsUncoupled && part.Formulation == palpate::Formulation::mixed;
+    const bool hasPressure = part.Law->IsUncoupled && palpate::is_mixed(part.Formulation);
     xml.Empty("SolidDomain",
       { { "name", part.Name }, { "mat", part.Name },
         { "type", hasPressure ? "three-field-solid" : "elastic-solid" } });
@@ -454,13 +453,18 @@ std::string Unsaid(const Scene& scene, const std::vector<Part>& parts)
 {
   std::string text;
   const bool locks = std::any_of(parts.begin(), parts.end(),
-    [](const Part& part)
-    { return part.Formulation == palpate::Formulation::mixed && !part.Law->IsUncoupled; });
+    [](const Part& part) { return palpate::is_mixed(part.Formulation) && !part.Law->IsUncoupled; });
   if (locks)
   {
     text += "Part of the body is nearly incompressible and of a law that FEBio solves by "
             "displacements alone, which makes it too stiff: the law is the same, FEBio's answer is "
             "not. Mooney-Rivlin and Ogden have elements with a pressure in FEBio too. ";
+  }
+  if (std::any_of(parts.begin(), parts.end(),
+        [](const Part& part) { return part.Formulation == palpate::Formulation::mixed_fine; }))
+  {
+    text += "Part of the body has the Quadrature Fine, which the file does not say: who reads it "
+            "finds the standard one. ";
   }
   if (std::find(scene.touchable.begin(), scene.touchable.end(), 1) == scene.touchable.end())
   {
