@@ -144,16 +144,14 @@ def states(result):
                                      "Flags")]) for i, key in enumerate(keys)}
 
 
-def check_file(make, changes, file):
-    """A filter that finds the file of another one has each configuration that it has without, and
-    it is the same, or it refuses. (The file may have more.)
-    @returns the properties for which it refuses."""
+def with_file_of_another(make, changes, file):
+    """For each change its name, and what comes of it without a file and with that of a filter that
+    is not changed."""
     kept = make()
     kept.FileName = file
     assert outcome(kept) is not None
     Delete(kept)
     shutil.copy(file, "base.palpate")
-    refused = set()
     for name, value in changes.items():
         results = []
         for file_name in ("", file):
@@ -163,17 +161,26 @@ def check_file(make, changes, file):
             change(proxy, name, value)
             results.append(outcome(proxy))
             Delete(proxy)
-        if results[1] is None:
+        yield name, *results
+
+
+def check_file(make, changes, file):
+    """A filter that finds the file of another one has each configuration that it has without, and
+    it is the same, or it refuses. (The file may have more.)
+    @returns the properties for which it refuses."""
+    refused = set()
+    for name, without, result in with_file_of_another(make, changes, file):
+        if result is None:
             refused.add(name)
             continue
-        right, found = map(states, results)
+        right, found = states(without), states(result)
         assert right.keys() <= found.keys(), name
         scale = numpy.max(numpy.abs(list(right.values())), axis=0)
         for key, row in right.items():
             assert (abs(found[key] - row) <= SAME * scale).all(), (name, key)
         # What is drawn has the error that was asked for; with other nodes theirs counts too.
         error = (0, 2, "GetFieldData", "DisplacementError")
-        assert name == "ActiveNodes" or results[1][error] <= results[0][error], name
+        assert name == "ActiveNodes" or result[error] <= without[error], name
     return refused
 
 
@@ -286,22 +293,9 @@ def test_reduced_model():
                "Taps": 100, "ShortestTap": 0.01, "TimeStep": 0.003, "Seed": 2, "TestPaths": 1,
                "SolverTolerance": 1e-6}
     assert set(changeable(make())) == set(changes) | {"FileName", "Input"}
-    file = "model.palpate"
-    kept = make()
-    kept.FileName = file
-    base = outcome(kept)
-    shutil.copy(file, "base.palpate")
+    base = outcome(make())
     effects, refused = set(), set()
-    for name, value in changes.items():
-        results = []
-        for file_name in ("", file):
-            shutil.copy("base.palpate", file)
-            proxy = make()
-            proxy.FileName = file_name
-            change(proxy, name, value)
-            results.append(outcome(proxy))
-            Delete(proxy)
-        right, found = results
+    for name, right, found in with_file_of_another(make, changes, "model.palpate"):
         if found is None:
             refused.add(name)
         else:
