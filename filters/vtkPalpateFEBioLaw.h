@@ -14,6 +14,7 @@
 // ours, k/2 (J − 1)², is that of `pressure_model` 2, "Abaqus"; that of the default is k/2 ln² J.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@
 
 struct vtkPalpateFEBioLaw
 {
+  /// The attribute `type` of a material that has one of these as its <elastic>, and is viscous.
+  static constexpr const char* Viscoelastic = "viscoelastic";
+  static constexpr const char* UncoupledViscoelastic = "uncoupled viscoelastic";
+
   struct Parameter
   {
     /// FEBio's name.
@@ -44,12 +49,28 @@ struct vtkPalpateFEBioLaw
   std::vector<Parameter> Parameters;
 };
 
-/// The choice of `pressure_model` that is ours, as number and as name.
-namespace vtkPalpateFEBioPressureModel
+/// A choice of `pressure_model`: FEUncoupledMaterial::U(J).
+struct vtkPalpateFEBioPressureModel
 {
-inline constexpr const char* Number = "2";
-inline constexpr const char* Name = "Abaqus";
-}
+  /// What the file has for it: its number, or its name.
+  const char* Number;
+  const char* Name;
+  const char* Energy;
+  /// How much the pressure differs from that of ours where the volume has changed by 1 %, %.
+  double Difference;
+
+  static const std::array<vtkPalpateFEBioPressureModel, 4>& All()
+  {
+    static constexpr std::array<vtkPalpateFEBioPressureModel, 4> all = { {
+      { "0", "default", "k/2 (ln J)^2", 1.5 },
+      { "1", "NIKE3D", "k/4 (J^2 - 1 - 2 ln J)", 0.5 },
+      { "2", "Abaqus", "k/2 (J - 1)^2", 0 },
+      { "3", "Abaqus (GOH)", "k/4 (J^2 - 1 - 2 ln J)", 0.5 },
+    } };
+    return all;
+  }
+  static const vtkPalpateFEBioPressureModel& Ours() { return All()[2]; }
+};
 
 /// All that there are.
 PALPATEFILTERS_EXPORT const std::vector<vtkPalpateFEBioLaw>& vtkPalpateFEBioLaws();

@@ -3,175 +3,25 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cstdint>
-#include <cstring>
-#include <limits>
 #include <numeric>
 #include <optional>
-#include <type_traits>
 #include <unordered_map>
 #include <utility>
 
 #include "base/error.h"
-#include "vtkPalpateFEBioLaw.h"
+#include "base/printable.h"
+#include "vtkPalpateFEBioMaterials.h"
+#include "vtkPalpateFEBioText.h"
 #include "vtkPalpateFEBioUnits.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateXMLTree.h"
 
 namespace
 {
-using palpate::Formulation;
+using namespace vtkPalpateFEBio;
 using palpate::Index;
 using palpate::InputError;
-using Tree = vtkPalpateXMLTree;
-
-/// Of a node or an element in the file: any number, each once.
-using Id = std::int64_t;
-
-/// More nodes than an Index counts unknowns of.
-constexpr Id MostOfRange = std::numeric_limits<Index>::max() / 3;
-
-/// How an element of the file is called in a message.
-std::string Label(const Tree& element)
-{
-  for (const char* name : { "name", "id", "type" })
-  {
-    if (const std::string* value = element.Attribute(name))
-    {
-      return '<' + element.Name + ' ' + name + "=\"" + *value + "\">";
-    }
-  }
-  return '<' + element.Name + '>';
-}
-
-std::string Attribute(const Tree& element, const char* name)
-{
-  const std::string* value = element.Attribute(name);
-  if (!value)
-  {
-    throw InputError(Label(element) + " has no attribute " + name + '.');
-  }
-  return *value;
-}
-
-/// @param text Numbers with a comma between them; ids also as ranges first:last or
-/// first:last:step.
-template <class Number>
-void AppendNumbers(const std::string& text, const Tree& element, std::vector<Number>& numbers)
-{
-  const char* place = text.data();
-  const char* const end = place + text.size();
-  const auto skip = [&](const char* what)
-  { place = std::find_if(place, end, [what](char c) { return !std::strchr(what, c); }); };
-  const auto next = [&]
-  {
-    skip(" \t\r\n+");
-    Number number{};
-    const auto [behind, fault] = std::from_chars(place, end, number);
-    if (fault != std::errc())
-    {
-      throw InputError(Label(element) + " has '" + text.substr(0, 40) +
-        "' where numbers with a comma between them are due.");
-    }
-    place = behind;
-    return number;
-  };
-  for (bool more = true; more;)
-  {
-    numbers.push_back(next());
-    if constexpr (std::is_integral_v<Number>)
-    {
-      if (place != end && *place == ':')
-      {
-        const Number first = numbers.back();
-        ++place;
-        const Number last = next();
-        Number step = 1;
-        if (place != end && *place == ':')
-        {
-          ++place;
-          step = std::max<Number>(next(), 1);
-        }
-        if (last - first > MostOfRange)
-        {
-          throw InputError(Label(element) + " has the range '" + text.substr(0, 40) +
-            "', which is longer than any mesh.");
-        }
-        for (Number number = first + step; number <= last; number += step)
-        {
-          numbers.push_back(number);
-        }
-      }
-    }
-    skip(" \t\r\n");
-    more = place != end && *place == ',';
-    if (more)
-    {
-      ++place;
-    }
-    else if (place != end)
-    {
-      throw InputError(Label(element) + " has '" + text.substr(0, 40) +
-        "' where numbers with a comma between them are due.");
-    }
-  }
-}
-
-double NumberOf(const std::string& text, const Tree& element)
-{
-  std::vector<double> numbers;
-  AppendNumbers(text, element, numbers);
-  if (numbers.size() != 1)
-  {
-    throw InputError(Label(element) + " has '" + text.substr(0, 40) + "' where one number is due.");
-  }
-  return numbers.front();
-}
-
-Id IdOf(const Tree& element, const char* attribute = "id")
-{
-  std::vector<Id> ids;
-  AppendNumbers(Attribute(element, attribute), element, ids);
-  return ids.front();
-}
-
-/// None where there is no such element.
-const std::vector<Tree>& ChildrenOf(const Tree* element)
-{
-  static const std::vector<Tree> none;
-  return element ? element->Children : none;
-}
-
-/// The ids of a set: those of the children (2.5, 3.0), or a list (4.0).
-std::vector<Id> IdsOf(const Tree& set)
-{
-  std::vector<Id> ids;
-  for (const Tree& child : set.Children)
-  {
-    ids.push_back(IdOf(child));
-  }
-  if (set.Children.empty() && !set.Text.empty())
-  {
-    AppendNumbers(set.Text, set, ids);
-  }
-  return ids;
-}
-
-bool StartsWith(const std::string& text, const char* start)
-{
-  return text.rfind(start, 0) == 0;
-}
-
-std::string Join(const std::vector<std::string>& words)
-{
-  std::string text;
-  for (const std::string& word : words)
-  {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text;
-}
+using palpate::printable;
 
 /// Elements in the order of their ids.
 std::vector<std::size_t> Order(const std::vector<Id>& ids, const char* what)
@@ -189,19 +39,6 @@ std::vector<std::size_t> Order(const std::vector<Id>& ids, const char* what)
   }
   return order;
 }
-
-/// A parameter of a material that varies from cell to cell.
-using Map = std::unordered_map<Id, double>;
-
-/// What a domain is made of.
-struct DomainMaterial
-{
-  const vtkPalpateFEBioLaw* Law;
-  std::optional<Formulation> OwnFormulation;
-  std::array<double, palpate::max_parameters> Parameters{};
-  std::vector<std::pair<const vtkPalpateFEBioLaw::Parameter*, const Map*>> Maps;
-  std::string Name;
-};
 
 class Reader
 {
@@ -245,20 +82,20 @@ private:
   {
     if (this->Root.Name != "febio_spec")
     {
-      throw InputError(
-        "The file is not FEBio's: its root is <" + this->Root.Name + "> in place of <febio_spec>.");
+      throw InputError("The file is not FEBio's: its root is <" + printable(this->Root.Name) +
+        "> in place of <febio_spec>.");
     }
     const std::string version = Attribute(this->Root, "version");
     if (version != "2.5" && version != "3.0" && version != "4.0")
     {
-      throw InputError("The file is of FEBio's specification " + version +
+      throw InputError("The file is of FEBio's specification " + printable(version) +
         "; 2.5, 3.0 and 4.0 are read. Open it with FEBio Studio and export it as 4.0.");
     }
     const Tree* module = this->Root.Child("Module");
     const std::string* type = module ? module->Attribute("type") : nullptr;
     if (type && *type != "solid")
     {
-      throw InputError("The model is of FEBio's module '" + *type +
+      throw InputError("The model is of FEBio's module '" + printable(*type) +
         "'; 'solid' is read, which has no fluids, no solutes and no heat.");
     }
   }
@@ -281,7 +118,7 @@ private:
         [said](const vtkPalpateFEBioUnits& one) { return said->Text == one.Name; });
       if (this->Units == all.end())
       {
-        throw InputError("The file says that its units are '" + said->Text +
+        throw InputError("The file says that its units are '" + printable(said->Text) +
           "', which is none of FEBio Studio's systems: " + vtkPalpateFEBioUnits::Names() + '.');
       }
       if (units != vtkPalpateFEBioUnits::NotSaid && this->Units != all.begin() + units)
@@ -332,7 +169,7 @@ private:
     }
     else if (!section.Children.empty())
     {
-      throw InputError("The model has a section <" + section.Name +
+      throw InputError("The model has a section <" + printable(section.Name) +
         ">, which changes the body and is not read. Remove it from the model.");
     }
   }
@@ -398,8 +235,8 @@ private:
         AppendNumbers(node.Text, node, coordinates);
         if (coordinates.size() != 3 * ids.size())
         {
-          throw InputError(Label(node) + " has '" + node.Text.substr(0, 40) +
-            "' where three coordinates are due.");
+          throw InputError(
+            Label(node) + " has '" + printable(node.Text) + "' where three coordinates are due.");
         }
       }
     }
@@ -409,7 +246,7 @@ private:
     for (const std::size_t place : Order(ids, "nodes"))
     {
       this->IndexOfNode[ids[place]] = static_cast<Index>(points.size());
-      this->NodeIds.push_back(ids[place]);
+      this->Nodes.Ids.push_back(ids[place]);
       const double* x = &coordinates[3 * place];
       points.emplace_back(palpate::Vec3(x[0], x[1], x[2]) * this->Units->Length);
     }
@@ -437,18 +274,17 @@ private:
     {
       return palpate::ElementOrder::quadratic;
     }
-    throw InputError(Label(elements) + " has elements of the type '" + type +
+    throw InputError(Label(elements) + " has elements of the type '" + printable(type) +
       "'; a body has tetrahedra alone (tet4 or tet10). Mesh it with tetrahedra.");
   }
 
   void ReadElements()
   {
-    palpate::Scene& scene = this->Model.Scene;
     std::vector<Id> ids;
     std::vector<const Tree*> labels;
-    std::vector<int> domains;
+    std::vector<int> partOf;
     std::vector<Id> nodes;
-    std::vector<DomainMaterial> materials;
+    std::vector<const Tree*> parts;
     std::optional<palpate::ElementOrder> order;
     for (const Tree& elements : this->Mesh->Children)
     {
@@ -459,7 +295,7 @@ private:
       if (order.value_or(OrderOf(elements)) != OrderOf(elements))
       {
         throw InputError(Label(elements) + " has elements of the type '" +
-          Attribute(elements, "type") +
+          printable(Attribute(elements, "type")) +
           "', but others are before it: linear and quadratic tetrahedra cannot be mixed.");
       }
       order = OrderOf(elements);
@@ -467,318 +303,69 @@ private:
       {
         ids.push_back(IdOf(element));
         labels.push_back(&element);
-        domains.push_back(static_cast<int>(materials.size()));
+        partOf.push_back(static_cast<int>(parts.size()));
         AppendNumbers(element.Text, element, nodes);
         if (nodes.size() != ids.size() * palpate::nodes_per_cell(*order))
         {
           throw InputError(Label(element) + " has not the " +
             std::to_string(palpate::nodes_per_cell(*order)) + " nodes of a " +
-            Attribute(elements, "type") + '.');
+            printable(Attribute(elements, "type")) + '.');
         }
       }
-      materials.push_back(this->MaterialOf(elements));
+      parts.push_back(&elements);
       const std::string* name = elements.Attribute("name");
-      this->Model.Regions.push_back(
-        name ? *name : "Part" + std::to_string(this->Model.Regions.size() + 1));
+      this->Model.Regions.push_back(name ? *name : "Part" + std::to_string(parts.size()));
     }
     if (ids.empty())
     {
       throw InputError("The file has no elements.");
     }
 
-    scene.mesh.order = *order;
+    palpate::TetMesh& mesh = this->Model.Scene.mesh;
+    mesh.order = *order;
     const int nodesPerCell = palpate::nodes_per_cell(*order);
     // FEBio's order of the nodes is VTK's, midside nodes included: FETet10::shape_fnc.
-    scene.mesh.cells.reserve(nodes.size());
-    std::vector<Index> materialOfDomain(materials.size(), NoMaterial);
+    mesh.cells.reserve(nodes.size());
     for (const std::size_t place : Order(ids, "elements"))
     {
       for (int i = 0; i < nodesPerCell; ++i)
       {
         const Id node = nodes[place * nodesPerCell + i];
-        scene.mesh.cells.push_back(this->IndexOf(node, *labels[place]));
+        mesh.cells.push_back(this->IndexOf(node, *labels[place]));
       }
-      const int domain = domains[place];
-      this->Model.RegionOfCell.push_back(domain);
-      const DomainMaterial& material = materials[domain];
-      if (materialOfDomain[domain] == NoMaterial || !material.Maps.empty())
-      {
-        materialOfDomain[domain] = static_cast<Index>(scene.materials.size());
-        scene.materials.push_back(MaterialOf(material, ids[place]));
-      }
-      scene.material_of_cell.push_back(materialOfDomain[domain]);
+      this->Elements.Ids.push_back(ids[place]);
+      this->Model.RegionOfCell.push_back(partOf[place]);
     }
+    this->ReadMaterials(parts);
   }
 
-  /// That of one element.
-  static palpate::Material MaterialOf(const DomainMaterial& domain, Id element)
+  /// @param parts Those of Model.Regions.
+  void ReadMaterials(const std::vector<const Tree*>& parts)
   {
-    auto parameters = domain.Parameters;
-    for (const auto& [parameter, map] : domain.Maps)
+    palpate::Scene& scene = this->Model.Scene;
+    vtkPalpateFEBioMaterials materials(this->Root, *this->Mesh, *this->Units, this->Elements);
+    std::vector<vtkPalpateFEBioMaterials::Part> all;
+    for (const Tree* part : parts)
     {
-      const auto found = map->find(element);
-      if (found == map->end())
+      all.push_back(materials.Of(*part));
+    }
+    std::vector<Index> materialOfPart(parts.size(), NoMaterial);
+    for (std::size_t cell = 0; cell < this->Elements.Ids.size(); ++cell)
+    {
+      const int number = this->Model.RegionOfCell[cell];
+      if (materialOfPart[number] == NoMaterial || !all[number].Maps.empty())
       {
-        throw InputError("The map of " + std::string(parameter->Name) + " of the material '" +
-          domain.Name + "' has no value for the element " + std::to_string(element) + '.');
+        materialOfPart[number] = static_cast<Index>(scene.materials.size());
+        const auto [material, rheology] = materials.Of(all[number], this->Elements.Ids[cell]);
+        scene.materials.push_back(material);
+        this->Model.Rheologies.push_back(rheology);
       }
-      parameters[parameter->Index] = found->second;
+      scene.material_of_cell.push_back(materialOfPart[number]);
     }
-    if (domain.Law->Law == palpate::Law::ogden)
+    for (const std::string& warning : materials.Warnings())
     {
-      // A term that is not there has an exponent all the same in FEBio.
-      for (int i = 1; i <= 2 * palpate::max_ogden_terms; i += 2)
-      {
-        parameters[i + 1] = parameters[i] == 0 ? 0 : parameters[i + 1];
-      }
+      this->Model.Warnings.push_back(warning);
     }
-    try
-    {
-      const palpate::Material material = palpate::make_material(domain.Law->Law, parameters);
-      return domain.OwnFormulation ? palpate::with_formulation(material, *domain.OwnFormulation)
-                                   : material;
-    }
-    catch (const InputError& error)
-    {
-      throw InputError("The material '" + domain.Name + "' of the element " +
-        std::to_string(element) + ": " + error.what());
-    }
-  }
-
-  /// The entry of <MeshDomains> (3.0, 4.0), or null (2.5).
-  const Tree* DomainOf(const Tree& elements) const
-  {
-    const Tree* domains = this->Root.Child("MeshDomains");
-    if (!domains)
-    {
-      return nullptr;
-    }
-    const std::string name = Attribute(elements, "name");
-    for (const Tree& domain : domains->Children)
-    {
-      if (Attribute(domain, "name") == name)
-      {
-        if (domain.Name != "SolidDomain")
-        {
-          throw InputError(
-            Label(domain) + " is a <" + domain.Name + ">; a body has solid domains alone.");
-        }
-        return &domain;
-      }
-    }
-    throw InputError(Label(elements) + " has no material: there is no <SolidDomain name=\"" + name +
-      "\"> in <MeshDomains>.");
-  }
-
-  DomainMaterial MaterialOf(const Tree& elements)
-  {
-    const Tree* domain = this->DomainOf(elements);
-    const Tree& material = this->FindMaterial(Attribute(domain ? *domain : elements, "mat"));
-    DomainMaterial read;
-    read.Name = *material.Attribute(material.Attribute("name") ? "name" : "id");
-    const std::string type = Attribute(material, "type");
-    const auto& laws = vtkPalpateFEBioLaws();
-    const auto law = std::find_if(laws.begin(), laws.end(),
-      [&type](const vtkPalpateFEBioLaw& one) { return type == one.Type; });
-    if (law == laws.end())
-    {
-      std::vector<std::string> types;
-      for (const vtkPalpateFEBioLaw& one : laws)
-      {
-        types.emplace_back(one.Type);
-      }
-      throw InputError("The material '" + read.Name + "' is of FEBio's type '" + type +
-        "', which is not read. There are: " + Join(types) + '.');
-    }
-    read.Law = &*law;
-    this->ReadParameters(material, read);
-    if (law->IsUncoupled && domain)
-    {
-      read.OwnFormulation = FormulationOf(*domain);
-    }
-    return read;
-  }
-
-  /// What the domain chooses where FEBio has a choice.
-  static std::optional<Formulation> FormulationOf(const Tree& domain)
-  {
-    const std::string* type = domain.Attribute("type");              // 4.0
-    const std::string* threeField = domain.Attribute("three_field"); // 3.0
-    if ((type && *type == "three-field-solid") || (threeField && *threeField == "on"))
-    {
-      return Formulation::mixed;
-    }
-    if ((type && *type == "elastic-solid") || (threeField && *threeField == "off"))
-    {
-      return Formulation::displacement;
-    }
-    return std::nullopt;
-  }
-
-  /// By its name, or by its id (2.5).
-  const Tree& FindMaterial(const std::string& reference) const
-  {
-    const Tree* materials = this->Root.Child("Material");
-    for (const char* attribute : { "name", "id" })
-    {
-      for (const Tree& material : ChildrenOf(materials))
-      {
-        const std::string* value = material.Attribute(attribute);
-        if (value && *value == reference)
-        {
-          return material;
-        }
-      }
-    }
-    throw InputError("There is no material '" + reference + "' in the file.");
-  }
-
-  void ReadParameters(const Tree& material, DomainMaterial& read)
-  {
-    const std::string where = "The material '" + read.Name + "' ";
-    bool isOurPressure = !read.Law->IsUncoupled;
-    for (const Tree& child : material.Children)
-    {
-      // At rest there is no inertia, and an isotropic material has no axes.
-      if (child.Name == "density" || child.Name == "mat_axis")
-      {
-        continue;
-      }
-      if (child.Name == "pressure_model" && read.Law->IsUncoupled)
-      {
-        isOurPressure = child.Text == vtkPalpateFEBioPressureModel::Number ||
-          child.Text == vtkPalpateFEBioPressureModel::Name;
-        continue;
-      }
-      if (child.Attribute("lc"))
-      {
-        throw InputError(where + "has a parameter " + child.Name +
-          " that follows a load curve; only constant ones are read.");
-      }
-      const auto known = std::find_if(read.Law->Parameters.begin(), read.Law->Parameters.end(),
-        [&child](const auto& parameter) { return child.Name == parameter.Name; });
-      if (known != read.Law->Parameters.end())
-      {
-        this->ReadParameter(child, *known, read);
-        continue;
-      }
-      // An exponent of a term whose c is 0, which is checked itself.
-      const bool isIdle = read.Law->Law == palpate::Law::ogden && child.Name[0] == 'm';
-      // The tolerance of the augmentation, which is off where laugon is 0.
-      const bool isTolerance = read.Law->IsUncoupled && child.Name == "atol";
-      if (!isIdle && !isTolerance && (!child.Children.empty() || child.Text != "0") &&
-        NumberOf(child.Text, child) != 0)
-      {
-        throw InputError(where + "has " + child.Name + " = " + child.Text + ", which our law " +
-          palpate::to_string(read.Law->Law) + " does not have. It must be 0 or left out.");
-      }
-    }
-    if (!isOurPressure)
-    {
-      throw InputError(where +
-        "resists a change of volume by k/2 (ln J)^2 or another pressure_model, where ours has k/2 "
-        "(J - 1)^2. Set its pressure_model to 2 ('Abaqus'), which is the same near J = 1.");
-    }
-  }
-
-  void ReadParameter(
-    const Tree& child, const vtkPalpateFEBioLaw::Parameter& parameter, DomainMaterial& read)
-  {
-    const std::string* type = child.Attribute("type");
-    if (type && *type == "map")
-    {
-      read.Maps.emplace_back(&parameter, &this->FindMap(child.Text, parameter));
-      return;
-    }
-    if (type && *type != "const")
-    {
-      throw InputError("The material '" + read.Name + "' has a parameter " + child.Name +
-        " of the type '" + *type + "'; numbers and maps are read.");
-    }
-    read.Parameters[parameter.Index] = this->Ours(NumberOf(child.Text, child), parameter);
-  }
-
-  double Ours(double theirs, const vtkPalpateFEBioLaw::Parameter& parameter) const
-  {
-    return theirs / parameter.Factor * (parameter.IsPressure ? this->Units->Pressure : 1);
-  }
-
-  const Map& FindMap(const std::string& name, const vtkPalpateFEBioLaw::Parameter& parameter)
-  {
-    const std::string key = name + ' ' + parameter.Name;
-    const auto [entry, isNew] = this->Maps.try_emplace(key);
-    if (!isNew)
-    {
-      return entry->second;
-    }
-    const Tree* data = this->Root.Child("MeshData");
-    bool isThere = false;
-    for (const Tree& part : ChildrenOf(data))
-    {
-      const std::string* partName = part.Attribute("name");
-      if (part.Name != "ElementData" || !partName || *partName != name)
-      {
-        continue;
-      }
-      isThere = true;
-      this->ReadMap(part, parameter, entry->second);
-    }
-    if (!isThere)
-    {
-      throw InputError("There is no map '" + name + "' of elements in <MeshData>.");
-    }
-    return entry->second;
-  }
-
-  void ReadMap(const Tree& data, const vtkPalpateFEBioLaw::Parameter& parameter, Map& map) const
-  {
-    for (const char* attribute : { "data_type", "datatype" })
-    {
-      const std::string* type = data.Attribute(attribute);
-      if (type && *type != "scalar")
-      {
-        throw InputError(Label(data) + " is of '" + *type + "'; numbers are read.");
-      }
-    }
-    if (data.Attribute("type") || data.Attribute("generator"))
-    {
-      throw InputError(
-        Label(data) + " is generated by FEBio; maps with a value for each element are read.");
-    }
-    const std::vector<Id> elements = this->ElementsOf(Attribute(data, "elem_set"), data);
-    if (data.Children.empty())
-    {
-      const double value = this->Ours(NumberOf(data.Text, data), parameter);
-      for (const Id element : elements)
-      {
-        map[element] = value;
-      }
-    }
-    for (const Tree& child : data.Children)
-    {
-      const Id place = IdOf(child, "lid");
-      if (place < 1 || place > static_cast<Id>(elements.size()))
-      {
-        throw InputError(Label(data) + " has a value for the element " + std::to_string(place) +
-          " of " + std::to_string(elements.size()) + '.');
-      }
-      map[elements[place - 1]] = this->Ours(NumberOf(child.Text, child), parameter);
-    }
-  }
-
-  /// Of a part or of a set.
-  std::vector<Id> ElementsOf(const std::string& name, const Tree& where) const
-  {
-    for (const Tree& set : this->Mesh->Children)
-    {
-      const std::string* setName = set.Attribute("name");
-      if ((set.Name == "Elements" || set.Name == "ElementSet") && setName && *setName == name)
-      {
-        return IdsOf(set);
-      }
-    }
-    throw InputError(Label(where) + " is about the elements '" + name +
-      "', but there is neither a part nor a set of that name.");
   }
 
   /// The nodes of a set, of a surface (@surface:), an edge (@edge:) or elements (@elem_set:).
@@ -793,7 +380,8 @@ private:
     std::vector<Id> nodes;
     if (StartsWith(name, "@elem_set:"))
     {
-      std::vector<Id> elements = this->ElementsOf(name.substr(name.find(':') + 1), where);
+      std::vector<Id> elements =
+        ElementsOf(*this->Mesh, name.substr(name.find(':') + 1), where, this->Elements);
       std::sort(elements.begin(), elements.end());
       for (const Tree& part : this->Mesh->Children)
       {
@@ -811,7 +399,7 @@ private:
     {
       if (isSetOf(set, "", "NodeSet") || isSetOf(set, "", "Nodes"))
       {
-        return IdsOf(set);
+        return IdsOf(set, this->Nodes);
       }
       if (isSetOf(set, "@surface:", "Surface") || isSetOf(set, "@edge:", "Edge"))
       {
@@ -822,8 +410,8 @@ private:
         return nodes;
       }
     }
-    throw InputError(
-      Label(where) + " is about the nodes '" + name + "', but there is no set of that name.");
+    throw InputError(Label(where) + " is about the nodes '" + printable(name) +
+      "', but there is no set of that name.");
   }
 
   /// 1, 2 and 4 for x, y and z, of those that a condition holds.
@@ -900,7 +488,7 @@ private:
       {
         names += (*partly & bit) == 0 ? "" : (names.empty() ? "" : " and ") + std::string(name);
       }
-      throw InputError("The node " + std::to_string(this->NodeIds[partly - axes.begin()]) +
+      throw InputError("The node " + std::to_string(this->Nodes.Ids[partly - axes.begin()]) +
         " is held along " + names +
         " alone; points are held along all three axes or free. Hold it along all axes, or remove "
         "the condition from the model.");
@@ -926,7 +514,7 @@ private:
       if (set.Name == "NodeSet" && name && *name == vtkPalpateArray::Touchable)
       {
         scene.touchable.assign(scene.mesh.points.size(), 0);
-        for (const Id node : IdsOf(set))
+        for (const Id node : IdsOf(set, this->Nodes))
         {
           scene.touchable[this->IndexOf(node, set)] = 1;
         }
@@ -942,10 +530,9 @@ private:
   const Tree* Mesh = nullptr;
   const vtkPalpateFEBioUnits* Units = nullptr;
   /// In the order of the points, and back.
-  std::vector<Id> NodeIds;
+  KnownIds Nodes{ {}, "node" };
   std::unordered_map<Id, Index> IndexOfNode;
-  /// By the name of the map and of the parameter.
-  std::unordered_map<std::string, Map> Maps;
+  KnownIds Elements{ {}, "element" };
   vtkPalpateFEBioModel Model;
 };
 }
@@ -959,6 +546,6 @@ vtkPalpateFEBioModel vtkPalpateReadFEBio(const std::string& fileName, int units)
   }
   catch (const InputError& error)
   {
-    throw InputError("The file " + fileName + " cannot be read. " + error.what());
+    throw InputError("The file " + palpate::quoted(fileName) + " cannot be read. " + error.what());
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A body read from FEBio's file (.feb), specifications 2.5, 3.0 and 4.0: nodes, tetrahedra, the
-// materials of vtkPalpateFEBioLaw, and where it is held.
+// materials of vtkPalpateFEBioMaterials, and where it is held.
 //
 // What is part of the body but is not read is an error: other elements and materials, points held
 // along one axis alone, contact, springs, rigid bodies, prestrain. What acts on the body from
@@ -13,16 +13,19 @@
 
 #include "PalpateFiltersModule.h"
 #include "assembly/scene.h"
+#include "materials/rheology.h"
 
 struct vtkPalpateFEBioModel
 {
   /// In m and Pa; points and cells in the order of their ids in the file.
   palpate::Scene Scene;
+  /// Of each of the scene's materials.
+  std::vector<palpate::Rheology> Rheologies;
   /// Index into `Regions` [num_cells].
   std::vector<int> RegionOfCell;
   /// The name of each domain, in the order of the file.
   std::vector<std::string> Regions;
-  /// What is left out, a sentence each.
+  /// What is left out or differs, a sentence each.
   std::vector<std::string> Warnings;
 };
 

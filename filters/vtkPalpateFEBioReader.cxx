@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "mesh/touching_pieces.h"
 #include "vtkAlgorithm.h"
 #include "vtkCellData.h"
@@ -16,6 +17,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFEBioModel.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
@@ -75,6 +77,7 @@ int vtkPalpateFEBioReader::RequestData(
       const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(this->FileName, this->Units);
       output->ShallowCopy(vtkPalpateGridFromScene(model.Scene));
       vtkPalpateAddBoundaryKinds(output, model.Scene.fixed, model.Scene.touchable);
+      vtkPalpateWriteRheologies(model.Rheologies, model.Scene.material_of_cell, output);
       AddRegions(model, output);
       std::vector<std::string> warnings = model.Warnings;
       const palpate::TetMesh& mesh = model.Scene.mesh;
@@ -91,7 +94,7 @@ int vtkPalpateFEBioReader::RequestData(
         {
           text += (text.empty() ? "" : " ") + warning;
         }
-        vtkWarningMacro(<< "The file " << this->FileName << ": " << text);
+        vtkWarningMacro(<< "The file " << palpate::quoted(this->FileName) << ": " << text);
       }
     });
   return 1;

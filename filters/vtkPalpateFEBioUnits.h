@@ -19,18 +19,20 @@ struct vtkPalpateFEBioUnits
   double Length;
   /// In Pa: mass / (length · time²).
   double Pressure;
+  /// In kg/m³. The time is in s in all of them.
+  double Density;
 
   /// By the other values of the property.
   static const std::array<vtkPalpateFEBioUnits, 7>& All()
   {
     static constexpr std::array<vtkPalpateFEBioUnits, 7> all = { {
-      { "SI", 1, 1 },
-      { "mm-N-s", 1e-3, 1e6 },
-      { "mm-kg-s", 1e-3, 1e3 },
-      { "um-nN-s", 1e-6, 1e3 },
-      { "CGS", 1e-2, 0.1 },
-      { "mm-g-s", 1e-3, 1 },
-      { "mm-mg-s", 1e-3, 1e-3 },
+      { "SI", 1, 1, 1 },
+      { "mm-N-s", 1e-3, 1e6, 1e12 },
+      { "mm-kg-s", 1e-3, 1e3, 1e9 },
+      { "um-nN-s", 1e-6, 1e3, 1e15 },
+      { "CGS", 1e-2, 0.1, 1e3 },
+      { "mm-g-s", 1e-3, 1, 1e6 },
+      { "mm-mg-s", 1e-3, 1e-3, 1e3 },
     } };
     return all;
   }

@@ -7,10 +7,12 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <initializer_list>
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -19,15 +21,21 @@
 #include "base/error.h"
 #include "base/new_file.h"
 #include "base/printable.h"
+#include "vtkAbstractArray.h"
 #include "vtkCellData.h"
+#include "vtkDataSetAttributes.h"
+#include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFEBioLaw.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkPalpateWholeBody.h"
+#include "vtkPointData.h"
+#include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 #include "vtkXMLUtilities.h"
 
@@ -37,6 +45,7 @@ using palpate::BackendError;
 using palpate::Index;
 using palpate::InputError;
 using palpate::Material;
+using palpate::Rheology;
 using palpate::Scene;
 
 /// With as many digits as it takes to be read as the same number.
@@ -146,11 +155,31 @@ private:
   std::vector<const char*> Levels;
 };
 
-/// The region of each cell, and what its name begins with.
+/// The names of the regions, by their numbers: a field array.
+constexpr const char* RegionNames = "Regions";
+
+/// The region of each cell, and how it is called.
 struct Regions
 {
-  std::string Name = "Body";
+  /// Of the cells that has them; empty: the body has none.
+  std::string Array;
   std::vector<double> OfCell;
+  vtkStringArray* Names = nullptr;
+
+  std::string NameOf(Index cell) const
+  {
+    const double region = this->OfCell[cell];
+    if (this->Names && region >= 0 &&
+      region < static_cast<double>(this->Names->GetNumberOfValues()))
+    {
+      const std::string name = this->Names->GetValue(static_cast<vtkIdType>(region));
+      if (!name.empty())
+      {
+        return name;
+      }
+    }
+    return this->Array.empty() ? "Body" : "Region" + Text(region);
+  }
 };
 
 Regions RegionsOf(vtkUnstructuredGrid* body)
@@ -163,15 +192,62 @@ Regions RegionsOf(vtkUnstructuredGrid* body)
     vtkDataArray* array = body->GetCellData()->GetArray(name);
     if (array && array->GetNumberOfComponents() == 1)
     {
-      regions.Name = "Region";
+      regions.Array = name;
       for (std::size_t cell = 0; cell < regions.OfCell.size(); ++cell)
       {
         regions.OfCell[cell] = array->GetComponent(static_cast<vtkIdType>(cell), 0);
       }
+      regions.Names =
+        vtkStringArray::SafeDownCast(body->GetFieldData()->GetAbstractArray(RegionNames));
       break;
     }
   }
   return regions;
+}
+
+/// What FEBio's file says of the materials of a body.
+struct Body
+{
+  palpate::Scene Scene;
+  /// Of each of the scene's materials.
+  std::vector<Rheology> Rheologies;
+
+  Index MaterialIndex(Index cell) const { return this->Scene.material_of_cell[cell]; }
+  const Material& MaterialOf(Index cell) const
+  {
+    return this->Scene.materials[this->MaterialIndex(cell)];
+  }
+  const Rheology& RheologyOf(Index cell) const
+  {
+    return this->Rheologies[this->MaterialIndex(cell)];
+  }
+  bool HasDensity() const { return palpate::has_density(this->Rheologies); }
+};
+
+/// A parameter of a material in FEBio's terms.
+struct Parameter
+{
+  const char* Name;
+  std::function<double(Index)> OfCell;
+  bool MayVary;
+};
+
+Parameter DensityOf(const Body& body)
+{
+  return { "density", [&body](Index cell) { return body.RheologyOf(cell).density; }, true };
+}
+
+std::vector<Parameter> ParametersOf(const vtkPalpateFEBioLaw& law, const Body& body)
+{
+  std::vector<Parameter> all;
+  for (const vtkPalpateFEBioLaw::Parameter& one : law.Parameters)
+  {
+    all.push_back({ one.Name,
+      [&body, &one](Index cell)
+      { return body.MaterialOf(cell).parameters[one.Index] * one.Factor; },
+      one.MayVary });
+  }
+  return all;
 }
 
 /// Cells with the same material, but for parameters that vary from cell to cell.
@@ -181,119 +257,174 @@ struct Part
   const vtkPalpateFEBioLaw* Law;
   palpate::Formulation Formulation;
   std::vector<Index> Cells;
-  /// Those that are not the same in all cells.
-  std::vector<const vtkPalpateFEBioLaw::Parameter*> Varying;
+  /// Of the law.
+  std::vector<Parameter> Parameters;
+  std::optional<Parameter> Density;
+
+  bool Varies(const Parameter& parameter) const
+  {
+    const double first = parameter.OfCell(this->Cells.front());
+    return std::any_of(this->Cells.begin(), this->Cells.end(),
+      [&](Index cell) { return parameter.OfCell(cell) != first; });
+  }
+  std::string MapOf(const Parameter& parameter) const { return this->Name + '_' + parameter.Name; }
+  /// With a pressure of its own, which FEBio gives to uncoupled materials alone.
+  bool IsThreeField() const
+  {
+    return this->Law->IsUncoupled && this->Formulation == palpate::Formulation::mixed;
+  }
 };
 
-const Material& MaterialOf(const Scene& scene, Index cell)
-{
-  return scene.materials[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell]];
-}
-
-double Theirs(const Material& material, const vtkPalpateFEBioLaw::Parameter& parameter)
-{
-  return material.parameters[parameter.Index] * parameter.Factor;
-}
-
-/// Cells of one region, law and formulation, whose parameters are the same: all of them, or with
-/// `mayVary` those that FEBio takes as one number alone.
-std::vector<Part> PartsOf(const Scene& scene, const Regions& regions,
+/// Cells of one region, law, viscosity and formulation, whose parameters are the same: all of them,
+/// or with `mayVary` those that FEBio takes as one number alone.
+std::vector<Part> PartsOf(const Body& body, const Regions& regions,
   const std::vector<const vtkPalpateFEBioLaw*>& laws, bool mayVary)
 {
   using Key = std::tuple<double, const vtkPalpateFEBioLaw*, palpate::Formulation,
-    std::array<double, palpate::max_parameters>>;
+    std::array<double, palpate::max_parameters>, palpate::RheologyValues>;
   std::map<Key, std::size_t> known;
   std::vector<Part> parts;
-  for (Index cell = 0; cell < scene.mesh.num_cells(); ++cell)
+  for (Index cell = 0; cell < body.Scene.mesh.num_cells(); ++cell)
   {
-    const Material& material = MaterialOf(scene, cell);
-    const vtkPalpateFEBioLaw* law =
-      laws[scene.material_of_cell.empty() ? 0 : scene.material_of_cell[cell]];
+    const Material& material = body.MaterialOf(cell);
+    const vtkPalpateFEBioLaw* law = laws[body.MaterialIndex(cell)];
     auto parameters = material.parameters;
-    for (const vtkPalpateFEBioLaw::Parameter& parameter : law->Parameters)
+    Rheology rheology = body.RheologyOf(cell);
+    // It is left out.
+    rheology.viscous_time = 0;
+    if (mayVary)
     {
-      if (mayVary && parameter.MayVary)
+      rheology.density = 0;
+      for (const vtkPalpateFEBioLaw::Parameter& parameter : law->Parameters)
       {
-        parameters[parameter.Index] = 0;
+        parameters[parameter.Index] = parameter.MayVary ? 0 : parameters[parameter.Index];
       }
     }
-    const auto [found, isNew] = known.try_emplace(
-      Key{ regions.OfCell[cell], law, material.formulation, parameters }, parts.size());
+    const auto [found, isNew] =
+      known.try_emplace(Key{ regions.OfCell[cell], law, material.formulation, parameters,
+                          palpate::values_of(rheology) },
+        parts.size());
     if (isNew)
     {
-      parts.push_back({ {}, law, material.formulation, {}, {} });
-      const bool isBody = regions.Name == "Body";
-      parts.back().Name = regions.Name + (isBody ? "" : Text(regions.OfCell[cell]));
+      parts.push_back(
+        { regions.NameOf(cell), law, material.formulation, {}, ParametersOf(*law, body),
+          body.HasDensity() ? std::optional(DensityOf(body)) : std::nullopt });
     }
     parts[found->second].Cells.push_back(cell);
   }
 
-  std::map<std::string, int> count;
+  // Names that others have get a number.
+  std::set<std::string> names;
   for (Part& part : parts)
   {
-    const int number = ++count[part.Name];
-    part.Name += number == 1 ? "" : '_' + std::to_string(number);
-    for (const vtkPalpateFEBioLaw::Parameter& parameter : part.Law->Parameters)
+    const std::string name = part.Name;
+    for (int number = 2; !names.insert(part.Name).second; ++number)
     {
-      const auto value = [&](Index cell)
-      { return MaterialOf(scene, cell).parameters[parameter.Index]; };
-      if (std::any_of(part.Cells.begin(), part.Cells.end(),
-            [&](Index cell) { return value(cell) != value(part.Cells.front()); }))
-      {
-        part.Varying.push_back(&parameter);
-      }
+      part.Name = name + '_' + std::to_string(number);
     }
   }
   return parts;
 }
 
-std::vector<Part> PartsOf(const Scene& scene, const Regions& regions)
+std::vector<Part> PartsOf(const Body& body, const Regions& regions)
 {
   std::vector<const vtkPalpateFEBioLaw*> laws;
-  for (const Material& material : scene.materials)
+  for (const Material& material : body.Scene.materials)
   {
     laws.push_back(&vtkPalpateFEBioLawOf(material));
   }
   constexpr std::size_t most = vtkPalpateFEBioWriter::MostParts;
-  std::vector<Part> parts = PartsOf(scene, regions, laws, false);
+  std::vector<Part> parts = PartsOf(body, regions, laws, false);
   if (parts.size() > most)
   {
-    parts = PartsOf(scene, regions, laws, true);
+    parts = PartsOf(body, regions, laws, true);
   }
   if (parts.size() > most)
   {
     throw InputError("The body has " + std::to_string(parts.size()) +
       " parts for FEBio, which differ in their region, their law or a parameter that FEBio takes "
-      "as "
-      "one number for a material (BulkModulus and OgdenExponent1 to 3); at most " +
+      "as one number for a material (BulkModulus, OgdenExponent1 to 3, PronyModulus and "
+      "PronyTime); at most " +
       std::to_string(most) + " are written. Let those parameters be the same in more cells.");
   }
   return parts;
 }
 
-void WriteMaterial(const Scene& scene, const Part& part, std::size_t number, Output& xml)
+void WriteParameter(const Part& part, const Parameter& parameter, Output& xml)
 {
-  xml.Open(
-    "material", { { "id", Text(number) }, { "name", part.Name }, { "type", part.Law->Type } });
-  for (const vtkPalpateFEBioLaw::Parameter& parameter : part.Law->Parameters)
+  if (part.Varies(parameter))
   {
-    const double value = Theirs(MaterialOf(scene, part.Cells.front()), parameter);
-    const bool varies =
-      std::find(part.Varying.begin(), part.Varying.end(), &parameter) != part.Varying.end();
-    if (varies)
-    {
-      xml.Leaf(parameter.Name, { { "type", "map" } }, part.Name + '_' + parameter.Name);
-    }
+    xml.Leaf(parameter.Name, { { "type", "map" } }, part.MapOf(parameter));
+    return;
+  }
+  xml.Leaf(parameter.Name, {}, Text(parameter.OfCell(part.Cells.front())));
+}
+
+/// The parameters of the law.
+/// @param isOuter Those that belong to the material where the law is its <elastic>.
+/// @param isInner The others.
+void WriteLaw(const Part& part, bool isOuter, bool isInner, Output& xml)
+{
+  for (const Parameter& parameter : part.Parameters)
+  {
+    const bool isOfOuter = part.Law->IsUncoupled && std::string(parameter.Name) == "k";
     // Of a term of Ogden's that is not there, FEBio admits no exponent of 0.
-    else if (part.Law->Law != palpate::Law::ogden || value != 0)
+    const bool isThere = part.Law->Law != palpate::Law::ogden || part.Varies(parameter) ||
+      parameter.OfCell(part.Cells.front()) != 0;
+    if (isThere && (isOfOuter ? isOuter : isInner))
     {
-      xml.Leaf(parameter.Name, {}, Text(value));
+      WriteParameter(part, parameter, xml);
     }
   }
-  if (part.Law->IsUncoupled)
+  if (part.Law->IsUncoupled && isOuter)
   {
-    xml.Leaf("pressure_model", {}, vtkPalpateFEBioPressureModel::Number);
+    xml.Leaf("pressure_model", {}, vtkPalpateFEBioPressureModel::Ours().Number);
   }
+}
+
+/// Whether it has a Prony series.
+bool Relaxes(const Rheology& rheology)
+{
+  return std::any_of(rheology.prony_moduli.begin(), rheology.prony_moduli.end(),
+    [](double modulus) { return modulus > 0; });
+}
+
+void WriteMaterial(const Body& body, const Part& part, std::size_t number, Output& xml)
+{
+  const Rheology& rheology = body.RheologyOf(part.Cells.front());
+  const bool relaxes = Relaxes(rheology);
+  const char* type = !relaxes ? part.Law->Type
+    : part.IsThreeField()     ? vtkPalpateFEBioLaw::UncoupledViscoelastic
+                              : vtkPalpateFEBioLaw::Viscoelastic;
+  xml.Open("material", { { "id", Text(number) }, { "name", part.Name }, { "type", type } });
+  if (part.Density)
+  {
+    WriteParameter(part, *part.Density, xml);
+  }
+  if (!relaxes)
+  {
+    WriteLaw(part, true, true, xml);
+    xml.Close();
+    return;
+  }
+  for (int j = 0; j < palpate::max_prony_terms; ++j)
+  {
+    if (rheology.prony_moduli[j] > 0)
+    {
+      const std::string place = std::to_string(j + 1);
+      xml.Leaf(("g" + place).c_str(), {}, Text(rheology.prony_moduli[j]));
+      xml.Leaf(("t" + place).c_str(), {}, Text(rheology.prony_times[j]));
+    }
+  }
+  // FEBio takes k and the pressure_model from the outermost of uncoupled materials, of which
+  // 'viscoelastic' is none.
+  if (part.IsThreeField())
+  {
+    WriteLaw(part, true, false, xml);
+  }
+  xml.Open("elastic", { { "type", part.Law->Type } });
+  WriteLaw(part, !part.IsThreeField(), true, xml);
+  xml.Close();
   xml.Close();
 }
 
@@ -351,25 +482,50 @@ void WriteMesh(const Scene& scene, const std::vector<Part>& parts, Output& xml)
   xml.Close();
 }
 
-void WriteMaps(const Scene& scene, const Part& part, Output& xml)
+void WriteMap(const Part& part, const Parameter& parameter, Output& xml)
 {
-  for (const vtkPalpateFEBioLaw::Parameter* parameter : part.Varying)
+  xml.Open("ElementData",
+    { { "name", part.MapOf(parameter) }, { "elem_set", part.Name }, { "data_type", "scalar" } });
+  std::size_t place = 0;
+  for (const Index cell : part.Cells)
   {
-    xml.Open("ElementData",
-      { { "name", part.Name + '_' + parameter->Name }, { "elem_set", part.Name },
-        { "data_type", "scalar" } });
-    std::size_t place = 0;
-    for (const Index cell : part.Cells)
-    {
-      xml.Leaf(
-        "elem", { { "lid", Text(++place) } }, Text(Theirs(MaterialOf(scene, cell), *parameter)));
-    }
-    xml.Close();
+    xml.Leaf("elem", { { "lid", Text(++place) } }, Text(parameter.OfCell(cell)));
   }
+  xml.Close();
 }
 
-void WriteModel(const Scene& scene, const std::vector<Part>& parts, std::ostream& stream)
+void WriteMaps(const std::vector<Part>& parts, Output& xml)
 {
+  std::vector<std::pair<const Part*, const Parameter*>> maps;
+  for (const Part& part : parts)
+  {
+    for (const Parameter& parameter : part.Parameters)
+    {
+      maps.emplace_back(&part, &parameter);
+    }
+    if (part.Density)
+    {
+      maps.emplace_back(&part, &*part.Density);
+    }
+  }
+  maps.erase(std::remove_if(maps.begin(), maps.end(),
+               [](const auto& map) { return !map.first->Varies(*map.second); }),
+    maps.end());
+  if (maps.empty())
+  {
+    return;
+  }
+  xml.Open("MeshData");
+  for (const auto& [part, parameter] : maps)
+  {
+    WriteMap(*part, *parameter, xml);
+  }
+  xml.Close();
+}
+
+void WriteModel(const Body& body, const std::vector<Part>& parts, std::ostream& stream)
+{
+  const Scene& scene = body.Scene;
   Output xml(stream);
   xml.Open("febio_spec", { { "version", "4.0" } });
   xml.Open("Module", { { "type", "solid" } });
@@ -378,7 +534,7 @@ void WriteModel(const Scene& scene, const std::vector<Part>& parts, std::ostream
   xml.Open("Material");
   for (std::size_t i = 0; i < parts.size(); ++i)
   {
-    WriteMaterial(scene, parts[i], i + 1, xml);
+    WriteMaterial(body, parts[i], i + 1, xml);
   }
   xml.Close();
   WriteMesh(scene, parts, xml);
@@ -386,23 +542,12 @@ void WriteModel(const Scene& scene, const std::vector<Part>& parts, std::ostream
   for (const Part& part : parts)
   {
     // Of its own FEBio takes the one with a pressure for every uncoupled material.
-    const bool hasPressure =
-      part.Law->IsUncoupled && part.Formulation == palpate::Formulation::mixed;
     xml.Empty("SolidDomain",
       { { "name", part.Name }, { "mat", part.Name },
-        { "type", hasPressure ? "three-field-solid" : "elastic-solid" } });
+        { "type", part.IsThreeField() ? "three-field-solid" : "elastic-solid" } });
   }
   xml.Close();
-  if (std::any_of(
-        parts.begin(), parts.end(), [](const Part& part) { return !part.Varying.empty(); }))
-  {
-    xml.Open("MeshData");
-    for (const Part& part : parts)
-    {
-      WriteMaps(scene, part, xml);
-    }
-    xml.Close();
-  }
+  WriteMaps(parts, xml);
   xml.Open("Boundary");
   xml.Open("bc",
     { { "name", vtkPalpateArray::Fixed }, { "type", "zero displacement" },
@@ -417,12 +562,18 @@ void WriteModel(const Scene& scene, const std::vector<Part>& parts, std::ostream
 }
 
 /// The file appears whole or not at all, so that one of that name is not lost.
-void WriteFile(const Scene& scene, const std::vector<Part>& parts, const std::string& name)
+void WriteFile(const Body& body, const std::vector<Part>& parts, const std::string& name)
 {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path target = palpate::without_links(name);
-  const bool isDevice = fs::exists(target, error) && !fs::is_regular_file(target, error);
+  const fs::file_status there = fs::status(target, error);
+  if (fs::is_fifo(there) || fs::is_socket(there))
+  {
+    throw InputError("The file " + palpate::quoted(name) +
+      " is a pipe, at which ParaView would wait for a reader. Name a file.");
+  }
+  const bool isDevice = fs::exists(there) && !fs::is_regular_file(there);
   std::optional<palpate::NewFile> whole;
   if (!isDevice)
   {
@@ -431,7 +582,7 @@ void WriteFile(const Scene& scene, const std::vector<Part>& parts, const std::st
   std::ofstream file(isDevice ? target : whole->path(), std::ios::binary);
   if (file)
   {
-    WriteModel(scene, parts, file);
+    WriteModel(body, parts, file);
     file.close();
   }
   if (!file)
@@ -446,25 +597,121 @@ void WriteFile(const Scene& scene, const std::vector<Part>& parts, const std::st
   }
 }
 
-/// A sentence about each thing that FEBio's file does not say; empty where it says all.
-std::string Unsaid(const Scene& scene, const std::vector<Part>& parts)
+/// The names of arrays that the file has in another form.
+std::set<std::string> WrittenArrays()
+{
+  std::set<std::string> names = { vtkPalpateArray::Fixed, vtkPalpateArray::Touchable,
+    vtkPalpateArray::BoundaryKind, vtkPalpateArray::Law, vtkPalpateArray::Formulation,
+    RegionNames };
+  for (int law = 0; law < palpate::num_laws; ++law)
+  {
+    const auto& parameters = palpate::parameter_names(static_cast<palpate::Law>(law));
+    names.insert(parameters.begin(), parameters.end());
+  }
+  names.insert(palpate::rheology_names().begin(), palpate::rheology_names().end());
+  return names;
+}
+
+/// Names the arrays that are in no other form in the file.
+std::string ArraysLeftOut(vtkUnstructuredGrid* grid, const Regions& regions)
+{
+  std::set<std::string> written = WrittenArrays();
+  written.insert(regions.Array);
+  std::vector<std::string> left;
+  const std::pair<vtkFieldData*, const char*> all[] = { { grid->GetPointData(), "points" },
+    { grid->GetCellData(), "cells" }, { grid->GetFieldData(), "field" } };
+  for (const auto& [data, where] : all)
+  {
+    auto* attributes = vtkDataSetAttributes::SafeDownCast(data);
+    for (int i = 0; i < data->GetNumberOfArrays(); ++i)
+    {
+      vtkAbstractArray* array = data->GetAbstractArray(i);
+      const std::string name = array->GetName() ? array->GetName() : "";
+      // What the pieces of a body are joined by.
+      const bool isOfPieces = name == vtkDataSetAttributes::GhostArrayName() ||
+        (attributes && array == attributes->GetGlobalIds());
+      if (written.count(name) == 0 && !isOfPieces)
+      {
+        left.push_back("'" + palpate::printable(name) + "' (" + where + ')');
+      }
+    }
+  }
+  std::string text;
+  for (const std::string& name : left)
+  {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text.empty() ? ""
+                      : "Arrays that FEBio's file has no place for are left out: " + text + ". ";
+}
+
+/// Whether the reader, which numbers the parts, finds another number for a cell.
+bool AreRenumbered(const Regions& regions, const std::vector<Part>& parts)
+{
+  const auto isOther = [&](std::size_t number)
+  {
+    return std::any_of(parts[number].Cells.begin(), parts[number].Cells.end(),
+      [&](Index cell) { return regions.OfCell[cell] != static_cast<double>(number); });
+  };
+  std::vector<std::size_t> numbers(parts.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return regions.Array != "RegionId" || std::any_of(numbers.begin(), numbers.end(), isOther);
+}
+
+/// A sentence about each thing that FEBio's file does not say, or FEBio computes otherwise; empty
+/// where it says all.
+std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& regions,
+  const std::vector<Part>& parts)
 {
   std::string text;
-  const bool locks = std::any_of(parts.begin(), parts.end(),
-    [](const Part& part)
-    { return part.Formulation == palpate::Formulation::mixed && !part.Law->IsUncoupled; });
-  if (locks)
+  const auto isAny = [&](auto&& what)
+  {
+    return std::any_of(parts.begin(), parts.end(),
+      [&](const Part& part) { return what(part, body.MaterialOf(part.Cells.front())); });
+  };
+  const auto locks = [](const Part& part, const Material&)
+  { return part.Formulation == palpate::Formulation::mixed && !part.IsThreeField(); };
+  if (isAny(locks))
   {
     text += "Part of the body is nearly incompressible and of a law that FEBio solves by "
             "displacements alone, which makes it too stiff: the law is the same, FEBio's answer is "
             "not. Mooney-Rivlin and Ogden have elements with a pressure in FEBio too. ";
   }
-  if (std::find(scene.touchable.begin(), scene.touchable.end(), 1) == scene.touchable.end())
+  if (isAny([&](const Part& part, const Material& material)
+        { return locks(part, material) && Relaxes(body.RheologyOf(part.Cells.front())); }))
+  {
+    text += "Its Prony series (PronyModulus1 to 4) relaxes in shape alone here, and in volume too "
+            "in FEBio. ";
+  }
+  if (isAny(
+        [](const Part& part, const Material& material)
+        {
+          return !part.Law->IsUncoupled &&
+            !(palpate::make_material(material.law, material.parameters) == material);
+        }))
+  {
+    text += "The array Formulation is left out: FEBio has none for such laws, and who reads the "
+            "file takes the one that suits. ";
+  }
+  if (std::any_of(body.Rheologies.begin(), body.Rheologies.end(),
+        [](const Rheology& rheology) { return rheology.viscous_time > 0; }))
+  {
+    text += "The viscosity of Kelvin and Voigt, ViscousTime, is left out: FEBio has none of the "
+            "same stress. ";
+  }
+  if (std::find(body.Scene.touchable.begin(), body.Scene.touchable.end(), 1) ==
+    body.Scene.touchable.end())
   {
     text += "No point may be touched, and FEBio has no empty sets: who reads the file finds every "
             "free corner of the surface touchable. ";
   }
-  return text;
+  if (!regions.Array.empty() && AreRenumbered(regions, parts))
+  {
+    text += "The numbers of " + regions.Array +
+      " are in the names of the parts alone: who reads the file finds RegionId counted from 0, "
+      "part by part. ";
+  }
+  return text + ArraysLeftOut(grid, regions);
 }
 }
 
@@ -514,13 +761,16 @@ int vtkPalpateFEBioWriter::RequestData(
       {
         throw InputError("No file is named. Set FileName to a .feb file.");
       }
-      const Scene scene = vtkPalpateSceneFromGrid(body);
-      const std::vector<Part> parts = PartsOf(scene, RegionsOf(body));
-      WriteFile(scene, parts, this->FileName);
-      const std::string unsaid = Unsaid(scene, parts);
+      Body whole;
+      whole.Scene = vtkPalpateSceneFromGrid(body, whole.Rheologies);
+      const Regions regions = RegionsOf(body);
+      const std::vector<Part> parts = PartsOf(whole, regions);
+      WriteFile(whole, parts, this->FileName);
+      const std::string unsaid = Unsaid(body, whole, regions, parts);
       if (!unsaid.empty())
       {
-        vtkWarningMacro(<< unsaid << "The file " << this->FileName << " is written.");
+        vtkWarningMacro(<< unsaid << "The file " << palpate::quoted(this->FileName)
+                        << " is written.");
       }
     });
   return 1;

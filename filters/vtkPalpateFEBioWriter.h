@@ -8,7 +8,8 @@
  * a material for each region and material, the set of nodes `Fixed` with a zero displacement, and
  * the set `Touchable`. Ids are those of VTK and 1. Where there are more than MostParts of them, a
  * part is for each region and law, and parameters that vary in it are maps. Units are SI. Numbers
- * have all their digits. What FEBio computes from another energy is an error: vtkPalpateFEBioLaw.h.
+ * have all their digits. Density and Prony series are written; what FEBio has no place for is named
+ * in a warning, and what it computes from another energy is an error: vtkPalpateFEBioLaw.h.
  *
  * Under MPI the pieces of the body are joined by their global point ids, and rank 0 writes.
  */

@@ -226,6 +226,32 @@ void vtkPalpateAssignRheology(
   }
 }
 
+void vtkPalpateWriteRheologies(const std::vector<palpate::Rheology>& rheologies,
+  const std::vector<Index>& rheologyOfCell, vtkUnstructuredGrid* body)
+{
+  std::vector<palpate::RheologyValues> values;
+  values.reserve(rheologies.size());
+  for (const palpate::Rheology& rheology : rheologies)
+  {
+    values.push_back(palpate::values_of(rheology));
+  }
+  for (int i = 0; i < palpate::num_rheology_values; ++i)
+  {
+    if (std::all_of(values.begin(), values.end(), [i](const auto& of) { return of[i] == 0; }))
+    {
+      continue;
+    }
+    vtkNew<vtkDoubleArray> array;
+    array->SetName(palpate::rheology_names()[i].c_str());
+    array->SetNumberOfValues(static_cast<vtkIdType>(rheologyOfCell.size()));
+    for (std::size_t cell = 0; cell < rheologyOfCell.size(); ++cell)
+    {
+      array->SetValue(static_cast<vtkIdType>(cell), values[rheologyOfCell[cell]][i]);
+    }
+    body->GetCellData()->AddArray(array);
+  }
+}
+
 std::vector<palpate::Rheology> vtkPalpateReadRheologies(
   vtkUnstructuredGrid* body, vtkPalpateMaterials& materials)
 {

@@ -56,6 +56,12 @@ PALPATEFILTERS_EXPORT void vtkPalpateWriteMaterials(
 PALPATEFILTERS_EXPORT void vtkPalpateAssignRheology(
   const palpate::Rheology& rheology, const std::vector<char>& wanted, vtkUnstructuredGrid* body);
 
+/// Adds the arrays of the rheologies, but those that are 0 throughout.
+/// @param rheologyOfCell Index into `rheologies` [number of cells].
+PALPATEFILTERS_EXPORT void vtkPalpateWriteRheologies(
+  const std::vector<palpate::Rheology>& rheologies,
+  const std::vector<palpate::Index>& rheologyOfCell, vtkUnstructuredGrid* body);
+
 /// The rheology of each material, 0 where there are no arrays. A material whose cells differ in it
 /// becomes several.
 /// @throws palpate::InputError the first cell whose arrays make no rheology, and why.

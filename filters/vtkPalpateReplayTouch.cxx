@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/read_file.h"
 #include "vtkDelimitedTextReader.h"
 #include "vtkDoubleArray.h"
 #include "vtkExecutive.h"
@@ -83,10 +84,8 @@ public:
       throw palpate::InputError("No recording is named. Set FileName to a table that the dock "
                                 "Palpate or palpate-servo has recorded (.csv).");
     }
-    if (!std::filesystem::is_regular_file(fileName))
-    {
-      throw palpate::InputError("There is no file " + fileName + ".");
-    }
+    // The reader waits for ever at a pipe.
+    static_cast<void>(palpate::open_to_read(fileName));
     vtkNew<vtkDelimitedTextReader> reader;
     reader->SetFileName(fileName.c_str());
     reader->SetHaveHeaders(true);

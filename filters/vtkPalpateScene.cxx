@@ -290,7 +290,7 @@ void vtkPalpateAddBoundaryKinds(
   vtkUnstructuredGrid* grid, const std::vector<char>& fixed, const std::vector<char>& touchable)
 {
   vtkNew<vtkUnsignedCharArray> kinds;
-  kinds->SetName("BoundaryKind");
+  kinds->SetName(vtkPalpateArray::BoundaryKind);
   kinds->SetNumberOfValues(static_cast<vtkIdType>(fixed.size()));
   std::transform(fixed.begin(), fixed.end(), touchable.begin(), kinds->GetPointer(0),
     [](char isFixed, char isTouchable) {

@@ -30,6 +30,7 @@ namespace vtkPalpateArray
 {
 inline constexpr const char* Fixed = "Fixed";
 inline constexpr const char* Touchable = "Touchable";
+inline constexpr const char* BoundaryKind = "BoundaryKind";
 inline constexpr const char* Displacement = "Displacement";
 inline constexpr const char* ContactPressure = "ContactPressure";
 }

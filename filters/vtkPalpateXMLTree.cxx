@@ -2,10 +2,11 @@
 #include "vtkPalpateXMLTree.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 
 #include "base/error.h"
+#include "base/printable.h"
+#include "base/read_file.h"
 #include "vtkCommand.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
@@ -76,6 +77,9 @@ protected:
     }
   }
 
+  /// Nothing of the rest is kept.
+  int ParsingComplete() override { return this->TooDeep || this->Superclass::ParsingComplete(); }
+
 private:
   void TakeError(vtkObject*, unsigned long, void* message)
   {
@@ -111,26 +115,20 @@ const vtkPalpateXMLTree* vtkPalpateXMLTree::Child(const char* name) const
 
 vtkPalpateXMLTree vtkPalpateReadXML(const std::string& fileName)
 {
-  std::error_code missing;
-  const bool isFolder = std::filesystem::is_directory(fileName, missing);
-  std::ifstream file(fileName, std::ios::binary);
-  if (isFolder || !file)
-  {
-    throw InputError("The file " + fileName + (isFolder ? " is a folder." : " cannot be opened.") +
-      " Name a file that is there and may be read.");
-  }
+  std::ifstream file = palpate::open_to_read(fileName);
   vtkNew<Parser> parser;
   parser->SetStream(&file);
   const bool isWhole = parser->Parse() != 0;
   if (parser->TooDeep)
   {
-    throw InputError("The file " + fileName + " has more than " + std::to_string(MostLevels) +
+    throw InputError("The file " + palpate::quoted(fileName) + " has more than " +
+      std::to_string(MostLevels) +
       " levels of elements within each other, as no file of this format has.");
   }
   if (!isWhole || !parser->Fault.empty())
   {
-    throw InputError("The file " + fileName + " is no XML, or it is not whole. " + parser->Fault +
-      ". Take a copy that is whole.");
+    throw InputError("The file " + palpate::quoted(fileName) + " is no XML, or it is not whole. " +
+      palpate::printable(parser->Fault) + ". Take a copy that is whole.");
   }
   return std::move(parser->Root);
 }

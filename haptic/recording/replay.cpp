@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/printable.h"
+#include "base/read_file.h"
 #include "haptic/recording/columns.h"
 #include "haptic/recording/text.h"
 #include "haptic/servo/interlock.h"
@@ -60,8 +62,7 @@ std::vector<std::string> column_names(bool with_newer) {
 
 struct RecordingReader::Impl {
   explicit Impl(const std::filesystem::path& path)
-      : name(path.string()), stream(path, std::ios::binary), names(column_names(true)) {
-    if (!stream) throw InputError("The recording " + name + " cannot be opened.");
+      : name(quoted(path)), stream(open_to_read(path)), names(column_names(true)) {
     const bool has_header = read_cells();
     has_newer = has_header && cells.cells() == names;
     if (!has_newer) names = column_names(false);
@@ -100,7 +101,8 @@ struct RecordingReader::Impl {
     recording::visit_columns(record, [&](const recording::Name& what, auto& value) {
       if (what.is_newer && !has_newer) return;
       if (!recording::parse(texts[column], value)) {
-        throw error('"' + texts[column] + "\" is no value of the column " + names[column]);
+        throw error('"' + printable(texts[column]) + "\" is no value of the column " +
+                    names[column]);
       }
       ++column;
     });
@@ -135,8 +137,8 @@ struct RecordingReader::Impl {
       begin += key.size();
       const std::size_t end = std::min(text.find(';', begin), text.size());
       if (!recording::parse(std::string_view(text).substr(begin, end - begin), value)) {
-        throw error('"' + text.substr(begin, end - begin) + "\" is no value of the setting " +
-                    what.text());
+        throw error('"' + printable(std::string_view(text).substr(begin, end - begin)) +
+                    "\" is no value of the setting " + what.text());
       }
     };
     if (row == 2) recording::visit_setup(setup, take);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -22,15 +23,21 @@
 #include "base/error.h"
 #include "solvers/materials/point.h"
 #include "vtkCellData.h"
+#include "vtkFieldData.h"
 #include "vtkIntArray.h"
 #include "vtkNew.h"
 #include "vtkPalpateFEBioLaw.h"
 #include "vtkPalpateFEBioModel.h"
+#include "vtkPalpateFEBioReader.h"
 #include "vtkPalpateFEBioUnits.h"
 #include "vtkPalpateFEBioWriter.h"
+#include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
+#include "vtkPointData.h"
+#include "vtkStringArray.h"
 #include "vtkStringOutputWindow.h"
 #include "vtkUnstructuredGrid.h"
+#include "vtkVariant.h"
 
 namespace {
 using palpate::ElementOrder;
@@ -93,6 +100,35 @@ std::string Write(vtkUnstructuredGrid* body, const std::string& name) {
   const std::string text = window->GetOutput();
   EXPECT_EQ(written, text.find("ERROR") == std::string::npos) << text;
   return text;
+}
+
+/// What of its arrays, on points, cells and as a whole, another grid lacks or has otherwise.
+std::set<std::string> ArraysThatDiffer(vtkUnstructuredGrid* one, vtkUnstructuredGrid* other) {
+  std::set<std::string> names;
+  const std::pair<vtkFieldData*, vtkFieldData*> all[] = {
+      {one->GetPointData(), other->GetPointData()},
+      {one->GetCellData(), other->GetCellData()},
+      {one->GetFieldData(), other->GetFieldData()}};
+  for (const auto& [data, others] : all) {
+    for (int i = 0; i < data->GetNumberOfArrays(); ++i) {
+      vtkAbstractArray* array = data->GetAbstractArray(i);
+      vtkAbstractArray* same = others->GetAbstractArray(array->GetName());
+      bool differs = same == nullptr || same->GetNumberOfValues() != array->GetNumberOfValues();
+      for (vtkIdType value = 0; !differs && value < array->GetNumberOfValues(); ++value) {
+        differs =
+            array->GetVariantValue(value).ToString() != same->GetVariantValue(value).ToString();
+      }
+      if (differs) names.insert(array->GetName());
+    }
+  }
+  return names;
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> Read(const std::string& name) {
+  vtkNew<vtkPalpateFEBioReader> reader;
+  reader->SetFileName(name.c_str());
+  reader->Update();
+  return reader->GetOutput();
 }
 
 class Febio : public testing::Test {
@@ -227,12 +263,134 @@ TEST_F(Febio, APartIsForEachRegionAndMaterial) {
   regions->SetName("RegionId");
   for (const int region : {7, 3, 3, 7}) regions->InsertNextValue(region);
   grid->GetCellData()->AddArray(regions);
-  EXPECT_EQ(Write(grid, file()), "");
+  const std::string message = Write(grid, file());
+  EXPECT_NE(message.find("The numbers of RegionId are in the names of the parts alone"),
+            std::string::npos)
+      << message;
   const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(file(), kNotSaid);
   EXPECT_EQ(model.Regions,
             (std::vector<std::string>{"Region7", "Region3", "Region3_2", "Region7_2"}));
   EXPECT_EQ(model.RegionOfCell, (std::vector<int>{0, 1, 2, 3}));
   ExpectSame(model.Scene, scene);
+}
+
+// Numbers and names of regions that are those of the parts come back.
+TEST_F(Febio, TheRegionsOfAFileComeBack) {
+  Scene scene = Row(ElementOrder::linear, 4);
+  const auto grid = vtkPalpateGridFromScene(scene);
+  vtkNew<vtkIntArray> regions;
+  regions->SetName("RegionId");
+  for (const int region : {0, 1, 1, 0}) regions->InsertNextValue(region);
+  grid->GetCellData()->AddArray(regions);
+  vtkNew<vtkStringArray> names;
+  names->SetName("Regions");
+  names->InsertNextValue("Liver & lobe");
+  names->InsertNextValue("Nodule");
+  grid->GetFieldData()->AddArray(names);
+  EXPECT_EQ(Write(grid, file()), "");
+  EXPECT_EQ(ArraysThatDiffer(grid, Read(file())), std::set<std::string>{});
+  // Two of one name.
+  names->SetValue(1, "Liver & lobe");
+  EXPECT_EQ(Write(grid, file()), "");
+  EXPECT_EQ(vtkPalpateReadFEBio(file(), kNotSaid).Regions,
+            (std::vector<std::string>{"Liver & lobe", "Liver & lobe_2"}));
+}
+
+palpate::Rheology Viscous(double density, std::array<double, 4> moduli,
+                          std::array<double, 4> times) {
+  palpate::Rheology rheology;
+  rheology.density = density;
+  rheology.prony_moduli = moduli;
+  rheology.prony_times = times;
+  return rheology;
+}
+
+// Of each law and formulation: without and with viscosity, also with a term that is left free.
+TEST_F(Febio, DensityAndViscosityComeBackTheSame) {
+  const std::vector<palpate::Rheology> rheologies = {
+      Viscous(0, {}, {}), Viscous(1060.1, {}, {}),
+      Viscous(1000.0 / 3, {0.5, 1.0 / 3, 0.2, 0.1}, {0.01, 0.1 / 3, 1, 7}),
+      Viscous(2, {0, 0.7}, {0, 0.3})};
+  std::vector<Material> materials = WrittenMaterials();
+  Scene scene =
+      Row(ElementOrder::quadratic, static_cast<int>(materials.size() * rheologies.size()));
+  scene.materials.clear();
+  std::vector<palpate::Rheology> of_cell;
+  for (const Material& material : materials) {
+    for (const palpate::Rheology& rheology : rheologies) {
+      scene.material_of_cell[of_cell.size()] = static_cast<Index>(of_cell.size());
+      scene.materials.push_back(material);
+      of_cell.push_back(rheology);
+    }
+  }
+  const auto grid = vtkPalpateGridFromScene(scene);
+  vtkPalpateWriteRheologies(of_cell, scene.material_of_cell, grid);
+  ASSERT_TRUE(grid->GetCellData()->HasArray("PronyTime4"));
+  EXPECT_EQ(Write(grid, file()), "");
+  const auto back = Read(file());
+  EXPECT_EQ(ArraysThatDiffer(grid, back), std::set<std::string>{});
+  back->GetCellData()->RemoveArray("RegionId");
+  back->GetPointData()->RemoveArray("BoundaryKind");
+  back->GetFieldData()->RemoveArray("Regions");
+  EXPECT_EQ(ArraysThatDiffer(back, grid), std::set<std::string>{});
+  const std::string text = TextOf(file());
+  EXPECT_NE(text.find("type=\"viscoelastic\""), std::string::npos);
+  EXPECT_NE(text.find("type=\"uncoupled viscoelastic\""), std::string::npos);
+}
+
+TEST_F(Febio, AFieldOfDensityComesBackTheSame) {
+  constexpr int num_cells = 2 * vtkPalpateFEBioWriter::MostParts;
+  Scene scene = Row(ElementOrder::linear, num_cells);
+  scene.materials.assign(num_cells, scene.materials[0]);
+  std::vector<palpate::Rheology> rheologies;
+  for (int cell = 0; cell < num_cells; ++cell) {
+    scene.material_of_cell[cell] = cell;
+    rheologies.push_back(Viscous(1000 + cell / 7.0, {0.5}, {0.1}));
+  }
+  const auto grid = vtkPalpateGridFromScene(scene);
+  vtkPalpateWriteRheologies(rheologies, scene.material_of_cell, grid);
+  EXPECT_EQ(Write(grid, file()), "");
+  EXPECT_NE(TextOf(file()).find("<density type=\"map\">Body_density</density>"), std::string::npos);
+  EXPECT_EQ(ArraysThatDiffer(grid, Read(file())), std::set<std::string>{});
+
+  // One number for a material there.
+  for (int cell = 0; cell < num_cells; ++cell) rheologies[cell].prony_times[0] += cell;
+  vtkPalpateWriteRheologies(rheologies, scene.material_of_cell, grid);
+  const std::string message = Write(grid, file());
+  EXPECT_NE(message.find("PronyTime"), std::string::npos) << message;
+  EXPECT_NE(message.find("at most 100 are written"), std::string::npos) << message;
+}
+
+// What is neither in the file nor computed the same by FEBio is named.
+TEST_F(Febio, WhatIsLeftOutIsNamed) {
+  Scene scene = Row(ElementOrder::linear, 3);
+  scene.materials = {palpate::make_isotropic(Law::neo_hookean, 1000, 0.49),
+                     palpate::with_formulation(palpate::make_isotropic(Law::neo_hookean, 9, 0.3),
+                                               Formulation::mixed)};
+  scene.material_of_cell = {0, 1, 1};
+  const auto grid = vtkPalpateGridFromScene(scene);
+  std::vector<palpate::Rheology> rheologies(2, Viscous(1, {0.5}, {0.1}));
+  rheologies[1].viscous_time = 0.02;
+  vtkPalpateWriteRheologies(rheologies, scene.material_of_cell, grid);
+  const auto add = [](vtkFieldData* data, const char* name, vtkIdType size) {
+    vtkNew<vtkIntArray> array;
+    array->SetName(name);
+    for (vtkIdType i = 0; i < size; ++i) array->InsertNextValue(3);
+    data->AddArray(array);
+  };
+  add(grid->GetPointData(), "Grey", grid->GetNumberOfPoints());
+  add(grid->GetCellData(), "Part", 3);
+  add(grid->GetFieldData(), "Vol\nume", 1);
+  const std::string message = Write(grid, file());
+  for (const std::string& name : ArraysThatDiffer(grid, Read(file()))) {
+    EXPECT_NE(message.find(name == "Vol\nume" ? "Vol\\x0aume" : name), std::string::npos)
+        << name << "\n"
+        << message;
+  }
+  for (const char* words : {"Formulation is left out", "ViscousTime, is left out",
+                            "relaxes in shape alone here", "'Part' (cells)", "'Grey' (points)"}) {
+    EXPECT_NE(message.find(words), std::string::npos) << words << "\n" << message;
+  }
 }
 
 TEST_F(Febio, ALawThatFebioDefinesOtherwiseIsRefused) {
@@ -349,6 +507,199 @@ TEST_F(Febio, OfSpecification40WithUnitsOfItsOwn) {
   EXPECT_TRUE(model.Warnings.empty());
 }
 
+// A series of another hand: in any order, with a time twice, and with the stress of the beginning.
+TEST_F(Febio, AViscousMaterialOfAnotherHand) {
+  const std::string good = TextOf(Data("febio_40.feb"));
+  const std::string soft = "type=\"neo-Hookean\">";
+  const auto viscous = [&](const std::string& series, const std::string& type) {
+    std::string text = Replaced(good, soft, "type=\"" + type + "\">" + series + "<elastic " + soft);
+    return Replaced(text, "<v>0.4</v>", "<v>0.4</v></elastic>");
+  };
+  const auto read = [&](const std::string& text) {
+    std::ofstream(file()) << text;
+    return vtkPalpateReadFEBio(file(), kNotSaid);
+  };
+  const std::string series =
+      "<g0>0.5</g0><g1>0.25</g1><t1>2</t1><g3>0.5</g3><t3>0.1</t3><g6>0.125</g6><t6>2</t6>";
+  const std::string density = "<density>0.5</density>";
+  const vtkPalpateFEBioModel model = read(viscous(density + series, "viscoelastic"));
+  const Index material = model.Scene.material_of_cell[0];
+  EXPECT_EQ(model.Scene.materials[material], palpate::make_isotropic(Law::neo_hookean, 3000, 0.4));
+  EXPECT_EQ(model.Rheologies[material], Viscous(5e11, {1, 0.75}, {0.1, 2}));
+  EXPECT_TRUE(model.Warnings.empty());
+  // FEBio takes the density of the outer material.
+  const vtkPalpateFEBioModel light = read(viscous(series, "viscoelastic"));
+  EXPECT_EQ(light.Rheologies[light.Scene.material_of_cell[0]], Viscous(0, {1, 0.75}, {0.1, 2}));
+  ASSERT_EQ(light.Warnings.size(), 1U);
+  EXPECT_NE(light.Warnings[0].find("Liver has no density"), std::string::npos) << light.Warnings[0];
+
+  const auto expect = [&](const std::string& text, const std::string& words) {
+    const std::string message = error_of(text);
+    EXPECT_NE(message.find(words), std::string::npos) << words << "\n" << message;
+  };
+  expect(viscous("", "uncoupled viscoelastic"), "is not uncoupled. Use 'viscoelastic'");
+  expect(Replaced(good, soft, "type=\"viscoelastic\">"), "has no <elastic>");
+  expect(viscous("<g1>-1</g1>", "viscoelastic"), "ratio 1 (PronyModuli) is -1");
+  expect(viscous("<g1>1</g1><t1>0</t1>", "viscoelastic"), "Give both above 0");
+  expect(viscous("<g1>nan</g1>", "viscoelastic"), "ratio 1 (PronyModuli)");
+  expect(viscous("<g0>0</g0><g1>1</g1>", "viscoelastic"), "has g0 = 0");
+  expect(viscous("<g1 lc=\"1\">1</g1>", "viscoelastic"), "follows a load curve");
+  expect(viscous("<g1 type=\"map\">m</g1>", "viscoelastic"), "of the type 'map'");
+  expect(viscous("<g1>1</g1><t1>1</t1><g2>1</g2><t2>2</t2><g3>1</g3><t3>3</t3><g4>1</g4><t4>4</t4>"
+                 "<g5>1</g5><t5>5</t5>",
+                 "viscoelastic"),
+         "Prony series of 5 terms");
+}
+
+// FEBio takes k and the pressure_model of the outer one, and before version 4 k of the inner one
+// too.
+TEST_F(Febio, AnUncoupledViscousMaterialOfAnotherHand) {
+  const std::string good = TextOf(Data("febio_40.feb"));
+  const std::size_t begin = good.find("<material id=\"2\"");
+  const std::size_t end = good.find("</material>", begin);
+  ASSERT_NE(begin, std::string::npos);
+  const auto text_with = [&](const std::string& material) {
+    return std::string(good).replace(begin, end - begin, material);
+  };
+  const std::string head = "<material id=\"2\" name=\"Nodule\" type=\"";
+  const std::string law = "<elastic type=\"Mooney-Rivlin\"><c1>0.002</c1><c2>0.001</c2>";
+  const std::string series = "<density>0.5</density><g1>0.5</g1><t1>0.1</t1>";
+  const auto read = [&](const std::string& material) {
+    std::ofstream(file()) << text_with(material);
+    const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(file(), kNotSaid);
+    EXPECT_EQ(model.Scene.materials[model.Scene.material_of_cell[1]],
+              palpate::with_formulation(palpate::make_mooney_rivlin(2000, 1000, 500000),
+                                        Formulation::mixed));
+    EXPECT_EQ(model.Rheologies[model.Scene.material_of_cell[1]], Viscous(5e11, {0.5}, {0.1}));
+    return model.Warnings;
+  };
+  const std::string outer =
+      head + "uncoupled viscoelastic\">" + series + "<k>0.5</k><pressure_model>2</pressure_model>";
+  EXPECT_TRUE(read(outer + law + "</elastic>").empty());
+  const std::vector<std::string> warnings =
+      read(head + "uncoupled viscoelastic\">" + series + law + "<k>0.5</k></elastic>");
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("Nodule resists a change of volume by k/2 (ln J)^2"),
+            std::string::npos)
+      << warnings[0];
+  const auto expect = [&](const std::string& material, const std::string& words) {
+    const std::string message = error_of(text_with(material));
+    EXPECT_NE(message.find(words), std::string::npos) << words << "\n" << message;
+  };
+  expect(outer + law + "<k>0.5</k></elastic>", "has k twice");
+  expect(head + "viscoelastic\">" + series + law + "<k>0.5</k></elastic>",
+         "Use 'uncoupled viscoelastic' for its material");
+}
+
+// Each pressure_model of FEBio has the modulus of ours at rest, and another pressure beyond.
+TEST_F(Febio, AnotherPressureModelIsReadAndTold) {
+  const std::string good = TextOf(Data("febio_40.feb"));
+  const std::string ours = "<pressure_model>Abaqus</pressure_model>";
+  const Scene scene = vtkPalpateReadFEBio(Data("febio_40.feb"), kNotSaid).Scene;
+  const std::map<std::string, std::string> told = {
+      {"", "1.5 %"},       {"0", "1.5 %"}, {"default", "1.5 %"},
+      {"NIKE3D", "0.5 %"}, {"1", "0.5 %"}, {"Abaqus (GOH)", "0.5 %"},
+      {"2", ""},           {"Abaqus", ""}};
+  for (const auto& [model, words] : told) {
+    std::ofstream(file()) << Replaced(
+        good, ours, model.empty() ? "" : "<pressure_model>" + model + "</pressure_model>");
+    const vtkPalpateFEBioModel read = vtkPalpateReadFEBio(file(), kNotSaid);
+    ExpectSame(read.Scene, scene);
+    ASSERT_EQ(read.Warnings.size(), words.empty() ? 0U : 1U) << model;
+    if (!words.empty()) {
+      EXPECT_NE(read.Warnings[0].find(words), std::string::npos) << read.Warnings[0];
+    }
+  }
+  // The figures that are told, of the pressure that FEBio's source has.
+  constexpr double j = 1.01;
+  constexpr double tenth = 0.1;  // %, as they are told with two digits
+  const double pressures[] = {std::log(j) / j, (j - 1 / j) / 2, j - 1, (j - 1 / j) / 2};
+  for (int model = 0; model < 4; ++model) {
+    EXPECT_NEAR(100 * std::abs(pressures[model] / (j - 1) - 1),
+                vtkPalpateFEBioPressureModel::All()[model].Difference, tenth);
+  }
+}
+
+// kg/m³ is Pa s²/m², and the time is in s in all of them.
+TEST_F(Febio, TheUnitOfDensityFollowsFromTheOthers) {
+  for (const vtkPalpateFEBioUnits& units : vtkPalpateFEBioUnits::All()) {
+    EXPECT_DOUBLE_EQ(units.Density, units.Pressure / (units.Length * units.Length)) << units.Name;
+  }
+}
+
+// A set names nodes of the mesh: a short text does not stand for more than there are.
+TEST_F(Febio, ASetNamesNoMoreThanTheMeshHas) {
+  const std::string good = TextOf(Data("febio_40.feb"));
+  const auto touchable = [&](const std::string& ids) {
+    std::ofstream(file()) << Replaced(good, ">6</NodeSet>", ">" + ids + "</NodeSet>");
+    return vtkPalpateReadFEBio(file(), kNotSaid).Scene.touchable;
+  };
+  EXPECT_EQ(touchable(" 1:3 , 6"), (std::vector<char>{1, 1, 1, 0, 1}));
+  EXPECT_EQ(touchable("2:6:4,+1"), (std::vector<char>{1, 1, 0, 0, 1}));
+  EXPECT_EQ(touchable("5:5"), (std::vector<char>{0, 0, 0, 1, 0}));
+  constexpr const char* kLast = "9223372036854775807";
+  const std::string many = [] {
+    std::string text = "1";
+    for (int i = 0; i < 5; ++i) text += ",1";
+    return text;
+  }();
+  const std::map<std::string, std::string> refused = {
+      {"1:1000000000000", "longer than the mesh: that has 5 nodes"},
+      {"1:700000000", "longer than the mesh"},
+      {std::string("1:") + kLast, "longer than the mesh"},
+      {std::string("-") + kLast + ":" + kLast, "longer than the mesh"},
+      {std::string("-9223372036854775808:") + kLast + ":4611686018427387904",
+       "node -9223372036854775808, which is not among"},
+      {std::string("1:2:") + kLast + ",9223372036854775806:" + kLast, "not among the nodes"},
+      {"1:4", "node 4, which is not among the nodes"},
+      {"1:3:0", "'1:3:0' where a range that goes up"},
+      {"1:3:-1", "'1:3:-1' where a range that goes up"},
+      {"3:1", "'3:1' where a range that goes up"},
+      {"1:2:1:1", "'1:2:1:1' where a range first:last"},
+      {"1:", "'1:' where a range first:last"},
+      {"1:2x", "'1:2x' where a range first:last"},
+      {"1;2", "'1;2' where numbers"},
+      {"1,", "'1,' where numbers"},
+      {"99999999999999999999", "where numbers"},
+      {many, "more ids than the 5 nodes of the mesh"}};
+  for (const auto& [ids, words] : refused) {
+    const std::string message = error_of(Replaced(good, ">6</NodeSet>", ">" + ids + "</NodeSet>"));
+    EXPECT_NE(message.find(words), std::string::npos) << ids << ": " << words << "\n" << message;
+  }
+}
+
+// What a message repeats of a file obeys nobody.
+TEST_F(Febio, TextOfTheFileIsPrintable) {
+  const std::string good = TextOf(Data("febio_40.feb"));
+  const std::map<std::string, std::string> replaced = {
+      {"type=\"neo-Hookean\"", "type=\"\xc2\x9b\xe2\x80\xae\""},
+      {"mm-N-s", "\xc2\x9b"},
+      {"<E>0.006</E>", "<E>\xc2\x9b</E>"},
+      {"<E>0.006</E>", "<E type=\"map\">\xc2\x9b</E>"},
+      {"@surface:Base\"", "\xc2\x9b\""},
+      {"mat=\"Nodule\"", "mat=\"\xc2\x9b\""},
+      {"type=\"tet4\"", "type=\"\xc2\x9b\""},
+      {"version=\"4.0\"", "version=\"\xc2\x9b\""},
+      {"type=\"solid\"", "type=\"\xc2\x9b\""},
+      {"<Output>", "<Other><\xc3\xa9 name=\"\xc2\x9b\"/></Other><Output>"}};
+  for (const auto& [what, by] : replaced) {
+    const std::string message = error_of(Replaced(good, what, by));
+    EXPECT_NE(message, "") << by;
+    EXPECT_EQ(message.find("\xc2\x9b"), std::string::npos) << message;
+    EXPECT_EQ(message.find("\xe2\x80\xae"), std::string::npos) << message;
+  }
+  const std::string long_text(100000, 'x');
+  EXPECT_LT(error_of(Replaced(good, "mm-N-s", long_text)).size(), 1000U);
+}
+
+TEST_F(Febio, APipeIsRefusedAndNotWaitedFor) {
+  ASSERT_EQ(mkfifo(file("pipe.feb").c_str(), 0600), 0);
+  EXPECT_NE(error_of_file(file("pipe.feb")).find("is a pipe"), std::string::npos);
+  EXPECT_NE(error_of_file("/dev/zero").find("is a pipe, a device"), std::string::npos);
+  const auto grid = vtkPalpateGridFromScene(Row(ElementOrder::linear, 2));
+  EXPECT_NE(Write(grid, file("pipe.feb")).find("is a pipe"), std::string::npos);
+}
+
 TEST_F(Febio, OfSpecification30) {
   const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(Data("febio_30.feb"), kNotSaid);
   EXPECT_EQ(
@@ -397,10 +748,14 @@ TEST_F(Febio, SaysWhatIsWrong) {
   expect("type=\"tet4\"", "type=\"hex8\"", "elements of the type 'hex8'");
   expect("type=\"tet4\"", "type=\"tet10\"", "has not the 10 nodes of a tet10");
   expect("type=\"neo-Hookean\"", "type=\"Holmes-Mow\"", "type 'Holmes-Mow', which is not read");
-  expect("<pressure_model>Abaqus</pressure_model>", "", "Set its pressure_model to 2");
-  expect("<pressure_model>Abaqus", "<pressure_model>default", "Set its pressure_model to 2");
+  expect("<pressure_model>Abaqus", "<pressure_model>Simo", "pressure_model 'Simo'");
   expect("<E>0.006</E>", "<E lc=\"1\">0.006</E>", "follows a load curve");
-  expect("<E>0.006</E>", "<E>a+b</E>", "'a+b' where numbers");
+  expect("<E>0.006</E>", "<E>a+b</E>", "'a+b' where one number is due");
+  expect("<E>0.006</E>", "<E>0.006 MPa</E>", "'0.006 MPa' where one number is due");
+  expect("<E>0.006</E>", "<E></E>", "'' where one number is due");
+  expect("<E>0.006</E>", "<E>0.006</E><E>0.006</E>", "has E twice");
+  expect("<density>1e-09", "<density lc=\"1\">1e-09", "follows a load curve");
+  expect("<density>1e-09", "<density>-1", "density (Density) is -1");
   expect("<E>0.006</E>", "<E>-1</E>", "Young's modulus is -1e+06");
   expect("<E>0.006</E>", "<E type=\"map\">m</E>", "no map 'm'");
   expect("<E>0.006</E>", "<E>0.006</E><w>3</w>", "has w = 3");
@@ -418,7 +773,9 @@ TEST_F(Febio, SaysWhatIsWrong) {
   expect("mat=\"Nodule\"", "mat=\"None\"", "no material 'None'");
   expect("<SolidDomain name=\"Part2\"", "<SolidDomain name=\"Part3\"",
          "no <SolidDomain name=\"Part2\">");
-  expect(">6</NodeSet>", ">1:1000000000000</NodeSet>", "longer than any mesh");
+  expect("<node id=\"6\"", "<node id=\"4:6\"", "'4:6' where one number is due");
+  expect("<elem id=\"7\"", "<elem id=\"7x\"", "'7x' where one number is due");
+  expect("2,3,5,6", "2:3,5,6", "'2:3,5,6' where numbers");
   expect("<Output>", "<Contact><contact type=\"sliding\"/></Contact><Output>", "<Contact>");
   expect("<Output>", "<Include>mesh.feb</Include><Output>", "another file");
   expect("<Output>",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "haptic/recording/replay.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <sstream>
 
@@ -257,6 +259,11 @@ TEST_F(Replay, RefusesWhatIsNoRecording) {
     expect(beheaded, {"Row 2", "settings lack device", "first row", "beginning"});
   }
   expect(with("profile=palpate_report", "profile=glove"), {"Row 2", "\"glove\"", "profile"});
+  // A message is shown in a terminal.
+  expect(with("\n2,", "\n\x1b]0;,"), {"Row 3", "\"\\x1b]0;\""});
+  expect(with("profile=palpate_report", "profile=\x1b["), {"Row 2", "\"\\x1b[\""});
+  ASSERT_EQ(mkfifo(file("pipe.csv").c_str(), 0600), 0);
+  EXPECT_THROW(RecordingReader(file("pipe.csv")), InputError);
 }
 
 }  // namespace
