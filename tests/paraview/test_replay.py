@@ -190,7 +190,11 @@ def main():
     replay.FileName = "another.csv"
     expect_error(replay.UpdatePipeline, "is a recording of another body")
     replay.FileName = "missing.csv"
-    expect_error(replay.UpdatePipeline, "There is no file missing.csv")
+    expect_error(replay.UpdatePipeline, "'missing.csv' cannot be opened: No such file")
+    if not os.path.exists("pipe.csv"):
+        os.mkfifo("pipe.csv")
+    replay.FileName = "pipe.csv"
+    expect_error(replay.UpdatePipeline, "'pipe.csv' is a pipe")
     with open("other.csv", "w", encoding="ascii") as file:
         file.write("time_s,b\n1,2\n")
     replay.FileName = "other.csv"
