@@ -208,6 +208,24 @@ palpate::Material MaterialOfName(
 /// Value of the property Formulation: the one that suits the parameters.
 constexpr int AutomaticFormulation = -1;
 
+/// Values of the property Quadrature.
+constexpr int StandardQuadrature = 0;
+constexpr int FineQuadrature = 1;
+
+palpate::Material WithQuadrature(palpate::Material material, int number)
+{
+  if (number != StandardQuadrature && number != FineQuadrature)
+  {
+    throw InputError(
+      "Quadrature is " + std::to_string(number) + "; there are 0 (Standard) and 1 (Fine).");
+  }
+  if (number == FineQuadrature && material.formulation == Formulation::mixed)
+  {
+    material.formulation = Formulation::mixed_fine;
+  }
+  return material;
+}
+
 palpate::Material InFormulation(const palpate::Material& material, int number)
 {
   switch (number)
@@ -330,8 +348,7 @@ int vtkPalpateAssignMaterial::RequestData(
       }
       if (order == palpate::ElementOrder::linear &&
         std::any_of(assignments.begin(), assignments.end(),
-          [](const Assignment& each)
-          { return each.Material.formulation == palpate::Formulation::mixed; }))
+          [](const Assignment& each) { return palpate::is_mixed(each.Material.formulation); }))
       {
         vtkWarningMacro(
           "The body has linear cells, and resists a change of volume through pressures (an "
@@ -385,12 +402,18 @@ std::vector<char> vtkPalpateAssignMaterial::ChooseCells(
   }
 }
 
+palpate::Material vtkPalpateAssignMaterial::InItsFormulation(
+  const palpate::Material& material) const
+{
+  return WithQuadrature(InFormulation(material, this->Formulation), this->Quadrature);
+}
+
 std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assignments(
   vtkUnstructuredGrid* body, vtkPolyData* surface) const
 {
   if (this->RegionType != Table)
   {
-    return { { InFormulation(this->MakeMaterial(), this->Formulation), this->MakeRheology(),
+    return { { this->InItsFormulation(this->MakeMaterial()), this->MakeRheology(),
       this->ChooseCells(body, surface) } };
   }
   if (this->Regions.empty())
@@ -418,8 +441,8 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
       }
       std::map<std::string, double> numbers = NumbersByName(parameters);
       const std::optional<palpate::Rheology> own = TakeRheology(numbers);
-      all.push_back({ InFormulation(MaterialOfName(law, numbers), this->Formulation),
-        own ? own : rheology, vtkPalpateCellsOfValue(body, this->RegionArray, number) });
+      all.push_back({ this->InItsFormulation(MaterialOfName(law, numbers)), own ? own : rheology,
+        vtkPalpateCellsOfValue(body, this->RegionArray, number) });
     }
     catch (const InputError& error)
     {
@@ -587,6 +610,7 @@ void vtkPalpateAssignMaterial::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "OgdenExponents: " << this->OgdenExponents[0] << ' ' << this->OgdenExponents[1]
      << ' ' << this->OgdenExponents[2] << '\n'
      << indent << "Formulation: " << this->Formulation << '\n'
+     << indent << "Quadrature: " << this->Quadrature << '\n'
      << indent << "Density: " << this->Density << " kg/m^3\n"
      << indent << "ViscousTime: " << this->ViscousTime << " s\n"
      << indent << "RegionType: " << this->RegionType << '\n'

@@ -94,6 +94,12 @@ public:
   vtkGetMacro(Formulation, int);
   ///@}
   ///@{
+  /// Of quadratic cells that are mixed: 0 the standard rule, 1 a fine one
+  /// (Formulation::mixed_fine).
+  vtkSetMacro(Quadrature, int);
+  vtkGetMacro(Quadrature, int);
+  ///@}
+  ///@{
   /// kg/m^3, not negative.
   vtkSetMacro(Density, double);
   vtkGetMacro(Density, double);
@@ -172,6 +178,8 @@ private:
   struct Assignment;
 
   palpate::Material MakeMaterial() const;
+  /// The material with Formulation and Quadrature.
+  palpate::Material InItsFormulation(const palpate::Material& material) const;
   /// Empty where none of its properties is given.
   std::optional<palpate::Rheology> MakeRheology() const;
   std::vector<char> ChooseCells(vtkUnstructuredGrid* body, vtkPolyData* surface) const;
@@ -189,6 +197,7 @@ private:
   double OgdenModuli[3] = { 3448.3, 0, 0 };
   double OgdenExponents[3] = { 2, 0, 0 };
   int Formulation = -1;
+  int Quadrature = 0;
   double Density = 0;
   double ViscousTime = 0;
   std::vector<double> PronyModuli;

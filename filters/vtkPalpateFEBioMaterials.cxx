@@ -209,7 +209,7 @@ std::pair<palpate::Material, palpate::Rheology> vtkPalpateFEBioMaterials::Of(
       material = palpate::with_formulation(material, *part.OwnFormulation);
     }
     palpate::validate(rheology);
-    const bool isMixed = material.formulation == Formulation::mixed;
+    const bool isMixed = palpate::is_mixed(material.formulation);
     if (rheology.is_viscous() && part.VolumeIsViscous == isMixed)
     {
       this->Note(isMixed ? "is viscous in its change of volume too in FEBio, and elastic in it here"

@@ -271,7 +271,7 @@ struct Part
   /// With a pressure of its own, which FEBio gives to uncoupled materials alone.
   bool IsThreeField() const
   {
-    return this->Law->IsUncoupled && this->Formulation == palpate::Formulation::mixed;
+    return this->Law->IsUncoupled && palpate::is_mixed(this->Formulation);
   }
 };
 
@@ -670,7 +670,7 @@ std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& r
       [&](const Part& part) { return what(part, body.MaterialOf(part.Cells.front())); });
   };
   const auto locks = [](const Part& part, const Material&)
-  { return part.Formulation == palpate::Formulation::mixed && !part.IsThreeField(); };
+  { return palpate::is_mixed(part.Formulation) && !part.IsThreeField(); };
   if (isAny(locks))
   {
     text += "Part of the body is nearly incompressible and of a law that FEBio solves by "
@@ -686,8 +686,9 @@ std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& r
   if (isAny(
         [](const Part& part, const Material& material)
         {
+          const palpate::Material usual = palpate::make_material(material.law, material.parameters);
           return !part.Law->IsUncoupled &&
-            !(palpate::make_material(material.law, material.parameters) == material);
+            palpate::is_mixed(usual.formulation) != palpate::is_mixed(material.formulation);
         }))
   {
     text += "The array Formulation is left out: FEBio has none for such laws, and who reads the "
@@ -698,6 +699,12 @@ std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& r
   {
     text += "The viscosity of Kelvin and Voigt, ViscousTime, is left out: FEBio has none of the "
             "same stress. ";
+  }
+  if (isAny([](const Part& part, const Material&)
+        { return part.Formulation == palpate::Formulation::mixed_fine; }))
+  {
+    text += "Part of the body has the Quadrature Fine, which the file does not say: who reads it "
+            "finds the standard one. ";
   }
   if (std::find(body.Scene.touchable.begin(), body.Scene.touchable.end(), 1) ==
     body.Scene.touchable.end())

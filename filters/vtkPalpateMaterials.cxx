@@ -71,7 +71,8 @@ public:
   Material Read(vtkIdType cell) const
   {
     const int law = Choice(this->Laws, cell, palpate::num_laws);
-    const int formulation = this->Formulations ? Choice(this->Formulations, cell, 2) : 0;
+    const int formulation =
+      this->Formulations ? Choice(this->Formulations, cell, palpate::num_formulations) : 0;
     try
     {
       std::array<double, palpate::max_parameters> values{};

@@ -88,6 +88,9 @@ void check_one_to_one(const TetMesh& mesh) {
 struct ElementGroup {
   const Kernels* kernels = nullptr;
   const MemoryKernels* memory_kernels = nullptr;
+  /// Of the rule of quadrature, and the barycentric coordinates of each point [points × 4].
+  int num_points = 0;
+  std::vector<double> corner_shares;
   /// Cell of each place [num_packets × 8]; the filling repeats the last cell.
   std::vector<Index> cells;
   Index num_cells = 0;
@@ -104,16 +107,10 @@ struct ElementGroup {
   PacketSets sets;
 
   [[nodiscard]] ElementGroupView view(Index set) const {
-    return {sets.start[set],
-            sets.start[set + 1],
-            nodes.data(),
-            gradients.data(),
-            weights.data(),
-            parameters.data(),
-            homogeneous,
-            targets.data(),
-            pressures.data(),
-            coupling_targets.data(),
+    return {sets.start[set],        sets.start[set + 1], num_points,
+            corner_shares.data(),   nodes.data(),        gradients.data(),
+            weights.data(),         parameters.data(),   homogeneous,
+            targets.data(),         pressures.data(),    coupling_targets.data(),
             pressure_targets.data()};
   }
 };
@@ -123,12 +120,18 @@ const Material& material_of(const Scene& scene, Index cell) {
 }
 
 bool is_mixed(const Scene& scene, Index cell) {
-  return material_of(scene, cell).formulation == Formulation::mixed;
+  return is_mixed(material_of(scene, cell).formulation);
+}
+
+const std::vector<QuadraturePoint>& rule_of(const Material& material, ElementOrder order) {
+  const bool is_fine =
+      material.formulation == Formulation::mixed_fine && order == ElementOrder::quadratic;
+  return is_fine ? fine_quadrature() : quadrature(order);
 }
 
 const Kernels& kernels_of(const Material& material, ElementOrder order) {
   return best_kernels(static_cast<int>(order), static_cast<int>(law_of_energy(material.law)),
-                      static_cast<int>(material.formulation));
+                      is_mixed(material.formulation));
 }
 
 void sort_and_make_unique(std::vector<std::vector<Index>>& lists) {
@@ -203,6 +206,7 @@ struct Assembly::Data {
   std::vector<double> pressure_scale;
   bool linear = true;
   bool stabilised = false;
+  bool takes_finer_quadrature = false;
   double mean_edge = 0;
   std::vector<Index> unknown_of_point;
   std::vector<Index> state_of_unknown;
@@ -274,7 +278,7 @@ std::vector<double> Assembly::Data::kernel_parameters(const Material& material,
   const auto constants = law_constants(material);
   std::vector<double> parameters(constants.begin(), constants.end());
   parameters.resize(kernels_of(material, order).num_constants);
-  if (material.formulation == Formulation::mixed) {
+  if (is_mixed(material.formulation)) {
     parameters.push_back(volumetric_compliance(material));
     parameters.push_back(1 / (2 * shear_modulus(material)));
     parameters.push_back(pressure_scale_of(material));
@@ -403,14 +407,19 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
                                 const Couplings& couplings) {
   const TetMesh& mesh = scene.mesh;
   const Material& first = material_of(scene, cells.front());
-  const bool mixed = first.formulation == Formulation::mixed;
+  const bool mixed = is_mixed(first.formulation);
   const int npc = nodes_per_cell(mesh.order);
   const int num_pairs = npc * (npc + 1) / 2;
-  const auto& rule = quadrature(mesh.order);
+  const auto& rule = rule_of(first, mesh.order);
   std::vector<Eigen::Matrix<double, Eigen::Dynamic, 3>> reference;
   for (const auto& point : rule) reference.push_back(shape_gradients(mesh.order, point.xi));
 
   ElementGroup& group = groups.emplace_back();
+  group.num_points = static_cast<int>(rule.size());
+  for (const auto& point : rule) {
+    const Eigen::VectorXd shares = shape_values(ElementOrder::linear, point.xi);
+    group.corner_shares.insert(group.corner_shares.end(), shares.begin(), shares.end());
+  }
   group.kernels = &kernels_of(first, mesh.order);
   group.memory_kernels =
       &best_memory_kernels(static_cast<int>(mesh.order), law_of_energy(first.law) == Law::linear);
@@ -547,6 +556,8 @@ Assembly::Assembly(const Scene& scene) : data_(std::make_unique<Data>()) {
   data_->pattern = make_pattern(couplings);
   for (const auto& [kind, cells] : cells_of_group) {
     data_->linear = data_->linear && kind.first == Law::linear;
+    data_->takes_finer_quadrature |=
+        mesh.order == ElementOrder::quadratic && kind.second == Formulation::mixed;
     data_->make_group(scene, cells, couplings);
   }
   data_->pressure_of_corner = {};
@@ -566,6 +577,7 @@ const std::vector<Index>& Assembly::state_of_unknown() const { return data_->sta
 Index Assembly::num_unknown_pressures() const { return data_->pattern.size - 3 * data_->num_nodes; }
 bool Assembly::has_stabilised_pressures() const { return data_->stabilised; }
 const std::vector<Index>& Assembly::multipliers() const { return data_->multipliers; }
+bool Assembly::takes_finer_quadrature() const { return data_->takes_finer_quadrature; }
 bool Assembly::is_linear() const { return data_->linear; }
 const std::vector<Index>& Assembly::unknown_of_point() const { return data_->unknown_of_point; }
 const SymmetricPattern& Assembly::pattern() const { return data_->pattern; }

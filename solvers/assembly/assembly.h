@@ -78,6 +78,8 @@ class Assembly {
   /// Whether the pressures are those of Tet4, whose differences are resisted. Otherwise the tangent
   /// has zeros on the diagonal at multipliers().
   [[nodiscard]] bool has_stabilised_pressures() const;
+  /// Whether there are cells that Formulation::mixed_fine would give more quadrature points.
+  [[nodiscard]] bool takes_finer_quadrature() const;
   [[nodiscard]] const SymmetricPattern& pattern() const;
   /// Mean length of the edges between corners, m.
   [[nodiscard]] double mean_edge() const;

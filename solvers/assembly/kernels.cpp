@@ -18,19 +18,21 @@ template <>
 struct Element<1> {
   static constexpr int nodes = 4;
   static constexpr int points = 1;
-  /// Barycentric coordinate of a corner at a quadrature point.
-  static constexpr double barycentric(int, int) { return 0.25; }
 };
 
 template <>
 struct Element<2> {
   static constexpr int nodes = 10;
+  /// Of the usual rule.
   static constexpr int points = 4;
-  /// Near the corner of the same number; a and b below.
-  static constexpr double barycentric(int point, int corner) {
-    return point == corner ? 0.58541019662496845 : 0.13819660112501052;
-  }
 };
+
+/// Whether elements may have a rule with another number of points than the usual one.
+enum class Rule { usual, any };
+
+constexpr Rule rule_of(int order, Formulation form) {
+  return order == 2 && is_mixed(form) ? Rule::any : Rule::usual;
+}
 
 /// Mixed elements have a continuous, linear pressure. That of Tet10 is stable (Taylor & Hood 1973).
 /// That of Tet4 is not by itself: what is left of p beside its mean over the element is resisted as
@@ -38,16 +40,18 @@ struct Element<2> {
 /// a stationary point and the tangent symmetric:
 ///
 ///   Π = ∫ W_rest + p g − p²/(2κ̂) dV − ∫ (p − p̄)²/(4μ) dV  (the last one for Tet4 alone)
-template <int Order, Law L, Formulation Form>
+template <int Order, Law L, Formulation Form, Rule R = rule_of(Order, Form)>
 class Group {
-  static constexpr bool kMixed = Form == Formulation::mixed;
+  static constexpr bool kMixed = is_mixed(Form);
   static constexpr int kConstants = kNumConstants<L>;
   static constexpr int kParameters = kConstants + (kMixed ? 3 : 0);
   static constexpr int kCornerPairs = 10;
 
  protected:
   static constexpr int kNodes = Element<Order>::nodes;
-  static constexpr int kPoints = Element<Order>::points;
+  static std::int32_t num_points(const ElementGroupView& group) {
+    return R == Rule::any ? group.points : Element<Order>::points;
+  }
   static constexpr int kPairs = kNodes * (kNodes + 1) / 2;
 
  public:
@@ -62,11 +66,12 @@ class Group {
 
   static void determinants(const ElementGroupView& group, const double* state,
                            double* minimum_det_f) {
+    const std::int32_t points = num_points(group);
     for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet ue[kNodes][3];
       gather(group, p, state, ue);
       Packet least = std::numeric_limits<double>::max();
-      for (int q = 0; q < kPoints; ++q) {
+      for (int q = 0; q < points; ++q) {
         Kinematics<Packet> k;
         displacement_gradient(group, p, q, ue, k);
         k.update();
@@ -77,6 +82,7 @@ class Group {
   }
 
   static void stress(const ElementGroupView& group, const double* state, double* sums) {
+    const std::int32_t points = num_points(group);
     for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet parameters[kParameters];
       Packet constants[kConstants];
@@ -88,8 +94,8 @@ class Group {
       Packet sum[StressSum::count];
       for (Packet& value : sum) value = 0.0;
       Packet least = L == Law::linear ? 1.0 : std::numeric_limits<double>::max();
-      for (int q = 0; q < kPoints; ++q) {
-        const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kPacketSize);
+      for (int q = 0; q < points; ++q) {
+        const Packet weight = Packet::load(group.weights + (p * points + q) * kPacketSize);
         Kinematics<Packet> k;
         displacement_gradient(group, p, q, ue, k);
         k.update();
@@ -98,8 +104,8 @@ class Group {
         if constexpr (kMixed) {
           Response<Packet> volume;
           VolumeOf<L>::template evaluate<false>(k, volume);
-          add_volume(parameters[kConstants + 2], q, k, volume, weight, gradients_at(group, p, q),
-                     pressures, r);
+          add_volume(parameters[kConstants + 2], group.corner_shares + 4 * q, k, volume, weight,
+                     gradients_at(group, p, q), pressures, r);
         }
         Packet fs[3][3];
         for (int i = 0; i < 3; ++i) {
@@ -131,19 +137,20 @@ class Group {
   }
 
   static void point_stress(const ElementGroupView& group, const double* state, double* stress) {
+    const std::int32_t points = num_points(group);
     for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet parameters[kParameters];
       Packet constants[kConstants];
       load_parameters(group, p, parameters, constants);
       Packet ue[kNodes][3];
       gather(group, p, state, ue);
-      for (int q = 0; q < kPoints; ++q) {
+      for (int q = 0; q < points; ++q) {
         Kinematics<Packet> k;
         displacement_gradient(group, p, q, ue, k);
         k.update();
         Response<Packet> r;
         LawOf<L>::template evaluate<false>(k, constants, r);
-        store_symmetric(p, q, r.s, stress);
+        store_symmetric(group, p, q, r.s, stress);
       }
     }
   }
@@ -152,6 +159,7 @@ class Group {
   template <bool WithTangent>
   static GroupResult run(const ElementGroupView& group, const double* state, double* force,
                          double* values) {
+    const std::int32_t points = num_points(group);
     Packet energy = 0.0;
     Packet least = std::numeric_limits<double>::max();
     for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
@@ -170,9 +178,9 @@ class Group {
       }
       [[maybe_unused]] Pressures<kMixed, WithTangent> pressures;
       if constexpr (kMixed) gather_pressures(group, p, state, pressures);
-      for (int q = 0; q < kPoints; ++q) {
+      for (int q = 0; q < points; ++q) {
         const double* gradients = gradients_at(group, p, q);
-        const Packet weight = Packet::load(group.weights + (p * kPoints + q) * kPacketSize);
+        const Packet weight = Packet::load(group.weights + (p * points + q) * kPacketSize);
         Kinematics<Packet> k;
         displacement_gradient(group, p, q, ue, k);
         k.update();
@@ -186,7 +194,8 @@ class Group {
         if constexpr (kMixed) {
           Response<Packet> volume;
           VolumeOf<L>::template evaluate<WithTangent>(k, volume);
-          add_volume(parameters[kConstants + 2], q, k, volume, weight, gradients, pressures, r);
+          add_volume(parameters[kConstants + 2], group.corner_shares + 4 * q, k, volume, weight,
+                     gradients, pressures, r);
         }
         energy += weight * r.energy;
         add_force(k, r, weight, gradients, fe);
@@ -225,13 +234,15 @@ class Group {
  protected:
   /// Puts a symmetric tensor of a quadrature point to its place in `out` [packets × points × 6 ×
   /// 8].
-  static void store_symmetric(std::int32_t p, int q, const Packet (&tensor)[6], double* out) {
-    double* at = out + (static_cast<std::int64_t>(p) * kPoints + q) * 6 * kPacketSize;
+  static void store_symmetric(const ElementGroupView& group, std::int32_t p, int q,
+                              const Packet (&tensor)[6], double* out) {
+    double* at = out + (static_cast<std::int64_t>(p) * num_points(group) + q) * 6 * kPacketSize;
     for (int m = 0; m < 6; ++m) tensor[m].store(at + m * kPacketSize);
   }
 
   static const double* gradients_at(const ElementGroupView& group, std::int32_t p, int q) {
-    return group.gradients + static_cast<std::int64_t>(p * kPoints + q) * kNodes * 3 * kPacketSize;
+    const std::int64_t at = static_cast<std::int64_t>(p) * num_points(group) + q;
+    return group.gradients + at * kNodes * 3 * kPacketSize;
   }
 
   static void gather(const ElementGroupView& group, std::int32_t p, const double* state,
@@ -294,16 +305,16 @@ class Group {
     }
   }
 
-  /// The term p g at a quadrature point: adds its part to the response, to the force on the
-  /// pressures and to the coupling.
+  /// The term p g at a quadrature point with these barycentric coordinates: adds its part to the
+  /// response, to the force on the pressures and to the coupling.
   template <bool WithTangent>
-  static void add_volume(Packet scale, int q, const Kinematics<Packet>& k,
+  static void add_volume(Packet scale, const double* shares, const Kinematics<Packet>& k,
                          const Response<Packet>& volume, Packet weight, const double* gradients,
                          Pressures<true, WithTangent>& pressures, Response<Packet>& r) {
     Packet pressure = 0.0;
     for (int b = 0; b < 4; ++b) {
-      pressure += Element<Order>::barycentric(q, b) * pressures.p[b];
-      pressures.force[b] += Element<Order>::barycentric(q, b) * scale * weight * volume.energy;
+      pressure += shares[b] * pressures.p[b];
+      pressures.force[b] += shares[b] * scale * weight * volume.energy;
     }
     pressure *= scale;
     r.energy += pressure * volume.energy;
@@ -325,7 +336,7 @@ class Group {
         for (int i = 0; i < 3; ++i) {
           const Packet at_node = change[i][0] * g[0] + change[i][1] * g[1] + change[i][2] * g[2];
           for (int b = 0; b < 4; ++b) {
-            pressures.coupling[a][b][i] += Element<Order>::barycentric(q, b) * at_node;
+            pressures.coupling[a][b][i] += shares[b] * at_node;
           }
         }
       }
@@ -338,12 +349,13 @@ class Group {
   static Packet add_compliance(const ElementGroupView& group, std::int32_t p,
                                const Packet (&parameters)[kParameters],
                                Pressures<true, WithTangent>& pressures) {
+    const std::int32_t points = num_points(group);
     const Packet compliance = parameters[kConstants];
     const Packet stabilisation = parameters[kConstants + 1];
     const Packet scale = parameters[kConstants + 2];
     Packet volume = 0.0;
-    for (int q = 0; q < kPoints; ++q) {
-      volume += Packet::load(group.weights + (p * kPoints + q) * kPacketSize);
+    for (int q = 0; q < points; ++q) {
+      volume += Packet::load(group.weights + (p * points + q) * kPacketSize);
     }
     volume *= scale * scale;
     const Packet mass = Order == 1 ? compliance + stabilisation : compliance;
@@ -529,25 +541,29 @@ class Group {
   }
 };
 
-/// The potential of what is remembered. As a law it is that of a quadratic energy, with H besides.
+/// The potential of what is remembered, by elements of any formulation. As a law it is that of a
+/// quadratic energy, with H besides.
 template <int Order, Law L>
-class Memory : Group<Order, L, Formulation::displacement> {
-  using Base = Group<Order, L, Formulation::displacement>;
+using MemoryGroup = Group<Order, L, Formulation::displacement, rule_of(Order, Formulation::mixed)>;
+
+template <int Order, Law L>
+class Memory : MemoryGroup<Order, L> {
+  using Base = MemoryGroup<Order, L>;
   using Base::kNodes;
   using Base::kPairs;
-  using Base::kPoints;
 
  public:
   static void strain(const ElementGroupView& group, const double* state, double* strain) {
+    const std::int32_t points = Base::num_points(group);
     for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet ue[kNodes][3];
       Base::gather(group, p, state, ue);
-      for (int q = 0; q < kPoints; ++q) {
+      for (int q = 0; q < points; ++q) {
         Kinematics<Packet> k;
         Base::displacement_gradient(group, p, q, ue, k);
         Packet e[6];
         strain_of(k, e);
-        Base::store_symmetric(p, q, e, strain);
+        Base::store_symmetric(group, p, q, e, strain);
       }
     }
   }
@@ -574,6 +590,7 @@ class Memory : Group<Order, L, Formulation::displacement> {
   template <bool WithTangent>
   static double run(const ElementGroupView& group, const MemoryView& memory, const double* state,
                     double* force, double* values) {
+    const std::int32_t points = Base::num_points(group);
     Packet energy = 0.0;
     for (std::int32_t p = group.first_packet; p < group.last_packet; ++p) {
       Packet moduli[2];
@@ -590,9 +607,9 @@ class Memory : Group<Order, L, Formulation::displacement> {
           for (Packet& value : block) value = 0.0;
         }
       }
-      for (int q = 0; q < kPoints; ++q) {
+      for (int q = 0; q < points; ++q) {
         const double* gradients = Base::gradients_at(group, p, q);
-        const std::int64_t at = static_cast<std::int64_t>(p) * kPoints + q;
+        const std::int64_t at = static_cast<std::int64_t>(p) * points + q;
         const Packet weight = Packet::load(group.weights + at * kPacketSize);
         Kinematics<Packet> k;
         Base::displacement_gradient(group, p, q, ue, k);
@@ -631,7 +648,7 @@ constexpr Kernels make(const char* name) {
           &G::stress, &G::point_stress};
 }
 
-/// [formulation][law]; those of a law whose formulas another one serves are empty.
+/// [mixed or not][law]; those of a law whose formulas another one serves are empty.
 struct Table {
   Kernels entries[2][num_laws];
 };
@@ -654,12 +671,12 @@ Table make_table(const char* name, std::integer_sequence<int, Laws...> /*laws*/)
 #define PALPATE_STRING_(x) #x
 #define PALPATE_STRING(x) PALPATE_STRING_(x)
 
-const Kernels& kernels(int order, int law, int formulation) {
+const Kernels& kernels(int order, int law, bool is_mixed) {
   constexpr const char* name = PALPATE_STRING(PALPATE_INSTRUCTION_SET);
   constexpr auto laws = std::make_integer_sequence<int, num_laws>();
   static const Table linear = make_table<1>(name, laws);
   static const Table quadratic = make_table<2>(name, laws);
-  return (order == 1 ? linear : quadratic).entries[formulation][law];
+  return (order == 1 ? linear : quadratic).entries[is_mixed ? 1 : 0][law];
 }
 
 const MemoryKernels& memory_kernels(int order, bool is_linear) {

@@ -35,6 +35,10 @@ struct ElementGroupView {
   /// The packets that are looked at, the last one not included. Those of the group are num_packets.
   std::int32_t first_packet;
   std::int32_t last_packet;
+  /// The quadrature points of an element: 1 of Tet4; 4 of Tet10, or any number of mixed ones. The
+  /// barycentric coordinates of each, in the order of the corners [points × 4].
+  std::int32_t points;
+  const double* corner_shares;
   /// Point of each node [num_packets × nodes × 8].
   const std::int32_t* nodes;
   /// ∂N_a/∂X at each quadrature point [num_packets × points × nodes × 3 × 8], 1/m.
@@ -126,8 +130,8 @@ struct MemoryKernels {
 /// Those for an element order, of a linear material or another, on this processor.
 [[nodiscard]] const MemoryKernels& best_memory_kernels(int order, bool is_linear);
 
-/// The kernels for an element order (1, 2), a law of energy and a formulation, given by their
-/// numbers, on this processor.
-[[nodiscard]] const Kernels& best_kernels(int order, int law, int formulation);
+/// The kernels for an element order (1, 2) and a law of energy, given by its number, of elements
+/// that are mixed or not, on this processor.
+[[nodiscard]] const Kernels& best_kernels(int order, int law, bool is_mixed);
 
 }  // namespace palpate

@@ -12,7 +12,7 @@ namespace palpate {
 double softest_mixed(const std::vector<Material>& materials) {
   double softest = std::numeric_limits<double>::infinity();
   for (const Material& material : materials) {
-    if (material.formulation != Formulation::mixed) continue;
+    if (!is_mixed(material.formulation)) continue;
     softest = std::min(softest, shear_modulus(material));
   }
   return softest;
@@ -29,10 +29,10 @@ Index count_pressures(const Scene& scene) {
   std::map<std::pair<Law, int>, std::vector<char>> corners;
   std::vector<std::vector<char>*> corners_of_material;
   for (const Material& material : scene.materials) {
-    const bool is_mixed = material.formulation == Formulation::mixed;
     corners_of_material.push_back(
-        is_mixed ? &corners[{law_of_energy(material.law), decade_above(softest, material)}]
-                 : nullptr);
+        is_mixed(material.formulation)
+            ? &corners[{law_of_energy(material.law), decade_above(softest, material)}]
+            : nullptr);
   }
   for (auto& [key, of_key] : corners) of_key.assign(scene.mesh.points.size(), 0);
   Index count = 0;

@@ -25,7 +25,7 @@ enum class Outcome : std::int32_t {
 /// Properties of a configuration, as bits.
 namespace flags {
 using Flags = std::int32_t;
-/// det F ≤ 0 at a quadrature point or a vertex.
+/// det F ≤ 0 somewhere in a cell: at a quadrature point, at a corner, or between them.
 inline constexpr Flags inverted = 1;
 /// The tangent at the solution has negative pivots.
 inline constexpr Flags unstable = 2;
@@ -34,7 +34,8 @@ inline constexpr Flags beyond_force_limit = 4;
 inline constexpr Flags near_fold = 8;
 /// The number of negative pivots is not known (a neighbour's factor was used).
 inline constexpr Flags inertia_not_computed = 16;
-/// An equilibrium to rounding, of which the displacement is less accurate than was asked for.
+/// An equilibrium to rounding, of which the displacement is less accurate than was asked for, or a
+/// step in time that may not be so short as its tolerance asks for.
 inline constexpr Flags inaccurate = 32;
 /// The tool touches nothing: the body is at rest, and force, stiffness and energy are exactly zero.
 inline constexpr Flags touches_nothing = 64;

@@ -310,7 +310,8 @@ class DynamicSolver::Impl {
            text_of(last.minimum_det_f) + " in " +
            describe_cell(scene_.mesh, last.minimum_det_f_cell) +
            ". Move the tools more slowly or less far, give those that hold the body a TipRadius, "
-           "refine the mesh there, or allow for more halvings.";
+           "refine the mesh there, or allow for more halvings" +
+           advise_finer_quadrature(system_.assembly()) + '.';
   }
 
   [[nodiscard]] std::string describe(const Notes& notes, double shortest) const {
@@ -321,7 +322,8 @@ class DynamicSolver::Impl {
            << describe_cell(scene_.mesh, notes.worst_cell) << " at " << notes.worst_time
            << " s with det F = " << notes.worst_det_f
            << ". Move the tools less far, give those that hold the body a TipRadius, or refine the "
-              "mesh there. ";
+              "mesh there"
+           << advise_finer_quadrature(system_.assembly()) << ". ";
     }
     if (notes.num_inaccurate > 0) {
       text << notes.num_inaccurate << " steps, the first up to " << notes.first_inaccurate
@@ -368,13 +370,16 @@ class DynamicSolver::Impl {
   }
 
   /// Follows the way to where the motion begins.
-  void follow(const Ramp& ramp, const char* failure, NodalVector& x, DynamicState& state) {
+  void follow(const Ramp& ramp, const char* failure, const char* advice, NodalVector& x,
+              DynamicState& state) {
     const RampEnd end = follow_ramp(
         system_, options_.equilibrium, [this] { return interruption(); }, ramp, x);
     state.outcome = end.outcome;
     state.residual = end.residual;
     state.iterations += end.iterations;
-    if (end.outcome != Outcome::converged) state.message = failure;
+    if (end.outcome == Outcome::converged) return;
+    state.message = std::string(failure) + ": " + palpate::describe(end) + ". " + advice +
+                    advise_finer_quadrature(system_.assembly()) + '.';
   }
 
   /// Rest under gravity, with the tools at q, to where they come from where they are clear of the
@@ -395,7 +400,8 @@ class DynamicSolver::Impl {
       return Eigen::VectorXd();
     };
     system_.set_interaction(InteractionList());
-    follow(load, "The body finds no rest under gravity.", x, state);
+    follow(load, "The body finds no rest under gravity, BodyForce",
+           "Make BodyForce smaller or the body stiffer, or fix more of it", x, state);
     system_.set_rest(x);
     rest_ = x;
     tools_ = all_tools_;
@@ -414,7 +420,8 @@ class DynamicSolver::Impl {
       }
     }
     if (state.outcome == Outcome::converged) {
-      follow(approach, "The body finds no rest with the tools at their first place.", x, state);
+      follow(approach, "The body finds no rest on the way of the tools to their first place",
+             "Let the tools begin nearer to the body at rest, or refine the mesh there", x, state);
     }
     term_.set_load_share(1);
     const Eigen::Index n = 3 * Eigen::Index{system_.assembly().num_points()};

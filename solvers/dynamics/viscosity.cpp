@@ -51,8 +51,7 @@ Viscosity::Viscosity(const Scene& scene, const std::vector<Rheology>& rheologies
     OfMaterial& of = materials_.emplace_back();
     of.rheology = rheologies[m];
     of.mu = shear_modulus(material);
-    of.lambda =
-        (material.formulation == Formulation::mixed ? 0 : bulk_modulus(material)) - 2 * of.mu / 3;
+    of.lambda = (is_mixed(material.formulation) ? 0 : bulk_modulus(material)) - 2 * of.mu / 3;
     for (int j = 0; j < max_prony_terms; ++j) {
       if (of.rheology.prony_moduli[j] > 0) num_terms_ = std::max(num_terms_, j + 1);
     }

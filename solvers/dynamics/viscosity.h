@@ -10,7 +10,7 @@
 //   (1 + Σ a_j) W(E) + H : E + ½ E : (τ w₀ C₀) : E
 //   H = Σ [exp(−x) S_j(t_n) − a_j S_∞(E_n)] + τ C₀ : (w₁ E_n + w₂ E_{n−1})
 //
-// and the tangent is symmetric. Mixed materials (Formulation::mixed) change their volume
+// and the tangent is symmetric. Mixed materials (Formulation) change their volume
 // elastically: W and S_∞ are those of W_rest there (materials/material.h), and C₀ has its
 // deviatoric part alone, as the rest would lock.
 //

@@ -22,8 +22,8 @@ struct QuadraturePoint {
 /// points lie near.
 [[nodiscard]] const std::vector<QuadraturePoint>& quadrature(ElementOrder order);
 
-/// A rule of degree 5 (15 points, Walkington 2000): exact for the product of two shape functions of
-/// Tet10.
+/// A rule of degree 5 (15 points, Walkington 2000), with positive weights: exact for the product of
+/// two shape functions of Tet10.
 [[nodiscard]] const std::vector<QuadraturePoint>& fine_quadrature();
 
 /// The gradients ∂N_a/∂ξ of the shape functions at xi [nodes_per_cell × 3].

@@ -253,10 +253,9 @@ void EquilibriumSolver::Impl::set_load(const NodalVector& load) {
       return;
     }
     std::ostringstream text;
-    text << "The body finds no rest under its load: with a share of " << end.share
-         << " of BodyForce the solve has converged, and beyond that "
-         << (end.is_unstable ? "an equilibrium is not stable" : "it is " + to_string(end.outcome))
-         << ". Make BodyForce smaller or the body stiffer, or fix more of it.";
+    text << "The body finds no rest under its load, BodyForce: " << describe(end)
+         << ". Make BodyForce smaller or the body stiffer, or fix more of it"
+         << advise_finer_quadrature(assembly) << '.';
     state.message = text.str();
   }
 }

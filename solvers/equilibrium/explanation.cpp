@@ -25,6 +25,11 @@ Vec3 centre(const TetMesh& mesh, Index cell) {
 
 }  // namespace
 
+std::string advise_finer_quadrature(const Assembly& assembly) {
+  if (!assembly.takes_finer_quadrature()) return "";
+  return ", or choose the Quadrature Fine of Assign Material";
+}
+
 std::string describe_cell(const TetMesh& mesh, Index cell) {
   return "cell " + std::to_string(cell) + " at " + describe(centre(mesh, cell));
 }
@@ -81,10 +86,12 @@ std::string explain(const CondensedSystem& system, const Equilibrium& state,
          << (state.num_inverted_cells == 1 ? " cell is inverted: "
                                            : " cells are inverted, the worst is ")
          << worst_cell() << " with det F = " << state.minimum_det_f
-         << ". Displace less, give the tool a radius or refine the mesh there. ";
+         << ". Displace less, give the tool a radius or refine the mesh there"
+         << advise_finer_quadrature(system.assembly()) << ". ";
   } else if (state.outcome != Outcome::converged && state.outcome != Outcome::aborted && way > 0) {
     text << "The least det F is " << state.minimum_det_f << " in " << worst_cell()
-         << ". Displace less, give the tool a radius or refine the mesh there. ";
+         << ". Displace less, give the tool a radius or refine the mesh there"
+         << advise_finer_quadrature(system.assembly()) << ". ";
   }
   if ((state.flags & flags::unstable) != 0) {
     text << "The equilibrium is not stable (" << state.negative_pivots << " negative pivots). ";

@@ -9,6 +9,10 @@
 
 namespace palpate {
 
+/// Another thing to do where cells are inverted, after a list of such; empty where it would not
+/// help.
+[[nodiscard]] std::string advise_finer_quadrature(const Assembly& assembly);
+
 /// "cell 12 at (0.1, 0, 0) m", where it is at rest.
 [[nodiscard]] std::string describe_cell(const TetMesh& mesh, Index cell);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace palpate {
 namespace {
@@ -33,6 +34,13 @@ bool is_stable(CondensedSystem& system, const Eigen::VectorXd& q, const NodalVec
 }
 
 }  // namespace
+
+std::string describe(const RampEnd& end) {
+  std::ostringstream text;
+  text << "with a share of " << end.share << " of it the solve has converged, and beyond that "
+       << (end.is_unstable ? "the equilibrium is not stable" : "it is " + to_string(end.outcome));
+  return text.str();
+}
 
 RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
                     const Interruption& interruption, const Ramp& ramp, NodalVector& x) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
@@ -28,6 +29,9 @@ struct RampEnd {
   /// How far it has come: to 1 where it has converged.
   double share = 0;
 };
+
+/// How far a ramp that did not converge has come, and what is beyond: "with a share of 0.5 …".
+[[nodiscard]] std::string describe(const RampEnd& end);
 
 /// Goes from the equilibrium x at the share 0 to that at 1, in increments that are halved where one
 /// does not converge, and doubled where two have. x is the last equilibrium on the way. A corner

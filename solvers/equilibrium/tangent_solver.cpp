@@ -53,7 +53,7 @@ long count_unknowns(const Scene& scene) {
 bool may_do_without_factor(const Scene& scene) {
   const bool is_mixed =
       std::any_of(scene.materials.begin(), scene.materials.end(),
-                  [](const Material& m) { return m.formulation == Formulation::mixed; });
+                  [](const Material& m) { return palpate::is_mixed(m.formulation); });
   return !is_mixed && count_unknowns(scene) >= kUnknownsWithoutFactor;
 }
 

@@ -169,7 +169,7 @@ Material with_formulation(Material material, Formulation formulation) {
                      " has no displacement formulation, since it admits no change of volume at "
                      "all; it needs the mixed one.");
   }
-  if (formulation == Formulation::mixed) {
+  if (is_mixed(formulation)) {
     const double compliance = volumetric_compliance(material);
     require(std::isfinite(compliance) && compliance >= 0, "Poisson's ratio",
             poissons_ratio(material),

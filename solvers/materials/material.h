@@ -48,7 +48,16 @@ enum class Formulation : int {
   displacement = 0,
   /// Through a pressure unknown: free of volumetric locking.
   mixed = 1,
+  /// The same with a finer rule of quadrature: a Tet10 has 15 points, at which a law is kept from
+  /// being inverted, in place of 4. A Tet4, whose strain is constant, has one as ever.
+  mixed_fine = 2,
 };
+
+inline constexpr int num_formulations = 3;
+
+[[nodiscard]] constexpr bool is_mixed(Formulation formulation) {
+  return formulation != Formulation::displacement;
+}
 
 /// The name of a law: 'Linear', 'St. Venant-Kirchhoff', 'Neo-Hookean', 'Mooney-Rivlin',
 /// 'Mooney-Rivlin polynomial', 'Fung', 'Neo-Hookean incompressible', 'Mooney-Rivlin incompressible'
@@ -112,8 +121,8 @@ struct Material {
 [[nodiscard]] Material make_material(Law law, const std::array<double, max_parameters>& parameters);
 
 /// The material in another formulation than the one that suits it.
-/// @throws InputError the formulation is displacement and the law incompressible, or it is mixed
-///   and κ̂ not positive.
+/// @throws InputError the formulation is displacement and the law incompressible, or it is a mixed
+///   one and κ̂ not positive.
 [[nodiscard]] Material with_formulation(Material material, Formulation formulation);
 
 /// A linear, St. Venant–Kirchhoff or neo-Hookean material from Young's modulus (Pa) and Poisson's

@@ -38,7 +38,7 @@ CREATE TABLE material (
                                       -- 3 Mooney-Rivlin, 4 Mooney-Rivlin polynomial, 5 Fung,
                                       -- 6 neo-Hookean incompressible, 7 Mooney-Rivlin
                                       -- incompressible, 8 Ogden
-  formulation INTEGER NOT NULL,       -- 0 displacement, 1 mixed
+  formulation INTEGER NOT NULL,       -- 0 displacement, 1 mixed, 2 mixed with a fine rule
   -- Moduli in Pa; those that a law does not have are 0.
   --   laws 0 to 2: Young's modulus, Poisson's ratio
   --   law 3: C10, C01, kappa

@@ -698,7 +698,9 @@ void StateSpaceFile::Impl::read_materials(Scene& scene) const {
     const std::int64_t law = select.take_integer();
     if (law < 0 || law >= num_laws) throw_damaged(path(), "an unknown law");
     const std::int64_t formulation = select.take_integer();
-    if (formulation != 0 && formulation != 1) throw_damaged(path(), "an unknown formulation");
+    if (formulation < 0 || formulation >= num_formulations) {
+      throw_damaged(path(), "an unknown formulation");
+    }
     std::array<double, max_parameters> parameters{};
     for (double& p : parameters) p = select.take_double();
     try {

@@ -15,7 +15,7 @@ LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
         "Mooney-Rivlin polynomial", "Fung", "Neo-Hookean incompressible",
         "Mooney-Rivlin incompressible", "Ogden")
 NO_LAW = -1
-DISPLACEMENT, MIXED = range(2)
+DISPLACEMENT, MIXED, FINE = range(3)
 # The settings of a material and the cell arrays that come of them.
 MATERIALS = {
     "Linear": ({"YoungsModulus": 2000, "PoissonsRatio": 0.3},
@@ -72,6 +72,7 @@ def test_every_property(body):
             "Law": "Mooney-Rivlin", "YoungsModulus": 5000.0, "PoissonsRatio": 0.3, "C10": 900.0,
             "C01": 100.0, "BulkModulus": 2e4, "Exponent": 3.0,
             "Coefficients": [1.0, 0.0, 500.0, 2.0, 1.0, 30.0], "Formulation": "Mixed",
+            "Quadrature": "Fine",
             "OgdenModuli": [100.0, 50.0, 5.0], "OgdenExponents": [2.0, -2.0, 9.0],
             "Density": 1060.0, "ViscousTime": 0.01, "PronyModuli": [0.5, 0.3],
             "PronyTimes": [0.1, 1.0],
@@ -364,6 +365,15 @@ def test_formulation(body):
     assert set(cell_array(fetch(last), "Formulation")) == {MIXED}
     none = AssignMaterial(Input=last, RegionArray="Part", RegionValue=1)
     assert not expect_silence(lambda: fetch(none)).GetCellData().HasArray("Formulation")
+
+    # A finer rule of quadrature is of mixed cells alone.
+    assert formulation(Law="Neo-Hookean incompressible", Quadrature="Fine") == {FINE}
+    assert formulation(Law="Fung", Formulation="Mixed", Quadrature="Fine") == {FINE}
+    assert formulation(Law="Fung", Quadrature="Fine") is None
+    standard = AssignMaterial(Input=AssignMaterial(Input=body, Law="Neo-Hookean incompressible",
+                                                   Quadrature="Fine"),
+                              Law="Neo-Hookean incompressible")
+    assert not fetch(standard).GetCellData().HasArray("Formulation")
 
     # A region without a material has no formulation of its own.
     alone = fetch(AssignMaterial(Input=body, Formulation="Mixed", RegionArray="Part",

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes tests/data/half_ball.json: an incompressible half ball under its weight, by GetFEM.
 
-    pvpython make_half_ball_reference.py <half_ball.json> [all]
+    pvpython make_half_ball_reference.py <half_ball.json>
+    pvpython make_half_ball_reference.py table
 
 Another code, which knows nothing of ours: the energy is written out in GetFEM's assembly language,
 which derives force and tangent itself; Taylor-Hood elements on the same mesh with a rule of degree
@@ -11,10 +12,9 @@ base; gravity acts along the base ("standing", as on a wall), away from it ("han
 ("lying").
 
 The figures: `share` is how much of the load was reached, 1 where there is a rest, and `tip` the
-displacement of the top there (m); `fine` is the number of quadrature points. With `all` the meshes
-and stiffnesses of the whole table are computed, and written without their meshes; else one coarse
-mesh for the tests. Needs GetFEM 5.4 (Debian: python3-getfem), and ParaView with the plugin
-(PV_PLUGIN_PATH) for the mesh.
+displacement of the top there (m), on one coarse mesh. With `table` finer meshes are computed too,
+by GetFEM and by Solve Equilibrium with both rules of quadrature, and printed beside each other.
+Needs GetFEM 5.4 (Debian: python3-getfem), and ParaView with the plugin (PV_PLUGIN_PATH).
 """
 
 import json
@@ -22,9 +22,12 @@ import sys
 
 import getfem as gf
 import numpy as np
-from paraview.simple import Clip, ExtractSurface, Sphere, TetrahedralizeSurface, servermanager
+from paraview.simple import (AssignMaterial, Clip, ExtractSurface, SetBoundary, SolveEquilibrium,
+                             Sphere, TetrahedralizeSurface, servermanager)
+from vtkmodules.util.numpy_support import vtk_to_numpy
 
 RADIUS, DENSITY, GRAVITY = 0.06, 1000.0, 9.81
+BASE = 1e-4  # points below this height are held, m
 LOADS = {"standing": (0, -1, 0), "hanging": (0, 0, 1), "lying": (0, 0, -1)}
 ENERGY = ("Def F:=(Id(3)+Grad_u); Def J:=Det(F);"
           " c10*(pow(J,-2/3)*Norm_sqr(F)-3)+p*(J-1)-share*(load.u)")
@@ -34,18 +37,22 @@ MOST_ITERATIONS = 30
 TOLERANCE = 1e-9
 # Resolution and largest volume of the mesher, and Young's moduli (Pa).
 COARSE = ((8, 8, 16, 1e-4), (300.0, 500.0, 1000.0))
-ALL = (((12, 12, 24, 2e-5), (300.0, 500.0, 1000.0, 2000.0)),
-       ((12, 12, 24, 5e-6), (300.0, 500.0, 1000.0, 2000.0)),
-       ((16, 16, 32, 1e-6), (300.0, 1000.0)))
+TABLE = (COARSE,
+         ((12, 12, 24, 2e-5), (300.0, 500.0, 1000.0, 2000.0)),
+         ((12, 12, 24, 1e-6), (300.0, 500.0, 1000.0, 2000.0)),
+         ((16, 16, 32, 1e-6), (300.0, 1000.0)))
 
 
-def make_mesh(theta, phi, resolution, volume):
+def make_body(theta, phi, resolution, volume):
     ball = Sphere(Radius=RADIUS, ThetaResolution=theta, PhiResolution=phi)
     half = Clip(Input=ball, ClipType="Plane", Invert=0)
     half.ClipType.Origin, half.ClipType.Normal = [0, 0, 0], [0, 0, 1]
-    body = TetrahedralizeSurface(Input=ExtractSurface(Input=half), RepairSurface=1,
+    return TetrahedralizeSurface(Input=ExtractSurface(Input=half), RepairSurface=1,
                                  RepairResolution=resolution, ElementOrder="Quadratic",
                                  MaximumVolume=volume)
+
+
+def mesh_of(body):
     grid = servermanager.Fetch(body)
     points = np.array([grid.GetPoint(i) for i in range(grid.GetNumberOfPoints())]).round(9)
     cells = np.array([[grid.GetCell(c).GetPointId(i) for i in range(10)]
@@ -132,28 +139,67 @@ class HalfBall:
         return {"share": share, "tip": list(whole[3 * node:3 * node + 3])}
 
 
-def main():
-    gf.util_trace_level(0)
-    whole_table = len(sys.argv) > 2 and sys.argv[2] == "all"
-    meshes, cases = [], []
-    for number, (mesher, moduli) in enumerate(ALL if whole_table else [COARSE]):
-        points, cells = make_mesh(*mesher)
-        fixed = [bool(p[2] < 1e-4) for p in points]
+def settle_here(body, young, direction, tip, quadrature):
+    """What Solve Equilibrium says: the tip (m), and how many cells are inverted; None: no rest."""
+    material = AssignMaterial(Input=body, Law="Neo-Hookean incompressible", YoungsModulus=young,
+                              Density=DENSITY, Quadrature=quadrature)
+    scene = SetBoundary(Input=material, FixedRegion="Box")
+    scene.FixedRegion.Position = [-2 * RADIUS, -2 * RADIUS, -RADIUS]
+    scene.FixedRegion.Length = [4 * RADIUS, 4 * RADIUS, RADIUS + BASE]
+    rest = servermanager.Fetch(SolveEquilibrium(
+        Input=scene, ActiveNodes=[tip], BodyForce=[GRAVITY * d for d in direction]))
+    if rest.GetFieldData().GetArray("Outcome").GetTuple1(0) != 0:
+        return None
+    displacement = rest.GetPointData().GetArray("Displacement").GetTuple(tip)
+    least = vtk_to_numpy(rest.GetCellData().GetArray("MinimumDetF"))
+    return np.array(displacement), int((least <= 0).sum())
+
+
+def print_table():
+    print("| cells | Pa | | GetFEM, mm | Standard: % off, inverted | Fine: % off, inverted |")
+    print("|---|---|---|---|---|---|")
+    for mesher, moduli in TABLE:
+        body = make_body(*mesher)
+        points, cells = mesh_of(body)
         tip = int(np.argmax(points[:, 2]))
-        meshes.append({"mesher": mesher, "num_cells": len(cells), "tip": tip})
-        if not whole_table:
-            meshes[-1].update({"points": points.tolist(), "cells": cells.tolist(),
-                               "fixed": [int(f) for f in fixed]})
-        body = HalfBall(points, cells, fixed, 5)
+        half_ball = HalfBall(points, cells, points[:, 2] < BASE, 5)
         for young in moduli:
             for load, direction in LOADS.items():
-                case = {"mesh": number, "young": young, "load": load, "direction": direction}
-                case.update(body.settle(young, direction, tip))
-                cases.append(case)
-                print(len(cells), young, load, case["share"], case["tip"], flush=True)
+                theirs = half_ball.settle(young, direction, tip)
+                size = np.linalg.norm(theirs["tip"])
+                row = [len(cells), f"{young:g}", load,
+                       f"{1e3 * size:.2f}" if theirs["share"] == 1 else "no rest"]
+                for quadrature in ("Standard", "Fine"):
+                    ours = settle_here(body, young, direction, tip, quadrature)
+                    row.append("no rest" if ours is None else
+                               f"{100 * np.linalg.norm(ours[0] - theirs['tip']) / size:.2g}, "
+                               f"{ours[1]}")
+                print("| " + " | ".join(map(str, row)) + " |", flush=True)
+
+
+def main():
+    gf.util_trace_level(0)
+    if sys.argv[1] == "table":
+        print_table()
+        return
+    mesher, moduli = COARSE
+    points, cells = mesh_of(make_body(*mesher))
+    fixed = points[:, 2] < BASE
+    tip = int(np.argmax(points[:, 2]))
+    body = HalfBall(points, cells, fixed, 5)
+    cases = []
+    for young in moduli:
+        for load, direction in LOADS.items():
+            case = {"young": young, "load": load, "direction": direction}
+            case.update(body.settle(young, direction, tip))
+            cases.append(case)
+            print(len(cells), young, load, case["share"], case["tip"], flush=True)
+    mesh = {"tip": tip, "points": points.tolist(), "cells": cells.tolist(),
+            "fixed": [int(f) for f in fixed]}
     with open(sys.argv[1], "w", encoding="utf-8") as out:
         out.write(f'{{\n"code": "GetFEM 5.4.2",\n"density": {DENSITY}, "gravity": {GRAVITY},\n')
-        out.write('"meshes": [\n' + ",\n".join(json.dumps(mesh) for mesh in meshes) + '\n],\n')
+        for name, value in mesh.items():
+            out.write(f'"{name}": {json.dumps(value)},\n')
         out.write('"cases": [\n' + ",\n".join(json.dumps(case) for case in cases) + '\n]\n}\n')
 
 

@@ -15,14 +15,14 @@
 namespace palpate {
 
 namespace baseline {
-const Kernels& kernels(int order, int law, int formulation);
+const Kernels& kernels(int order, int law, bool is_mixed);
 }
 #if defined(__x86_64__)
 namespace avx2 {
-const Kernels& kernels(int order, int law, int formulation);
+const Kernels& kernels(int order, int law, bool is_mixed);
 }
 namespace avx512 {
-const Kernels& kernels(int order, int law, int formulation);
+const Kernels& kernels(int order, int law, bool is_mixed);
 }
 #endif
 
@@ -36,21 +36,22 @@ constexpr double kRounding = 1e-13;
 class Elements {
  public:
   Elements(int order, int num_constants, Formulation formulation, bool homogeneous)
-      : mixed_(formulation == Formulation::mixed), homogeneous_(homogeneous) {
+      : mixed_(is_mixed(formulation)), homogeneous_(homogeneous) {
     const int num_nodes = order == 1 ? 4 : 10;
-    const int num_points = order == 1 ? 1 : 4;
+    num_points_ = order == 1 ? 1 : formulation == Formulation::mixed_fine ? 15 : 4;
     const int num_pairs = num_nodes * (num_nodes + 1) / 2;
     Random random(41);
     u_ = random.vector(3 * kPoints + kPressures, 0.05);
     for (int i = 0; i < kPackets * num_nodes * kPacketSize; ++i) {
       nodes_.push_back(static_cast<std::int32_t>(random.uniform(0, kPoints)));
     }
-    const int num_weights = kPackets * num_points * kPacketSize;
+    const int num_weights = kPackets * num_points_ * kPacketSize;
     // H stays small enough for det F > 0 and E of a few tenths.
     for (int i = 0; i < num_weights * num_nodes * 3; ++i) {
       gradients_.push_back(random.uniform(-1, 1));
     }
     for (int i = 0; i < num_weights; ++i) weights_.push_back(random.uniform(0, 1));
+    for (int i = 0; i < 4 * num_points_; ++i) corner_shares_.push_back(random.uniform(0, 0.5));
     const int num_parameters = num_constants + (mixed_ ? 3 : 0);
     for (int i = 0; i < num_parameters * (homogeneous ? 1 : kPackets * kPacketSize); ++i) {
       parameters_.push_back(random.uniform(1, 2));
@@ -83,6 +84,8 @@ class Elements {
   Results run(const Kernels& kernels) const {
     const ElementGroupView view{0,
                                 kPackets,
+                                num_points_,
+                                corner_shares_.data(),
                                 nodes_.data(),
                                 gradients_.data(),
                                 weights_.data(),
@@ -113,7 +116,8 @@ class Elements {
   bool homogeneous_;
   Eigen::VectorXd u_;
   std::vector<std::int32_t> nodes_;
-  std::vector<double> gradients_, weights_, parameters_;
+  int num_points_ = 0;
+  std::vector<double> corner_shares_, gradients_, weights_, parameters_;
   std::vector<BlockTarget> targets_, coupling_targets_;
   std::vector<std::int32_t> pressures_, pressure_targets_;
   std::size_t num_values_ = 0;
@@ -128,7 +132,7 @@ void expect_equal(const std::vector<double>& a, const std::vector<double>& b, co
   }
 }
 
-using Source = const Kernels& (*)(int, int, int);
+using Source = const Kernels& (*)(int, int, bool);
 
 void expect_equal_kernels(const Kernels& reference, const Kernels& kernels,
                           const Elements& elements) {
@@ -151,14 +155,15 @@ void expect_equal_kernels(const Kernels& reference, const Kernels& kernels,
 void expect_equal_kernels(Source source) {
   for (int order : {1, 2}) {
     for (Law law : kLaws) {
-      for (Formulation formulation : {Formulation::displacement, Formulation::mixed}) {
+      for (Formulation formulation :
+           {Formulation::displacement, Formulation::mixed, Formulation::mixed_fine}) {
         for (bool homogeneous : {true, false}) {
-          SCOPED_TRACE("order " + std::to_string(order) + ", " + to_string(law) +
-                       (formulation == Formulation::mixed ? ", mixed" : ""));
+          SCOPED_TRACE("order " + std::to_string(order) + ", " + to_string(law) + ", formulation " +
+                       std::to_string(static_cast<int>(formulation)));
           const auto number = static_cast<int>(law);
-          const auto form = static_cast<int>(formulation);
-          const Kernels& reference = baseline::kernels(order, number, form);
-          expect_equal_kernels(reference, source(order, number, form),
+          const bool mixed = is_mixed(formulation);
+          const Kernels& reference = baseline::kernels(order, number, mixed);
+          expect_equal_kernels(reference, source(order, number, mixed),
                                {order, reference.num_constants, formulation, homogeneous});
         }
       }
@@ -171,18 +176,18 @@ TEST(InstructionSets, Baseline) { expect_equal_kernels(baseline::kernels); }
 #if defined(__x86_64__)
 TEST(InstructionSets, Avx2) {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) GTEST_SKIP();
-  EXPECT_STREQ(avx2::kernels(1, 0, 0).instruction_set, "avx2");
+  EXPECT_STREQ(avx2::kernels(1, 0, false).instruction_set, "avx2");
   expect_equal_kernels(avx2::kernels);
 }
 
 TEST(InstructionSets, Avx512) {
   if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx512dq")) GTEST_SKIP();
-  EXPECT_STREQ(avx512::kernels(1, 0, 0).instruction_set, "avx512");
+  EXPECT_STREQ(avx512::kernels(1, 0, false).instruction_set, "avx512");
   expect_equal_kernels(avx512::kernels);
 }
 
 TEST(InstructionSets, TheBestOneIsTaken) {
-  const std::string best = best_kernels(1, 0, 0).instruction_set;
+  const std::string best = best_kernels(1, 0, false).instruction_set;
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) {
     EXPECT_EQ(best, "avx512");
   } else if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {

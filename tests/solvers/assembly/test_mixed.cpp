@@ -36,13 +36,15 @@ constexpr Law kAllLaws[] = {Law::linear,
                             Law::mooney_rivlin_incompressible,
                             Law::ogden};
 
-class Mixed : public testing::TestWithParam<std::tuple<ElementOrder, Law>> {
+using Cells = std::tuple<ElementOrder, Law, Formulation>;
+
+class Mixed : public testing::TestWithParam<Cells> {
  protected:
   Mixed() {
     Block block = make_block(law(), {order(), {2, 2, 1}, kLength, 3000, 0.49});
     warp_curved(block.scene.mesh, wavy(Vec3::Constant(kLength)));
     scene_ = std::move(block.scene);
-    for (Material& material : scene_.materials) material.formulation = Formulation::mixed;
+    for (Material& material : scene_.materials) material.formulation = std::get<2>(GetParam());
   }
 
   static ElementOrder order() { return std::get<0>(GetParam()); }
@@ -57,13 +59,42 @@ class Mixed : public testing::TestWithParam<std::tuple<ElementOrder, Law>> {
   Random random_{22};
 };
 
-std::string name_of_body(const testing::TestParamInfo<std::tuple<ElementOrder, Law>>& info) {
+std::string name_of_body(const testing::TestParamInfo<Cells>& info) {
   return name_of_order({std::get<0>(info.param), 0}) + letters(to_string(std::get<1>(info.param)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, Mixed,
-                         testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kAllLaws)),
+                         testing::Combine(testing::ValuesIn(kOrders), testing::ValuesIn(kAllLaws),
+                                          testing::Values(Formulation::mixed)),
                          name_of_body);
+INSTANTIATE_TEST_SUITE_P(FineQuadrature, Mixed,
+                         testing::Combine(testing::ValuesIn(kOrders),
+                                          testing::Values(Law::neo_hookean,
+                                                          Law::mooney_rivlin_incompressible),
+                                          testing::Values(Formulation::mixed_fine)),
+                         name_of_body);
+
+// A Tet4 has a constant strain; in a Tet10 the rules differ where the strain does.
+TEST_P(Mixed, AnotherRuleOfQuadratureIsAnotherBodyForTet10Alone) {
+  const Assembly assembly(scene_);
+  EXPECT_EQ(assembly.takes_finer_quadrature(),
+            order() == ElementOrder::quadratic && std::get<2>(GetParam()) == Formulation::mixed);
+  Scene other = scene_;
+  for (Material& material : other.materials) {
+    material.formulation =
+        material.formulation == Formulation::mixed ? Formulation::mixed_fine : Formulation::mixed;
+  }
+  EXPECT_NE(hash(other), hash(scene_));
+  const NodalVector x = random_state(assembly);
+  NodalVector force;
+  const double energy = assembly.residual(x, force).energy;
+  const double of_other = Assembly(other).residual(x, force).energy;
+  if (order() == ElementOrder::linear) {
+    EXPECT_EQ(of_other, energy);
+  } else {
+    EXPECT_GT(std::abs(of_other - energy), 1e-6 * std::abs(energy));
+  }
+}
 
 TEST_P(Mixed, AtRestThereIsNeitherEnergyNorForce) {
   const Assembly assembly(scene_);

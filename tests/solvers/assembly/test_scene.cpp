@@ -102,6 +102,10 @@ TEST(HashOfScene, IsOfWhatDecidesTheEquilibria) {
   other = scene;
   other.materials[0].formulation = Formulation::mixed;
   EXPECT_NE(hash(other), original) << "the formulation";
+  const std::string mixed = hash(other);
+  other.materials[0].formulation = Formulation::mixed_fine;
+  EXPECT_NE(hash(other), original) << "the formulation";
+  EXPECT_NE(hash(other), mixed) << "the rule of quadrature";
   other = scene;
   other.materials[0].law = Law::st_venant_kirchhoff;
   EXPECT_NE(hash(other), original) << "the law";

@@ -19,7 +19,13 @@ namespace {
 struct Case {
   Law law;
   ElementOrder order;
+  Formulation formulation = Formulation::displacement;
 };
+
+Scene in_formulation(Scene scene, Formulation formulation) {
+  for (Material& material : scene.materials) material.formulation = formulation;
+  return scene;
+}
 
 class MemoryPotential : public testing::TestWithParam<Case> {
  protected:
@@ -34,7 +40,8 @@ class MemoryPotential : public testing::TestWithParam<Case> {
 
   std::mt19937 random_{3};
   test::Block block_ = test::make_block(GetParam().law, {GetParam().order, {2, 1, 1}});
-  Assembly assembly_{block_.scene};
+  Scene scene_ = in_formulation(block_.scene, GetParam().formulation);
+  Assembly assembly_{scene_};
 };
 
 TEST_P(MemoryPotential, ForceAndTangentAreItsDerivatives) {
@@ -42,7 +49,7 @@ TEST_P(MemoryPotential, ForceAndTangentAreItsDerivatives) {
   rheology.viscous_time = 0.05;
   rheology.prony_moduli = {0.4, 0.2};
   rheology.prony_times = {0.03, 0.5};
-  Viscosity viscosity(block_.scene, {rheology}, assembly_, random_state(1e-3));
+  Viscosity viscosity(scene_, {rheology}, assembly_, random_state(1e-3));
   (void)viscosity.begin_step(0.01, Vec3(100, -100, 0));
   viscosity.end_step(0.01, Vec3(100, -100, 0), random_state(1e-3));
   (void)viscosity.begin_step(0.02, Vec3(75, -100, 25));
@@ -81,17 +88,25 @@ TEST_P(MemoryPotential, ForceAndTangentAreItsDerivatives) {
   EXPECT_LT((product - of_change).norm(), 1e-8 * product.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(Laws, MemoryPotential,
-                         testing::Values(Case{Law::linear, ElementOrder::linear},
-                                         Case{Law::linear, ElementOrder::quadratic},
-                                         Case{Law::neo_hookean, ElementOrder::linear},
-                                         Case{Law::neo_hookean, ElementOrder::quadratic},
-                                         Case{Law::fung, ElementOrder::quadratic},
-                                         Case{Law::ogden, ElementOrder::quadratic}),
-                         [](const auto& of) {
-                           return test::letters(to_string(of.param.law)) +
-                                  (of.param.order == ElementOrder::linear ? "Tet4" : "Tet10");
-                         });
+std::string name_of(const testing::TestParamInfo<Case>& of) {
+  const char* formulations[] = {"", "Mixed", "MixedFine"};
+  return test::letters(to_string(of.param.law)) +
+         formulations[static_cast<int>(of.param.formulation)] +
+         (of.param.order == ElementOrder::linear ? "Tet4" : "Tet10");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Laws, MemoryPotential,
+    testing::Values(Case{Law::linear, ElementOrder::linear},
+                    Case{Law::linear, ElementOrder::quadratic},
+                    Case{Law::neo_hookean, ElementOrder::linear},
+                    Case{Law::neo_hookean, ElementOrder::quadratic},
+                    Case{Law::fung, ElementOrder::quadratic},
+                    Case{Law::ogden, ElementOrder::quadratic},
+                    Case{Law::neo_hookean, ElementOrder::quadratic, Formulation::mixed},
+                    Case{Law::neo_hookean, ElementOrder::quadratic, Formulation::mixed_fine},
+                    Case{Law::neo_hookean, ElementOrder::linear, Formulation::mixed_fine}),
+    name_of);
 
 /// The stress that a strain history in steps leaves, beside its closed form: E = ε t, so that each
 /// term is g μ ε τ (1 − exp(−t/τ)) of a linear law, to the bit of the recursion.

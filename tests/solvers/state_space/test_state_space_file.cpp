@@ -635,6 +635,7 @@ TEST_F(StateSpaceFileTest, MaterialsOfEveryLawAndFormulation) {
                      make_material(Law::mooney_rivlin_polynomial,
                                    {1000, 10, -3, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}),
                      make_material(Law::fung, {1000, 0.3, 0.1}),
+                     with_formulation(make_mooney_rivlin(300, 30.1, 900), Formulation::mixed_fine),
                      make_material(Law::neo_hookean_incompressible, {1000.1}),
                      make_material(Law::mooney_rivlin_incompressible, {0.1, 0.2}),
                      make_material(Law::ogden, {900, 30, 2.5, 10, -3, 5, 1})};
