@@ -28,7 +28,8 @@ find_package(Freetype REQUIRED)
 # Only what a server-side plugin needs: the whole of ParaView would ask for the development packages
 # of GDAL, FFmpeg and more. The targets of its window are there all the same; they need Qt's
 # widgets, and its component pqCore would ask for Qt's help system too.
-find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore VTKExtensionsExtraction)
+find_package(ParaView 5.11 REQUIRED
+  COMPONENTS RemotingCore VTKExtensionsExtraction VTKExtensionsIOCore)
 # From Debian 13 on VTK looks for what lies behind a module only when that module is asked for, and
 # ParaView does not ask for these that it links. Its development package brings them all.
 if(ParaView_VERSION VERSION_GREATER_EQUAL 5.13)

@@ -12,6 +12,7 @@
 #include "materials/material.h"
 #include "materials/rheology.h"
 #include "materials/tissues.h"
+#include "vtkFieldData.h"
 #include "vtkImplicitFunction.h"
 #include "vtkInformation.h"
 #include "vtkMultiProcessController.h"
@@ -26,6 +27,7 @@
 #include "vtkPalpateWholeBody.h"
 #include "vtkPalpateWholeSurface.h"
 #include "vtkPolyData.h"
+#include "vtkStringArray.h"
 #include "vtkUnstructuredGrid.h"
 #include "vtkVariant.h"
 
@@ -110,6 +112,30 @@ double NumberOf(const std::string& text)
     throw InputError('\'' + text + "' is not a number.");
   }
   return number;
+}
+
+/// The value of a region that is given by its number, or by a name of the body's labels.
+double RegionOf(const std::string& text, vtkUnstructuredGrid* body)
+{
+  auto* names = vtkStringArray::SafeDownCast(body->GetFieldData()->GetAbstractArray("LabelName"));
+  vtkDataArray* labels = body->GetFieldData()->GetArray("Label");
+  bool isNumber = false;
+  (void)vtkVariant(text).ToDouble(&isNumber);
+  if (isNumber || !names || !labels || names->GetNumberOfValues() != labels->GetNumberOfTuples())
+  {
+    return NumberOf(text);
+  }
+  std::string there;
+  for (vtkIdType i = 0; i < names->GetNumberOfValues(); ++i)
+  {
+    const std::string name = names->GetValue(i);
+    if (name == text)
+    {
+      return labels->GetComponent(i, 0);
+    }
+    there += (there.empty() ? "'" : ", '") + name + '\'';
+  }
+  throw InputError("it is neither a number nor the name of a label. The body has: " + there + '.');
 }
 
 /// Names and values by turns.
@@ -434,7 +460,7 @@ std::vector<vtkPalpateAssignMaterial::Assignment> vtkPalpateAssignMaterial::Assi
   {
     try
     {
-      const double number = NumberOf(value);
+      const double number = RegionOf(value, body);
       if (!values.insert(number).second)
       {
         throw InputError("the value is there twice.");

@@ -167,6 +167,19 @@ vtkPalpateLabelGrid vtkPalpateReadLabels(vtkImageData* image, const std::string&
   {
     throw InputError("The voxels of the image have no volume. Check its spacing and direction.");
   }
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const int next = (axis + 1) % 3;
+    // Headers have four digits and more; over a thousand voxels this is one.
+    constexpr double tolerance = 1e-3;
+    if (std::abs(vtkMath::Dot(grid.Axes[axis].data(), grid.Axes[next].data())) >
+      tolerance * grid.Spacing(axis) * grid.Spacing(next))
+    {
+      throw InputError(
+        "The axes of the image are not at right angles: its direction matrix shears. "
+        "Resample the image in the program that made it.");
+    }
+  }
 
   const auto count = static_cast<vtkIdType>(number);
   vtkPalpateCheckArrays(image);

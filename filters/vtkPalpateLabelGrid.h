@@ -54,7 +54,8 @@ constexpr double vtkPalpateLabelTolerance = 1e-3;
 /// @param negative Gets the number of voxels of each negative label that became 0, unless `wanted`
 /// says what is kept; null: nobody asks.
 /// @throws palpate::InputError no such array with one whole number for each, an image of a single
-/// layer of voxels, more voxels than above, a wanted label that is not there, or none at all.
+/// layer of voxels, more voxels than above, axes that are not at right angles, a wanted label that
+/// is not there, or none at all.
 PALPATEFILTERS_EXPORT vtkPalpateLabelGrid vtkPalpateReadLabels(vtkImageData* image,
   const std::string& array, const std::vector<int>& wanted, double unit,
   std::map<int, std::size_t>* negative = nullptr);

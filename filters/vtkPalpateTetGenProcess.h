@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs palpate-tetgen (filters/tetgen/main.cxx), where a crash or hang of TetGen harms nobody.
-// Its streams are files without a name, so nothing is left behind however either process ends.
 #pragma once
 
 #include <chrono>

@@ -19,11 +19,13 @@
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateBodyMesh.h"
+#include "vtkPalpateDroppedDirections.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateLabelParts.h"
 #include "vtkPalpateLabelSurface.h"
+#include "vtkPalpateSegments.h"
 #include "vtkPalpateUnit.h"
 #include "vtkPolyData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
@@ -116,15 +118,24 @@ Quality QualityOf(vtkUnstructuredGrid* body)
   return quality;
 }
 
+/// A label, with its name where it has one.
+std::string NameOf(int label, const std::map<int, std::string>& names)
+{
+  const auto found = names.find(label);
+  return "Label " + std::to_string(label) +
+    (found == names.end() ? "" : " (" + found->second + ')');
+}
+
 /// The parts of a body in its image, in the cubes, and in the mesh.
 class PartsReport
 {
 public:
   PartsReport(const vtkPalpateLabelParts& parts, const vtkPalpateCubes& cubes,
-    const vtkPalpateLabelSurface& surface)
+    const vtkPalpateLabelSurface& surface, const std::map<int, std::string>& names)
     : Parts(parts)
     , Cubes(cubes)
     , Surface(surface)
+    , Names(names)
   {
     for (std::size_t part = 1; part < parts.Each.size(); ++part)
     {
@@ -228,7 +239,7 @@ private:
     const int label = Parts.Each[part].Label;
     std::ostringstream name;
     name.precision(3);
-    name << (label == 0 ? "A cavity" : "Label " + std::to_string(label));
+    name << (label == 0 ? "A cavity" : NameOf(label, Names));
     name << (label == 0 || NumberOf.at(label) == 1 ? " of " : ", the part of ");
     const auto x = Place(part);
     name << ImageVolume(part) << " m³ around (" << x[0] << ", " << x[1] << ", " << x[2] << ") m";
@@ -270,6 +281,7 @@ private:
   const vtkPalpateLabelParts& Parts;
   const vtkPalpateCubes& Cubes;
   const vtkPalpateLabelSurface& Surface;
+  const std::map<int, std::string>& Names;
   std::map<int, std::size_t> NumberOf; ///< parts of each label
 };
 
@@ -614,6 +626,8 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
       (' ' + std::to_string(label)) + " (" + std::to_string(count) + " voxels)";
   }
   warning += warning.empty() ? "" : ". ";
+  const std::string dropped = vtkPalpateTellDroppedDirections(this);
+  warning += dropped + (dropped.empty() ? "" : " ");
   report << warning << (warning.empty() ? "" : "\n");
   const auto before = vtkPalpateCountLabels(grid);
   for (const auto& [label, parts] : vtkPalpateRemoveIslands(grid, this->SmallestIsland))
@@ -695,7 +709,8 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   polydata->GetCellData()->AddArray(sides);
   walls->ShallowCopy(polydata);
 
-  const PartsReport of_parts(parts, cubes, surface);
+  const auto names = vtkPalpateNamesOfLabels(image->GetFieldData());
+  const PartsReport of_parts(parts, cubes, surface, names);
   std::vector<int> part_labels;
   std::vector<double> part_image_volumes, part_mesh_volumes, part_places;
   std::map<std::size_t, int> numbers;
@@ -718,14 +733,16 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   NameRegions(body, parts, numbers);
 
   std::vector<int> labels;
+  std::vector<std::string> label_names;
   std::vector<double> image_volumes, mesh_volumes;
   for (const auto& [label, volume] : volumes)
   {
     labels.push_back(label);
+    label_names.push_back(names.count(label) > 0 ? names.at(label) : "");
     image_volumes.push_back(volume);
     mesh_volumes.push_back(mesh_volume.at(label));
     report.precision(3);
-    report << "Label " << label << ": " << volume << " m³ in the image, "
+    report << NameOf(label, names) << ": " << volume << " m³ in the image, "
            << 100 * (mesh_volumes.back() / volume - 1) << " % more or less in the body.\n";
   }
   report << of_parts.Lines();
@@ -737,6 +754,10 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
          << " tetrahedra the smallest angle between two faces is " << quality.Angle
          << "°, the largest ratio of radius to edge " << quality.Ratio << '.';
   AddField<vtkIntArray>(body, "Label", labels);
+  if (!names.empty())
+  {
+    AddField<vtkStringArray>(body, "LabelName", label_names);
+  }
   AddField<vtkDoubleArray>(body, "ImageVolume", image_volumes);
   AddField<vtkDoubleArray>(body, "MeshVolume", mesh_volumes);
   AddField<vtkIntArray>(body, "PartLabel", part_labels);

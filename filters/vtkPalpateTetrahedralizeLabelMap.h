@@ -11,7 +11,9 @@
  *
  * Output port 0: the tetrahedra, positively oriented, with straight edges, in m; cell array
  * `RegionId` (int), the label, and `Part` (int), the connected part of a label; field arrays
- * `Label` (int), `ImageVolume` and `MeshVolume` (m³) with a value for each label, `PartLabel`
+ * `Label` (int), `LabelName` (string; only where the image has names, see
+ * vtkPalpateSegmentationReader), `ImageVolume` and `MeshVolume` (m³) with a value for each label,
+ * `PartLabel`
  * (int), `PartImageVolume`, `PartMeshVolume` (m³; 0: it is lost) and `PartCentre` (m, 3 components,
  * in the image) with one for each part, and `Report` (string), what was done and how good it is.
  * Port 1: the walls, with the cell array `BoundaryLabels` (2 components: the labels behind the wall

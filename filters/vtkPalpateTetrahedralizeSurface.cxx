@@ -24,6 +24,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateBodyMesh.h"
 #include "vtkPalpateCompartments.h"
+#include "vtkPalpateDroppedDirections.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateInput.h"
@@ -525,6 +526,11 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
       if (!tissues.Surface)
       {
         return;
+      }
+      const std::string dropped = vtkPalpateTellDroppedDirections(this);
+      if (!dropped.empty())
+      {
+        vtkWarningMacro(<< dropped);
       }
       try
       {

@@ -28,15 +28,12 @@
 
 #include <tetgen.h>
 
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -49,6 +46,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "program/limit_process.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
 #include "vtkDataArray.h"
@@ -591,23 +589,6 @@ void WriteGrid(vtkUnstructuredGrid* grid, int file)
     }
     written += static_cast<std::size_t>(count);
   }
-}
-
-/// The program shall not outlive the one that started it, nor leave a core file, nor take the
-/// memory that the rest of the machine lives on.
-void LimitProcess()
-{
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const rlimit no_core = { 0, 0 };
-  setrlimit(RLIMIT_CORE, &no_core);
-  constexpr double share = 0.8;
-  const double memory =
-    static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  rlimit inherited;
-  getrlimit(RLIMIT_AS, &inherited);
-  const auto most = std::min(static_cast<rlim_t>(share * memory), inherited.rlim_cur);
-  const rlimit address_space = { most, most };
-  setrlimit(RLIMIT_AS, &address_space);
 }
 
 const char* Meaning(int code)

@@ -30,6 +30,7 @@ LIBRARIES = [
     ("xxHash", r"xxh\w+\.h"),
     ("zlib", r"zlib\.h"),
     ("TetGen", r"tetgen\.h"),
+    ("ITK", r"itk\w+\.h|NrrdIO\.h"),
     ("hidapi", r"(hidapi/)?hidapi\w*\.h"),
     ("CSV", r"csv\.h"),
     ("CLI11", r"CLI/.+"),
@@ -99,7 +100,10 @@ def haptic_units():
 # The longest folder that matches counts.
 UNITS = solver_units() | haptic_units() | {
     "filters": Unit({"std", "POSIX", "VTK"}, {"solvers"}),
-    "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}),
+    # What the programs that a filter starts share.
+    "filters/program": Unit({"std", "POSIX"}),
+    "filters/tetgen": Unit({"std", "POSIX", "VTK", "TetGen"}, {"filters/program"}),
+    "filters/image": Unit({"std", "POSIX", "ITK", "zlib"}, {"filters/program"}),
     "plugin/Palpate": Unit({"std", "VTK", "ParaView"}, {"filters"}),
     "plugin/PalpateInteractor": Unit({"std", "VTK", "ParaView", "Qt", "X11"},
                                      {"filters", "haptic"}),

@@ -14,7 +14,7 @@ HEADERS = [
     "solvers/interpolation/interpolation.h", "solvers/state_space/state_space.h",
     "haptic/profile/report.h", "haptic/servo/servo.h", "filters/vtkPalpateGuard.h",
     "filters/tetgen/stream.h", "solvers/reduced/reduced_body.h", "solvers/reduction/nnls.h",
-    "haptic/simulating/coupled_tool.h",
+    "haptic/simulating/coupled_tool.h", "filters/program/limit.h",
 ]
 
 
@@ -41,7 +41,9 @@ class AllowedTest(unittest.TestCase):
         self.check("solvers/linear/a.cpp", "<dmumps_c.h>", "<mpi.h>")
         self.check("solvers/schedule/a.cpp", "<mpi.h>")
         self.check("solvers/state_space/a.cpp", "<sqlite3.h>")
-        self.check("filters/tetgen/main.cpp", "<tetgen.h>", '"stream.h"')
+        self.check("filters/tetgen/main.cpp", "<tetgen.h>", '"stream.h"', '"program/limit.h"')
+        self.check("filters/image/main.cpp", "<itkNrrdImageIO.h>", "<NrrdIO.h>",
+                   '"program/limit.h"')
 
     def test_haptic(self):
         self.check("haptic/servo/a.cpp", '"haptic/profile/report.h"',
@@ -126,6 +128,9 @@ class ForbiddenTest(unittest.TestCase):
         self.check("filters/a.cxx", "<tetgen.h>", "tetgen.h: filters may not include TetGen")
         self.check("solvers/mesh/a.cpp", "<xxhash.h>",
                    "xxhash.h: solvers/mesh may not include xxHash")
+
+    def test_itk_is_in_its_program_alone(self):
+        self.check("filters/a.cxx", "<itkImage.h>", "itkImage.h: filters may not include ITK")
 
     def test_tetgen_program_stands_alone(self):
         self.check("filters/tetgen/main.cpp", '"base/error.h"',

@@ -12,7 +12,7 @@ from paraview.simple import (AssignMaterial, OpenDataFile, SetBoundary, SolveEqu
 from support import cell_array, expect_error, expect_silence, fetch, field, places
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import VTK_QUADRATIC_TETRA, vtkImageData
-from vtkmodules.vtkIOImage import vtkMetaImageWriter
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 RANKS = vtkProcessModule.GetProcessModule().GetNumberOfLocalPartitions()
 SIZE = 31  # voxels along an axis
@@ -31,7 +31,9 @@ def save_image(name):
     image.SetSpacing(SPACING)
     image.SetOrigin(100, 0, -50)
     image.GetPointData().SetScalars(numpy_to_vtk(labels.ravel(), deep=True))
-    writer = vtkMetaImageWriter()
+    image.GetPointData().GetScalars().SetName("Tissues")
+    writer = vtkXMLImageDataWriter()
+    writer.SetDataModeToBinary()  # recent releases of Expat make readers refuse appended data
     writer.SetFileName(name)
     writer.SetInputData(image)
     writer.Write()
@@ -71,7 +73,7 @@ def test_road(image, volumes):
 
 def test_every_property(image):
     body = TetrahedralizeLabelMap(
-        Input=image, Unit="mm", LabelArray="MetaImage", Labels=[2], Smoothing=5,
+        Input=image, Unit="mm", LabelArray="Tissues", Labels=[2], Smoothing=5,
         SmallestIsland=1e-9, FillHoles=1, ElementSize=0.006, LabelSizes=[2, 0.004],
         ElementOrder="Linear", MaximumRadiusEdgeRatio=1.6, TimeOut=60.0)
     names = set(body.ListProperties()) - {"Input", "ErrorCode", "Estimate", "UpdateEstimate"}
@@ -94,8 +96,8 @@ def test_errors(image):
 
 
 def main():
-    volumes = save_image("ball.mha")
-    image = OpenDataFile("ball.mha")
+    volumes = save_image("ball.vti")
+    image = OpenDataFile("ball.vti")
     test_road(image, volumes)
     if RANKS == 1:
         test_every_property(image)
