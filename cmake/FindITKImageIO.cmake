@@ -3,7 +3,8 @@
 # folder of ITKTargets.cmake.
 #
 # ITKConfig.cmake is left alone: it looks for all that any part of ITK needs, GDCM and HDF5 among
-# it, and what it finds changes what ParaView's own files find. These parts need none of that.
+# it, and what it finds changes what ParaView's own files find. These parts need none of that but
+# Eigen.
 
 if(NOT ITK_DIR)
   file(GLOB folders

@@ -200,6 +200,13 @@ bool IsUnturnedContour(vtkAlgorithm* filter)
   return true;
 }
 
+/// Such a reader keeps them: later versions of VTK have some.
+bool HasDirections(vtkAlgorithm* reader)
+{
+  auto* image = vtkImageData::SafeDownCast(reader->GetOutputDataObject(0));
+  return image && !image->GetDirectionMatrix()->IsIdentity();
+}
+
 std::string TellOf(const std::string& file, vtkAlgorithm* reader)
 {
   vtkPalpateImageHeader header;
@@ -209,6 +216,10 @@ std::string TellOf(const std::string& file, vtkAlgorithm* reader)
   }
   catch (const std::exception& error)
   {
+    if (HasDirections(reader))
+    {
+      return "";
+    }
     return "It cannot be told whether ParaView's reader has left out directions of " + file +
       ", so that what was read is turned, moved or mirrored. " + error.what();
   }

@@ -188,17 +188,17 @@ void Arrange(const Arrangement& arrangement, const std::array<int, 3>& old,
       step[c] = -step[c];
     }
   }
-  std::vector<Value> arranged;
-  arranged.reserve(voxels.size());
+  std::vector<Value> arranged(voxels.size());
+  Value* to = arranged.data();
+  const auto values = static_cast<std::ptrdiff_t>(components);
   for (int k = 0; k < size[2]; ++k)
   {
     for (int j = 0; j < size[1]; ++j)
     {
-      std::ptrdiff_t voxel = first + j * step[1] + k * step[2];
-      for (int i = 0; i < size[0]; ++i, voxel += step[0])
+      const Value* from = voxels.data() + (first + j * step[1] + k * step[2]) * values;
+      for (int i = 0; i < size[0]; ++i, from += step[0] * values)
       {
-        const auto values = voxels.begin() + voxel * static_cast<std::ptrdiff_t>(components);
-        arranged.insert(arranged.end(), values, values + static_cast<std::ptrdiff_t>(components));
+        to = std::copy_n(from, values, to);
       }
     }
   }

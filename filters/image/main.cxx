@@ -436,6 +436,24 @@ Frame FrameOf(const itk::ImageIOBase& io)
   return frame;
 }
 
+/// Some versions of ITK straighten a matrix that shears, without a word.
+std::optional<Frame> SformOf(const itk::MetaDataDictionary& dictionary)
+{
+  const auto code = [&dictionary](const char* name)
+  { return std::atoi(StringOf(dictionary, name).c_str()); };
+  if (code("sform_code") <= 0 || code("qform_code") > 0)
+  {
+    return std::nullopt;
+  }
+  Frame frame;
+  for (int c = 0; c < Dimension; ++c)
+  {
+    std::istringstream row(StringOf(dictionary, "srow_" + std::string(1, "xyz"[c])));
+    row >> frame.Axes[0][c] >> frame.Axes[1][c] >> frame.Axes[2][c];
+  }
+  return frame;
+}
+
 void CheckFrame(const Frame& frame)
 {
   for (const auto& vector : { frame.Axes[0], frame.Axes[1], frame.Axes[2], frame.Origin })
@@ -516,6 +534,10 @@ public:
     }
     else if (dynamic_cast<itk::NiftiImageIO*>(IO.GetPointer()))
     {
+      if (const auto sform = SformOf(dictionary))
+      {
+        CheckFrame(*sform);
+      }
       RescaleOrigin(dictionary, Place);
       Oriented = std::atoi(StringOf(dictionary, "qform_code").c_str()) > 0 ||
         std::atoi(StringOf(dictionary, "sform_code").c_str()) > 0;

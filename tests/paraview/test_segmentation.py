@@ -301,13 +301,18 @@ def test_segments():
 
 
 def write_segments(name, keys, layers=2):
+    """A voxel of 1 and one of 3 in each layer; without layers an image of three dimensions."""
+    of_list = (f" {layers}", " none", " list") if layers else ("", "", "")
     with open(name, "wb") as file:
-        file.write(("NRRD0005\ntype: unsigned char\ndimension: 4\nspace: LPS\n"
-                    f"sizes: {layers} 3 3 3\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n"
-                    "kinds: list domain domain domain\nencoding: raw\nspace origin: (0,0,0)\n"
+        file.write((f"NRRD0005\ntype: unsigned char\ndimension: {4 if layers else 3}\n"
+                    f"space: LPS\nsizes:{of_list[0]} 3 3 3\n"
+                    f"space directions:{of_list[1]} (1,0,0) (0,1,0) (0,0,1)\n"
+                    f"kinds:{of_list[2]} domain domain domain\n"
+                    "encoding: raw\nspace origin: (0,0,0)\n"
                     + "".join(f"{key}:={value}\n" for key, value in keys.items())
                     + "\n").encode())
-        file.write(bytes(layers * [1]) + bytes(layers * [3]) + bytes(layers * 25))
+        values = max(layers, 1)
+        file.write(bytes(values * [1]) + bytes(values * [3]) + bytes(values * 25))
 
 
 def test_keys_of_segments():
@@ -318,6 +323,15 @@ def test_keys_of_segments():
     assert "'rib' loses 1 voxels" in messages.text, messages.text
     assert "1 voxels (1 mm³ of a file in mm) have a value that belongs to no" in messages.text
     assert strings(image, "Segment") == ["rib", "rib (2)"]
+    # The usual file: one layer, and no word of it.
+    write_segments("flat.seg.nrrd", {
+        "Segment0_Name": "rib", "Segment0_LabelValue": "3", "Segment0_Color": "1 2 red",
+        "Segment1_Name": "lung", "Segment1_LabelValue": "1"}, layers=0)
+    image = expect_silence(lambda: fetch(SegmentationReader(FileName="flat.seg.nrrd")))
+    assert strings(image, "Segment") == ["rib", "lung"]
+    assert list(field(image, "SegmentLabel")) == [3, 1]
+    assert field(image, "SegmentColor")[0].tolist() == [1, 1, 0.5]
+    assert list(vtk_to_numpy(image.GetPointData().GetArray("Labels"))[:3]) == [1, 3, 0]
     for keys, word in (({"Segment0_LabelValue": "one"}, "Segment0_LabelValue"),
                        ({"Segment0_Layer": "7"}, "from 0 to 1"),
                        ({"Segment0_LabelValue": "1", "Segment1_LabelValue": "1",
@@ -348,7 +362,7 @@ def test_errors():
             file.write(data)
 
     cases = [("shear.nrrd", "right angles"), ("shear.mha", "right angles"),
-             ("shear.nii", "orthonormal"), ("pipe.nrrd", "a pipe"), ("none.mha", "No such file"),
+             ("shear.nii", "right angles"), ("pipe.nrrd", "a pipe"), ("none.mha", "No such file"),
              ("good.raw", "none of .nrrd")]
     for source in ("good.nrrd", "good.mha", "good.nii", "good.nii.gz"):
         variant("cut." + source, lambda data: data[:-len(data) // 8], source)
