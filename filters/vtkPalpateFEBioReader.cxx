@@ -76,7 +76,7 @@ int vtkPalpateFEBioReader::RequestData(
       }
       const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(this->FileName, this->Units);
       output->ShallowCopy(vtkPalpateGridFromScene(model.Scene));
-      vtkPalpateAddBoundaryKinds(output, model.Scene.fixed, model.Scene.touchable);
+      vtkPalpateAddBoundaryKinds(model.Scene, output);
       vtkPalpateWriteRheologies(model.Rheologies, model.Scene.material_of_cell, output);
       AddRegions(model, output);
       std::vector<std::string> warnings = model.Warnings;

@@ -770,6 +770,12 @@ int vtkPalpateFEBioWriter::RequestData(
       }
       Body whole;
       whole.Scene = vtkPalpateSceneFromGrid(body, whole.Rheologies);
+      if (whole.Scene.has_supports_or_surface_loads())
+      {
+        throw InputError("The body has HeldDirection, SupportStiffness, AppliedPressure or "
+                         "AppliedTraction, which are not written for FEBio: the file would hold "
+                         "another scene. Remove them with Pass Arrays, and add them in FEBio.");
+      }
       const Regions regions = RegionsOf(body);
       const std::vector<Part> parts = PartsOf(whole, regions);
       WriteFile(whole, parts, this->FileName);

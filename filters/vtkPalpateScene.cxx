@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "assembly/loaded_faces.h"
 #include "base/error.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -68,16 +69,18 @@ palpate::Scene ReadScene(vtkUnstructuredGrid* grid, std::vector<palpate::Rheolog
   // Before anything else looks at the geometry.
   palpate::check_and_orient(scene.mesh);
   ReadMaterials(grid, scene, rheologies);
+  vtkPalpateReadBoundary(grid, scene);
   vtkDataArray* fixed = vtkPalpateScalarArray(grid->GetPointData(), vtkPalpateArray::Fixed);
-  if (!fixed)
+  if (!fixed && !scene.has_supports())
   {
     throw InputError("No point of the body is fixed: the point array Fixed is missing. Apply Set "
                      "Boundary to it.");
   }
-  scene.fixed = vtkPalpateChosenPoints(fixed);
+  scene.fixed =
+    fixed ? vtkPalpateChosenPoints(fixed) : std::vector<char>(scene.mesh.points.size(), 0);
   vtkDataArray* touchable = vtkPalpateScalarArray(grid->GetPointData(), vtkPalpateArray::Touchable);
   scene.touchable = touchable ? vtkPalpateChosenPoints(touchable)
-                              : vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
+                              : vtkPalpateTouchableSurface(scene.mesh, vtkPalpateHeldPoints(scene));
   palpate::check(scene);
   return scene;
 }
@@ -115,7 +118,50 @@ void AddBodyForce(vtkUnstructuredGrid* grid, const palpate::Scene& scene)
     density->SetValue(cell, scene.densities[material]);
   }
   grid->GetCellData()->AddArray(density);
-  grid->GetPointData()->AddArray(vtkPalpateNodalArray(RestDisplacementName, scene.settled.u));
+}
+
+/// Null: there is none.
+/// @throws palpate::InputError it is of cells, or has another number of components.
+vtkDataArray* BoundaryArray(vtkUnstructuredGrid* grid, const char* name, int components)
+{
+  vtkDataArray* array = grid->GetPointData()->GetArray(name);
+  if (!array && grid->GetCellData()->GetArray(name))
+  {
+    throw InputError(std::string("The array ") + name +
+      " is of cells, but has to be of points: a face of the surface has what its three corners "
+      "have. Give each point a value, as with Cell Data to Point Data, or use Set Boundary.");
+  }
+  if (array && array->GetNumberOfComponents() != components)
+  {
+    throw InputError(std::string("The point array ") + name + " has " +
+      std::to_string(array->GetNumberOfComponents()) + " components; it must have " +
+      std::to_string(components) + '.');
+  }
+  return array;
+}
+
+/// Calls take(point, tuple) for each point; does nothing where there is no such array.
+template <int Components, class Take>
+void ReadTuples(vtkUnstructuredGrid* grid, const char* name, Take take)
+{
+  vtkDataArray* array = BoundaryArray(grid, name, Components);
+  for (vtkIdType point = 0; array && point < array->GetNumberOfTuples(); ++point)
+  {
+    Eigen::Matrix<double, Components, 1> tuple;
+    array->GetTuple(point, tuple.data());
+    take(static_cast<std::size_t>(point), tuple);
+  }
+}
+
+void WriteScalars(const char* name, const std::vector<double>& values, vtkUnstructuredGrid* grid)
+{
+  if (values.empty())
+  {
+    return;
+  }
+  const auto array = Numbers(name, 1, static_cast<vtkIdType>(values.size()));
+  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  grid->GetPointData()->AddArray(array);
 }
 }
 
@@ -218,21 +264,25 @@ palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid)
 {
   vtkDataArray* force = grid->GetFieldData()->GetArray(BodyForceName);
   vtkDataArray* displacement = grid->GetPointData()->GetArray(RestDisplacementName);
-  if (!force && !displacement)
+  palpate::Vec3 acceleration = palpate::Vec3::Zero();
+  const bool isForce = force && force->GetNumberOfValues() == 3;
+  if (isForce)
   {
-    return vtkPalpateSceneFromGrid(grid);
+    force->GetTuple(0, acceleration.data());
   }
-  if (!force || force->GetNumberOfValues() != 3 || !displacement ||
+  palpate::Scene scene = vtkPalpateSceneFromGrid(grid, acceleration);
+  if (!force && !displacement && !scene.has_load())
+  {
+    return scene;
+  }
+  if ((force && !isForce) || !scene.has_load() || !displacement ||
     displacement->GetNumberOfComponents() != 3)
   {
-    throw InputError(std::string("The body of the state space rests under its weight, but has not "
-                                 "both the field array ") +
-      BodyForceName + " and the point array " + RestDisplacementName +
+    throw InputError(std::string("The body of the state space rests under a load, but has not both "
+                                 "that (as its weight, the field array ") +
+      BodyForceName + ") and the point array " + RestDisplacementName +
       " of three components. Read or compute the space again.");
   }
-  palpate::Vec3 acceleration;
-  force->GetTuple(0, acceleration.data());
-  palpate::Scene scene = vtkPalpateSceneFromGrid(grid, acceleration);
   scene.settled.u.resize(3 * static_cast<Eigen::Index>(scene.mesh.num_points()));
   for (Index point = 0; point < scene.mesh.num_points(); ++point)
   {
@@ -269,11 +319,89 @@ vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(const palpate::Scen
   AddMaterials(grid, scene);
   vtkPalpateAddChoice(grid, vtkPalpateArray::Fixed, scene.fixed);
   vtkPalpateAddChoice(grid, vtkPalpateArray::Touchable, scene.touchable);
+  vtkPalpateWriteBoundary(scene, grid);
   if (scene.has_body_force())
   {
     AddBodyForce(grid, scene);
   }
+  if (scene.has_load())
+  {
+    grid->GetPointData()->AddArray(vtkPalpateNodalArray(RestDisplacementName, scene.settled.u));
+  }
   return grid;
+}
+
+void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene)
+{
+  const auto size = static_cast<std::size_t>(grid->GetNumberOfPoints());
+  for (const auto& [name, column] : { std::pair{ vtkPalpateArray::HeldDirection, 0 },
+         std::pair{ vtkPalpateArray::HeldDirection2, 1 } })
+  {
+    const int of = column;
+    ReadTuples<3>(grid, name,
+      [&](std::size_t point, const palpate::Vec3& direction)
+      {
+        scene.held_directions.resize(size, palpate::HeldDirections::Zero());
+        scene.held_directions[point].col(of) = direction;
+      });
+  }
+  for (const auto& [name, array] :
+    { std::pair{ vtkPalpateArray::SupportStiffness, &scene.support_stiffness },
+      std::pair{ vtkPalpateArray::AppliedPressure, &scene.applied_pressure } })
+  {
+    std::vector<double>& values = *array;
+    ReadTuples<1>(grid, name,
+      [&](std::size_t point, const auto& value)
+      {
+        values.resize(size, 0);
+        values[point] = value[0];
+      });
+  }
+  ReadTuples<3>(grid, vtkPalpateArray::AppliedTraction,
+    [&](std::size_t point, const palpate::Vec3& traction)
+    {
+      scene.applied_traction.resize(size, palpate::Vec3::Zero());
+      scene.applied_traction[point] = traction;
+    });
+}
+
+void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
+{
+  const auto size = static_cast<vtkIdType>(scene.mesh.points.size());
+  if (!scene.held_directions.empty())
+  {
+    for (const auto& [name, column] : { std::pair{ vtkPalpateArray::HeldDirection, 0 },
+           std::pair{ vtkPalpateArray::HeldDirection2, 1 } })
+    {
+      const auto array = Numbers(name, 3, size);
+      for (vtkIdType point = 0; point < size; ++point)
+      {
+        array->SetTuple(point, scene.held_directions[point].col(column).data());
+      }
+      grid->GetPointData()->AddArray(array);
+    }
+  }
+  WriteScalars(vtkPalpateArray::SupportStiffness, scene.support_stiffness, grid);
+  WriteScalars(vtkPalpateArray::AppliedPressure, scene.applied_pressure, grid);
+  if (!scene.applied_traction.empty())
+  {
+    const auto array = Numbers(vtkPalpateArray::AppliedTraction, 3, size);
+    for (vtkIdType point = 0; point < size; ++point)
+    {
+      array->SetTuple(point, scene.applied_traction[point].data());
+    }
+    grid->GetPointData()->AddArray(array);
+  }
+}
+
+std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene)
+{
+  std::vector<char> held = scene.fixed;
+  for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+  {
+    held[point] = held[point] != 0 || !scene.held_directions[point].isZero(0);
+  }
+  return held;
 }
 
 void vtkPalpateAddChoice(
@@ -286,16 +414,50 @@ void vtkPalpateAddChoice(
   grid->GetPointData()->AddArray(array);
 }
 
-void vtkPalpateAddBoundaryKinds(
-  vtkUnstructuredGrid* grid, const std::vector<char>& fixed, const std::vector<char>& touchable)
+void vtkPalpateAddBoundaryKinds(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
 {
+  enum Kind : unsigned char
+  {
+    FREE = 0,
+    TOUCHABLE = 1,
+    FIXED = 2,
+    HELD = 3,
+    LOADED = 4
+  };
   vtkNew<vtkUnsignedCharArray> kinds;
   kinds->SetName(vtkPalpateArray::BoundaryKind);
-  kinds->SetNumberOfValues(static_cast<vtkIdType>(fixed.size()));
-  std::transform(fixed.begin(), fixed.end(), touchable.begin(), kinds->GetPointer(0),
-    [](char isFixed, char isTouchable) {
-      return static_cast<unsigned char>(isFixed != 0 ? 2 : isTouchable != 0 ? 1 : 0);
-    });
+  kinds->SetNumberOfValues(static_cast<vtkIdType>(scene.fixed.size()));
+  kinds->FillValue(FREE);
+  const auto markWhere = [&](Kind kind, const std::vector<char>& chosen)
+  {
+    for (std::size_t point = 0; point < chosen.size(); ++point)
+    {
+      if (chosen[point] != 0)
+      {
+        kinds->SetValue(static_cast<vtkIdType>(point), kind);
+      }
+    }
+  };
+  const auto markFaces = [&](Kind kind, const std::vector<Index>& faces)
+  {
+    for (const Index point : faces)
+    {
+      kinds->SetValue(point, kind);
+    }
+  };
+  // The last one counts.
+  markWhere(TOUCHABLE, scene.touchable);
+  markFaces(LOADED, palpate::faces_under_pressure(scene.mesh, scene.applied_pressure));
+  markFaces(LOADED, palpate::faces_with(scene.mesh, scene.applied_traction));
+  markFaces(HELD, palpate::faces_with(scene.mesh, scene.support_stiffness));
+  for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+  {
+    if (!scene.held_directions[point].isZero(0))
+    {
+      kinds->SetValue(static_cast<vtkIdType>(point), HELD);
+    }
+  }
+  markWhere(FIXED, scene.fixed);
   // Not SetScalars(), which would drop those that are there.
   grid->GetPointData()->AddArray(kinds);
   grid->GetPointData()->SetActiveScalars(kinds->GetName());

@@ -5,8 +5,12 @@
 //   cell arrays of the material   `Law`, its parameters and `Formulation`: vtkPalpateMaterials.h
 //   point array `Fixed`           not 0 where the point is held
 //   point array `Touchable`       not 0 where the body may be touched; where there is no such
-//   array:
-//                                 corners on the surface, not fixed
+//                                 array: corners on the surface, not fixed nor held
+//   point arrays `HeldDirection`, `HeldDirection2` (3 components)
+//                                 a direction along which the point is held; 0: none
+//   point array `SupportStiffness`  of springs that hold the surface, N/m³
+//   point array `AppliedPressure`   Pa, follows the surface
+//   point array `AppliedTraction`   Pa (3 components), on the area at rest
 //   cell arrays of the rheology   `Density`, …: vtkPalpateMaterials.h; for motion and weight alone
 //
 // Ids of points and cells are the same in the grid and in the scene.
@@ -31,6 +35,11 @@ namespace vtkPalpateArray
 inline constexpr const char* Fixed = "Fixed";
 inline constexpr const char* Touchable = "Touchable";
 inline constexpr const char* BoundaryKind = "BoundaryKind";
+inline constexpr const char* HeldDirection = "HeldDirection";
+inline constexpr const char* HeldDirection2 = "HeldDirection2";
+inline constexpr const char* SupportStiffness = "SupportStiffness";
+inline constexpr const char* AppliedPressure = "AppliedPressure";
+inline constexpr const char* AppliedTraction = "AppliedTraction";
 inline constexpr const char* Displacement = "Displacement";
 inline constexpr const char* ContactPressure = "ContactPressure";
 }
@@ -42,6 +51,19 @@ PALPATEFILTERS_EXPORT palpate::ElementOrder vtkPalpateElementOrder(vtkUnstructur
 /// Points and cells as they are: palpate::check_and_orient looks at the geometry.
 /// @throws palpate::InputError as vtkPalpateElementOrder.
 PALPATEFILTERS_EXPORT palpate::TetMesh vtkPalpateMeshFromGrid(vtkUnstructuredGrid* grid);
+
+/// The arrays that the grid has of what holds the body besides fixed points and of what loads its
+/// surface, as they are.
+/// @throws palpate::InputError one that has another number of components, or is no point array.
+PALPATEFILTERS_EXPORT void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene);
+
+/// Writes them, those that the scene has.
+PALPATEFILTERS_EXPORT void vtkPalpateWriteBoundary(
+  const palpate::Scene& scene, vtkUnstructuredGrid* grid);
+
+/// 1 for each point that is fixed or held along a direction [num_points]: a bonded tool cannot move
+/// it.
+PALPATEFILTERS_EXPORT std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene);
 
 /// The corners on the surface that are not fixed [num_points]. Midside nodes are left out: what is
 /// touched is the surface that is displayed, whose vertices are the corners.
@@ -68,9 +90,9 @@ PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneFromGrid(
 /// @throws palpate::InputError the same.
 PALPATEFILTERS_EXPORT palpate::Scene vtkPalpateSceneOfSpace(vtkUnstructuredGrid* grid);
 
-/// The grid with its materials, `Fixed` and `Touchable`. Under a body force it has the field array
-/// `BodyForce` (m/s²), the cell array `Density` (kg/m³), and the point array `RestDisplacement`
-/// (m).
+/// The grid with its materials, `Fixed`, `Touchable`, and what else holds and loads it. Under a
+/// load it has the point array `RestDisplacement` (m), and under a body force the field array
+/// `BodyForce` (m/s²) and the cell array `Density` (kg/m³).
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromScene(
   const palpate::Scene& scene);
 
@@ -78,10 +100,11 @@ PALPATEFILTERS_EXPORT vtkSmartPointer<vtkUnstructuredGrid> vtkPalpateGridFromSce
 PALPATEFILTERS_EXPORT void vtkPalpateAddChoice(
   vtkUnstructuredGrid* grid, const char* name, const std::vector<char>& chosen);
 
-/// Adds the point array `BoundaryKind`, to be seen: 0 free, 1 touchable, 2 fixed; their names are
-/// in plugin/Palpate/PalpateLooks.cxx.
+/// Adds the point array `BoundaryKind`, to be seen: 0 free, 1 touchable, 2 fixed, 3 held along a
+/// direction or by springs, 4 under a pressure or a traction. Of a point with several it is the
+/// first of fixed, held, loaded, touchable. Their names are in plugin/Palpate/PalpateLooks.cxx.
 PALPATEFILTERS_EXPORT void vtkPalpateAddBoundaryKinds(
-  vtkUnstructuredGrid* grid, const std::vector<char>& fixed, const std::vector<char>& touchable);
+  const palpate::Scene& scene, vtkUnstructuredGrid* grid);
 
 /// A point array with three components.
 PALPATEFILTERS_EXPORT vtkSmartPointer<vtkDoubleArray> vtkPalpateNodalArray(

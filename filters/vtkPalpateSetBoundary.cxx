@@ -2,7 +2,10 @@
 #include "vtkPalpateSetBoundary.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "assembly/loaded_faces.h"
+#include "assembly/supports.h"
 #include "base/error.h"
 #include "mesh/touching_pieces.h"
 #include "vtkCellData.h"
@@ -12,6 +15,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkPalpateArrayCheck.h"
 #include "vtkPalpateBodyCells.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
@@ -26,15 +30,18 @@
 
 namespace
 {
+using palpate::Index;
 using palpate::InputError;
+using palpate::Vec3;
 
 constexpr int FixedSelectionPort = 1;
 constexpr int TouchableSelectionPort = 2;
+constexpr int LoadSelectionPort = 3;
 
-/// How the fixed or the touchable points are chosen.
+/// How the held, the touchable or the loaded points are chosen.
 struct Choice
 {
-  std::string Name; ///< "Fixed", "Touchable": the names of the properties start with it
+  std::string Name; ///< "Fixed", "Touchable", "Load": the names of the properties start with it
   int By;
   vtkImplicitFunction* Region;
   const std::string& Array;
@@ -68,18 +75,71 @@ std::vector<char> ChosenPoints(
     default:
       throw InputError(choice.Name + "By is " + std::to_string(choice.By) +
         "; it must be 0 (Region), 1 (Array)" +
-        (choice.Name == "Fixed" ? " or 2 (Selection)." : ", 2 (Selection) or 3 (Surface)."));
+        (choice.Name == "Fixed"          ? " or 2 (Selection)."
+            : choice.Name == "Touchable" ? ", 2 (Selection) or 3 (Surface)."
+                                         : ", 2 (Selection), 3 (Surface) or 4 (Cavities)."));
   }
 }
 
-/// The chosen points after points were merged: one of those that are one now was chosen.
-std::vector<char> OfMerged(const std::vector<char>& chosen, const palpate::MergedMesh& merged)
+bool IsNone(double value)
 {
-  std::vector<char> now(merged.before.size(), 0);
-  for (std::size_t point = 0; point < chosen.size(); ++point)
+  return value == 0;
+}
+bool IsNone(const Vec3& value)
+{
+  return value.isZero(0);
+}
+
+/// Values of points after points were merged: the first of those of each that is not 0, as one that
+/// is chosen is. Empty stays empty.
+template <class Value>
+std::vector<Value> OfMerged(const std::vector<Value>& values, const palpate::MergedMesh& merged)
+{
+  std::vector<Value> now;
+  if (values.empty())
   {
-    char& here = now[static_cast<std::size_t>(merged.number[point])];
-    here = here != 0 || chosen[point] != 0 ? 1 : 0;
+    return now;
+  }
+  for (const Index before : merged.before)
+  {
+    now.push_back(values[static_cast<std::size_t>(before)]);
+  }
+  for (std::size_t point = 0; point < values.size(); ++point)
+  {
+    Value& here = now[static_cast<std::size_t>(merged.number[point])];
+    if (IsNone(here))
+    {
+      here = values[point];
+    }
+  }
+  return now;
+}
+
+/// What holds and loads the body after points were merged: a point is held along all directions of
+/// those that it was.
+palpate::Scene OfMerged(const palpate::Scene& scene, const palpate::MergedMesh& merged)
+{
+  palpate::Scene now;
+  now.mesh = merged.mesh;
+  now.fixed = OfMerged(scene.fixed, merged);
+  now.support_stiffness = OfMerged(scene.support_stiffness, merged);
+  now.applied_pressure = OfMerged(scene.applied_pressure, merged);
+  now.applied_traction = OfMerged(scene.applied_traction, merged);
+  if (scene.held_directions.empty())
+  {
+    return now;
+  }
+  now.held_directions.assign(merged.before.size(), palpate::HeldDirections::Zero());
+  for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+  {
+    const auto here = static_cast<std::size_t>(merged.number[point]);
+    for (const Vec3 direction : scene.held_directions[point].colwise())
+    {
+      if (!direction.isZero(0))
+      {
+        palpate::hold_along(direction, now.held_directions[here], now.fixed[here]);
+      }
+    }
   }
   return now;
 }
@@ -119,6 +179,13 @@ vtkSmartPointer<vtkUnstructuredGrid> Merged(
   return grid;
 }
 
+/// The faces of the surface whose corners are all chosen.
+std::vector<Index> FacesOf(const palpate::TetMesh& mesh, const std::vector<char>& chosen)
+{
+  return palpate::faces_where(mesh,
+    [&](const Index* c) { return chosen[c[0]] != 0 && chosen[c[1]] != 0 && chosen[c[2]] != 0; });
+}
+
 bool Any(const std::vector<char>& chosen)
 {
   return std::find(chosen.begin(), chosen.end(), 1) != chosen.end();
@@ -129,27 +196,34 @@ vtkStandardNewMacro(vtkPalpateSetBoundary);
 
 vtkPalpateSetBoundary::vtkPalpateSetBoundary()
 {
-  this->SetNumberOfInputPorts(3);
+  this->SetNumberOfInputPorts(4);
 }
 
 vtkPalpateSetBoundary::~vtkPalpateSetBoundary() = default;
 
-void vtkPalpateSetBoundary::SetFixedRegion(vtkImplicitFunction* region)
+void vtkPalpateSetBoundary::SetRegion(
+  vtkSmartPointer<vtkImplicitFunction>& region, vtkImplicitFunction* to)
 {
-  if (this->FixedRegion != region)
+  if (region != to)
   {
-    this->FixedRegion = region;
+    region = to;
     this->Modified();
   }
 }
 
+void vtkPalpateSetBoundary::SetFixedRegion(vtkImplicitFunction* region)
+{
+  this->SetRegion(this->FixedRegion, region);
+}
+
 void vtkPalpateSetBoundary::SetTouchableRegion(vtkImplicitFunction* region)
 {
-  if (this->TouchableRegion != region)
-  {
-    this->TouchableRegion = region;
-    this->Modified();
-  }
+  this->SetRegion(this->TouchableRegion, region);
+}
+
+void vtkPalpateSetBoundary::SetLoadRegion(vtkImplicitFunction* region)
+{
+  this->SetRegion(this->LoadRegion, region);
 }
 
 void vtkPalpateSetBoundary::SetFixedSelectionConnection(vtkAlgorithmOutput* selection)
@@ -162,10 +236,16 @@ void vtkPalpateSetBoundary::SetTouchableSelectionConnection(vtkAlgorithmOutput* 
   this->SetInputConnection(TouchableSelectionPort, selection);
 }
 
+void vtkPalpateSetBoundary::SetLoadSelectionConnection(vtkAlgorithmOutput* selection)
+{
+  this->SetInputConnection(LoadSelectionPort, selection);
+}
+
 vtkMTimeType vtkPalpateSetBoundary::GetMTime()
 {
   vtkMTimeType time = this->Superclass::GetMTime();
-  for (vtkImplicitFunction* region : { this->FixedRegion.Get(), this->TouchableRegion.Get() })
+  for (vtkImplicitFunction* region :
+    { this->FixedRegion.Get(), this->TouchableRegion.Get(), this->LoadRegion.Get() })
   {
     time = region ? std::max(time, region->GetMTime()) : time;
   }
@@ -174,7 +254,7 @@ vtkMTimeType vtkPalpateSetBoundary::GetMTime()
 
 int vtkPalpateSetBoundary::FillInputPortInformation(int port, vtkInformation* info)
 {
-  if (port == FixedSelectionPort || port == TouchableSelectionPort)
+  if (port == FixedSelectionPort || port == TouchableSelectionPort || port == LoadSelectionPort)
   {
     info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkSelection");
     info->Set(vtkAlgorithm::INPUT_IS_OPTIONAL(), 1);
@@ -200,55 +280,64 @@ int vtkPalpateSetBoundary::RequestData(
       }
       const vtkPalpateBodyCells cells = vtkPalpateToTetrahedra(gathered);
       vtkSmartPointer<vtkUnstructuredGrid> body = cells.Body;
-      palpate::TetMesh mesh = vtkPalpateMeshFromGrid(body);
-      palpate::check_and_orient(mesh);
-      const std::vector<char> used = palpate::points_in_use(mesh);
-
-      std::vector<char> fixed = ChosenPoints(gathered, cells,
-        { "Fixed", this->FixedBy, this->FixedRegion, this->FixedArray,
-          vtkSelection::GetData(inputVector[FixedSelectionPort]) });
-      std::transform(fixed.begin(), fixed.end(), used.begin(), fixed.begin(),
-        [](char chosen, char inUse) { return static_cast<char>(chosen != 0 && inUse != 0); });
-      if (!Any(fixed))
+      const auto selectionOf = [&](int port) { return vtkSelection::GetData(inputVector[port]); };
+      std::vector<char> held;
+      if (this->Support != NOTHING)
       {
-        throw InputError("No point of the body is fixed: it would float away. FixedBy is " +
-          std::string(this->FixedBy == REGION
-              ? "Region: move or enlarge FixedRegion so that it holds some points."
-              : this->FixedBy == ARRAY ? "Array: the array has to be 1 at some points."
-                                       : "Selection: select some points or cells of the body."));
+        held = ChosenPoints(gathered, cells,
+          { "Fixed", this->FixedBy, this->FixedRegion, this->FixedArray,
+            selectionOf(FixedSelectionPort) });
       }
-      if (fixed == used)
+      std::vector<char> loaded;
+      if (this->Load != NO_LOAD && this->LoadBy != SURFACE && this->LoadBy != CAVITIES)
       {
-        throw InputError("Every point of the body is fixed: nothing can move. Fix fewer points.");
+        loaded = ChosenPoints(gathered, cells,
+          { "Load", this->LoadBy, this->LoadRegion, this->LoadArray,
+            selectionOf(LoadSelectionPort) });
       }
-
-      std::vector<char> chosen;
+      std::vector<char> touched;
       if (this->TouchableBy != SURFACE)
       {
-        chosen = ChosenPoints(gathered, cells,
+        touched = ChosenPoints(gathered, cells,
           { "Touchable", this->TouchableBy, this->TouchableRegion, this->TouchableArray,
-            vtkSelection::GetData(inputVector[TouchableSelectionPort]) });
+            selectionOf(TouchableSelectionPort) });
       }
-      const palpate::Pieces pieces = palpate::find_pieces(mesh);
-      const palpate::TouchingPieces touching = palpate::find_touching_pieces(mesh, pieces);
+
+      palpate::Scene scene = this->SceneBefore(body);
+      const palpate::Pieces pieces = palpate::find_pieces(scene.mesh);
+      const palpate::TouchingPieces touching = palpate::find_touching_pieces(scene.mesh, pieces);
       if (this->Merge && touching.num_coincident > 0)
       {
-        const palpate::MergedMesh merged = palpate::merge_points(mesh, touching);
+        const palpate::MergedMesh merged = palpate::merge_points(scene.mesh, touching);
         body = Merged(body, merged);
-        mesh = merged.mesh;
-        fixed = OfMerged(fixed, merged);
-        chosen = chosen.empty() ? chosen : OfMerged(chosen, merged);
+        scene = OfMerged(scene, merged);
+        held = OfMerged(held, merged);
+        loaded = OfMerged(loaded, merged);
+        touched = OfMerged(touched, merged);
       }
-      std::vector<char> touchable = vtkPalpateTouchableSurface(mesh, fixed);
+      if (this->Support != NOTHING)
+      {
+        this->Hold(held, scene);
+      }
+      double area = 0;
+      if (this->Load != NO_LOAD)
+      {
+        area = this->LoadFaces(this->LoadBy == SURFACE ? palpate::boundary_points(scene.mesh)
+            : this->LoadBy == CAVITIES                 ? palpate::points_of_cavities(scene.mesh)
+                                                       : loaded,
+          scene);
+      }
+      scene.touchable = vtkPalpateTouchableSurface(scene.mesh, vtkPalpateHeldPoints(scene));
       if (this->TouchableBy != SURFACE)
       {
-        std::transform(touchable.begin(), touchable.end(), chosen.begin(), touchable.begin(),
+        std::transform(scene.touchable.begin(), scene.touchable.end(), touched.begin(),
+          scene.touchable.begin(),
           [](char surface, char here) { return static_cast<char>(surface != 0 && here != 0); });
       }
-      if (!Any(touchable))
+      if (!Any(scene.touchable))
       {
         vtkWarningMacro("No point of the body may be touched: none of the chosen ones is a corner "
-                        "on its surface that is not fixed.");
+                        "on its surface that is neither fixed nor held along a direction.");
       }
 
       output->ShallowCopy(body);
@@ -260,15 +349,166 @@ int vtkPalpateSetBoundary::RequestData(
       {
         vtkWarningMacro(<< *text);
       }
-      vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, fixed);
-      vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, touchable);
-      vtkPalpateAddBoundaryKinds(output, fixed, touchable);
+      vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, scene.fixed);
+      vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, scene.touchable);
+      vtkPalpateAddBoundaryKinds(scene, output);
+      vtkPalpateWriteBoundary(scene, output);
+      if (this->Load != NO_LOAD)
+      {
+        vtkPalpateAddNumber(output, "LoadedArea", area);
+      }
       if (!cells.LeftOut.empty())
       {
         vtkWarningMacro(<< cells.LeftOut);
       }
     });
   return 1;
+}
+
+palpate::Scene vtkPalpateSetBoundary::SceneBefore(vtkUnstructuredGrid* body) const
+{
+  palpate::Scene scene;
+  scene.mesh = vtkPalpateMeshFromGrid(body);
+  palpate::check_and_orient(scene.mesh);
+  vtkPalpateReadBoundary(body, scene);
+  vtkDataArray* fixed = vtkPalpateScalarArray(body->GetPointData(), vtkPalpateArray::Fixed);
+  // Where points are held along directions, what is fixed may be held along three of them.
+  scene.fixed = fixed && (this->Support != FIXED || scene.has_supports())
+    ? vtkPalpateChosenPoints(fixed)
+    : std::vector<char>(scene.mesh.points.size(), 0);
+  return scene;
+}
+
+void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene& scene) const
+{
+  const std::vector<char> used = palpate::points_in_use(scene.mesh);
+  std::vector<char> chosen = points;
+  std::transform(chosen.begin(), chosen.end(), used.begin(), chosen.begin(),
+    [](char isChosen, char inUse) { return static_cast<char>(isChosen != 0 && inUse != 0); });
+  if (!Any(chosen))
+  {
+    throw InputError("No point of the body is " +
+      std::string(this->Support == FIXED ? "fixed: it would float away." : "held.") +
+      " FixedBy is " +
+      std::string(this->FixedBy == REGION
+          ? "Region: move or enlarge FixedRegion so that it holds some points."
+          : this->FixedBy == ARRAY ? "Array: the array has to be 1 at some points."
+                                   : "Selection: select some points or cells of the body."));
+  }
+  const Vec3 direction(this->HeldDirection);
+  switch (this->Support)
+  {
+    case FIXED:
+      std::transform(chosen.begin(), chosen.end(), scene.fixed.begin(), scene.fixed.begin(),
+        [](char isChosen, char isFixed) { return static_cast<char>(isChosen | isFixed); });
+      if (scene.fixed == used)
+      {
+        throw InputError("Every point of the body is fixed: nothing can move. Fix fewer points.");
+      }
+      return;
+    case DIRECTION:
+      if (!direction.allFinite() || direction.isZero(0))
+      {
+        throw InputError("HeldDirection is not a direction. Give three numbers that are not all 0, "
+                         "as (0, 0, 1) to hold points along z.");
+      }
+      break;
+    case NORMAL:
+      break;
+    case SPRINGS:
+      if (!(this->SupportStiffness > 0) || !std::isfinite(this->SupportStiffness))
+      {
+        throw InputError("SupportStiffness is " + std::to_string(this->SupportStiffness) +
+          "; give a number above 0, N/m³.");
+      }
+      scene.support_stiffness.resize(chosen.size(), 0);
+      for (std::size_t point = 0; point < chosen.size(); ++point)
+      {
+        if (chosen[point] != 0)
+        {
+          scene.support_stiffness[point] = this->SupportStiffness;
+        }
+      }
+      if (palpate::faces_with(scene.mesh, scene.support_stiffness).empty())
+      {
+        throw InputError("No face of the surface has all of its corners at the points that FixedBy "
+                         "chooses, so that no spring holds it. Choose the points of whole faces.");
+      }
+      return;
+    default:
+      throw InputError("Support is " + std::to_string(this->Support) +
+        "; it must be 0 (Fixed), 1 (Direction), 2 (Normal), 3 (Springs) or 4 (Nothing).");
+  }
+  const std::vector<Vec3> normals = this->Support == NORMAL
+    ? palpate::normals_at(scene.mesh, FacesOf(scene.mesh, chosen))
+    : std::vector<Vec3>(chosen.size(), direction);
+  bool any = false;
+  scene.held_directions.resize(chosen.size(), palpate::HeldDirections::Zero());
+  for (std::size_t point = 0; point < chosen.size(); ++point)
+  {
+    if (chosen[point] != 0 && !normals[point].isZero(0))
+    {
+      palpate::hold_along(normals[point], scene.held_directions[point], scene.fixed[point]);
+      any = true;
+    }
+  }
+  if (!any)
+  {
+    throw InputError("No face of the surface has all of its corners at the points that FixedBy "
+                     "chooses, so that there is no normal to hold them along. Choose the points of "
+                     "whole faces, or give a HeldDirection.");
+  }
+}
+
+double vtkPalpateSetBoundary::LoadFaces(
+  const std::vector<char>& chosen, palpate::Scene& scene) const
+{
+  const Vec3 traction(this->AppliedTraction);
+  const bool isPressure = this->Load == PRESSURE;
+  if (!isPressure && this->Load != TRACTION)
+  {
+    throw InputError("Load is " + std::to_string(this->Load) +
+      "; it must be 0 (None), 1 (Pressure) or 2 (Traction).");
+  }
+  if (isPressure ? !std::isfinite(this->AppliedPressure) || this->AppliedPressure == 0
+                 : !traction.allFinite() || traction.isZero(0))
+  {
+    throw InputError(std::string(isPressure ? "AppliedPressure" : "AppliedTraction") +
+      " is 0 or no number. Give one in Pa, or None as Load.");
+  }
+  const std::vector<Index> faces = FacesOf(scene.mesh, chosen);
+  if (faces.empty())
+  {
+    throw InputError(this->LoadBy == CAVITIES
+        ? "The body has no closed cavity. Choose the surface that is loaded by Region, Array or "
+          "Selection (LoadBy)."
+        : "No face of the surface has all of its corners at the points that LoadBy chooses, so "
+          "that "
+          "nothing is loaded. Choose the points of whole faces.");
+  }
+  if (isPressure)
+  {
+    scene.applied_pressure.resize(chosen.size(), 0);
+  }
+  else
+  {
+    scene.applied_traction.resize(chosen.size(), Vec3::Zero());
+  }
+  for (const Index point : faces)
+  {
+    if (isPressure)
+    {
+      scene.applied_pressure[point] = this->AppliedPressure;
+    }
+    else
+    {
+      scene.applied_traction[point] = traction;
+    }
+  }
+  // With what was loaded before.
+  return palpate::area_of(scene.mesh,
+    isPressure ? palpate::faces_under_pressure(scene.mesh, scene.applied_pressure)
+               : palpate::faces_with(scene.mesh, scene.applied_traction));
 }
 
 void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)
@@ -278,5 +518,13 @@ void vtkPalpateSetBoundary::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "TouchableBy: " << this->TouchableBy << '\n'
      << indent << "FixedArray: " << this->FixedArray << '\n'
      << indent << "TouchableArray: " << this->TouchableArray << '\n'
-     << indent << "Merge: " << this->Merge << '\n';
+     << indent << "Merge: " << this->Merge << '\n'
+     << indent << "Support: " << this->Support << '\n'
+     << indent << "HeldDirection: " << Vec3(this->HeldDirection).transpose() << '\n'
+     << indent << "SupportStiffness: " << this->SupportStiffness << " N/m^3\n"
+     << indent << "Load: " << this->Load << '\n'
+     << indent << "LoadBy: " << this->LoadBy << '\n'
+     << indent << "LoadArray: " << this->LoadArray << '\n'
+     << indent << "AppliedPressure: " << this->AppliedPressure << " Pa\n"
+     << indent << "AppliedTraction: " << Vec3(this->AppliedTraction).transpose() << " Pa\n";
 }

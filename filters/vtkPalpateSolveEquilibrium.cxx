@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "assembly/piece_support.h"
+#include "assembly/supports.h"
 #include "base/error.h"
 #include "base/memory_error.h"
 #include "equilibrium/equilibrium.h"
@@ -222,10 +223,10 @@ int vtkPalpateSolveEquilibrium::RequestData(
         scene = vtkPalpateSceneFromGrid(body, palpate::Vec3(this->BodyForce));
         route = this->Tool == vtkPalpateBondedNode ? this->BondedRoute(*scene)
                                                    : this->ContactRoute(*scene, surface);
-        // The weight acts before a tool holds anything.
-        palpate::PieceSupport(scene->mesh, scene->fixed)
-          .require_held(scene->has_body_force() ? std::vector<palpate::Index>()
-                                                : palpate::held_points(*route.Tool));
+        // Loads act before a tool holds anything.
+        palpate::PieceSupport(scene->mesh, palpate::holding_points(*scene))
+          .require_held(
+            scene->has_load() ? std::vector<palpate::Index>() : palpate::held_points(*route.Tool));
       });
 
     const bool together = palpate::any(communicator,
@@ -293,7 +294,7 @@ palpate::Equilibrium vtkPalpateSolveEquilibrium::SolveWith(
   palpate::EquilibriumSolver& solver, const palpate::Scene& scene, const Route& route) const
 {
   Eigen::VectorXd start = route.Start;
-  if (scene.has_body_force())
+  if (scene.has_load())
   {
     palpate::Equilibrium rest = solver.settled();
     if (rest.outcome != palpate::Outcome::converged)

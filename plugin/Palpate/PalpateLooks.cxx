@@ -67,8 +67,9 @@ constexpr const char* Looks = R"json({
     } },
     "BoundaryKind": { "PVLookupTable": {
       "IndexedLookup": 1,
-      "Annotations": ["0", "free", "1", "touchable", "2", "fixed"],
-      "IndexedColors": [0.85, 0.85, 0.83, 0.55, 0.78, 0.60, 0.80, 0.20, 0.16]
+      "Annotations": ["0", "free", "1", "touchable", "2", "fixed", "3", "held", "4", "loaded"],
+      "IndexedColors": [0.85, 0.85, 0.83, 0.55, 0.78, 0.60, 0.80, 0.20, 0.16, 0.96, 0.58, 0.22,
+        0.36, 0.55, 0.83]
     } },
     "SurfaceFault": { "PVLookupTable": {
       "IndexedLookup": 1,

@@ -4,15 +4,19 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 
+#include "assembly/supports.h"
 #include "elements/tetrahedron.h"
 
 namespace palpate {
 
-MassMatrix::MassMatrix(const Scene& scene, const std::vector<double>& density,
-                       const Assembly& assembly)
-    : state_size_(assembly.state_size()), lumped_(Eigen::VectorXd::Zero(assembly.num_points())) {
+namespace {
+
+/// Of accelerations.
+constexpr double kTolerance = 1e-14;
+
+/// The consistent mass of each pair of points, kg.
+std::vector<Eigen::Triplet<double>> masses(const Scene& scene, const std::vector<double>& density) {
   const TetMesh& mesh = scene.mesh;
   const int npc = nodes_per_cell(mesh.order);
   const std::vector<QuadraturePoint>& rule = fine_quadrature();
@@ -39,55 +43,36 @@ MassMatrix::MassMatrix(const Scene& scene, const std::vector<double>& density,
     for (int a = 0; a < npc; ++a) {
       for (int b = 0; b < npc; ++b) {
         triplets.emplace_back(cell[a], cell[b], of_cell(a, b));
-        lumped_[cell[a]] += of_cell(a, b);
       }
     }
   }
-  of_points_.resize(mesh.num_points(), mesh.num_points());
-  of_points_.setFromTriplets(triplets.begin(), triplets.end());
-
-  const std::vector<Index>& unknown = assembly.unknown_of_point();
-  const SymmetricPattern& pattern = assembly.pattern();
-  for (Index a = 0; a < mesh.num_points(); ++a) {
-    if (unknown[a] < 0) continue;
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator of(of_points_, a); of; ++of) {
-      const Index column = unknown[of.col()];
-      if (column < 0 || column > unknown[a]) continue;
-      Target target{{}, of.value()};
-      for (Index i = 0; i < 3; ++i) {
-        const auto first = pattern.row.begin() + pattern.column_start[column + i];
-        const auto last = pattern.row.begin() + pattern.column_start[column + i + 1];
-        target.positions[i] =
-            static_cast<Index>(std::lower_bound(first, last, unknown[a] + i) - pattern.row.begin());
-      }
-      targets_.push_back(target);
-    }
-  }
+  return triplets;
 }
 
-NodalVector MassMatrix::times(const NodalVector& x) const {
-  const Eigen::Index n = of_points_.rows();
-  NodalVector y = NodalVector::Zero(state_size_);
-  const auto from = x.head(3 * n).reshaped<Eigen::RowMajor>(n, 3);
-  y.head(3 * n).reshaped<Eigen::RowMajor>(n, 3) = of_points_ * from;
-  return y;
-}
+}  // namespace
 
-NodalVector MassMatrix::acceleration(const NodalVector& force,
-                                     const std::vector<char>& free) const {
-  const Eigen::Index n = of_points_.rows();
+MassMatrix::MassMatrix(const Scene& scene, const std::vector<double>& density,
+                       const Assembly& assembly)
+    : matrix_(masses(scene, density), assembly),
+      lumped_(matrix_.of_points() * Eigen::VectorXd::Ones(assembly.num_points())),
+      state_size_(assembly.state_size()) {}
+
+NodalVector MassMatrix::acceleration(const NodalVector& force, const std::vector<char>& free,
+                                     const std::vector<HeldDirections>& held) const {
+  if (!held.empty()) return held_acceleration(force, free, held);
+  const Eigen::SparseMatrix<double, Eigen::RowMajor>& of_points = matrix_.of_points();
+  const Eigen::Index n = of_points.rows();
   // Points that do not move have a row of the unit matrix, and so does what has no mass.
   const auto moves = [&](Eigen::Index p) {
-    return free[static_cast<std::size_t>(p)] != 0 && of_points_.coeff(p, p) > 0;
+    return free[static_cast<std::size_t>(p)] != 0 && of_points.coeff(p, p) > 0;
   };
-  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix = of_points_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix = of_points;
   matrix.prune([&](Eigen::Index a, Eigen::Index b, double) { return moves(a) && moves(b); });
   Eigen::SparseMatrix<double, Eigen::RowMajor> others(n, n);
   Eigen::MatrixXd right = force.head(3 * n).reshaped<Eigen::RowMajor>(n, 3);
-  const double unit = lumped_.sum() / static_cast<double>(n);
   for (Eigen::Index p = 0; p < n; ++p) {
     if (moves(p)) continue;
-    others.insert(p, p) = unit;
+    others.insert(p, p) = unit();
     right.row(p).setZero();
   }
   matrix += others;
@@ -95,15 +80,41 @@ NodalVector MassMatrix::acceleration(const NodalVector& force,
   Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
                            Eigen::Lower | Eigen::Upper>
       solver(matrix);
-  solver.setTolerance(1e-14);
+  solver.setTolerance(kTolerance);
   const Eigen::MatrixXd solution = solver.solve(right);
   return solution.reshaped<Eigen::RowMajor>();
 }
 
-void MassMatrix::add_to(double factor, std::vector<double>& values) const {
-  for (const Target& target : targets_) {
-    for (const Index position : target.positions) values[position] += factor * target.mass;
+NodalVector MassMatrix::held_acceleration(const NodalVector& force, const std::vector<char>& free,
+                                          const std::vector<HeldDirections>& held) const {
+  const Eigen::SparseMatrix<double, Eigen::RowMajor>& of_points = matrix_.of_points();
+  const Eigen::Index n = of_points.rows();
+  std::vector<Mat3> projectors(static_cast<std::size_t>(n), Mat3::Zero());
+  for (Eigen::Index p = 0; p < n; ++p) {
+    if (free[p] != 0 && of_points.coeff(p, p) > 0) projectors[p] = projector(held[p]);
   }
+  // P M P + unit (I − P), see equilibrium/direction_constraints.h.
+  std::vector<Eigen::Triplet<double>> triplets;
+  const auto add = [&](Eigen::Index row, Eigen::Index column, const Mat3& block) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) triplets.emplace_back(3 * row + i, 3 * column + j, block(i, j));
+    }
+  };
+  Eigen::VectorXd right(3 * n);
+  for (Eigen::Index p = 0; p < n; ++p) {
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator of(of_points, p); of; ++of) {
+      add(p, of.col(), of.value() * projectors[p] * projectors[of.col()]);
+    }
+    add(p, p, unit() * (Mat3::Identity() - projectors[p]));
+    right.segment<3>(3 * p) = projectors[p] * force.segment<3>(3 * p);
+  }
+  Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(3 * n, 3 * n);
+  matrix.setFromTriplets(triplets.begin(), triplets.end());
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
+                           Eigen::Lower | Eigen::Upper>
+      solver(matrix);
+  solver.setTolerance(kTolerance);
+  return solver.solve(right);
 }
 
 NodalVector MassMatrix::weight(const Vec3& gravity) const {

@@ -7,10 +7,10 @@
 // functions of Tet10 with straight edges.
 #pragma once
 
-#include <Eigen/SparseCore>
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "assembly/point_matrix.h"
 #include "assembly/scene.h"
 
 namespace palpate {
@@ -22,31 +22,30 @@ class MassMatrix {
 
   /// M x for a change of the state: zero for pressures.
   /// @param x [at least 3 num_points] @returns [state_size]
-  [[nodiscard]] NodalVector times(const NodalVector& x) const;
+  [[nodiscard]] NodalVector times(const NodalVector& x) const { return matrix_.times(x); }
   /// M⁻¹ f at the points that are free, and zero elsewhere [3 num_points].
   /// @param force [at least 3 num_points]. @param free [num_points].
-  [[nodiscard]] NodalVector acceleration(const NodalVector& force,
-                                         const std::vector<char>& free) const;
+  /// @param held Directions along which points do not move, see Scene; empty: there are none.
+  [[nodiscard]] NodalVector acceleration(const NodalVector& force, const std::vector<char>& free,
+                                         const std::vector<HeldDirections>& held = {}) const;
   /// values += factor M, on the pattern of the assembly.
-  void add_to(double factor, std::vector<double>& values) const;
+  void add_to(double factor, std::vector<double>& values) const { matrix_.add_to(factor, values); }
   /// The load of a field of gravity, N [state_size]. @param gravity m/s²
   [[nodiscard]] NodalVector weight(const Vec3& gravity) const;
   /// The mass of the body, kg.
   [[nodiscard]] double total() const { return lumped_.sum(); }
 
  private:
-  /// The place in the values of a tangent of each component of a pair of points.
-  struct Target {
-    std::array<Index, 3> positions;
-    double mass;
-  };
+  [[nodiscard]] NodalVector held_acceleration(const NodalVector& force,
+                                              const std::vector<char>& free,
+                                              const std::vector<HeldDirections>& held) const;
+  /// Of points that do not move; a size as that of the others, kg.
+  [[nodiscard]] double unit() const { return lumped_.sum() / static_cast<double>(lumped_.size()); }
 
-  Index state_size_;
-  /// [num_points, num_points].
-  Eigen::SparseMatrix<double, Eigen::RowMajor> of_points_;
+  PointMatrix matrix_;
   /// ∫ ρ N_a dV [num_points].
   Eigen::VectorXd lumped_;
-  std::vector<Target> targets_;
+  Index state_size_;
 };
 
 /// The weight of a body that has a body force, N [state_size].

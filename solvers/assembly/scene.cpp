@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "assembly/supports.h"
 #include "base/error.h"
 
 namespace palpate {
@@ -89,7 +90,8 @@ void check(Scene& scene) {
     if (used[p] == 0) continue;
     ++(scene.fixed[p] != 0 ? num_fixed : num_free);
   }
-  if (num_fixed == 0) {
+  check_supports(scene);
+  if (num_fixed == 0 && !scene.has_supports()) {
     throw InputError(
         "No point of the body is fixed, so that it would float away. Fix some points with Set "
         "Boundary or give the point array Fixed a 1 there.");
@@ -98,6 +100,7 @@ void check(Scene& scene) {
     throw InputError("Every point of the body is fixed: nothing can move. Fix fewer points.");
   }
   check_body_force(scene);
+  check_surface_loads(scene);
 }
 
 std::string hash(const Scene& scene) {
@@ -126,6 +129,16 @@ std::string hash(const Scene& scene) {
     for (Index c = 0; c < mesh.num_cells(); ++c) {
       add(&scene.densities[material_of(scene, c)], sizeof(double));
     }
+  }
+  if (scene.has_supports_or_surface_loads()) {
+    const auto add_array = [&](const auto& array) {
+      add_number(static_cast<std::int64_t>(array.size()));
+      add(array.data(), array.size() * sizeof array[0]);
+    };
+    add_array(scene.held_directions);
+    add_array(scene.support_stiffness);
+    add_array(scene.applied_pressure);
+    add_array(scene.applied_traction);
   }
   const XXH128_hash_t digest = XXH3_128bits_digest(state.get());
   char text[33];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scene: a body, what it is made of, where it is held and where it may be touched, and a force
-// that acts on all of it, such as gravity.
+// The scene: a body, what it is made of, where it is held and where it may be touched, and what
+// acts on it: its weight, pressures and tractions (external_energy.h).
 //
-// Under a body force g the body is at rest where it sags to: the equilibrium of ∫ ρ g N_a dV and of
-// the elastic forces without a tool. All that a tool does counts from there.
+// Under loads the body is at rest where it is deformed to by them: the equilibrium of the loads and
+// of the elastic forces without a tool. All that a tool does counts from there.
 #pragma once
 
 #include <string>
@@ -16,13 +16,17 @@
 
 namespace palpate {
 
-/// A body at rest under its body force.
+/// A body at rest under its loads.
 struct SettledBody {
   /// Displacement of every point [3 × num_points], m, and pressures of mixed cells [num_pressures],
   /// Pa.
   NodalVector u;
   NodalVector p;
 };
+
+/// The directions along which a point is held, as a plane of symmetry holds it: none, one or two,
+/// orthonormal; columns without one are zero.
+using HeldDirections = Eigen::Matrix<double, 3, 2>;
 
 struct Scene {
   TetMesh mesh;
@@ -34,15 +38,39 @@ struct Scene {
   std::vector<char> fixed;
   /// 1 where the body may be touched [num_points].
   std::vector<char> touchable;
+  // What follows is empty where the body has none of it. A face of the surface has what all of its
+  // corners have, and in between what is linear between these.
+
+  /// Along which u is 0 [num_points].
+  std::vector<HeldDirections> held_directions;
+  /// κ, N/m³, of springs that hold the surface where it is at rest [num_points].
+  std::vector<double> support_stiffness;
+  /// p, Pa, that pushes on the surface as it is deformed [num_points]. Only faces with the same one
+  /// at all corners have it.
+  std::vector<double> applied_pressure;
+  /// t, Pa: force in the direction of t on the area at rest [num_points].
+  std::vector<Vec3> applied_traction;
   /// g, m/s²; zero: there is none.
   Vec3 body_force = Vec3::Zero();
   /// ρ of each material, kg/m³; empty where there is no body force.
   std::vector<double> densities;
-  /// Follows from the rest: see EquilibriumSolver::settled(). Empty where there is no body force,
-  /// and where it was not found yet.
+  /// Follows from the rest: see EquilibriumSolver::settled(). Empty where there is no load, and
+  /// where it was not found yet.
   SettledBody settled;
 
   [[nodiscard]] bool has_body_force() const { return !body_force.isZero(0); }
+  /// Something deforms the body without a tool.
+  [[nodiscard]] bool has_load() const {
+    return has_body_force() || !applied_pressure.empty() || !applied_traction.empty();
+  }
+  /// Something besides fixed points holds it.
+  [[nodiscard]] bool has_supports() const {
+    return !held_directions.empty() || !support_stiffness.empty();
+  }
+  /// There is more than fixed points and a body force.
+  [[nodiscard]] bool has_supports_or_surface_loads() const {
+    return has_supports() || !applied_pressure.empty() || !applied_traction.empty();
+  }
 };
 
 /// The scene under gravity, m/s², not checked.
@@ -56,14 +84,14 @@ struct Scene {
 [[nodiscard]] std::vector<Vec3> points_at_rest(const Scene& scene);
 [[nodiscard]] Vec3 place_at_rest(const Scene& scene, Index point);
 
-/// Checks the mesh (and orients its cells), the sizes of the arrays, that some point is fixed, and
-/// the body force.
+/// Checks the mesh (and orients its cells), the sizes of the arrays, that the body is held, and its
+/// loads. Directions become orthonormal, and arrays of zeros empty.
 /// @throws InputError says what is wrong, where, and what to do.
 void check(Scene& scene);
 
-/// 128-bit hash (XXH3, hexadecimal) of mesh, materials, boundary and, where there is one, body
-/// force and densities: two scenes with the same hash have the same equilibria. `touchable` takes
-/// no part: it changes no equilibrium. `settled` follows from the rest.
+/// 128-bit hash (XXH3, hexadecimal) of mesh, materials, boundary and, where there are any, body
+/// force and densities, supports and loads: two scenes with the same hash have the same equilibria.
+/// `touchable` takes no part: it changes no equilibrium. `settled` follows from the rest.
 [[nodiscard]] std::string hash(const Scene& scene);
 
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "assembly/energy_term.h"
+#include "assembly/external_energy.h"
 #include "assembly/mass.h"
 #include "assembly/piece_support.h"
 #include "base/error.h"
@@ -196,6 +197,7 @@ class DynamicSolver::Impl {
             options_.equilibrium.single_precision ? Precision::single_if_safe : Precision::full),
         mass_(scene, densities(rheologies_), system_.assembly()),
         term_(system_.assembly(), mass_, mass_.weight(options_.gravity)) {
+    if (scene_.has_supports_or_surface_loads()) external_.emplace(scene_, system_.assembly());
     system_.set_interaction(all_tools_);
     require_held();
     if (system_.is_iterative()) team_ = make_thread_team(options_.equilibrium.threads);
@@ -282,8 +284,9 @@ class DynamicSolver::Impl {
   /// Each piece is held where the motion begins: by what is fixed alone where it settles first,
   /// else by bonded tools too. Later inertia keeps what they let go from being singular.
   void require_held() const {
-    const bool settles = options_.settled && !options_.gravity.isZero(0);
-    PieceSupport(scene_.mesh, scene_.fixed)
+    const bool has_load = scene_.has_load() || !options_.gravity.isZero(0);
+    const bool settles = options_.settled && has_load;
+    PieceSupport(scene_.mesh, system_.holding_points())
         .require_held(settles ? std::vector<Index>() : held_points(all_tools_));
   }
 
@@ -369,6 +372,17 @@ class DynamicSolver::Impl {
     }
   }
 
+  void set_terms() {
+    std::vector<const EnergyTerm*> terms{&term_};
+    if (external_) terms.push_back(&*external_);
+    system_.set_terms(std::move(terms));
+  }
+
+  void set_load_share(double share) {
+    term_.set_load_share(share);
+    if (external_) external_->set_share(share);
+  }
+
   /// Follows the way to where the motion begins.
   void follow(const Ramp& ramp, const char* failure, const char* advice, NodalVector& x,
               DynamicState& state) {
@@ -390,18 +404,18 @@ class DynamicSolver::Impl {
     term_.set_inertia(0, {});
     term_.set_past({});
     term_.set_memory(nullptr);
-    system_.set_term(term_);
+    set_terms();
     NodalVector x = NodalVector::Zero(system_.assembly().state_size());
     DynamicState state;
     // The body settles, and then the tools come to it.
     Ramp load;
     load.at = [this](double share) {
-      term_.set_load_share(options_.settled ? share : 0);
+      set_load_share(options_.settled ? share : 0);
       return Eigen::VectorXd();
     };
     system_.set_interaction(InteractionList());
-    follow(load, "The body finds no rest under gravity, BodyForce",
-           "Make BodyForce smaller or the body stiffer, or fix more of it", x, state);
+    follow(load, "The body finds no rest under its loads, BodyForce and those of its surface",
+           "Make them smaller or the body stiffer, or fix more of it", x, state);
     system_.set_rest(x);
     rest_ = x;
     tools_ = all_tools_;
@@ -423,7 +437,7 @@ class DynamicSolver::Impl {
       follow(approach, "The body finds no rest on the way of the tools to their first place",
              "Let the tools begin nearer to the body at rest, or refine the mesh there", x, state);
     }
-    term_.set_load_share(1);
+    set_load_share(1);
     const Eigen::Index n = 3 * Eigen::Index{system_.assembly().num_points()};
     state.motion.u = x.head(n);
     state.motion.velocity = state.motion.acceleration = NodalVector::Zero(n);
@@ -462,7 +476,7 @@ class DynamicSolver::Impl {
       of_tools.segment<3>(3 * Eigen::Index{point}) = before.segment<3>(3 * Eigen::Index{point});
     }
     const NodalVector force = -unbalanced_ - mass_.times(of_tools);
-    return mass_.acceleration(force, free) + of_tools.head(before.size());
+    return mass_.acceleration(force, free, scene_.held_directions) + of_tools.head(before.size());
   }
 
   /// Tries a step; nothing is changed by it but factors that are kept.
@@ -478,7 +492,7 @@ class DynamicSolver::Impl {
     }
     if (changes) {
       last_inertia_ = time.inertia();
-      system_.set_term(term_);
+      set_terms();
       factor_of_.reset();
     }
     const Eigen::VectorXd q = path.at(from.motion.time + length);
@@ -564,6 +578,11 @@ class DynamicSolver::Impl {
     }
     state.energy.weight = -term_.load().dot(x);
     force -= term_.load();
+    if (external_) {
+      const double of_springs = external_->of_springs(x);
+      state.energy.elastic += of_springs;
+      state.energy.weight += external_->add(x, force, nullptr) - of_springs;
+    }
     unbalanced_ = force;
     force += mass_.times(acceleration);
     state.energy.kinetic =
@@ -684,6 +703,8 @@ class DynamicSolver::Impl {
   CondensedSystem system_;
   MassMatrix mass_;
   StepTerm term_;
+  /// Supports, and loads besides gravity; none: there are none.
+  std::optional<ExternalEnergy> external_;
   std::optional<Viscosity> viscosity_;
   /// In which the motion begins [state_size].
   NodalVector rest_;

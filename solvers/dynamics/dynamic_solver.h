@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The motion of a body in time: with inertia, viscosity and gravity, moved by tools.
+// The motion of a body in time: with inertia, viscosity and loads, moved by tools.
 //
 //   M ü + ∂Π/∂x (x; q(t)) + viscous forces = M g
 //
+// Π has the energies of supports, pressures and tractions in it (assembly/external_energy.h).
 // Each step of an implicit method (time_integration.h) is the search for a stationary point of an
 // energy, as an equilibrium is,
 //
@@ -17,7 +18,7 @@
 // A step ends where a tool is let go. Events that are nearer to each other than a thousandth of the
 // time step are at the same time.
 //
-// The motion begins at rest, in the equilibrium under gravity or without it, to which the tools
+// The motion begins at rest, in the equilibrium under its loads or without them, to which the tools
 // have come at their first place: the coordinates of those that prescribe points count from that
 // rest. A tool with a potential is not moved so far in one step that it could pass through the
 // body.
@@ -53,7 +54,7 @@ struct DynamicsOptions {
   int max_halvings = 10;
   /// The field of gravity, m/s².
   Vec3 gravity = Vec3::Zero();
-  /// The motion begins in the equilibrium under gravity, else undeformed.
+  /// The motion begins in the equilibrium under gravity and other loads, else undeformed.
   bool settled = true;
   /// How each step is solved for. Its tolerance is a share of how far the tool is from its place at
   /// rest, as that of an equilibrium. The longest time is that of a whole run.
@@ -68,9 +69,9 @@ void validate(const DynamicsOptions& options);
 ///   work = change of (kinetic + elastic + weight + viscous_stored) + dissipated
 struct EnergyBalance {
   double kinetic = 0;
-  /// That of the laws, and of tools that have a potential.
+  /// That of the laws, of springs that support the body, and of tools that have a potential.
   double elastic = 0;
-  /// −gᵀM u.
+  /// −gᵀM u, and that of pressures and tractions.
   double weight = 0;
   double viscous_stored = 0;
   double dissipated = 0;

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "assembly/supports.h"
 #include "base/error.h"
 #include "elements/containment.h"
 #include "linear/condition.h"
@@ -49,7 +50,9 @@ CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolve
                                  int kept_factors, Precision precision)
     : mesh_(scene.mesh),
       fixed_(scene.fixed),
+      holding_points_(palpate::holding_points(scene)),
       assembly_(scene),
+      constraints_(scene, assembly_),
       rest_(NodalVector::Zero(assembly_.state_size())),
       kept_factors_(static_cast<std::size_t>(kept_factors)),
       precision_(is_saddle() ? Precision::full : precision) {
@@ -65,6 +68,8 @@ CondensedSystem::CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolve
 void CondensedSystem::measure_rest() {
   const SymmetricPattern& pattern = assembly_.pattern();
   assemble(NodalVector::Zero(assembly_.state_size()), rest_values_);
+  constraints_.measure(rest_values_);
+  constraints_.constrain(rest_values_);
   const Index num_displacements = pattern.size - assembly_.num_unknown_pressures();
   double sum = 0;
   for (Index c = 0; c < num_displacements; ++c) sum += rest_values_[pattern.column_start[c]];
@@ -72,8 +77,8 @@ void CondensedSystem::measure_rest() {
   inverse_row_norm_ = row_norms(pattern, rest_values_).cwiseInverse();
 }
 
-void CondensedSystem::set_term(const EnergyTerm& term) {
-  term_ = &term;
+void CondensedSystem::set_terms(std::vector<const EnergyTerm*> terms) {
+  terms_ = std::move(terms);
   measure_rest();
   for (KeptFactor& factor : factors_) factor.state.resize(0);
   rest_is_safe_.reset();
@@ -133,6 +138,12 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
       throw InputError("Active node " + std::to_string(point) + " at " +
                        describe(mesh_.points[point]) +
                        " is fixed or belongs to no cell, so it cannot be moved. Choose another.");
+    }
+    if (constraints_.holds(point)) {
+      throw InputError("Active node " + std::to_string(point) + " at " +
+                       describe(mesh_.points[point]) +
+                       " is held along a direction (HeldDirection), so a tool that is bonded to it "
+                       "cannot move it. Choose another, or a smaller TipRadius.");
     }
     if (coordinates[unknown] >= 0) {
       throw InputError("Active node " + std::to_string(point) + " is named twice.");
@@ -195,7 +206,7 @@ double CondensedSystem::evaluate(const Eigen::VectorXd& q, const NodalVector& st
   ++work_.residuals;
   force_of_coordinates_.setZero(num_coordinates());
   double energy = assembly_.residual(state, force_).energy;
-  if (term_ != nullptr) energy += term_->add(state, force_, nullptr);
+  energy += add_terms(state, nullptr);
   if (!has_potential()) return energy;
   return energy + interaction_->potential(q, state, force_, force_of_coordinates_);
 }
@@ -206,6 +217,7 @@ void CondensedSystem::residual(Eigen::VectorXd& r) const {
   for (Index i = 0; i < r.size(); ++i) {
     r[i] = coordinate_of_unknown_[i] >= 0 ? 0 : force_[state_of_unknown[i]];
   }
+  constraints_.project(r);
 }
 
 Eigen::VectorXd CondensedSystem::reaction() const {
@@ -268,7 +280,13 @@ void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& va
   const Timer timer(work_.assembly_seconds);
   ++work_.assemblies;
   assembly_.tangent(state, force_, values);
-  if (term_ != nullptr) (void)term_->add(state, force_, &values);
+  (void)add_terms(state, &values);
+}
+
+double CondensedSystem::add_terms(const NodalVector& state, std::vector<double>* values) {
+  double energy = 0;
+  for (const EnergyTerm* term : terms_) energy += term->add(state, force_, values);
+  return energy;
 }
 
 bool CondensedSystem::tool_is_inside(const Eigen::VectorXd& q, const NodalVector& state) const {
@@ -283,7 +301,7 @@ bool CondensedSystem::feels_nothing(const Eigen::VectorXd& q, const NodalVector&
 
 bool CondensedSystem::is_as_at_rest(const Eigen::VectorXd& q, const NodalVector& state) const {
   if (is_linear()) return true;
-  if (term_ != nullptr || !state.isZero(0)) return false;
+  if (!terms_.empty() || !state.isZero(0)) return false;
   if (!has_potential()) return true;
   PotentialHessian hessian;
   hessian.of_coordinates.setZero(num_coordinates(), num_coordinates());
@@ -374,7 +392,7 @@ void CondensedSystem::add_potential(const Eigen::VectorXd& q, const NodalVector&
 
 void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVector& state) {
   if (has_tangent_ && is_linear()) return;
-  if (term_ == nullptr && (assembly_.is_linear() || state.isZero(0))) {
+  if (terms_.empty() && (assembly_.is_linear() || state.isZero(0))) {
     values_ = rest_values_;
   } else {
     assemble(state, values_);
@@ -382,7 +400,12 @@ void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVect
   has_tangent_ = true;
   mixed_.setZero(assembly_.pattern().size, num_coordinates());
   of_coordinates_.setZero(num_coordinates(), num_coordinates());
-  if (has_potential()) add_potential(q, state);
+  if (has_potential()) {
+    add_potential(q, state);
+    constraints_.project(mixed_);
+  }
+  // What was constrained at rest stays what it is.
+  constraints_.constrain(values_);
   for (const Coupling& c : couplings_) {
     mixed_(c.unknown, c.coordinate) += std::exchange(values_[c.position], 0.0);
   }
@@ -455,6 +478,7 @@ double CondensedSystem::error_of_rest_factor() {
   for (Index i = 0; i < x.size(); ++i) {
     x[i] = coordinate_of_unknown_[i] != kFree ? 0 : (i % 2 == 0 ? 1 : -1);
   }
+  constraints_.project(x);
   Eigen::VectorXd found = product(assembly_.pattern(), values_, x);
   solve(*rest_factor_, found);
   const double error = (found - x).norm() / x.norm();
@@ -529,6 +553,7 @@ void CondensedSystem::solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> c
   const Timer timer(work_.solve_seconds);
   work_.right_hand_sides += columns.cols();
   factor.solve(columns);
+  constraints_.project(columns);
 }
 
 SolveSummary CondensedSystem::solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance) {
@@ -536,6 +561,7 @@ SolveSummary CondensedSystem::solve(Eigen::Ref<Eigen::MatrixXd> columns, double 
   work_.right_hand_sides += columns.cols();
   SolveSummary summary = krylov_->solve(columns, tolerance);
   work_.krylov_iterations += summary.iterations;
+  constraints_.project(columns);
   return summary;
 }
 

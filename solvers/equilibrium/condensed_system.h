@@ -14,6 +14,7 @@
 
 #include "assembly/assembly.h"
 #include "assembly/energy_term.h"
+#include "equilibrium/direction_constraints.h"
 #include "equilibrium/krylov_tangent.h"
 #include "equilibrium/rest_factor.h"
 #include "equilibrium/state.h"
@@ -36,21 +37,21 @@ class CondensedSystem {
 
   /// Chooses the tool.
   /// @throws InputError it has no coordinates, or prescribes a point that does not exist, is in no
-  ///   cell, is fixed, or is named twice.
+  ///   cell, is fixed or held along a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
-  /// Gives the body an energy besides, and forgets all factors. Call this again when the term has
-  /// changed by more than what a factor of before still approximates: it finds anew how stiff each
-  /// unknown is.
-  /// @param term It must outlive this object, or the next call.
-  void set_term(const EnergyTerm& term);
+  /// Gives the body energies besides that of its materials, and forgets all factors. Call this
+  /// again when a term has changed by more than what a factor of before still approximates: it
+  /// finds anew how stiff each unknown is.
+  /// @param terms They must outlive this object, or the next call.
+  void set_terms(std::vector<const EnergyTerm*> terms);
 
   /// The state from which the coordinates of tools count that prescribe points; the undeformed one
   /// until this is called.
   void set_rest(const NodalVector& state) { rest_ = state; }
 
   [[nodiscard]] const Assembly& assembly() const { return assembly_; }
-  /// To change the materials with, see Assembly::scale_energy(); call set_term() afterwards.
+  /// To change the materials with, see Assembly::scale_energy(); call set_terms() afterwards.
   [[nodiscard]] Assembly& assembly() { return assembly_; }
   /// The tool. Call set_interaction() before.
   [[nodiscard]] const Interaction& interaction() const { return *interaction_; }
@@ -59,7 +60,8 @@ class CondensedSystem {
   }
   [[nodiscard]] const Work& work() const { return work_; }
   [[nodiscard]] const TetMesh& mesh() const { return mesh_; }
-  [[nodiscard]] const std::vector<char>& fixed() const { return fixed_; }
+  /// See supports.h.
+  [[nodiscard]] const std::vector<char>& holding_points() const { return holding_points_; }
   /// d; 0 without a tool.
   [[nodiscard]] Index num_coordinates() const {
     return interaction_ == nullptr ? 0 : interaction_->num_coordinates();
@@ -72,7 +74,7 @@ class CondensedSystem {
   [[nodiscard]] bool is_iterative() const { return krylov_ != nullptr; }
   /// The tangent is the same at all states.
   [[nodiscard]] bool is_linear() const {
-    return assembly_.is_linear() && !has_potential() && term_ == nullptr;
+    return assembly_.is_linear() && !has_potential() && terms_.empty();
   }
   /// The equilibrium is a saddle of the energy: there are pressures.
   [[nodiscard]] bool is_saddle() const { return assembly_.num_pressures() > 0; }
@@ -112,6 +114,8 @@ class CondensedSystem {
   [[nodiscard]] Eigen::MatrixXd sensitivity_of(const LinearisedState& state) const;
   /// A change of the state as a change of the unknowns; those that are held are 0.
   [[nodiscard]] Eigen::VectorXd as_unknowns(const NodalVector& state) const;
+  /// Takes out of a state what points that are held along directions cannot do.
+  void hold_directions(NodalVector& state) const { constraints_.project_state(state); }
   /// A change of the unknowns as a change of the state.
   [[nodiscard]] NodalVector as_state(const Eigen::VectorXd& unknowns) const;
 
@@ -188,6 +192,8 @@ class CondensedSystem {
   /// Orders the body.
   void take_solver(std::unique_ptr<LinearSolver> solver);
   void assemble(const NodalVector& state, std::vector<double>& values);
+  /// The energy of the terms, J, of which the derivatives are added.
+  double add_terms(const NodalVector& state, std::vector<double>* values);
   /// Finds how stiff each unknown is at rest.
   void measure_rest();
   /// Adds the second derivatives of the tool's potential to the last tangent.
@@ -213,8 +219,10 @@ class CondensedSystem {
 
   TetMesh mesh_;
   std::vector<char> fixed_;
+  std::vector<char> holding_points_;
   Assembly assembly_;
-  const EnergyTerm* term_ = nullptr;
+  DirectionConstraints constraints_;
+  std::vector<const EnergyTerm*> terms_;
   NodalVector rest_;
   std::size_t kept_factors_;
   /// The precision that was asked for, and whether the tangent at rest with nothing held is safe in

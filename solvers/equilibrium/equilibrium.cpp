@@ -8,12 +8,11 @@
 #include <sstream>
 #include <utility>
 
-#include "assembly/mass.h"
+#include "assembly/external_energy.h"
 #include "assembly/piece_support.h"
 #include "base/error.h"
 #include "equilibrium/condensed_system.h"
 #include "equilibrium/corrector.h"
-#include "equilibrium/dead_load.h"
 #include "equilibrium/explanation.h"
 #include "equilibrium/linearisation.h"
 #include "equilibrium/ramp.h"
@@ -45,6 +44,18 @@ constexpr int kFailuresBeforeFollowing = 3;
 constexpr double kSensitivityErrorWithoutFactor = 1e-6;
 /// Points of a path that a solve follows; each costs two or three factorisations.
 constexpr int kMaxPathPoints = 150;
+
+/// BodyForce, AppliedPressure and AppliedTraction, those that there are.
+std::string names_of_loads(const Scene& scene) {
+  std::string names;
+  const auto add = [&](bool is_there, const char* name) {
+    if (is_there) names += (names.empty() ? "" : " and ") + std::string(name);
+  };
+  add(scene.has_body_force(), "BodyForce");
+  add(!scene.applied_pressure.empty(), "AppliedPressure");
+  add(!scene.applied_traction.empty(), "AppliedTraction");
+  return names;
+}
 
 Scene checked(Scene scene) {
   check(scene);
@@ -103,10 +114,10 @@ class EquilibriumSolver::Impl {
         team_(std::move(team)),
         system_(scene, std::move(solver), options_.kept_factors,
                 options_.single_precision ? Precision::single_if_safe : Precision::full),
-        support_(scene.mesh, scene.fixed),
+        support_(scene.mesh, system_.holding_points()),
         rest_(NodalVector::Zero(system_.assembly().state_size())) {
     settled_.outcome = Outcome::converged;
-    if (scene.has_body_force()) set_load(weight_of(scene, system_.assembly()));
+    if (scene.has_load() || !scene.support_stiffness.empty()) set_external(scene);
   }
 
   /// Null: there is one thread.
@@ -144,7 +155,8 @@ class EquilibriumSolver::Impl {
   };
 
   void begin();
-  void set_load(const NodalVector& load);
+  /// Lets the body find its rest under what acts on it.
+  void set_external(const Scene& scene);
   void require_coordinates(const Eigen::VectorXd& t) const;
   [[nodiscard]] Outcome interruption() const;
   /// The equilibrium at next_t that a step from progress leads to.
@@ -186,12 +198,13 @@ class EquilibriumSolver::Impl {
   std::vector<Index> held_by_tool_;
   /// Which part of the body turns, once it was searched for; empty: none does.
   std::optional<std::string> mobile_part_;
-  std::optional<DeadLoad> load_;
+  /// None: nothing acts on the body but its tools.
+  std::optional<ExternalEnergy> external_;
   /// Without a tool, and its energy, J.
   NodalVector rest_;
   double rest_energy_ = 0;
-  /// The elastic energy that the load has put into the body at rest, J.
-  double load_energy_ = 0;
+  /// What is summed up to the energy of the body at rest, J, where that is told from nothing.
+  double energies_at_rest_ = 0;
   Equilibrium settled_;
   Clock::time_point start_{};
 };
@@ -219,29 +232,35 @@ Outcome EquilibriumSolver::Impl::interruption() const {
   return Outcome::converged;
 }
 
-void EquilibriumSolver::Impl::set_load(const NodalVector& load) {
+void EquilibriumSolver::Impl::set_external(const Scene& scene) {
   begin();
   const Assembly& assembly = system_.assembly();
-  load_.emplace(load);
-  system_.set_term(*load_);
+  external_.emplace(scene, assembly);
+  system_.set_terms({&*external_});
   system_.set_interaction(InteractionList());
+  if (!scene.has_load()) {
+    rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_);
+    return;
+  }
   Ramp ramp;
   ramp.at = [this](double share) {
-    load_->set_share(share);
+    external_->set_share(share);
     return Eigen::VectorXd();
   };
   const RampEnd end = follow_ramp(
       system_, options_, [this] { return interruption(); }, ramp, rest_);
-  load_->set_share(1);
+  external_->set_share(1);
   system_.set_rest(rest_);
   NodalVector force;
-  load_energy_ = assembly.residual(rest_, force).energy;
-  load_->count_from(rest_, load_energy_);
+  const double of_materials = assembly.residual(rest_, force).energy;
+  const double of_external = external_->add(rest_, force, nullptr);
+  energies_at_rest_ = std::abs(of_materials) + std::abs(of_external);
+  external_->count_from(rest_, of_materials);
   rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_);
   Equilibrium& state = settled_;
   state.u = rest_.head(3 * Eigen::Index{assembly.num_points()});
   state.p = rest_.tail(assembly.num_pressures()).cwiseProduct(system_.pressure_scale());
-  state.energy = load_energy_ - load.dot(rest_);
+  state.energy = of_materials + of_external;
   state.outcome = end.outcome;
   state.residual = end.residual;
   state.iterations = end.iterations;
@@ -253,8 +272,8 @@ void EquilibriumSolver::Impl::set_load(const NodalVector& load) {
       return;
     }
     std::ostringstream text;
-    text << "The body finds no rest under its load, BodyForce: " << describe(end)
-         << ". Make BodyForce smaller or the body stiffer, or fix more of it"
+    text << "The body finds no rest under its load, " << names_of_loads(scene) << ": "
+         << describe(end) << ". Make the load smaller or the body stiffer, or fix more of it"
          << advise_finer_quadrature(assembly) << '.';
     state.message = text.str();
   }
@@ -465,7 +484,7 @@ std::string EquilibriumSolver::Impl::explain_end(const Equilibrium& state, const
       state.outcome == Outcome::not_converged || state.outcome == Outcome::tangent_not_solved;
   if (!is_lost || !system_.is_iterative()) return text;
   if (!mobile_part_) {
-    std::vector<char> held = system_.fixed();
+    std::vector<char> held = system_.holding_points();
     for (const Index point : held_by_tool_) held[point] = 1;
     mobile_part_ = find_mobile_part(system_.mesh(), held).value_or("");
   }
@@ -509,7 +528,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       continue;
     }
     if (is_mobile(outcome, progress.state)) break;
-    if (outcome == Outcome::converged && agree(progress.state, next, std::abs(load_energy_))) {
+    if (outcome == Outcome::converged && agree(progress.state, next, energies_at_rest_)) {
       advance(stride, way, std::move(next), progress);
       stride *= 2;
       failures = 0;
@@ -568,6 +587,7 @@ Equilibrium EquilibriumSolver::Impl::settle(const Equilibrium& near) {
       progress.state.p[place - displacements] = near.p[place - displacements];
     }
   }
+  system_.hold_directions(progress.state.u);
   progress.state.v.setZero(near.u.size(), system_.num_coordinates());
   progress.state.p_v.setZero(assembly.num_pressures(), system_.num_coordinates());
   Equilibrium settled = step(1, near.t, Tangent::factorised, progress);

@@ -58,7 +58,7 @@ class EquilibriumSolver {
   ///   the inertia no more is known than the sign of the lowest eigenvalue.
   /// @throws InputError an invalid scene or option; an incompressible law with a linear solver that
   ///   cannot factorise it, or a body with pressures without one. A body that finds no rest under
-  ///   its body force is told by settled().
+  ///   its loads is told by settled().
   EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
                     std::unique_ptr<LinearSolver> linear_solver = make_linear_solver());
   ~EquilibriumSolver();
@@ -71,17 +71,17 @@ class EquilibriumSolver {
   /// Chooses the tool for the solves that follow. The symbolic analysis serves all tools, and so
   /// does the factor at rest where not too many unknowns are held: always in a linear body, else
   /// from three kept factors on.
-  /// @throws InputError no tool; a point that does not exist, is in no cell, is fixed, or is named
-  ///   twice.
+  /// @throws InputError no tool; a point that does not exist, is in no cell, is fixed or held along
+  ///   a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
-  /// The rest of a body with a body force, without a tool: u, p, outcome, residual, iterations,
-  /// message and the energy, from the body of the mesh on, count. Solves start from there, and the
-  /// coordinates of a tool that prescribes points and the energy count from there. Without a body
-  /// force it has converged, and its u and p are empty.
+  /// The rest of a body under loads (Scene::has_load()), without a tool: u, p, outcome, residual,
+  /// iterations, message and the energy, from the body of the mesh on, count. Solves start from
+  /// there, and the coordinates of a tool that prescribes points and the energy count from there.
+  /// Without a load it has converged, and its u and p are empty.
   [[nodiscard]] const Equilibrium& settled() const;
 
-  /// The body at rest (u = 0 without a body force) with its sensitivity and stiffness, the tool at
+  /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at
   /// t [d], m; without t, where its coordinates are 0. Call set_interaction() before.
   /// @throws InputError the body is not at rest with the tool there: it touches the body.
   [[nodiscard]] Equilibrium rest(const Eigen::VectorXd& t);

@@ -36,12 +36,10 @@ std::string describe_cell(const TetMesh& mesh, Index cell) {
 
 std::string explain_singular(const CondensedSystem& system) {
   const TetMesh& mesh = system.mesh();
-  std::vector<char> held = system.fixed();
+  std::vector<char> held = system.holding_points();
   const std::vector<Index> held_by_tools = held_points(system.interaction());
+  if (auto piece = PieceSupport(mesh, held).find_mobile_piece(held_by_tools)) return *piece;
   for (const Index point : held_by_tools) held[point] = 1;
-  if (auto piece = PieceSupport(mesh, system.fixed()).find_mobile_piece(held_by_tools)) {
-    return *piece;
-  }
   if (auto part = find_mobile_part(mesh, held)) return *part;
   if (system.is_iterative()) {
     return "Conjugate gradients do not solve for the tangent of the body at rest: it is much "

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "assembly/piece_support.h"
+#include "assembly/supports.h"
 #include "base/error.h"
 #include "exploration/start_graph.h"
 #include "interaction/bonded_patch.h"
@@ -61,7 +62,7 @@ std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   const BondedPatches patches(scene, options.tip_radius);
   std::vector<PlannedSpace> spaces;
-  const PieceSupport support(scene.mesh, scene.fixed);
+  const PieceSupport support(scene.mesh, holding_points(scene));
   for (const Index node : nodes) {
     support.require_held(patches.around(node).points());
     ToolSpaceSetup setup;
@@ -78,7 +79,7 @@ std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions
 
 std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions& options,
                                      InteractionFactory& tools) {
-  PieceSupport(scene.mesh, scene.fixed).require_held({});
+  PieceSupport(scene.mesh, holding_points(scene)).require_held({});
   const ContactOptions& contact = *options.contact;
   ToolSpaceSetup setup;
   setup.id = kContactToolSpace;

@@ -17,7 +17,7 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
   require_rest(solver);
   const Equilibrium& rest = solver.settled();
   if (rest.outcome == Outcome::aborted) {
-    throw InputError("The run was aborted before the body had come to rest under its BodyForce.");
+    throw InputError("The run was aborted before the body had come to rest under its load.");
   }
   if (!path.empty() && std::filesystem::exists(path)) {
     const StateSpaceFile file = StateSpaceFile::open_read_only(path);
@@ -25,7 +25,7 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
       SettledBody settled = file.read_scene().settled;
       if (settled.p.size() == rest.p.size()) return settled;
       throw InputError(path.string() +
-                       " is damaged: the pressures of the body at rest under its BodyForce are not "
+                       " is damaged: the pressures of the body at rest under its load are not "
                        "those of its cells. Remove it, and compute it again.");
     }
   }
@@ -37,7 +37,7 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
 const Scene& settle(const Scene& scene, const EquilibriumSolver& solver,
                     const std::filesystem::path& file, Communicator& communicator,
                     std::optional<Scene>& settled) {
-  if (!scene.has_body_force()) return scene;
+  if (!scene.has_load()) return scene;
   Packer mine;
   agree(communicator, [&] {
     if (communicator.rank() == 0) mine.put(find_rest(scene, solver, file));

@@ -132,6 +132,10 @@ void for_each_part(Scene& scene, Visit&& visit) {
   visit(scene.material_of_cell);
   visit(scene.fixed);
   visit(scene.touchable);
+  visit(scene.held_directions);
+  visit(scene.support_stiffness);
+  visit(scene.applied_pressure);
+  visit(scene.applied_traction);
   visit(scene.body_force);
   visit(scene.densities);
   visit(scene.settled);

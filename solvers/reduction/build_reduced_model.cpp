@@ -78,6 +78,18 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
   for (const Rheology& rheology : rheologies) validate(rheology);
 }
 
+/// The body that is reduced is held by fixed points alone, and loaded by its weight alone.
+void check_boundary(const Scene& scene) {
+  if (!scene.has_supports_or_surface_loads()) return;
+  throw InputError(
+      "A reduced model takes no supports but fixed points, and no load but BodyForce: this body "
+      "has "
+      "HeldDirection, SupportStiffness, AppliedPressure or AppliedTraction, with which the error "
+      "of "
+      "the model would not be what it tells. Take Solve Dynamics or Precompute State Space, or fix "
+      "points with Set Boundary instead.");
+}
+
 /// What the body is solved for in training, with the tools at each of some places.
 class Training {
  public:
@@ -434,6 +446,7 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
                      const ReductionOptions& options) {
   validate(options);
   check_materials(scene, rheologies);
+  check_boundary(scene);
   Eigen::AlignedBox3d box;
   for (const Vec3& point : scene.mesh.points) box.extend(point);
   require(options.reach <= kMostReach * box.diagonal().norm(), "Reach", options.reach,

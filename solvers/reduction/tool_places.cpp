@@ -13,6 +13,7 @@
 #include "assembly/assembly.h"
 #include "assembly/mass.h"
 #include "assembly/piece_support.h"
+#include "assembly/supports.h"
 #include "base/error.h"
 #include "dynamics/dynamic_solver.h"
 #include "equilibrium/equilibrium.h"
@@ -241,7 +242,7 @@ class PlacedTools::Impl {
         stiffness_(assembly_, trained.rest) {
     rest_state_.setZero(assembly_.state_size());
     if (trained.rest.size() > 0) rest_state_.head(trained.rest.size()) = trained.rest;
-    PieceSupport(scene.mesh, scene.fixed).require_held({});
+    PieceSupport(scene.mesh, holding_points(scene)).require_held({});
     std::vector<double> values;
     (void)assembly_.tangent(rest_state_, rest_force_, values);
     if (has_density(rheologies)) {

@@ -110,6 +110,12 @@ template <class Number>
   return exactly<double>(3 * num_points);
 }
 
+// Table boundary_array. The body at rest has settled_displacement() and pressures().
+/// @param components Of each point.
+[[nodiscard]] inline Size<double> boundary_array(std::int64_t num_points, std::int64_t components) {
+  return exactly<double>(num_points * components);
+}
+
 // Table reduced_array.
 /// @param num_rows, num_columns Neither is below zero, and their product is no more than kMost².
 [[nodiscard]] inline Size<double> array(std::int64_t num_rows, std::int64_t num_columns) {

@@ -251,6 +251,10 @@ std::int64_t checksum(const SettledBody& settled) {
   return checksum_of(u, u_bytes, checksum_of(p, p_bytes, 0));
 }
 
+std::int64_t checksum(const std::string& name, sqlite::Statement::Blob numbers) {
+  return checksum_of(numbers.data, numbers.bytes, checksum_of(name.data(), name.size(), 0));
+}
+
 bool is_possible(const ToolSpaceSetup& setup, std::int64_t num_points) {
   const auto& [id, interaction, grid, policy] = setup;
   // The number says which kind it is: what is touched is looked up by it.

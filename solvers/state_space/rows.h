@@ -267,6 +267,8 @@ void set_fields(const Fields& fields, std::int64_t num_points, Configuration& co
 /// The checksum of those parts of a scene that its hash does not take in.
 [[nodiscard]] std::int64_t checksum(const std::vector<char>& touchable, double solver_tolerance);
 [[nodiscard]] std::int64_t checksum(const SettledBody& settled);
+/// Of an array of what holds and loads the surface.
+[[nodiscard]] std::int64_t checksum(const std::string& name, sqlite::Statement::Blob numbers);
 
 /// Whether the numbers are ones that a program may rely on: indices that exist, and sizes for which
 /// there is memory.

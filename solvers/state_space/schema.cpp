@@ -62,9 +62,11 @@ constexpr const char* kTablesOfToolSpaces[] = {"configuration", "transition", "i
 constexpr char kToolSpaceId[] = "tool_space_id";
 constexpr char kActiveNode[] = "active_node";
 
-/// The tables that a file has where it holds a reduced model, and where its scene has a body force.
+/// The tables that a file has where it holds a reduced model, and where its scene has a body force,
+/// or supports and loads of its surface.
 constexpr char kReducedArray[] = "reduced_array";
 constexpr char kBodyForce[] = "body_force";
+constexpr char kBoundary[] = "boundary_array";
 
 std::string quoted(const Database& database) { return palpate::quoted(database.path()); }
 
@@ -126,7 +128,8 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
   }
   if (version >= 10) {
     for (const auto& [name, schema] :
-         {std::pair{kReducedArray, kReducedSchema}, std::pair{kBodyForce, kBodyForceSchema}}) {
+         {std::pair{kReducedArray, kReducedSchema}, std::pair{kBodyForce, kBodyForceSchema},
+          std::pair{kBoundary, kBoundarySchema}}) {
       const std::string made = bare(schema);
       tables[name] = made.substr(0, made.find(';'));
     }
@@ -161,6 +164,10 @@ bool has_body_force_schema(const Database& database) { return has_table(database
 
 void make_body_force_schema(const Database& database) { database.execute(kBodyForceSchema); }
 
+bool has_boundary_schema(const Database& database) { return has_table(database, kBoundary); }
+
+void make_boundary_schema(const Database& database) { database.execute(kBoundarySchema); }
+
 std::int64_t check_schema(const Database& database) {
   if (database.integer("PRAGMA application_id") != kApplicationId) {
     throw InputError(quoted(database) + " is an SQLite file of another program, not a Palpate " +
@@ -192,6 +199,7 @@ std::int64_t check_schema(const Database& database) {
   }
   missing.erase(kReducedArray);
   missing.erase(kBodyForce);
+  missing.erase(kBoundary);
   if (!missing.empty()) {
     refuse(database, "it lacks the table '" + missing.begin()->first + '\'');
   }

@@ -23,6 +23,10 @@ void make_reduced_schema(const sqlite::Database& database);
 void make_body_force_schema(const sqlite::Database& database);
 [[nodiscard]] bool has_body_force_schema(const sqlite::Database& database);
 
+/// Makes the table of what holds and loads the surface.
+void make_boundary_schema(const sqlite::Database& database);
+[[nodiscard]] bool has_boundary_schema(const sqlite::Database& database);
+
 /// Checks the schema of a file, and gives its version. When this returns, the file holds the tables
 /// of that version and nothing else: no trigger, no view, nothing that is computed when it is read.
 /// @throws InputError the file is another program's, of another version, or has other tables than

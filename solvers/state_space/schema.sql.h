@@ -224,6 +224,24 @@ CREATE TABLE body_force (
 );
 )sql";
 
+// The table of what holds and loads the surface is made with the file of a scene that has such.
+// Under a load without a body force the body at rest is in it: fields are as with a body force.
+inline constexpr char kBoundarySchema[] = R"sql(
+CREATE TABLE boundary_array (
+  scene_id INTEGER NOT NULL REFERENCES scene,
+  name     TEXT NOT NULL,             -- HeldDirection [num_points x 6: two directions, orthonormal
+                                      -- or 0], SupportStiffness [num_points], N/m3,
+                                      -- AppliedPressure [num_points], Pa, AppliedTraction
+                                      -- [num_points x 3], Pa; those that the scene has.
+                                      -- RestDisplacement [num_points x 3], m, and RestPressure
+                                      -- [num_pressures], Pa: of the body at rest
+  checksum INTEGER NOT NULL,          -- XXH3 (64 bit) of the bytes of numbers, seeded with that of
+                                      -- name
+  numbers  BLOB,                      -- float64; NULL: none
+  PRIMARY KEY (scene_id, name)
+);
+)sql";
+
 // The table of reduced models is made when the first array is stored: most files have none.
 inline constexpr char kReducedSchema[] = R"sql(
 CREATE TABLE reduced_array (          -- of a reduced model, or of what was found in its training

@@ -28,7 +28,7 @@ struct ToolSpace {
 };
 
 /// Lets the fields of a configuration count from the body at rest, or from its mesh as they do
-/// where they are whole. Without a body force, and where it has no fields, it stays as it is.
+/// where they are whole. Without a load, and where it has no fields, it stays as it is.
 void count_from_rest(const SettledBody& settled, Configuration& configuration);
 void count_from_mesh(const SettledBody& settled, Configuration& configuration);
 

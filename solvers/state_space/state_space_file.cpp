@@ -288,13 +288,53 @@ void write_scene(const Database& database, const Scene& scene, double solver_tol
   }
 }
 
+/// @param scene It has a load.
+void require_rest_of(const Scene& scene) {
+  if (scene.settled.u.size() == 3 * Eigen::Index{scene.mesh.num_points()}) return;
+  throw InputError(
+      "The rest of the body under its load is needed to store its state space, and is not there. "
+      "Find it first.");
+}
+
+/// Calls visit(name, array) for the arrays of what holds and loads the surface.
+template <class AnyScene, class Visit>
+void for_each_boundary_array(AnyScene& scene, const Visit& visit) {
+  visit("HeldDirection", scene.held_directions);
+  visit("SupportStiffness", scene.support_stiffness);
+  visit("AppliedPressure", scene.applied_pressure);
+  visit("AppliedTraction", scene.applied_traction);
+}
+constexpr char kRestDisplacement[] = "RestDisplacement";
+constexpr char kRestPressure[] = "RestPressure";
+
+/// The rest of a body is stored with the arrays of its surface.
+bool rests_in_boundary(const Scene& scene) { return scene.has_load() && !scene.has_body_force(); }
+
+/// @param scene It has supports or loads of its surface.
+void write_boundary(const Database& database, const Scene& scene) {
+  make_boundary_schema(database);
+  Statement insert(database, "INSERT INTO boundary_array VALUES (1, ?, ?, ?)");
+  const auto write = [&](const std::string& name, const auto& array) {
+    using Value = std::decay_t<decltype(array[0])>;
+    const Statement::Blob numbers{array.size() == 0 ? nullptr : array.data(),
+                                  static_cast<std::size_t>(array.size()) * sizeof(Value)};
+    insert.bind(name);
+    insert.bind(rows::checksum(name, numbers));
+    insert.bind(numbers.data, numbers.bytes);
+    insert.run();
+  };
+  for_each_boundary_array(scene, [&](const char* name, const auto& array) {
+    if (!array.empty()) write(name, array);
+  });
+  if (!rests_in_boundary(scene)) return;
+  require_rest_of(scene);
+  write(kRestDisplacement, scene.settled.u);
+  write(kRestPressure, scene.settled.p);
+}
+
 /// @param scene It has a body force.
 void write_body_force(const Database& database, const Scene& scene) {
-  if (scene.settled.u.size() != 3 * Eigen::Index{scene.mesh.num_points()}) {
-    throw InputError(
-        "The rest of the body under its BodyForce is needed to store its state space, and is not "
-        "there. Find it first.");
-  }
+  require_rest_of(scene);
   make_body_force_schema(database);
   Statement insert(database, "INSERT INTO body_force VALUES (1, ?, ?, ?, ?, ?)");
   insert.bind(scene.body_force.data(), 3 * sizeof(double));
@@ -311,8 +351,8 @@ constexpr std::int64_t kOfNumbers = 1 << 16;
 /// A value of a row without a basis is no larger, and neither is the memory that is taken to read
 /// it.
 std::int64_t largest_row(std::int64_t num_points, std::int64_t num_cells) {
-  // The scene: points, fixed, touchable; at most ten nodes a cell, and its material.
-  const std::int64_t of_scene = num_points * (3 * 8 + 2) + num_cells * (10 + 1) * 4;
+  // The scene: points, fixed, touchable, or directions; at most ten nodes a cell, and its material.
+  const std::int64_t of_scene = num_points * (6 * 8 + 2) + num_cells * (10 + 1) * 4;
   // u and v; p and p_v at most at four corners a cell.
   const std::int64_t of_fields = num_points * 12 * 8 + num_cells * 16 * 8;
   return std::max(of_scene, of_fields) + kOfNumbers;
@@ -467,6 +507,9 @@ struct StateSpaceFile::Impl {
   /// Reads body force, densities and rest. @param scene It has its materials.
   /// @throws InputError they are damaged.
   void read_body_force(Scene& scene) const;
+  /// Reads what holds and loads the surface, and the rest where it is with that.
+  /// @throws InputError it is damaged.
+  void read_boundary(Scene& scene) const;
   /// Where the body is at rest; read when it is first asked for.
   [[nodiscard]] const SettledBody& settled() const;
   mutable std::optional<SettledBody> settled_body;
@@ -753,11 +796,49 @@ void StateSpaceFile::Impl::read_body_force(Scene& scene) const {
   }
 }
 
+void StateSpaceFile::Impl::read_boundary(Scene& scene) const {
+  Statement select(database,
+                   "SELECT name, checksum, numbers FROM boundary_array WHERE scene_id = 1");
+  while (select.step()) {
+    const std::string name = select.take_text();
+    const std::int64_t sum = select.take_integer();
+    const Statement::Blob numbers = select.take_blob();
+    bool is_good = rows::checksum(name, numbers) == sum;
+    const auto take = [&](const auto& size, auto& array) {
+      is_good = is_good && blobs::copy(numbers, size, array);
+    };
+    if (name == kRestDisplacement) {
+      take(blobs::settled_displacement(num_points), scene.settled.u);
+    } else if (name == kRestPressure) {
+      take(blobs::pressures<double>(num_pressures()), scene.settled.p);
+    } else {
+      bool is_known = false;
+      for_each_boundary_array(scene, [&](const char* known_name, auto& array) {
+        if (name != known_name) return;
+        is_known = true;
+        take(blobs::boundary_array(num_points, sizeof array[0] / sizeof(double)), array);
+      });
+      is_good = is_good && is_known;
+    }
+    if (!is_good) throw_damaged(path(), "the array " + name + " of the boundary is none");
+  }
+  if (!scene.settled.u.allFinite() || !scene.settled.p.allFinite()) {
+    throw_damaged(path(), "the rest under the loads is none");
+  }
+  const bool lacks_rest = rests_in_boundary(scene) && scene.settled.u.size() == 0;
+  if (!scene.has_supports_or_surface_loads() || lacks_rest) {
+    throw_damaged(path(), "the supports and loads of the body are not complete");
+  }
+}
+
 const SettledBody& StateSpaceFile::Impl::settled() const {
   if (settled_body) return *settled_body;
   settled_body.emplace();
-  if (!has_body_force_schema(database)) return *settled_body;
   Scene scene;
+  if (!has_body_force_schema(database)) {
+    if (has_boundary_schema(database)) read_boundary(scene);
+    return *(settled_body = std::move(scene.settled));
+  }
   read_materials(scene);
   read_body_force(scene);
   return *(settled_body = std::move(scene.settled));
@@ -963,6 +1044,7 @@ bool make_file(const fs::path& path, const Scene& scene, double solver_tolerance
     make_schema(database);
     write_scene(database, scene, solver_tolerance);
     if (scene.has_body_force()) write_body_force(database, scene);
+    if (scene.has_supports_or_surface_loads()) write_boundary(database, scene);
     transaction.commit();
   }
   return part.put_where_none_is();
@@ -1003,11 +1085,12 @@ StateSpaceFile StateSpaceFile::open_to_append(const fs::path& path, const Scene&
 void StateSpaceFile::require(const Scene& scene, double solver_tolerance) const {
   const std::string wanted = hash(scene);
   if (impl_->scene_hash != wanted) {
-    throw InputError(quoted(path()) + " holds the state space of another scene: its hash is " +
-                     impl_->scene_hash +
-                     ", that of this scene (mesh, materials, fixed points, and with a " +
-                     "BodyForce that and the densities) is " + wanted +
-                     ". Give another file name, or restore the scene it was made for.");
+    throw InputError(
+        quoted(path()) + " holds the state space of another scene: its hash is " +
+        impl_->scene_hash +
+        ", that of this scene (mesh, materials, fixed points, supports and loads, and " +
+        "with a BodyForce that and the densities) is " + wanted +
+        ". Give another file name, or restore the scene it was made for.");
   }
   if (impl_->solver_tolerance != solver_tolerance) {
     throw InputError(quoted(path()) + " was computed with the solver tolerance " +
@@ -1192,6 +1275,7 @@ Scene StateSpaceFile::read_scene() const {
   }
   impl_->read_materials(scene);
   if (has_body_force_schema(database)) impl_->read_body_force(scene);
+  if (has_boundary_schema(database)) impl_->read_boundary(scene);
   if (hash(scene) != impl_->scene_hash) {
     throw_damaged(database.path(), "the scene has not the hash it was stored with");
   }

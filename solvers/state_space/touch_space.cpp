@@ -66,7 +66,7 @@ void reduce_and_add(const Scene& scene, const ToolSpaceSetup& setup,
     const Configuration* configuration = fields_of(s);
     if (configuration == nullptr) return false;
     check_fields(*configuration, scene.mesh.num_points(), setup);
-    if (scene.has_body_force()) {
+    if (scene.has_load()) {
       Configuration from_rest = *configuration;
       count_from_rest(scene.settled, from_rest);
       to.set(at, from_rest, points, step);

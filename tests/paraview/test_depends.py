@@ -89,8 +89,17 @@ def changeable(proxy):
             yield name
 
 
+def owner(proxy, name):
+    """The filter that has a property, and its name there: Input.Load is one of the input."""
+    *way, name = name.split(".")
+    for step in way:
+        proxy = getattr(proxy, step)
+    return proxy, name
+
+
 def change(proxy, name, value):
     """Sets a property; one that is another proxy gets its own properties set."""
+    proxy, name = owner(proxy, name)
     if isinstance(value, dict):
         for part, number in value.items():
             setattr(getattr(proxy, name), part, number)
@@ -100,6 +109,7 @@ def change(proxy, name, value):
 
 def held_in(proxy, name, value):
     """What a property has, of the kind of `value`."""
+    proxy, name = owner(proxy, name)
     if isinstance(value, dict):
         return {part: held_in(getattr(proxy, name), part, number)
                 for part, number in value.items()}
@@ -233,6 +243,42 @@ def test_rigid_space():
     assert check_file(make, changes, "rigid.palpate") == set(changes) - {
         "BeginAt", "Depth", "ForceLimit", "MaximumSeconds", "SinglePrecisionFactors", "ToolRegion",
         "UseToolRegion"}
+
+
+def on_plane(body, origin, normal, **settings):
+    """A boundary of the points on the side of a plane that its normal points away from."""
+    boundary = SetBoundary(Input=body, FixedRegion="Plane", LoadRegion="Plane", **settings)
+    for region in (boundary.FixedRegion, boundary.LoadRegion):
+        region.Origin, region.Normal = origin, normal
+    return boundary
+
+
+def supported_and_loaded():
+    """Fixed at one end, on springs, on a plane, under a pressure and a traction."""
+    springs = on_plane(body(), [0, 0, 0], [0, 1, 0], Support="Springs", SupportStiffness=1e4)
+    plane = on_plane(springs, [0, 0, 0], [0, 0, 1], Support="Direction", HeldDirection=[0, 0, 1])
+    pressed = SetBoundary(Input=plane, Support="Nothing", Load="Pressure", AppliedPressure=50,
+                          LoadBy="Surface")
+    return on_plane(pressed, [0.2, 0, 0], [-1, 0, 0], Support="Nothing", Load="Traction",
+                    AppliedTraction=[0, 0, -20])
+
+
+def test_supports_and_loads():
+    node = node_at(body(), CORNER)
+
+    def make():
+        return PrecomputeStateSpace(Input=supported_and_loaded(), ActiveNodes=[node],
+                                    HalfWidth=0.005, Resolution=3, LogInterval=0)
+
+    traction, pressure = "Input.", "Input.Input."
+    plane, springs = "Input.Input.Input.", "Input.Input.Input.Input."
+    changes = {traction + "AppliedTraction": [0, 10, -20], traction + "Load": "None",
+               traction + "LoadRegion": {"Origin": [0.1, 0, 0]}, pressure + "AppliedPressure": 60,
+               plane + "HeldDirection": [0, 1, 1], plane + "Support": "Fixed",
+               springs + "SupportStiffness": 2e4,
+               springs + "FixedRegion": {"Origin": [0, 0.1, 0]}}
+    assert check_properties(make, changes) == set(changes)
+    assert check_file(make, changes, "loaded.palpate") == set(changes)
 
 
 def body_with(fixed_at=0, touchable=False, region=None, **material):

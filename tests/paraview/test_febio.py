@@ -114,6 +114,24 @@ def test_round_trip():
         expect_same(grid, expect_silence(lambda: fetch(OpenDataFile(again))))
 
 
+# Without these the file would hold another scene, so that none is written.
+REFUSED = {"HeldDirection", "HeldDirection2", "SupportStiffness", "AppliedPressure",
+           "AppliedTraction", "LoadedArea"}
+
+
+def test_supports_and_loads_are_refused():
+    for settings in ({"Support": "Direction"}, {"Support": "Springs"},
+                     {"Support": "Nothing", "Load": "Pressure", "LoadBy": "Surface"},
+                     {"Support": "Nothing", "Load": "Traction", "LoadBy": "Surface"}):
+        scene = SetBoundary(Input=scene_of(False, "refused"), FixedRegion="Plane", **settings)
+        # The other side is fixed.
+        scene.FixedRegion.Origin, scene.FixedRegion.Normal = [0.2, 0, 0], [-1, 0, 0]
+        assert {name for _, name in arrays_of(fetch(scene))} & REFUSED
+        expect_error(lambda: SaveData("supported.feb", proxy=scene), "not written for FEBio",
+                     "Pass Arrays")
+        assert not os.path.exists("supported.feb")
+
+
 def test_every_array_comes_back_or_is_named():
     """A scene with all that the pages name: each array is in the file, or in the warning."""
     body = box_body(quadratic=True)
@@ -130,7 +148,7 @@ def test_every_array_comes_back_or_is_named():
     scene = SetBoundary(Input=soft, FixedRegion="Plane", Merge=1)
     scene.FixedRegion.Origin, scene.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
     grid = fetch(scene)
-    missing = documented_arrays() - {name for _, name in arrays_of(grid)}
+    missing = documented_arrays() - {name for _, name in arrays_of(grid)} - REFUSED
     assert not missing, f"the scene of this test has no {missing}"
 
     name = os.path.abspath("all.feb")

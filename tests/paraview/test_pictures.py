@@ -60,7 +60,8 @@ boundary = scene("body")
 node = node_at(boundary, [0.2, 0.1, 0.1])
 body, = draw("boundary", boundary)
 assert is_coloured_by(body, "BoundaryKind") and body.Representation == "Surface With Edges"
-assert names("BoundaryKind") == {"0": "free", "1": "touchable", "2": "fixed"}
+assert names("BoundaryKind") == {"0": "free", "1": "touchable", "2": "fixed", "3": "held",
+                                  "4": "loaded"}
 kinds, fixed, touchable = (point_array(fetch(boundary), name)
                            for name in ("BoundaryKind", "Fixed", "Touchable"))
 assert (kinds == 2 * fixed + touchable).all() and set(kinds) == {0, 1, 2}

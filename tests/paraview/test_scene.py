@@ -7,8 +7,8 @@ import numpy
 from paraview.simple import (AssignMaterial, Box, Calculator, GetSources, IDSelectionSource,
                              LoadState, PrecomputeStateSpace, ReverseSense, SaveState,
                              SelectionQuerySource, SetBoundary, SolveEquilibrium, Sphere)
-from support import (Messages, box_body, cell_array, expect_silence, fetch, field, places,
-                     point_array, source)
+from support import (Messages, box_body, cell_array, expect_error, expect_silence, fetch, field,
+                     places, point_array, source)
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkIntArray
 
 LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
@@ -82,7 +82,11 @@ def test_every_property(body):
         SetBoundary: {
             "FixedBy": "Array", "TouchableBy": "Region", "FixedRegion": "Cylinder",
             "TouchableRegion": "Box", "FixedArray": "Inlet", "TouchableArray": "Inlet",
-            "FixedSelection": selection, "TouchableSelection": selection, "Merge": 1},
+            "FixedSelection": selection, "TouchableSelection": selection, "Merge": 1,
+            "Support": "Springs", "HeldDirection": [1.0, 0.0, 2.0], "SupportStiffness": 2e4,
+            "Load": "Traction", "AppliedPressure": 5.0, "AppliedTraction": [1.0, 2.0, 3.0],
+            "LoadBy": "Cavities", "LoadRegion": "Sphere", "LoadArray": "Inlet",
+            "LoadSelection": selection},
         SolveEquilibrium: {
             "ActiveNodes": [3, 4], "Displacement": [0.01, 0, 0, 0, 0.01, 0], "TipRadius": 0.01,
             "Tolerance": 1e-8, "MaximumIterations": 20, "MaximumSeconds": 5.0, "Threads": 2,
@@ -122,6 +126,8 @@ def test_every_property(body):
     assert AssignMaterial(Input=body).Formulation == "Automatic"
     for chooser in ("Region", "Array", "Selection", "Surface"):
         assert SetBoundary(Input=body, TouchableBy=chooser).TouchableBy == chooser
+    for support in ("Fixed", "Direction", "Normal", "Springs", "Nothing"):
+        assert SetBoundary(Input=body, Support=support).Support == support
 
 
 def test_material_of_the_whole_body(body):
@@ -467,6 +473,119 @@ def test_touchable_points(body):
     with Messages() as messages:
         touchable = point_array(fetch(boundary), "Touchable")
     assert not touchable.any() and messages.warnings == 1 and messages.errors == 0
+
+
+def on_plane(body, origin, normal, **settings):
+    """What is on the side of a plane that its normal points away from, held or loaded."""
+    boundary = SetBoundary(Input=body, **settings)
+    for region in (boundary.FixedRegion, boundary.LoadRegion):
+        region.Origin, region.Normal = origin, normal
+    return boundary
+
+
+def quarter(body, support="Direction"):
+    """Held along x, y and z in the planes where these are 0."""
+    for axis in numpy.eye(3):
+        body = on_plane(body, [0, 0, 0], axis, Support=support, HeldDirection=list(2 * axis),
+                        FixedRegion="Plane", LoadRegion="Plane")
+    return body
+
+
+def at_rest(scene):
+    """The displacement of the body under its loads."""
+    grid = fetch(scene)
+    node = int(numpy.argmin(numpy.linalg.norm(places(grid) - [0.2, 0.1, 0.1], axis=1)))
+    solved = expect_silence(lambda: fetch(SolveEquilibrium(
+        Input=scene, ActiveNodes=[node], Displacement=[0, 0, 0])))
+    assert field(solved, "Outcome")[0] == 0
+    return point_array(solved, "Displacement")
+
+
+def test_planes_of_symmetry(body):
+    """One, two and three planes hold a point; what was held before stays."""
+    grid = fetch(body)
+    on = places(grid) == 0
+    for support in ("Direction", "Normal"):
+        held = expect_silence(lambda: fetch(quarter(body, support)))
+        assert (point_array(held, "Fixed") == (on.sum(axis=1) == 3)).all()
+        spanned = numpy.zeros((len(on), 3))
+        for name in ("HeldDirection", "HeldDirection2"):
+            spanned += numpy.abs(point_array(held, name))
+        expected = numpy.where((on.sum(axis=1) < 3)[:, None], on, 0)
+        assert numpy.allclose(spanned, expected, atol=1e-15)
+        assert not point_array(held, "Touchable")[on.any(axis=1)].any()
+        assert point_array(held, "Touchable").any()
+
+
+def test_a_pulled_bar_and_a_pressed_body(body):
+    """A patch of uniform stress is exact: the linear law at a pull, and at a pressure."""
+    young, poisson = 2000, 0.3
+    linear = AssignMaterial(Input=body, Law="Linear", YoungsModulus=young, PoissonsRatio=poisson)
+    place = places(fetch(body))
+    pulled = on_plane(quarter(linear), [0.2, 0, 0], [-1, 0, 0], Support="Nothing",
+                      Load="Traction", AppliedTraction=[30, 0, 0], FixedRegion="Plane",
+                      LoadRegion="Plane")
+    assert abs(field(fetch(pulled), "LoadedArea")[0] - 0.01) < 1e-15
+    assert numpy.allclose(at_rest(pulled), 30 / young * place * [1, -poisson, -poisson],
+                          atol=1e-11)
+    # What the pressure pushes on turns and shrinks by a share of p/E.
+    pressure = 1e-3
+    pressed = SetBoundary(Input=quarter(linear), Support="Nothing", Load="Pressure",
+                          AppliedPressure=pressure, LoadBy="Surface")
+    expected = -pressure * (1 - 2 * poisson) / young * place
+    assert numpy.abs(at_rest(pressed) - expected).max() < 1e-5 * numpy.abs(expected).max()
+    # By an array of a Calculator as well.
+    by_hand = Calculator(Input=quarter(linear), ResultArrayName="AppliedPressure",
+                         Function=str(pressure))
+    assert (at_rest(by_hand) == at_rest(pressed)).all()
+
+
+def test_springs_alone_hold_a_body(body):
+    """A stiff one is pulled up by its traction over the stiffness of the bed."""
+    stiff = AssignMaterial(Input=body, Law="Neo-Hookean", YoungsModulus=1e8)
+    bed = on_plane(stiff, [0, 0, 0], [0, 0, 1], Support="Springs", SupportStiffness=1e5,
+                   FixedRegion="Plane", LoadRegion="Plane")
+    loaded = on_plane(bed, [0, 0, 0.1], [0, 0, -1], Support="Nothing", Load="Traction",
+                      AppliedTraction=[0, 0, 50], FixedRegion="Plane", LoadRegion="Plane")
+    moved = at_rest(loaded)
+    assert numpy.abs(moved - [0, 0, 5e-4]).max() < 1e-3 * 5e-4
+
+
+def test_bad_supports_and_loads(body):
+    """Each is one error, of the filter that can be mended."""
+    material = AssignMaterial(Input=body, Law="Neo-Hookean")
+    regions = {"FixedRegion": "Plane", "LoadRegion": "Plane"}
+
+    def fails(scene, *words):
+        expect_error(lambda: fetch(scene), *words)
+
+    far = [9, 0, 0]
+    fails(on_plane(material, [-9, 0, 0], [1, 0, 0], Support="Springs", **regions), "FixedRegion")
+    fails(on_plane(material, far, [1, 0, 0], Support="Direction", HeldDirection=[0, 0, 0],
+                   **regions), "HeldDirection")
+    fails(on_plane(material, far, [1, 0, 0], Support="Springs", SupportStiffness=0, **regions),
+          "SupportStiffness")
+    fails(SetBoundary(Input=material, Support="Nothing", Load="Pressure", LoadBy="Cavities"),
+          "no closed cavity", "LoadBy")
+    fails(on_plane(material, [-9, 0, 0], [1, 0, 0], Support="Nothing", Load="Pressure",
+                   **regions), "No face")
+    fails(SetBoundary(Input=material, Support="Nothing", Load="Traction",
+                      AppliedTraction=[0, 0, 0], LoadBy="Surface"), "AppliedTraction")
+
+    def solved(scene):
+        return SolveEquilibrium(Input=scene, ActiveNodes=[0], Displacement=[0, 0, 0])
+
+    sliding = on_plane(material, [0, 0, 0], [1, 0, 0], Support="Direction",
+                       HeldDirection=[1, 0, 0], **regions)
+    fails(solved(sliding), "moves freely along (0, ", "Set Boundary")
+    fixed = on_plane(material, [0, 0, 0], [1, 0, 0], **regions)
+    rim = on_plane(fixed, [0, 0, 0.1], [0, 0, -1], Support="Nothing", Load="Pressure", **regions)
+    fails(solved(rim), "rim", "AppliedTraction")
+    of_cells = Calculator(Input=fixed, AttributeType="Cell Data",
+                          ResultArrayName="AppliedPressure", Function="3")
+    fails(solved(of_cells), "AppliedPressure", "of cells")
+    wide = Calculator(Input=fixed, ResultArrayName="SupportStiffness", Function="iHat")
+    fails(solved(wide), "SupportStiffness has 3 components")
 
 
 def test_road(body):

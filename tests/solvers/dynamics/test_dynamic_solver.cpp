@@ -17,6 +17,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/laws.h"
 #include "solvers/support/message_of.h"
+#include "solvers/support/sectors.h"
 #include "solvers/support/tangent.h"
 
 namespace palpate {
@@ -863,6 +864,103 @@ TEST(DynamicSolver, BadInputIsOneClearError) {
               }).find("EndTime"),
               std::string::npos)
         << end;
+  }
+}
+
+/// A block that moves as one on a bed of springs, held to one side by planes.
+Scene block_on_springs(double stiffness) {
+  const Vec3 size(0.05, 0.04, 0.03);
+  Scene scene = test::make_scene(test::make_box(ElementOrder::linear, {1, 1, 1}, size),
+                                 test::make_material(Law::linear, 1e8, 0), {});
+  scene.fixed.assign(scene.mesh.points.size(), 0);
+  scene.touchable = boundary_points(scene.mesh);
+  for (const Vec3& p : scene.mesh.points) {
+    scene.support_stiffness.push_back(p.z() == 0 ? stiffness : 0);
+    HeldDirections held;
+    held << Vec3::UnitX(), Vec3::UnitY();
+    scene.held_directions.push_back(held);
+  }
+  return scene;
+}
+
+// ω² = κ A / m, and the observed order of the method.
+TEST(DynamicSolver, ARigidBlockOnSpringsSwingsAsAnOscillator) {
+  constexpr double kBed = 1e5;
+  const Scene scene = block_on_springs(kBed);
+  const double omega = std::sqrt(kBed / (kDensity * 0.03));
+  const double end = 2.3 / omega;
+  // Gravity acts all at once.
+  const double expected = -9.81 / (omega * omega) * (1 - std::cos(omega * end));
+  std::vector<double> errors;
+  for (const int steps : {40, 80}) {
+    DynamicsOptions options;
+    options.integrator = TimeIntegrator::generalised_alpha;
+    options.spectral_radius = 1;
+    options.time_step = end / steps;
+    options.settled = false;
+    options.gravity = Vec3(0, 0, -9.81);
+    DynamicSolver solver(scene, {dense_rheology()}, InteractionList(), options);
+    const DynamicState state =
+        solver.run(ToolPath(Eigen::VectorXd(0)), end, [](const DynamicState&) { return true; });
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    for (Eigen::Index i = 0; i < state.motion.u.size(); ++i) {
+      if (i % 3 != 2) {
+        ASSERT_EQ(state.motion.u[i], 0);
+      }
+    }
+    errors.push_back(std::abs(state.motion.u[2] - expected));
+    // What gravity gives is in the springs and in motion.
+    EXPECT_NEAR(state.energy.elastic + state.energy.kinetic + state.energy.weight, 0,
+                1e-3 * std::abs(state.energy.weight));
+  }
+  EXPECT_LT(errors[0], 2e-3 * std::abs(expected));
+  EXPECT_NEAR(errors[0] / errors[1], 4, 0.5);
+}
+
+// Planes of symmetry, a pull and gravity, from the rest on and let go.
+TEST(DynamicSolver, HalfOfASymmetricBodyMovesAsTheWhole) {
+  const Vec3 size(0.04, 0.04, 0.05);
+  const auto make = [&](TetMesh mesh) {
+    std::vector<char> fixed;
+    std::vector<Vec3> traction;
+    for (const Vec3& p : mesh.points) {
+      fixed.push_back(p.z() == 0 ? 1 : 0);
+      traction.push_back(p.z() > size.z() - 1e-9 ? Vec3(0, 20, 30) : Vec3::Zero());
+    }
+    Scene scene =
+        test::make_scene(std::move(mesh), test::make_material(Law::linear, 3000, 0.3), fixed);
+    scene.applied_traction = traction;
+    return scene;
+  };
+  std::vector<Index> twin;
+  Scene half = make(test::make_box(ElementOrder::linear, {2, 2, 2}, size));
+  const Scene whole = make(test::with_mirror_image(half.mesh, twin));
+  test::hold_plane(half, Vec3::UnitX(), 0);
+  for (const bool settled : {true, false}) {
+    const auto end_of = [&](const Scene& scene) {
+      DynamicsOptions options;
+      options.time_step = 2e-3;
+      options.settled = settled;
+      options.gravity = Vec3(0, 0, -9.81);
+      options.equilibrium.tolerance = 1e-12;
+      DynamicSolver solver(scene, {dense_rheology()}, InteractionList(), options);
+      const DynamicState state =
+          solver.run(ToolPath(Eigen::VectorXd(0)), 0.02, [](const DynamicState&) { return true; });
+      EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
+      return state;
+    };
+    const DynamicState of_half = end_of(half);
+    const DynamicState of_whole = end_of(whole);
+    const Eigen::Index n = of_half.motion.u.size();
+    EXPECT_GT(of_half.motion.u.lpNorm<Eigen::Infinity>(), 1e-4);
+    EXPECT_LT((of_half.motion.u - of_whole.motion.u.head(n)).norm(),
+              1e-8 * of_half.motion.u.norm());
+    EXPECT_LT((of_half.motion.velocity - of_whole.motion.velocity.head(n)).norm(),
+              1e-8 * of_half.motion.velocity.norm() + 1e-9);
+    EXPECT_NEAR(2 * of_half.energy.elastic, of_whole.energy.elastic,
+                1e-8 * of_whole.energy.elastic);
+    EXPECT_NEAR(2 * of_half.energy.weight, of_whole.energy.weight,
+                1e-8 * std::abs(of_whole.energy.weight));
   }
 }
 

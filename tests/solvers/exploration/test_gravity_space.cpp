@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Spaces of a body that rests under its weight: it is touched as it sags.
+// Spaces of a body that rests under its weight or other loads: it is touched as it lies.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -81,6 +81,12 @@ class GravitySpace : public testing::Test {
     options_.contact->tool.radius = 0.015;
     options_.contact->spacing = 0.005;
     options_.contact->shell.depth = 0.006;
+    const NodalVector sag = aim();
+    ASSERT_GT(sag.lpNorm<Eigen::Infinity>(), 0.005);
+  }
+
+  /// At where that middle is at rest. @returns The displacement there, m.
+  NodalVector aim() {
     const Vec3 middle(0.065, 0.03, 0.05);
     Index on_top = 0;
     for (Index p = 0; p < scene_.mesh.num_points(); ++p) {
@@ -90,11 +96,11 @@ class GravitySpace : public testing::Test {
     Scene settled = scene_;
     const EquilibriumSolver solver(scene_, {});
     settled.settled = {solver.settled().u, solver.settled().p};
-    ASSERT_GT(settled.settled.u.lpNorm<Eigen::Infinity>(), 0.005);
     pressed_ = place_at_rest(settled, on_top);
     options_.contact->shell.region = [place = pressed_](const Vec3& at) {
       return (at - place).norm() < 0.012;
     };
+    return settled.settled.u;
   }
 
   /// The same equilibria, to the solver's tolerance.
@@ -373,6 +379,129 @@ TEST_F(GravitySpace, ABodyWithoutDensityOrRestIsOneClearError) {
   EXPECT_NE(error().find("finds no rest"), std::string::npos) << error();
   EXPECT_NE(error().find("BodyForce"), std::string::npos) << error();
   EXPECT_FALSE(fs::exists(options_.file));
+}
+
+/// Springs below, a pressure from all sides, a pull above, and points that slide in planes.
+Scene with_surface_loads(Scene scene) {
+  const std::size_t n = scene.mesh.points.size();
+  scene.applied_pressure.assign(n, 60);
+  scene.support_stiffness.assign(n, 0);
+  scene.applied_traction.assign(n, Vec3::Zero());
+  scene.held_directions.assign(n, HeldDirections::Zero());
+  // The block is warped by less than this.
+  constexpr double kNear = 0.004;
+  for (std::size_t p = 0; p < n; ++p) {
+    const Vec3& x = scene.mesh.points[p];
+    if (x.z() < kNear) scene.support_stiffness[p] = 2e4;
+    if (x.z() > 0.05 - kNear) scene.applied_traction[p] = Vec3(20, 10, -60);
+    if (x.y() < kNear) scene.held_directions[p].col(0) = Vec3(0, 1, 0.1);
+  }
+  check(scene);
+  return scene;
+}
+
+class LoadedSpace : public GravitySpace {
+ protected:
+  void SetUp() override {
+    GravitySpace::SetUp();
+    scene_ = with_surface_loads(block_.scene);
+  }
+};
+
+TEST_F(LoadedSpace, SeveralRanksGiveTheSpaceOfOneToTheBit) {
+  const PrecomputeResult parallel = run(*world_);
+  EXPECT_TRUE(parallel.report.complete);
+  EXPECT_EQ(parallel.report.num_not_reached, 0);
+  if (world_->rank() != 0) return;
+  const PrecomputeResult serial = run(*serial_);
+  expect_equal(parallel.space, serial.space);
+  EquilibriumSolver solver(scene_, {});
+  expect_rest(serial, solver.settled());
+  // In between, against the body itself.
+  const TouchToolSpace& space = serial.space.tool_spaces.front();
+  solver.set_interaction(*InteractionFactory(scene_).make(space.setup.interaction));
+  const Vec3 t(0.004, -0.006, 0.003);
+  const Equilibrium exact = solver.solve(t, solver.rest());
+  const auto interpolator = make_interpolator(Method::energy_hermite, space);
+  EXPECT_LT((interpolator->evaluate(t).force - exact.reaction).norm(),
+            0.002 * exact.reaction.norm());
+}
+
+TEST_F(LoadedSpace, GoesOnFromItsFileAndNoOtherLoadDoes) {
+  options_.keep = Keep::all;
+  const PrecomputeResult whole = run(*world_);
+  options_.file = folder_ / "space.palpate";
+  const PrecomputeResult rest =
+      run_in_two([](const ProgressState& state) { return state.share() < 0.5; });
+  if (world_->rank() == 0) {
+    expect_equal(rest.space, whole.space);
+    const StateSpaceFile file = StateSpaceFile::open_read_only(options_.file);
+    const Scene read = file.read_scene();
+    EXPECT_EQ(hash(read), hash(scene_));
+    EXPECT_EQ(read.held_directions, scene_.held_directions);
+    EXPECT_EQ(read.support_stiffness, scene_.support_stiffness);
+    EXPECT_EQ(read.applied_pressure, scene_.applied_pressure);
+    EXPECT_EQ(read.applied_traction, scene_.applied_traction);
+    EXPECT_EQ(read.settled.u, whole.settled.u);
+    const TouchSpace touched = make_touch_space(file);
+    EXPECT_EQ(touched.surface.points, whole.space.surface.points);
+    expect_equal(touched, whole.space);
+  }
+  const Scene right = scene_;
+  for (int change = 0; change < 4; ++change) {
+    scene_ = right;
+    if (change == 0) scene_.applied_pressure.assign(scene_.applied_pressure.size(), 61);
+    if (change == 1) scene_.applied_traction.clear();
+    if (change == 2) scene_.support_stiffness.assign(scene_.support_stiffness.size(), 1e4);
+    if (change == 3) scene_.held_directions.clear();
+    EXPECT_NE(error().find("another scene"), std::string::npos) << error();
+  }
+  scene_ = right;
+  EXPECT_EQ(run(*world_).report.num_solved, 0);
+  for (const char* damage :
+       {"UPDATE boundary_array SET checksum = checksum + 1 WHERE name = 'AppliedPressure'",
+        "UPDATE boundary_array SET numbers = NULL, checksum = 0 WHERE name = 'RestDisplacement'",
+        "DELETE FROM boundary_array"}) {
+    if (world_->rank() == 0) {
+      const sqlite::Database database(options_.file, sqlite::Access::read_write);
+      database.execute(damage);
+    }
+    agree(*world_, [] {});
+    EXPECT_NE(error().find("damaged"), std::string::npos) << error();
+  }
+}
+
+// With its weight too.
+TEST_F(LoadedSpace, ARigidToolPressesTheBodyAsItLies) {
+  press();
+  scene_ = with_surface_loads(scene_);
+  EXPECT_GT(aim().lpNorm<Eigen::Infinity>(), 0.001);
+  options_.contact->spacing = 0.0075;
+  options_.file = folder_ / "space.palpate";
+  const PrecomputeResult result = run(*world_);
+  EXPECT_TRUE(result.report.complete);
+  EXPECT_EQ(result.report.num_not_reached, 0);
+  if (world_->rank() != 0) return;
+  EquilibriumSolver solver(scene_, {});
+  expect_rest(result, solver.settled());
+  const TouchToolSpace& space = result.space.tool_spaces.front();
+  Scene settled = scene_;
+  settled.settled = result.settled;
+  InteractionFactory tools(settled);
+  const InteractionSpec& spec = space.setup.interaction;
+  solver.set_interaction(*tools.make(spec));
+  const double largest = largest_force(space.configurations);
+  int num_pressed = 0;
+  for (const auto& configuration : space.configurations) {
+    if (configuration.force.norm() < 0.3 * largest) continue;
+    const Equilibrium exact = solver.solve(
+        configuration.t, solver.rest(tools.clearance(spec)->start_for(configuration.t)));
+    ASSERT_EQ(exact.outcome, Outcome::converged);
+    EXPECT_LT((exact.reaction - configuration.force).norm(), 1e-6 * largest);
+    if (++num_pressed == 5) break;
+  }
+  EXPECT_EQ(num_pressed, 5);
+  EXPECT_EQ(hash(StateSpaceFile::open_read_only(options_.file).read_scene()), hash(scene_));
 }
 
 TEST(HashOfGravity, TakesInForceAndDensitiesWhereThereIsOne) {

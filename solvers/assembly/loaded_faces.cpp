@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "assembly/loaded_faces.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numeric>
+
+namespace palpate {
+namespace {
+
+FacePoint face_point(ElementOrder order, double weight, double xi, double eta) {
+  FacePoint point;
+  point.weight = weight;
+  point.of_corners = Vec3(1 - xi - eta, xi, eta);
+  const Vec3& l = point.of_corners;
+  Eigen::Matrix<double, 3, 2> slopes;
+  slopes << -1, -1, 1, 0, 0, 1;
+  if (order == ElementOrder::linear) {
+    point.values = l;
+    point.slopes = slopes;
+    return point;
+  }
+  point.values.resize(6);
+  point.slopes.resize(6, 2);
+  for (int a = 0; a < 3; ++a) {
+    const int b = (a + 1) % 3;
+    point.values[a] = l[a] * (2 * l[a] - 1);
+    point.slopes.row(a) = (4 * l[a] - 1) * slopes.row(a);
+    point.values[3 + a] = 4 * l[a] * l[b];
+    point.slopes.row(3 + a) = 4 * (l[a] * slopes.row(b) + l[b] * slopes.row(a));
+  }
+  return point;
+}
+
+}  // namespace
+
+std::vector<FacePoint> face_quadrature(ElementOrder order) {
+  std::vector<FacePoint> points{face_point(order, 9.0 / 80, 1.0 / 3, 1.0 / 3)};
+  for (const double sign : {1.0, -1.0}) {
+    const double a = (6 + sign * std::sqrt(15)) / 21;
+    const double weight = (155 + sign * std::sqrt(15)) / 2400;
+    points.push_back(face_point(order, weight, a, a));
+    points.push_back(face_point(order, weight, 1 - 2 * a, a));
+    points.push_back(face_point(order, weight, a, 1 - 2 * a));
+  }
+  return points;
+}
+
+std::vector<Index> faces_where(const TetMesh& mesh,
+                               const std::function<bool(const Index* corners)>& holds) {
+  const std::vector<Index> all = boundary_faces(mesh);
+  const int nodes = nodes_per_face(mesh.order);
+  std::vector<Index> chosen;
+  for (auto face = all.begin(); face != all.end(); face += nodes) {
+    if (holds(&*face)) chosen.insert(chosen.end(), face, face + nodes);
+  }
+  return chosen;
+}
+
+std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<double>& array) {
+  if (array.empty()) return {};
+  return faces_where(mesh, [&](const Index* c) {
+    return array[c[0]] != 0 && array[c[1]] != 0 && array[c[2]] != 0;
+  });
+}
+
+std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<Vec3>& array) {
+  if (array.empty()) return {};
+  return faces_where(mesh, [&](const Index* c) {
+    return !array[c[0]].isZero(0) && !array[c[1]].isZero(0) && !array[c[2]].isZero(0);
+  });
+}
+
+std::vector<Index> faces_under_pressure(const TetMesh& mesh, const std::vector<double>& pressure) {
+  if (pressure.empty()) return {};
+  return faces_where(mesh, [&](const Index* c) {
+    return pressure[c[0]] != 0 && pressure[c[0]] == pressure[c[1]] &&
+           pressure[c[0]] == pressure[c[2]];
+  });
+}
+
+double area_of(const TetMesh& mesh, const std::vector<Index>& faces) {
+  const std::vector<FacePoint> rule = face_quadrature(mesh.order);
+  const int nodes = nodes_per_face(mesh.order);
+  double area = 0;
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    Eigen::Matrix3Xd x(3, nodes);
+    for (int a = 0; a < nodes; ++a) x.col(a) = mesh.points[faces[first + a]];
+    for (const FacePoint& point : rule) {
+      const Eigen::Matrix<double, 3, 2> t = x * point.slopes;
+      area += point.weight * t.col(0).cross(t.col(1)).norm();
+    }
+  }
+  return area;
+}
+
+std::vector<Vec3> normals_at(const TetMesh& mesh, const std::vector<Index>& faces) {
+  std::vector<Vec3> normals(mesh.points.size(), Vec3::Zero());
+  const int nodes = nodes_per_face(mesh.order);
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    const Vec3& origin = mesh.points[faces[first]];
+    const Vec3 normal =
+        (mesh.points[faces[first + 1]] - origin).cross(mesh.points[faces[first + 2]] - origin);
+    for (int a = 0; a < nodes; ++a) normals[faces[first + a]] += normal;
+  }
+  return normals;
+}
+
+std::vector<char> points_of_cavities(const TetMesh& mesh) {
+  std::vector<Index> parent(mesh.points.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index p) {
+    while (parent[p] != p) p = parent[p] = parent[parent[p]];
+    return p;
+  };
+  const std::vector<Index> faces = boundary_faces(mesh);
+  const int nodes = nodes_per_face(mesh.order);
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    for (int a = 1; a < nodes; ++a) parent[root(faces[first + a])] = root(faces[first]);
+  }
+  // Faces look out of the body, and so into a cavity: the volume that they close in is negative.
+  std::vector<double> volume(mesh.points.size(), 0);
+  for (std::size_t first = 0; first < faces.size(); first += nodes) {
+    const Index part = root(faces[first]);
+    const Vec3& origin = mesh.points[part];
+    const Vec3 a = mesh.points[faces[first]] - origin;
+    const Vec3 b = mesh.points[faces[first + 1]] - origin;
+    const Vec3 c = mesh.points[faces[first + 2]] - origin;
+    volume[part] += a.dot(b.cross(c)) / 6;
+  }
+  std::vector<char> chosen(mesh.points.size(), 0);
+  for (Index p = 0; p < mesh.num_points(); ++p) chosen[p] = volume[root(p)] < 0 ? 1 : 0;
+  return chosen;
+}
+
+}  // namespace palpate

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "assembly/supports.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "assembly/loaded_faces.h"
+#include "base/error.h"
+#include "mesh/pieces.h"
+
+namespace palpate {
+namespace {
+
+/// Directions that were made orthonormal before stay what they are to the last bit.
+constexpr double kOrthonormal = 1e-14;
+/// A second direction that is this near to the first, as a sine, is the same.
+constexpr double kSameDirection = 1e-6;
+/// A rigid motion that the supports resist with less than this share of what they resist most is
+/// free; squares of lengths, so that held points may lie 1e-5 of the body's size off a line.
+constexpr double kFreeMotion = 1e-10;
+/// A rim leaves its plane by less than this share of the length of its edges.
+constexpr double kInPlane = 1e-6;
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+std::string text_of(const Vec3& v) {
+  std::ostringstream text;
+  // −0 and what rounding leaves are 0.
+  const auto rounded = [&](double x) { return std::abs(x) < 1e-9 * v.norm() ? 0.0 : x; };
+  text << '(' << rounded(v.x()) << ", " << rounded(v.y()) << ", " << rounded(v.z()) << ')';
+  return text.str();
+}
+
+std::string at_point(const Scene& scene, Index point) {
+  return "point " + std::to_string(point) + " at " + text_of(scene.mesh.points[point]) + " m";
+}
+
+bool is_zero(double number) { return number == 0; }
+template <class Derived>
+bool is_zero(const Eigen::MatrixBase<Derived>& values) {
+  return values.isZero(0);
+}
+bool is_finite(double number) { return std::isfinite(number); }
+template <class Derived>
+bool is_finite(const Eigen::MatrixBase<Derived>& values) {
+  return values.allFinite();
+}
+
+/// @throws InputError another size, or what is no number.
+template <class T>
+void check_array(const Scene& scene, const char* name, std::vector<T>& array) {
+  if (array.empty()) return;
+  if (array.size() != scene.mesh.points.size()) {
+    throw InputError(std::string("The array ") + name + " needs one value for each of the " +
+                     std::to_string(scene.mesh.points.size()) + " points.");
+  }
+  for (std::size_t p = 0; p < array.size(); ++p) {
+    if (is_finite(array[p])) continue;
+    throw InputError(std::string("The array ") + name + " is no number at " +
+                     at_point(scene, static_cast<Index>(p)) + ". Give every point one.");
+  }
+  const bool has_none =
+      std::all_of(array.begin(), array.end(), [](const T& value) { return is_zero(value); });
+  if (has_none) array.clear();
+}
+
+void make_orthonormal(HeldDirections& held) {
+  if (held.col(0).isZero(0)) held.col(0).swap(held.col(1));
+  if (held.col(0).isZero(0)) return;
+  if (std::abs(held.col(0).norm() - 1) > kOrthonormal) held.col(0).normalize();
+  if (held.col(1).isZero(0)) return;
+  if (std::abs(held.col(1).norm() - 1) > kOrthonormal) held.col(1).normalize();
+  const double along = held.col(0).dot(held.col(1));
+  if (std::abs(along) <= kOrthonormal) return;
+  held.col(1) -= along * held.col(0);
+  if (held.col(1).norm() <= kSameDirection) {
+    held.col(1).setZero();
+  } else {
+    held.col(1).normalize();
+  }
+}
+
+[[noreturn]] void throw_no_face(const char* name) {
+  throw InputError(std::string("No face of the surface has ") + name +
+                   " at all of its three corners, so that it acts nowhere. Give it to the corners "
+                   "of whole faces.");
+}
+
+/// 1 for each point that a spring holds [num_points].
+std::vector<char> points_on_springs(const Scene& scene) {
+  std::vector<char> on_springs(scene.mesh.points.size(), 0);
+  for (const Index p : faces_with(scene.mesh, scene.support_stiffness)) on_springs[p] = 1;
+  return on_springs;
+}
+
+bool has_directions(const Scene& scene, Index point) {
+  return !scene.held_directions.empty() && !scene.held_directions[point].isZero(0);
+}
+
+/// What the supports resist of the rigid motions of a piece: translations, and turns about its
+/// middle that move points at `radius` by a unit.
+struct Resistance {
+  Vec3 middle = Vec3::Zero();
+  Index num_points = 0;
+  double radius = 0;
+  Mat6 gram = Mat6::Zero();
+  /// It has more than fixed points.
+  bool has_supports = false;
+
+  void hold(const Vec3& at, const Vec3& along) {
+    Vec6 row;
+    row << along, (at - middle).cross(along) / radius;
+    gram += row * row.transpose();
+  }
+};
+
+/// Says what is free of motions that are.
+std::string describe_free(const Resistance& of,
+                          const Eigen::Matrix<double, 6, Eigen::Dynamic>& free) {
+  // Of these, those that turn nothing.
+  const Eigen::JacobiSVD<Eigen::MatrixXd> turns(free.bottomRows<3>(), Eigen::ComputeFullV);
+  Eigen::Index rank = 0;
+  while (rank < turns.singularValues().size() && turns.singularValues()[rank] > 1e-4) ++rank;
+  if (rank < free.cols()) {
+    const Vec3 way = free.topRows<3>() * turns.matrixV().col(free.cols() - 1);
+    return "moves freely along " + text_of(way.normalized());
+  }
+  const Vec3 move = free.col(0).head<3>();
+  const Vec3 turn = free.col(0).tail<3>() / of.radius;
+  const Vec3 centre = of.middle + turn.cross(move) / turn.squaredNorm();
+  return "turns freely about " + text_of(turn.normalized()) + " through " + text_of(centre) + " m";
+}
+
+/// @throws InputError a piece with directions or springs that a rigid motion moves freely.
+void check_held(const Scene& scene) {
+  const TetMesh& mesh = scene.mesh;
+  const Pieces pieces = find_pieces(mesh);
+  const std::vector<Index> piece_of = piece_of_points(mesh, pieces);
+  std::vector<Resistance> resistances(pieces.each.size());
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    if (piece_of[p] < 0) continue;
+    Resistance& piece = resistances[piece_of[p]];
+    piece.middle += mesh.points[p];
+    ++piece.num_points;
+  }
+  for (Resistance& piece : resistances) piece.middle /= piece.num_points;
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    if (piece_of[p] < 0) continue;
+    Resistance& piece = resistances[piece_of[p]];
+    piece.radius = std::max(piece.radius, (mesh.points[p] - piece.middle).norm());
+  }
+  const std::vector<char> on_springs = points_on_springs(scene);
+  for (Index p = 0; p < mesh.num_points(); ++p) {
+    if (piece_of[p] < 0) continue;
+    Resistance& piece = resistances[piece_of[p]];
+    if (scene.fixed[p] != 0 || on_springs[p] != 0) {
+      for (int axis = 0; axis < 3; ++axis) piece.hold(mesh.points[p], Vec3::Unit(axis));
+    } else if (has_directions(scene, p)) {
+      for (int i = 0; i < 2; ++i) piece.hold(mesh.points[p], scene.held_directions[p].col(i));
+    }
+    piece.has_supports = piece.has_supports || on_springs[p] != 0 || has_directions(scene, p);
+  }
+  for (std::size_t i = 0; i < resistances.size(); ++i) {
+    const Resistance& piece = resistances[i];
+    if (!piece.has_supports) continue;
+    const Eigen::SelfAdjointEigenSolver<Mat6> motions(piece.gram);
+    const Vec6& resists = motions.eigenvalues();
+    const Eigen::Index num_free = (resists.array() <= kFreeMotion * resists[5]).count();
+    if (num_free == 0) continue;
+    throw InputError("The piece of the body of " + describe(pieces.each[i]) + ' ' +
+                     describe_free(piece, motions.eigenvectors().leftCols(num_free)) +
+                     ". Hold it there too with Set Boundary: fix points, hold some along a "
+                     "direction, or give it springs.");
+  }
+}
+
+/// The edges of faces that no other of them shares: their nodes, in the order of boundary_faces().
+std::vector<std::vector<Index>> rim_of(const std::vector<Index>& faces, ElementOrder order) {
+  const int nodes = nodes_per_face(order);
+  std::map<std::pair<Index, Index>, std::pair<int, std::vector<Index>>> edges;
+  for (std::size_t f = 0; f < faces.size(); f += nodes) {
+    for (int i = 0; i < 3; ++i) {
+      const Index a = faces[f + i];
+      const Index b = faces[f + (i + 1) % 3];
+      auto& [turns, of_edge] = edges[std::minmax(a, b)];
+      turns += a < b ? 1 : -1;
+      of_edge = {a, b};
+      if (order == ElementOrder::quadratic) of_edge.push_back(faces[f + 3 + i]);
+    }
+  }
+  std::vector<std::vector<Index>> rim;
+  for (auto& [key, edge] : edges) {
+    if (edge.first != 0) rim.push_back(std::move(edge.second));
+  }
+  return rim;
+}
+
+/// Whether an edge cannot move, slides in its plane, or along one line.
+bool is_led(const Scene& scene, const std::vector<Index>& edge) {
+  Mat3 free = Mat3::Zero();
+  for (const Index p : edge) {
+    if (scene.fixed[p] != 0) continue;
+    free += scene.held_directions.empty() ? Mat3::Identity() : projector(scene.held_directions[p]);
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(free);
+  const Eigen::Index num_held = (axes.eigenvalues().array() <= kInPlane).count();
+  if (num_held != 1) return num_held > 1;
+  const Vec3 normal = axes.eigenvectors().col(0);
+  const std::vector<Vec3>& points = scene.mesh.points;
+  const double length = (points[edge[1]] - points[edge[0]]).norm();
+  return std::all_of(edge.begin(), edge.end(), [&](Index p) {
+    return std::abs(normal.dot(points[p] - points[edge[0]])) <= kInPlane * length;
+  });
+}
+
+}  // namespace
+
+std::vector<char> holding_points(const Scene& scene) {
+  std::vector<char> holds = scene.fixed;
+  if (!scene.has_supports()) return holds;
+  const std::vector<Index> piece_of = piece_of_points(scene.mesh, find_pieces(scene.mesh));
+  const std::vector<char> on_springs = points_on_springs(scene);
+  std::vector<char> has_supports(scene.mesh.points.size(), 0);
+  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+    if (piece_of[p] < 0) continue;
+    if (on_springs[p] != 0 || has_directions(scene, p)) has_supports[piece_of[p]] = 1;
+  }
+  for (Index p = 0; p < scene.mesh.num_points(); ++p) {
+    if (piece_of[p] >= 0 && has_supports[piece_of[p]] != 0) holds[p] = 1;
+  }
+  return holds;
+}
+
+void hold_along(const Vec3& direction, HeldDirections& held, char& fixed) {
+  make_orthonormal(held);
+  const Vec3 left = projector(held) * direction.normalized();
+  if (fixed != 0 || left.norm() <= kSameDirection) return;
+  if (held.col(0).isZero(0)) {
+    held.col(0) = left.normalized();
+  } else if (held.col(1).isZero(0)) {
+    held.col(1) = left.normalized();
+  } else {
+    held.setZero();
+    fixed = 1;
+  }
+}
+
+void check_supports(Scene& scene) {
+  if (!scene.has_supports()) return;
+  check_array(scene, "HeldDirection", scene.held_directions);
+  check_array(scene, "SupportStiffness", scene.support_stiffness);
+  const std::vector<char> used = points_in_use(scene.mesh);
+  for (std::size_t p = 0; p < scene.held_directions.size(); ++p) {
+    HeldDirections& held = scene.held_directions[p];
+    if (used[p] == 0 || scene.fixed[p] != 0) held.setZero();
+    make_orthonormal(held);
+  }
+  check_array(scene, "HeldDirection", scene.held_directions);
+  for (std::size_t p = 0; p < scene.support_stiffness.size(); ++p) {
+    if (scene.support_stiffness[p] >= 0) continue;
+    throw InputError("SupportStiffness is negative at " + at_point(scene, static_cast<Index>(p)) +
+                     ". Give a stiffness above 0 N/m³, or 0 where there are no springs.");
+  }
+  if (!scene.support_stiffness.empty() && faces_with(scene.mesh, scene.support_stiffness).empty()) {
+    throw_no_face("SupportStiffness");
+  }
+  if (scene.has_supports()) check_held(scene);
+}
+
+void check_surface_loads(Scene& scene) {
+  check_array(scene, "AppliedPressure", scene.applied_pressure);
+  check_array(scene, "AppliedTraction", scene.applied_traction);
+  if (!scene.applied_traction.empty() && faces_with(scene.mesh, scene.applied_traction).empty()) {
+    throw_no_face("AppliedTraction");
+  }
+  if (scene.applied_pressure.empty()) return;
+  const std::vector<Index> faces = faces_under_pressure(scene.mesh, scene.applied_pressure);
+  if (faces.empty()) throw_no_face("the same AppliedPressure");
+  for (const std::vector<Index>& edge : rim_of(faces, scene.mesh.order)) {
+    if (is_led(scene, edge)) continue;
+    throw InputError(
+        "The rim of the surface under AppliedPressure is free to move at " +
+        at_point(scene, edge.front()) +
+        ". There a pressure that follows the surface has no energy, and no symmetric tangent. Fix "
+        "the rim, hold it along the normal of the plane in which it lies, close the surface, or "
+        "give it AppliedTraction instead, which does not follow the surface.");
+  }
+}
+
+}  // namespace palpate
