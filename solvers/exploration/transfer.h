@@ -7,12 +7,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "assembly/scene.h"
+#include "base/error.h"
 #include "schedule/communicator.h"
 #include "state_space/configuration.h"
 #include "state_space/packed_basis.h"
@@ -189,7 +191,9 @@ class Packer {
   Bytes bytes_;
 };
 
-/// Takes values out of bytes that outlive it.
+/// Takes values out of bytes that outlive it. What the bytes say of a size is held against what is
+/// left of them before anything is made of that size.
+/// @throws BackendError the bytes are not those of such a value.
 class Unpacker {
  public:
   explicit Unpacker(const Bytes& bytes) : bytes_(bytes) {}
@@ -213,6 +217,12 @@ class Unpacker {
   template <class Scalar, int rows, int columns>
   void take(Eigen::Matrix<Scalar, rows, columns>& matrix) {
     const auto shape = take<std::array<std::int64_t, 2>>();
+    require((rows < 0 || shape[0] == rows) && (columns < 0 || shape[1] == columns));
+    require(shape[0] >= 0 && shape[1] >= 0);
+    // Without values either may be any number that a matrix can have.
+    const auto most = static_cast<std::int64_t>(std::numeric_limits<Index>::max());
+    require(shape[0] <= most && shape[1] <= most);
+    require_left(static_cast<std::size_t>(shape[0] * shape[1]), sizeof(Scalar));
     matrix.resize(shape[0], shape[1]);
     take(static_cast<void*>(matrix.data()),
          static_cast<std::size_t>(matrix.size()) * sizeof(Scalar));
@@ -224,7 +234,9 @@ class Unpacker {
   template <class T>
   void take(std::vector<T>& list) {
     if constexpr (IsPlain<T>::value) {
-      list.resize(take<std::size_t>());
+      const auto count = take<std::size_t>();
+      require_left(count, sizeof(T));
+      list.resize(count);
       take(static_cast<void*>(list.data()), list.size() * sizeof(T));
     } else {
       list = take_list<std::vector<T>>();
@@ -253,7 +265,15 @@ class Unpacker {
   template <class List>
   using Value = typename ValueOf<List>::Type;
 
+  static void require(bool good) {
+    if (good) return;
+    throw BackendError("What a rank of the run has sent is damaged. Start the run again.");
+  }
+  void require_left(std::size_t count, std::size_t size) const {
+    require(count <= (bytes_.size() - at_) / size);
+  }
   void take(void* data, std::size_t size) {
+    require_left(size, 1);
     if (size > 0) std::memcpy(data, bytes_.data() + at_, size);
     at_ += size;
   }

@@ -42,8 +42,10 @@ constexpr double kLeastRange = 0.03;
 constexpr double kMostSteps = 1e7;
 constexpr double kMostRows = 1e7;
 constexpr double kMostTaps = 1e5;
-/// How far a tool may go in training, in sizes of the body.
+/// How far a tool may go in training, and how far from where it is at rest a point of the body may
+/// then be, in sizes of the body.
 constexpr double kMostReach = 10;
+constexpr double kMostDisplacement = 100;
 /// A path that is shorter, in periods of the bandwidth, does not leave the ramp at its beginning.
 constexpr double kLeastPeriods = 0.01;
 
@@ -76,6 +78,13 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
                      std::to_string(scene.materials.size()) + " materials. Give one for each.");
   }
   for (const Rheology& rheology : rheologies) validate(rheology);
+}
+
+/// The diagonal of the box around the points, m.
+double size_of(const TetMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& point : mesh.points) box.extend(point);
+  return box.diagonal().norm();
 }
 
 /// The body that is reduced is held by fixed points alone, and loaded by its weight alone.
@@ -162,7 +171,8 @@ class Training {
   void add(const std::string& name, std::size_t place, int num_tools,
            std::function<TrainingStates()> compute) {
     parts_.push_back({name + std::to_string(parts_.size()), Index{3} * num_tools,
-                      3 * Eigen::Index{scene_.mesh.num_points()}, std::move(compute)});
+                      3 * Eigen::Index{scene_.mesh.num_points()},
+                      kMostDisplacement * size_of(scene_.mesh), std::move(compute)});
     place_of_part_.push_back(place);
   }
 
@@ -447,9 +457,7 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
   validate(options);
   check_materials(scene, rheologies);
   check_boundary(scene);
-  Eigen::AlignedBox3d box;
-  for (const Vec3& point : scene.mesh.points) box.extend(point);
-  require(options.reach <= kMostReach * box.diagonal().norm(), "Reach", options.reach,
+  require(options.reach <= kMostReach * size_of(scene.mesh), "Reach", options.reach,
           "it must be at most ten times the size of the body, in m.");
   if (options.gravity.isZero(0)) return;
   Scene under_gravity = with_gravity(scene, rheologies, options.gravity);

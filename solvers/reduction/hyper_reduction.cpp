@@ -204,7 +204,8 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   result.weights.resize(num_kept);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double factor = solution.x[static_cast<Eigen::Index>(i)];
-    if (factor == 0) continue;
+    // As they were counted: what is no number is left out too.
+    if (!(factor > 0)) continue;
     result.weights[static_cast<Eigen::Index>(result.points.size())] =
         factor * points.weights()[candidates[i]];
     result.points.push_back(candidates[i]);

@@ -30,12 +30,13 @@ Eigen::Index count_states(const Eigen::MatrixXd& matrix) {
   return count;
 }
 
-/// Whether a matrix of a file is what such a part may find: u and d of each state, all finite.
+/// Whether a matrix of a file is what such a part may find: u and d of each state, none of them
+/// further away than a body can be displaced.
 bool fits(const Eigen::MatrixXd& matrix, const TrainingPart& part) {
   if (matrix.rows() == 0) return false;
   const Eigen::Index count = count_states(matrix);
   return (count == 0 || matrix.rows() == part.num_body_coordinates + part.num_tool_coordinates) &&
-         matrix.leftCols(count).allFinite();
+         (matrix.leftCols(count).array().abs() <= part.farthest).all();
 }
 
 /// @param matrix It fits the part.

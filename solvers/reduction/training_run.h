@@ -21,6 +21,8 @@ struct TrainingPart {
   Index num_tool_coordinates = 0;
   /// The length of u, 3 num_points.
   Eigen::Index num_body_coordinates = 0;
+  /// No point and no tool is displaced further in any direction, m.
+  double farthest = 0;
   std::function<TrainingStates()> compute;
 };
 

@@ -224,6 +224,22 @@ TEST_F(KeptModelTest, TrainingOfAnotherShapeIsNotGoneOnFrom) {
   }
 }
 
+// Finite numbers, but no state that a body can be in: their squares or their forces overflow.
+TEST_F(KeptModelTest, TrainingBeyondAllMeasureIsNotGoneOnFrom) {
+  const KeptModel whole = build({});
+  const std::string key = key_of_model(block_.scene, {rheology_}, tools_, options_);
+  if (world_->rank() == 0) {
+    StateSpaceFile file =
+        StateSpaceFile::create(path_, block_.scene, options_.equilibrium.tolerance);
+    const Eigen::Index rows = 3 * Eigen::Index{block_.scene.mesh.num_points()} + 3;
+    file.add_training(key, "OneTool0", Eigen::MatrixXd::Constant(rows, 3, 1e308));
+    file.add_training(key, "OneTool1", Eigen::MatrixXd::Constant(rows, 3, 1e9));
+    file.close();
+  }
+  (void)any(*world_, false);
+  expect_same(build(path_), whole);
+}
+
 TEST_F(KeptModelTest, FiguresThatAreNotFiniteAreToldByName) {
   (void)build(path_);
   if (world_->rank() == 0) {
