@@ -21,6 +21,7 @@
 #include "vtkPalpateBodyCells.h"
 #include "vtkPalpateCellChoice.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
@@ -394,7 +395,7 @@ int vtkPalpateAssignMaterial::RequestData(
       }
       if (!cells.LeftOut.empty())
       {
-        vtkWarningMacro(<< cells.LeftOut);
+        vtkPalpateWarn(this, cells.LeftOut);
       }
     });
   return 1;

@@ -15,6 +15,7 @@
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateProgress.h"
 #include "vtkPalpateReducedModel.h"
@@ -256,8 +257,10 @@ void vtkPalpateBuildReducedModel::Build(vtkUnstructuredGrid* body,
   }
   if (!kept.not_kept.empty())
   {
-    vtkWarningMacro(<< kept.not_kept << " Nothing had to be trained, so that there is a reduced "
-                    << "model all the same, but it is not kept in the file.");
+    vtkPalpateWarn(this,
+      kept.not_kept +
+        " Nothing had to be trained, so that there is a reduced model all the same, but it is not "
+        "kept in the file.");
   }
   if (!kept.within_tolerance)
   {

@@ -17,6 +17,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFEBioModel.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
 #include "vtkStringArray.h"
@@ -94,7 +95,7 @@ int vtkPalpateFEBioReader::RequestData(
         {
           text += (text.empty() ? "" : " ") + warning;
         }
-        vtkWarningMacro(<< "The file " << palpate::quoted(this->FileName) << ": " << text);
+        vtkPalpateWarn(this, "The file " + palpate::quoted(this->FileName) + ": " + text);
       }
     });
   return 1;

@@ -30,6 +30,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFEBioLaw.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateMaterials.h"
 #include "vtkPalpateScene.h"
@@ -782,8 +783,8 @@ int vtkPalpateFEBioWriter::RequestData(
       const std::string unsaid = Unsaid(body, whole, regions, parts);
       if (!unsaid.empty())
       {
-        vtkWarningMacro(<< unsaid << "The file " << palpate::quoted(this->FileName)
-                        << " is written.");
+        vtkPalpateWarn(
+          this, unsaid + "The file " + palpate::quoted(this->FileName) + " is written.");
       }
     });
   return 1;

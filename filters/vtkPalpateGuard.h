@@ -5,12 +5,20 @@
 
 #include <exception>
 #include <new>
+#include <string>
 #include <type_traits>
 #include <utility>
 
 #include "base/memory_error.h"
+#include "base/printable.h"
 #include "vtkObject.h"
 #include "vtkSetGet.h"
+
+/// Warns in words that may repeat what a file has in place of a name.
+inline void vtkPalpateWarn(vtkObject* self, const std::string& message)
+{
+  vtkWarningWithObjectMacro(self, << palpate::printable_message(message));
+}
 
 /// Calls `body()` and turns whatever it throws into exactly one error message of `self`; into none
 /// where `self` is null.
@@ -27,7 +35,8 @@ int vtkPalpateGuard(vtkObject* self, Body&& body) noexcept
     {
       if (self)
       {
-        vtkErrorWithObjectMacro(self, << message);
+        // It may repeat what a file has in place of a name.
+        vtkErrorWithObjectMacro(self, << palpate::printable_message(message));
       }
     }
     catch (...)

@@ -19,6 +19,7 @@
 #include "vtkPalpateBodyCells.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpatePointChoice.h"
 #include "vtkPalpateScene.h"
@@ -347,7 +348,7 @@ int vtkPalpateSetBoundary::RequestData(
       }
       if (const auto text = palpate::describe(touching, pieces.size(), this->Merge))
       {
-        vtkWarningMacro(<< *text);
+        vtkPalpateWarn(this, *text);
       }
       vtkPalpateAddChoice(output, vtkPalpateArray::Fixed, scene.fixed);
       vtkPalpateAddChoice(output, vtkPalpateArray::Touchable, scene.touchable);
@@ -359,7 +360,7 @@ int vtkPalpateSetBoundary::RequestData(
       }
       if (!cells.LeftOut.empty())
       {
-        vtkWarningMacro(<< cells.LeftOut);
+        vtkPalpateWarn(this, cells.LeftOut);
       }
     });
   return 1;

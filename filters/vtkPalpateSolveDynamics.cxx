@@ -21,6 +21,7 @@
 #include "vtkPalpateFields.h"
 #include "vtkPalpateFrameTimes.h"
 #include "vtkPalpateFrames.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateKeptRun.h"
 #include "vtkPalpateLinearSolver.h"
@@ -415,7 +416,7 @@ void vtkPalpateSolveDynamics::Simulate(
   run.History = TableOf(run.Steps, run.Outcome);
   if (!run.Message.empty())
   {
-    vtkWarningMacro(<< run.Message);
+    vtkPalpateWarn(this, run.Message);
   }
 }
 

@@ -29,6 +29,7 @@
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
 #include "vtkPalpateFields.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateLinearSolver.h"
 #include "vtkPalpateRigidTool.h"
@@ -451,7 +452,7 @@ void vtkPalpateSolveEquilibrium::Solve(const palpate::Scene& scene, const Route&
   }
   if (!state.message.empty())
   {
-    vtkWarningMacro(<< state.message);
+    vtkPalpateWarn(this, state.message);
   }
 }
 

@@ -22,6 +22,7 @@
 #include "vtkPalpateDroppedDirections.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateLabelParts.h"
 #include "vtkPalpateLabelSurface.h"
@@ -777,6 +778,6 @@ void vtkPalpateTetrahedralizeLabelMap::Tetrahedralize(
   AddField<vtkStringArray>(body, "Report", std::vector<std::string>{ report.str() });
   if (!warning.empty())
   {
-    vtkWarningMacro(<< warning);
+    vtkPalpateWarn(this, warning);
   }
 }

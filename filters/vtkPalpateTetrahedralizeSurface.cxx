@@ -27,6 +27,7 @@
 #include "vtkPalpateDroppedDirections.h"
 #include "vtkPalpateEstimate.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateInput.h"
 #include "vtkPalpateSurfaceCheck.h"
 #include "vtkPalpateSurfaceRepair.h"
@@ -699,7 +700,7 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
     (repaired.Lost.empty() ? "" : "RepairSurface " + repaired.Lost + ".");
   if (!warning.empty())
   {
-    vtkWarningMacro(<< warning);
+    vtkPalpateWarn(this, warning);
   }
 }
 
@@ -809,7 +810,7 @@ void vtkPalpateTetrahedralizeSurface::Mesh(const vtkPalpateSurface& given,
       const std::string doubt = regions.Finish(body);
       if (!doubt.empty())
       {
-        vtkWarningMacro(<< doubt);
+        vtkPalpateWarn(this, doubt);
       }
       return;
     }

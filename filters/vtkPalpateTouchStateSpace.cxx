@@ -10,6 +10,7 @@
 #include "assembly/assembly.h"
 #include "base/error.h"
 #include "base/memory_error.h"
+#include "base/printable.h"
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
@@ -493,7 +494,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   tryWith([&] { this->AddWholeBody(t.data(), output, wholeBody); });
   if (std::exchange(this->Cache->Problem, problem) != problem && !problem.empty())
   {
-    vtkErrorMacro(<< problem);
+    vtkErrorMacro(<< palpate::printable_message(problem));
   }
   return problem.empty();
 }

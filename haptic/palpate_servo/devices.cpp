@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "base/quantity.h"
 #include "haptic/palpate_servo/report.h"
 #include "haptic/transport/open_device.h"
@@ -111,7 +112,7 @@ void print_devices() {
     const char* state = !device.known          ? "no haptic device that is known"
                         : device.fault.empty() ? "can be used"
                                                : device.fault.c_str();
-    std::printf("%s: %s\n", to_string(device.info).c_str(), state);
+    std::printf("%s: %s\n", printable(to_string(device.info)).c_str(), state);
     if (device.specification) print(*device.specification);
   }
   if (devices.empty()) std::printf("No HID device is plugged in.\n");

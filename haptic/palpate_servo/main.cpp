@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "base/memory_error.h"
+#include "base/printable.h"
 #include "haptic/palpate_servo/command_line.h"
 #include "haptic/palpate_servo/devices.h"
 #include "haptic/palpate_servo/reduced.h"
@@ -53,7 +54,8 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "palpate-servo: %s\n", text);
     return EXIT_FAILURE;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "palpate-servo: %s\n", error.what());
+    // It may repeat what a file has in place of a name.
+    std::fprintf(stderr, "palpate-servo: %s\n", palpate::printable_message(error.what()).c_str());
     return EXIT_FAILURE;
   }
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "base/quantity.h"
 #include "haptic/palpate_servo/devices.h"
 #include "haptic/palpate_servo/report.h"
@@ -148,11 +149,12 @@ void print_begin(const TouchedModel& touched, const std::vector<Hand>& hands,
       continue;
     }
     const Hand& hand = hands[tool];
-    std::printf("%s, reach %.4g m, coupling %.4g N/m\n", hand.device.setup.device.c_str(),
-                hand.tool.reach, hand.tool.coupling_stiffness);
+    std::printf("%s, reach %.4g m, coupling %.4g N/m\n",
+                printable(hand.device.setup.device).c_str(), hand.tool.reach,
+                hand.tool.coupling_stiffness);
     print(hand.device.profile->specification());
     const std::string notice = hand.device.transport->problem();
-    if (!notice.empty()) std::printf("notice       %s\n", notice.c_str());
+    if (!notice.empty()) std::printf("notice       %s\n", printable_message(notice).c_str());
   }
   std::fflush(stdout);
 }
@@ -237,7 +239,7 @@ int touch_reduced(const CommandLine& line, StateSpaceFile file) {
     const Hand& hand = hands[number];
     Servo& servo = *touch->servo(tool);
     const bool hangs = contains(hanging, tool);
-    std::printf("tool %-7d %s\n", tool, hand.device.setup.device.c_str());
+    std::printf("tool %-7d %s\n", tool, printable(hand.device.setup.device).c_str());
     print_end(servo, hangs ? nullptr : hand.device.board, line.settings.force_limit);
     if (contains(lost, tool)) add(name_of(tool, hands) + " is gone. " + servo.problem());
     if (hangs) {

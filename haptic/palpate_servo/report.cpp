@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <string>
 
+#include "base/printable.h"
+
 namespace palpate {
 namespace {
 
@@ -29,7 +31,7 @@ void print_realtime(bool priority, bool locked) {
 }
 
 void print_problem(const std::string& problem) {
-  if (!problem.empty()) std::printf("problem      %s\n", problem.c_str());
+  if (!problem.empty()) std::printf("problem      %s\n", printable_message(problem).c_str());
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "haptic/recording/columns.h"
 #include "haptic/recording/text.h"
 
@@ -68,7 +69,7 @@ void append_quoted(std::string& row, const std::string& text) {
 
 /// Why no file of that name can be made.
 std::string refusal(const std::filesystem::path& path, int error) {
-  const std::string name = path.string();
+  const std::string name = quoted(path);
   std::error_code ignored;
   const std::filesystem::file_status there = std::filesystem::status(path, ignored);
   if (is_directory(there)) {
@@ -78,8 +79,7 @@ std::string refusal(const std::filesystem::path& path, int error) {
     return name + " is a device or the like. Give the name of a new file for the recording.";
   }
   if (error == EEXIST) {
-    return "There is a file " + name +
-           " already. Choose another name for the recording, or remove it.";
+    return "There is a file " + name + " already. Choose another name for the recording.";
   }
   return "The recording " + name + " cannot be made: " + std::strerror(error) +
          ". Choose another place.";

@@ -74,6 +74,16 @@ std::string printable(std::string_view text, std::size_t most) {
   return shown;
 }
 
+std::string printable_message(std::string_view message) {
+  std::string shown;
+  for (std::size_t end = 0; end != message.npos;) {
+    end = message.find('\n');
+    shown += printable(message.substr(0, end), kLongestMessage) + (end == message.npos ? "" : "\n");
+    message.remove_prefix(end == message.npos ? 0 : end + 1);
+  }
+  return shown;
+}
+
 std::string quoted(const std::filesystem::path& path) {
   const std::string& text = path.native();
   return '\'' + printable(text, text.size()) + '\'';

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/folder.h"
+#include "base/printable.h"
 
 namespace palpate {
 namespace fs = std::filesystem;
@@ -17,7 +18,7 @@ namespace {
 constexpr char kPart[] = ".part";
 
 [[noreturn]] void throw_not_removed(const fs::path& file, const std::error_code& error) {
-  throw BackendError("The file " + file.string() +
+  throw BackendError("The file " + quoted(file) +
                      ", whose content is in that of the state space now, cannot be removed: " +
                      error.message() + ". Remove it by hand.");
 }
@@ -30,7 +31,7 @@ void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
     if (communicator_.rank() != 0) return;
     if (const auto left = left_by_ranks(); !left.empty() && !fs::exists(path_)) {
       throw InputError(
-          "The file " + path_.string() + " is gone, but " + left.front().string() +
+          "The file " + quoted(path_) + " is gone, but " + quoted(left.front()) +
           " of its last run is there, which holds what that has computed. Bring the file back, "
           "or move the other away, or give another file name.");
     }

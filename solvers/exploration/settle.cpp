@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "exploration/transfer.h"
 #include "state_space/state_space_file.h"
 
@@ -24,9 +25,11 @@ SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
     if (file.scene_hash() == hash(scene)) {
       SettledBody settled = file.read_scene().settled;
       if (settled.p.size() == rest.p.size()) return settled;
-      throw InputError(path.string() +
-                       " is damaged: the pressures of the body at rest under its load are not "
-                       "those of its cells. Remove it, and compute it again.");
+      throw InputError(
+          quoted(path) +
+          " is damaged: the pressures of the body at rest under its load are not "
+          "those of its cells. Take a copy that is whole, or give another file name and "
+          "compute it again.");
     }
   }
   return {rest.u, rest.p};

@@ -98,8 +98,8 @@ void check_is_there(const fs::path& path) {
     throw InputError(quoted(path) + " is no ordinary file. Give another file name.");
   }
   if (fs::file_size(path) == 0) {
-    throw InputError(quoted(path) + " is empty, not a state space. Remove it, or give another " +
-                     "file name.");
+    throw InputError(quoted(path) + " is empty, not a state space. Take a copy that is whole, or " +
+                     "give another file name.");
   }
 }
 

@@ -6,7 +6,7 @@ import math
 import numpy
 from paraview.simple import (AssignMaterial, Calculator, Delete, IDSelectionSource, Plane,
                              SetBoundary, SolveEquilibrium, Sphere)
-from support import (box_body, expect_error, expect_silence, fetch, field, grid_of, places, produce,
+from support import (Messages, box_body, expect_error, expect_silence, fetch, field, grid_of, places, produce,
                      source)
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import (VTK_CONVEX_POINT_SET, VTK_QUAD, VTK_QUADRATIC_TETRA,
@@ -310,6 +310,19 @@ def test_fixed_by_an_array_of_the_file(bad):
     expect_error(lambda: fetch(SolveEquilibrium(Input=material, ActiveNodes=[bad.node])),
                  "No point", "fixed", "Set Boundary")
     bad.good_run()
+
+
+def test_text_that_a_terminal_obeys(bad):
+    # The names of arrays come from files of anybody.
+    name = "\x1b[2J\u202e" + 20000 * "x"
+    with Messages() as messages:
+        boundary = SetBoundary(Input=produce(box_body()), FixedBy="Array", FixedArray=name)
+        boundary.UpdatePipeline()
+    assert messages.errors == 1, messages.text
+    assert "\\x1b[2J\\xe2\\x80\\xae" in messages.text, messages.text[:1000]
+    assert "\x1b" not in messages.text and "\u202e" not in messages.text
+    assert len(messages.text) < 11000, len(messages.text)
+    Delete(boundary)
 
 
 def test_active_node(bad):

@@ -47,6 +47,14 @@ TEST(Printable, OfALongTextTheMiddleIsLeftOut) {
   EXPECT_EQ(printable(wide).find("\\x"), std::string::npos);
 }
 
+// Lines stay lines; what a file puts into one does not get out of it, or fill a screen.
+TEST(Printable, AMessageHasItsLines) {
+  EXPECT_EQ(printable_message("The array \x1b[2J is bad.\nIt has 3.\n"),
+            "The array \\x1b[2J is bad.\nIt has 3.\n");
+  EXPECT_EQ(printable_message(""), "");
+  EXPECT_LT(printable_message(std::string(10'000'000, 'x')).size(), kLongestMessage + 100);
+}
+
 TEST(Printable, APathIsWholeBetweenQuotes) {
   const std::string name(250, 'x');
   EXPECT_EQ(quoted(std::filesystem::path(name + "\n")), '\'' + name + "\\x0a'");
