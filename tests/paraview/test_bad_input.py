@@ -6,8 +6,8 @@ import math
 import numpy
 from paraview.simple import (AssignMaterial, Calculator, Delete, IDSelectionSource, Plane,
                              SetBoundary, SolveEquilibrium, Sphere)
-from support import (Messages, box_body, expect_error, expect_silence, fetch, field, grid_of, places, produce,
-                     source)
+from support import (Messages, box_body, expect_error, expect_silence, fetch, field, grid_of,
+                     places, produce, source)
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkUnsignedCharArray
 from vtkmodules.vtkCommonDataModel import (VTK_CONVEX_POINT_SET, VTK_QUAD, VTK_QUADRATIC_TETRA,
                                            VTK_TETRA)
