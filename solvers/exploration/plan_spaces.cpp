@@ -44,6 +44,16 @@ ExplorationPolicy policy_of(const PrecomputeOptions& options) {
   return policy;
 }
 
+/// The spacing where it is not given. A tool that is larger than the body has that of a tool as
+/// large as the body is thin, but for a grid of too many cells.
+/// @param width Half of the tool's.
+double usual_spacing(const ToolClearance& clearance, double width) {
+  if (!clearance.is_large()) return kSpacingOfRadius * width;
+  const double of_body = 0.5 * clearance.body_bounds().sizes().minCoeff();
+  return std::max(kSpacingOfRadius * std::min(width, of_body),
+                  clearance.bounds().sizes().maxCoeff() / (kLargestCoarsestResolution - 3));
+}
+
 }  // namespace
 
 std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions& options) {
@@ -86,7 +96,7 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
   setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
   const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
   const double width = half_width(setup.interaction.tool);
-  const double spacing = contact.spacing > 0 ? contact.spacing : kSpacingOfRadius * width;
+  const double spacing = contact.spacing > 0 ? contact.spacing : usual_spacing(*clearance, width);
   if (spacing > 2 * width) {
     throw InputError("The spacing is " + std::to_string(spacing) + " m, larger than the tool of " +
                      std::to_string(2 * width) +

@@ -119,8 +119,9 @@ BsplineGrid::BsplineGrid(const Function& distance, const Options& options)
 void BsplineGrid::fail() const {
   throw InputError(
       "The smooth distance to the tool needs a grid of spacing " + quantity(spacing_, "m") +
-      ", which is too fine for a tool of this size. Allow a larger error or spacing; where the "
-      "surface intersects itself, repair it.");
+      ", which is too fine for a tool of this size. Lengths are in m. Give contact a thicker layer "
+      "(ContactThickness), in proportion to which edges of the tool are rounded; where the surface "
+      "intersects itself, repair it.");
 }
 
 void BsplineGrid::find_bricks(const Function& distance, const Options& options, const Node& corner,

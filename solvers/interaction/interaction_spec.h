@@ -60,7 +60,7 @@ class InteractionFactory {
   ///   rigid tool that is none, see make_contact().
   [[nodiscard]] std::unique_ptr<Interaction> make(const InteractionSpec& spec);
   /// Where a rigid tool is clear of the body.
-  /// @throws InputError a rigid tool that is none, or larger than the body.
+  /// @throws InputError a rigid tool that is none.
   [[nodiscard]] std::shared_ptr<const ToolClearance> clearance(const InteractionSpec& spec);
 
  private:

@@ -46,6 +46,9 @@ class RigidContact final : public Interaction {
   [[nodiscard]] const RigidShape& shape() const { return *shape_; }
   [[nodiscard]] const RigidShapePtr& shape_ptr() const { return shape_; }
   [[nodiscard]] const ContactSurface& surface() const { return *surface_; }
+  [[nodiscard]] const std::shared_ptr<const ContactSurface>& surface_ptr() const {
+    return surface_;
+  }
   [[nodiscard]] const ContactLaw& law() const { return law_; }
 
   [[nodiscard]] std::unique_ptr<Interaction> clone() const override;

@@ -66,7 +66,7 @@ class RigidShape {
     double radius = 0;
   };
   /// Balls in the tool that come near to all of its surface: within a hundredth of the radius of a
-  /// capsule, a tenth of the bounding radius of another one. They tell how deep it is in a body.
+  /// capsule, a fifth of the bounding radius of another one. They tell how deep it is in a body.
   [[nodiscard]] virtual std::vector<Ball> balls() const = 0;
   /// Places in the tool, about its centre, that are as far from its surface as any around them, m:
   /// along the segment of a capsule, along the middle of another one where that is deeper than the

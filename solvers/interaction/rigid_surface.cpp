@@ -61,8 +61,8 @@ std::vector<Vec3> normals_at_points(const ToolSurface& tool) {
   return normals;
 }
 
-/// Places of the surface, as balls without radius, such that each point of its triangles and each
-/// of their centres has one within a distance.
+/// Places of the surface, as balls without radius, such that each of its points has one within
+/// about twice a distance, and each corner of its triangles within that.
 std::vector<RigidShape::Ball> balls_on(const ToolSurface& tool, double distance) {
   std::vector<RigidShape::Ball> balls;
   const auto add = [&](const Vec3& place) {
@@ -72,8 +72,20 @@ std::vector<RigidShape::Ball> balls_on(const ToolSurface& tool, double distance)
     if (!is_near) balls.push_back({place, 0});
   };
   for (const auto& [a, b, c] : tool.triangles) {
-    for (const Index point : {a, b, c}) add(tool.points[point]);
-    add((tool.points[a] + tool.points[b] + tool.points[c]) / 3);
+    const Vec3& at_a = tool.points[a];
+    const Vec3& at_b = tool.points[b];
+    const Vec3& at_c = tool.points[c];
+    for (const Vec3& corner : {at_a, at_b, at_c}) add(corner);
+    add((at_a + at_b + at_c) / 3);
+    // A triangle that is large leaves much between these.
+    const double longest =
+        std::max({(at_b - at_a).norm(), (at_c - at_b).norm(), (at_a - at_c).norm()});
+    const int parts = static_cast<int>(std::ceil(longest / (2 * distance)));
+    for (int i = 0; parts > 1 && i <= parts; ++i) {
+      for (int j = 0; i + j <= parts; ++j) {
+        add(at_a + (i * (at_b - at_a) + j * (at_c - at_a)) / parts);
+      }
+    }
   }
   return balls;
 }

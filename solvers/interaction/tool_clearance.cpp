@@ -12,6 +12,11 @@
 namespace palpate {
 namespace {
 
+/// A gradient of the distance that is shorter is none: beyond the layer it may be zero.
+constexpr double kUsableGradient = 0.5;
+/// A face that a tool comes to from a direction looks there by at least this cosine.
+constexpr double kTowards = 0.5;
+
 std::string describe(const Vec3& p) {
   std::ostringstream text;
   text << '(' << p.x() << ", " << p.y() << ", " << p.z() << ") m";
@@ -29,38 +34,37 @@ std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
 
 ToolClearance::ToolClearance(const Scene& scene, const RigidContact& contact)
     : shape_(contact.shape_ptr()),
+      surface_(contact.surface_ptr()),
       margin_(contact.law().thickness + 2 * shape_->error()),
       body_(points_at_rest(scene), boundary_triangles(scene.mesh)),
       balls_(shape_->balls()),
+      is_large_(2 * shape_->bounding_radius() > body_.bounds().diagonal().norm()),
       points_(contact.surface().places(points_at_rest(scene))),
       tree_(boxes_of(points_)) {
-  const double tool = 2 * shape_->bounding_radius();
-  const double body = body_.bounds().diagonal().norm();
-  if (tool > body) {
-    throw InputError("The tool, " + shape_->description() + ", is " + std::to_string(tool) +
-                     " m across and larger than the body, which is " + std::to_string(body) +
-                     " m. Lengths are in m: make the tool smaller.");
-  }
   std::vector<Vec3> in_order;
   in_order.reserve(points_.size());
   for (const Index p : tree_.order()) in_order.push_back(points_[static_cast<std::size_t>(p)]);
   points_ = std::move(in_order);
 }
 
-double ToolClearance::clearance(const Vec3& q) const {
+ToolClearance::Deepest ToolClearance::deepest_of_body(const Vec3& q) const {
   // A place that is farther from the centre than the tool reaches beyond the least distance so far
   // cannot be nearer to the tool.
   const double reach = shape_->bounding_radius();
-  double least = std::numeric_limits<double>::infinity();
-  double squared = least;
+  Deepest deepest{std::numeric_limits<double>::infinity(), -1};
+  double squared = deepest.gap;
   tree_.for_near(q, squared, [&](Index place) {
-    const double distance = shape_->value(points_[static_cast<std::size_t>(place)] - q);
-    if (!(distance < least)) return;
-    least = distance;
-    const double farthest = std::max(least + reach, 0.0);
+    const double gap = shape_->value(points_[static_cast<std::size_t>(place)] - q);
+    if (!(gap < deepest.gap)) return;
+    deepest = {gap, place};
+    const double farthest = std::max(gap + reach, 0.0);
     squared = farthest * farthest;
   });
-  const double of_layer = least - margin_;
+  return deepest;
+}
+
+double ToolClearance::clearance(const Vec3& q) const {
+  const double of_layer = deepest_of_body(q).gap - margin_;
   // A tool that touches nothing may still be within the body, and is as long as its centre is.
   const double of_centre = body_.nearest(q).distance;
   return of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
@@ -84,7 +88,52 @@ ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
                       ? Vec3((centre - nearest.point) / nearest.distance)
                       : nearest.normal;
   }
+  if (is_large_) deepen(q, deepest);
   return deepest;
+}
+
+void ToolClearance::deepen(const Vec3& q, Approach& approach) const {
+  const Deepest of_body = deepest_of_body(q);
+  if (of_body.place < 0 || !(-of_body.gap > approach.depth)) return;
+  const Vec3& place = points_[static_cast<std::size_t>(of_body.place)];
+  const Vec3 away = -shape_->evaluate(place - q, 1).gradient;
+  // Beyond the layer a shape may have none.
+  if (!(away.norm() > kUsableGradient)) return;
+  approach.depth = -of_body.gap;
+  approach.out = away.normalized();
+  approach.touched = place;
+  approach.around = body_.points_of(body_.nearest(place).triangle);
+}
+
+bool ToolClearance::has_face_towards(const Vec3& direction) const {
+  for (Index f = 0; f < surface_->num_faces(); ++f) {
+    if (surface_->face(f).normal.dot(direction) > kTowards) return true;
+  }
+  return false;
+}
+
+std::vector<Vec3> ToolClearance::directions_out(const Vec3& q) const {
+  std::vector<Vec3> directions = {approach(q).out};
+  for (int k = 0; k < 3; ++k) {
+    for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * Vec3::Unit(k));
+  }
+  // Across a plate, whichever way it lies.
+  const Vec3 across = shape_->evaluate(body_.bounds().center() - q, 1).gradient;
+  if (across.norm() > kUsableGradient) {
+    for (const double sign : {1.0, -1.0}) directions.emplace_back(sign * across.normalized());
+  }
+  return directions;
+}
+
+std::optional<double> ToolClearance::way_out(const Vec3& q, const Vec3& direction) const {
+  const double longest = body_.bounds().diagonal().norm() + 2 * shape_->bounding_radius();
+  for (double way = margin_; way < longest;) {
+    const double clear = clearance(q + way * direction);
+    if (clear > 0) return way;
+    // It grows by no more than the way.
+    way += is_large_ ? std::max(margin_, -clear) : margin_;
+  }
+  return {};
 }
 
 Vec3 ToolClearance::pressed(const Vec3& point, const Vec3& normal, double depth) const {
@@ -107,13 +156,23 @@ Vec3 ToolClearance::start_for(const Vec3& q) const {
 std::optional<Vec3> ToolClearance::find_start(const Vec3& q) const {
   if (!q.allFinite()) return {};
   if (clearance(q) > 0) return q;
-  const Vec3 out = approach(q).out;
-  const double longest = body_.bounds().diagonal().norm() + 2 * shape_->bounding_radius();
-  for (double way = margin_; way < longest; way += margin_) {
-    const Vec3 start = q + way * out;
-    if (clearance(start) > 0) return start;
+  if (!is_large_) {
+    const Vec3 out = approach(q).out;
+    const std::optional<double> way = way_out(q, out);
+    return way ? std::optional<Vec3>(q + *way * out) : std::nullopt;
   }
-  return {};
+  double shortest = std::numeric_limits<double>::infinity();
+  Vec3 start = q;
+  for (const Vec3& direction : directions_out(q)) {
+    // Where all faces are held that look there, the tool cannot have come from there.
+    if (!has_face_towards(direction)) continue;
+    const std::optional<double> way = way_out(q, direction);
+    if (!way || !(*way < shortest)) continue;
+    shortest = *way;
+    start = q + *way * direction;
+  }
+  if (std::isinf(shortest)) return {};
+  return start;
 }
 
 Eigen::AlignedBox3d ToolClearance::bounds() const {

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a rigid tool is clear of a body at rest, how deep it is in it elsewhere, and the way out.
+//
+// How deep a tool is tell the places of it that are deepest in the body. Of a tool that is larger
+// than the body, such as a plate on which it lies, the body's places that are deepest in the tool
+// tell it too: both are lower bounds of the way that it must go to be clear, and the larger counts.
+// Such a tool goes out by the shortest of several ways, since a deep place of a plate may be nearer
+// to the side of the body.
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -17,7 +24,6 @@ namespace palpate {
 class ToolClearance {
  public:
   /// @param scene With its body at rest, where it has a body force. @param contact With its body.
-  /// @throws InputError the tool is larger than the body.
   ToolClearance(const Scene& scene, const RigidContact& contact);
 
   /// How far the tool at q may be moved in any direction without touching the body at rest, at the
@@ -51,14 +57,38 @@ class ToolClearance {
 
   /// The box in which the tool touches the body at rest, m.
   [[nodiscard]] Eigen::AlignedBox3d bounds() const;
+  /// The box around the body at rest, m.
+  [[nodiscard]] Eigen::AlignedBox3d body_bounds() const { return body_.bounds(); }
+  /// Whether the tool is larger than the body.
+  [[nodiscard]] bool is_large() const { return is_large_; }
 
  private:
+  /// The place of the body at rest that is deepest in the tool, or nearest to it.
+  struct Deepest {
+    /// The signed distance to the tool, m.
+    double gap = 0;
+    /// In points_; −1: none is within reach.
+    Index place = -1;
+  };
+  [[nodiscard]] Deepest deepest_of_body(const Vec3& q) const;
+  /// Lets the places of the body in the tool have their say.
+  void deepen(const Vec3& q, Approach& approach) const;
+  /// How far the tool must go in a direction until it touches nothing, m; nothing: too far.
+  [[nodiscard]] std::optional<double> way_out(const Vec3& q, const Vec3& direction) const;
+  /// Whether a face that may be pressed looks in a direction.
+  [[nodiscard]] bool has_face_towards(const Vec3& direction) const;
+  /// Directions in which a large tool may be clear of the body soon.
+  [[nodiscard]] std::vector<Vec3> directions_out(const Vec3& q) const;
+
   RigidShapePtr shape_;
+  std::shared_ptr<const ContactSurface> surface_;
   /// The thickness of the layer of contact and twice the error of the shape, m: what the shape
   /// gives for two places differs by no more than their distance and that.
   double margin_;
   SurfaceTree body_;
   std::vector<RigidShape::Ball> balls_;
+  /// Whether the tool is larger than the body.
+  bool is_large_;
   /// The points at which contact is integrated, in the order of the tree.
   std::vector<Vec3> points_;
   BoxTree tree_;

@@ -140,7 +140,6 @@ def test_bad_input():
     for settings, words in (
             ({"MaximumConfigurations": 3}, "at most 3 are allowed"),
             ({"Spacing": 0.1}, "larger than the tool"),
-            ({"ToolRadius": 3.0}, "larger than the body"),
             ({"ToolRadius": 0.0}, "larger than 0"),
             ({"Depth": 0.0}, "Neither a depth nor a force limit"),
             ({"Tool": "Surface"}, "none is given"),

@@ -429,7 +429,7 @@ TEST(RigidSurface, RefusesNumbersOutOfRange) {
   tool = box_tool();
   tool.spacing = 0;
   for (Vec3& point : tool.points) point *= 100;  // in cm
-  expect_message(tool, {"too fine", "Allow a larger error or spacing"});
+  expect_message(tool, {"too fine", "a thicker layer (ContactThickness)"});
 }
 
 }  // namespace
