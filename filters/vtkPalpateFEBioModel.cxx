@@ -3,13 +3,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
+#include "assembly/loaded_faces.h"
 #include "base/error.h"
 #include "base/printable.h"
+#include "vtkMath.h"
 #include "vtkPalpateFEBioMaterials.h"
 #include "vtkPalpateFEBioText.h"
 #include "vtkPalpateFEBioUnits.h"
@@ -73,6 +78,7 @@ public:
     this->ReadNodes();
     this->ReadElements();
     palpate::check_and_orient(this->Model.Scene.mesh);
+    this->ReadLoads();
     this->ReadBoundary();
     return std::move(this->Model);
   }
@@ -149,19 +155,16 @@ private:
     }
     // What makes the body is read by its name; the others are about the computation.
     for (const char* name : { "Module", "Control", "Globals", "Material", "Mesh", "Geometry",
-           "MeshDomains", "MeshData", "Boundary", "LoadData", "Output" })
+           "MeshDomains", "MeshData", "Boundary", "Loads", "LoadData", "Output" })
     {
       if (section.Name == name)
       {
         return;
       }
     }
-    if (section.Name == "Loads")
+    if (section.Name == "Constraints")
     {
-      for (const Tree& load : section.Children)
-      {
-        this->LeaveOut(load);
-      }
+      this->CheckConstraints(section);
     }
     else if (section.Name == "Step")
     {
@@ -174,6 +177,18 @@ private:
     }
   }
 
+  void CheckConstraints(const Tree& section) const
+  {
+    for (const Tree& constraint : section.Children)
+    {
+      if (Attribute(constraint, "type") != SymmetryPlane)
+      {
+        throw InputError("The constraint " + Label(constraint) +
+          " is not read, but for a symmetry plane. Remove it from the model.");
+      }
+    }
+  }
+
   void CheckStep(const Tree& step)
   {
     for (const Tree& section : step.Children)
@@ -181,6 +196,13 @@ private:
       if (section.Name == "step")
       {
         this->CheckStep(section);
+      }
+      else if (section.Name == "Loads")
+      {
+        for (const Tree& load : section.Children)
+        {
+          this->LeaveOut(load);
+        }
       }
       else if (section.Name == "Boundary")
       {
@@ -475,34 +497,285 @@ private:
       else if (!this->LeaveOutPrescribed(condition) && !isOfOthers)
       {
         throw InputError("The condition " + Label(condition) +
-          " is not read: points are held along all three axes or free. Remove it from the model.");
+          " is not read: points are held along the axes or free. Remove it from the model.");
       }
     }
-    constexpr char allAxes = 7;
-    const auto partly = std::find_if(
-      axes.begin(), axes.end(), [](char held) { return held != 0 && held != allAxes; });
-    if (partly != axes.end())
-    {
-      std::string names;
-      for (const auto& [bit, name] : { std::pair(1, "x"), std::pair(2, "y"), std::pair(4, "z") })
-      {
-        names += (*partly & bit) == 0 ? "" : (names.empty() ? "" : " and ") + std::string(name);
-      }
-      throw InputError("The node " + std::to_string(this->Nodes.Ids[partly - axes.begin()]) +
-        " is held along " + names +
-        " alone; points are held along all three axes or free. Hold it along all axes, or remove "
-        "the condition from the model.");
-    }
-    scene.fixed.resize(axes.size());
+    scene.fixed.assign(axes.size(), 0);
     const std::vector<char> used = palpate::points_in_use(scene.mesh);
-    std::transform(axes.begin(), axes.end(), used.begin(), scene.fixed.begin(),
-      [](char held, char inUse) { return static_cast<char>(held == allAxes && inUse != 0); });
-    if (std::find(scene.fixed.begin(), scene.fixed.end(), 1) == scene.fixed.end())
+    constexpr char allAxes = 7;
+    for (std::size_t point = 0; point < axes.size(); ++point)
+    {
+      scene.fixed[point] = used[point] != 0 && axes[point] == allAxes ? 1 : 0;
+      for (int axis = 0; axis < 3 && used[point] != 0; ++axis)
+      {
+        if ((axes[point] & (1 << axis)) != 0)
+        {
+          this->Hold(static_cast<Index>(point), palpate::Vec3::Unit(axis));
+        }
+      }
+    }
+    for (const Tree& constraint : ChildrenOf(this->Root.Child("Constraints")))
+    {
+      this->ReadSymmetryPlane(constraint);
+    }
+    const auto isFree = [](const palpate::HeldDirections& of) { return of.isZero(0); };
+    if (std::all_of(scene.held_directions.begin(), scene.held_directions.end(), isFree))
+    {
+      scene.held_directions.clear();
+    }
+    if (std::find(scene.fixed.begin(), scene.fixed.end(), 1) == scene.fixed.end() &&
+      scene.held_directions.empty())
     {
       this->Model.Warnings.emplace_back(
         "The model holds no point of the body. Apply Set Boundary to it.");
     }
     this->ReadTouchable();
+  }
+
+  /// Holds a point along one more direction, of the length 1; along three it is fixed.
+  void Hold(Index point, const palpate::Vec3& direction)
+  {
+    palpate::Scene& scene = this->Model.Scene;
+    const palpate::HeldDirections none = palpate::HeldDirections::Zero();
+    palpate::HeldDirections held =
+      scene.held_directions.empty() ? none : scene.held_directions[point];
+    const palpate::Vec3 across = direction - held * (held.transpose() * direction);
+    // The sine of the angle to those that it has.
+    constexpr double same = 1e-6;
+    if (scene.fixed[point] != 0 || across.norm() < same)
+    {
+      return;
+    }
+    const int column = held.col(0).isZero(0) ? 0 : held.col(1).isZero(0) ? 1 : 2;
+    if (column == 2)
+    {
+      scene.fixed[point] = 1;
+      held = none;
+    }
+    else
+    {
+      held.col(column) = across.normalized();
+    }
+    scene.held_directions.resize(scene.mesh.points.size(), none);
+    scene.held_directions[point] = held;
+  }
+
+  using Face = std::vector<Index>;
+
+  std::vector<Face> FacesOf(const std::string& name, const Tree& where) const
+  {
+    for (const Tree& set : this->Mesh->Children)
+    {
+      const std::string* setName = set.Attribute("name");
+      if (set.Name != "Surface" || !setName || *setName != name)
+      {
+        continue;
+      }
+      std::vector<Face> faces;
+      for (const Tree& child : set.Children)
+      {
+        std::vector<Id> nodes;
+        AppendNumbers(child.Text, child, nodes);
+        if (nodes.size() != 3 && nodes.size() != 6)
+        {
+          throw InputError(Label(child) + " of the surface '" + printable(name) + "' has " +
+            std::to_string(nodes.size()) + " nodes; that of a tetrahedron has 3 or 6.");
+        }
+        Face& face = faces.emplace_back();
+        for (const Id node : nodes)
+        {
+          face.push_back(this->IndexOf(node, child));
+        }
+      }
+      return faces;
+    }
+    throw InputError(
+      Label(where) + " is about the surface '" + printable(name) + "', which is not there.");
+  }
+
+  /// Twice the area of its triangle is its length.
+  palpate::Vec3 NormalOf(const Face& face) const
+  {
+    const auto& points = this->Model.Scene.mesh.points;
+    const palpate::Vec3 one = points[face[1]] - points[face[0]];
+    const palpate::Vec3 other = points[face[2]] - points[face[0]];
+    palpate::Vec3 normal;
+    vtkMath::Cross(one.data(), other.data(), normal.data());
+    return normal;
+  }
+
+  void ReadSymmetryPlane(const Tree& constraint)
+  {
+    const std::vector<Face> faces = this->FacesOf(Attribute(constraint, "surface"), constraint);
+    palpate::Vec3 normal = palpate::Vec3::Zero();
+    double area = 0;
+    for (const Face& face : faces)
+    {
+      normal += this->NormalOf(face);
+      area += this->NormalOf(face).norm();
+    }
+    // Of a plane the two are the same.
+    constexpr double plane = 1e-6;
+    if (!(normal.norm() > (1 - plane) * area))
+    {
+      throw InputError(Label(constraint) + " is about the surface '" +
+        printable(Attribute(constraint, "surface")) + "', which is no plane.");
+    }
+    for (const Face& face : faces)
+    {
+      for (const Index point : face)
+      {
+        this->Hold(point, normal.normalized());
+      }
+    }
+  }
+
+  void ReadLoads()
+  {
+    for (const Tree& load : ChildrenOf(this->Root.Child("Loads")))
+    {
+      if (!this->ReadLoad(load))
+      {
+        this->LeaveOut(load);
+      }
+    }
+  }
+
+  /// The corners of faces in the order of their numbers.
+  template <class Faces>
+  static std::set<std::array<Index, 3>> CornersOf(const Faces& faces)
+  {
+    std::set<std::array<Index, 3>> corners;
+    for (const auto& face : faces)
+    {
+      std::array<Index, 3> of = { face[0], face[1], face[2] };
+      std::sort(of.begin(), of.end());
+      corners.insert(of);
+    }
+    return corners;
+  }
+
+  /// The faces of a list of nodes.
+  std::vector<Face> Split(const std::vector<Index>& nodes) const
+  {
+    const int size = palpate::nodes_per_face(this->Model.Scene.mesh.order);
+    std::vector<Face> faces;
+    for (auto face = nodes.begin(); face != nodes.end(); face += size)
+    {
+      faces.emplace_back(face, face + size);
+    }
+    return faces;
+  }
+
+  /// 1 where all faces look out of the body, -1 where all look into it, else 0.
+  int SideOf(const std::vector<Face>& faces) const
+  {
+    std::map<std::array<Index, 3>, palpate::Vec3> outward;
+    for (const Face& face : this->Split(palpate::boundary_faces(this->Model.Scene.mesh)))
+    {
+      outward[*CornersOf(std::vector<Face>{ face }).begin()] = this->NormalOf(face);
+    }
+    int out = 0;
+    int in = 0;
+    for (const Face& face : faces)
+    {
+      const auto found = outward.find(*CornersOf(std::vector<Face>{ face }).begin());
+      if (found == outward.end())
+      {
+        return 0;
+      }
+      ++(this->NormalOf(face).dot(found->second) > 0 ? out : in);
+    }
+    return in == 0 ? 1 : out == 0 ? -1 : 0;
+  }
+
+  /// Gives the points of the faces a value.
+  /// @param carrying The faces that an array loads.
+  /// @returns False, and nothing is changed, where the array would not load these and those before.
+  template <class Value, class Carrying>
+  bool Load(const std::vector<Face>& faces, const Value& value, const Value& none,
+    std::vector<Value>& array, Carrying&& carrying) const
+  {
+    const palpate::TetMesh& mesh = this->Model.Scene.mesh;
+    std::vector<Value> loaded = array;
+    loaded.resize(mesh.points.size(), none);
+    std::vector<Face> all = this->Split(carrying(mesh, array));
+    const std::size_t before = all.size();
+    all.insert(all.end(), faces.begin(), faces.end());
+    for (const Face& face : faces)
+    {
+      for (const Index point : face)
+      {
+        if (loaded[point] != none && loaded[point] != value)
+        {
+          return false;
+        }
+        loaded[point] = value;
+      }
+    }
+    const auto wanted = CornersOf(all);
+    if (wanted.size() != before + faces.size() ||
+      CornersOf(this->Split(carrying(mesh, loaded))) != wanted)
+    {
+      return false;
+    }
+    array = std::move(loaded);
+    return true;
+  }
+
+  /// A constant pressure or traction on faces of the surface, that may be said point by point.
+  bool ReadLoad(const Tree& load)
+  {
+    const std::string* type = load.Attribute("type");
+    const Tree* value = type ? load.Child(type->c_str()) : nullptr;
+    const bool isPressure = type && *type == "pressure";
+    if (load.Name != "surface_load" || !value || !(isPressure || *type == "traction"))
+    {
+      return false;
+    }
+    double scale = this->Units->Pressure;
+    for (const Tree& child : load.Children)
+    {
+      const std::string* kind = child.Attribute("type");
+      const bool varies = child.Attribute("lc") || (kind && *kind != "const");
+      const bool isSwitch = child.Name == "linear" || child.Name == "shell_bottom";
+      if (varies || (isSwitch && child.Text != "0"))
+      {
+        return false;
+      }
+      scale *= child.Name == "scale" ? NumberOf(child.Text, child) : 1;
+    }
+    std::vector<double> numbers;
+    AppendNumbers(value->Text, *value, numbers);
+    if (numbers.size() != (isPressure ? 1 : 3))
+    {
+      throw InputError(Label(load) + " has '" + printable(value->Text) + "' where " +
+        (isPressure ? "one number is due." : "three numbers are due."));
+    }
+    for (double& number : numbers)
+    {
+      number *= scale;
+      if (!std::isfinite(number))
+      {
+        throw InputError(Label(load) + " is not finite.");
+      }
+    }
+    const std::vector<Face> faces = this->FacesOf(Attribute(load, "surface"), load);
+    palpate::Scene& scene = this->Model.Scene;
+    const int side = this->SideOf(faces);
+    if (faces.empty() || side == 0)
+    {
+      return false;
+    }
+    if (isPressure)
+    {
+      return this->Load(faces, side * numbers[0], 0.0, scene.applied_pressure,
+        [](const auto& mesh, const auto& array)
+        { return palpate::faces_under_pressure(mesh, array); });
+    }
+    return this->Load(faces, palpate::Vec3(numbers[0], numbers[1], numbers[2]),
+      palpate::Vec3(palpate::Vec3::Zero()), scene.applied_traction,
+      [](const auto& mesh, const auto& array) { return palpate::faces_with(mesh, array); });
   }
 
   void ReadTouchable()
@@ -521,10 +794,11 @@ private:
         return;
       }
     }
-    scene.touchable = vtkPalpateTouchableSurface(scene.mesh, scene.fixed);
+    scene.touchable = vtkPalpateTouchableSurface(scene.mesh, vtkPalpateHeldPoints(scene));
   }
 
   static constexpr Index NoMaterial = -1;
+  static constexpr const char* SymmetryPlane = "symmetry plane";
 
   const Tree& Root;
   const Tree* Mesh = nullptr;

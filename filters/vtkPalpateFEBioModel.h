@@ -2,10 +2,13 @@
 // A body read from FEBio's file (.feb), specifications 2.5, 3.0 and 4.0: nodes, tetrahedra, the
 // materials of vtkPalpateFEBioMaterials, and where it is held.
 //
-// What is part of the body but is not read is an error: other elements and materials, points held
-// along one axis alone, contact, springs, rigid bodies, prestrain. What acts on the body from
-// outside is left out with a warning: loads and prescribed displacements. What is about the
-// computation is passed over: Control, Globals, LoadData, Output.
+// Points that are held along one or two axes, or by a symmetry plane, have directions; constant
+// pressures and tractions on faces are those of the scene.
+//
+// What is part of the body but is not read is an error: other elements and materials, contact,
+// springs, rigid bodies, prestrain. What else acts on the body from outside is left out with a
+// warning: other loads and prescribed displacements. What is about the computation is passed over:
+// Control, Globals, LoadData, Output.
 #pragma once
 
 #include <string>

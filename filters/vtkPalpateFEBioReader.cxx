@@ -76,7 +76,12 @@ int vtkPalpateFEBioReader::RequestData(
         throw palpate::InputError("No file is named. Set FileName to a .feb file.");
       }
       const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(this->FileName, this->Units);
-      output->ShallowCopy(vtkPalpateGridFromScene(model.Scene));
+      // Its rest under the loads is not known.
+      palpate::Scene unloaded = model.Scene;
+      unloaded.applied_pressure.clear();
+      unloaded.applied_traction.clear();
+      output->ShallowCopy(vtkPalpateGridFromScene(unloaded));
+      vtkPalpateWriteBoundary(model.Scene, output);
       vtkPalpateAddBoundaryKinds(model.Scene, output);
       vtkPalpateWriteRheologies(model.Rheologies, model.Scene.material_of_cell, output);
       AddRegions(model, output);

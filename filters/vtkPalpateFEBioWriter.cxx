@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "assembly/loaded_faces.h"
 #include "base/error.h"
 #include "base/new_file.h"
 #include "base/printable.h"
@@ -464,6 +465,131 @@ void WriteNodeSet(const char* name, const std::vector<char>& chosen, Output& xml
   }
 }
 
+/// The axes along which FEBio holds a point, 1, 2 and 4 for x, y and z; none: it holds none so.
+std::optional<int> AxesOf(const palpate::HeldDirections& held)
+{
+  // What is held is the space that the directions span: a projection.
+  const palpate::Mat3 projection = held * held.transpose();
+  int axes = 0;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    axes |= projection(axis, axis) > 0.5 ? 1 << axis : 0;
+  }
+  palpate::Mat3 rounded = palpate::Mat3::Zero();
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    rounded(axis, axis) = (axes >> axis) & 1;
+  }
+  constexpr double rounding = 1e-12;
+  return (projection - rounded).norm() < rounding ? std::optional(axes) : std::nullopt;
+}
+
+/// Points that are held along the same axes.
+struct Support
+{
+  std::string Name;
+  int Axes;
+  std::vector<char> Points;
+};
+
+std::vector<Support> SupportsOf(const Scene& scene)
+{
+  constexpr int all = 7;
+  std::vector<Support> supports = { { vtkPalpateArray::Fixed, all, scene.fixed } };
+  for (int axes = 1; axes < all; ++axes)
+  {
+    Support support{ "Held_", axes, std::vector<char>(scene.fixed.size(), 0) };
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      support.Name += (axes & (1 << axis)) == 0 ? "" : std::string(1, "xyz"[axis]);
+    }
+    for (std::size_t point = 0; point < scene.held_directions.size(); ++point)
+    {
+      support.Points[point] =
+        scene.fixed[point] == 0 && AxesOf(scene.held_directions[point]) == axes ? 1 : 0;
+    }
+    supports.push_back(std::move(support));
+  }
+  supports.erase(std::remove_if(supports.begin(), supports.end(),
+                   [](const Support& support) {
+                     return std::find(support.Points.begin(), support.Points.end(), 1) ==
+                       support.Points.end();
+                   }),
+    supports.end());
+  return supports;
+}
+
+/// Faces of the surface under the same load.
+struct SurfaceLoad
+{
+  std::string Name;
+  /// FEBio's type, which is the name of its parameter too.
+  const char* Type;
+  std::string Value;
+  /// Their nodes.
+  std::vector<Index> Faces;
+};
+
+/// Whether a face has one traction, as FEBio's have.
+bool HasOneTraction(const Scene& scene, const Index* face)
+{
+  const std::vector<palpate::Vec3>& traction = scene.applied_traction;
+  return traction[face[0]] == traction[face[1]] && traction[face[0]] == traction[face[2]];
+}
+
+std::vector<SurfaceLoad> LoadsOf(const Scene& scene)
+{
+  std::vector<SurfaceLoad> loads;
+  std::map<std::pair<const char*, std::string>, std::size_t> known;
+  const int size = palpate::nodes_per_face(scene.mesh.order);
+  const auto add =
+    [&](const char* array, const char* type, const std::string& value, const Index* face)
+  {
+    const auto [found, isNew] = known.try_emplace({ type, value }, loads.size());
+    if (isNew)
+    {
+      loads.push_back({ array + ('_' + std::to_string(loads.size() + 1)), type, value, {} });
+    }
+    std::vector<Index>& faces = loads[found->second].Faces;
+    faces.insert(faces.end(), face, face + size);
+  };
+  const std::vector<Index> pressed =
+    palpate::faces_under_pressure(scene.mesh, scene.applied_pressure);
+  for (std::size_t i = 0; i < pressed.size(); i += size)
+  {
+    add(vtkPalpateArray::AppliedPressure, "pressure", Text(scene.applied_pressure[pressed[i]]),
+      &pressed[i]);
+  }
+  const std::vector<Index> pulled = palpate::faces_with(scene.mesh, scene.applied_traction);
+  for (std::size_t i = 0; i < pulled.size(); i += size)
+  {
+    const palpate::Vec3& traction = scene.applied_traction[pulled[i]];
+    if (HasOneTraction(scene, &pulled[i]))
+    {
+      add(vtkPalpateArray::AppliedTraction, "traction", List(traction), &pulled[i]);
+    }
+  }
+  return loads;
+}
+
+void WriteSurface(const Scene& scene, const SurfaceLoad& load, Output& xml)
+{
+  const bool isLinear = scene.mesh.order == palpate::ElementOrder::linear;
+  const int size = palpate::nodes_per_face(scene.mesh.order);
+  xml.Open("Surface", { { "name", load.Name } });
+  for (std::size_t i = 0; i < load.Faces.size(); i += size)
+  {
+    // Outward, corners before midside nodes, in FEBio's order.
+    std::vector<Index> nodes(load.Faces.begin() + i, load.Faces.begin() + i + size);
+    for (Index& node : nodes)
+    {
+      ++node;
+    }
+    xml.Leaf(isLinear ? "tri3" : "tri6", { { "id", Text(i / size + 1) } }, List(nodes));
+  }
+  xml.Close();
+}
+
 void WriteMesh(const Scene& scene, const std::vector<Part>& parts, Output& xml)
 {
   xml.Open("Mesh");
@@ -478,7 +604,14 @@ void WriteMesh(const Scene& scene, const std::vector<Part>& parts, Output& xml)
   {
     WriteElements(scene, part, xml);
   }
-  WriteNodeSet(vtkPalpateArray::Fixed, scene.fixed, xml);
+  for (const Support& support : SupportsOf(scene))
+  {
+    WriteNodeSet(support.Name.c_str(), support.Points, xml);
+  }
+  for (const SurfaceLoad& load : LoadsOf(scene))
+  {
+    WriteSurface(scene, load, xml);
+  }
   WriteNodeSet(vtkPalpateArray::Touchable, scene.touchable, xml);
   xml.Close();
 }
@@ -524,6 +657,37 @@ void WriteMaps(const std::vector<Part>& parts, Output& xml)
   xml.Close();
 }
 
+void WriteBoundary(const Scene& scene, Output& xml)
+{
+  xml.Open("Boundary");
+  for (const Support& support : SupportsOf(scene))
+  {
+    xml.Open("bc",
+      { { "name", support.Name }, { "type", "zero displacement" }, { "node_set", support.Name } });
+    for (int axis = 0; axis < 3; ++axis)
+    {
+      constexpr const char* names[] = { "x_dof", "y_dof", "z_dof" };
+      xml.Leaf(names[axis], {}, Text((support.Axes >> axis) & 1));
+    }
+    xml.Close();
+  }
+  xml.Close();
+  const std::vector<SurfaceLoad> loads = LoadsOf(scene);
+  if (loads.empty())
+  {
+    return;
+  }
+  xml.Open("Loads");
+  for (const SurfaceLoad& load : loads)
+  {
+    xml.Open(
+      "surface_load", { { "name", load.Name }, { "type", load.Type }, { "surface", load.Name } });
+    xml.Leaf(load.Type, {}, load.Value);
+    xml.Close();
+  }
+  xml.Close();
+}
+
 void WriteModel(const Body& body, const std::vector<Part>& parts, std::ostream& stream)
 {
   const Scene& scene = body.Scene;
@@ -549,16 +713,7 @@ void WriteModel(const Body& body, const std::vector<Part>& parts, std::ostream& 
   }
   xml.Close();
   WriteMaps(parts, xml);
-  xml.Open("Boundary");
-  xml.Open("bc",
-    { { "name", vtkPalpateArray::Fixed }, { "type", "zero displacement" },
-      { "node_set", vtkPalpateArray::Fixed } });
-  for (const char* axis : { "x_dof", "y_dof", "z_dof" })
-  {
-    xml.Leaf(axis, {}, "1");
-  }
-  xml.Close();
-  xml.Close();
+  WriteBoundary(scene, xml);
   xml.Close();
 }
 
@@ -602,7 +757,9 @@ void WriteFile(const Body& body, const std::vector<Part>& parts, const std::stri
 std::set<std::string> WrittenArrays()
 {
   std::set<std::string> names = { vtkPalpateArray::Fixed, vtkPalpateArray::Touchable,
-    vtkPalpateArray::BoundaryKind, vtkPalpateArray::Law, vtkPalpateArray::Formulation,
+    vtkPalpateArray::BoundaryKind, vtkPalpateArray::HeldDirection, vtkPalpateArray::HeldDirection2,
+    vtkPalpateArray::SupportStiffness, vtkPalpateArray::AppliedPressure,
+    vtkPalpateArray::AppliedTraction, vtkPalpateArray::Law, vtkPalpateArray::Formulation,
     RegionNames };
   for (int law = 0; law < palpate::num_laws; ++law)
   {
@@ -707,6 +864,29 @@ std::string Unsaid(vtkUnstructuredGrid* grid, const Body& body, const Regions& r
     text += "Part of the body has the Quadrature Fine, which the file does not say: who reads it "
             "finds the standard one. ";
   }
+  const std::vector<palpate::HeldDirections>& held = body.Scene.held_directions;
+  if (std::any_of(held.begin(), held.end(),
+        [](const palpate::HeldDirections& of) { return !AxesOf(of).has_value(); }))
+  {
+    text += "Points with a HeldDirection that is not along x, y or z are free in the file: FEBio "
+            "holds points along its axes alone. Turn the body so that its planes of symmetry are "
+            "across them. ";
+  }
+  if (!body.Scene.support_stiffness.empty())
+  {
+    text += "SupportStiffness is left out: FEBio has no springs by area, and the file holds the "
+            "body without them. ";
+  }
+  const std::vector<Index> pulled =
+    palpate::faces_with(body.Scene.mesh, body.Scene.applied_traction);
+  for (std::size_t i = 0; i < pulled.size(); i += palpate::nodes_per_face(body.Scene.mesh.order))
+  {
+    if (!HasOneTraction(body.Scene, &pulled[i]))
+    {
+      text += "AppliedTraction is left out on faces whose corners have different ones. ";
+      break;
+    }
+  }
   if (std::find(body.Scene.touchable.begin(), body.Scene.touchable.end(), 1) ==
     body.Scene.touchable.end())
   {
@@ -771,12 +951,6 @@ int vtkPalpateFEBioWriter::RequestData(
       }
       Body whole;
       whole.Scene = vtkPalpateSceneFromGrid(body, whole.Rheologies);
-      if (whole.Scene.has_supports_or_surface_loads())
-      {
-        throw InputError("The body has HeldDirection, SupportStiffness, AppliedPressure or "
-                         "AppliedTraction, which are not written for FEBio: the file would hold "
-                         "another scene. Remove them with Pass Arrays, and add them in FEBio.");
-      }
       const Regions regions = RegionsOf(body);
       const std::vector<Part> parts = PartsOf(whole, regions);
       WriteFile(whole, parts, this->FileName);

@@ -620,6 +620,114 @@ TEST_F(Febio, AnotherPressureModelIsReadAndTold) {
   }
 }
 
+// A plane of symmetry is points that are held along one axis, or FEBio's constraint.
+TEST_F(Febio, PointsHeldAlongSomeAxesAreRead) {
+  const std::string good = TextOf(Data("febio_40.feb"));
+  const auto read = [&](const std::string& text) {
+    std::ofstream(file()) << text;
+    const vtkPalpateFEBioModel model = vtkPalpateReadFEBio(file(), kNotSaid);
+    EXPECT_TRUE(model.Warnings.empty());
+    return model.Scene;
+  };
+  palpate::HeldDirections held = palpate::HeldDirections::Identity();
+  const palpate::HeldDirections none = palpate::HeldDirections::Zero();
+  Scene scene = read(Replaced(good, "<z_dof>1</z_dof>", "<z_dof>0</z_dof>"));
+  EXPECT_EQ(scene.fixed, (std::vector<char>(5, 0)));
+  EXPECT_EQ(scene.held_directions,
+            (std::vector<palpate::HeldDirections>{held, held, held, none, none}));
+  scene = read(Replaced(good, "<x_dof>1</x_dof>\n\t\t\t<y_dof>1</y_dof>",
+                        "<x_dof>0</x_dof>\n\t\t\t<y_dof>0</y_dof>"));
+  held << 0, 0, 0, 0, 1, 0;
+  EXPECT_EQ(scene.held_directions,
+            (std::vector<palpate::HeldDirections>{held, held, held, none, none}));
+
+  const std::string slope =
+      "<Surface name=\"Slope\"><tri3 id=\"1\">2,3,5</tri3></Surface><NodeSet name=\"Touchable\">";
+  const std::string with_slope = Replaced(good, "<NodeSet name=\"Touchable\">", slope);
+  const auto constrained = [&](const std::string& constraint) {
+    return Replaced(with_slope, "<Output>",
+                    "<Constraints>" + constraint + "</Constraints><Output>");
+  };
+  const std::string plane = "<constraint type=\"symmetry plane\" surface=\"";
+  scene = read(constrained(plane + "Slope\"/>"));
+  // The first three are fixed.
+  EXPECT_EQ(scene.fixed, (std::vector<char>{1, 1, 1, 0, 0}));
+  held << palpate::Vec3::Ones() / std::sqrt(3.0), palpate::Vec3::Zero();
+  ASSERT_EQ(scene.held_directions.size(), 5U);
+  EXPECT_TRUE(scene.held_directions[3].isApprox(held));
+  EXPECT_EQ(scene.held_directions[2], none);
+  // With a plane through all three axes' directions a point is fixed.
+  scene = read(Replaced(constrained(plane + "Slope\"/>"), "<z_dof>1</z_dof>", "<z_dof>0</z_dof>"));
+  EXPECT_EQ(scene.fixed, (std::vector<char>{0, 1, 1, 0, 0}));
+
+  const auto expect = [&](const std::string& text, const std::string& words) {
+    const std::string message = error_of(text);
+    EXPECT_NE(message.find(words), std::string::npos) << words << "\n" << message;
+  };
+  expect(constrained("<constraint type=\"volume\" surface=\"Base\"/>"), "but for a symmetry plane");
+  expect(constrained(plane + "None\"/>"), "surface 'None', which is not there");
+  expect(Replaced(constrained(plane + "Slope\"/>"), "2,3,5</tri3>",
+                  "2,3,5</tri3><tri3 id=\"2\">1,2,3</tri3>"),
+         "is no plane");
+  expect(Replaced(constrained(plane + "Slope\"/>"), "2,3,5</tri3>", "2,3</tri3>"),
+         "has 2 nodes; that of a tetrahedron has 3 or 6");
+}
+
+// A load of faces is read where the scene can have it, which says it point by point.
+TEST_F(Febio, ConstantLoadsOfAnotherHandAreRead) {
+  const std::string good = TextOf(Data("febio_40.feb"));
+  const auto read = [&](const std::string& faces, const std::string& loads) {
+    std::ofstream(file()) << Replaced(
+        Replaced(good, "<NodeSet name=\"Touchable\">",
+                 "<Surface name=\"S\">" + faces + "</Surface><NodeSet name=\"Touchable\">"),
+        "<Output>", "<Loads>" + loads + "</Loads><Output>");
+    return vtkPalpateReadFEBio(file(), kNotSaid);
+  };
+  const std::string outward = "<tri3 id=\"1\">1,3,2</tri3>";
+  const std::string inward = "<tri3 id=\"1\">1,2,3</tri3>";
+  const std::string head = "<surface_load name=\"L\" surface=\"S\" type=\"";
+  const auto pressure = [&](const std::string& value) {
+    return head + "pressure\">" + value + "</surface_load>";
+  };
+  // mm and MPa.
+  vtkPalpateFEBioModel model = read(outward, pressure("<pressure>0.5</pressure>"));
+  EXPECT_TRUE(model.Warnings.empty());
+  EXPECT_EQ(model.Scene.applied_pressure, (std::vector<double>{5e5, 5e5, 5e5, 0, 0}));
+  model = read(inward, pressure("<linear>0</linear><pressure>0.5</pressure>"));
+  EXPECT_EQ(model.Scene.applied_pressure, (std::vector<double>{-5e5, -5e5, -5e5, 0, 0}));
+  model = read(outward, head +
+                            "traction\"><scale>2</scale><traction>0,0.25,-1</traction>"
+                            "</surface_load>");
+  EXPECT_TRUE(model.Warnings.empty());
+  ASSERT_EQ(model.Scene.applied_traction.size(), 5U);
+  EXPECT_EQ(model.Scene.applied_traction[1], palpate::Vec3(0, 5e5, -2e6));
+  EXPECT_EQ(model.Scene.applied_traction[4], palpate::Vec3(palpate::Vec3::Zero()));
+  const auto grid = Read(file());
+  EXPECT_TRUE(grid->GetPointData()->HasArray("AppliedTraction"));
+  EXPECT_FALSE(grid->GetPointData()->HasArray("RestDisplacement"));
+
+  const std::map<std::string, std::string> left_out = {
+      {pressure("<pressure lc=\"1\">0.5</pressure>"), outward},
+      {pressure("<pressure type=\"map\">p</pressure>"), outward},
+      {pressure("<linear>1</linear><pressure>0.5</pressure>"), outward},
+      {head + "fluidflux\"><value>1</value></surface_load>", outward},
+      // Within the body, with a face that would be loaded too, and looking out and in.
+      {pressure("<pressure>0.5</pressure>"), "<tri3 id=\"1\">2,3,5</tri3>"},
+      {pressure("<pressure>0.25</pressure>"), outward + "<tri3 id=\"2\">1,2,5</tri3>"},
+      {pressure("<pressure>0.375</pressure>"), outward + "<tri3 id=\"2\">1,3,5</tri3>"},
+      {pressure("<pressure>0.125</pressure>"), outward + outward},
+      // Two at the same points.
+      {pressure("<pressure>1</pressure>") + pressure("<pressure>2</pressure>"), outward}};
+  for (const auto& [load, faces] : left_out) {
+    const std::vector<std::string> warnings = read(faces, load).Warnings;
+    ASSERT_EQ(warnings.size(), 1U) << load;
+    EXPECT_NE(warnings[0].find("it is left out"), std::string::npos) << warnings[0];
+  }
+  EXPECT_THROW((void)read(outward, pressure("<pressure>nan</pressure>")), palpate::InputError);
+  EXPECT_THROW((void)read(outward, head + "traction\"><traction>1,2</traction></surface_load>"),
+               palpate::InputError);
+}
+
 // kg/m³ is Pa s²/m², and the time is in s in all of them.
 TEST_F(Febio, TheUnitOfDensityFollowsFromTheOthers) {
   for (const vtkPalpateFEBioUnits& units : vtkPalpateFEBioUnits::All()) {
@@ -768,7 +876,6 @@ TEST_F(Febio, SaysWhatIsWrong) {
   expect("<node id=\"6\"", "<node id=\"5\"", "two nodes with the id 5");
   expect("<elem id=\"7\"", "<elem id=\"2\"", "two elements with the id 2");
   expect("<elem id=\"7\"", "<elem", "no attribute id");
-  expect("<z_dof>1</z_dof>", "<z_dof>0</z_dof>", "node 1 is held along x and y alone");
   expect("@surface:Base\"", "Nowhere\"", "no set of that name");
   expect("mat=\"Nodule\"", "mat=\"None\"", "no material 'None'");
   expect("<SolidDomain name=\"Part2\"", "<SolidDomain name=\"Part3\"",

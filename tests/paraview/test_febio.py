@@ -114,22 +114,49 @@ def test_round_trip():
         expect_same(grid, expect_silence(lambda: fetch(OpenDataFile(again))))
 
 
-# Without these the file would hold another scene, so that none is written.
-REFUSED = {"HeldDirection", "HeldDirection2", "SupportStiffness", "AppliedPressure",
-           "AppliedTraction", "LoadedArea"}
+def supported(scene, place, normal, **settings):
+    """The same with another support or load of the points at a plane."""
+    further = SetBoundary(Input=scene, FixedRegion="Plane", LoadRegion="Plane", **settings)
+    for region in (further.FixedRegion, further.LoadRegion):
+        region.Origin, region.Normal = place, normal
+    return further
 
 
-def test_supports_and_loads_are_refused():
-    for settings in ({"Support": "Direction"}, {"Support": "Springs"},
-                     {"Support": "Nothing", "Load": "Pressure", "LoadBy": "Surface"},
-                     {"Support": "Nothing", "Load": "Traction", "LoadBy": "Surface"}):
-        scene = SetBoundary(Input=scene_of(False, "refused"), FixedRegion="Plane", **settings)
-        # The other side is fixed.
-        scene.FixedRegion.Origin, scene.FixedRegion.Normal = [0.2, 0, 0], [-1, 0, 0]
-        assert {name for _, name in arrays_of(fetch(scene))} & REFUSED
-        expect_error(lambda: SaveData("supported.feb", proxy=scene), "not written for FEBio",
-                     "Pass Arrays")
-        assert not os.path.exists("supported.feb")
+def test_planes_of_symmetry_and_loads_come_back():
+    for quadratic in (False, True):
+        scene = scene_of(quadratic, f"quarter{quadratic}")
+        for place, axis in (([0, 0, 0], [0, 1, 0]), ([0, 0, 0], [0, 0, 1])):
+            scene = supported(scene, place, axis, Support="Direction", HeldDirection=axis)
+        scene = supported(scene, [0.2, 0, 0], [-1, 0, 0], Support="Nothing", Load="Traction",
+                          AppliedTraction=[1 / 3, 0, -1 / 7])
+        scene = SetBoundary(Input=scene, Support="Nothing", Load="Pressure", LoadBy="Surface",
+                            AppliedPressure=100 / 3)
+        grid = fetch(scene)
+        name = os.path.abspath(f"quarter{quadratic}.feb")
+        with Messages() as messages:
+            SaveData(name, proxy=scene)
+        assert messages.warnings == 1 and messages.errors == 0, messages.text
+        assert "'LoadedArea' (field)" in messages.text, messages.text
+        back = OpenDataFile(name)
+        read = expect_silence(lambda: fetch(back))
+        assert point_array(read, "HeldDirection").any()
+        assert point_array(read, "AppliedPressure").any()
+        assert point_array(read, "HeldDirection2").any(), "along the edge of both planes"
+        grid.GetFieldData().RemoveArray("LoadedArea")
+        expect_same(grid, read)
+        for one, other in zip(solve(scene), solve(back)):
+            assert (one == other).all(), abs(one - other).max()
+
+
+def test_supports_that_febio_has_not_are_named():
+    scene = scene_of(False, "named")
+    for settings, words in (
+            ({"Support": "Direction", "HeldDirection": [1, 1, 0]}, "HeldDirection that is not"),
+            ({"Support": "Springs"}, "SupportStiffness is left out")):
+        with Messages() as messages:
+            SaveData("named.feb", proxy=supported(scene, [0.2, 0, 0], [-1, 0, 0], **settings))
+        assert messages.warnings == 1 and messages.errors == 0, messages.text
+        assert words in messages.text, messages.text
 
 
 def test_every_array_comes_back_or_is_named():
@@ -147,8 +174,12 @@ def test_every_array_comes_back_or_is_named():
     soft.RegionShape.Origin, soft.RegionShape.Normal = [0.1, 0, 0], [1, 0, 0]
     scene = SetBoundary(Input=soft, FixedRegion="Plane", Merge=1)
     scene.FixedRegion.Origin, scene.FixedRegion.Normal = [0, 0, 0], [1, 0, 0]
+    side = [0.2, 0, 0], [-1, 0, 0]
+    scene = supported(scene, [0, 0, 0], [0, 0, 1], Support="Direction")
+    scene = supported(scene, *side, Support="Springs", Load="Traction")
+    scene = SetBoundary(Input=scene, Support="Nothing", Load="Pressure", LoadBy="Surface")
     grid = fetch(scene)
-    missing = documented_arrays() - {name for _, name in arrays_of(grid)} - REFUSED
+    missing = documented_arrays() - {name for _, name in arrays_of(grid)}
     assert not missing, f"the scene of this test has no {missing}"
 
     name = os.path.abspath("all.feb")
@@ -157,7 +188,9 @@ def test_every_array_comes_back_or_is_named():
     assert messages.warnings == 1 and messages.errors == 0, messages.text
     before, after = arrays_of(grid), arrays_of(expect_silence(lambda: fetch(OpenDataFile(name))))
     lost = {key[1] for key, values in before.items() if values != after.get(key)}
-    assert lost == {"Shade", "ViscousTime", "Formulation", "MergedPoints"}, lost
+    assert lost == {"Shade", "ViscousTime", "Formulation", "MergedPoints", "SupportStiffness",
+                    "LoadedArea", "BoundaryKind"}, lost
+    lost.remove("BoundaryKind")  # follows from the rest
     for array in lost:
         assert array in messages.text, (array, messages.text)
 
