@@ -34,7 +34,8 @@ void add_walk(const TestSet& set, int walk, int length, std::vector<TestPoint>& 
   Vec3 at = Vec3::Zero();
   Vec3 goal = random.in_cube(set.half_width);
   for (int i = 0; i < length; ++i) {
-    while ((goal - at).norm() < step) goal = random.in_cube(set.half_width);
+    // The squares of lengths far below those of bodies are 0, and would never be large enough.
+    while ((goal - at).stableNorm() < step) goal = random.in_cube(set.half_width);
     at += step * (goal - at).normalized();
     TestPoint& point = points.emplace_back();
     point.kind = TestKind::walk;

@@ -31,6 +31,13 @@ TEST(Draw, GivesAsManyAsAskedForInTheBoxAndInOrder) {
   }
 }
 
+// In a box whose half-width has a square of 0 each walk comes to its end.
+TEST(Draw, ABoxFarBelowAllBodiesIsDrawnFrom) {
+  const std::vector<TestPoint> points = draw_test_points({7, 0, 1e-300, 3}, 50);
+  EXPECT_EQ(points.size(), 50U);
+  for (const TestPoint& point : points) EXPECT_LE(point.t.lpNorm<Eigen::Infinity>(), 1e-300);
+}
+
 TEST(Draw, FewPointsAreTheFirstOfMany) {
   const std::vector<TestPoint> many = draw_test_points(kSet, 400);
   for (const TestPoint& point : draw_test_points(kSet, 57)) {
