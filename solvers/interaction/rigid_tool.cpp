@@ -80,6 +80,8 @@ std::string name_of(const RigidTool& tool) {
     case ToolShape::surface:
       text << "the tool with a surface of " << tool.triangles.size() << " triangles";
       break;
+    // A damaged file may have any number.
+    default: text << "a rigid tool of the unknown shape " << static_cast<int>(tool.shape);
   }
   return text.str();
 }

@@ -15,6 +15,7 @@
 #include "equilibrium/equilibrium.h"
 #include "interaction/rigid_capsule.h"
 #include "interaction/rigid_surface.h"
+#include "interaction/rigid_tool.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/box_mesh.h"
@@ -284,6 +285,15 @@ TEST(ContactSurface, DividesEveryFaceAsOftenAsItIsTold) {
     };
     EXPECT_NEAR(area(fine.face(f)), area(coarse.face(f)), 1e-12 * area(coarse.face(f)));
   }
+}
+
+// A message names it also where a damaged file has a number that no shape has.
+TEST(RigidTool, HasANameWhateverItsShape) {
+  RigidTool tool;
+  tool.radius = 0.01;
+  EXPECT_EQ(name_of(tool), "the sphere of radius 0.01 m");
+  tool.shape = static_cast<ToolShape>(3);
+  EXPECT_EQ(name_of(tool), "a rigid tool of the unknown shape 3");
 }
 
 }  // namespace
