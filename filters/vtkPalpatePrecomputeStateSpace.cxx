@@ -57,7 +57,7 @@ std::string KeyOf(const palpate::Scene& scene, const palpate::PrecomputeOptions&
     const auto& [tool, spacing, shell, most] = *options.contact;
     key.add(tool.shape).add(tool.radius).add(tool.axis).add(tool.length);
     key.add(tool.points).add(tool.triangles);
-    key.add(tool.law.thickness).add(tool.law.stiffness);
+    key.add(tool.law.thickness).add(tool.law.stiffness).add(tool.law.offset);
     key.add(spacing).add(shell.depth).add(shell.begin_at).add(most);
     // A function is asked anywhere; what it says at some places does not tell it from others.
     key.add(region ? region->GetMTime() : vtkMTimeType(0));

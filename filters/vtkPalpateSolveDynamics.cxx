@@ -9,6 +9,8 @@
 #include "base/memory_error.h"
 #include "dynamics/dynamic_solver.h"
 #include "interaction/bonded_patch.h"
+#include "interaction/hertz_stiffness.h"
+#include "interaction/mesh_error.h"
 #include "interaction/tool_clearance.h"
 #include "linear/group.h"
 #include "vtkInformation.h"
@@ -156,6 +158,9 @@ struct vtkPalpateSolveDynamics::Run
   /// On rank 0 alone; null where the body was one that a filter before could not make.
   vtkSmartPointer<vtkUnstructuredGrid> Body;
   std::vector<palpate::RigidContact> Contacts;
+  /// Of the body where these press, Pa, and the order of its cells.
+  double ContactModulus = 0;
+  palpate::ElementOrder Order{};
   std::unique_ptr<vtkPalpateFrames> Frames;
   std::vector<Step> Steps;
   vtkSmartPointer<vtkTable> History;
@@ -312,6 +317,9 @@ std::unique_ptr<vtkPalpateSolveDynamics::Run> vtkPalpateSolveDynamics::Compute(
       : vtkPalpateMakeLinearSolver(this->LinearSolver, setup->Scene, threads);
     run->Body = body;
     run->Contacts = setup->Contacts;
+    run->ContactModulus =
+      setup->Contacts.empty() ? 0 : palpate::mean_contact_modulus(setup->Scene);
+    run->Order = setup->Scene.mesh.order;
     palpate::with_memory("to solve for the motion of the body",
       [&] { this->Simulate(*setup, std::move(linearSolver), threads, *run); });
   }
@@ -449,10 +457,23 @@ void vtkPalpateSolveDynamics::Show(
     pressure->SetName(vtkPalpateArray::ContactPressure);
     pressure->SetNumberOfTuples(output->GetNumberOfPoints());
     pressure->Fill(0);
-    auto coordinate = position.size() - 3 * static_cast<Eigen::Index>(run.Contacts.size());
-    for (const palpate::RigidContact& contact : run.Contacts)
+    const auto rigid = static_cast<Eigen::Index>(run.Contacts.size());
+    Eigen::VectorXd layerForce(rigid);
+    Eigen::VectorXd meshError(rigid);
+    auto coordinate = position.size() - 3 * rigid;
+    for (Eigen::Index tool = 0; tool < rigid; ++tool)
     {
+      const palpate::RigidContact& contact = run.Contacts[static_cast<std::size_t>(tool)];
       const auto patch = contact.patch(position.segment<3>(coordinate), u);
+      const palpate::Vec3 holding = force.segment<3>(coordinate);
+      const double stiffness = palpate::hertz_stiffness(
+        contact.law(), patch.layer_depth, holding.norm(), run.ContactModulus);
+      layerForce[tool] = patch.area > 0
+        ? palpate::contact_layer_force(
+            patch.layer_depth, holding, stiffness * palpate::Mat3::Identity())
+        : 0;
+      meshError[tool] =
+        palpate::expected_mesh_error(run.Order, patch.longest_edge, patch.area);
       for (std::size_t point = 0; point < patch.pressure.size(); ++point)
       {
         const auto id = static_cast<vtkIdType>(point);
@@ -461,6 +482,8 @@ void vtkPalpateSolveDynamics::Show(
       coordinate += 3;
     }
     output->GetPointData()->AddArray(pressure);
+    vtkPalpateAddField<vtkDoubleArray>(output, "ContactLayerForce", 1, layerForce);
+    vtkPalpateAddField<vtkDoubleArray>(output, "ContactMeshError", 1, meshError);
   }
   // Between processes VTK loses what follows an array without values.
   if (force.size() > 0)

@@ -111,7 +111,7 @@ public:
   vtkGetMacro(ContactThickness, double);
   ///@}
   ///@{
-  /// The pressure where tool and body meet, Pa; 0: twice Young's modulus of the touchable surface.
+  /// The pressure at the inner side of that layer, Pa; 0: see palpate::with_defaults().
   vtkSetMacro(ContactStiffness, double);
   vtkGetMacro(ContactStiffness, double);
   ///@}

@@ -393,6 +393,8 @@ void VisitContact(ToolSpaceSetup&& setup, Visit&& visit)
   visit("Depth", setup.policy.depth);
 }
 
+/// Spaces that were saved before there was an offset have none.
+constexpr const char* ContactOffset = "ContactOffset";
 /// Field arrays of the tool's surface, where it is one.
 constexpr const char* ToolPoints = "ToolPoints";
 constexpr const char* ToolTriangles = "ToolTriangles";
@@ -408,6 +410,7 @@ void AddContactFields(const TouchSpace& space, vtkFieldData* fields)
   VisitContact(found->setup,
     [&](const char* name, auto value) { AddNumber(fields, name, static_cast<double>(value)); });
   const palpate::RigidTool& tool = found->setup.interaction.tool;
+  AddNumber(fields, ContactOffset, tool.law.offset);
   if (tool.shape != palpate::ToolShape::surface)
   {
     return;
@@ -580,6 +583,10 @@ void ReadContact(vtkFieldData* fields, palpate::ToolSpaceSetup& setup)
         static_cast<std::decay_t<decltype(value)>>(Required(fields, name, 1)->GetComponent(0, 0));
     });
   palpate::RigidTool& tool = setup.interaction.tool;
+  if (fields->GetArray(ContactOffset))
+  {
+    tool.law.offset = Required(fields, ContactOffset, 1)->GetComponent(0, 0);
+  }
   if (tool.shape != palpate::ToolShape::surface)
   {
     return;

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/memory_error.h"
 #include "base/printable.h"
+#include "interaction/mesh_error.h"
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
@@ -280,8 +281,8 @@ void vtkPalpateTouchStateSpace::FindWholeBody(
   }
 }
 
-void vtkPalpateTouchStateSpace::AddWholeBody(
-  const double t[3], vtkPolyData* surface, vtkUnstructuredGrid* body)
+void vtkPalpateTouchStateSpace::AddWholeBody(const double t[3], const palpate::TouchResult& touch,
+  vtkPolyData* surface, vtkUnstructuredGrid* body)
 {
   Prepared& cache = *this->Cache;
   WholeBodyOf& whole = *cache.Whole;
@@ -298,6 +299,12 @@ void vtkPalpateTouchStateSpace::AddWholeBody(
     }
     surface->GetPointData()->AddArray(pressure);
     AddVector(surface, "ContactArea", 1, &patch.area);
+    const double layerForce =
+      palpate::contact_layer_force(patch.layer_depth, touch.force, touch.stiffness);
+    AddVector(surface, "ContactLayerForce", 1, &layerForce);
+    const double meshError =
+      palpate::expected_mesh_error(mesh.order, patch.longest_edge, patch.area);
+    AddVector(surface, "ContactMeshError", 1, &meshError);
   }
   if (this->WholeBody)
   {
@@ -491,7 +498,7 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
       output->GetPointData()->AddArray(pressure);
     }
   }
-  tryWith([&] { this->AddWholeBody(t.data(), output, wholeBody); });
+  tryWith([&] { this->AddWholeBody(t.data(), touch, output, wholeBody); });
   if (std::exchange(this->Cache->Problem, problem) != problem && !problem.empty())
   {
     vtkErrorMacro(<< palpate::printable_message(problem));

@@ -19,6 +19,7 @@
  *
  *   `ToolPosition` of the tool's centre, m
  *   `ContactArea`  the area at rest on which it presses, m^2
+ *   `ContactLayerForce`, `ContactMeshError`  as of vtkPalpateSolveEquilibrium
  *
  * and the point array `ContactPressure` (Pa). What it does to the surface is read from the file of
  * the space, as below.
@@ -49,6 +50,7 @@ class vtkUnstructuredGrid;
 namespace palpate
 {
 class Interpolator;
+struct TouchResult;
 struct TouchToolSpace;
 }
 
@@ -138,7 +140,9 @@ private:
   void FindWholeBody(const palpate::TouchToolSpace& toolSpace,
     const palpate::Interpolator& interpolator, const double t[3]);
   /// What follows from it: contact, stress and the second output.
-  void AddWholeBody(const double t[3], vtkPolyData* surface, vtkUnstructuredGrid* body);
+  /// @param touch What was found at t.
+  void AddWholeBody(const double t[3], const palpate::TouchResult& touch, vtkPolyData* surface,
+    vtkUnstructuredGrid* body);
 
   vtkIdType ActiveNode = -1;
   double Displacement[3] = { 0, 0, 0 };

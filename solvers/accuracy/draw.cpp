@@ -69,7 +69,7 @@ class ContactDraw {
   }
 
   void add_first_touches(std::size_t num) {
-    const double layer = setup_.interaction.tool.law.thickness;
+    const double layer = setup_.interaction.tool.law.reach();
     add_straight(TestKind::near_rest, num, [=](double share) { return -share * layer; });
   }
 

@@ -69,6 +69,11 @@ void validate(const ContactLaw& law) {
     throw InputError("The contact stiffness is " + std::to_string(law.stiffness) +
                      " Pa; it must be positive.");
   }
+  if (!(law.offset >= 0 && law.offset < law.thickness)) {
+    throw InputError("The layer of contact is drawn back by " + std::to_string(law.offset) +
+                     " m; it must be at least 0 and less than its thickness of " +
+                     std::to_string(law.thickness) + " m.");
+  }
 }
 
 RigidContact::RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape,
@@ -102,7 +107,7 @@ bool RigidContact::evaluate(const Vec3& offset, const Vec3& normal, bool with_he
                             Point& point) const {
   const double thickness = law_.thickness;
   RigidShape::Jet jet = shape_->evaluate(offset, with_hessian ? 2 : 1);
-  const double depth = thickness - jet.value;
+  const double depth = law_.reach() - jet.value;
   if (!(depth > 0)) return false;
   const double towards = -normal.dot(jet.gradient);
   if (towards <= -kAway) return false;
@@ -139,7 +144,7 @@ void RigidContact::for_each_touched_point(const Eigen::VectorXd& q, const NodalV
                                           bool with_hessian, Visit&& visit) const {
   const Vec3 centre = q;
   Eigen::AlignedBox3d reach = shape_->bounds();
-  const double margin = law_.thickness + shape_->error();
+  const double margin = law_.reach() + shape_->error();
   reach = Eigen::AlignedBox3d(reach.min().array() - margin, reach.max().array() + margin);
   Eigen::Matrix3Xd places(3, surface_->nodes_per_face());
   Point point;
@@ -240,7 +245,7 @@ RigidContact::Patch RigidContact::patch(const Eigen::VectorXd& q, const NodalVec
     if (areas[p] > 0) result.pressure[p] /= areas[p];
   }
   if (force > 0) {
-    result.layer_depth = law_.thickness - kMeanOfHertz * law_.thickness * moment / force;
+    result.layer_depth = law_.reach() - kMeanOfHertz * law_.thickness * moment / force;
   }
   return result;
 }

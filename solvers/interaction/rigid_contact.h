@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A rigid tool that presses the surface of a body without friction. Its coordinates are the place p
-// of its centre; it does not turn. With the gap g = d(x − p), d the signed distance to the tool
+// of its centre; it does not turn. With the gap g = d(x − p) + o, d the signed distance to the tool
 // (rigid_shape.h), and x the place of a point of the surface,
 //
 //   Φ(u; p) = ∫_Γ₀ ψ(g) s dA₀,   ψ(g) = κ⟨δ − g⟩⁴ / (4 δ³)
 //
 // over the surface at rest. The pressure −ψ′ acts in a layer of thickness δ, in which it rises
-// smoothly: ψ is C³ and zero beyond it, so that a tool that touches nothing adds exactly nothing,
-// and a tool seems larger by about half of it: a pressure p = −ψ′ is at the gap δ (1 −
-// (p/κ)^{1/3}). With h = δ − g it feels as if it were deeper than it is by
+// smoothly: ψ is C³ and zero beyond it, so that a tool that touches nothing adds exactly nothing.
+// A pressure p = −ψ′ is at the gap δ (1 − (p/κ)^{1/3}), so that a tool seems larger by the mean of
+// that; o draws the layer back into the tool, so that it seems as large as it is.
 //
-//   e = δ − 5/6 ∫ h p dA / ∫ p dA
-//
-// The factor makes that mean the one that belongs to the force: with Hertz's pressure, by the
-// principle of complementary energy, it is δ (1 − ¾ (p₀/κ)^{1/3}).
+// What is left of it, e = δ − o − 5/6 ∫ h p dA / ∫ p dA with h = δ − g, makes the tool feel as if
+// it were deeper by e than it is. The factor makes that mean the one that belongs to the force:
+// with Hertz's pressure, by the principle of complementary energy, it is δ − o − ¾ δ (p₀/κ)^{1/3}.
 //
 // The far side of a thin lobe may lie in the layer too, or in the tool. It is told apart by which
 // way it looks: with c = −N·∇d, N the normal of the face at rest, s is 1 where c ≥ 0, as on every
@@ -31,11 +30,20 @@ namespace palpate {
 struct ContactLaw {
   /// δ, m.
   double thickness = 0;
-  /// κ, Pa: the pressure at g = 0.
+  /// κ, Pa: the pressure at g = 0, which is o inside of the tool.
   double stiffness = 0;
+  /// o, m, less than δ.
+  double offset = 0;
+
+  /// How far outside of the tool the layer begins, m.
+  [[nodiscard]] double reach() const { return thickness - offset; }
+
+  [[nodiscard]] friend bool operator==(const ContactLaw& a, const ContactLaw& b) {
+    return a.thickness == b.thickness && a.stiffness == b.stiffness && a.offset == b.offset;
+  }
 };
 
-/// @throws InputError a thickness or stiffness that is not positive.
+/// @throws InputError a thickness or stiffness that is not positive, or an offset out of its range.
 void validate(const ContactLaw& law);
 
 class RigidContact final : public Interaction {

@@ -19,6 +19,50 @@ double youngs_modulus(const Material& material) {
   return std::isfinite(kappa) ? 9 * kappa * mu / (3 * kappa + mu) : 3 * mu;
 }
 
+double contact_modulus(const Material& material) {
+  const double modulus = youngs_modulus(material);
+  const double poissons_ratio = modulus / (2 * shear_modulus(material)) - 1;
+  return modulus / (1 - poissons_ratio * poissons_ratio);
+}
+
+/// A modulus of the cells under the touchable surface, the mean by area, see mean_youngs_modulus().
+template <class Modulus>
+double mean_of_surface(const Scene& scene, const Modulus& modulus) {
+  const TetMesh& mesh = scene.mesh;
+  std::vector<Index> cells;
+  const std::vector<Index> faces = boundary_faces(mesh, &cells);
+  const auto per_face = static_cast<std::size_t>(nodes_per_face(mesh.order));
+  double area = 0;
+  double sum = 0;
+  const auto add_faces = [&](const auto& counts) {
+    for (std::size_t f = 0; f < cells.size(); ++f) {
+      const Index* face = faces.data() + f * per_face;
+      if (!std::all_of(face, face + 3, counts)) continue;
+      const Vec3& a = mesh.points[face[0]];
+      const double of_face = (mesh.points[face[1]] - a).cross(mesh.points[face[2]] - a).norm();
+      const std::size_t material =
+          scene.material_of_cell.empty()
+              ? 0
+              : static_cast<std::size_t>(
+                    scene.material_of_cell[static_cast<std::size_t>(cells[f])]);
+      area += of_face;
+      sum += of_face * modulus(scene.materials[material]);
+    }
+  };
+  add_faces([&](Index p) { return scene.touchable[p] != 0; });
+  if (area == 0) add_faces([&](Index p) { return scene.fixed[p] == 0; });
+  if (area == 0) add_faces([](Index /*p*/) { return true; });
+  return sum / area;
+}
+
+/// The offset with which the mean gap of Hertz's contact is 0 at the calibrated depth, m.
+double calibrated_offset(const ContactLaw& law, const Scene& scene) {
+  const double largest_pressure =
+      2 / M_PI * mean_contact_modulus(scene) * std::sqrt(kCalibratedDepth);
+  const double share = 0.75 * std::cbrt(largest_pressure / law.stiffness);
+  return law.thickness * std::max(1 - share, 0.0);
+}
+
 RigidShapePtr make_shape(const RigidTool& tool) {
   switch (tool.shape) {
     case ToolShape::sphere: return make_sphere(tool.radius);
@@ -56,9 +100,14 @@ double reach(const RigidTool& tool, const Vec3& direction) {
 }
 
 RigidTool with_defaults(RigidTool tool, const Scene& scene) {
-  if (tool.law.thickness == 0) tool.law.thickness = kThicknessOfRadius * half_width(tool);
-  if (tool.law.stiffness == 0)
-    tool.law.stiffness = kStiffnessOfModulus * mean_youngs_modulus(scene);
+  ContactLaw& law = tool.law;
+  const bool is_calibrated = law.thickness == 0 && law.stiffness == 0;
+  if (law.thickness == 0) law.thickness = kThicknessOfRadius * half_width(tool);
+  if (law.stiffness == 0) {
+    law.stiffness = (is_calibrated ? kCalibratedStiffnessOfModulus : kStiffnessOfModulus) *
+                    mean_youngs_modulus(scene);
+  }
+  if (is_calibrated) law.offset = calibrated_offset(law, scene);
   return tool;
 }
 
@@ -86,32 +135,8 @@ std::string name_of(const RigidTool& tool) {
   return text.str();
 }
 
-double mean_youngs_modulus(const Scene& scene) {
-  const TetMesh& mesh = scene.mesh;
-  std::vector<Index> cells;
-  const std::vector<Index> faces = boundary_faces(mesh, &cells);
-  const auto per_face = static_cast<std::size_t>(nodes_per_face(mesh.order));
-  double area = 0;
-  double sum = 0;
-  const auto add_faces = [&](const auto& counts) {
-    for (std::size_t f = 0; f < cells.size(); ++f) {
-      const Index* face = faces.data() + f * per_face;
-      if (!std::all_of(face, face + 3, counts)) continue;
-      const Vec3& a = mesh.points[face[0]];
-      const double of_face = (mesh.points[face[1]] - a).cross(mesh.points[face[2]] - a).norm();
-      const std::size_t material =
-          scene.material_of_cell.empty()
-              ? 0
-              : static_cast<std::size_t>(
-                    scene.material_of_cell[static_cast<std::size_t>(cells[f])]);
-      area += of_face;
-      sum += of_face * youngs_modulus(scene.materials[material]);
-    }
-  };
-  add_faces([&](Index p) { return scene.touchable[p] != 0; });
-  if (area == 0) add_faces([&](Index p) { return scene.fixed[p] == 0; });
-  if (area == 0) add_faces([](Index /*p*/) { return true; });
-  return sum / area;
-}
+double mean_youngs_modulus(const Scene& scene) { return mean_of_surface(scene, youngs_modulus); }
+
+double mean_contact_modulus(const Scene& scene) { return mean_of_surface(scene, contact_modulus); }
 
 }  // namespace palpate

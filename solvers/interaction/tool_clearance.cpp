@@ -35,7 +35,7 @@ std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
 ToolClearance::ToolClearance(const Scene& scene, const RigidContact& contact)
     : shape_(contact.shape_ptr()),
       surface_(contact.surface_ptr()),
-      margin_(contact.law().thickness + 2 * shape_->error()),
+      margin_(contact.law().reach() + 2 * shape_->error()),
       body_(points_at_rest(scene), boundary_triangles(scene.mesh)),
       balls_(shape_->balls()),
       is_large_(2 * shape_->bounding_radius() > body_.bounds().diagonal().norm()),

@@ -82,7 +82,7 @@ class ToolClearance {
 
   RigidShapePtr shape_;
   std::shared_ptr<const ContactSurface> surface_;
-  /// The thickness of the layer of contact and twice the error of the shape, m: what the shape
+  /// The reach of the layer of contact and twice the error of the shape, m: what the shape
   /// gives for two places differs by no more than their distance and that.
   double margin_;
   SurfaceTree body_;

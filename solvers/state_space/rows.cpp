@@ -89,6 +89,7 @@ bool is_possible(const RigidTool& tool) {
   return tool.shape >= ToolShape::sphere && tool.shape <= ToolShape::surface &&
          is_length(tool.radius) && is_length(tool.length) && tool.axis.allFinite() &&
          is_length(tool.law.thickness) && is_length(tool.law.stiffness) &&
+         is_length(tool.law.offset) &&
          std::all_of(tool.points.begin(), tool.points.end(),
                      [](const Vec3& p) { return p.allFinite(); }) &&
          std::all_of(tool.triangles.begin(), tool.triangles.end(), [&](const auto& triangle) {
@@ -196,6 +197,9 @@ std::int64_t checksum(const Fields& fields) {
 std::int64_t checksum(const ToolSpace& space, Checked checked) {
   std::vector<std::int64_t> bits;
   for_each_number_of_tool_space(space, Gather{bits}, checked);
+  // Those that have none were stored before there were any.
+  const double offset = space.setup.interaction.tool.law.offset;
+  if (offset != 0) Gather{bits}(offset);
   return checksum_of(bits);
 }
 

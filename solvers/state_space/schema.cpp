@@ -67,6 +67,8 @@ constexpr char kActiveNode[] = "active_node";
 constexpr char kReducedArray[] = "reduced_array";
 constexpr char kBodyForce[] = "body_force";
 constexpr char kBoundary[] = "boundary_array";
+/// And where a rigid tool has an offset.
+constexpr char kContactOffset[] = "contact_offset";
 
 std::string quoted(const Database& database) { return palpate::quoted(database.path()); }
 
@@ -129,7 +131,7 @@ std::map<std::string, std::string> expected_tables(std::int64_t version) {
   if (version >= 10) {
     for (const auto& [name, schema] :
          {std::pair{kReducedArray, kReducedSchema}, std::pair{kBodyForce, kBodyForceSchema},
-          std::pair{kBoundary, kBoundarySchema}}) {
+          std::pair{kBoundary, kBoundarySchema}, std::pair{kContactOffset, kContactOffsetSchema}}) {
       const std::string made = bare(schema);
       tables[name] = made.substr(0, made.find(';'));
     }
@@ -168,6 +170,14 @@ bool has_boundary_schema(const Database& database) { return has_table(database, 
 
 void make_boundary_schema(const Database& database) { database.execute(kBoundarySchema); }
 
+bool has_contact_offset_schema(const Database& database) {
+  return has_table(database, kContactOffset);
+}
+
+void make_contact_offset_schema(const Database& database) {
+  if (!has_contact_offset_schema(database)) database.execute(kContactOffsetSchema);
+}
+
 std::int64_t check_schema(const Database& database) {
   if (database.integer("PRAGMA application_id") != kApplicationId) {
     throw InputError(quoted(database) + " is an SQLite file of another program, not a Palpate " +
@@ -200,6 +210,7 @@ std::int64_t check_schema(const Database& database) {
   missing.erase(kReducedArray);
   missing.erase(kBodyForce);
   missing.erase(kBoundary);
+  missing.erase(kContactOffset);
   if (!missing.empty()) {
     refuse(database, "it lacks the table '" + missing.begin()->first + '\'');
   }

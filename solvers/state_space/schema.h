@@ -22,6 +22,9 @@ void make_reduced_schema(const sqlite::Database& database);
 /// Makes the table of the body force.
 void make_body_force_schema(const sqlite::Database& database);
 [[nodiscard]] bool has_body_force_schema(const sqlite::Database& database);
+/// The same for the offset of a rigid tool's layer, unless the table is there.
+void make_contact_offset_schema(const sqlite::Database& database);
+[[nodiscard]] bool has_contact_offset_schema(const sqlite::Database& database);
 
 /// Makes the table of what holds and loads the surface.
 void make_boundary_schema(const sqlite::Database& database);

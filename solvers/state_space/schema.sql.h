@@ -242,6 +242,17 @@ CREATE TABLE boundary_array (
 );
 )sql";
 
+// The table of offsets is made when the tool space of a rigid tool is stored that has one.
+inline constexpr char kContactOffsetSchema[] = R"sql(
+CREATE TABLE contact_offset (
+  scene_id      INTEGER NOT NULL REFERENCES scene,
+  tool_space_id INTEGER NOT NULL,
+  distance      NOT NULL,             -- by which the layer of contact is drawn back into the tool,
+                                      -- m; the checksum of the tool space takes it in
+  PRIMARY KEY (scene_id, tool_space_id)
+);
+)sql";
+
 // The table of reduced models is made when the first array is stored: most files have none.
 inline constexpr char kReducedSchema[] = R"sql(
 CREATE TABLE reduced_array (          -- of a reduced model, or of what was found in its training

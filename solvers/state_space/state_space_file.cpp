@@ -215,14 +215,14 @@ std::int64_t bytes_of_surface(const ToolSpaceSetup& setup) {
 
 std::string describe(const ToolSpaceSetup& setup) {
   const auto& [id, interaction, grid, policy] = setup;
-  const std::string what = interaction.is_contact()
-                               ? "contact thickness " + number(interaction.tool.law.thickness) +
-                                     " m, contact stiffness " +
-                                     number(interaction.tool.law.stiffness) + " Pa, spacing " +
-                                     number(grid.coarsest * grid.spacing()) + " m, depth " +
-                                     number(policy.depth) + " m"
-                               : "tip radius " + number(interaction.tip_radius) +
-                                     " m, half-width " + number(grid.half_width) + " m";
+  const std::string what =
+      interaction.is_contact()
+          ? "contact thickness " + number(interaction.tool.law.thickness) +
+                " m, contact stiffness " + number(interaction.tool.law.stiffness) +
+                " Pa, drawn back by " + number(interaction.tool.law.offset) + " m, spacing " +
+                number(grid.coarsest * grid.spacing()) + " m, depth " + number(policy.depth) + " m"
+          : "tip radius " + number(interaction.tip_radius) + " m, half-width " +
+                number(grid.half_width) + " m";
   return what + ", resolution " + std::to_string(grid.resolution) + ", coarsest cells of side " +
          std::to_string(grid.coarsest) + ", force limit " + number(policy.force_limit) +
          " N, tolerance " + number(policy.tolerance) +
@@ -510,6 +510,8 @@ struct StateSpaceFile::Impl {
   /// Reads what holds and loads the surface, and the rest where it is with that.
   /// @throws InputError it is damaged.
   void read_boundary(Scene& scene) const;
+  /// Of the layer of a rigid tool, m.
+  [[nodiscard]] double contact_offset(ToolSpaceId tool_space) const;
   /// Where the body is at rest; read when it is first asked for.
   [[nodiscard]] const SettledBody& settled() const;
   mutable std::optional<SettledBody> settled_body;
@@ -636,6 +638,21 @@ void StateSpaceFile::Impl::write(const ToolSpace& space) const {
   rows::for_each_number_of_tool_space(space, rows::Bind{insert_space});
   insert_space.bind(rows::checksum(space));
   insert_space.run();
+  const double offset = space.setup.interaction.tool.law.offset;
+  if (offset == 0) return;
+  make_contact_offset_schema(database);
+  Statement insert_offset(database, "INSERT OR REPLACE INTO contact_offset VALUES (1, ?, ?)");
+  insert_offset.bind(space.setup.id);
+  insert_offset.bind(offset);
+  insert_offset.run();
+}
+
+double StateSpaceFile::Impl::contact_offset(ToolSpaceId tool_space) const {
+  if (!has_contact_offset_schema(database)) return 0;
+  Statement select(database,
+                   "SELECT distance FROM contact_offset WHERE scene_id = 1 AND tool_space_id = ?");
+  select.bind(tool_space);
+  return select.step() ? select.take_double() : 0;
 }
 
 void StateSpaceFile::Impl::rewrite(ToolSpaceId tool_space, std::int32_t level,
@@ -1357,6 +1374,7 @@ std::vector<ToolSpace> StateSpaceFile::read_tool_spaces() const {
     ToolSpace space;
     bool sound = true;
     rows::for_each_number_of_tool_space(space, rows::Take{select, sound});
+    space.setup.interaction.tool.law.offset = impl_->contact_offset(space.setup.id);
     const std::int64_t stored = select.take_integer();
     if (impl_->has_checksums()) sound = stored == rows::checksum(space, impl_->checked()) && sound;
     if (!sound || !rows::is_possible(space.setup, impl_->num_points)) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How near contact comes to what is known in closed form: a sphere that is pressed into a
-// half-space (hertz.h), one that slides over a flat block (sliding.h), and one that is moved aside
-// with friction (mindlin.h) or bonded (bonded_disc.h). Prints the tables of README.md.
+// half-space (hertz.h) or, by default, into a layer of tissue (bonded_layer.h), one that slides
+// over a flat block (sliding.h), and one that is moved aside with friction (mindlin.h) or bonded
+// (bonded_disc.h). Prints the tables of README.md.
 //
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_contact hertz
+//   OPENBLAS_NUM_THREADS=1 palpate_benchmark_contact layer
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_contact sliding
 //   OPENBLAS_NUM_THREADS=1 palpate_benchmark_contact friction
 #include <chrono>
@@ -13,7 +15,10 @@
 #include <vector>
 
 #include "haptic/support/mindlin.h"
+#include "interaction/rigid_tool.h"
 #include "solvers/support/bonded_disc.h"
+#include "solvers/support/bonded_layer.h"
+#include "solvers/support/half_space.h"
 #include "solvers/support/hertz.h"
 #include "solvers/support/sliding.h"
 
@@ -78,23 +83,84 @@ void run_hertz() {
   print_hertz("divisions", options);
 }
 
-void run_sliding() {
+const std::vector<double> kDepths{0.02, 0.05, 0.1, 0.2, 0.3};
+
+/// As the filters press, with a layer of this thickness, m; 0: the one that is calibrated.
+std::vector<LayerPress> press_layer_with(const BondedLayer& layer, const Scene& scene,
+                                         double thickness) {
+  RigidTool tool;
+  tool.radius = layer.radius;
+  tool.law.thickness = thickness;
+  const ContactLaw law = with_defaults(tool, scene).law;
+  return press_layer(
+      layer, scene,
+      std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * law.thickness), law,
+      kDepths);
+}
+
+void print_layer(BondedLayer layer) {
+  const Scene scene = make_bonded_layer(layer);
+  const std::vector<LayerPress> calibrated = press_layer_with(layer, scene, 0);
+  const std::vector<LayerPress> thick =
+      press_layer_with(layer, scene, kThicknessOfRadius * layer.radius);
+  const auto hard = [&](const Scene& body) {
+    return press_layer(layer, body, hard_surface(body), hard_law(layer), kDepths);
+  };
+  const std::vector<LayerPress> same = hard(scene);
+  layer.edges *= 2;
+  const std::vector<LayerPress> fine = hard(make_bonded_layer(layer));
+  for (std::size_t i = 0; i < kDepths.size(); ++i) {
+    const auto error = [&](double force) { return percent(force / fine[i].force); };
+    const auto told = [&](const LayerPress& press) {
+      return 100 * press.layer_force / fine[i].force;
+    };
+    std::printf("| %g | %s | %g | %.5f | %+.1f | %+.1f | %+.1f | %+.1f | %+.0f | %+.0f |\n",
+                1e3 * layer.radius, to_string(layer.law).c_str(), kDepths[i], fine[i].force,
+                error(same[i].force), error(closed_form(layer, kDepths[i])),
+                error(calibrated[i].force), told(calibrated[i]), error(thick[i].force),
+                told(thick[i]));
+  }
+  std::fflush(stdout);
+}
+
+void run_layer() {
   std::puts(
-      "| edges, mm | mesh | steps | unknowns | lateral force, % | jump of k, % | roughness, % | s "
-      "|\n"
-      "|---|---|---|---|---|---|---|---|");
+      "| R, mm | law | depth, R | hard, N | half as fine, % | closed form, % | by default, % | "
+      "of which is told, % | 0.2 R thick, % | of which is told, % |\n"
+      "|---|---|---|---|---|---|---|---|---|---|");
+  for (const double radius : {0.005, 0.01, 0.02}) {
+    for (const Law law : {Law::linear, Law::neo_hookean}) {
+      BondedLayer layer;
+      layer.radius = radius;
+      layer.law = law;
+      print_layer(layer);
+    }
+  }
+}
+
+void print_sliding(double thickness) {
   for (const double edge : {0.02, 0.01, 0.005}) {
     for (int seed = 1; seed <= (edge < 0.01 ? 1 : 3); ++seed) {
       const Clock clock;
       // Two edges long.
-      const SlidingOptions options{edge, static_cast<int>(2 * edge / kSlidingStep), seed};
+      const SlidingOptions options{edge, static_cast<int>(2 * edge / kSlidingStep), seed,
+                                   thickness};
       const SlidingResult r = slide(options);
-      std::printf("| %g | %d | %d | %d | %.2f | %.2f | %.3f | %.0f |\n", 1e3 * edge, seed,
-                  options.steps, r.num_unknowns, 100 * r.lateral, 100 * r.stiffness_jump,
-                  100 * r.roughness, clock.seconds());
+      std::printf("| %g | %g | %d | %d | %d | %.2f | %.2f | %.3f | %.0f |\n", 1e3 * thickness,
+                  1e3 * edge, seed, options.steps, r.num_unknowns, 100 * r.lateral,
+                  100 * r.stiffness_jump, 100 * r.roughness, clock.seconds());
       std::fflush(stdout);
     }
   }
+}
+
+/// 0: the layer is calibrated.
+void run_sliding() {
+  std::puts(
+      "| δ, mm | edges, mm | mesh | steps | unknowns | lateral force, % | jump of k, % | "
+      "roughness, % | s |\n"
+      "|---|---|---|---|---|---|---|---|---|");
+  for (const double thickness : {0.0, 0.002}) print_sliding(thickness);
 }
 
 constexpr double kPoissonsRatios[] = {0.3, 0.4, 0.45, 0.49};
@@ -170,6 +236,8 @@ void run_bonded(const std::vector<double>& stiffness) {
 int run(const std::string& what) {
   if (what == "hertz") {
     run_hertz();
+  } else if (what == "layer") {
+    run_layer();
   } else if (what == "sliding") {
     run_sliding();
   } else if (what == "friction") {
@@ -177,7 +245,7 @@ int run(const std::string& what) {
     std::puts("");
     run_bonded(stiffness);
   } else {
-    std::fputs("Usage: palpate_benchmark_contact hertz|sliding|friction\n", stderr);
+    std::fputs("Usage: palpate_benchmark_contact hertz|layer|sliding|friction\n", stderr);
     return 2;
   }
   return 0;

@@ -3,111 +3,73 @@
 // bonded to the ground, beside one that is so thin that nothing is left of it to count.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 #include "base/error.h"
-#include "equilibrium/equilibrium.h"
-#include "interaction/interaction_list.h"
 #include "interaction/mesh_error.h"
-#include "interaction/rigid_capsule.h"
-#include "interaction/rigid_contact.h"
+#include "interaction/rigid_tool.h"
+#include "solvers/support/bonded_layer.h"
 #include "solvers/support/half_space.h"
 
 namespace palpate::test {
 namespace {
 
-/// So that the mesh is even under all contacts: to a = 0.55 R.
-constexpr double kRadius = 2 * kContactRadius;
-constexpr double kPoissonsRatio = 0.4;
-/// Half-widths. The deepest is three tenths.
-constexpr double kDepths[] = {0.05, 0.1, 0.3};
-/// How deep the tool is pushed in one solve, half-widths: a thin layer allows no more.
-constexpr double kStep = 0.025;
-/// The parts of an edge for the integration of contact: for the default, points that are as far
-/// apart as half of its spacing, which edges of that length ask for; and for a thin layer.
-constexpr int kDivisions = 1;
-constexpr int kFineDivisions = 4;
-/// A thin layer, and the mean gap in it of Hertz's contact at a depth of 0.1 R, by which the tool
-/// is raised.
-constexpr double kThin = 0.01 * kRadius;
-constexpr double kThinGap = 0.0083 * kRadius;
-/// 4 edges in a, 5 R deep and wide, one sector of 16.
-const HalfSpaceOptions kSector{4, 10, 16, 1};
+const BondedLayer kLayer;
+/// In radii. The deepest is three tenths.
+const std::vector<double> kDepths{0.05, 0.1, 0.3};
+/// The pressure at single points scatters on this mesh, and with it what is told of the layer: by
+/// this share of the force.
+constexpr double kScatter = 0.06;
 
-struct Press {
-  double force = 0;
-  double layer_force = 0;
-};
-
-/// The forces of a sphere at all depths.
-/// @param raised How much higher the tool is than its depth says, m.
-std::vector<Press> press(const Scene& scene, const ContactLaw& law, int divisions,
-                         double raised = 0) {
-  const RigidContact contact(
-      std::make_shared<const ContactSurface>(ContactSurface::divided(scene, divisions)),
-      make_sphere(kRadius), law);
-  InteractionList tools;
-  tools.add(contact);
-  tools.add(SymmetryPlanes(scene.mesh, kSector));
-  EquilibriumOptions options;
-  // Rounding in the stiff springs allows no less.
-  options.tolerance = 1e-8;
-  EquilibriumSolver solver(scene, options);
-  solver.set_interaction(tools);
-  double now = -1.01 * law.thickness / kRadius;
-  Equilibrium state = solver.rest(Vec3(0, 0, kRadius * (1 - now) + raised));
-  std::vector<Press> presses;
-  for (const double depth : kDepths) {
-    while (now < depth) {
-      now = std::min(now + kStep, depth);
-      state = solver.solve(Vec3(0, 0, kRadius * (1 - now) + raised), state);
-      EXPECT_EQ(state.outcome, Outcome::converged) << state.message;
-    }
-    const Vec3 force = kSector.sectors * state.reaction.z() * Vec3::UnitZ();
-    const Mat3 stiffness = kSector.sectors * state.stiffness;
-    presses.push_back({-force.z(), contact_layer_force(contact.patch(state.t, state.u).layer_depth,
-                                                       force, stiffness)});
-  }
-  return presses;
-}
-
-/// Of a sphere on a layer of a height that is bonded to the ground, over Hertz's force (Dimitriadis
-/// et al., Biophys. J. 82, 2002, eq. 12).
-double finite_thickness(double depth, double height) {
-  const double nu = kPoissonsRatio;
-  const double chi = std::sqrt(kRadius * depth) / height;
-  const double alpha = -(1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu);
-  const double beta = (0.6387 - 1.0277 * nu + 1.5164 * nu * nu) / (1 - nu);
-  const double pi = M_PI;
-  return 1 - 2 * alpha / pi * chi + 4 * alpha * alpha / (pi * pi) * chi * chi -
-         8 / std::pow(pi, 3) * (std::pow(alpha, 3) + 4 * pi * pi / 15 * beta) * std::pow(chi, 3) +
-         16 * alpha / std::pow(pi, 4) * (std::pow(alpha, 3) + 3 * pi * pi / 5 * beta) *
-             std::pow(chi, 4);
+/// The forces at all depths, with the points of integration that a filter takes.
+std::vector<LayerPress> press(const Scene& scene, const ContactLaw& law) {
+  return press_layer(
+      kLayer, scene,
+      std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * law.thickness), law,
+      kDepths);
 }
 
 class ContactLayer : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    hard_ = press(scene(), {kThin, 20 * kYoungsModulus}, kFineDivisions, kThinGap);
+    hard_ = press_layer(kLayer, scene(), hard_surface(scene()), hard_law(kLayer), kDepths);
   }
   [[nodiscard]] static const Scene& scene() {
-    static const Scene scene = make_half_space(kSector, kPoissonsRatio);
+    static const Scene scene = make_bonded_layer(kLayer);
     return scene;
   }
-  [[nodiscard]] static double error(const std::vector<Press>& presses, int i) {
+  [[nodiscard]] static double error(const std::vector<LayerPress>& presses, int i) {
     return presses[i].force / hard_[i].force - 1;
   }
 
-  static std::vector<Press> hard_;
+  static std::vector<LayerPress> hard_;
 };
-std::vector<Press> ContactLayer::hard_;
+std::vector<LayerPress> ContactLayer::hard_;
 
-// By default: at a twentieth of the radius the force is seven times too strong.
-TEST_F(ContactLayer, WhatItAddsToTheForceIsTold) {
-  const std::vector<Press> thick = press(scene(), {0.2 * kRadius, 2 * kYoungsModulus}, kDivisions);
+TEST_F(ContactLayer, PressesAsAHardToolDoes) {
+  RigidTool tool;
+  tool.radius = kLayer.radius;
+  const RigidTool with_layer = with_defaults(tool, scene());
+  EXPECT_EQ(with_layer.law.thickness, 0.2 * kLayer.radius);
+  EXPECT_GT(with_layer.law.offset, 0.9 * with_layer.law.thickness);
+  const std::vector<LayerPress> soft = press(scene(), with_layer.law);
+  EXPECT_LT(std::abs(error(soft, 0)), 0.15);
+  EXPECT_LT(std::abs(error(soft, 1)), 0.05);
+  EXPECT_LT(std::abs(error(soft, 2)), 0.05);
+  // And it is told.
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(soft[i].layer_force, soft[i].force - hard_[i].force, kScatter * hard_[i].force)
+        << i;
+  }
+}
+
+// A layer of the default thickness that is given: at a twentieth of the radius the force is seven
+// times too strong.
+TEST_F(ContactLayer, WhatAThickOneAddsToTheForceIsTold) {
+  const std::vector<LayerPress> thick =
+      press(scene(), {0.2 * kLayer.radius, 2 * kYoungsModulus, 0});
   EXPECT_GT(error(thick, 0), 3);
   EXPECT_GT(error(thick, 1), 1);
   for (int i = 0; i < 3; ++i) {
@@ -117,11 +79,29 @@ TEST_F(ContactLayer, WhatItAddsToTheForceIsTold) {
 
 // The body ends aside, too: it is a little stiffer.
 TEST_F(ContactLayer, TheHardToolIsThatOfTheClosedForm) {
-  const double modulus = kYoungsModulus / (1 - kPoissonsRatio * kPoissonsRatio);
   for (int i = 0; i < 3; ++i) {
-    const double depth = kDepths[i] * kRadius;
-    const double hertz = 4.0 / 3 * modulus * std::sqrt(kRadius) * std::pow(depth, 1.5);
-    EXPECT_NEAR(hard_[i].force / (hertz * finite_thickness(depth, 5 * kRadius)), 1, 0.04) << i;
+    EXPECT_NEAR(hard_[i].force / closed_form(kLayer, kDepths[i]), 1, 0.04) << i;
+  }
+}
+
+// A layer of the user's own stays what it was.
+TEST_F(ContactLayer, AThicknessThatIsGivenIsKept) {
+  RigidTool tool;
+  tool.radius = kLayer.radius;
+  tool.law.thickness = 0.004;
+  ContactLaw law = with_defaults(tool, scene()).law;
+  EXPECT_EQ(law.thickness, 0.004);
+  EXPECT_NEAR(law.stiffness, 2 * kYoungsModulus, 1e-9 * kYoungsModulus);
+  EXPECT_EQ(law.offset, 0);
+  tool.law = {0, 1e4};
+  law = with_defaults(tool, scene()).law;
+  EXPECT_EQ(law, (ContactLaw{0.2 * kLayer.radius, 1e4, 0}));
+}
+
+TEST(ContactLaw, AnOffsetIsAtLeastZeroAndLessThanTheThickness) {
+  EXPECT_NO_THROW(validate(ContactLaw{0.002, 1e4, 0.001}));
+  for (const double offset : {-0.001, 0.002, std::nan("")}) {
+    EXPECT_THROW(validate(ContactLaw{0.002, 1e4, offset}), InputError) << offset;
   }
 }
 

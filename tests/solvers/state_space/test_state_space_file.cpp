@@ -269,7 +269,7 @@ TEST_F(StateSpaceFileTest, KeepsTheSpaceOfARigidTool) {
   tool.shape = ToolShape::surface;
   tool.points = {{0, 0, 0}, {0.02, 0, 0}, {0, 0.02, 0}, {0, 0, 1.0 / 30}};
   tool.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  tool.law = {0.002, 1e4};
+  tool.law = {0.002, 1e4, 0.0015};
   setup.interaction = rigid_contact_spec(tool);
   setup.grid = {0.08, 17, 2, Vec3(0.05, 0.04, 1.0 / 30), true};
   setup.policy.depth = 0.007;
@@ -313,6 +313,34 @@ TEST_F(StateSpaceFileTest, KeepsTheSpaceOfARigidTool) {
   StateSpaceFile merged = StateSpaceFile::create(folder_ / "b.palpate", scene_, kTolerance);
   EXPECT_TRUE(merged.merge(path_).empty());
   expect_there(merged);
+}
+
+// Without an offset a file is as it was before there were any.
+TEST_F(StateSpaceFileTest, TheOffsetOfALayerIsKeptAndChecked) {
+  ToolSpaceSetup setup;
+  setup.id = kContactToolSpace;
+  RigidTool tool;
+  tool.radius = 0.01;
+  setup.grid = {0.08, 17, 2, Vec3::Zero(), true};
+  const auto add = [&](const char* name, double offset) {
+    tool.law = {0.002, 1e4, offset};
+    setup.interaction = rigid_contact_spec(tool);
+    StateSpaceFile file = StateSpaceFile::create(folder_ / name, scene_, kTolerance);
+    file.add_tool_space(setup);
+    file.close();
+    return folder_ / name;
+  };
+  const std::string tables = "SELECT count(*) FROM sqlite_master WHERE name = 'contact_offset'";
+  const fs::path without = add("without.palpate", 0);
+  EXPECT_EQ(sqlite::Database(without, sqlite::Access::read_only).integer(tables), 0);
+  EXPECT_TRUE(StateSpaceFile::open_read_only(without).read_tool_spaces().at(0).setup == setup);
+  const fs::path with = add("with.palpate", 0.001);
+  EXPECT_TRUE(StateSpaceFile::open_read_only(with).read_tool_spaces().at(0).setup == setup);
+  sqlite::Database(with, sqlite::Access::read_write)
+      .execute("UPDATE contact_offset SET distance = 0.0005");
+  const StateSpaceFile changed = StateSpaceFile::open_read_only(with);
+  EXPECT_TRUE(changed.read_tool_spaces().empty());
+  EXPECT_FALSE(changed.left_out().empty());
 }
 
 TEST_F(StateSpaceFileTest, KeepsAToolWhoseSurfaceIsFinerThanTheBody) {

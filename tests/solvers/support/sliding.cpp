@@ -9,8 +9,7 @@
 
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
-#include "interaction/rigid_capsule.h"
-#include "interaction/rigid_contact.h"
+#include "interaction/rigid_tool.h"
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/random.h"
@@ -22,7 +21,6 @@ constexpr double kYoungsModulus = 5000;
 constexpr double kPoissonsRatio = 0.4;
 constexpr double kRadius = 0.01;
 constexpr double kDepth = 0.004;
-constexpr ContactLaw kLaw{0.2 * kRadius, 2 * kYoungsModulus};
 /// Of the block, m.
 constexpr double kWidth = 0.16;
 constexpr double kHeight = 0.08;
@@ -85,9 +83,11 @@ Scene make_irregular_block(const SlidingOptions& options) {
 SlidingResult slide(const SlidingOptions& options) {
   const Scene scene = make_irregular_block(options);
   EquilibriumSolver solver(scene, {});
-  solver.set_interaction(RigidContact(
-      std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * kLaw.thickness),
-      make_sphere(kRadius), kLaw));
+  RigidTool tool;
+  tool.radius = kRadius;
+  tool.law.thickness = options.thickness;
+  const RigidContact contact = make_contact(scene, with_defaults(tool, scene));
+  solver.set_interaction(contact);
   const auto solve = [&](const Vec3& place, const Equilibrium& from) {
     Equilibrium state = solver.solve(place, from);
     if (state.outcome != Outcome::converged)
@@ -99,8 +99,8 @@ SlidingResult slide(const SlidingOptions& options) {
 
   SlidingResult result;
   result.num_unknowns = solver.assembly().pattern().size;
-  Equilibrium state =
-      solve(place, solver.rest(place + (kDepth + 1.01 * kLaw.thickness) * Vec3::UnitZ()));
+  const double above = kDepth + 1.01 * contact.law().reach();
+  Equilibrium state = solve(place, solver.rest(place + above * Vec3::UnitZ()));
   std::vector<Vec3> forces{state.reaction};
   for (int i = 0; i < options.steps; ++i) {
     place += step;

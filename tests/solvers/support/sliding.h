@@ -15,6 +15,8 @@ struct SlidingOptions {
   int steps = 12;
   /// Of the irregular mesh.
   int seed = 1;
+  /// Of the layer of contact, m; 0: the one that is calibrated.
+  double thickness = 0;
 };
 
 inline constexpr double kSlidingStep = 2e-4;
