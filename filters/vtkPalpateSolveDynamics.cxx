@@ -317,8 +317,7 @@ std::unique_ptr<vtkPalpateSolveDynamics::Run> vtkPalpateSolveDynamics::Compute(
       : vtkPalpateMakeLinearSolver(this->LinearSolver, setup->Scene, threads);
     run->Body = body;
     run->Contacts = setup->Contacts;
-    run->ContactModulus =
-      setup->Contacts.empty() ? 0 : palpate::mean_contact_modulus(setup->Scene);
+    run->ContactModulus = setup->Contacts.empty() ? 0 : palpate::mean_contact_modulus(setup->Scene);
     run->Order = setup->Scene.mesh.order;
     palpate::with_memory("to solve for the motion of the body",
       [&] { this->Simulate(*setup, std::move(linearSolver), threads, *run); });
@@ -468,12 +467,10 @@ void vtkPalpateSolveDynamics::Show(
       const palpate::Vec3 holding = force.segment<3>(coordinate);
       const double stiffness = palpate::hertz_stiffness(
         contact.law(), patch.layer_depth, holding.norm(), run.ContactModulus);
-      layerForce[tool] = patch.area > 0
-        ? palpate::contact_layer_force(
-            patch.layer_depth, holding, stiffness * palpate::Mat3::Identity())
-        : 0;
-      meshError[tool] =
-        palpate::expected_mesh_error(run.Order, patch.longest_edge, patch.area);
+      layerForce[tool] = patch.area > 0 ? palpate::contact_layer_force(patch.layer_depth, holding,
+                                            stiffness * palpate::Mat3::Identity())
+                                        : 0;
+      meshError[tool] = palpate::expected_mesh_error(run.Order, patch.longest_edge, patch.area);
       for (std::size_t point = 0; point < patch.pressure.size(); ++point)
       {
         const auto id = static_cast<vtkIdType>(point);

@@ -15,8 +15,8 @@
  *
  *   `Time`            s
  *   `ReactionForce`   force that holds each tool, N; a tuple a tool
- *   `ContactLayerForce`   only with rigid tools: what of the force of each is the error of the layer
- * in which it presses, N, by Hertz's stiffness (solvers/interaction/hertz_stiffness.h)
+ *   `ContactLayerForce`   only with rigid tools: what of the force of each is the error of the
+ * layer in which it presses, N, by Hertz's stiffness (solvers/interaction/hertz_stiffness.h)
  *   `ContactMeshError`   only with rigid tools: by which share the force of each is expected to be
  * too large because of the size of the cells, see solvers/interaction/mesh_error.h
  *   `Outcome`, `Message`   how the run has ended, see solvers/base/outcome.h

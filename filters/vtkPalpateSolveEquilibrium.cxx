@@ -387,9 +387,8 @@ void vtkPalpateSolveEquilibrium::AddContact(const palpate::Scene& scene, const R
       << patch.longest_edge << " m long, and the tool's radius is " << radius
       << " m. Such cells are too stiff: expect a force that is too large by about "
       << std::lround(100 * meshError)
-      << " %, and that ripples along the surface, by about 2 % of it where edges are as long as "
-         "the "
-         "radius and 7 % where they are twice as long. Mesh the body more finely there.");
+      << " %, and that ripples along the surface, by 2 to 3 % of it where edges are as long as the "
+         "radius and 10 to 12 % where they are twice as long. Mesh the body more finely there.");
   }
 }
 

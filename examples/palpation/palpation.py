@@ -28,7 +28,7 @@ from charts import LINE, MARKS, Curve, chart
 from materials import add_law_arguments, check_laws, scene_of
 from pictures import PALE, TISSUE, Stage, show_arrow
 from pipeline import Failure, field, output, update
-from pressing import INSIDE, SHARE, outwards
+from pressing import INSIDE, SHARE, outwards, sphere
 from script import Arguments, run
 from tables import save_csv, save_table, vtk_table
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -69,10 +69,6 @@ def arguments():
     return parser
 
 
-def tool_of(args):
-    return {"Tool": "Sphere", "ToolRadius": args.tool_radius}
-
-
 def spaces_of(scene, organ, args):
     """Names and spaces, the coarsest first."""
     spacings = sorted(args.spacings or (0.8 * args.tool_radius, 0.4 * args.tool_radius))
@@ -85,7 +81,7 @@ def spaces_of(scene, organ, args):
             Input=scene, Depth=args.depth, Spacing=spacing, Tolerance=0.01 * tolerance,
             MaximumConfigurations=args.most, BeginAt=list(organ.place),
             FileName=os.path.join(args.output, name.replace(" ", "_") + ".palpate"),
-            **tool_of(args))
+            **sphere(args.tool_radius))
         if args.region > 0:
             space.UseToolRegion, space.ToolRegion = 1, "Sphere"
             space.ToolRegion.Center, space.ToolRegion.Radius = list(organ.place), args.region
@@ -164,7 +160,7 @@ class Slide:
 
     def exact(self, scene, args):
         """Ways and forces, each solved for from outside."""
-        solve = SolveEquilibrium(Input=scene, **tool_of(args))
+        solve = SolveEquilibrium(Input=scene, **sphere(args.tool_radius))
         ways, places = self.places(SOLVED)
         forces = np.full((SOLVED, 3), np.nan)
         for place, force in zip(places, forces):

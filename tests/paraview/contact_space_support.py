@@ -7,6 +7,8 @@ from support import box_body, source
 RADIUS = 0.04
 DEPTH = 0.01
 SPACING = 0.02
+# Of contact. One that is given is smooth, so that few check-points do; by default more are needed.
+LAYER = 0.2 * RADIUS
 # The box of support.py is 0.2 m long, 0.1 m wide and high, and is held at x = 0.
 MIDDLE_OF_TOP = [0.12, 0.05, 0.1]
 # Where the tool is 7 mm deep.
@@ -24,6 +26,7 @@ def scene(name):
 
 def space_of(boundary, **settings):
     settings = {"Tool": "Sphere", "ToolRadius": RADIUS, "Depth": DEPTH, "Spacing": SPACING,
+                "ContactThickness": LAYER,
                 "UseToolRegion": 1, "ToolRegion": "Sphere", "LogInterval": 0} | settings
     radius = settings.pop("RegionRadius", 0.03)
     space = PrecomputeStateSpace(Input=boundary, **settings)

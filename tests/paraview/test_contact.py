@@ -104,6 +104,33 @@ def test_tools_agree():
     assert longer[2] < 1.2 * force[2]
 
 
+def test_the_layer_of_contact_is_told():
+    """By default the tool seems as large as it is; with a thickness that is given, larger."""
+    boundary = fine_scene("contact_layer")
+    calibrated = solve(boundary)
+    thick = solve(boundary, ContactThickness=0.2 * RADIUS)
+    force, larger = (-field(found, "ReactionForce")[0, 2] for found in (calibrated, thick))
+    assert larger > 1.3 * force, (larger, force)
+    by_default, told = (field(found, "ContactLayerForce")[0] for found in (calibrated, thick))
+    assert abs(by_default) < 0.05 * force, (by_default, force)
+    assert abs((larger - told) / force - 1) < 0.1, (larger, told, force)
+    # Edges of 25 mm to 35 mm under a contact of about 20 mm.
+    assert 0.02 < field(calibrated, "ContactMeshError")[0] < 0.3
+
+
+def test_a_tool_inside_is_told():
+    """Small beside the cells, it goes through the surface: that is no equilibrium."""
+    boundary = fine_scene("contact_inside")
+    with Messages() as messages:
+        found = fetch(press(boundary, ToolRadius=0.003, ToolPosition=[0.117, 0.055, 0.073],
+                            ContactThickness=0.0012))
+    assert field(found, "Outcome")[0] == 7
+    assert "goes through the surface" in message(found), message(found)
+    assert message(found) in messages.text and messages.errors == 0
+    # The last of the way that is contact.
+    assert field(found, "ReactionForce")[0, 2] < 0
+
+
 def test_a_coarse_mesh_is_told():
     boundary = fine_scene("contact_coarse")
     with_small_tool = press(boundary, ToolRadius=0.004, ToolPosition=[0.11, 0.05, 0.1025])
@@ -112,6 +139,7 @@ def test_a_coarse_mesh_is_told():
         fetch(with_small_tool)
     assert messages.warnings == 1 and messages.errors == 0
     assert "Mesh the body more finely" in messages.text
+    assert "too large by about" in messages.text
 
 
 def test_bad_input():

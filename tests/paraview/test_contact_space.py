@@ -5,10 +5,10 @@ import glob
 import os
 
 import numpy
-from contact_space_support import ABOVE, DEPTH, MIDDLE_OF_TOP, RADIUS, scene, space_of
+from contact_space_support import ABOVE, DEPTH, LAYER, MIDDLE_OF_TOP, RADIUS, scene, space_of
 from paraview import servermanager
-from paraview.simple import (EstimateError, SolveEquilibrium, Sphere, StateSpaceReader,
-                             TouchStateSpace)
+from paraview.simple import (EstimateError, SaveData, SolveEquilibrium, Sphere, StateSpaceReader,
+                             TouchStateSpace, XMLPartitionedDatasetCollectionReader)
 from support import expect_error, expect_silence, field
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
@@ -32,6 +32,19 @@ def rows(data):
     return table[numpy.lexsort(array(data, "CheckPoint").T)]
 
 
+def pressed(boundary, place, **settings):
+    """The equilibrium with the tool there."""
+    solve = SolveEquilibrium(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, ToolPosition=place,
+                             **settings)
+    solve.UpdatePipeline()
+    return servermanager.Fetch(solve)
+
+
+def found_depths(found):
+    """How deep the tool is in the top at each check-point, m."""
+    return MIDDLE_OF_TOP[2] + RADIUS - vtk_to_numpy(found.GetPoints().GetData())[:, 2]
+
+
 def test_output():
     boundary = scene("contact_space")
     space = space_of(boundary)
@@ -43,17 +56,49 @@ def test_output():
     assert (forces[free] == 0).all() and (forces[~free] > 0).all()
     assert (array(found, "Outcome") == 0).all()
     assert field(found, "ToolRadius")[0] == RADIUS
-    assert field(found, "ContactThickness")[0] == 0.2 * RADIUS
+    assert field(found, "ContactThickness")[0] == LAYER
     assert field(found, "Depth")[0] == DEPTH
     assert (array(found, "ActiveNode") == -1).all()
     # The force at one of them is that of Solve Equilibrium there.
-    depths = MIDDLE_OF_TOP[2] + RADIUS - vtk_to_numpy(found.GetPoints().GetData())[:, 2]
-    i = numpy.argmax(numpy.where(depths <= DEPTH, forces, 0))
+    i = numpy.argmax(numpy.where(found_depths(found) <= DEPTH, forces, 0))
     place = found.GetPoint(i)
-    there = SolveEquilibrium(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, ToolPosition=place)
-    there.UpdatePipeline()
-    force = field(servermanager.Fetch(there), "ReactionForce")[0]
+    force = field(pressed(boundary, place, ContactThickness=LAYER), "ReactionForce")[0]
     assert numpy.linalg.norm(force - array(found, "Force")[i]) < 1e-6 * forces[i]
+
+
+def test_default_layer():
+    """It is calibrated: drawn back into the tool. The file and what is saved keep that."""
+    boundary = scene("contact_space_default")
+    given = expect_silence(lambda: configurations(space_of(boundary)))
+    assert field(given, "ContactOffset")[0] == 0
+    space = space_of(boundary, ContactThickness=0, FileName="contact_default.palpate", Keep="All")
+    found = expect_silence(lambda: configurations(space))
+    assert field(found, "ContactThickness")[0] == 0.2 * RADIUS
+    offset = field(found, "ContactOffset")[0]
+    assert 0.18 * RADIUS < offset < 0.2 * RADIUS
+    # At each check-point it is what Solve Equilibrium finds by default.
+    forces = array(found, "Force")
+    i = numpy.argmax(numpy.where(found_depths(found) <= DEPTH, -forces[:, 2], 0))
+    exact = pressed(boundary, found.GetPoint(i))
+    force = field(exact, "ReactionForce")[0]
+    assert numpy.linalg.norm(force - forces[i]) < 1e-6 * numpy.linalg.norm(force)
+    reader = expect_silence(lambda: configurations(
+        StateSpaceReader(FileName="contact_default.palpate")))
+    assert field(reader, "ContactOffset")[0] == offset
+    assert (rows(reader) == rows(found)).all()
+    space.UpdatePipeline()
+    SaveData("contact_default.vtpc", proxy=space, DataMode="Binary")
+    saved = XMLPartitionedDatasetCollectionReader(FileName=["contact_default.vtpc"])
+    for of in (space, StateSpaceReader(FileName="contact_default.palpate"), saved):
+        touch = TouchStateSpace(Input=of, ToolPosition=found.GetPoint(i))
+        touch.UpdatePipeline()
+        felt = servermanager.Fetch(touch, 0)
+        assert numpy.linalg.norm(field(felt, "Force")[0] - force) < 1e-6 * numpy.linalg.norm(force)
+        # What the layer of contact and the cells do to the force is told.
+        told, right = (field(data, "ContactLayerForce")[0] for data in (felt, exact))
+        assert abs(told - right) < 0.02 * numpy.linalg.norm(force), (told, right, force)
+        told, right = (field(data, "ContactMeshError")[0] for data in (felt, exact))
+        assert right > 0 and abs(told / right - 1) < 0.05, (told, right)
 
 
 def test_file():
@@ -87,9 +132,7 @@ def test_touch():
                      Keep="All")
     touch = TouchStateSpace(Input=space, ToolPosition=ABOVE, WholeBody=1)
     touched = expect_silence(lambda: touch.UpdatePipeline() or servermanager.Fetch(touch, 0))
-    solved = SolveEquilibrium(Input=boundary, Tool="Sphere", ToolRadius=RADIUS, ToolPosition=ABOVE)
-    solved.UpdatePipeline()
-    solved = servermanager.Fetch(solved)
+    solved = pressed(boundary, ABOVE, ContactThickness=LAYER)
     force = field(solved, "ReactionForce")[0]
     assert numpy.linalg.norm(field(touched, "Force")[0] - force) < 0.03 * numpy.linalg.norm(force)
     assert (field(touched, "ToolPosition") == ABOVE).all()

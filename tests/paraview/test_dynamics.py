@@ -202,6 +202,13 @@ def test_contact_in_motion():
     assert numpy.linalg.norm(force - exact) < 1e-3 * numpy.linalg.norm(exact), (force, exact)
     pressure = point_array(rest, "ContactPressure")
     assert numpy.abs(point_array(after, "ContactPressure") - pressure).max() < 0.01 * pressure.max()
+    # What the layer of contact and the cells do to the force is told, here by Hertz's stiffness.
+    for name in ("ContactLayerForce", "ContactMeshError"):
+        assert (field(before, name) == 0).all(), name
+    told, exact_told = (field(grid, "ContactLayerForce")[0] for grid in (after, rest))
+    assert abs(told - exact_told) < 0.02 * numpy.linalg.norm(exact), (told, exact_told, exact)
+    errors = [field(grid, "ContactMeshError")[0] for grid in (after, rest)]
+    assert errors[1] > 0 and abs(errors[0] / errors[1] - 1) < 0.01, errors
 
 
 def test_contact_and_bonded_tools():
@@ -219,6 +226,8 @@ def test_contact_and_bonded_tools():
     pressure = point_array(at(dynamics, 0.1), "ContactPressure")
     heights = places(at(dynamics, 0.1))[:, 2]
     assert pressure[heights > 0.0999].max() > 0 and pressure[heights < 0.0001].max() > 0
+    assert field(at(dynamics, 0.1), "ContactLayerForce").shape == (2,)
+    assert (field(at(dynamics, 0.1), "ContactMeshError") > 0).all()
 
 
 def test_one_run_for_all_times():

@@ -130,6 +130,23 @@ def test_every_property(body):
         assert SetBoundary(Input=body, Support=support).Support == support
 
 
+def test_linear_mixed_cells_are_told(body):
+    linear = source(box_body(quadratic=False), "linear_cells")
+    mixed = ({"Law": "Neo-Hookean", "PoissonsRatio": 0.49},
+             {"Law": "Mooney-Rivlin incompressible"},
+             {"Law": "Neo-Hookean", "PoissonsRatio": 0.3, "Formulation": "Mixed"})
+    for material in mixed:
+        with Messages() as messages:
+            fetch(AssignMaterial(Input=linear, **material))
+        assert messages.warnings == 1 and messages.errors == 0, (material, messages.text)
+        for words in ("too stiff in bending", "ElementOrder Quadratic"):
+            assert words in messages.text, messages.text
+        expect_silence(lambda: fetch(AssignMaterial(Input=body, **material)))
+    for material in ({"Law": "Neo-Hookean", "PoissonsRatio": 0.45},
+                     {"Law": "Neo-Hookean", "PoissonsRatio": 0.49, "Formulation": "Displacement"}):
+        expect_silence(lambda: fetch(AssignMaterial(Input=linear, **material)))
+
+
 def test_material_of_the_whole_body(body):
     grid = expect_silence(lambda: fetch(AssignMaterial(Input=body)))
     assert set(cell_array(grid, "Law")) == {LAWS.index("St. Venant-Kirchhoff")}

@@ -18,5 +18,12 @@ TEST(RigidContact, FeelsLittleOfTheMeshWhereItSlides) {
   EXPECT_LT(result.stiffness_jump, 0.004);
 }
 
+// The layer that is calibrated is stiffer, and more of the mesh is felt through it.
+TEST(RigidContact, FeelsMoreOfTheMeshByDefault) {
+  const SlidingResult result = slide({});
+  EXPECT_LT(result.lateral, 0.03);
+  EXPECT_LT(result.stiffness_jump, 0.02);
+}
+
 }  // namespace
 }  // namespace palpate::test
