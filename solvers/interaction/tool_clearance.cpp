@@ -70,6 +70,12 @@ double ToolClearance::clearance(const Vec3& q) const {
   return of_centre < 0 ? std::min(of_layer, of_centre) : of_layer;
 }
 
+bool ToolClearance::is_inside(const Vec3& q) const {
+  const std::vector<Vec3> places = shape_->inner_places();
+  return std::any_of(places.begin(), places.end(),
+                     [&](const Vec3& place) { return body_.nearest(q + place).distance < 0; });
+}
+
 ToolClearance::Approach ToolClearance::approach(const Vec3& q) const {
   Approach deepest;
   deepest.depth = -std::numeric_limits<double>::infinity();

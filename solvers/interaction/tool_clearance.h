@@ -29,6 +29,9 @@ class ToolClearance {
   /// How far the tool at q may be moved in any direction without touching the body at rest, at the
   /// least, m: as far as nothing is in its layer of contact. Not positive: it may touch it.
   [[nodiscard]] double clearance(const Vec3& q) const;
+  /// Whether the middle of the tool at q, or of a part of it, is in the body at rest. Where it
+  /// touches nothing there, it has gone through the surface.
+  [[nodiscard]] bool is_inside(const Vec3& q) const;
 
   struct Approach {
     /// How far the tool is in the body at rest, along the way out, without its layer, m; negative

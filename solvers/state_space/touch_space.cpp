@@ -2,11 +2,13 @@
 #include "state_space/touch_space.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "base/error.h"
+#include "interaction/tool_clearance.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -124,8 +126,14 @@ std::vector<ConfigurationSummary> summaries_of(const std::vector<Configuration>&
 void add_clearance(const Scene& scene, TouchToolSpace& tool_space) {
   const InteractionSpec& interaction = tool_space.setup.interaction;
   if (!interaction.is_contact()) return;
-  tool_space.clearance = [clearance = InteractionFactory(scene).clearance(interaction)](
-                             const Vec3& q) { return clearance->clearance(q); };
+  const std::shared_ptr<const ToolClearance> clearance =
+      InteractionFactory(scene).clearance(interaction);
+  for (ConfigurationSummary& found : tool_space.configurations) {
+    if (found.usable() && found.force.isZero(0) && clearance->is_inside(found.t)) {
+      found.outcome = Outcome::tool_inside;
+    }
+  }
+  tool_space.clearance = [clearance](const Vec3& q) { return clearance->clearance(q); };
 }
 
 const TouchToolSpace* TouchSpace::find(ToolSpaceId id) const {
@@ -152,7 +160,6 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
   check_active_node(setup, scene.mesh);
   TouchToolSpace added;
   added.setup = setup;
-  add_clearance(scene, added);
   added.intermediate_states = std::move(intermediate_states);
   const bool has_modes = basis != nullptr && !setup.interaction.is_contact();
   std::vector<const ReducedFields*> kept;
@@ -161,6 +168,7 @@ void add_tool_space(const Scene& scene, const ToolSpaceSetup& setup,
     added.configurations.push_back(configurations[s]);
     kept.push_back(has_modes ? fields[s] : nullptr);
   }
+  add_clearance(scene, added);
   const Eigen::Index rank = has_modes ? basis->modes.cols() : 0;
   added.modes.resize(3 * Eigen::Index{space.surface.num_points()}, rank);
   const auto total = static_cast<Eigen::Index>(kept.size());

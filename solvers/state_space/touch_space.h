@@ -38,7 +38,9 @@ struct TouchToolSpace {
   Eigen::MatrixXf coefficient_gradients;
 };
 
-/// Gives the tool space of a rigid tool its clearance; one that is bonded has none.
+/// Gives the tool space of a rigid tool its clearance; one that is bonded has none. A configuration
+/// that feels nothing though the tool is in the body at rest has gone through the surface. Earlier
+/// versions took it for converged; here its outcome becomes Outcome::tool_inside.
 /// @throws InputError a tool that is none, see make_contact() and ToolClearance.
 void add_clearance(const Scene& scene, TouchToolSpace& tool_space);
 

@@ -4,10 +4,11 @@
 //
 //   OPENBLAS_NUM_THREADS=1 mpiexec -n 2 palpate_benchmark_contact_space scene.palpate
 //     [--radius 10] [--depth 8] [--spacing 4] [--tolerance 0] [--tests 2000] [--file space.palpate]
-//     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0]
+//     [--method 4] [--node 0] [--region 0] [--single 1] [--newton 0] [--thickness 0]
 //
 // Lengths in mm, the tolerance as a share of the largest force; where a region is given, the space
-// is of the surface within that distance of a point of the mesh. Factors are in single precision as
+// is of the surface within that distance of a point of the mesh; the layer of contact is the one
+// that is calibrated unless its thickness is given. Factors are in single precision as
 // in Precompute State Space unless that is 0; the floor is that of the same precision.
 //
 // The tests are at places at random that the space never saw: half of them presses straight along
@@ -54,10 +55,10 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   fs::path scene;
-  std::map<std::string, std::string> values{{"radius", "10"},   {"depth", "8"},    {"spacing", "4"},
-                                            {"tolerance", "0"}, {"tests", "2000"}, {"file", ""},
-                                            {"method", "4"},    {"node", "0"},     {"region", "0"},
-                                            {"single", "1"},    {"newton", "0"}};
+  std::map<std::string, std::string> values{
+      {"radius", "10"},  {"depth", "8"},  {"spacing", "4"}, {"tolerance", "0"},
+      {"tests", "2000"}, {"file", ""},    {"method", "4"},  {"node", "0"},
+      {"region", "0"},   {"single", "1"}, {"newton", "0"},  {"thickness", "0"}};
 
   Arguments(int argc, char** argv) {
     if (argc < 2 || argc % 2 != 0)
@@ -284,6 +285,7 @@ void measure(const Arguments& arguments, Communicator& world) {
   PrecomputeOptions options;
   options.contact.emplace();
   options.contact->tool.radius = 1e-3 * arguments.number("radius");
+  options.contact->tool.law.thickness = 1e-3 * arguments.number("thickness");
   options.contact->spacing = 1e-3 * arguments.number("spacing");
   options.contact->shell.depth = 1e-3 * arguments.number("depth");
   options.contact->most_configurations = 1'000'000;

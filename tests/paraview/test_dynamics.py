@@ -188,7 +188,7 @@ def test_contact_in_motion():
     way = paths("contact", [0, 0.1, 0.2, 1],
                 [ABOVE, ABOVE + down, ABOVE + down + slide, ABOVE + down + slide])
     rigid = {"Tool": "Sphere", "ToolRadius": RADIUS}
-    dynamics = SolveDynamics(Input=boundary, ToolPaths=way, EndTime=1.5, **rigid)
+    dynamics = SolveDynamics(Input=boundary, ToolPaths=way, EndTime=1.5, TimeStep=0.001, **rigid)
     before, during, after = (expect_silence(lambda: at(dynamics, t)) for t in (0, 0.1, 1.5))
     assert (point_array(before, "ContactPressure") == 0).all()
     assert (field(before, "ReactionForce") == 0).all()
