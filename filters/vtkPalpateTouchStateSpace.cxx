@@ -120,15 +120,6 @@ Eigen::VectorXf BySurfaceModes(
   return u;
 }
 
-/// How the solve for the check-point that is nearest to t has ended.
-palpate::Outcome NearestOutcome(const TouchToolSpace& toolSpace, const palpate::Vec3& t)
-{
-  const auto& found = toolSpace.configurations;
-  const auto nearest = std::min_element(found.begin(), found.end(),
-    [&](const auto& a, const auto& b) { return (a.t - t).norm() < (b.t - t).norm(); });
-  return nearest == found.end() ? palpate::Outcome::not_converged : nearest->outcome;
-}
-
 /// What takes more than the surface.
 struct WholeBodyOf
 {
@@ -487,7 +478,6 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   if (isContact)
   {
     AddVector(output, "ToolPosition", 3, t.data());
-    AddInteger(output, "Outcome", static_cast<int>(NearestOutcome(toolSpace, t)));
   }
   else
   {

@@ -18,7 +18,6 @@
  * three
  *
  *   `ToolPosition` of the tool's centre, m
- *   `Outcome`      of the nearest check-point, see solvers/base/outcome.h
  *   `ContactArea`  the area at rest on which it presses, m^2
  *   `ContactLayerForce`, `ContactMeshError`  as of vtkPalpateSolveEquilibrium
  *

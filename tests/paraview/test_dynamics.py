@@ -202,8 +202,8 @@ def test_contact_in_motion():
     assert numpy.linalg.norm(force - exact) < 1e-3 * numpy.linalg.norm(exact), (force, exact)
     pressure = point_array(rest, "ContactPressure")
     assert numpy.abs(point_array(after, "ContactPressure") - pressure).max() < 0.01 * pressure.max()
-    # What the layer of contact and the cells do to the force is told, the first by Hertz's stiffness
-    # of the contact alone, which is larger than that of a bar that bends too.
+    # What the layer of contact and the cells do to the force is told, the first by the stiffness of
+    # the contact alone, which is larger than that of a bar that bends too.
     for name in ("ContactLayerForce", "ContactMeshError"):
         assert (field(before, name) == 0).all(), name
     told, exact_told = (field(grid, "ContactLayerForce")[0] for grid in (after, rest))
