@@ -4,7 +4,7 @@
 //
 //   `ReducedBasis`   Φ and L: a tuple a point, its displacement for each coordinate, three
 //                    components a coordinate
-//   `ReducedRest`    under gravity the displacement at rest, m, from which the coordinates count
+//   `ReducedRest`    under a load the displacement at rest, m, from which the coordinates count
 //
 // and the field arrays `ActiveNodes` (the nodes that the tools are bonded to) and `Reduced…`, the
 // arrays of reduced/model_arrays.h, a tuple a row.

@@ -18,13 +18,41 @@ Mat3 cross_matrix(const Vec3& a) {
 
 }  // namespace
 
+std::optional<PointMatrix> springs_of(const Scene& scene, const Assembly& assembly) {
+  const std::vector<Index> faces = faces_with(scene.mesh, scene.support_stiffness);
+  if (faces.empty()) return std::nullopt;
+  const std::vector<FacePoint> rule = face_quadrature(scene.mesh.order);
+  const int num_nodes = nodes_per_face(scene.mesh.order);
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (std::size_t f = 0; f < faces.size(); f += num_nodes) {
+    const Index* nodes = &faces[f];
+    Eigen::Matrix3Xd x(3, num_nodes);
+    for (int a = 0; a < num_nodes; ++a) x.col(a) = scene.mesh.points[nodes[a]];
+    Vec3 of_corners;
+    for (int a = 0; a < 3; ++a) of_corners[a] = scene.support_stiffness[nodes[a]];
+    Eigen::MatrixXd of_face = Eigen::MatrixXd::Zero(num_nodes, num_nodes);
+    for (const FacePoint& point : rule) {
+      const Eigen::Matrix<double, 3, 2> t = x * point.slopes;
+      const double stiffness =
+          point.weight * t.col(0).cross(t.col(1)).norm() * of_corners.dot(point.of_corners);
+      of_face += stiffness * point.values * point.values.transpose();
+    }
+    for (int a = 0; a < num_nodes; ++a) {
+      for (int b = 0; b < num_nodes; ++b) {
+        triplets.emplace_back(nodes[a], nodes[b], of_face(a, b));
+      }
+    }
+  }
+  return PointMatrix(triplets, assembly);
+}
+
 ExternalEnergy::ExternalEnergy(const Scene& scene, const Assembly& assembly)
     : dead_(NodalVector::Zero(assembly.state_size())),
+      springs_(springs_of(scene, assembly)),
       rule_(face_quadrature(scene.mesh.order)),
       nodes_per_face_(nodes_per_face(scene.mesh.order)) {
   if (scene.has_body_force()) dead_ = weight_of(scene, assembly);
   add_traction(scene);
-  add_springs(scene, assembly);
   add_pressure(scene, assembly);
 }
 
@@ -45,32 +73,6 @@ void ExternalEnergy::add_traction(const Scene& scene) {
       }
     }
   }
-}
-
-void ExternalEnergy::add_springs(const Scene& scene, const Assembly& assembly) {
-  const std::vector<Index> faces = faces_with(scene.mesh, scene.support_stiffness);
-  if (faces.empty()) return;
-  std::vector<Eigen::Triplet<double>> triplets;
-  for (std::size_t f = 0; f < faces.size(); f += nodes_per_face_) {
-    const Index* nodes = &faces[f];
-    Eigen::Matrix3Xd x(3, nodes_per_face_);
-    for (int a = 0; a < nodes_per_face_; ++a) x.col(a) = scene.mesh.points[nodes[a]];
-    Vec3 of_corners;
-    for (int a = 0; a < 3; ++a) of_corners[a] = scene.support_stiffness[nodes[a]];
-    Eigen::MatrixXd of_face = Eigen::MatrixXd::Zero(nodes_per_face_, nodes_per_face_);
-    for (const FacePoint& point : rule_) {
-      const Eigen::Matrix<double, 3, 2> t = x * point.slopes;
-      const double stiffness =
-          point.weight * t.col(0).cross(t.col(1)).norm() * of_corners.dot(point.of_corners);
-      of_face += stiffness * point.values * point.values.transpose();
-    }
-    for (int a = 0; a < nodes_per_face_; ++a) {
-      for (int b = 0; b < nodes_per_face_; ++b) {
-        triplets.emplace_back(nodes[a], nodes[b], of_face(a, b));
-      }
-    }
-  }
-  springs_.emplace(triplets, assembly);
 }
 
 void ExternalEnergy::add_pressure(const Scene& scene, const Assembly& assembly) {

@@ -25,6 +25,10 @@
 
 namespace palpate {
 
+/// K_s of the springs that support the surface; none where there are none.
+/// @param scene It was checked, see check().
+[[nodiscard]] std::optional<PointMatrix> springs_of(const Scene& scene, const Assembly& assembly);
+
 class ExternalEnergy final : public EnergyTerm {
  public:
   /// @param scene It was checked, see check().
@@ -56,7 +60,6 @@ class ExternalEnergy final : public EnergyTerm {
   };
 
   void add_traction(const Scene& scene);
-  void add_springs(const Scene& scene, const Assembly& assembly);
   void add_pressure(const Scene& scene, const Assembly& assembly);
   /// Of pressures and springs, J.
   [[nodiscard]] double of_surface(const NodalVector& state) const;

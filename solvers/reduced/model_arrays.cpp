@@ -72,6 +72,7 @@ NamedArrays arrays_of(const ReducedModel& model) {
   arrays["PointGradients"] = points.gradients;
   if (points.rest_gradients.size() > 0) arrays["RestGradients"] = points.rest_gradients;
   arrays["Mass"] = model.mass;
+  if (model.support_stiffness.size() > 0) arrays["SupportStiffness"] = model.support_stiffness;
   arrays["ToolStiffness"] = model.tool_stiffness;
   arrays["TrainedModes"] = model.trained_modes;
   arrays["TrainedTools"] = model.trained_tools;
@@ -110,6 +111,9 @@ ReducedModel model_of(const NamedArrays& arrays) {
   points.gradients = find(arrays, "PointGradients");
   if (arrays.count("RestGradients") > 0) points.rest_gradients = find(arrays, "RestGradients", 1);
   model.mass = find(arrays, "Mass");
+  if (arrays.count("SupportStiffness") > 0) {
+    model.support_stiffness = find(arrays, "SupportStiffness");
+  }
   model.tool_stiffness = find(arrays, "ToolStiffness");
   model.trained_modes = find(arrays, "TrainedModes", 1);
   model.trained_tools = find(arrays, "TrainedTools", 1);

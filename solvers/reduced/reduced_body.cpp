@@ -64,7 +64,7 @@ ReducedBody::ReducedBody(const ReducedModel& model, const ReducedBodyOptions& op
     : model_((validate(model), model)),
       options_((validate(options), options)),
       has_inertia_(model.has_inertia()),
-      energy_(model.points, model.materials),
+      energy_(model),
       memory_(model) {
   const Eigen::Index n = model.num_coordinates();
   for (Past* past : {&now_, &before_}) {

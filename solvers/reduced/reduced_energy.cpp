@@ -56,6 +56,13 @@ ReducedEnergy::ReducedEnergy(const ReducedPoints& points, const std::vector<Mate
   rest_stress_ = Eigen::Map<const Eigen::VectorXd>(stress_.data(), points.rest_gradients.size());
 }
 
+ReducedEnergy::ReducedEnergy(const ReducedModel& model)
+    : ReducedEnergy(model.points, model.materials) {
+  if (model.support_stiffness.size() == 0) return;
+  support_stiffness_ = &model.support_stiffness;
+  of_springs_.setZero(force_.size());
+}
+
 ReducedSums ReducedEnergy::evaluate(const double* y, float* tangent_of_points) noexcept {
   const std::int64_t num_packets = points_.num_packets();
   const std::int64_t n = force_.size();
@@ -78,7 +85,17 @@ ReducedSums ReducedEnergy::evaluate(const double* y, float* tangent_of_points) n
   }
   if (rest_stress_.size() > 0) take_weight(sums);
   kernels_.force(g, num_packets, n, stress_.data(), force_.data());
+  if (support_stiffness_ != nullptr) add_springs(y, sums);
   return sums;
+}
+
+void ReducedEnergy::add_springs(const double* y, ReducedSums& sums) noexcept {
+  const Eigen::Map<const Eigen::VectorXd> at(y, of_springs_.size());
+  of_springs_.noalias() = *support_stiffness_ * at;
+  const double energy = 0.5 * at.dot(of_springs_);
+  sums.potential += energy;
+  sums.elastic += energy;
+  force_ += of_springs_;
 }
 
 void ReducedEnergy::take_weight(ReducedSums& sums) noexcept {
@@ -94,6 +111,9 @@ ReducedSums ReducedEnergy::linearise(const double* y) noexcept {
   const ReducedSums sums = evaluate(y, tangent_of_points_.data());
   kernels_.tangent(single_gradients_.data(), points_.num_packets(), force_.size(),
                    tangent_of_points_.data(), room_.data(), tangent_.data());
+  if (support_stiffness_ != nullptr) {
+    tangent_.triangularView<Eigen::Lower>() += *support_stiffness_;
+  }
   return sums;
 }
 
@@ -104,6 +124,7 @@ void ReducedEnergy::add_memory(MemoryRanges& ranges) const {
   palpate::add_memory(stress_, ranges);
   palpate::add_memory(law_stress_, ranges);
   palpate::add_memory(strain_, ranges);
+  palpate::add_memory(of_springs_, ranges);
   palpate::add_memory(rest_stress_, ranges);
   palpate::add_memory(single_gradients_, ranges);
   palpate::add_memory(tangent_of_points_, ranges);

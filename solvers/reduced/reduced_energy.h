@@ -16,6 +16,8 @@ class ReducedEnergy {
   /// Takes all the memory that it will need.
   /// @param points, materials They must outlive this object.
   ReducedEnergy(const ReducedPoints& points, const std::vector<Material>& materials);
+  /// That of a model, with the springs that support it. @param model It must outlive this object.
+  explicit ReducedEnergy(const ReducedModel& model);
 
   /// A potential of the strain besides, see ReducedPointsView; null: there is none.
   struct Memory {
@@ -47,10 +49,16 @@ class ReducedEnergy {
 
  private:
   ReducedSums evaluate(const double* y, float* tangent_of_points) noexcept;
+  /// Adds the energy and the force of the springs.
+  void add_springs(const double* y, ReducedSums& sums) noexcept;
   /// Takes the part of the weight out of what was evaluated.
   void take_weight(ReducedSums& sums) noexcept;
 
   const ReducedPoints& points_;
+  /// Null: there are none.
+  const Eigen::MatrixXd* support_stiffness_ = nullptr;
+  /// Their force.
+  Eigen::VectorXd of_springs_;
   const ReducedKernels& kernels_;
   Memory memory_;
   /// Of each group.

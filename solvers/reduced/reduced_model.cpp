@@ -67,6 +67,9 @@ void validate(const ReducedModel& model) {
   for (const Rheology& rheology : model.rheologies) validate(rheology);
   const Eigen::Index n = model.num_coordinates();
   check_sizes(model.mass, n, n, "the mass");
+  if (model.support_stiffness.size() > 0) {
+    check_sizes(model.support_stiffness, n, n, "the stiffness of the supports");
+  }
   check_sizes(model.tool_stiffness, model.num_tool_coordinates, model.num_tool_coordinates,
               "the stiffness of the tools");
   check_sizes(model.trained_modes, model.num_modes, 1, "the range of the modes");
@@ -86,6 +89,7 @@ void add_memory(const ReducedModel& model, MemoryRanges& ranges) {
   add_memory(model.points.gradients, ranges);
   add_memory(model.points.rest_gradients, ranges);
   add_memory(model.mass, ranges);
+  add_memory(model.support_stiffness, ranges);
   add_memory(model.tool_stiffness, ranges);
   add_memory(model.trained_modes, ranges);
   add_memory(model.trained_tools, ranges);

@@ -18,13 +18,17 @@
 //
 // Hence a coordinate q_i has the unit √J: ½ q_i² is the energy that it has in the linear body.
 //
-// Under gravity the body at rest is displaced by u_r, and is stressed. Its coordinates count from
-// there, and K₀ is its stiffness there:
+// Under gravity or another load the body at rest is displaced by u_r, and is stressed. Its
+// coordinates count from there, and K₀ is its stiffness there:
 //
 //   u = u_r + Φ q + L d,   Π(y) = Σ_p w_p (W_p(∇u) − P_p(∇u_r) : G_p y)
 //
 // The weight is what the stress at rest balances, f = Σ_p G_pᵀ w_p P_p(∇u_r) over all points: the
 // points that are kept have so a part of it each, and y = 0 is at rest, whichever they are.
+//
+// Springs that support the surface are linear, and are not sampled: with K_s of the whole body they
+// add ½ yᵀ(Φ, L)ᵀK_s(Φ, L)y, and K_s is a part of K₀. What they, and dead tractions, do at rest is
+// balanced by the stress there too.
 //
 // [ECSW] Farhat, Chapman & Avery, Structure-preserving, stability, and accuracy properties of the
 // energy-conserving sampling and weighting method, Int. J. Numer. Meth. Engng. 102, 2015.
@@ -83,6 +87,9 @@ struct ReducedModel {
   /// Of the whole body [coordinates × coordinates], kg times the units of two columns of (Φ, L)
   /// over m²; all 0: the body has no inertia.
   Eigen::MatrixXd mass;
+  /// (Φ, L)ᵀK_s(Φ, L) [coordinates × coordinates], N/m times the units of two columns over m²;
+  /// empty: there are no springs.
+  Eigen::MatrixXd support_stiffness;
   /// LᵀK₀L, N/m [num_tool_coordinates × num_tool_coordinates].
   Eigen::MatrixXd tool_stiffness;
 

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include <Eigen/Geometry>
 
+#include "assembly/external_energy.h"
 #include "assembly/mass.h"
 #include "base/error.h"
 #include "dynamics/dynamic_solver.h"
@@ -87,16 +89,23 @@ double size_of(const TetMesh& mesh) {
   return box.diagonal().norm();
 }
 
-/// The body that is reduced is held by fixed points alone, and loaded by its weight alone.
-void check_boundary(const Scene& scene) {
-  if (!scene.has_supports_or_surface_loads()) return;
+/// What follows the surface would be one more energy that is not quadratic.
+void check_loads(const Scene& scene) {
+  if (scene.applied_pressure.empty()) return;
   throw InputError(
-      "A reduced model takes no supports but fixed points, and no load but BodyForce: this body "
-      "has "
-      "HeldDirection, SupportStiffness, AppliedPressure or AppliedTraction, with which the error "
-      "of "
-      "the model would not be what it tells. Take Solve Dynamics or Precompute State Space, or fix "
-      "points with Set Boundary instead.");
+      "A reduced model bears no AppliedPressure, which follows the surface: its error would not be "
+      "what it tells. Take Solve Dynamics or Precompute State Space, or give the surface an "
+      "AppliedTraction instead, whose direction stays the same.");
+}
+
+/// Bᵀ A B of a basis. @param times A x.
+template <class Times>
+Eigen::MatrixXd in_basis(const Eigen::MatrixXd& basis, const Times& times) {
+  Eigen::MatrixXd of_basis(basis.rows(), basis.cols());
+  for (Eigen::Index c = 0; c < basis.cols(); ++c) {
+    of_basis.col(c) = times(NodalVector(basis.col(c))).head(basis.rows());
+  }
+  return basis.transpose() * of_basis;
 }
 
 /// What the body is solved for in training, with the tools at each of some places.
@@ -202,7 +211,8 @@ class Builder {
         num_tools_(static_cast<int>(tools.size())),
         solver_(with_gravity(scene, rheologies, options.gravity), options.equilibrium),
         points_(scene_, find_rest()),
-        stiffness_(solver_.assembly(), points_.rest()),
+        springs_(springs_of(scene_, solver_.assembly())),
+        stiffness_(solver_.assembly(), points_.rest(), springs_ ? &*springs_ : nullptr),
         modes_(stiffness_, 3 * Eigen::Index{scene_.mesh.num_points()}) {
     for (const BondedPatch& tool : tools) tools_.add(tool);
     solver_.set_interaction(tools_);
@@ -216,6 +226,7 @@ class Builder {
     const Eigen::Index n = modes_.modes().cols();
     result_.basis.resize(rest.u.size(), n + tool_responses_.cols());
     result_.basis << modes_.modes(), tool_responses_;
+    hold_directions(scene_, result_.basis);
     result_.rest = points_.rest();
     Eigen::MatrixXd states(result_.basis.cols(), states_.tools.cols());
     states << modes_.coordinates(beside_tools(states_)), states_.tools;
@@ -319,6 +330,7 @@ class Builder {
   InteractionList tools_;
   EquilibriumSolver solver_;
   BodyPoints points_;
+  std::optional<PointMatrix> springs_;
   RestStiffness stiffness_;
   ModeBuilder modes_;
   Eigen::MatrixXd tool_responses_;
@@ -384,11 +396,13 @@ ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>&
     std::vector<double> densities;
     for (const Rheology& rheology : rheologies) densities.push_back(rheology.density);
     const MassMatrix mass(scene, densities, Assembly(scene));
-    Eigen::MatrixXd of_basis(basis.rows(), basis.cols());
-    for (Eigen::Index c = 0; c < basis.cols(); ++c) {
-      of_basis.col(c) = mass.times(basis.col(c)).head(basis.rows());
-    }
-    model.mass = basis.transpose() * of_basis;
+    model.mass = in_basis(basis, [&](const auto& field) { return mass.times(field); });
+  }
+  if (!scene.support_stiffness.empty()) {
+    const Assembly assembly(scene);
+    const std::optional<PointMatrix> springs = springs_of(scene, assembly);
+    model.support_stiffness =
+        in_basis(basis, [&](const auto& field) { return springs->times(field); });
   }
   const Eigen::VectorXd ranges = states.cwiseAbs().rowwise().maxCoeff();
   // A body of the linear law has no modes, and Eigen no largest coefficient of an empty vector.
@@ -456,7 +470,7 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
                      const ReductionOptions& options) {
   validate(options);
   check_materials(scene, rheologies);
-  check_boundary(scene);
+  check_loads(scene);
   require(options.reach <= kMostReach * size_of(scene.mesh), "Reach", options.reach,
           "it must be at most ten times the size of the body, in m.");
   if (options.gravity.isZero(0)) return;

@@ -10,6 +10,7 @@
 
 #include "base/content_hash.h"
 #include "base/error.h"
+#include "equilibrium/equilibrium.h"
 #include "reduced/model_arrays.h"
 
 namespace palpate {
@@ -204,6 +205,17 @@ std::string checksum(const std::string& text) {
   return key.str();
 }
 
+/// The scene with its rest under loads of its surface, which a file of it has.
+Scene with_rest(Scene scene, EquilibriumOptions options) {
+  if (!scene.has_load()) return scene;
+  // It is a few factorisations: nobody needs to end it half-way.
+  options.abort_requested = nullptr;
+  const EquilibriumSolver solver(scene, options);
+  require_rest(solver);
+  scene.settled = {solver.settled().u, solver.settled().p};
+  return scene;
+}
+
 /// Whether the file has all that is trained at the places.
 bool has_places(const std::filesystem::path& path, const Scene& scene,
                 const std::vector<Rheology>& rheologies, const ReductionTools& tools,
@@ -302,7 +314,7 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
     std::optional<StateSpaceFile> file;
     const std::string key = key_of_model(scene, rheologies, tools, options);
     if (is_first && !path.empty()) {
-      validate(options);
+      check_reduction(scene, rheologies, options);
       const double tolerance = options.equilibrium.tolerance;
       const auto read = [&] {
         kept = {};
@@ -317,7 +329,9 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
         file.reset();
         std::string not_kept;
         try {
-          file.emplace(StateSpaceFile::open_or_create(path, scene, tolerance));
+          const bool is_new = !std::filesystem::exists(path);
+          file.emplace(StateSpaceFile::open_or_create(
+              path, is_new ? with_rest(scene, options.equilibrium) : scene, tolerance));
         } catch (const BackendError& error) {
           if (!kept.was_there && !has_places(path, scene, rheologies, tools, options)) throw;
           not_kept = error.what();

@@ -5,6 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "assembly/supports.h"
+
 namespace palpate {
 namespace {
 
@@ -13,13 +15,15 @@ constexpr double kIndependent = 1e-13;
 
 }  // namespace
 
-RestStiffness::RestStiffness(const Assembly& assembly, const NodalVector& rest)
+RestStiffness::RestStiffness(const Assembly& assembly, const NodalVector& rest,
+                             const PointMatrix* springs)
     : state_of_unknown_(assembly.state_of_unknown()) {
   NodalVector state = NodalVector::Zero(assembly.state_size());
   state.head(rest.size()) = rest;
   NodalVector force;
   std::vector<double> values;
   (void)assembly.tangent(state, force, values);
+  if (springs != nullptr) springs->add_to(1, values);
   const SymmetricPattern& pattern = assembly.pattern();
   matrix_ = Eigen::Map<const Eigen::SparseMatrix<double>>(
       pattern.size, pattern.size, pattern.num_values(), pattern.column_start.data(),
@@ -34,6 +38,14 @@ Eigen::MatrixXd RestStiffness::times(const Eigen::MatrixXd& x) const {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(x.rows(), x.cols());
   for (Eigen::Index i = 0; i < size; ++i) result.row(state_of_unknown_[i]) = products.row(i);
   return result;
+}
+
+void hold_directions(const Scene& scene, Eigen::MatrixXd& basis) {
+  for (std::size_t p = 0; p < scene.held_directions.size(); ++p) {
+    if (scene.held_directions[p].isZero(0)) continue;
+    auto rows = basis.middleRows<3>(3 * static_cast<Eigen::Index>(p));
+    rows = (projector(scene.held_directions[p]) * rows).eval();
+  }
 }
 
 ModeBuilder::ModeBuilder(const RestStiffness& stiffness, Eigen::Index num_rows)

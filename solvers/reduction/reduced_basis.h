@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "assembly/point_matrix.h"
 
 namespace palpate {
 
@@ -14,7 +15,9 @@ namespace palpate {
 class RestStiffness {
  public:
   /// @param rest u_r [3 num_points], m; empty: the body at rest is not deformed.
-  explicit RestStiffness(const Assembly& assembly, const NodalVector& rest = {});
+  /// @param springs That support the body; null: there are none.
+  explicit RestStiffness(const Assembly& assembly, const NodalVector& rest = {},
+                         const PointMatrix* springs = nullptr);
 
   /// K₀ x; zero at fixed points. @param x [3 num_points × any], m.
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& x) const;
@@ -24,6 +27,11 @@ class RestStiffness {
   /// The lower triangle.
   Eigen::SparseMatrix<double> matrix_;
 };
+
+/// Takes out of a basis what rounding has left along directions in which points are held: a mode
+/// of little energy is scaled up, and so is its rounding.
+/// @param basis [3 num_points × any].
+void hold_directions(const Scene& scene, Eigen::MatrixXd& basis);
 
 /// Modes that are made group by group.
 class ModeBuilder {

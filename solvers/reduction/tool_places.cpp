@@ -11,11 +11,13 @@
 #include <vector>
 
 #include "assembly/assembly.h"
+#include "assembly/external_energy.h"
 #include "assembly/mass.h"
 #include "assembly/piece_support.h"
 #include "assembly/supports.h"
 #include "base/error.h"
 #include "dynamics/dynamic_solver.h"
+#include "equilibrium/direction_constraints.h"
 #include "equilibrium/equilibrium.h"
 #include "interaction/interaction_list.h"
 #include "linear/linear_solver.h"
@@ -71,8 +73,10 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& columns) {
 }
 
 /// @throws InputError the training is of a body that rests elsewhere.
-void require_same_rest(const TrainedPlaces& trained, const ReductionOptions& options) {
-  if (options.gravity.isZero(0) == (trained.rest.size() == 0)) return;
+void require_same_rest(const Scene& scene, const TrainedPlaces& trained,
+                       const ReductionOptions& options) {
+  const bool has_load = scene.has_load() || !options.gravity.isZero(0);
+  if (has_load == (trained.rest.size() > 0)) return;
   throw InputError(std::string("The training at places is of a body ") +
                    (trained.rest.size() == 0 ? "without" : "with") +
                    " a BodyForce, and the tools are to be attached to one " +
@@ -153,7 +157,8 @@ TrainedPlaces modes_of_places(const Scene& scene, const std::vector<Rheology>& r
   EquilibriumSolver solver(with_gravity(scene, rheologies, options.gravity), of_rest);
   require_rest(solver);
   const NodalVector rest = solver.settled().u;
-  const RestStiffness stiffness(solver.assembly(), rest);
+  const std::optional<PointMatrix> springs = springs_of(scene, solver.assembly());
+  const RestStiffness stiffness(solver.assembly(), rest, springs ? &*springs : nullptr);
   GroupOfPlaces still;
   GroupOfPlaces moving;
   for (std::size_t place = 0; place < places.size(); ++place) {
@@ -238,13 +243,18 @@ class PlacedTools::Impl {
         rheologies_(rheologies),
         trained_(of_scene(trained, scene)),
         assembly_(scene),
+        constraints_(scene, assembly_),
+        springs_(springs_of(scene, assembly_)),
         points_(scene, trained.rest),
-        stiffness_(assembly_, trained.rest) {
+        stiffness_(assembly_, trained.rest, springs_ ? &*springs_ : nullptr) {
     rest_state_.setZero(assembly_.state_size());
     if (trained.rest.size() > 0) rest_state_.head(trained.rest.size()) = trained.rest;
     PieceSupport(scene.mesh, holding_points(scene)).require_held({});
     std::vector<double> values;
     (void)assembly_.tangent(rest_state_, rest_force_, values);
+    if (springs_) springs_->add_to(1, values);
+    constraints_.measure(values);
+    constraints_.constrain(values);
     if (has_density(rheologies)) {
       std::vector<double> densities;
       for (const Rheology& rheology : rheologies) densities.push_back(rheology.density);
@@ -261,7 +271,7 @@ class PlacedTools::Impl {
 
   BuiltModel attach(const std::vector<BondedPatch>& tools, const ReductionOptions& options) const {
     validate(options);
-    require_same_rest(trained_, options);
+    require_same_rest(scene_, trained_, options);
     if (tools.empty()) throw InputError("No tool is to be attached. Give at least one.");
     const int num_tools = static_cast<int>(tools.size());
     if (3 * num_tools != trained_.tools.rows()) {
@@ -295,6 +305,7 @@ class PlacedTools::Impl {
     placed.motion_modes = static_cast<Index>(n) - placed.one_tool_modes;
     placed.basis.resize(trained_.modes.rows(), n + d);
     placed.basis << builder.modes(), held.responses;
+    hold_directions(scene_, placed.basis);
     placed.rest = trained_.rest;
     // What rounding has left at the tools.
     for (Eigen::Index i = 0; i < held.rigid.rows(); ++i) {
@@ -350,9 +361,10 @@ class PlacedTools::Impl {
     std::vector<char> taken(scene_.mesh.points.size(), 0);
     for (const PrescribedPoint& at : points) {
       const bool exists = at.point >= 0 && at.point < scene_.mesh.num_points();
-      if (!exists || assembly_.unknown_of_point()[at.point] < 0) {
+      if (!exists || assembly_.unknown_of_point()[at.point] < 0 || constraints_.holds(at.point)) {
         throw InputError("A tool cannot be attached to point " + std::to_string(at.point) +
-                         ": it does not exist, is in no cell or is fixed. Choose another place.");
+                         ": it does not exist, is in no cell, is fixed or has a HeldDirection. "
+                         "Choose another place.");
       }
       if (taken[at.point] != 0) {
         throw InputError("Two tools hold point " + std::to_string(at.point) +
@@ -518,13 +530,14 @@ class PlacedTools::Impl {
     return random_places(num_tools, trained_.reach, d * (d + 1) * (d + 2) / 6 + d, /*seed=*/1);
   }
 
-  /// f of each column, beside that at rest.
+  /// f of each column, with the springs', beside that at rest.
   [[nodiscard]] Eigen::MatrixXd forces_at(const Eigen::MatrixXd& u) const {
     Eigen::MatrixXd forces(u.rows(), u.cols());
     NodalVector force;
     for (Eigen::Index c = 0; c < u.cols(); ++c) {
       (void)assembly_.residual(rest_state_ + u.col(c), force);
       forces.col(c) = force - rest_force_;
+      if (springs_) forces.col(c) += springs_->times(u.col(c)).head(u.rows());
     }
     return forces;
   }
@@ -534,7 +547,9 @@ class PlacedTools::Impl {
     const std::vector<Index>& state_of_unknown = assembly_.state_of_unknown();
     Eigen::MatrixXd unknowns(static_cast<Eigen::Index>(state_of_unknown.size()), f.cols());
     for (Eigen::Index i = 0; i < unknowns.rows(); ++i) unknowns.row(i) = f.row(state_of_unknown[i]);
+    constraints_.project(unknowns);
     solver_->solve(unknowns);
+    constraints_.project(unknowns);
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(f.rows(), f.cols());
     for (Eigen::Index i = 0; i < unknowns.rows(); ++i)
       all.row(state_of_unknown[i]) = unknowns.row(i);
@@ -545,6 +560,9 @@ class PlacedTools::Impl {
   const std::vector<Rheology>& rheologies_;
   const TrainedPlaces& trained_;
   Assembly assembly_;
+  DirectionConstraints constraints_;
+  /// That support the body; none: there are none.
+  std::optional<PointMatrix> springs_;
   BodyPoints points_;
   RestStiffness stiffness_;
   std::unique_ptr<LinearSolver> solver_;

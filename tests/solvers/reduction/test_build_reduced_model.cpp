@@ -8,7 +8,10 @@
 #include <utility>
 
 #include "assembly/assembly.h"
+#include "assembly/external_energy.h"
 #include "base/error.h"
+#include "reduced/model_arrays.h"
+#include "reduced/reduced_energy.h"
 #include "reduction/build_reduced_model.h"
 #include "reduction/hyper_reduction.h"
 #include "reduction/path_error.h"
@@ -18,6 +21,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
 #include "solvers/support/message_of.h"
+#include "solvers/support/supported.h"
 
 namespace palpate {
 namespace {
@@ -197,6 +201,78 @@ TEST(BuildReducedModel, UnderGravityItCountsFromTheRestThere) {
   EXPECT_LT(moving.max, 0.03);
 }
 
+// The bounds are those of a block that is fixed.
+TEST(BuildReducedModel, OnSpringsInPlanesAndUnderATractionItIsAsTheWholeBody) {
+  test::Block block = make_block(Law::neo_hookean);
+  block.scene = test::supported(std::move(block.scene));
+  const std::vector<Rheology> rheologies = {dense()};
+  const std::vector<BondedPatch> tools = patches_of(block, 1);
+  const BuiltModel built = build_reduced_model(block.scene, rheologies, tools, small_options(30));
+  EXPECT_TRUE(built.within_tolerance) << built.residual;
+  EquilibriumSolver solver(block.scene, {});
+  EXPECT_EQ(built.rest, solver.settled().u);
+  EXPECT_GT(built.rest.lpNorm<Eigen::Infinity>(), 0.1 * kReach);
+  solver.set_interaction(as_list(tools));
+  for (std::size_t p = 0; p < block.scene.held_directions.size(); ++p) {
+    const Eigen::MatrixXd along = block.scene.held_directions[p].transpose() *
+                                  built.basis.middleRows<3>(3 * static_cast<Eigen::Index>(p));
+    // Rounding, of a row of the basis.
+    ASSERT_LT(along.norm(), 1e-12 * built.basis.rowwise().norm().maxCoeff());
+  }
+  const PathError at_rest =
+      measure_equilibria(built.model, solver, random_places(1, kReach, 20, 12345));
+  EXPECT_GE(at_rest.num_compared, 15);
+  EXPECT_EQ(at_rest.num_failed, 0);
+  EXPECT_LT(at_rest.max, 0.004);
+  RandomPathOptions path;
+  path.duration = 0.3;
+  path.reach = kReach;
+  path.taps = 6;
+  DynamicsOptions dynamics;
+  dynamics.time_step = 2e-3;
+  DynamicSolver whole(block.scene, rheologies, as_list(tools), dynamics);
+  ReducedBodyOptions of_body;
+  of_body.time_step = dynamics.time_step;
+  const PathError moving =
+      measure_motion(built.model, whole, random_path(path, 4321), path.duration, of_body);
+  EXPECT_EQ(moving.num_failed, 0);
+  EXPECT_LT(moving.rms, 0.008);
+  EXPECT_LT(moving.max, 0.03);
+  // As a file has it.
+  const ReducedModel read = model_of(arrays_of(built.model));
+  EXPECT_EQ(read.support_stiffness, built.model.support_stiffness);
+  EXPECT_GT(read.support_stiffness.norm(), 0);
+}
+
+TEST(ReducedEnergy, OfSpringsIsThatOfTheWholeBody) {
+  const Scene scene = test::supported(make_block(Law::neo_hookean).scene);
+  const Assembly assembly(scene);
+  const std::optional<PointMatrix> springs = springs_of(scene, assembly);
+  ASSERT_TRUE(springs);
+  const std::vector<BondedPatch> tools = patches_of(make_block(Law::neo_hookean), 1);
+  const BuiltModel built = build_reduced_model(scene, {Rheology()}, tools, small_options(5));
+  ReducedModel without = built.model;
+  without.support_stiffness.resize(0, 0);
+  ReducedEnergy with_springs(built.model);
+  ReducedEnergy of_points(without);
+  const Eigen::VectorXd y = 0.5 * built.model.trained_tools.maxCoeff() *
+                            Eigen::VectorXd::LinSpaced(built.model.num_coordinates(), -1, 1);
+  const NodalVector u = built.basis * y;
+  const ReducedSums more = with_springs.linearise(y.data());
+  const ReducedSums less = of_points.linearise(y.data());
+  const NodalVector force = springs->times(u);
+  const double energy = 0.5 * u.dot(force);
+  constexpr double kRounding = 1e-9;
+  EXPECT_NEAR(more.elastic - less.elastic, energy, kRounding * energy);
+  EXPECT_NEAR(more.potential - less.potential, energy, kRounding * energy);
+  const Eigen::VectorXd expected = built.basis.transpose() * force;
+  EXPECT_LT((with_springs.force() - of_points.force() - expected).norm(),
+            kRounding * expected.norm());
+  const Eigen::VectorXd change =
+      (with_springs.tangent() - of_points.tangent()).selfadjointView<Eigen::Lower>() * y;
+  EXPECT_LT((change - expected).norm(), 1e-6 * with_springs.tangent().norm() * y.norm());
+}
+
 TEST(BuildReducedModel, IsTheSameForASeed) {
   const test::Block block = make_block(Law::neo_hookean);
   const std::vector<BondedPatch> tools = patches_of(block, 2);
@@ -323,6 +399,10 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   EXPECT_NE(build(block.scene, {dense()}, tools, heavy).find("finds no rest"), std::string::npos);
   heavy.gravity[1] = std::nan("");
   EXPECT_NE(build(block.scene, {dense()}, tools, heavy).find("BodyForce"), std::string::npos);
+
+  Scene pressed = block.scene;
+  pressed.applied_pressure.assign(pressed.fixed.size(), 100);
+  EXPECT_NE(build(pressed, {dense()}, tools, options).find("AppliedPressure"), std::string::npos);
 
   ReductionOptions far = options;
   far.reach = 1e300;

@@ -17,6 +17,7 @@
 #include "reduction/kept_model.h"
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/supported.h"
 #include "solvers/support/world_folder.h"
 #include "state_space/sqlite.h"
 
@@ -90,8 +91,7 @@ class KeptModelTest : public testing::Test {
   }
 
   const std::unique_ptr<Communicator> world_ = test::make_world();
-  const test::Block block_ =
-      test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
+  test::Block block_ = test::make_block(Law::neo_hookean, {ElementOrder::quadratic, {3, 2, 2}});
   const test::WorldFolder folder_{*world_};
   fs::path path_ = folder_.path() / "a.palpate";
   ReductionTools tools_;
@@ -135,6 +135,27 @@ TEST_F(KeptModelTest, UnderGravityItIsReadAsItWasBuilt) {
   EXPECT_EQ(arrays_of(without.model).count("RestGradients"), 0U);
   const StateSpaceFile file = StateSpaceFile::open_read_only(path_);
   EXPECT_EQ(file.list_reduced_models().size(), 2U);
+}
+
+TEST_F(KeptModelTest, WithSupportsAndATractionItIsReadAsItWasBuilt) {
+  block_.scene = test::supported(std::move(block_.scene));
+  const KeptModel built = build(path_);
+  const KeptModel read = build(path_);
+  expect_same(read, built);
+  if (world_->rank() != 0) return;
+  EXPECT_FALSE(built.was_there);
+  EXPECT_TRUE(read.was_there);
+  EXPECT_EQ(read.rest, built.rest);
+  EXPECT_EQ(arrays_of(read.model).count("SupportStiffness"), 1U);
+  const Scene scene = StateSpaceFile::open_read_only(path_).read_scene();
+  EXPECT_EQ(hash(scene), hash(block_.scene));
+  EXPECT_EQ(scene.settled.u, built.rest);
+}
+
+TEST_F(KeptModelTest, ABodyThatIsRefusedLeavesNoFile) {
+  block_.scene.applied_pressure.assign(block_.scene.fixed.size(), 100);
+  EXPECT_NE(message_of_build().find("AppliedPressure"), std::string::npos) << message_of_build();
+  EXPECT_FALSE(fs::exists(path_));
 }
 
 // Each rank builds it alone, and then they do together.

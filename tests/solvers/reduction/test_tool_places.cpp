@@ -6,12 +6,14 @@
 #include <string>
 
 #include "assembly/assembly.h"
+#include "assembly/external_energy.h"
 #include "base/error.h"
 #include "reduction/measure_model.h"
 #include "reduction/reduced_basis.h"
 #include "reduction/tool_places.h"
 #include "reduction/training.h"
 #include "solvers/support/block.h"
+#include "solvers/support/supported.h"
 
 namespace palpate {
 namespace {
@@ -66,9 +68,11 @@ class ToolPlaces : public ::testing::Test {
     const Eigen::Index d = placed.model.num_tool_coordinates;
     EXPECT_LT((placed.basis.rightCols(d) - rest.v).norm(), 1e-8 * rest.v.norm());
     EXPECT_LT((placed.model.tool_stiffness - rest.stiffness).norm(), 1e-8 * rest.stiffness.norm());
+    const std::optional<PointMatrix> springs = springs_of(block_.scene, solver.assembly());
     const Eigen::MatrixXd product =
         placed.basis.transpose() *
-        RestStiffness(solver.assembly(), placed.rest).times(placed.basis);
+        RestStiffness(solver.assembly(), placed.rest, springs ? &*springs : nullptr)
+            .times(placed.basis);
     Eigen::MatrixXd expected = Eigen::MatrixXd::Identity(n + d, n + d);
     expected.bottomRightCorner(d, d) = rest.stiffness;
     EXPECT_LT((product - expected).topRows(n).lpNorm<Eigen::Infinity>(), 1e-7);
@@ -194,6 +198,36 @@ std::string message_of(const std::function<void()>& call) {
     return error.what();
   }
   return "";
+}
+
+// The bounds are those of a block that is fixed, with ten more modes.
+TEST_F(ToolPlaces, OnSpringsInPlanesAndUnderATractionTheyCountFromTheRestThere) {
+  block_.scene = test::supported(std::move(block_.scene));
+  Rheology rheology;
+  rheology.density = 1000;
+  rheology.viscous_time = 0.01;
+  const std::vector<Rheology> rheologies = {rheology};
+  options_.modes = 80;
+  options_.training_paths = 3;
+  options_.path_duration = 1;
+  const TrainedPlaces trained = train_places(block_.scene, rheologies, places(), options_);
+  const PlacedTools placed(block_.scene, rheologies, trained);
+  options_.modes = 70;
+  const BuiltModel at = placed.attach(between(), options_);
+  EXPECT_EQ(at.rest, make_solver(rheologies).settled().u);
+  expect_basis_of_place(at, between());
+  const PathError still = error_at_rest(at, between());
+  EXPECT_EQ(still.num_failed, 0);
+  EXPECT_LT(still.max, 0.004);
+  options_.path_duration = 0.3;
+  const std::vector<MeasuredError> rows =
+      measure_model(block_.scene, rheologies, between(), options_, at.model, MeasureOptions());
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[1].error.num_failed, 0);
+  EXPECT_LT(rows[1].error.rms, 0.008);
+  EXPECT_LT(rows[1].error.max, 0.03);
+  const auto attach = [&] { (void)placed.attach({near({0.05, 0.03, 0})}, options_); };
+  EXPECT_NE(message_of(attach).find("HeldDirection"), std::string::npos);
 }
 
 TEST_F(ToolPlaces, OfTheLinearLawHaveModesOfMotionAlone) {
