@@ -149,25 +149,15 @@ vtkPalpateSegmentationReader::vtkPalpateSegmentationReader()
 
 vtkPalpateSegmentationReader::~vtkPalpateSegmentationReader() = default;
 
-void vtkPalpateSegmentationReader::SetFileName(const char* name)
-{
-  const std::string file = name ? name : "";
-  if (file != this->FileName)
-  {
-    this->FileName = file;
-    this->ClearSegments();
-  }
-}
-
 void vtkPalpateSegmentationReader::AddSegment(const char* name, int isRead)
 {
-  this->Segments->SetArraySetting(name, isRead);
+  this->Chosen[name] = isRead != 0;
   this->Modified();
 }
 
 void vtkPalpateSegmentationReader::ClearSegments()
 {
-  this->Segments->RemoveAllArrays();
+  this->Chosen.clear();
   this->Modified();
 }
 
@@ -176,9 +166,10 @@ vtkDataArraySelection* vtkPalpateSegmentationReader::GetSegments()
   return this->Segments;
 }
 
-vtkMTimeType vtkPalpateSegmentationReader::GetMTime()
+bool vtkPalpateSegmentationReader::IsRead(const std::string& segment) const
 {
-  return std::max(this->Superclass::GetMTime(), this->Segments->GetMTime());
+  const auto found = this->Chosen.find(segment);
+  return this->Chosen.empty() || (found != this->Chosen.end() && found->second);
 }
 
 int vtkPalpateSegmentationReader::RequestInformation(
@@ -197,12 +188,10 @@ int vtkPalpateSegmentationReader::RequestInformation(
     // RequestData shall run, and say so.
     image.Header.Size = { 1, 1, 1 };
   }
+  this->Segments->RemoveAllArrays();
   for (const auto& segment : segments)
   {
-    if (!this->Segments->ArrayExists(segment.Name.c_str()))
-    {
-      this->Segments->AddArray(segment.Name.c_str());
-    }
+    this->Segments->AddArray(segment.Name.c_str(), this->IsRead(segment.Name));
   }
   const auto& size = image.Header.Size;
   const std::array<int, 6> extent = { 0, size[0] - 1, 0, size[1] - 1, 0, size[2] - 1 };
@@ -255,9 +244,9 @@ void vtkPalpateSegmentationReader::Read(vtkImageData* output, bool tells)
   vtkPalpateArrangeImage(image);
   std::string warning = TellHeader(image.Header);
   Place(image.Header, output);
+  const std::vector<char> chosen = this->Choose(segments);
   if (!segments.empty())
   {
-    const std::vector<char> chosen = this->Choose(segments);
     const auto joined = vtkPalpateJoinSegments(image, segments, chosen);
     AddVoxels<vtkIntArray>("Labels", joined.Labels, output);
     AddSegments(segments, chosen, joined, output->GetFieldData());
@@ -278,29 +267,30 @@ void vtkPalpateSegmentationReader::Read(vtkImageData* output, bool tells)
 }
 
 std::vector<char> vtkPalpateSegmentationReader::Choose(
-  const std::vector<vtkPalpateSegment>& segments)
+  const std::vector<vtkPalpateSegment>& segments) const
 {
   std::vector<char> chosen;
   std::string names;
   for (const auto& segment : segments)
   {
-    chosen.push_back(this->Segments->ArrayIsEnabled(segment.Name.c_str()) ? 1 : 0);
+    chosen.push_back(this->IsRead(segment.Name) ? 1 : 0);
     names += (names.empty() ? "'" : ", '") + segment.Name + '\'';
   }
-  for (int i = 0; i < this->Segments->GetNumberOfArrays(); ++i)
+  const std::string there = segments.empty() ? "It has none." : "It has: " + names + '.';
+  for (const auto& [name, isRead] : this->Chosen)
   {
-    const std::string name = this->Segments->GetArrayName(i);
-    const bool is_there = std::any_of(segments.begin(), segments.end(),
-      [&name](const auto& segment) { return segment.Name == name; });
-    if (!is_there && this->Segments->GetArraySetting(i))
+    const bool isThere = std::any_of(segments.begin(), segments.end(),
+      [&name = name](const auto& segment) { return segment.Name == name; });
+    if (isRead && !isThere)
     {
-      throw InputError("Segments has '" + name +
-        "', but the file has no segment of that name. It has: " + names + '.');
+      throw InputError(
+        "Segments has '" + name + "', but the file has no segment of that name. " + there);
     }
   }
-  if (std::none_of(chosen.begin(), chosen.end(), [](char one) { return one != 0; }))
+  if (!segments.empty() &&
+    std::none_of(chosen.begin(), chosen.end(), [](char one) { return one != 0; }))
   {
-    throw InputError("Segments has none of the file switched on. It has: " + names + '.');
+    throw InputError("Segments has none of the file switched on. " + there);
   }
   return chosen;
 }
@@ -309,9 +299,9 @@ void vtkPalpateSegmentationReader::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
   os << indent << "FileName: " << this->FileName << '\n' << indent << "Segments:";
-  for (int i = 0; i < this->Segments->GetNumberOfArrays(); ++i)
+  for (const auto& [name, isRead] : this->Chosen)
   {
-    os << ' ' << this->Segments->GetArrayName(i) << '=' << this->Segments->GetArraySetting(i);
+    os << ' ' << name << '=' << isRead;
   }
   os << '\n';
 }

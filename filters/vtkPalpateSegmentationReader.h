@@ -17,6 +17,7 @@
  */
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,20 +36,19 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   ///@{
-  /// The file. Another one has other segments, all of which are read.
-  void SetFileName(const char* name);
+  /// The file.
+  vtkSetStdStringFromCharMacro(FileName);
   vtkGetCharFromStdStringMacro(FileName);
   ///@}
 
-  ///@{ Which segments are read, by name (0: it is not); all of which nothing is said.
+  ///@{ Which segments are read, by name. Where nothing is said of any, all are; else those that
+  /// nothing is said of are not.
   void AddSegment(const char* name, int isRead);
   void ClearSegments();
   ///@}
 
   /// The segments of the file, and whether they are read.
   vtkDataArraySelection* GetSegments();
-
-  vtkMTimeType GetMTime() override;
 
 protected:
   vtkPalpateSegmentationReader();
@@ -62,10 +62,12 @@ private:
   void operator=(const vtkPalpateSegmentationReader&) = delete;
 
   void Read(vtkImageData* output, bool tells);
+  bool IsRead(const std::string& segment) const;
   /// Whether each of them is read.
-  std::vector<char> Choose(const std::vector<vtkPalpateSegment>& segments);
+  std::vector<char> Choose(const std::vector<vtkPalpateSegment>& segments) const;
 
   std::string FileName;
+  std::map<std::string, bool> Chosen; ///< what was said of segments, by name
   vtkNew<vtkDataArraySelection> Segments;
   /// The executive runs a reader without an image again at each update: one message is enough.
   std::string Failure;

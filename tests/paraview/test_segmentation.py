@@ -253,7 +253,8 @@ def strings(data, name):
 
 def test_segments():
     """liver is a layer; tumour and cyst are in another one, and tumour has the value of liver."""
-    reader = SegmentationReader(FileName=os.path.join(DATA, "segments.seg.nrrd"))
+    reader_file = os.path.join(DATA, "segments.seg.nrrd")
+    reader = SegmentationReader(FileName=reader_file)
     reader.UpdatePipelineInformation()
     assert list(reader.Segments) == ["liver", "tumour", "cyst, small"], reader.Segments
     with Messages() as messages:
@@ -294,10 +295,22 @@ def test_segments():
     expect_error(lambda: fetch(reader), "'spleen'", "'liver', 'tumour', 'cyst, small'")
     reader.Segments = ["tumour"]
     assert strings(expect_silence(lambda: fetch(reader)), "Segment") == ["tumour"]
-    # Another file has other segments.
+    # What is chosen is chosen of another file, too.
+    write_segments("other.seg.nrrd", {"Segment0_Name": "tumour", "Segment1_Name": "spleen"})
+    reader.FileName = "other.seg.nrrd"
+    with Messages() as messages:
+        assert strings(fetch(reader), "Segment") == ["tumour"]
+    assert "'spleen'" not in messages.text, messages.text
     write_nrrd("plain.nrrd", labels(), numpy.eye(3))
     reader.FileName = "plain.nrrd"
-    assert expect_silence(lambda: fetch(reader)).GetFieldData().GetNumberOfArrays() == 0
+    expect_error(lambda: fetch(reader), "'tumour'", "It has none")
+    other = SegmentationReader(FileName="plain.nrrd")
+    assert expect_silence(lambda: fetch(other)).GetFieldData().GetNumberOfArrays() == 0
+    # Before anybody has looked into the file.
+    early = SegmentationReader(FileName=reader_file, Segments=["cyst, small"])
+    assert strings(expect_silence(lambda: fetch(early)), "Segment") == ["cyst, small"]
+    wrong = SegmentationReader(FileName=reader_file, Segments=["cist"])
+    expect_error(lambda: fetch(wrong), "'cist'")
 
 
 def write_segments(name, keys, layers=2):
