@@ -18,6 +18,7 @@
 #include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkPalpateFailure.h"
+#include "vtkPalpateGuard.h"
 #include "vtkPalpateImageFile.h"
 #include "vtkPalpateSegments.h"
 #include "vtkPointData.h"
@@ -262,7 +263,7 @@ void vtkPalpateSegmentationReader::Read(vtkImageData* output, bool tells)
   }
   if (tells && !warning.empty())
   {
-    vtkWarningMacro(<< "The file " << this->FileName << ": " << warning);
+    vtkPalpateWarn(this, "The file " + this->FileName + ": " + warning);
   }
 }
 

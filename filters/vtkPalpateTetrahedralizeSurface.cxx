@@ -531,7 +531,7 @@ int vtkPalpateTetrahedralizeSurface::RequestData(
       const std::string dropped = vtkPalpateTellDroppedDirections(this);
       if (!dropped.empty())
       {
-        vtkWarningMacro(<< dropped);
+        vtkPalpateWarn(this, dropped);
       }
       try
       {
