@@ -9,10 +9,12 @@ from contact_space_support import ABOVE, DEPTH, LAYER, MIDDLE_OF_TOP, RADIUS, sc
 from paraview import servermanager
 from paraview.simple import (EstimateError, SaveData, SolveEquilibrium, Sphere, StateSpaceReader,
                              TouchStateSpace, XMLPartitionedDatasetCollectionReader)
-from support import expect_error, expect_silence, field
+from support import Messages, expect_error, expect_silence, field
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 TOUCHES_NOTHING = 64
+# Of Found.
+INSIDE, EXTRAPOLATED = 1, 2
 
 
 def configurations(proxy):
@@ -147,6 +149,31 @@ def test_touch():
     away = expect_silence(lambda: touch.UpdatePipeline() or servermanager.Fetch(touch, 0))
     assert (field(away, "Force") == 0).all() and (array(away, "Displacement") == 0).all()
     assert (array(away, "ContactPressure") == 0).all()
+
+
+def test_a_tool_inside_is_told():
+    """A ball that is small beside the cells goes through the surface: no answer is taken from
+    there, and none is without a force."""
+    boundary = scene("contact_space_inside")
+    space = space_of(boundary, ToolRadius=0.003, Depth=0.03, Spacing=0.003, RegionRadius=0.0015,
+                     ContactThickness=0.0012, FileName="contact_inside.palpate")
+    space.ToolRegion.Center = [0.117, 0.055, 0.1]
+    with Messages() as messages:
+        found = configurations(space)
+    assert "tool inside the body" in messages.text and messages.errors == 0, messages.text
+    inside = array(found, "Outcome") == 7
+    assert 0 < inside.sum() < len(inside)
+    for of in (space, StateSpaceReader(FileName="contact_inside.palpate")):
+        touch = TouchStateSpace(Input=of)
+        for i in numpy.flatnonzero(inside)[::3]:
+            touch.ToolPosition = found.GetPoint(i)
+            touch.UpdatePipeline()
+            felt = servermanager.Fetch(touch, 0)
+            assert field(felt, "Found")[0] == EXTRAPOLATED, field(felt, "Found")
+            assert numpy.linalg.norm(field(felt, "Force")[0]) > 0
+    touch.ToolPosition = [0.117, 0.055, 0.1 + 0.003 - 0.002]
+    touch.UpdatePipeline()
+    assert field(servermanager.Fetch(touch, 0), "Found")[0] == INSIDE
 
 
 def test_error_estimate():
