@@ -23,26 +23,6 @@ constexpr int kMaxDepth = 6;
 /// tool.
 constexpr double kSpacingOfRadius = 0.4;
 
-/// The rigid tool, as its file has it where that was begun with the layer that earlier versions of
-/// this program chose by themselves: with another one it would be another tool.
-RigidTool tool_of(const PrecomputeOptions& options, const Scene& scene) {
-  const RigidTool& asked = options.contact->tool;
-  RigidTool tool = with_defaults(asked, scene);
-  const bool is_chosen_here = asked.law.thickness == 0 && asked.law.stiffness == 0;
-  if (!is_chosen_here || options.file.empty() || !std::filesystem::exists(options.file)) {
-    return tool;
-  }
-  RigidTool earlier = asked;
-  earlier.law.thickness = kThicknessOfRadius * half_width(asked);
-  earlier = with_defaults(std::move(earlier), scene);
-  const std::vector<ToolSpace> there =
-      StateSpaceFile::open_read_only(options.file).read_tool_spaces();
-  const bool is_earlier = std::any_of(there.begin(), there.end(), [&](const ToolSpace& space) {
-    return space.setup.interaction.is_contact() && space.setup.interaction.tool == earlier;
-  });
-  return is_earlier ? earlier : tool;
-}
-
 /// Makes the grid of a tool space that of the smallest cells that a tolerance may ask for.
 void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
   setup.policy.tolerance = options.tolerance;
@@ -115,7 +95,7 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
   const ContactOptions& contact = *options.contact;
   ToolSpaceSetup setup;
   setup.id = kContactToolSpace;
-  setup.interaction = rigid_contact_spec(tool_of(options, scene));
+  setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
   const std::shared_ptr<const ToolClearance> clearance = tools.clearance(setup.interaction);
   const double width = half_width(setup.interaction.tool);
   const double spacing = contact.spacing > 0 ? contact.spacing : usual_spacing(*clearance, width);
@@ -139,6 +119,25 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
 std::vector<PlannedSpace> plan_spaces(const Scene& scene, const PrecomputeOptions& options,
                                       InteractionFactory& tools) {
   return options.contact ? plan_shell(scene, options, tools) : plan_grids(scene, options);
+}
+
+RigidTool with_earlier_layer(RigidTool tool, const Scene& scene) {
+  tool.law.thickness = kThicknessOfRadius * half_width(tool);
+  return with_defaults(std::move(tool), scene);
+}
+
+bool has_earlier_layer(const Scene& scene, const PrecomputeOptions& options) {
+  const RigidTool& asked = options.contact->tool;
+  const bool is_chosen_here = asked.law.thickness == 0 && asked.law.stiffness == 0;
+  if (!is_chosen_here || options.file.empty() || !std::filesystem::exists(options.file)) {
+    return false;
+  }
+  const RigidTool earlier = with_earlier_layer(asked, scene);
+  const std::vector<ToolSpace> there =
+      StateSpaceFile::open_read_only(options.file).read_tool_spaces();
+  return std::any_of(there.begin(), there.end(), [&](const ToolSpace& space) {
+    return space.setup.interaction.is_contact() && space.setup.interaction.tool == earlier;
+  });
 }
 
 }  // namespace palpate

@@ -28,4 +28,13 @@ namespace palpate {
                                                    const PrecomputeOptions& options,
                                                    InteractionFactory& tools);
 
+/// Whether the file was begun with the layer of contact that earlier versions of this program chose
+/// by themselves for the rigid tool: with another one it would be another tool.
+/// @param options With a rigid tool. @note Of one rank: what a run that was killed has left of the
+///   file is taken up. @throws InputError, BackendError the file cannot be read.
+[[nodiscard]] bool has_earlier_layer(const Scene& scene, const PrecomputeOptions& options);
+
+/// A rigid tool with that layer.
+[[nodiscard]] RigidTool with_earlier_layer(RigidTool tool, const Scene& scene);
+
 }  // namespace palpate

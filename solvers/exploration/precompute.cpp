@@ -360,6 +360,14 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& asked,
   });
   PrecomputeOptions options = asked;
   options.equilibrium.threads = num_threads(communicator, asked.equilibrium.threads);
+  if (asked.contact) {
+    bool is_earlier = false;
+    agree(communicator,
+          [&] { is_earlier = communicator.rank() == 0 && has_earlier_layer(scene, asked); });
+    if (any(communicator, is_earlier)) {
+      options.contact->tool = with_earlier_layer(asked.contact->tool, scene);
+    }
+  }
   PrecomputeResult result;
   // One rank may run out of memory anywhere.
   agree(communicator, [&] {

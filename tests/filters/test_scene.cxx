@@ -149,7 +149,7 @@ TEST_P(SceneAsData, ACellWithoutMaterialOrOfAnUnknownOneIsNamed) {
   EXPECT_EQ(error(vtkPalpateArray::Law, 3), "");
   EXPECT_EQ(error(vtkPalpateArray::Law, -1).rfind("Cell 1 has no material.", 0), 0U);
   EXPECT_EQ(error(vtkPalpateArray::Law, 9).rfind("Cell 1 has Law 9;", 0), 0U);
-  EXPECT_EQ(error(vtkPalpateArray::Formulation, 2).rfind("Cell 1 has Formulation 2;", 0), 0U);
+  EXPECT_EQ(error(vtkPalpateArray::Formulation, 3).rfind("Cell 1 has Formulation 3;", 0), 0U);
   EXPECT_EQ(error("C01", -5).rfind("Material of cell 1: C01 is -5;", 0), 0U);
 }
 

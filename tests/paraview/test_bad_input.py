@@ -196,7 +196,7 @@ def test_material_of_a_calculator(bad):
             ("Law", "9", ("Cell 0", "Law 9")),
             ("Law", "3", ("cell 0", "C10", "Assign Material")),
             ("Law", "5", ("cell 0", "Exponent", "Assign Material")),
-            ("Formulation", "2", ("Cell 0", "Formulation 2"))):
+            ("Formulation", "3", ("Cell 0", "Formulation 3"))):
         changed = Calculator(Input=material, AttributeType="Cell Data", ResultArrayName=array,
                              Function=value)
         boundary = SetBoundary(Input=changed, FixedRegion="Plane")

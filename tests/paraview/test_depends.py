@@ -281,8 +281,9 @@ def test_supports_and_loads():
     assert check_file(make, changes, "loaded.palpate") == set(changes)
 
 
-def body_with(fixed_at=0, touchable=False, region=None, **material):
-    """@param region where the second material begins, m, and what is different in it."""
+def body_with(fixed_at=0, touchable=False, region=None, boundary=None, **material):
+    """@param region where the second material begins, m, and what is different in it.
+    @param boundary what holds and loads the side z = 0 besides."""
     grid = box_body((4, 1, 1), quadratic=False)
     same = {"Law": "Neo-Hookean", "YoungsModulus": 5000, "PoissonsRatio": 0.4, "Density": 1000,
             "ViscousTime": 0.01, **material}
@@ -292,9 +293,9 @@ def body_with(fixed_at=0, touchable=False, region=None, **material):
         whole = AssignMaterial(Input=whole, RegionType="Shape", RegionShape="Plane",
                                **{**same, **other})
         whole.RegionShape.Origin, whole.RegionShape.Normal = [start, 0, 0], [-1, 0, 0]
-    boundary = SetBoundary(Input=whole, FixedRegion="Plane")
-    boundary.FixedRegion.Origin, boundary.FixedRegion.Normal = [fixed_at, 0, 0], [1, 0, 0]
-    return boundary
+    fixed = SetBoundary(Input=whole, FixedRegion="Plane")
+    fixed.FixedRegion.Origin, fixed.FixedRegion.Normal = [fixed_at, 0, 0], [1, 0, 0]
+    return on_plane(fixed, [0, 0, 0], [0, 0, 1], **boundary) if boundary else fixed
 
 
 DENSE, STIFF, VISCOUS = {"Density": 20000}, {"YoungsModulus": 9000}, {"ViscousTime": 0.05}
@@ -303,6 +304,11 @@ BODIES = {
     "Poisson's ratio": {"PoissonsRatio": 0.3}, "density": {"Density": 1100},
     "viscous time": VISCOUS, "Prony series": {"PronyModuli": [0.5], "PronyTimes": [0.1]},
     "fixed points": {"fixed_at": 0.051},
+    "plane": {"boundary": {"Support": "Normal"}},
+    "springs": {"boundary": {"Support": "Springs", "SupportStiffness": 2e4}},
+    "stiff springs": {"boundary": {"Support": "Springs", "SupportStiffness": 3e4}},
+    "traction": {"boundary": {"Support": "Nothing", "Load": "Traction",
+                              "AppliedTraction": [0, 5, -5]}},
     "dense half": {"region": (0.1, DENSE)}, "dense end": {"region": (0.15, DENSE)},
     "stiff half": {"region": (0.1, STIFF)}, "stiff end": {"region": (0.15, STIFF)},
     "viscous half": {"region": (0.1, VISCOUS)}, "viscous end": {"region": (0.15, VISCOUS)}}
@@ -314,7 +320,7 @@ def check_bodies(make, file):
     right = {name: outcome(make(boundary, "")) for name, boundary in bodies.items()}
     for name, result in right.items():
         assert all(differences(result, right[other]) for other in right if other != name), name
-    for body_of_file in ("dense half", "stiff half", "viscous half"):
+    for body_of_file in ("dense half", "stiff half", "viscous half", "springs"):
         if os.path.exists(file):
             os.remove(file)
         assert not differences(outcome(make(bodies[body_of_file], file)), right[body_of_file])

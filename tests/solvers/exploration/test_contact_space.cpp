@@ -216,6 +216,21 @@ TEST_F(ContactSpace, GoesOnFromItsFile) {
 }
 
 // As if each were explored alone, in memory and in a file.
+// Every rank takes the same tool, whoever looks into the file.
+TEST_F(ContactSpace, GoesOnFromAFileWithTheLayerOfEarlierVersions) {
+  options_.file = folder_ / "space.palpate";
+  options_.contact->tool.law.thickness = kThicknessOfRadius * kRadius;
+  const PrecomputeResult earlier = run(*world_);
+  options_.contact->tool.law = {};
+  const PrecomputeResult again = run(*world_);
+  EXPECT_GT(earlier.report.num_solved, 0);
+  EXPECT_EQ(again.report.num_solved, 0);
+  EXPECT_EQ(again.report.num_reused, earlier.report.num_solved);
+  if (world_->rank() == 0) {
+    expect_equal(again.space.tool_spaces[0], earlier.space.tool_spaces[0]);
+  }
+}
+
 TEST_F(ContactSpace, ActiveNodesThatAreToBeGraspedComeBesideIt) {
   const PrecomputeResult tool = run(*world_);
   Index node = 0;
@@ -315,8 +330,12 @@ TEST_F(ContactSpace, GoesNoDeeperThanTheForceLimit) {
   }
 }
 
+// Where one equilibrium belongs to each place, as above.
 TEST_F(ContactSpace, WithoutAFactorItIsTheSameOnAnyNumberOfRanks) {
   constexpr double kAgreement = 1e-7;
+  options_.contact->shell.region = [](const Vec3& place) {
+    return (place - Vec3(0.065, 0.03, 0.05)).norm() < 0.015;
+  };
   options_.linear_solver = kConjugateGradients;
   const PrecomputeResult parallel = run(*world_);
   EXPECT_TRUE(parallel.report.complete);

@@ -79,6 +79,8 @@ class GravitySpace : public testing::Test {
     options_.active_nodes.clear();
     options_.contact.emplace();
     options_.contact->tool.radius = 0.015;
+    // Smooth enough for these cells, also where contact begins.
+    options_.contact->tool.law.thickness = 0.003;
     options_.contact->spacing = 0.005;
     options_.contact->shell.depth = 0.006;
     const NodalVector sag = aim();
