@@ -14,9 +14,9 @@
 //
 // The loop may live on where the rest of its program, the host, has failed: a thread that has
 // crashed hangs in a handler of the crash, or the main thread waits for something that never comes.
-// Then nobody commands what the loop sends. So the channel also says how the host does: `crashed`,
-// for good, which the host says itself in a handler of the signal (crash_signals.h), or `hanging`,
-// as long as the guardian finds it so (host_watch.h).
+// Then nobody commands what the loop sends. So the channel also says how the host does: `crashed`
+// or `ending`, for good, which the host says itself in a handler of the signal (host_signals.h), or
+// `hanging`, as long as the guardian finds it so (host_watch.h).
 #pragma once
 
 #include <atomic>
@@ -31,8 +31,10 @@ namespace palpate {
 enum class HostState : std::uint32_t {
   living,
   /// The thread that a person commands it by waits for something that does not come, or handles a
-  /// crash.
+  /// signal of host_signals.h.
   hanging,
+  /// It was asked to end, by a signal.
+  ending,
   /// One of its threads has crashed.
   crashed,
 };
@@ -47,7 +49,7 @@ class GuardianChannel {
   static constexpr Duration kGuardianSilence = std::chrono::milliseconds(60);
   static constexpr Duration kLook = std::chrono::milliseconds(10);
   /// The version of this class; the two programs must have the same.
-  static constexpr std::uint32_t kVersion = 2;
+  static constexpr std::uint32_t kVersion = 3;
 
   /// @param its_zero The report that switches the motors off, whatever the device's state is.
   explicit GuardianChannel(const Report& its_zero = {}) : zero(its_zero) {}
@@ -92,8 +94,14 @@ class GuardianChannel {
     host_thread_.store(thread, std::memory_order_relaxed);
     host_lives_.store(now.count(), std::memory_order_release);
   }
-  /// Says that a thread has crashed. Handlers of signals may call this.
-  void say_host_crashed() noexcept { host_.store(HostState::crashed, std::memory_order_release); }
+  /// Says that the host has crashed, or was asked to end. Handlers of signals may call this.
+  /// @param state `crashed` or `ending`; what has crashed stays so.
+  void say_host_fails(HostState state) noexcept {
+    HostState before = host_.load(std::memory_order_relaxed);
+    while (before != HostState::crashed &&
+           !host_.compare_exchange_weak(before, state, std::memory_order_acq_rel)) {
+    }
+  }
 
   // The guardian calls these.
 
@@ -119,7 +127,7 @@ class GuardianChannel {
   [[nodiscard]] Time host_lived() const noexcept {
     return Time(host_lives_.load(std::memory_order_acquire));
   }
-  /// Says whether the host hangs. What has crashed stays so.
+  /// Says whether the host hangs. What has crashed or ends stays so.
   void say_host_hangs(bool hangs) noexcept {
     HostState other = hangs ? HostState::living : HostState::hanging;
     host_.compare_exchange_strong(other, hangs ? HostState::hanging : HostState::living,

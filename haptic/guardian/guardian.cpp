@@ -97,7 +97,7 @@ Guardian::Guardian(const std::string& device, const Report& zero, Duration deadl
   try {
     start(program, device, memory.get());
     wait_until_it_watches(device, deadline);
-    crash_signals_.emplace(*channel_);
+    host_signals_.emplace(*channel_);
   } catch (...) {
     release();
     throw;
@@ -171,11 +171,11 @@ bool Guardian::ended(int& status) {
 
 void Guardian::host_lives() noexcept {
   channel_->host_beat(MonotonicClock().now(), ::gettid());
-  CrashSignals::stay_in_front();
+  HostSignals::stay_in_front();
 }
 
 void Guardian::release() noexcept {
-  crash_signals_.reset();
+  host_signals_.reset();
   if (line_ >= 0) ::close(line_);
   // It ends by itself. One that hangs in the device's driver is left to itself: the system takes
   // it when this process is no more.
@@ -188,6 +188,10 @@ void Guardian::release() noexcept {
 std::string Guardian::problem() const {
   if (channel_->host() == HostState::crashed) {
     return "The motors stay off: this program has crashed. Start it anew.";
+  }
+  if (channel_->host() == HostState::ending) {
+    return "The motors stay off: this program was asked to end, by Ctrl+C or another signal. If it "
+           "is to go on, open the device again.";
   }
   if (channel_->guarded(MonotonicClock().now()) || channel_->device_is_gone()) return {};
   return "The motors stay off: their guardian, the program palpate-guardian, has ended or does not "

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "haptic/guardian/channel.h"
-#include "haptic/guardian/crash_signals.h"
+#include "haptic/guardian/host_signals.h"
 
 namespace palpate {
 
@@ -50,7 +50,7 @@ class Guardian {
   void release() noexcept;
 
   GuardianChannel* channel_ = nullptr;
-  std::optional<CrashSignals> crash_signals_;
+  std::optional<HostSignals> host_signals_;
   /// This end of the socket.
   int line_ = -1;
   /// The program; −1: it has ended, and was waited for.

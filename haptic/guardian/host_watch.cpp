@@ -2,7 +2,6 @@
 #include "haptic/guardian/host_watch.h"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,12 +9,16 @@
 #include <cstdlib>
 #include <utility>
 
+#include "haptic/guardian/host_signals.h"
+
 namespace palpate {
 namespace {
 
-constexpr std::uint64_t bit(int signal) { return std::uint64_t{1} << (signal - 1); }
-constexpr std::uint64_t kCrashes =
-    bit(SIGSEGV) | bit(SIGABRT) | bit(SIGBUS) | bit(SIGFPE) | bit(SIGILL);
+constexpr std::uint64_t watched_signals() {
+  std::uint64_t bits = 0;
+  for (const HostSignal& watched : kHostSignals) bits |= std::uint64_t{1} << (watched.signal - 1);
+  return bits;
+}
 
 /// Longer than any such file.
 constexpr std::size_t kSize = 8192;
@@ -47,7 +50,7 @@ std::optional<ThreadStatus> parse_thread_status(const std::string& text) {
   if (state == nullptr || blocked == nullptr || voluntary == nullptr || other == nullptr) return {};
   ThreadStatus status;
   status.runs = *state == 'R';
-  status.blocks_crashes = (std::strtoull(blocked, nullptr, 16) & kCrashes) != 0;
+  status.blocked = std::strtoull(blocked, nullptr, 16) & watched_signals();
   status.switches = std::strtoull(voluntary, nullptr, 10) + std::strtoull(other, nullptr, 10);
   return status;
 }
@@ -66,12 +69,14 @@ bool HostWatch::hangs(Time now, const GuardianChannel& channel) {
 bool HostWatch::hangs(Time now, std::int32_t thread, const ThreadStatus& status,
                       std::optional<Time> host_lived) {
   if (std::exchange(thread_, thread) != thread) {
-    blocked_crashes_ = status.blocks_crashes;
+    blocked_ = status.blocked;
     ran_at_ = now;
   }
+  // Whoever starts the guardian has blocked all of them for a moment, and may be seen so.
+  blocked_ &= status.blocked;
   const bool has_run = std::exchange(switches_, status.switches) != status.switches;
   if (status.runs || has_run) ran_at_ = now;
-  if (!status.blocks_crashes || blocked_crashes_) {
+  if ((status.blocked & ~blocked_) == 0) {
     handles_since_.reset();
   } else if (!handles_since_) {
     handles_since_ = now;

@@ -3,9 +3,10 @@
 // tells of one of its threads: the one that says that it lives (GuardianChannel::host_beat()), or
 // its main thread as long as none has.
 //
-// It handles a crash: a signal of crash_signals.h is blocked in the thread for longer than
-// kHandling, and was not when the watch began. The system blocks a signal while a handler of it
-// runs. Where another program is started, signals are blocked too, for a few milliseconds.
+// It handles a crash or the wish that it end: a signal of host_signals.h is blocked in the thread
+// for longer than kHandling, and was not all along. The system blocks a signal while a
+// handler of it runs. Where another program is started, signals are blocked too, for a few
+// milliseconds.
 //
 // It waits for something that does not come: it has said before that it lives, and since
 // kSilence it has neither said so nor run, not for a moment. A thread that computes runs, however
@@ -26,8 +27,8 @@ namespace palpate {
 struct ThreadStatus {
   /// Whether it runs, or would if a processor were free.
   bool runs = false;
-  /// Whether any signal of a crash is blocked.
-  bool blocks_crashes = false;
+  /// Which signals of host_signals.h are blocked: bit `number − 1` of each.
+  std::uint64_t blocked = 0;
   /// The number of times that it was taken from a processor.
   std::uint64_t switches = 0;
 };
@@ -59,11 +60,12 @@ class HostWatch {
   bool hangs_ = false;
 
   std::int32_t thread_ = 0;
-  bool blocked_crashes_ = false;
+  /// As ThreadStatus::blocked, of those that were blocked whenever this thread was looked at.
+  std::uint64_t blocked_ = 0;
   std::uint64_t switches_ = 0;
   /// When the thread was last seen to have run.
   Time ran_at_{0};
-  /// Since when it was seen to handle a crash, if it does.
+  /// Since when it was seen to handle such a signal, if it does.
   std::optional<Time> handles_since_;
 };
 

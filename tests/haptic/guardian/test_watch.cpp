@@ -119,7 +119,7 @@ TEST_F(WatchTest, ADeadHostIsBelievedWhateverTheMemorySays) {
 TEST_F(WatchTest, AHostThatHasCrashedGetsZeroForGood) {
   channel.beat(1s);
   EXPECT_EQ(look(1s), Action::none);
-  channel.say_host_crashed();
+  channel.say_host_fails(HostState::crashed);
   for (Time now = 1s; now < 3s; now += 10ms) {
     channel.beat(now);
     ASSERT_EQ(look(now), Action::zero);
@@ -139,7 +139,7 @@ TEST_F(WatchTest, AHostThatHangsGetsZeroUntilItGoesOn) {
   channel.beat(2s);
   EXPECT_EQ(look(2s, Host::running), Action::none);
   EXPECT_EQ(channel.host(), HostState::living);
-  channel.say_host_crashed();
+  channel.say_host_fails(HostState::crashed);
   (void)look(2s + 2ms, Host::running);
   EXPECT_EQ(channel.host(), HostState::crashed) << "what has crashed does not live again";
 }

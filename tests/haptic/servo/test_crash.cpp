@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A program that touches and whose main thread, or another one, crashes without ending: what
-// handles the crash never returns, as where it waits for the lock of an allocation that has
-// crashed. The servo loop of the program lives on. What comes to the device decides: a named pipe
-// that the loop writes its forces to and the guardian its zeros.
+// A program that touches and whose main thread, or another one, crashes or is asked to end, without
+// ending: what handles the signal never returns, as where it waits for the lock of an allocation
+// that the signal has come into. The servo loop of the program lives on. What comes to the device
+// decides: a named pipe that the loop writes its forces to and the guardian its zeros.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <pthread.h>
@@ -35,11 +35,25 @@ using namespace std::chrono_literals;
 
 constexpr Duration kLongTime = 30s;
 
-/// A board that is not there, pressed into the box; what is sent to it goes into a pipe, too.
+/// From one tap to the next.
+constexpr Duration kPeriod = 250ms;
+
+/// Into the box and out of it again and again. Where a busy machine has held the loop up there is
+/// no force until the tool was outside; a program that must not give force does not do so then.
+std::shared_ptr<Motion> tapping() {
+  const Vec3 outside(0, 0, 0.005);
+  const Vec3 inside(0.001, 0.002, -0.004);
+  return std::make_shared<ScriptedMotion>(
+      std::vector<ScriptedMotion::Waypoint>{
+          {0ms, outside}, {20ms, outside}, {80ms, inside}, {190ms, inside}, {kPeriod, outside}},
+      true);
+}
+
+/// A board that is not there, tapped into the box; what is sent to it goes into a pipe, too.
 class PipedBoard final : public Transport {
  public:
   PipedBoard(const std::string& pipe, const std::shared_ptr<Clock>& clock)
-      : board_(clock, test::holding()),
+      : board_(clock, tapping()),
         zero_(make_profile(ProfileKind::palpate_report, board_.feature())->zero_force({})),
         pipe_(::open(pipe.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC)),
         guardian_(pipe, zero_) {}
@@ -94,11 +108,11 @@ class Device {
   bool wait_for_force() {
     return wait([&] { return take().first > 0; });
   }
-  /// Until nothing but zero has come for a tenth of a second.
+  /// Until nothing but zero has come for longer than a tap takes.
   bool wait_for_rest() {
     return wait([&] {
       (void)take();
-      std::this_thread::sleep_for(100ms);
+      std::this_thread::sleep_for(kPeriod);
       const auto [forces, zeros] = take();
       return forces == 0 && zeros > 0;
     });
@@ -133,12 +147,17 @@ void hang_in_handler(int, siginfo_t*, void*) {
 
 constexpr std::array kCrashes = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL};
 
-void set_handlers(int flags) {
+constexpr std::array kEnds = {SIGTERM, SIGINT, SIGHUP, SIGQUIT};
+
+void set_handlers(int flags, void (*handler)(int, siginfo_t*, void*) = &hang_in_handler) {
   struct sigaction action {};
-  action.sa_sigaction = &hang_in_handler;
+  action.sa_sigaction = handler;
   action.sa_flags = SA_SIGINFO | flags;
-  for (const int signal : kCrashes) ::sigaction(signal, &action, nullptr);
+  for (const HostSignal& watched : kHostSignals) ::sigaction(watched.signal, &action, nullptr);
 }
+
+/// As the handler of a program that goes on, such as Python's of Ctrl+C.
+void go_on_in_handler(int, siginfo_t*, void*) {}
 
 /// What a program does that touches: it has the device, and then goes on for ever.
 struct Script {
@@ -169,7 +188,7 @@ class Program {
       servo.set_settings(settings);
       servo.start();
       char word = 0;
-      for (const Time end = clock->now() + 3s; clock->now() < end && word == 0;) {
+      for (const Time end = clock->now() + kLongTime; clock->now() < end && word == 0;) {
         servo.host_lives();
         std::this_thread::sleep_for(10ms);
         if (servo.latest().force.norm() > 0.1) word = 1;
@@ -189,6 +208,7 @@ class Program {
   Program& operator=(const Program&) = delete;
 
   void go_on() const { (void)!::write(line_, "", 1); }
+  void send(int signal) const { ::kill(process_, signal); }
   [[nodiscard]] bool lives() const { return ::waitpid(process_, nullptr, WNOHANG) == 0; }
 
  private:
@@ -197,11 +217,13 @@ class Program {
 };
 
 /// A program has touched with force, and then does what is said: the device has zero, for good.
-void expect_rest(const Script& script, bool ends = false) {
+/// @param signal Is sent to it as it does that; 0: none.
+void expect_rest(const Script& script, bool ends = false, int signal = 0) {
   Device device;
   const Program program(device.path, script);
   ASSERT_TRUE(device.wait_for_force());
   program.go_on();
+  if (signal != 0) program.send(signal);
   if (ends) {
     std::this_thread::sleep_for(500ms);
     EXPECT_EQ(device.take().second > 0, true);
@@ -211,7 +233,7 @@ void expect_rest(const Script& script, bool ends = false) {
   }
   ASSERT_TRUE(device.wait_for_rest());
   EXPECT_TRUE(program.lives()) << "its loop lives on, and no longer gives force";
-  std::this_thread::sleep_for(200ms);
+  std::this_thread::sleep_for(kPeriod);
   EXPECT_EQ(device.take().first, 0);
 }
 
@@ -262,20 +284,76 @@ TEST(Crash, WithoutAHandlerEndsTheProgram) {
   expect_rest({[] {}, [] { std::abort(); }}, true);
 }
 
-// What a process does that was forked from the program is none of its.
-TEST(Crash, OfAForkedProcessIsNone) {
+/// A program has touched with force, and goes on with it whatever it does then.
+void expect_force(const Script& script, int signal = 0) {
   Device device;
-  const Program program(device.path, {[] {},
-                                      [] {
-                                        const pid_t other = ::fork();
-                                        if (other == 0) std::abort();
-                                        ::waitpid(other, nullptr, 0);
-                                      }});
+  const Program program(device.path, script);
   ASSERT_TRUE(device.wait_for_force());
   program.go_on();
+  if (signal != 0) program.send(signal);
   std::this_thread::sleep_for(300ms);
   (void)device.take();
   EXPECT_TRUE(device.wait_for_force()) << "it goes on";
+}
+
+// What a process does that was forked from the program is none of its.
+TEST(Crash, OfAForkedProcessIsNone) {
+  expect_force({[] {},
+                [] {
+                  const pid_t other = ::fork();
+                  if (other == 0) std::abort();
+                  ::waitpid(other, nullptr, 0);
+                }});
+}
+
+TEST(WishToEnd, OfEachKindThatAHandlerHolds) {
+  for (const int signal : kEnds) {
+    SCOPED_TRACE(::strsignal(signal));
+    expect_rest({[] { set_handlers(SA_RESETHAND); }}, false, signal);
+  }
+}
+
+TEST(WishToEnd, ThatAnotherThreadHandles) {
+  expect_rest({[] { set_handlers(0); },
+               [] {
+                 std::thread([] { ::raise(SIGTERM); }).detach();
+                 for (;;) std::this_thread::sleep_for(10ms);
+               }});
+}
+
+TEST(WishToEnd, WithAHandlerThatWasSetLater) {
+  expect_rest({[] {},
+               [] {
+                 set_handlers(0);
+                 ::raise(SIGTERM);
+               }});
+}
+
+// Who has asked a program to end does not wait for a force of it.
+TEST(WishToEnd, OfAProgramThatGoesOnAllTheSame) {
+  expect_rest({[] { set_handlers(0, &go_on_in_handler); }}, false, SIGINT);
+}
+
+TEST(WishToEnd, WithoutAHandlerEndsTheProgram) {
+  for (const int signal : kEnds) {
+    SCOPED_TRACE(::strsignal(signal));
+    // Who has started this test may ignore it, as a shell does for what runs beside it.
+    expect_rest({[signal] { ::signal(signal, SIG_DFL); }}, true, signal);
+  }
+}
+
+// As under nohup.
+TEST(WishToEnd, ThatAProgramIgnoresIsNone) {
+  expect_force({[] { ::signal(SIGHUP, SIG_IGN); }}, SIGHUP);
+}
+
+TEST(WishToEnd, OfAForkedProcessIsNone) {
+  expect_force({[] {},
+                [] {
+                  const pid_t other = ::fork();
+                  if (other == 0) ::raise(SIGTERM);
+                  ::waitpid(other, nullptr, 0);
+                }});
 }
 
 }  // namespace

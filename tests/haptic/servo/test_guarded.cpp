@@ -52,6 +52,18 @@ struct Guarded : testing::Test {
     }
   }
 
+  void expect_no_force_after(HostState state) {
+    begin(test::pressing(), &channel);
+    run(500ms);
+    ASSERT_GT(rig->motors().norm(), 0.5);
+    channel.say_host_fails(state);
+    channel.say_host_hangs(false);
+    for (int i = 0; i < 3000; ++i) {
+      run(1ms);
+      ASSERT_EQ(rig->motors(), Vec3::Zero()) << "outside and in again";
+    }
+  }
+
   GuardianChannel channel;
   std::unique_ptr<Rig> rig;
   std::unique_ptr<GuardedTransport> transport;
@@ -101,14 +113,20 @@ TEST_F(Guarded, ATripIsZeroUntilTheToolWasOutside) {
 }
 
 TEST_F(Guarded, AProgramThatHasCrashedGetsNoForceAnyMore) {
-  begin(test::pressing(), &channel);
-  run(500ms);
-  ASSERT_GT(rig->motors().norm(), 0.5);
-  channel.say_host_crashed();
-  for (int i = 0; i < 3000; ++i) {
-    run(1ms);
-    ASSERT_EQ(rig->motors(), Vec3::Zero()) << "outside and in again";
-  }
+  expect_no_force_after(HostState::crashed);
+}
+
+TEST_F(Guarded, AProgramThatWasAskedToEndGetsNoForceAnyMore) {
+  expect_no_force_after(HostState::ending);
+}
+
+// A crash in what tidies up is a crash, and what comes after a crash makes it no less of one.
+TEST_F(Guarded, ACrashCountsForMoreThanTheWishToEnd) {
+  channel.say_host_fails(HostState::ending);
+  EXPECT_EQ(channel.host(), HostState::ending);
+  channel.say_host_fails(HostState::crashed);
+  channel.say_host_fails(HostState::ending);
+  EXPECT_EQ(channel.host(), HostState::crashed);
 }
 
 TEST_F(Guarded, AHostThatHangsGetsNoForceUntilTheToolWasOutside) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "haptic/guardian/crash_signals.h"
+#include "haptic/guardian/host_signals.h"
 
-#include <signal.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -15,18 +14,16 @@
 namespace palpate {
 namespace {
 
-constexpr std::array kSignals = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL};
-
 /// The number of devices that are open at a time, at the most.
 constexpr std::size_t kMostChannels = 32;
 
 // A handler has nobody to ask: what it uses is here.
 std::array<std::atomic<GuardianChannel*>, kMostChannels> channels{};
 /// What was there before, of each signal; written while the handler is not in front.
-std::array<struct sigaction, kSignals.size()> before{};
+std::array<struct sigaction, kHostSignals.size()> before{};
 /// How often the handler was called since it was put there, of each signal.
-std::array<std::atomic<int>, kSignals.size()> calls{};
-/// Whose crash it is: a process that was forked from this one has the channels, too.
+std::array<std::atomic<int>, kHostSignals.size()> calls{};
+/// Whose signal it is: a process that was forked from this one has the channels, too.
 std::atomic<pid_t> host{0};
 static_assert(std::atomic<GuardianChannel*>::is_always_lock_free);
 
@@ -35,17 +32,18 @@ std::mutex& mutex() {
   return of_installing;
 }
 
-// No lock, no allocation, and only calls that POSIX permits in a handler.
-void handle(int signal, siginfo_t* info, void*) {
-  const bool is_host = ::getpid() == host.load(std::memory_order_relaxed);
+void tell(HostState state) {
   for (const auto& place : channels) {
     GuardianChannel* const channel = place.load(std::memory_order_acquire);
-    if (is_host && channel != nullptr) {
-      channel->say_host_crashed();
-    }
+    if (channel != nullptr) channel->say_host_fails(state);
   }
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    if (kSignals[i] != signal) continue;
+}
+
+// No lock, no allocation, and only calls that POSIX permits in a handler.
+void handle(int signal, siginfo_t* info, void*) {
+  for (std::size_t i = 0; i < kHostSignals.size(); ++i) {
+    if (kHostSignals[i].signal != signal) continue;
+    if (::getpid() == host.load(std::memory_order_relaxed)) tell(kHostSignals[i].state);
     // A handler that was put in front of this one may call it in its turn: once is enough.
     struct sigaction none {};
     none.sa_handler = SIG_DFL;
@@ -59,7 +57,7 @@ void handle(int signal, siginfo_t* info, void*) {
 
 }  // namespace
 
-CrashSignals::CrashSignals(GuardianChannel& channel) : channel_(channel) {
+HostSignals::HostSignals(GuardianChannel& channel) : channel_(channel) {
   host = ::getpid();
   for (auto& place : channels) {
     GuardianChannel* none = nullptr;
@@ -72,20 +70,20 @@ CrashSignals::CrashSignals(GuardianChannel& channel) : channel_(channel) {
                      " haptic devices are open at a time. Close some.");
 }
 
-CrashSignals::~CrashSignals() {
+HostSignals::~HostSignals() {
   for (auto& place : channels) {
     GuardianChannel* own = &channel_;
     if (place.compare_exchange_strong(own, nullptr)) return;
   }
 }
 
-void CrashSignals::stay_in_front() noexcept {
+void HostSignals::stay_in_front() noexcept {
   const std::lock_guard lock(mutex());
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+  for (std::size_t i = 0; i < kHostSignals.size(); ++i) {
     struct sigaction there {};
-    if (::sigaction(kSignals[i], nullptr, &there) != 0) continue;
+    if (::sigaction(kHostSignals[i].signal, nullptr, &there) != 0) continue;
     const bool is_there = (there.sa_flags & SA_SIGINFO) != 0 && there.sa_sigaction == &handle;
-    // What a program ignores is no crash of it.
+    // What a program ignores neither crashes nor ends it: a hangup under nohup.
     if (is_there || there.sa_handler == SIG_IGN) continue;
     before[i] = there;
     calls[i] = 0;
@@ -94,7 +92,7 @@ void CrashSignals::stay_in_front() noexcept {
     // On the stack that the thread has for it, where it has one: its own may have overflowed.
     ours.sa_flags = SA_SIGINFO | SA_ONSTACK;
     sigemptyset(&ours.sa_mask);
-    (void)::sigaction(kSignals[i], &ours, nullptr);
+    (void)::sigaction(kHostSignals[i].signal, &ours, nullptr);
   }
 }
 
