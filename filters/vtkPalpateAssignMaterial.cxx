@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/join.h"
 #include "materials/material.h"
 #include "materials/rheology.h"
 #include "materials/tissues.h"
@@ -80,16 +81,6 @@ std::map<std::string, double> CoefficientsByName(const std::vector<std::array<do
     }
   }
   return values;
-}
-
-std::string Join(const std::vector<std::string>& names)
-{
-  std::string text;
-  for (const std::string& name : names)
-  {
-    text += (text.empty() ? "" : ", ") + name;
-  }
-  return text;
 }
 
 /// Of those of the property Law: the laws, and from FirstTissue on the tissues.
@@ -184,8 +175,9 @@ palpate::Material MaterialOfLaw(Law law, const std::map<std::string, double>& va
     if (std::find(names.begin(), names.end(), name) == names.end())
     {
       throw InputError("the law " + palpate::to_string(law) + " has no parameter '" + name +
-        "'. It has: " + Join(names) + "; and every law: " +
-        Join({ palpate::rheology_names().begin(), palpate::rheology_names().end() }) + '.');
+        "'. It has: " + palpate::join(names) + "; and every law: " +
+        palpate::join({ palpate::rheology_names().begin(), palpate::rheology_names().end() }) +
+        '.');
     }
   }
   std::array<double, palpate::max_parameters> all{};
@@ -227,7 +219,7 @@ palpate::Material MaterialOfName(
   if (law == laws.end())
   {
     throw InputError("there is no law or tissue '" + name +
-      "'. There are: " + Join(vtkPalpateAssignMaterial::LawNames()) + '.');
+      "'. There are: " + palpate::join(vtkPalpateAssignMaterial::LawNames()) + '.');
   }
   return MaterialOfLaw(static_cast<Law>(law - laws.begin()), parameters);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/join.h"
 #include "base/printable.h"
 #include "base/quantity.h"
 
@@ -230,7 +231,7 @@ std::vector<std::string> vtkPalpateFEBioMaterials::Warnings() const
   std::vector<std::string> warnings;
   const auto warn = [&](const std::string& what, const std::set<std::string>& names)
   {
-    const std::string all = printable(Join({ names.begin(), names.end() }));
+    const std::string all = printable(palpate::join({ names.begin(), names.end() }));
     warnings.push_back(
       (names.size() == 1 ? "The material " : "Each of the materials ") + all + ' ' + what + '.');
   };
@@ -309,7 +310,7 @@ void vtkPalpateFEBioMaterials::ReadLaw(const Tree& elastic, Part& part) const
       types.emplace_back(one.Type);
     }
     throw InputError(Subject(part.Name) + "is of FEBio's type '" + printable(type) +
-      "', which is not read. There are: " + Join(types) + '.');
+      "', which is not read. There are: " + palpate::join(types) + '.');
   }
   part.Law = &*law;
 }

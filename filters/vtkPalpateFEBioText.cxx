@@ -244,14 +244,4 @@ bool StartsWith(const std::string& text, const char* start)
 {
   return text.rfind(start, 0) == 0;
 }
-
-std::string Join(const std::vector<std::string>& words)
-{
-  std::string text;
-  for (const std::string& word : words)
-  {
-    text += (text.empty() ? "" : ", ") + word;
-  }
-  return text;
-}
 }

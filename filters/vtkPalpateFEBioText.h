@@ -58,7 +58,4 @@ std::vector<Id> ElementsOf(
   const Tree& mesh, const std::string& name, const Tree& where, const KnownIds& known);
 
 bool StartsWith(const std::string& text, const char* start);
-
-/// With a comma between them.
-std::string Join(const std::vector<std::string>& words);
 }

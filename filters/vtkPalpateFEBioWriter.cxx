@@ -20,6 +20,7 @@
 
 #include "assembly/loaded_faces.h"
 #include "base/error.h"
+#include "base/join.h"
 #include "base/new_file.h"
 #include "base/printable.h"
 #include "vtkAbstractArray.h"
@@ -794,13 +795,9 @@ std::string ArraysLeftOut(vtkUnstructuredGrid* grid, const Regions& regions)
       }
     }
   }
-  std::string text;
-  for (const std::string& name : left)
-  {
-    text += (text.empty() ? "" : ", ") + name;
-  }
-  return text.empty() ? ""
-                      : "Arrays that FEBio's file has no place for are left out: " + text + ". ";
+  return left.empty()
+    ? ""
+    : "Arrays that FEBio's file has no place for are left out: " + palpate::join(left) + ". ";
 }
 
 /// Whether the reader, which numbers the parts, finds another number for a cell.

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/find_program.h"
+#include "program/exit_codes.h"
 #include "vtkMath.h"
 #include "vtkPalpateProgram.h"
 
@@ -100,7 +101,6 @@ Answer Run(
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(10);
   const auto status = vtkPalpateRunProgram(program, arguments, files, deadline, poll);
   const std::string refused = "The file " + file + " cannot be read: ";
-  constexpr int bad_data = 65;
   if (!status)
   {
     throw InputError(refused + "palpate-image did not come to an end.");
@@ -110,7 +110,7 @@ Answer Run(
     throw InputError(refused + "it brings ITK down (signal " + std::to_string(WTERMSIG(*status)) +
       ", " + strsignal(WTERMSIG(*status)) + "); it is damaged.");
   }
-  if (WEXITSTATUS(*status) == bad_data)
+  if (WEXITSTATUS(*status) == vtkPalpateExitCode::BadData)
   {
     throw InputError(refused + header.Read() + '.');
   }

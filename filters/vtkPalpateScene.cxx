@@ -153,14 +153,21 @@ void ReadTuples(vtkUnstructuredGrid* grid, const char* name, Take take)
   }
 }
 
-void WriteScalars(const char* name, const std::vector<double>& values, vtkUnstructuredGrid* grid)
+/// Writes numbersOf(value) of each value, the address of as many numbers as there are components;
+/// nothing where there are no values.
+template <class Value, class NumbersOf>
+void WriteTuples(const char* name, int components, const std::vector<Value>& values,
+  const NumbersOf& numbersOf, vtkUnstructuredGrid* grid)
 {
   if (values.empty())
   {
     return;
   }
-  const auto array = Numbers(name, 1, static_cast<vtkIdType>(values.size()));
-  std::copy(values.begin(), values.end(), array->GetPointer(0));
+  const auto array = Numbers(name, components, static_cast<vtkIdType>(values.size()));
+  for (std::size_t point = 0; point < values.size(); ++point)
+  {
+    array->SetTuple(static_cast<vtkIdType>(point), numbersOf(values[point]));
+  }
   grid->GetPointData()->AddArray(array);
 }
 }
@@ -367,31 +374,16 @@ void vtkPalpateReadBoundary(vtkUnstructuredGrid* grid, palpate::Scene& scene)
 
 void vtkPalpateWriteBoundary(const palpate::Scene& scene, vtkUnstructuredGrid* grid)
 {
-  const auto size = static_cast<vtkIdType>(scene.mesh.points.size());
-  if (!scene.held_directions.empty())
-  {
-    for (const auto& [name, column] : { std::pair{ vtkPalpateArray::HeldDirection, 0 },
-           std::pair{ vtkPalpateArray::HeldDirection2, 1 } })
-    {
-      const auto array = Numbers(name, 3, size);
-      for (vtkIdType point = 0; point < size; ++point)
-      {
-        array->SetTuple(point, scene.held_directions[point].col(column).data());
-      }
-      grid->GetPointData()->AddArray(array);
-    }
-  }
-  WriteScalars(vtkPalpateArray::SupportStiffness, scene.support_stiffness, grid);
-  WriteScalars(vtkPalpateArray::AppliedPressure, scene.applied_pressure, grid);
-  if (!scene.applied_traction.empty())
-  {
-    const auto array = Numbers(vtkPalpateArray::AppliedTraction, 3, size);
-    for (vtkIdType point = 0; point < size; ++point)
-    {
-      array->SetTuple(point, scene.applied_traction[point].data());
-    }
-    grid->GetPointData()->AddArray(array);
-  }
+  const auto column = [](int number)
+  { return [number](const palpate::HeldDirections& held) { return held.col(number).data(); }; };
+  const auto number = [](const double& value) { return &value; };
+  WriteTuples(vtkPalpateArray::HeldDirection, 3, scene.held_directions, column(0), grid);
+  WriteTuples(vtkPalpateArray::HeldDirection2, 3, scene.held_directions, column(1), grid);
+  WriteTuples(vtkPalpateArray::SupportStiffness, 1, scene.support_stiffness, number, grid);
+  WriteTuples(vtkPalpateArray::AppliedPressure, 1, scene.applied_pressure, number, grid);
+  WriteTuples(
+    vtkPalpateArray::AppliedTraction, 3, scene.applied_traction,
+    [](const palpate::Vec3& traction) { return traction.data(); }, grid);
 }
 
 std::vector<char> vtkPalpateHeldPoints(const palpate::Scene& scene)

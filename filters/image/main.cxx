@@ -57,12 +57,14 @@
 #include <string>
 #include <vector>
 
+#include "program/exit_codes.h"
 #include "program/limit_process.h"
 
 namespace
 {
-constexpr int BadArguments = 64;
-constexpr int BadData = 65;
+using vtkPalpateExitCode::BadArguments;
+using vtkPalpateExitCode::BadData;
+
 constexpr int VoxelDescriptor = 3;
 /// More values are refused.
 constexpr double MostValues = 1e9;

@@ -46,6 +46,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "program/exit_codes.h"
 #include "program/limit_process.h"
 #include "vtkCellData.h"
 #include "vtkCellType.h"
@@ -67,8 +68,9 @@
 
 namespace
 {
-constexpr int BadArguments = 64;
-constexpr int BadData = 65;
+using vtkPalpateExitCode::BadArguments;
+using vtkPalpateExitCode::BadData;
+
 constexpr int RegionDescriptor = 3;
 
 struct Options

@@ -26,15 +26,12 @@ std::optional<PointMatrix> springs_of(const Scene& scene, const Assembly& assemb
   std::vector<Eigen::Triplet<double>> triplets;
   for (std::size_t f = 0; f < faces.size(); f += num_nodes) {
     const Index* nodes = &faces[f];
-    Eigen::Matrix3Xd x(3, num_nodes);
-    for (int a = 0; a < num_nodes; ++a) x.col(a) = scene.mesh.points[nodes[a]];
+    const Eigen::Matrix3Xd x = places_of_face(scene.mesh, nodes);
     Vec3 of_corners;
     for (int a = 0; a < 3; ++a) of_corners[a] = scene.support_stiffness[nodes[a]];
     Eigen::MatrixXd of_face = Eigen::MatrixXd::Zero(num_nodes, num_nodes);
     for (const FacePoint& point : rule) {
-      const Eigen::Matrix<double, 3, 2> t = x * point.slopes;
-      const double stiffness =
-          point.weight * t.col(0).cross(t.col(1)).norm() * of_corners.dot(point.of_corners);
+      const double stiffness = area_at(point, x) * of_corners.dot(point.of_corners);
       of_face += stiffness * point.values * point.values.transpose();
     }
     for (int a = 0; a < num_nodes; ++a) {
@@ -60,14 +57,11 @@ void ExternalEnergy::add_traction(const Scene& scene) {
   const std::vector<Index> faces = faces_with(scene.mesh, scene.applied_traction);
   for (std::size_t f = 0; f < faces.size(); f += nodes_per_face_) {
     const Index* nodes = &faces[f];
-    Eigen::Matrix3Xd x(3, nodes_per_face_);
-    for (int a = 0; a < nodes_per_face_; ++a) x.col(a) = scene.mesh.points[nodes[a]];
+    const Eigen::Matrix3Xd x = places_of_face(scene.mesh, nodes);
     Mat3 of_corners;
     for (int a = 0; a < 3; ++a) of_corners.col(a) = scene.applied_traction[nodes[a]];
     for (const FacePoint& point : rule_) {
-      const Eigen::Matrix<double, 3, 2> t = x * point.slopes;
-      const Vec3 load =
-          point.weight * t.col(0).cross(t.col(1)).norm() * of_corners * point.of_corners;
+      const Vec3 load = area_at(point, x) * of_corners * point.of_corners;
       for (int a = 0; a < nodes_per_face_; ++a) {
         dead_.segment<3>(3 * Eigen::Index{nodes[a]}) += point.values[a] * load;
       }
@@ -193,12 +187,9 @@ void ExternalEnergy::add_tangent_of_pressure(const NodalVector& state,
       const auto& [a, b, is_diagonal, positions] = targets_[i];
       // What is not symmetric of a face cancels with its neighbours'.
       const Mat3 block = 0.5 * (blocks[a][b] + blocks[b][a].transpose());
-      for (int column = 0; column < 3; ++column) {
-        const int first = is_diagonal ? column : 0;
-        for (int row = first; row < 3; ++row) {
-          values[positions[column] + row - first] += block(row, column);
-        }
-      }
+      for_each_in_block(positions, is_diagonal, [&](int row, int column, Index position) {
+        values[position] += block(row, column);
+      });
     }
   }
 }

@@ -2,6 +2,7 @@
 #include "assembly/loaded_faces.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -34,6 +35,17 @@ FacePoint face_point(ElementOrder order, double weight, double xi, double eta) {
 
 }  // namespace
 
+Eigen::Matrix3Xd places_of_face(const TetMesh& mesh, const Index* nodes) {
+  Eigen::Matrix3Xd places(3, nodes_per_face(mesh.order));
+  for (Eigen::Index a = 0; a < places.cols(); ++a) places.col(a) = mesh.points[nodes[a]];
+  return places;
+}
+
+double area_at(const FacePoint& point, const Eigen::Matrix3Xd& places) {
+  const Eigen::Matrix<double, 3, 2> t = places * point.slopes;
+  return point.weight * t.col(0).cross(t.col(1)).norm();
+}
+
 std::vector<FacePoint> face_quadrature(ElementOrder order) {
   std::vector<FacePoint> points{face_point(order, 9.0 / 80, 1.0 / 3, 1.0 / 3)};
   for (const double sign : {1.0, -1.0}) {
@@ -57,18 +69,25 @@ std::vector<Index> faces_where(const TetMesh& mesh,
   return chosen;
 }
 
-std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<double>& array) {
+namespace {
+
+template <class Value>
+std::vector<Index> faces_other_than(const Value& none, const TetMesh& mesh,
+                                    const std::vector<Value>& array) {
   if (array.empty()) return {};
-  return faces_where(mesh, [&](const Index* c) {
-    return array[c[0]] != 0 && array[c[1]] != 0 && array[c[2]] != 0;
+  return faces_where(mesh, [&](const Index* corners) {
+    return std::all_of(corners, corners + 3, [&](Index p) { return array[p] != none; });
   });
 }
 
+}  // namespace
+
+std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<double>& array) {
+  return faces_other_than(0.0, mesh, array);
+}
+
 std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<Vec3>& array) {
-  if (array.empty()) return {};
-  return faces_where(mesh, [&](const Index* c) {
-    return !array[c[0]].isZero(0) && !array[c[1]].isZero(0) && !array[c[2]].isZero(0);
-  });
+  return faces_other_than(Vec3(Vec3::Zero()), mesh, array);
 }
 
 std::vector<Index> faces_under_pressure(const TetMesh& mesh, const std::vector<double>& pressure) {
@@ -84,12 +103,8 @@ double area_of(const TetMesh& mesh, const std::vector<Index>& faces) {
   const int nodes = nodes_per_face(mesh.order);
   double area = 0;
   for (std::size_t first = 0; first < faces.size(); first += nodes) {
-    Eigen::Matrix3Xd x(3, nodes);
-    for (int a = 0; a < nodes; ++a) x.col(a) = mesh.points[faces[first + a]];
-    for (const FacePoint& point : rule) {
-      const Eigen::Matrix<double, 3, 2> t = x * point.slopes;
-      area += point.weight * t.col(0).cross(t.col(1)).norm();
-    }
+    const Eigen::Matrix3Xd x = places_of_face(mesh, &faces[first]);
+    for (const FacePoint& point : rule) area += area_at(point, x);
   }
   return area;
 }

@@ -40,6 +40,14 @@ struct FacePoint {
 [[nodiscard]] std::vector<Index> faces_under_pressure(const TetMesh& mesh,
                                                       const std::vector<double>& pressure);
 
+/// The places of the nodes of a face at rest [3 × nodes_per_face], m.
+/// @param nodes As faces_where() has them.
+[[nodiscard]] Eigen::Matrix3Xd places_of_face(const TetMesh& mesh, const Index* nodes);
+
+/// What of the area of a face a quadrature point stands for, m².
+/// @param places Of the nodes of the face.
+[[nodiscard]] double area_at(const FacePoint& point, const Eigen::Matrix3Xd& places);
+
 /// The area of faces, m².
 [[nodiscard]] double area_of(const TetMesh& mesh, const std::vector<Index>& faces);
 

@@ -49,6 +49,16 @@ std::vector<Eigen::Triplet<double>> masses(const Scene& scene, const std::vector
   return triplets;
 }
 
+/// The condition number of a consistent mass matrix, scaled, is below a hundred (Wathen 1987).
+Eigen::MatrixXd solve(const Eigen::SparseMatrix<double, Eigen::RowMajor>& mass,
+                      const Eigen::MatrixXd& right) {
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
+                           Eigen::Lower | Eigen::Upper>
+      solver(mass);
+  solver.setTolerance(kTolerance);
+  return solver.solve(right);
+}
+
 }  // namespace
 
 MassMatrix::MassMatrix(const Scene& scene, const std::vector<double>& density,
@@ -62,6 +72,7 @@ NodalVector MassMatrix::acceleration(const NodalVector& force, const std::vector
   if (!held.empty()) return held_acceleration(force, free, held);
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& of_points = matrix_.of_points();
   const Eigen::Index n = of_points.rows();
+  const double unit = mean_mass();
   // Points that do not move have a row of the unit matrix, and so does what has no mass.
   const auto moves = [&](Eigen::Index p) {
     return free[static_cast<std::size_t>(p)] != 0 && of_points.coeff(p, p) > 0;
@@ -72,23 +83,18 @@ NodalVector MassMatrix::acceleration(const NodalVector& force, const std::vector
   Eigen::MatrixXd right = force.head(3 * n).reshaped<Eigen::RowMajor>(n, 3);
   for (Eigen::Index p = 0; p < n; ++p) {
     if (moves(p)) continue;
-    others.insert(p, p) = unit();
+    others.insert(p, p) = unit;
     right.row(p).setZero();
   }
   matrix += others;
-  // The condition number of a consistent mass matrix, scaled, is below a hundred (Wathen 1987).
-  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
-                           Eigen::Lower | Eigen::Upper>
-      solver(matrix);
-  solver.setTolerance(kTolerance);
-  const Eigen::MatrixXd solution = solver.solve(right);
-  return solution.reshaped<Eigen::RowMajor>();
+  return solve(matrix, right).reshaped<Eigen::RowMajor>();
 }
 
 NodalVector MassMatrix::held_acceleration(const NodalVector& force, const std::vector<char>& free,
                                           const std::vector<HeldDirections>& held) const {
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& of_points = matrix_.of_points();
   const Eigen::Index n = of_points.rows();
+  const double unit = mean_mass();
   std::vector<Mat3> projectors(static_cast<std::size_t>(n), Mat3::Zero());
   for (Eigen::Index p = 0; p < n; ++p) {
     if (free[p] != 0 && of_points.coeff(p, p) > 0) projectors[p] = projector(held[p]);
@@ -105,16 +111,12 @@ NodalVector MassMatrix::held_acceleration(const NodalVector& force, const std::v
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator of(of_points, p); of; ++of) {
       add(p, of.col(), of.value() * projectors[p] * projectors[of.col()]);
     }
-    add(p, p, unit() * (Mat3::Identity() - projectors[p]));
+    add(p, p, unit * (Mat3::Identity() - projectors[p]));
     right.segment<3>(3 * p) = projectors[p] * force.segment<3>(3 * p);
   }
   Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(3 * n, 3 * n);
   matrix.setFromTriplets(triplets.begin(), triplets.end());
-  Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
-                           Eigen::Lower | Eigen::Upper>
-      solver(matrix);
-  solver.setTolerance(kTolerance);
-  return solver.solve(right);
+  return solve(matrix, right);
 }
 
 NodalVector MassMatrix::weight(const Vec3& gravity) const {

@@ -39,8 +39,10 @@ class MassMatrix {
   [[nodiscard]] NodalVector held_acceleration(const NodalVector& force,
                                               const std::vector<char>& free,
                                               const std::vector<HeldDirections>& held) const;
-  /// Of points that do not move; a size as that of the others, kg.
-  [[nodiscard]] double unit() const { return lumped_.sum() / static_cast<double>(lumped_.size()); }
+  /// Of a point, kg: what stands for the mass of points that do not move.
+  [[nodiscard]] double mean_mass() const {
+    return lumped_.sum() / static_cast<double>(lumped_.size());
+  }
 
   PointMatrix matrix_;
   /// ∫ ρ N_a dV [num_points].

@@ -18,6 +18,18 @@ namespace palpate {
 [[nodiscard]] std::array<Index, 3> block_positions(const SymmetricPattern& pattern, Index row,
                                                    Index column);
 
+/// Calls visit(row, column, position) for what is stored of a 3 × 3 block, where its values are:
+/// all of it, or on the diagonal its lower half.
+/// @param positions As block_positions() gives them.
+template <class Visit>
+void for_each_in_block(const std::array<Index, 3>& positions, bool is_diagonal,
+                       const Visit& visit) {
+  for (int column = 0; column < 3; ++column) {
+    const int first = is_diagonal ? column : 0;
+    for (int row = first; row < 3; ++row) visit(row, column, positions[column] + row - first);
+  }
+}
+
 class PointMatrix {
  public:
   /// @param triplets Of points; those of a pair add up.

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <sstream>
 #include <utility>
 
 #include "assembly/loaded_faces.h"
 #include "base/error.h"
+#include "base/quantity.h"
 #include "mesh/pieces.h"
 
 namespace palpate {
@@ -31,11 +31,9 @@ using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 std::string text_of(const Vec3& v) {
-  std::ostringstream text;
   // −0 and what rounding leaves are 0.
   const auto rounded = [&](double x) { return std::abs(x) < 1e-9 * v.norm() ? 0.0 : x; };
-  text << '(' << rounded(v.x()) << ", " << rounded(v.y()) << ", " << rounded(v.z()) << ')';
-  return text.str();
+  return quantity(Vec3(v.unaryExpr(rounded)));
 }
 
 std::string at_point(const Scene& scene, Index point) {

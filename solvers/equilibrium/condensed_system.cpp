@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "assembly/supports.h"
 #include "base/error.h"
+#include "base/quantity.h"
 #include "elements/containment.h"
 #include "linear/condition.h"
 #include "linear/product.h"
@@ -36,12 +36,6 @@ Eigen::VectorXd row_norms(const SymmetricPattern& pattern, const std::vector<dou
     }
   }
   return squares.cwiseSqrt();
-}
-
-std::string describe(const Vec3& p) {
-  std::ostringstream text;
-  text << '(' << p.x() << ", " << p.y() << ", " << p.z() << ") m";
-  return text.str();
 }
 
 }  // namespace
@@ -136,12 +130,12 @@ void CondensedSystem::set_interaction(const Interaction& interaction) {
     const Index unknown = unknown_of_point[point];
     if (unknown < 0) {
       throw InputError("Active node " + std::to_string(point) + " at " +
-                       describe(mesh_.points[point]) +
+                       quantity(mesh_.points[point], "m") +
                        " is fixed or belongs to no cell, so it cannot be moved. Choose another.");
     }
     if (constraints_.holds(point)) {
       throw InputError("Active node " + std::to_string(point) + " at " +
-                       describe(mesh_.points[point]) +
+                       quantity(mesh_.points[point], "m") +
                        " is held along a direction (HeldDirection), so a tool that is bonded to it "
                        "cannot move it. Choose another, or a smaller TipRadius.");
     }

@@ -39,13 +39,10 @@ DirectionConstraints::DirectionConstraints(const Scene& scene, const Assembly& a
 
 Mat3 DirectionConstraints::take(const Block& block, const std::vector<double>& values) const {
   Mat3 taken;
-  for (int column = 0; column < 3; ++column) {
-    const int first = block.is_diagonal ? column : 0;
-    for (int row = first; row < 3; ++row) {
-      taken(row, column) = values[block.positions[column] + row - first];
-      if (block.is_diagonal) taken(column, row) = taken(row, column);
-    }
-  }
+  for_each_in_block(block.positions, block.is_diagonal, [&](int row, int column, Index position) {
+    taken(row, column) = values[position];
+    if (block.is_diagonal) taken(column, row) = taken(row, column);
+  });
   return taken;
 }
 
@@ -64,12 +61,9 @@ void DirectionConstraints::constrain(std::vector<double>& values) const {
       const Point& point = points_[block.row];
       of_block += point.stiffness * (Mat3::Identity() - point.projector);
     }
-    for (int column = 0; column < 3; ++column) {
-      const int first = block.is_diagonal ? column : 0;
-      for (int row = first; row < 3; ++row) {
-        values[block.positions[column] + row - first] = of_block(row, column);
-      }
-    }
+    for_each_in_block(block.positions, block.is_diagonal, [&](int row, int column, Index position) {
+      values[position] = of_block(row, column);
+    });
   }
   for (const PressureRow& row : pressure_rows_) {
     Vec3 of_row;

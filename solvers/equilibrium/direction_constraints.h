@@ -21,7 +21,6 @@ class DirectionConstraints {
   /// @param scene It was checked.
   DirectionConstraints(const Scene& scene, const Assembly& assembly);
 
-  [[nodiscard]] bool empty() const { return points_.empty(); }
   [[nodiscard]] bool holds(Index point) const {
     return !of_point_.empty() && of_point_[point] >= 0;
   }

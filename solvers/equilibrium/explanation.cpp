@@ -6,16 +6,11 @@
 #include <vector>
 
 #include "assembly/piece_support.h"
+#include "base/quantity.h"
 #include "interaction/held_points.h"
 
 namespace palpate {
 namespace {
-
-std::string describe(const Vec3& p) {
-  std::ostringstream text;
-  text << '(' << p.x() << ", " << p.y() << ", " << p.z() << ") m";
-  return text.str();
-}
 
 Vec3 centre(const TetMesh& mesh, Index cell) {
   Vec3 sum = Vec3::Zero();
@@ -31,7 +26,7 @@ std::string advise_finer_quadrature(const Assembly& assembly) {
 }
 
 std::string describe_cell(const TetMesh& mesh, Index cell) {
-  return "cell " + std::to_string(cell) + " at " + describe(centre(mesh, cell));
+  return "cell " + std::to_string(cell) + " at " + quantity(centre(mesh, cell), "m");
 }
 
 std::string explain_singular(const CondensedSystem& system) {

@@ -4,12 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string>
 #include <tuple>
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -31,18 +31,12 @@ struct Edge {
 
 bool is_same(const Edge& a, const Edge& b) { return a.low == b.low && a.high == b.high; }
 
-std::string describe(const Vec3& p) {
-  std::ostringstream text;
-  text << '(' << p.x() << ", " << p.y() << ", " << p.z() << ')';
-  return text.str();
-}
-
 void check_points(const std::vector<Vec3>& points) {
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (points[p].allFinite()) continue;
     throw InputError("Point " + std::to_string(p) +
                      " of the tool's surface has a coordinate that " +
-                     "is not finite: " + describe(points[p]) + ". Repair the points.");
+                     "is not finite: " + quantity(points[p]) + ". Repair the points.");
   }
 }
 
@@ -70,13 +64,13 @@ void check_triangles(const std::vector<Vec3>& points, const Triangles& triangles
   if (num_flat > 0) {
     throw InputError(std::to_string(num_flat) + " of the triangles of the tool's surface have no " +
                      "area; the first is triangle " + std::to_string(first_flat) + ", at " +
-                     describe(points[triangles[first_flat][0]]) +
+                     quantity(points[triangles[first_flat][0]]) +
                      ". Remove them, for example with the filter Clean.");
   }
 }
 
 std::string describe(const Edge& edge, const std::vector<Vec3>& points) {
-  return "from " + describe(points[edge.low]) + " to " + describe(points[edge.high]);
+  return "from " + quantity(points[edge.low]) + " to " + quantity(points[edge.high]);
 }
 
 /// All edges, those of the same points together.

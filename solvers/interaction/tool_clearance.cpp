@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -16,12 +16,6 @@ namespace {
 constexpr double kUsableGradient = 0.5;
 /// A face that a tool comes to from a direction looks there by at least this cosine.
 constexpr double kTowards = 0.5;
-
-std::string describe(const Vec3& p) {
-  std::ostringstream text;
-  text << '(' << p.x() << ", " << p.y() << ", " << p.z() << ") m";
-  return text.str();
-}
 
 std::vector<BoxTree::Box> boxes_of(const std::vector<Vec3>& points) {
   std::vector<BoxTree::Box> boxes;
@@ -155,7 +149,7 @@ Vec3 ToolClearance::pressed(const Vec3& point, const Vec3& normal, double depth)
 Vec3 ToolClearance::start_for(const Vec3& q) const {
   if (!q.allFinite()) throw InputError("The place of the tool is not finite.");
   if (const std::optional<Vec3> start = find_start(q)) return *start;
-  throw InputError("No way leads from outside of the body along its normal to " + describe(q) +
+  throw InputError("No way leads from outside of the body along its normal to " + quantity(q, "m") +
                    ". Choose another place for the tool.");
 }
 

@@ -4,11 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <unordered_map>
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -50,12 +50,6 @@ struct FaceHash {
   }
 };
 
-std::string describe(const Vec3& p) {
-  std::ostringstream text;
-  text << '(' << p.x() << ", " << p.y() << ", " << p.z() << ')';
-  return text.str();
-}
-
 }  // namespace
 
 void check_and_orient(TetMesh& mesh) {
@@ -66,7 +60,7 @@ void check_and_orient(TetMesh& mesh) {
   for (Index p = 0; p < mesh.num_points(); ++p) {
     if (!mesh.points[p].allFinite()) {
       throw InputError("Point " + std::to_string(p) + " of the body has a coordinate that is not " +
-                       "finite: " + describe(mesh.points[p]) + ". Repair the points.");
+                       "finite: " + quantity(mesh.points[p]) + ". Repair the points.");
     }
   }
   Index num_flat = 0;
@@ -95,7 +89,7 @@ void check_and_orient(TetMesh& mesh) {
     const Vec3& where = mesh.points[mesh.cell(first_flat)[0]];
     throw InputError(std::to_string(num_flat) + " of the tetrahedra " +
                      (num_flat == 1 ? "has" : "have") + " no volume, the first is cell " +
-                     std::to_string(first_flat) + " at " + describe(where) +
+                     std::to_string(first_flat) + " at " + quantity(where) +
                      ". Remove such cells or mesh the surface again.");
   }
 }

@@ -19,6 +19,7 @@
 #include "assembly/pressures.h"
 #include "base/error.h"
 #include "base/folder.h"
+#include "base/join.h"
 #include "base/new_file.h"
 #include "base/printable.h"
 #include "state_space/blob_sizes.h"
@@ -554,11 +555,9 @@ void StateSpaceFile::Impl::for_each_row(const std::string& table, const std::str
                                         const std::string& condition, Take&& take,
                                         Forget&& forget) const {
   try {
-    std::string order;
-    for (const std::string& column : key) order += (order.empty() ? "" : ", ") + column;
     Statement select(database, "SELECT rowid, " + columns + " FROM " + table +
                                    " WHERE scene_id = 1 AND tool_space_id = ? AND " + condition +
-                                   " ORDER BY " + order);
+                                   " ORDER BY " + join(key));
     select.bind(tool_space);
     while (select.step()) {
       const std::int64_t row = select.take_integer();

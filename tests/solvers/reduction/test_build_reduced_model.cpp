@@ -96,6 +96,42 @@ PathError error_of_equilibria(Law law, int num_tools, Index modes) {
   return error;
 }
 
+constexpr double kTimeStep = 2e-3;
+
+RandomPathOptions path_with_taps(int num_tools) {
+  RandomPathOptions path;
+  path.num_tools = num_tools;
+  path.duration = 0.3;
+  path.reach = kReach;
+  path.taps = 6;
+  return path;
+}
+
+ReducedBodyOptions reduced_body_options() {
+  ReducedBodyOptions options;
+  options.time_step = kTimeStep;
+  return options;
+}
+
+/// Of a path that it was not trained with: the bounds that a reduced model is to keep in motion.
+PathError expect_moves_as_whole_body(const BuiltModel& built, const Scene& scene,
+                                     const std::vector<Rheology>& rheologies,
+                                     const std::vector<BondedPatch>& tools,
+                                     const Vec3& gravity = Vec3::Zero()) {
+  const RandomPathOptions path = path_with_taps(static_cast<int>(tools.size()));
+  DynamicsOptions options;
+  options.time_step = kTimeStep;
+  options.gravity = gravity;
+  DynamicSolver whole(scene, rheologies, as_list(tools), options);
+  const PathError error = measure_motion(built.model, whole, random_path(path, 4321), path.duration,
+                                         reduced_body_options());
+  EXPECT_EQ(error.num_compared, 150);
+  EXPECT_EQ(error.num_failed, 0);
+  EXPECT_LT(error.rms, 0.008);
+  EXPECT_LT(error.max, 0.03);
+  return error;
+}
+
 // The bounds are those that a reduced model is to keep (see the benchmark of reduced models); with
 // the same number of modes a law that stiffens may have twice the error.
 
@@ -115,32 +151,18 @@ TEST(BuildReducedModel, MotionOfTwoToolsWithTapsAndViscosity) {
   const BuiltModel built = build_reduced_model(block.scene, rheologies, tools, small_options(50));
   EXPECT_TRUE(built.model.has_inertia());
   EXPECT_GT(built.motion_modes, 20);
-  RandomPathOptions path;
-  path.num_tools = 2;
-  path.duration = 0.3;
-  path.reach = kReach;
-  path.taps = 6;
-  DynamicsOptions options;
-  options.time_step = 2e-3;
-  DynamicSolver whole(block.scene, rheologies, as_list(tools), options);
-  ReducedBodyOptions of_body;
-  of_body.time_step = options.time_step;
-  const PathError error =
-      measure_motion(built.model, whole, random_path(path, 4321), path.duration, of_body);
-  EXPECT_EQ(error.num_compared, 150);
-  EXPECT_EQ(error.num_failed, 0);
-  EXPECT_LT(error.rms, 0.008);
-  EXPECT_LT(error.max, 0.03);
+  const PathError error = expect_moves_as_whole_body(built, block.scene, rheologies, tools);
   EXPECT_LE(error.mean, error.rms);
 
   // Far beyond training it goes on, and it is as before when it comes back.
+  RandomPathOptions path = path_with_taps(2);
   path.reach = 8 * kReach;
   path.duration = 3;
   const ToolPath far = random_path(path, 99);
-  ReducedBody body(built.model, of_body);
+  ReducedBody body(built.model, reduced_body_options());
   double largest_trust = 0;
   for (int i = 1; i <= 1500; ++i) {
-    const Eigen::VectorXd place = far.at(0.002 * i);
+    const Eigen::VectorXd place = far.at(kTimeStep * i);
     largest_trust = std::max(largest_trust, body.step(place.data()).trust);
     ASSERT_TRUE(body.force().allFinite());
     EXPECT_LT(body.force().lpNorm<Eigen::Infinity>(), 100 * error.largest_force);
@@ -183,22 +205,7 @@ TEST(BuildReducedModel, UnderGravityItCountsFromTheRestThere) {
   EXPECT_GE(at_rest.num_compared, 15);
   EXPECT_EQ(at_rest.num_failed, 0);
   EXPECT_LT(at_rest.max, 0.004);
-  // The bounds are those of motion without gravity.
-  RandomPathOptions path;
-  path.duration = 0.3;
-  path.reach = kReach;
-  path.taps = 6;
-  DynamicsOptions dynamics;
-  dynamics.time_step = 2e-3;
-  dynamics.gravity = options.gravity;
-  DynamicSolver whole(block.scene, rheologies, as_list(tools), dynamics);
-  ReducedBodyOptions of_body;
-  of_body.time_step = dynamics.time_step;
-  const PathError moving =
-      measure_motion(built.model, whole, random_path(path, 4321), path.duration, of_body);
-  EXPECT_EQ(moving.num_failed, 0);
-  EXPECT_LT(moving.rms, 0.008);
-  EXPECT_LT(moving.max, 0.03);
+  (void)expect_moves_as_whole_body(built, block.scene, rheologies, tools, options.gravity);
 }
 
 // The bounds are those of a block that is fixed.
@@ -224,20 +231,7 @@ TEST(BuildReducedModel, OnSpringsInPlanesAndUnderATractionItIsAsTheWholeBody) {
   EXPECT_GE(at_rest.num_compared, 15);
   EXPECT_EQ(at_rest.num_failed, 0);
   EXPECT_LT(at_rest.max, 0.004);
-  RandomPathOptions path;
-  path.duration = 0.3;
-  path.reach = kReach;
-  path.taps = 6;
-  DynamicsOptions dynamics;
-  dynamics.time_step = 2e-3;
-  DynamicSolver whole(block.scene, rheologies, as_list(tools), dynamics);
-  ReducedBodyOptions of_body;
-  of_body.time_step = dynamics.time_step;
-  const PathError moving =
-      measure_motion(built.model, whole, random_path(path, 4321), path.duration, of_body);
-  EXPECT_EQ(moving.num_failed, 0);
-  EXPECT_LT(moving.rms, 0.008);
-  EXPECT_LT(moving.max, 0.03);
+  (void)expect_moves_as_whole_body(built, block.scene, rheologies, tools);
   // As a file has it.
   const ReducedModel read = model_of(arrays_of(built.model));
   EXPECT_EQ(read.support_stiffness, built.model.support_stiffness);

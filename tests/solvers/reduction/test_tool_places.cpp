@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 #include <string>
 
 #include "assembly/assembly.h"
@@ -13,6 +12,7 @@
 #include "reduction/tool_places.h"
 #include "reduction/training.h"
 #include "solvers/support/block.h"
+#include "solvers/support/message_of.h"
 #include "solvers/support/supported.h"
 
 namespace palpate {
@@ -95,6 +95,19 @@ class ToolPlaces : public ::testing::Test {
     return measure_equilibria(placed.model, solver, random_places(num_tools, kReach, 20, 12345));
   }
 
+  /// The bounds of the motion are those that a model of the place itself is to keep.
+  void expect_moves_as_whole_body(const BuiltModel& placed,
+                                  const std::vector<Rheology>& rheologies) {
+    options_.path_duration = 0.3;
+    const std::vector<MeasuredError> rows = measure_model(block_.scene, rheologies, between(),
+                                                          options_, placed.model, MeasureOptions());
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[1].kind, "Motion");
+    EXPECT_EQ(rows[1].error.num_failed, 0);
+    EXPECT_LT(rows[1].error.rms, 0.008);
+    EXPECT_LT(rows[1].error.max, 0.03);
+  }
+
   test::Block block_;
   BondedPatches patches_;
   ReductionOptions options_;
@@ -147,14 +160,7 @@ TEST_F(ToolPlaces, MotionBetweenThePlaces) {
   options_.modes = 60;
   const BuiltModel at = PlacedTools(block_.scene, rheologies, trained).attach(between(), options_);
   EXPECT_TRUE(at.model.has_inertia());
-  options_.path_duration = 0.3;
-  const std::vector<MeasuredError> rows =
-      measure_model(block_.scene, rheologies, between(), options_, at.model, MeasureOptions());
-  ASSERT_EQ(rows.size(), 2u);
-  EXPECT_EQ(rows[1].kind, "Motion");
-  EXPECT_EQ(rows[1].error.num_failed, 0);
-  EXPECT_LT(rows[1].error.rms, 0.008);
-  EXPECT_LT(rows[1].error.max, 0.03);
+  expect_moves_as_whole_body(at, rheologies);
 }
 
 // The bounds are those without gravity, with ten more modes.
@@ -179,25 +185,10 @@ TEST_F(ToolPlaces, UnderGravityTheyCountFromTheRestThere) {
   const PathError still = error_at_rest(at, between());
   EXPECT_EQ(still.num_failed, 0);
   EXPECT_LT(still.max, 0.004);
-  options_.path_duration = 0.3;
-  const std::vector<MeasuredError> rows =
-      measure_model(block_.scene, rheologies, between(), options_, at.model, MeasureOptions());
-  ASSERT_EQ(rows.size(), 2u);
-  EXPECT_EQ(rows[1].error.num_failed, 0);
-  EXPECT_LT(rows[1].error.rms, 0.008);
-  EXPECT_LT(rows[1].error.max, 0.03);
+  expect_moves_as_whole_body(at, rheologies);
 
   options_.gravity.setZero();
   EXPECT_THROW((void)placed.attach(between(), options_), InputError);
-}
-
-std::string message_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 // The bounds are those of a block that is fixed, with ten more modes.
@@ -219,15 +210,9 @@ TEST_F(ToolPlaces, OnSpringsInPlanesAndUnderATractionTheyCountFromTheRestThere) 
   const PathError still = error_at_rest(at, between());
   EXPECT_EQ(still.num_failed, 0);
   EXPECT_LT(still.max, 0.004);
-  options_.path_duration = 0.3;
-  const std::vector<MeasuredError> rows =
-      measure_model(block_.scene, rheologies, between(), options_, at.model, MeasureOptions());
-  ASSERT_EQ(rows.size(), 2u);
-  EXPECT_EQ(rows[1].error.num_failed, 0);
-  EXPECT_LT(rows[1].error.rms, 0.008);
-  EXPECT_LT(rows[1].error.max, 0.03);
+  expect_moves_as_whole_body(at, rheologies);
   const auto attach = [&] { (void)placed.attach({near({0.05, 0.03, 0})}, options_); };
-  EXPECT_NE(message_of(attach).find("HeldDirection"), std::string::npos);
+  EXPECT_NE(test::message_of(attach).find("HeldDirection"), std::string::npos);
 }
 
 TEST_F(ToolPlaces, OfTheLinearLawHaveModesOfMotionAlone) {
@@ -249,7 +234,7 @@ TEST_F(ToolPlaces, OfTheLinearLawHaveModesOfMotionAlone) {
 TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   const std::vector<Rheology> rheologies = {Rheology()};
   const auto train = [&](const std::vector<std::vector<BondedPatch>>& at) {
-    return message_of([&] { (void)train_places(block_.scene, rheologies, at, options_); });
+    return test::message_of([&] { (void)train_places(block_.scene, rheologies, at, options_); });
   };
   EXPECT_NE(train({}).find("place"), std::string::npos);
   EXPECT_NE(train({{}}).find("0 tools"), std::string::npos);
@@ -259,7 +244,7 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   options_.modes = 5;
   ReductionOptions heavy = options_;
   heavy.gravity.z() = -9.81;
-  EXPECT_NE(message_of([&] {
+  EXPECT_NE(test::message_of([&] {
               (void)train_places(block_.scene, rheologies, places(), heavy);
             }).find("no density"),
             std::string::npos);
@@ -267,11 +252,12 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   TrainedPlaces trained = train_places(block_.scene, rheologies, {places()[0]}, options_);
   const PlacedTools placed(block_.scene, rheologies, trained);
   const auto attach = [&](const std::vector<BondedPatch>& tools) {
-    return message_of([&] { (void)placed.attach(tools, options_); });
+    return test::message_of([&] { (void)placed.attach(tools, options_); });
   };
   EXPECT_EQ(attach(between()), "");
-  EXPECT_NE(message_of([&] { (void)placed.attach(between(), heavy); }).find("without a BodyForce"),
-            std::string::npos);
+  EXPECT_NE(
+      test::message_of([&] { (void)placed.attach(between(), heavy); }).find("without a BodyForce"),
+      std::string::npos);
   EXPECT_NE(attach({}).find("No tool"), std::string::npos);
   EXPECT_NE(attach({between()[0], places()[0][0]}).find("1 tools each, and 2"), std::string::npos);
   EXPECT_NE(attach({BondedPatch({1 << 20})}).find("point 1048576"), std::string::npos);
@@ -284,9 +270,10 @@ TEST_F(ToolPlaces, SayWhatIsWrongWithTheirInput) {
   EXPECT_NE(attach(between()).find("Modes"), std::string::npos);
 
   trained.modes.conservativeResize(12, Eigen::NoChange);
-  EXPECT_NE(
-      message_of([&] { PlacedTools(block_.scene, rheologies, trained); }).find("another body"),
-      std::string::npos);
+  EXPECT_NE(test::message_of([&] {
+              PlacedTools(block_.scene, rheologies, trained);
+            }).find("another body"),
+            std::string::npos);
 }
 
 // Two blocks that do not touch: what was learnt on one says nothing of the other.
@@ -309,7 +296,7 @@ TEST_F(ToolPlaces, RefuseAPartOfTheBodyThatHasNone) {
   const PlacedTools placed(both, rheologies, trained);
   const std::vector<BondedPatch> there = {
       BondedPatches(both, 0.016).around(block_.corner + num_points)};
-  EXPECT_NE(message_of([&] {
+  EXPECT_NE(test::message_of([&] {
               (void)placed.attach(there, options_);
             }).find("no place of training and is joined to none"),
             std::string::npos);
