@@ -15,6 +15,7 @@
 #include "interpolation/body_field.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/outcome_at.h"
 #include "interpolation/solution_branches.h"
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
@@ -475,6 +476,8 @@ bool vtkPalpateTouchStateSpace::Touch(vtkPolyData* output, vtkUnstructuredGrid* 
   AddVector(output, "Stiffness", 9, touch.stiffness.data());
   AddVector(output, "Energy", 1, &touch.energy);
   AddInteger(output, "Found", static_cast<int>(touch.support));
+  AddInteger(output, "Outcome",
+    static_cast<int>(palpate::outcome_at(interpolator->grid(), toolSpace.configurations, t)));
   if (isContact)
   {
     AddVector(output, "ToolPosition", 3, t.data());

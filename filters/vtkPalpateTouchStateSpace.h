@@ -11,6 +11,7 @@
  *   `Stiffness`  its derivative by the displacement, N/m, 9
  *   `Energy`     J
  *   `Found`      0 no, 1 inside, 2 extrapolated, 3 in a marked region (inverted or unstable)
+ *   `Outcome`    how the solves ended that it comes from, see outcome_at() and Outcome
  *   `Branch`     which of the branches of a space with levels the body is on; 0: that of rest
  *   `ActiveNode`, `ActivePosition` (m, displaced)
  *

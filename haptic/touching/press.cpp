@@ -49,9 +49,10 @@ Contact Press::move(const Interpolator& force, const Vec3& hand,
   contact.anchor = place_;
   using Place = CheckPointGrid::Place;
   if (at.force.isZero(0)) {
-    const Place place = force.locate(place_).place;
+    const Interpolator::Location where = force.locate(place_);
     release();
-    const bool is_free = place == Place::free || place == Place::cell;
+    const bool is_free = where.place == Place::free ||
+                         (where.place == Place::cell && !force.grid().is_unknown(where.leaf));
     contact.status = is_free ? ContactStatus::free : ContactStatus::inside;
     return contact;
   }

@@ -11,7 +11,9 @@
 // It begins to press where the space has a cell, or a quarter of one beside, coming from where it
 // is free. It goes on deeper than the space does, as the interpolation goes on (interpolator.h),
 // where the force limit of the device rules; but where it has gone aside, by more than a cell and
-// more than deeper, the space knows nothing of the body, and the force ends.
+// more than deeper, the space knows nothing of the body, and the force ends. So it does where a
+// solve of the space has failed, and what is extrapolated there is zero: the tool has gone through
+// the surface, and nothing says that it is free.
 #pragma once
 
 #include "haptic/touching/contact.h"

@@ -76,16 +76,19 @@ void CheckPointGrid::find_free_nodes(const std::vector<ConfigurationSummary>& co
 
 void CheckPointGrid::classify_leaves(const std::vector<ConfigurationSummary>& configurations) {
   for (const CellTree::Leaf& leaf : tree_.leaves()) {
-    State state = any_usable_ ? State::complete : State::unknown;
+    State state = State::complete;
     for (std::int32_t node : leaf.corners) {
-      if (!usable(node)) {
-        if (any_usable_) state = State::lacks_corner;
-        has_extrapolated_nodes_ = true;
-        break;
+      if (usable(node)) {
+        const bool marks = (configurations[configuration_[node]].flags & kMarking) != 0;
+        if (marks && state == State::complete) state = State::marked;
+        continue;
       }
-      if ((configurations[configuration_[node]].flags & kMarking) != 0) state = State::marked;
+      has_extrapolated_nodes_ = true;
+      if (state != State::lacks_corner) {
+        state = is_free(node) ? State::lacks_free : State::lacks_corner;
+      }
     }
-    states_.push_back(state);
+    states_.push_back(any_usable_ ? state : State::unknown);
   }
   const std::vector<char> across = BranchTest(*this, configurations).leaves_across();
   for (std::size_t l = 0; l < across.size(); ++l) {

@@ -104,6 +104,10 @@ class CheckPointGrid {
   [[nodiscard]] bool is_marked(std::int32_t leaf) const {
     return states_[leaf] == State::marked || is_across(leaf);
   }
+  /// A corner of the leaf is neither usable nor free: a force that is zero there tells nothing.
+  [[nodiscard]] bool is_unknown(std::int32_t leaf) const noexcept {
+    return states_[leaf] == State::unknown || states_[leaf] == State::lacks_corner;
+  }
   /// It lies across branches though no corner tells, see branch_test.h.
   [[nodiscard]] bool is_across(std::int32_t leaf) const { return states_[leaf] == State::across; }
 
@@ -135,12 +139,14 @@ class CheckPointGrid {
   }
 
  private:
-  /// unknown: no configuration of the tool space is usable.
-  enum class State : char { unknown, zero, lacks_corner, complete, marked, across };
-  static constexpr Place kPlaceIn[] = {Place::nowhere, Place::free, Place::cell,
+  /// unknown: no configuration of the tool space is usable; lacks_free: what lacks a usable
+  /// configuration is free all the same.
+  enum class State : char { unknown, zero, lacks_corner, lacks_free, complete, marked, across };
+  static constexpr Place kPlaceIn[] = {Place::nowhere, Place::free, Place::cell, Place::cell,
                                        Place::cell,    Place::cell, Place::cell};
-  static constexpr Support kSupportIn[] = {Support::none,   Support::inside, Support::extrapolated,
-                                           Support::inside, Support::marked, Support::marked};
+  static constexpr Support kSupportIn[] = {
+      Support::none,   Support::inside, Support::extrapolated, Support::extrapolated,
+      Support::inside, Support::marked, Support::marked};
   /// A displacement that misses the border of the box by so little, in spacings, is on it: rounding
   /// of t = i·H must not make a check-point on the border an outside one.
   static constexpr double kOnBorder = 1e-9;

@@ -13,6 +13,8 @@ from support import Messages, expect_error, expect_silence, field
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 TOUCHES_NOTHING = 64
+# Of Outcome.
+TOOL_INSIDE = 7
 # Of Found.
 INSIDE, EXTRAPOLATED = 1, 2
 
@@ -161,7 +163,7 @@ def test_a_tool_inside_is_told():
     with Messages() as messages:
         found = configurations(space)
     assert "tool inside the body" in messages.text and messages.errors == 0, messages.text
-    inside = array(found, "Outcome") == 7
+    inside = array(found, "Outcome") == TOOL_INSIDE
     assert 0 < inside.sum() < len(inside)
     for of in (space, StateSpaceReader(FileName="contact_inside.palpate")):
         touch = TouchStateSpace(Input=of)
@@ -170,10 +172,15 @@ def test_a_tool_inside_is_told():
             touch.UpdatePipeline()
             felt = servermanager.Fetch(touch, 0)
             assert field(felt, "Found")[0] == EXTRAPOLATED, field(felt, "Found")
+            assert field(felt, "Outcome")[0] == TOOL_INSIDE
             assert numpy.linalg.norm(field(felt, "Force")[0]) > 0
     touch.ToolPosition = [0.117, 0.055, 0.1 + 0.003 - 0.002]
     touch.UpdatePipeline()
-    assert field(servermanager.Fetch(touch, 0), "Found")[0] == INSIDE
+    felt = servermanager.Fetch(touch, 0)
+    assert field(felt, "Found")[0] == INSIDE and field(felt, "Outcome")[0] == 0
+    touch.ToolPosition = [0.117, 0.055, 0.1 + 0.003 + 0.01]
+    touch.UpdatePipeline()
+    assert field(servermanager.Fetch(touch, 0), "Outcome")[0] == 0
 
 
 def test_error_estimate():

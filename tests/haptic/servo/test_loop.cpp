@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "haptic/servo/rig.h"
+#include "haptic/support/pressed_body.h"
 
 namespace palpate {
 namespace {
@@ -798,6 +799,59 @@ TEST(Loop, BadOptionsAndSettings) {
   EXPECT_NO_THROW(validate(settings, device));
   settings.dead_man_button = 2;
   EXPECT_THROW(validate(settings, device), InputError);
+}
+
+/// A rigid tool down into the middle of the top and up again.
+std::shared_ptr<Motion> diving(double depth) {
+  const Vec3 touching = test::kTouching - test::kMiddle;
+  const Vec3 above = touching + Vec3(0, 0, 0.003);
+  return std::make_shared<ScriptedMotion>(std::vector<ScriptedMotion::Waypoint>{
+      {0ms, above}, {300ms, touching - Vec3(0, 0, depth)}, {600ms, above}, {700ms, above}});
+}
+
+// A tool that has gone through the surface feels nothing there: that is told as inside and beyond
+// what the space knows, and is never a force of zero of one that is free or presses.
+TEST(Loop, AToolThatHasGoneThroughTheSurfaceIsInside) {
+  Rig rig(diving(0.005));
+  rig.inbox.body.offer(test::pierced_body(0.5 * test::kPressedCell));
+  int inside = 0;
+  for (int i = 0; i < 700; ++i) {
+    const Tick& tick = rig.step();
+    EXPECT_EQ(tick.force, Vec3::Zero());
+    EXPECT_EQ(rig.motors(), Vec3::Zero());
+    if (tick.state != ServoState::running) continue;
+    if (tick.position[2] > test::kTouching[2]) {
+      EXPECT_EQ(tick.contact.status, ContactStatus::free);
+    } else {
+      ++inside;
+      EXPECT_EQ(tick.contact.status, ContactStatus::inside);
+      EXPECT_EQ(tick.contact.support, Support::extrapolated);
+      EXPECT_LT(tick.contact.distance, 0.01) << "that of its centre";
+    }
+  }
+  EXPECT_GT(inside, 300);
+}
+
+// What was felt before goes on, as an extrapolation, and never without a force.
+TEST(Loop, AToolThatGoesThroughTheSurfaceDeeperIsPressedOnByAnExtrapolation) {
+  Rig rig(diving(0.005));
+  rig.inbox.body.offer(test::pierced_body(1.5 * test::kPressedCell));
+  int extrapolated = 0;
+  for (int i = 0; i < 700; ++i) {
+    const Tick& tick = rig.step();
+    if (tick.state != ServoState::running) continue;
+    const double depth = test::kTouching[2] - tick.position[2];
+    if (depth < 1e-4) continue;
+    EXPECT_EQ(tick.contact.status, ContactStatus::pressing);
+    EXPECT_GT(tick.contact.force[2], 0);
+    if (depth < test::kPressedCell) {
+      EXPECT_EQ(tick.contact.support, Support::inside);
+    } else {
+      ++extrapolated;
+      EXPECT_EQ(tick.contact.support, Support::extrapolated);
+    }
+  }
+  EXPECT_GT(extrapolated, 100);
 }
 
 }  // namespace

@@ -40,6 +40,24 @@ inline TouchToolSpace pressed_tool_space(double width = kPressedWidth) {
   return tool_space;
 }
 
+/// The same with a tool that goes through the surface below a depth, m: there it feels nothing, as
+/// where the cells of a body are too large for it.
+inline std::shared_ptr<const Touchable> pierced_body(double depth) {
+  TouchSpace space = box_space([](int) { return stiffening_spring(1000); });
+  TouchToolSpace tool_space = pressed_tool_space();
+  for (ConfigurationSummary& c : tool_space.configurations) {
+    if (kTouching[2] - c.t[2] < depth) continue;
+    c.outcome = Outcome::tool_inside;
+    c.flags = 0;
+    c.energy = 0;
+    c.force.setZero();
+    c.stiffness.setZero();
+    c.third_derivative.setZero();
+  }
+  space.tool_spaces.insert(space.tool_spaces.begin(), std::move(tool_space));
+  return std::make_shared<const Touchable>(space);
+}
+
 inline TouchSpace pressed_space(double width = kPressedWidth) {
   TouchSpace space = box_space([](int) { return stiffening_spring(1000); });
   space.tool_spaces.insert(space.tool_spaces.begin(), pressed_tool_space(width));

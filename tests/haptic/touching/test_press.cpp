@@ -129,6 +129,34 @@ TEST(Press, WhereTheSpaceKnowsNothingNothingIsFelt) {
   EXPECT_EQ(p.contact.status, ContactStatus::inside);
 }
 
+// Nothing that touches is near: what is extrapolated is zero, and the tool is not free for that.
+TEST(Press, WhereItHasGoneThroughTheSurfaceItIsNotFree) {
+  Pressing p({}, test::pierced_body(0.5 * test::kPressedCell));
+  for (double depth = 2e-4; depth < kPressedDepth; depth += 2e-4) {
+    const Contact& contact = p.press(depth);
+    ASSERT_EQ(contact.status, ContactStatus::inside) << depth;
+    EXPECT_EQ(contact.support, Support::extrapolated);
+    EXPECT_EQ(contact.force, Vec3::Zero());
+  }
+  EXPECT_EQ(p.at(below(-0.003)).status, ContactStatus::free);
+  EXPECT_EQ(p.contact.support, Support::inside);
+}
+
+// What was felt above it goes on, and is told as extrapolated.
+TEST(Press, BelowWhatItHasTouchedItIsFeltOnWhereItHasGoneThroughTheSurface) {
+  Pressing p({}, test::pierced_body(1.5 * test::kPressedCell));
+  (void)p.press(0.9 * test::kPressedCell);
+  ASSERT_EQ(p.contact.status, ContactStatus::pressing);
+  EXPECT_EQ(p.contact.support, Support::inside);
+  const double felt = p.contact.force[2];
+  for (double depth = 1.1 * test::kPressedCell; depth < kPressedDepth; depth += 2e-4) {
+    (void)p.go(below(depth - 2e-4), below(depth));
+    ASSERT_EQ(p.contact.status, ContactStatus::pressing) << depth;
+    EXPECT_EQ(p.contact.support, Support::extrapolated);
+    EXPECT_GT(p.contact.force[2], felt) << depth;
+  }
+}
+
 TEST(Press, GoesOnInASpaceThatHasGrown) {
   Pressing p({}, test::pressed_body(0.01));
   (void)p.press(0.003);

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "interpolation/display_field.h"
 #include "interpolation/interpolator.h"
+#include "interpolation/outcome_at.h"
 #include "interpolation/passivity_figures.h"
 #include "solvers/interpolation/contact_space.h"
 #include "solvers/interpolation/methods.h"
@@ -557,6 +558,66 @@ TEST(Contact, TheJumpBetweenBranchesIsTold) {
     raise();
   }
   EXPECT_NEAR(passivity_figures(tool_space).energy_jump, jump, 0.05 * jump);
+}
+
+/// Those below a height have gone through the surface, and one has not converged.
+TouchToolSpace with_failures(const CheckPoint& not_converged, double tool_inside_below) {
+  TouchToolSpace tool_space = contact_space(make_slab(), make_grid(0.004, 1), kDepth);
+  for (ConfigurationSummary& c : tool_space.configurations) {
+    if (c.t[2] < tool_inside_below) c.outcome = Outcome::tool_inside;
+    if (c.check_point == not_converged) c.outcome = Outcome::not_converged;
+  }
+  return tool_space;
+}
+
+TEST(Contact, TellsHowTheSolvesHaveEndedThatAnAnswerComesFrom) {
+  const double inside_below = kOrigin[2] - 0.006;
+  const TouchToolSpace tool_space = with_failures({3, 2, -1}, inside_below);
+  const CheckPointGrid grid(tool_space);
+  const auto at = [&](double x, double y, double z) {
+    return outcome_at(grid, tool_space.configurations, kOrigin + 0.004 * Vec3(x, y, z));
+  };
+  EXPECT_EQ(at(0.3, 0.4, 5), Outcome::converged) << "free";
+  EXPECT_EQ(at(0.3, 0.4, -0.5), Outcome::converged);
+  EXPECT_EQ(at(0, 0, 40), Outcome::converged) << "outside of the box";
+  EXPECT_EQ(at(2.9, 2.2, -0.5), Outcome::not_converged);
+  EXPECT_EQ(at(3, 2, -1), Outcome::not_converged) << "at it";
+  EXPECT_EQ(at(0.3, 0.4, -1.5), Outcome::tool_inside);
+  EXPECT_EQ(at(0.3, 0.4, -4), Outcome::tool_inside) << "deeper than the space";
+  // Of two that have failed the nearer one counts.
+  EXPECT_EQ(at(2.8, 2.2, -1.1), Outcome::not_converged);
+  EXPECT_EQ(at(2.8, 2.2, -1.9), Outcome::tool_inside);
+  EXPECT_EQ(at(std::nan(""), 0, 0), Outcome::not_converged) << "nothing is found";
+
+  // It is what other branches have there, too, that is asked.
+  std::vector<ConfigurationSummary> usable;
+  for (const ConfigurationSummary& c : tool_space.configurations) {
+    if (c.usable()) usable.push_back(c);
+  }
+  EXPECT_EQ(outcome_at(CheckPointGrid(tool_space.setup.grid, usable, tool_space.clearance), usable,
+                       kOrigin + 0.004 * Vec3(0.3, 0.4, -1.5)),
+            Outcome::converged)
+      << "of what was not solved for nothing has failed";
+}
+
+TEST(Contact, WhereNoneHasConvergedTheNearestOutcomeIsTold) {
+  TouchToolSpace tool_space = contact_space(make_slab(), make_grid(0.004, 1), kDepth);
+  for (ConfigurationSummary& c : tool_space.configurations) c.outcome = Outcome::tool_inside;
+  const CheckPointGrid grid(tool_space);
+  EXPECT_EQ(outcome_at(grid, tool_space.configurations, kOrigin - Vec3(0, 0, 0.002)),
+            Outcome::tool_inside);
+  EXPECT_EQ(outcome_at(grid, {}, kOrigin - Vec3(0, 0, 0.002)), Outcome::not_converged);
+}
+
+// An active node's grid, which has rest alone.
+TEST(Contact, OfRestAloneItsOutcomeIsTold) {
+  Grid grid;
+  grid.resolution = 1;
+  std::vector<ConfigurationSummary> rest(1);
+  rest[0].outcome = Outcome::budget_used_up;
+  EXPECT_EQ(outcome_at(CheckPointGrid(grid, rest), rest, Vec3(0.1, 0, 0)), Outcome::budget_used_up);
+  rest[0].outcome = Outcome::converged;
+  EXPECT_EQ(outcome_at(CheckPointGrid(grid, rest), rest, Vec3(0.1, 0, 0)), Outcome::converged);
 }
 
 }  // namespace
