@@ -17,9 +17,9 @@ namespace {
 /// which is found up to that share of the bounding radius.
 constexpr double kNearestShare = 0.9;
 constexpr double kDepthError = 1e-3;
-/// Spacing over thickness: with a larger one the spline would be rough on the scale of the layer.
 /// The distance of the balls that stand for the tool, in bounding radii.
 constexpr double kBallsApart = 0.1;
+/// Spacing over thickness: with a larger one the spline would be rough on the scale of the layer.
 constexpr double kLargestSpacing = 0.5;
 /// How deep inside the spline goes, in units of the thickness: the pressure there is 27/8 of that
 /// at a distance of zero, so that no place of a body at rest comes deeper.

@@ -99,13 +99,27 @@ double reach(const RigidTool& tool, const Vec3& direction) {
   return tool.radius;
 }
 
+double usual_thickness(const RigidTool& tool) {
+  const double of_width = kThicknessOfRadius * half_width(tool);
+  if (tool.shape != ToolShape::surface) return of_width;
+  double area = 0;
+  for (const auto& [a, b, c] : tool.triangles) {
+    const Vec3& corner = tool.points[a];
+    area += 0.5 * (tool.points[b] - corner).cross(tool.points[c] - corner).norm();
+  }
+  return std::max(of_width, std::sqrt(area / kLargestAreaOfThickness));
+}
+
 RigidTool with_defaults(RigidTool tool, const Scene& scene) {
   ContactLaw& law = tool.law;
   const bool is_calibrated = law.thickness == 0 && law.stiffness == 0;
-  if (law.thickness == 0) law.thickness = kThicknessOfRadius * half_width(tool);
+  const double of_width = kThicknessOfRadius * half_width(tool);
+  if (law.thickness == 0) law.thickness = usual_thickness(tool);
   if (law.stiffness == 0) {
-    law.stiffness = (is_calibrated ? kCalibratedStiffnessOfModulus : kStiffnessOfModulus) *
-                    mean_youngs_modulus(scene);
+    const double moduli =
+        is_calibrated ? kCalibratedStiffnessOfModulus * std::pow(law.thickness / of_width, 3)
+                      : kStiffnessOfModulus;
+    law.stiffness = moduli * mean_youngs_modulus(scene);
   }
   if (is_calibrated) law.offset = calibrated_offset(law, scene);
   return tool;

@@ -40,8 +40,11 @@ struct RigidTool {
 /// mean gap of Hertz's contact is 0. What counts of a layer besides is κ/δ³ alone: it is that of
 /// one of 0.05 half-widths of the usual stiffness, with the points of integration of a thicker one,
 /// which are near enough to each other (tests/benchmark/README.md). A thickness of the user's own
-/// is left as it is, so that what was computed with it stays.
+/// is left as it is, so that what was computed with it stays. A surface that is much larger than it
+/// is thick, such as a plate, has a thicker layer, for else the grid of its distance would be too
+/// large: one of kLargestAreaOfThickness squares of the thickness.
 inline constexpr double kThicknessOfRadius = 0.2;
+inline constexpr double kLargestAreaOfThickness = 5000;
 inline constexpr double kStiffnessOfModulus = 2;
 inline constexpr double kCalibratedStiffnessOfModulus = 128;
 inline constexpr double kCalibratedDepth = 0.07;
@@ -51,6 +54,9 @@ inline constexpr double kCalibratedDepth = 0.07;
 
 /// How far the tool reaches from its centre in a direction of unit length, m.
 [[nodiscard]] double reach(const RigidTool& tool, const Vec3& direction);
+
+/// The thickness of contact where it is not given, m.
+[[nodiscard]] double usual_thickness(const RigidTool& tool);
 
 /// The tool with the thickness, the stiffness and the offset that suit it and the body where the
 /// first two are 0.

@@ -68,9 +68,9 @@ class Press {
   EquilibriumSolver solver_;
 };
 
-/// How far the pressure keeps the surface from the tool: p = κ (1 − g/δ)³.
+/// How far the pressure keeps the surface from the tool: p = κ (1 − (g + offset)/δ)³.
 double gap_at(double pressure, const ContactLaw& law) {
-  return law.thickness * (1 - std::cbrt(pressure / law.stiffness));
+  return law.thickness * (1 - std::cbrt(pressure / law.stiffness)) - law.offset;
 }
 
 /// The force on the tool where the whole top moves down as one, N: the depth that the block is
@@ -98,6 +98,23 @@ TEST(LargeTool, APlateGivesUniaxialStress) {
     // The layer presses the sides of the block too, as far down as it reaches.
     EXPECT_NEAR(-state.reaction[2], expected, 0.01 * expected);
     EXPECT_LE(state.reaction.head<2>().norm(), 1e-3 * expected);
+  }
+}
+
+// Of a plate nine times as wide as it is thick the layer is thicker than of another tool, as thick
+// as the grid of its distance needs, and as stiff; and so is that of one which is thinner than
+// that.
+TEST(LargeTool, AThinPlateNeedsNoThicknessOfTheUser) {
+  const Scene scene = make_pressed_block();
+  for (const double thickness : {0.01, 0.001}) {
+    SCOPED_TRACE(thickness);
+    Press press(scene, make_plate({0.09, 0.09, thickness}), 0.5 * thickness);
+    EXPECT_GT(press.law().thickness, kThicknessOfRadius * 0.5 * thickness);
+    constexpr double kDepth = 0.002;
+    const Equilibrium state = press.at(kDepth);
+    ASSERT_EQ(state.outcome, Outcome::converged) << state.message;
+    const double expected = uniaxial_force(kDepth, press.law());
+    EXPECT_NEAR(-state.reaction[2], expected, 0.01 * expected);
   }
 }
 
