@@ -77,5 +77,8 @@ palpate_mpiexec=(mpiexec --oversubscribe --bind-to none -n "$palpate_cores")
 if [ "$(id -u)" -eq 0 ]; then
   palpate_mpiexec+=(--allow-run-as-root)
 fi
+# A rank that waits for another one asks again and again: it lets whoever has something to do go
+# first, such as ParaView's window beside it.
+export OMPI_MCA_mpi_yield_when_idle=1
 # What a rank says is enough.
 export OMPI_MCA_orte_execute_quiet=1
