@@ -15,6 +15,7 @@
 #include "vtkNew.h"
 #include "vtkPalpateCommunicator.h"
 #include "vtkPalpateGuard.h"
+#include "vtkPalpatePlainEnd.h"
 #include "vtkStringArray.h"
 
 namespace
@@ -85,6 +86,7 @@ bool vtkPalpatePassFailure(vtkDataObject* input, vtkDataObject* output)
 unsigned long vtkPalpateProduce(vtkObject* self, vtkDataObject* output,
   vtkMultiProcessController* controller, const std::function<void()>& body) noexcept
 {
+  const vtkPalpatePlainEnd plainEnd;
   unsigned long code = vtkErrorCode::NoError;
   std::exception_ptr error;
   vtkPalpateGuard(self,

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Input that is refused, on one rank and on two: one error, which a script can see, and the process
-goes on; and data of the user that looks like a failure and is none."""
+goes on; data of the user that looks like a failure and is none; and a wish that the program end."""
+
+import signal
 
 from paraview.simple import (AccuracyReport, AssignMaterial, Calculator, EstimateError,
                              GroupDatasets, PrecomputeStateSpace, SetBoundary, SolveEquilibrium,
@@ -92,6 +94,32 @@ def test_an_array_of_the_user_is_no_failure():
     space = precompute(boundary, [node_at(boundary, [0.2, 0.1, 0.1])], Resolution=3)
     assert field(expect_silence(lambda: fetch(TouchStateSpace(Input=space))), "Found")[0] == 1
     assert error_code(space) == 0
+
+
+def is_handled(number):
+    """Whether anything handles a signal, as the system tells."""
+    with open("/proc/self/status", encoding="utf-8") as status:
+        caught = next(line for line in status if line.startswith("SigCgt:"))
+    return int(caught.split()[1], 16) >> (number - 1) & 1 == 1
+
+
+def test_a_wish_to_end_is_not_handled_while_a_filter_computes():
+    """VTK's log handles it, and may wait for ever; what a script has set is left alone."""
+    assert is_handled(signal.SIGTERM)
+    solve = SolveEquilibrium(Input=scene("ends"), Displacement=[0.001, 0, 0])
+    solve.ActiveNodes = [node_at(solve.Input, [0.2, 0.1, 0.1])]
+    handled = []
+    algorithm = solve.SMProxy.GetClientSideObject()
+    algorithm.AddObserver("ProgressEvent", lambda *_: handled.append(is_handled(signal.SIGTERM)))
+    solve.UpdatePipeline()
+    assert False in handled, handled
+    assert is_handled(signal.SIGTERM)
+    signal.signal(signal.SIGTERM, lambda *_: None)
+    handled.clear()
+    solve.Displacement = [0.002, 0, 0]
+    solve.UpdatePipeline()
+    assert handled and False not in handled, handled
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 for name, test in list(globals().items()):
