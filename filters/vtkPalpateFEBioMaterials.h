@@ -50,9 +50,10 @@ public:
     static constexpr int Density = -1;
   };
 
-  /// @param root, mesh, units, elements They must outlive this object.
-  vtkPalpateFEBioMaterials(const Tree& root, const Tree& mesh, const vtkPalpateFEBioUnits& units,
-    const vtkPalpateFEBio::KnownIds& elements);
+  /// @param root, sets, units, elements They must outlive this object; the sets are of the mesh.
+  /// @throws palpate::InputError a domain has no name.
+  vtkPalpateFEBioMaterials(const Tree& root, const vtkPalpateFEBio::ChildIndex& sets,
+    const vtkPalpateFEBioUnits& units, const vtkPalpateFEBio::KnownIds& elements);
 
   /// That of a part, <Elements>.
   /// @throws palpate::InputError there is none, or it cannot be read.
@@ -81,7 +82,11 @@ private:
   void Note(const std::string& what, const Part& part);
 
   const Tree& Root;
-  const Tree& Mesh;
+  const vtkPalpateFEBio::ChildIndex& Sets;
+  const vtkPalpateFEBio::ChildIndex Domains;
+  const vtkPalpateFEBio::ChildIndex MaterialsByName;
+  const vtkPalpateFEBio::ChildIndex MaterialsById;
+  const vtkPalpateFEBio::ChildIndex Data;
   const vtkPalpateFEBioUnits& Units;
   const vtkPalpateFEBio::KnownIds& Elements;
   /// By the name of the map and the unit of its parameter.

@@ -71,6 +71,7 @@ public:
           "itself.");
       }
     }
+    this->Sets = ChildIndex(this->Mesh);
   }
 
   vtkPalpateFEBioModel Read()
@@ -365,7 +366,7 @@ private:
   void ReadMaterials(const std::vector<const Tree*>& parts)
   {
     palpate::Scene& scene = this->Model.Scene;
-    vtkPalpateFEBioMaterials materials(this->Root, *this->Mesh, *this->Units, this->Elements);
+    vtkPalpateFEBioMaterials materials(this->Root, this->Sets, *this->Units, this->Elements);
     std::vector<vtkPalpateFEBioMaterials::Part> all;
     for (const Tree* part : parts)
     {
@@ -393,47 +394,40 @@ private:
   /// The nodes of a set, of a surface (@surface:), an edge (@edge:) or elements (@elem_set:).
   std::vector<Id> NodesOf(const std::string& reference, const Tree& where) const
   {
-    std::string name = reference;
-    const auto isSetOf = [&](const Tree& set, const char* prefix, const char* element)
-    {
-      const std::string* setName = set.Attribute("name");
-      return setName && set.Name == element && prefix + *setName == name;
-    };
+    const std::string name = reference.substr(reference.find(':') + 1);
     std::vector<Id> nodes;
-    if (StartsWith(name, "@elem_set:"))
+    if (StartsWith(reference, "@elem_set:"))
     {
-      std::vector<Id> elements =
-        ElementsOf(*this->Mesh, name.substr(name.find(':') + 1), where, this->Elements);
-      std::sort(elements.begin(), elements.end());
-      for (const Tree& part : this->Mesh->Children)
+      const palpate::TetMesh& mesh = this->Model.Scene.mesh;
+      const int nodesPerCell = palpate::nodes_per_cell(mesh.order);
+      const std::vector<Id>& all = this->Elements.Ids;
+      for (const Id element : ElementsOf(this->Sets, name, where, this->Elements))
       {
-        for (const Tree& element : ChildrenOf(part.Name == "Elements" ? &part : nullptr))
+        const auto cell = std::lower_bound(all.begin(), all.end(), element) - all.begin();
+        for (int i = 0; i < nodesPerCell; ++i)
         {
-          if (std::binary_search(elements.begin(), elements.end(), IdOf(element)))
-          {
-            AppendNumbers(element.Text, element, nodes);
-          }
+          nodes.push_back(this->Nodes.Ids[mesh.cells[cell * nodesPerCell + i]]);
         }
       }
       return nodes;
     }
-    for (const Tree& set : this->Mesh->Children)
+    if (const Tree* set = this->Sets.First(reference, { "NodeSet", "Nodes" }))
     {
-      if (isSetOf(set, "", "NodeSet") || isSetOf(set, "", "Nodes"))
-      {
-        return IdsOf(set, this->Nodes);
-      }
-      if (isSetOf(set, "@surface:", "Surface") || isSetOf(set, "@edge:", "Edge"))
-      {
-        for (const Tree& face : set.Children)
-        {
-          AppendNumbers(face.Text, face, nodes);
-        }
-        return nodes;
-      }
+      return IdsOf(*set, this->Nodes);
     }
-    throw InputError(Label(where) + " is about the nodes '" + printable(name) +
-      "', but there is no set of that name.");
+    const Tree* set = StartsWith(reference, "@surface:") ? this->Sets.First(name, { "Surface" })
+      : StartsWith(reference, "@edge:")                  ? this->Sets.First(name, { "Edge" })
+                                                         : nullptr;
+    if (!set)
+    {
+      throw InputError(Label(where) + " is about the nodes '" + printable(reference) +
+        "', but there is no set of that name.");
+    }
+    for (const Tree& face : set->Children)
+    {
+      AppendNumbers(face.Text, face, nodes);
+    }
+    return nodes;
   }
 
   /// 1, 2 and 4 for x, y and z, of those that a condition holds.
@@ -479,6 +473,8 @@ private:
     palpate::Scene& scene = this->Model.Scene;
     std::vector<char> axes(scene.mesh.points.size(), 0);
     const Tree* boundary = this->Root.Child("Boundary");
+    // What all conditions on a set hold, and the first of them: each set is gone through once.
+    std::map<std::string, std::pair<int, const Tree*>> heldOf;
     for (const Tree& condition : ChildrenOf(boundary))
     {
       const std::string* type = condition.Attribute("type");
@@ -488,16 +484,21 @@ private:
       const bool isOfOthers = type && StartsWith(*type, "zero ");
       if (isFixed)
       {
-        const int held = AxesOf(condition);
-        for (const Id node : this->NodesOf(Attribute(condition, "node_set"), condition))
-        {
-          axes[this->IndexOf(node, condition)] |= static_cast<char>(held);
-        }
+        auto& [held, first] = heldOf[Attribute(condition, "node_set")];
+        held |= AxesOf(condition);
+        first = first ? first : &condition;
       }
       else if (!this->LeaveOutPrescribed(condition) && !isOfOthers)
       {
         throw InputError("The condition " + Label(condition) +
           " is not read: points are held along the axes or free. Remove it from the model.");
+      }
+    }
+    for (const auto& [set, held] : heldOf)
+    {
+      for (const Id node : this->NodesOf(set, *held.second))
+      {
+        axes[this->IndexOf(node, *held.second)] |= static_cast<char>(held.first);
       }
     }
     scene.fixed.assign(axes.size(), 0);
@@ -564,33 +565,29 @@ private:
 
   std::vector<Face> FacesOf(const std::string& name, const Tree& where) const
   {
-    for (const Tree& set : this->Mesh->Children)
+    const Tree* set = this->Sets.First(name, { "Surface" });
+    if (!set)
     {
-      const std::string* setName = set.Attribute("name");
-      if (set.Name != "Surface" || !setName || *setName != name)
-      {
-        continue;
-      }
-      std::vector<Face> faces;
-      for (const Tree& child : set.Children)
-      {
-        std::vector<Id> nodes;
-        AppendNumbers(child.Text, child, nodes);
-        if (nodes.size() != 3 && nodes.size() != 6)
-        {
-          throw InputError(Label(child) + " of the surface '" + printable(name) + "' has " +
-            std::to_string(nodes.size()) + " nodes; that of a tetrahedron has 3 or 6.");
-        }
-        Face& face = faces.emplace_back();
-        for (const Id node : nodes)
-        {
-          face.push_back(this->IndexOf(node, child));
-        }
-      }
-      return faces;
+      throw InputError(
+        Label(where) + " is about the surface '" + printable(name) + "', which is not there.");
     }
-    throw InputError(
-      Label(where) + " is about the surface '" + printable(name) + "', which is not there.");
+    std::vector<Face> faces;
+    for (const Tree& child : set->Children)
+    {
+      std::vector<Id> nodes;
+      AppendNumbers(child.Text, child, nodes);
+      if (nodes.size() != 3 && nodes.size() != 6)
+      {
+        throw InputError(Label(child) + " of the surface '" + printable(name) + "' has " +
+          std::to_string(nodes.size()) + " nodes; that of a tetrahedron has 3 or 6.");
+      }
+      Face& face = faces.emplace_back();
+      for (const Id node : nodes)
+      {
+        face.push_back(this->IndexOf(node, child));
+      }
+    }
+    return faces;
   }
 
   /// Twice the area of its triangle is its length.
@@ -641,86 +638,118 @@ private:
     }
   }
 
-  /// The corners of faces in the order of their numbers.
-  template <class Faces>
-  static std::set<std::array<Index, 3>> CornersOf(const Faces& faces)
+  using Corners = std::array<Index, 3>;
+
+  /// In the order of their numbers.
+  static Corners CornersOf(const Face& face)
   {
-    std::set<std::array<Index, 3>> corners;
-    for (const auto& face : faces)
-    {
-      std::array<Index, 3> of = { face[0], face[1], face[2] };
-      std::sort(of.begin(), of.end());
-      corners.insert(of);
-    }
+    Corners corners = { face[0], face[1], face[2] };
+    std::sort(corners.begin(), corners.end());
     return corners;
   }
 
-  /// The faces of a list of nodes.
-  std::vector<Face> Split(const std::vector<Index>& nodes) const
+  /// The surface of the body.
+  struct Boundary
   {
-    const int size = palpate::nodes_per_face(this->Model.Scene.mesh.order);
-    std::vector<Face> faces;
-    for (auto face = nodes.begin(); face != nodes.end(); face += size)
+    std::vector<Face> Faces;
+    /// The place of each in Faces.
+    std::map<Corners, std::size_t> Of;
+    /// The places of those of which a point is a corner.
+    std::vector<std::vector<std::size_t>> At;
+  };
+
+  /// Made when a load is first read.
+  const Boundary& Surface()
+  {
+    if (!this->Outside)
     {
-      faces.emplace_back(face, face + size);
+      Boundary& outside = this->Outside.emplace();
+      const palpate::TetMesh& mesh = this->Model.Scene.mesh;
+      const std::vector<Index> nodes = palpate::boundary_faces(mesh);
+      const int size = palpate::nodes_per_face(mesh.order);
+      outside.At.resize(mesh.points.size());
+      for (auto face = nodes.begin(); face != nodes.end(); face += size)
+      {
+        const std::size_t place = outside.Faces.size();
+        outside.Faces.emplace_back(face, face + size);
+        outside.Of[CornersOf(outside.Faces.back())] = place;
+        for (int corner = 0; corner < 3; ++corner)
+        {
+          outside.At[face[corner]].push_back(place);
+        }
+      }
     }
-    return faces;
+    return *this->Outside;
   }
 
   /// 1 where all faces look out of the body, -1 where all look into it, else 0.
-  int SideOf(const std::vector<Face>& faces) const
+  int SideOf(const std::vector<Face>& faces)
   {
-    std::map<std::array<Index, 3>, palpate::Vec3> outward;
-    for (const Face& face : this->Split(palpate::boundary_faces(this->Model.Scene.mesh)))
-    {
-      outward[*CornersOf(std::vector<Face>{ face }).begin()] = this->NormalOf(face);
-    }
+    const Boundary& outside = this->Surface();
     int out = 0;
     int in = 0;
     for (const Face& face : faces)
     {
-      const auto found = outward.find(*CornersOf(std::vector<Face>{ face }).begin());
-      if (found == outward.end())
+      const auto found = outside.Of.find(CornersOf(face));
+      if (found == outside.Of.end())
       {
         return 0;
       }
-      ++(this->NormalOf(face).dot(found->second) > 0 ? out : in);
+      const palpate::Vec3 outward = this->NormalOf(outside.Faces[found->second]);
+      ++(this->NormalOf(face).dot(outward) > 0 ? out : in);
     }
     return in == 0 ? 1 : out == 0 ? -1 : 0;
   }
 
-  /// Gives the points of the faces a value.
-  /// @param carrying The faces that an array loads.
+  /// Gives the points of faces of the surface a value.
+  /// @param carries Whether an array loads a face with these corners.
   /// @returns False, and nothing is changed, where the array would not load these and those before.
-  template <class Value, class Carrying>
+  template <class Value, class Carries>
   bool Load(const std::vector<Face>& faces, const Value& value, const Value& none,
-    std::vector<Value>& array, Carrying&& carrying) const
+    std::vector<Value>& array, Carries&& carries)
   {
-    const palpate::TetMesh& mesh = this->Model.Scene.mesh;
-    std::vector<Value> loaded = array;
-    loaded.resize(mesh.points.size(), none);
-    std::vector<Face> all = this->Split(carrying(mesh, array));
-    const std::size_t before = all.size();
-    all.insert(all.end(), faces.begin(), faces.end());
+    const Boundary& outside = this->Surface();
+    const bool isFirst = array.empty();
+    array.resize(outside.At.size(), none);
+    std::set<std::size_t> wanted;
+    bool isNew = true;
+    for (const Face& face : faces)
+    {
+      isNew = wanted.insert(outside.Of.at(CornersOf(face))).second && isNew &&
+        !carries(array, face.data());
+    }
+    std::vector<Index> changed;
     for (const Face& face : faces)
     {
       for (const Index point : face)
       {
-        if (loaded[point] != none && loaded[point] != value)
+        isNew = isNew && (array[point] == none || array[point] == value);
+        if (isNew && array[point] == none)
         {
-          return false;
+          array[point] = value;
+          changed.push_back(point);
         }
-        loaded[point] = value;
       }
     }
-    const auto wanted = CornersOf(all);
-    if (wanted.size() != before + faces.size() ||
-      CornersOf(this->Split(carrying(mesh, loaded))) != wanted)
+    // Where a corner has changed no face was loaded before. What is said twice changes nothing.
+    const auto isAsWanted = [&](std::size_t face)
+    { return carries(array, outside.Faces[face].data()) == (wanted.count(face) > 0); };
+    const bool isRight = isNew && std::all_of(wanted.begin(), wanted.end(), isAsWanted) &&
+      std::all_of(changed.begin(), changed.end(),
+        [&](Index point)
+        { return std::all_of(outside.At[point].begin(), outside.At[point].end(), isAsWanted); });
+    if (!isRight)
     {
-      return false;
+      for (const Index point : changed)
+      {
+        array[point] = none;
+      }
+      if (isFirst)
+      {
+        array.clear();
+      }
     }
-    array = std::move(loaded);
-    return true;
+    return isRight;
   }
 
   /// A constant pressure or traction on faces of the surface, that may be said point by point.
@@ -769,13 +798,11 @@ private:
     }
     if (isPressure)
     {
-      return this->Load(faces, side * numbers[0], 0.0, scene.applied_pressure,
-        [](const auto& mesh, const auto& array)
-        { return palpate::faces_under_pressure(mesh, array); });
+      return this->Load(
+        faces, side * numbers[0], 0.0, scene.applied_pressure, palpate::is_under_pressure);
     }
     return this->Load(faces, palpate::Vec3(numbers[0], numbers[1], numbers[2]),
-      palpate::Vec3(palpate::Vec3::Zero()), scene.applied_traction,
-      [](const auto& mesh, const auto& array) { return palpate::faces_with(mesh, array); });
+      palpate::Vec3(palpate::Vec3::Zero()), scene.applied_traction, palpate::has_traction);
   }
 
   void ReadTouchable()
@@ -807,6 +834,9 @@ private:
   KnownIds Nodes{ {}, "node" };
   std::unordered_map<Id, Index> IndexOfNode;
   KnownIds Elements{ {}, "element" };
+  /// Of the mesh.
+  ChildIndex Sets{ nullptr };
+  std::optional<Boundary> Outside;
   vtkPalpateFEBioModel Model;
 };
 }

@@ -225,16 +225,43 @@ std::vector<Id> IdsOf(const Tree& set, const KnownIds& known)
   return ids.Take();
 }
 
-std::vector<Id> ElementsOf(
-  const Tree& mesh, const std::string& name, const Tree& where, const KnownIds& known)
+ChildIndex::ChildIndex(const Tree* parent, const char* attribute)
 {
-  for (const Tree& set : mesh.Children)
+  for (const Tree& child : ChildrenOf(parent))
   {
-    const std::string* setName = set.Attribute("name");
-    if ((set.Name == "Elements" || set.Name == "ElementSet") && setName && *setName == name)
+    if (const std::string* value = child.Attribute(attribute))
     {
-      return IdsOf(set, known);
+      this->Children[*value].push_back(&child);
     }
+  }
+}
+
+const std::vector<const Tree*>* ChildIndex::Find(const std::string& value) const
+{
+  const auto found = this->Children.find(value);
+  return found == this->Children.end() ? nullptr : &found->second;
+}
+
+const Tree* ChildIndex::First(
+  const std::string& value, std::initializer_list<const char*> elements) const
+{
+  const std::vector<const Tree*>* all = this->Find(value);
+  if (!all)
+  {
+    return nullptr;
+  }
+  const auto first = std::find_if(all->begin(), all->end(),
+    [&elements](const Tree* child)
+    { return std::find(elements.begin(), elements.end(), child->Name) != elements.end(); });
+  return first == all->end() ? nullptr : *first;
+}
+
+std::vector<Id> ElementsOf(
+  const ChildIndex& sets, const std::string& name, const Tree& where, const KnownIds& known)
+{
+  if (const Tree* set = sets.First(name, { "Elements", "ElementSet" }))
+  {
+    return IdsOf(*set, known);
   }
   throw InputError(Label(where) + " is about the elements '" + printable(name) +
     "', but there is neither a part nor a set of that name.");

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "vtkPalpateXMLTree.h"
@@ -36,6 +38,23 @@ double NumberOf(const std::string& text, const Tree& element);
 /// @throws palpate::InputError the attribute is missing, or not one id.
 Id IdOf(const Tree& element, const char* attribute = "id");
 
+/// The children of an element by an attribute, so that as many references to them as there are
+/// take no longer than to read them. The element has to stay.
+class ChildIndex
+{
+public:
+  /// @param parent Null: there is none.
+  explicit ChildIndex(const Tree* parent, const char* attribute = "name");
+
+  /// Those of a value, in their order; null: there is none.
+  const std::vector<const Tree*>* Find(const std::string& value) const;
+  /// The first of a value that is one of several elements; null: there is none.
+  const Tree* First(const std::string& value, std::initializer_list<const char*> elements) const;
+
+private:
+  std::unordered_map<std::string, std::vector<const Tree*>> Children;
+};
+
 /// The ids that the mesh has.
 struct KnownIds
 {
@@ -53,9 +72,10 @@ std::vector<Id> IdsOf(const Tree& set, const KnownIds& known);
 
 /// Those of a part or of a set of elements.
 /// @param where Names it.
+/// @param sets Of the mesh.
 /// @throws palpate::InputError there is none of that name, or as IdsOf().
 std::vector<Id> ElementsOf(
-  const Tree& mesh, const std::string& name, const Tree& where, const KnownIds& known);
+  const ChildIndex& sets, const std::string& name, const Tree& where, const KnownIds& known);
 
 bool StartsWith(const std::string& text, const char* start);
 }

@@ -72,30 +72,34 @@ std::vector<Index> faces_where(const TetMesh& mesh,
 namespace {
 
 template <class Value>
-std::vector<Index> faces_other_than(const Value& none, const TetMesh& mesh,
-                                    const std::vector<Value>& array) {
-  if (array.empty()) return {};
-  return faces_where(mesh, [&](const Index* corners) {
-    return std::all_of(corners, corners + 3, [&](Index p) { return array[p] != none; });
-  });
+bool all_other_than(const Value& none, const std::vector<Value>& array, const Index* corners) {
+  return std::all_of(corners, corners + 3, [&](Index p) { return array[p] != none; });
 }
 
 }  // namespace
 
+bool is_under_pressure(const std::vector<double>& pressure, const Index* corners) {
+  const double first = pressure[corners[0]];
+  return first != 0 && first == pressure[corners[1]] && first == pressure[corners[2]];
+}
+
+bool has_traction(const std::vector<Vec3>& traction, const Index* corners) {
+  return all_other_than(Vec3(Vec3::Zero()), traction, corners);
+}
+
 std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<double>& array) {
-  return faces_other_than(0.0, mesh, array);
+  if (array.empty()) return {};
+  return faces_where(mesh, [&](const Index* c) { return all_other_than(0.0, array, c); });
 }
 
 std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<Vec3>& array) {
-  return faces_other_than(Vec3(Vec3::Zero()), mesh, array);
+  if (array.empty()) return {};
+  return faces_where(mesh, [&](const Index* c) { return has_traction(array, c); });
 }
 
 std::vector<Index> faces_under_pressure(const TetMesh& mesh, const std::vector<double>& pressure) {
   if (pressure.empty()) return {};
-  return faces_where(mesh, [&](const Index* c) {
-    return pressure[c[0]] != 0 && pressure[c[0]] == pressure[c[1]] &&
-           pressure[c[0]] == pressure[c[2]];
-  });
+  return faces_where(mesh, [&](const Index* c) { return is_under_pressure(pressure, c); });
 }
 
 double area_of(const TetMesh& mesh, const std::vector<Index>& faces) {

@@ -33,6 +33,10 @@ struct FacePoint {
 [[nodiscard]] std::vector<Index> faces_where(
     const TetMesh& mesh, const std::function<bool(const Index* corners)>& holds);
 
+/// Whether the corners of a face have a pressure which is the same, or all a traction.
+[[nodiscard]] bool is_under_pressure(const std::vector<double>& pressure, const Index* corners);
+[[nodiscard]] bool has_traction(const std::vector<Vec3>& traction, const Index* corners);
+
 /// Those whose corners all have a stiffness, a pressure which is the same, a traction; none where
 /// the array is empty.
 [[nodiscard]] std::vector<Index> faces_with(const TetMesh& mesh, const std::vector<double>& array);

@@ -19,8 +19,10 @@
 #include <sstream>
 #include <string>
 
+#include "assembly/loaded_faces.h"
 #include "assembly/scene.h"
 #include "base/error.h"
+#include "base/own_seconds.h"
 #include "solvers/materials/point.h"
 #include "vtkCellData.h"
 #include "vtkFieldData.h"
@@ -726,6 +728,115 @@ TEST_F(Febio, ConstantLoadsOfAnotherHandAreRead) {
   EXPECT_THROW((void)read(outward, pressure("<pressure>nan</pressure>")), palpate::InputError);
   EXPECT_THROW((void)read(outward, head + "traction\"><traction>1,2</traction></surface_load>"),
                palpate::InputError);
+}
+
+/// Calls a function with each number from 1 on, and gives what it says, one after the other.
+template <class F>
+std::string ForEachOf(int num, F&& text_of) {
+  std::string text;
+  for (int i = 1; i <= num; ++i) text += text_of(std::to_string(i));
+  return text;
+}
+
+// As many sets, conditions, loads, parts and materials as there are nodes take no longer than as
+// much of anything else: with a look at each set for each condition they would take minutes.
+TEST_F(Febio, ManyOfAKindAreReadAtOnce) {
+  constexpr int num = 10'000;
+  // Some twenty times what each takes.
+  constexpr double most_seconds = 4;
+  Scene scene = Row(ElementOrder::linear, num);
+  const auto read = [&](const std::string& text) {
+    std::ofstream(file()) << text;
+    const double begin = palpate::own_seconds();
+    vtkPalpateFEBioModel model = vtkPalpateReadFEBio(file(), kNotSaid);
+    EXPECT_LT(palpate::own_seconds() - begin, most_seconds);
+    return model;
+  };
+  EXPECT_EQ(Write(vtkPalpateGridFromScene(scene), file()), "");
+  const std::string good = TextOf(file());
+  const auto with = [&](const std::string& sets, const std::string& after) {
+    return Replaced(Replaced(good, "</Mesh>", sets + "</Mesh>"), "</febio_spec>",
+                    after + "</febio_spec>");
+  };
+  const auto held = [&](const std::string& reference) {
+    const std::string text = Replaced(
+        good, "</Boundary>", ForEachOf(num, [&](const std::string& i) {
+                               return "<bc type=\"zero displacement\" node_set=\"" + reference +
+                                      (reference == "All" ? "" : i) + "\"><x_dof>1</x_dof></bc>";
+                             }) + "</Boundary>");
+    return Replaced(text, "</Mesh>",
+                    "<NodeSet name=\"All\">1:" + std::to_string(num) + "</NodeSet>" +
+                        ForEachOf(num,
+                                  [](const std::string& i) {
+                                    return "<NodeSet name=\"N" + i + "\">" + i + "</NodeSet>" +
+                                           "<ElementSet name=\"E" + i + "\">" + i + "</ElementSet>";
+                                  }) +
+                        "</Mesh>");
+  };
+  for (const char* reference : {"N", "All", "@elem_set:E"}) {
+    SCOPED_TRACE(reference);
+    const Scene of = read(held(reference)).Scene;
+    ASSERT_EQ(of.held_directions.size(), of.mesh.points.size());
+    EXPECT_EQ(of.held_directions[num - 1].col(0), palpate::Vec3::UnitX());
+    // The last points are in the last element, and in no other set.
+    const bool has_last = std::string(reference) == "@elem_set:E";
+    EXPECT_EQ(of.held_directions[num + 2].isZero(0), !has_last);
+  }
+
+  // One face for each: every other tetrahedron's first one is apart from the others.
+  const std::vector<Index> faces = palpate::boundary_faces(scene.mesh);
+  const int num_faces = static_cast<int>(faces.size() / 3);
+  const auto surface = [&](const std::string& i) {
+    const Index* face = &faces[3 * (std::stoul(i) - 1)];
+    return "<Surface name=\"F" + i + "\"><tri3 id=\"1\">" + std::to_string(face[0] + 1) + ',' +
+           std::to_string(face[1] + 1) + ',' + std::to_string(face[2] + 1) + "</tri3></Surface>";
+  };
+  const auto load = [](const std::string& i) {
+    return "<surface_load surface=\"F" + i +
+           "\" type=\"traction\"><traction>0,0,1</traction></surface_load>";
+  };
+  const vtkPalpateFEBioModel loaded = read(
+      with(ForEachOf(num_faces, surface), "<Loads>" + ForEachOf(num_faces, load) + "</Loads>"));
+  // Those that would load others, too, are left out.
+  EXPECT_FALSE(palpate::faces_with(loaded.Scene.mesh, loaded.Scene.applied_traction).empty());
+  EXPECT_EQ(loaded.Warnings.size() +
+                palpate::faces_with(loaded.Scene.mesh, loaded.Scene.applied_traction).size() / 3,
+            static_cast<std::size_t>(num_faces));
+
+  scene.materials.clear();
+  for (Index cell = 0; cell < num; ++cell) {
+    scene.materials.push_back(palpate::make_isotropic(Law::neo_hookean, 1000 + cell, 0.3));
+    scene.material_of_cell[cell] = cell;
+  }
+  EXPECT_EQ(Write(vtkPalpateGridFromScene(scene), file("materials.feb")), "");
+  EXPECT_EQ(read(TextOf(file("materials.feb"))).Scene.materials, scene.materials);
+
+  std::string mesh;
+  std::string materials;
+  std::string domains;
+  for (int i = 1; i <= num; ++i) {
+    const std::string number = std::to_string(i);
+    const Index* cell = &scene.mesh.cells[4 * (i - 1)];
+    mesh += "<Elements type=\"tet4\" name=\"P" + number + "\"><elem id=\"" + number + "\">";
+    for (int a = 0; a < 4; ++a) mesh += (a > 0 ? "," : "") + std::to_string(cell[a] + 1);
+    mesh += "</elem></Elements>";
+    materials += "<material id=\"" + number + "\" name=\"M" + number +
+                 "\" type=\"neo-Hookean\"><E>" + std::to_string(1000 + i) +
+                 "</E><v>0.3</v></material>";
+    domains += "<SolidDomain name=\"P" + number + "\" mat=\"M" + number + "\"/>";
+  }
+  const auto between = [&](std::string text, const std::string& tag, const std::string& by) {
+    const std::size_t begin = text.find('<' + tag);
+    const std::string end = "</" + tag + '>';
+    const std::size_t behind = text.rfind(end) + end.size();
+    return text.replace(begin, behind - begin, by);
+  };
+  std::string parts = between(good, "Elements", mesh);
+  parts = between(parts, "Material", "<Material>" + materials + "</Material>");
+  parts = between(parts, "MeshDomains", "<MeshDomains>" + domains + "</MeshDomains>");
+  const vtkPalpateFEBioModel of_parts = read(parts);
+  EXPECT_EQ(of_parts.Regions.size(), static_cast<std::size_t>(num));
+  EXPECT_EQ(of_parts.Scene.materials.size(), static_cast<std::size_t>(num));
 }
 
 // kg/m³ is Pa s²/m², and the time is in s in all of them.
