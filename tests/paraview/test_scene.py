@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """AssignMaterial and SetBoundary: from a body to a scene."""
 
+import os
 import sqlite3
 
 import numpy
+from paraview import servermanager
 from paraview.simple import (AssignMaterial, Box, Calculator, GetSources, IDSelectionSource,
-                             LoadState, PrecomputeStateSpace, ReverseSense, SaveState,
-                             SelectionQuerySource, SetBoundary, SolveEquilibrium, Sphere)
+                             LoadState, OpenDataFile, PrecomputeStateSpace, ReverseSense,
+                             SaveData, SaveState, SelectionQuerySource, SetBoundary,
+                             SolveEquilibrium, Sphere, StateSpaceReader,
+                             XMLUnstructuredGridReader)
 from support import (Messages, box_body, cell_array, expect_error, expect_silence, fetch, field,
-                     places, point_array, source)
+                     places, point_array, produce, source)
 from vtkmodules.vtkCommonCore import vtkFloatArray, vtkIntArray
 
 LAWS = ("Linear", "St. Venant-Kirchhoff", "Neo-Hookean", "Mooney-Rivlin",
         "Mooney-Rivlin polynomial", "Fung", "Neo-Hookean incompressible",
         "Mooney-Rivlin incompressible", "Ogden")
 NO_LAW = -1
+# Of BoundaryKind.
+FREE, TOUCHABLE, FIXED, HELD, LOADED = range(5)
 DISPLACEMENT, MIXED, FINE = range(3)
 # The settings of a material and the cell arrays that come of them.
 MATERIALS = {
@@ -566,6 +572,59 @@ def test_springs_alone_hold_a_body(body):
                       AppliedTraction=[0, 0, 50], FixedRegion="Plane", LoadRegion="Plane")
     moved = at_rest(loaded)
     assert numpy.abs(moved - [0, 0, 5e-4]).max() < 1e-3 * 5e-4
+
+
+def kinds_of(scene):
+    """BoundaryKind, as Set Boundary gives it to what is there."""
+    return point_array(expect_silence(lambda: fetch(scene)), "BoundaryKind")
+
+
+def test_every_kind_of_boundary(body):
+    """Free, touchable, fixed, held and loaded points, in data, in files and in a state space."""
+    regions = {"FixedRegion": "Plane", "LoadRegion": "Plane"}
+    material = AssignMaterial(Input=body, Law="Neo-Hookean")
+    fixed = on_plane(material, [0, 0, 0], [1, 0, 0], **regions)
+    held = on_plane(fixed, [0, 0, 0], [0, 1, 0], Support="Direction", HeldDirection=[0, 1, 0],
+                    **regions)
+    loaded = on_plane(held, [0, 0, 0.1], [0, 0, -1], Support="Nothing", Load="Traction",
+                      AppliedTraction=[0, 0, 1], **regions)
+    at = places(fetch(body))
+    x, y, z = at.T
+    cells = fetch(body)
+    corners = numpy.zeros(len(at), bool)
+    for cell in range(cells.GetNumberOfCells()):
+        ids = cells.GetCell(cell).GetPointIds()
+        corners[[ids.GetId(i) for i in range(4)]] = True
+    outside = (numpy.isclose(at, 0) | numpy.isclose(at, [0.2, 0.1, 0.1])).any(axis=1)
+    expected = numpy.where(corners & outside, TOUCHABLE, FREE)
+    expected[numpy.isclose(z, 0.1)] = LOADED
+    expected[y == 0] = HELD
+    expected[x == 0] = FIXED
+    assert set(expected) == {FREE, TOUCHABLE, FIXED, HELD, LOADED}
+    assert (kinds_of(loaded) == expected).all()
+    # Springs hold too, by their faces.
+    springs = on_plane(loaded, [0, 0, 0], [0, 0, 1], Support="Springs", SupportStiffness=1e5,
+                       **regions)
+    on_springs = expected.copy()
+    on_springs[(z == 0) & (x > 0)] = HELD
+    assert (on_springs != expected).any()
+    assert (kinds_of(springs) == on_springs).all()
+
+    SaveData("kinds.vtu", proxy=springs, DataMode="Binary")
+    back = XMLUnstructuredGridReader(FileName="kinds.vtu")
+    assert (kinds_of(back) == on_springs).all()
+    assert (kinds_of(SetBoundary(Input=back, Support="Nothing")) == on_springs).all()
+    with Messages() as messages:
+        SaveData("kinds.feb", proxy=loaded)
+    assert messages.errors == 0, messages.text
+    assert (kinds_of(OpenDataFile(os.path.abspath("kinds.feb"))) == expected).all()
+    node = int(numpy.argmin(numpy.linalg.norm(at - [0.2, 0.1, 0.1], axis=1)))
+    space = PrecomputeStateSpace(Input=springs, ActiveNodes=[node], HalfWidth=0.001, Resolution=3,
+                                 FileName="kinds.palpate")
+    expect_silence(lambda: servermanager.Fetch(space, 0))
+    read = servermanager.Fetch(StateSpaceReader(FileName="kinds.palpate"), 0)
+    of_space = produce(read.GetPartition(0, 0))
+    assert (kinds_of(SetBoundary(Input=of_space, Support="Nothing")) == on_springs).all()
 
 
 def test_bad_supports_and_loads(body):
