@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "base/read_file.h"
 #include "vtkDelimitedTextReader.h"
 #include "vtkDoubleArray.h"
@@ -514,7 +515,7 @@ int vtkPalpateReplayTouch::RequestData(
       }
       if (!(this->FrameRate >= 0) || !std::isfinite(this->FrameRate))
       {
-        throw palpate::InputError("FrameRate is " + std::to_string(this->FrameRate) +
+        throw palpate::InputError("FrameRate is " + palpate::quantity(this->FrameRate) +
           "; it must be a number of time steps in a second, or 0 for every tick.");
       }
       Replay& replay = *this->Cache;
@@ -522,8 +523,8 @@ int vtkPalpateReplayTouch::RequestData(
       if (this->TimesToShow().empty())
       {
         throw palpate::InputError("FrameRate makes too many time steps of a recording of " +
-          std::to_string(replay.TickTimes.back()) +
-          " s; there may be a million. Make it smaller, or 0 for every tick.");
+          palpate::quantity(replay.TickTimes.back(), "s") +
+          "; there may be a million. Make it smaller, or 0 for every tick.");
       }
       const bool shows = !controller || controller->GetLocalProcessId() == 0;
       Frame frame;

@@ -7,6 +7,7 @@
 #include "assembly/loaded_faces.h"
 #include "assembly/supports.h"
 #include "base/error.h"
+#include "base/quantity.h"
 #include "mesh/touching_pieces.h"
 #include "vtkCellData.h"
 #include "vtkIdList.h"
@@ -419,7 +420,7 @@ void vtkPalpateSetBoundary::Hold(const std::vector<char>& points, palpate::Scene
     case SPRINGS:
       if (!(this->SupportStiffness > 0) || !std::isfinite(this->SupportStiffness))
       {
-        throw InputError("SupportStiffness is " + std::to_string(this->SupportStiffness) +
+        throw InputError("SupportStiffness is " + palpate::quantity(this->SupportStiffness) +
           "; give a number above 0, N/m³.");
       }
       scene.support_stiffness.resize(chosen.size(), 0);

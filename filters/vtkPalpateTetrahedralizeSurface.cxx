@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "mesh/box_tree.h"
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
@@ -805,7 +806,7 @@ void vtkPalpateTetrahedralizeSurface::Mesh(const vtkPalpateSurface& given,
       if (body->GetNumberOfCells() == 0)
       {
         throw palpate::BackendError("TetGen made no tetrahedra: the surface encloses " +
-          std::to_string(regions.Volume()) + " m³. Mend the surface.");
+          palpate::quantity(regions.Volume(), "m³") + ". Mend the surface.");
       }
       const std::string doubt = regions.Finish(body);
       if (!doubt.empty())

@@ -12,9 +12,11 @@
 namespace palpate {
 namespace {
 
-/// The deepest that a rigid tool is pressed, m.
+/// The deepest that a rigid tool is pressed, m: the depth of the space, which may be any that the
+/// force limit ends, but no more than the whole space is wide.
 double deepest(const ToolSpaceSetup& setup) {
-  return setup.policy.depth > 0 ? setup.policy.depth : half_width(setup.interaction.tool);
+  return setup.policy.depth > 0 ? std::min(setup.policy.depth, 2 * setup.grid.half_width)
+                                : half_width(setup.interaction.tool);
 }
 
 /// Stands for a rigid tool: below zero, unlike the number of any active node.
@@ -78,10 +80,12 @@ class ContactDraw {
  private:
   /// So many places of a kind are tried at the most.
   static constexpr int kMostTries = 1'000'000;
+  /// Where none of the first ones is in the space, none will be: each takes some microseconds.
+  static constexpr int kMostInVain = 20'000;
 
   void check(int tried) const {
-    if (tried < kMostTries) return;
-    throw InputError("Of " + std::to_string(kMostTries) +
+    if (tried < (points.empty() ? kMostInVain : kMostTries)) return;
+    throw InputError("Of " + std::to_string(tried) +
                      " places on the touchable surface fewer than were asked for are in the state "
                      "space of " +
                      setup_.name() + ". Ask for fewer test points, or press a larger region.");

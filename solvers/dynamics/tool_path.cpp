@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 
@@ -53,7 +54,7 @@ ToolPath::ToolPath(std::vector<double> times, Eigen::MatrixXd coordinates)
 void ToolPath::let_go(Index tool, double time) {
   if (tool < 0 || tool >= static_cast<Index>(releases_.size()) || std::isnan(time)) {
     throw InputError("Tool " + std::to_string(tool) + " cannot be let go at " +
-                     std::to_string(time) + " s: there are " + std::to_string(releases_.size()) +
+                     quantity(time, "s") + ": there are " + std::to_string(releases_.size()) +
                      " tools, counted from 0, and the time must be a number.");
   }
   releases_[tool] = time;

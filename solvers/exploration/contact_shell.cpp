@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "interpolation/error_estimate.h"
 
 namespace palpate {
@@ -170,10 +171,10 @@ Grid make_shell_grid(const ToolClearance& clearance, double spacing) {
   // Even, so that (0,0,0) is a corner; a cell more, since the box lies anywhere in the outermost.
   const double wanted = 2 * (std::floor(size / (2 * spacing)) + 1);
   if (!(spacing > 0) || !(wanted <= kMostCells)) {
-    throw InputError("Cells of " + std::to_string(spacing) + " m around a body and a tool of " +
-                     std::to_string(size) + " m are more than " + std::to_string(kMostCells) +
-                     " along an axis. Take a spacing of " +
-                     std::to_string(size / (kMostCells - 2)) + " m or more.");
+    throw InputError("Cells of " + quantity(spacing, "m") + " around a body and a tool of " +
+                     quantity(size, "m") + " are more than " + std::to_string(kMostCells) +
+                     " along an axis. Take a spacing of " + quantity(size / (kMostCells - 2), "m") +
+                     " or more.");
   }
   Grid grid;
   grid.origin = box.center();

@@ -9,8 +9,10 @@
 #include "assembly/piece_support.h"
 #include "assembly/supports.h"
 #include "base/error.h"
+#include "base/quantity.h"
 #include "exploration/start_graph.h"
 #include "interaction/bonded_patch.h"
+#include "mesh/resolved_length.h"
 #include "state_space/state_space_file.h"
 
 namespace palpate {
@@ -72,6 +74,7 @@ std::vector<PlannedSpace> plan_grids(const Scene& scene, const PrecomputeOptions
   }
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  check_resolved(scene.mesh, "The half-width (HalfWidth)", options.half_width);
   const BondedPatches patches(scene, options.tip_radius);
   std::vector<PlannedSpace> spaces;
   const PieceSupport support(scene.mesh, holding_points(scene));
@@ -93,6 +96,9 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
                                      InteractionFactory& tools) {
   PieceSupport(scene.mesh, holding_points(scene)).require_held({});
   const ContactOptions& contact = *options.contact;
+  if (contact.shell.depth > 0) {
+    check_resolved(scene.mesh, "The depth (Depth)", contact.shell.depth);
+  }
   ToolSpaceSetup setup;
   setup.id = kContactToolSpace;
   setup.interaction = rigid_contact_spec(with_defaults(contact.tool, scene));
@@ -100,9 +106,9 @@ std::vector<PlannedSpace> plan_shell(const Scene& scene, const PrecomputeOptions
   const double width = half_width(setup.interaction.tool);
   const double spacing = contact.spacing > 0 ? contact.spacing : usual_spacing(*clearance, width);
   if (spacing > 2 * width) {
-    throw InputError("The spacing is " + std::to_string(spacing) + " m, larger than the tool of " +
-                     std::to_string(2 * width) +
-                     " m: most contacts would lie between the places "
+    throw InputError("The spacing is " + quantity(spacing, "m") + ", larger than the tool of " +
+                     quantity(2 * width, "m") +
+                     ": most contacts would lie between the places "
                      "that are computed. Take a quarter of the tool's size or less.");
   }
   setup.grid = make_shell_grid(*clearance, spacing);

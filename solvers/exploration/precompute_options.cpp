@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "state_space/pod.h"
 
 namespace palpate {
@@ -13,11 +14,11 @@ void validate(const PrecomputeOptions& options) {
   if (options.contact) {
     const auto& [tool, spacing, shell, most_configurations] = *options.contact;
     if (!(std::isfinite(spacing) && spacing >= 0)) {
-      throw InputError("The spacing is " + std::to_string(spacing) +
+      throw InputError("The spacing is " + quantity(spacing) +
                        "; it must be a length in m, or 0 for two fifths of the tool's radius.");
     }
     if (!(std::isfinite(shell.depth) && shell.depth >= 0)) {
-      throw InputError("The depth is " + std::to_string(shell.depth) +
+      throw InputError("The depth is " + quantity(shell.depth) +
                        "; it must be a length in m, or 0 to go as deep as the force limit allows.");
     }
     if (!shell.begin_at.allFinite()) {
@@ -36,7 +37,7 @@ void validate(const PrecomputeOptions& options) {
   }
   const bool has_boxes = !options.contact || !options.active_nodes.empty();
   if (has_boxes && !(std::isfinite(options.half_width) && options.half_width > 0)) {
-    throw InputError("The half-width is " + std::to_string(options.half_width) +
+    throw InputError("The half-width is " + quantity(options.half_width) +
                      "; it must be a positive length in m.");
   }
   if (options.resolution < 3 || options.resolution % 2 == 0 ||
@@ -47,12 +48,12 @@ void validate(const PrecomputeOptions& options) {
         std::to_string(kLargestCoarsestResolution) + '.');
   }
   if (!(std::isfinite(options.force_limit) && options.force_limit >= 0)) {
-    throw InputError("The force limit is " + std::to_string(options.force_limit) +
+    throw InputError("The force limit is " + quantity(options.force_limit) +
                      "; it must be a force in N, or 0 for none.");
   }
   if (!(std::isfinite(options.tolerance) && options.tolerance >= 0)) {
     throw InputError(
-        "The tolerance is " + std::to_string(options.tolerance) +
+        "The tolerance is " + quantity(options.tolerance) +
         "; it must be a force in N or a share of the largest, or 0 for a uniform grid.");
   }
   if (options.history == History::levels && options.tolerance > 0) {
@@ -70,7 +71,7 @@ void validate(const PrecomputeOptions& options) {
                      "; it is 0 (touch), 1 (surface) or 2 (all).");
   }
   if (!(options.touch_bound >= kLeastPodBound && options.touch_bound < 1)) {
-    throw InputError("The displacement bound is " + std::to_string(options.touch_bound) +
+    throw InputError("The displacement bound is " + quantity(options.touch_bound) +
                      "; it must be a share from 0.00001 to below 1.");
   }
   validate(options.equilibrium);

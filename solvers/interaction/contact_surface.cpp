@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -68,17 +69,16 @@ Eigen::MatrixXd slopes_at(int nodes, double s, double t) {
 /// How many parts an edge is divided into for points of integration that are `spacing` apart.
 int divisions_for_spacing(double spacing, double longest) {
   if (!(spacing > 0)) {
-    throw InputError("The points at which contact is integrated are " + std::to_string(spacing) +
-                     " m apart; this must be a positive length.");
+    throw InputError("The points at which contact is integrated are " + quantity(spacing, "m") +
+                     " apart; this must be a positive length.");
   }
   // Points of neighbouring triangles are about half an edge apart.
   const double wanted = std::ceil(longest / (2 * spacing));
   if (!(wanted <= ContactSurface::kMostDivisions)) {
-    throw InputError("An edge of " + std::to_string(longest) +
-                     " m would be divided into more than " +
+    throw InputError("An edge of " + quantity(longest, "m") + " would be divided into more than " +
                      std::to_string(ContactSurface::kMostDivisions) +
-                     " parts to integrate contact at points that are " + std::to_string(spacing) +
-                     " m apart. Mesh the body more finely, or take a thicker contact.");
+                     " parts to integrate contact at points that are " + quantity(spacing, "m") +
+                     " apart. Mesh the body more finely, or take a thicker contact.");
   }
   return std::max(1, static_cast<int>(wanted));
 }

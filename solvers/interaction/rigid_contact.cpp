@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -62,17 +63,17 @@ Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& places) {
 
 void validate(const ContactLaw& law) {
   if (!(std::isfinite(law.thickness) && law.thickness > 0)) {
-    throw InputError("The contact thickness is " + std::to_string(law.thickness) +
-                     " m; it must be a positive length.");
+    throw InputError("The contact thickness is " + quantity(law.thickness, "m") +
+                     "; it must be a positive length.");
   }
   if (!(std::isfinite(law.stiffness) && law.stiffness > 0)) {
-    throw InputError("The contact stiffness is " + std::to_string(law.stiffness) +
-                     " Pa; it must be positive.");
+    throw InputError("The contact stiffness is " + quantity(law.stiffness, "Pa") +
+                     "; it must be positive.");
   }
   if (!(law.offset >= 0 && law.offset < law.thickness)) {
-    throw InputError("The layer of contact is drawn back by " + std::to_string(law.offset) +
-                     " m; it must be at least 0 and less than its thickness of " +
-                     std::to_string(law.thickness) + " m.");
+    throw InputError("The layer of contact is drawn back by " + quantity(law.offset, "m") +
+                     "; it must be at least 0 and less than its thickness of " +
+                     quantity(law.thickness, "m") + ".");
   }
 }
 

@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string>
 #include <utility>
 
+#include "base/error.h"
+#include "base/quantity.h"
 #include "interaction/rigid_capsule.h"
 #include "interaction/rigid_surface.h"
+#include "mesh/resolved_length.h"
 
 namespace palpate {
 namespace {
@@ -76,6 +80,23 @@ RigidShapePtr make_shape(const RigidTool& tool) {
   return make_surface_tool(std::move(surface));
 }
 
+/// A body resolves the tool, and its layer of contact is a layer.
+void check_size(const TetMesh& mesh, const RigidTool& tool, const RigidShape& shape) {
+  if (tool.shape != ToolShape::surface) {
+    check_resolved(mesh, "The tool's radius (ToolRadius)", tool.radius);
+  }
+  check_not_too_large(
+      mesh, "What the tool reaches from its centre (ToolRadius, ToolLength or its surface)",
+      shape.bounding_radius());
+  const std::string thickness = "The contact thickness (ContactThickness)";
+  check_resolved(mesh, thickness, tool.law.thickness);
+  const double largest = std::max(size_of(mesh), shape.bounding_radius());
+  if (tool.law.thickness <= largest) return;
+  throw InputError(thickness + " is " + quantity(tool.law.thickness, "m") +
+                   ", more than the body and the tool are large. Give " + quantity(largest, "m") +
+                   " or less, or 0 for a usual one.");
+}
+
 }  // namespace
 
 double half_width(const RigidTool& tool) {
@@ -128,6 +149,7 @@ RigidTool with_defaults(RigidTool tool, const Scene& scene) {
 RigidContact make_contact(const Scene& scene, const RigidTool& tool) {
   RigidShapePtr shape = make_shape(tool);
   validate(tool.law);
+  check_size(scene.mesh, tool, *shape);
   auto surface =
       std::make_shared<const ContactSurface>(scene, kSpacingOfThickness * tool.law.thickness);
   return {std::move(surface), std::move(shape), tool.law};

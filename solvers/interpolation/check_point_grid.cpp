@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "interpolation/branch_test.h"
 
 namespace palpate {
@@ -36,8 +37,8 @@ CheckPointGrid::CheckPointGrid(const Grid& grid,
       is_sparse_(grid.sparse),
       outside_is_free_(grid.sparse && clearance) {
   if (grid.resolution > 1 && !(grid.half_width > 0 && std::isfinite(grid.half_width))) {
-    throw InputError("The grid has a half-width of " + std::to_string(grid.half_width) +
-                     " m; it takes a positive one.");
+    throw InputError("The grid has a half-width of " + quantity(grid.half_width, "m") +
+                     "; it takes a positive one.");
   }
   if (grid.resolution > 1) spacing_ = grid.spacing();
   per_spacing_ = 1 / spacing_;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/quantity.h"
 #include "interpolation/branch_test.h"
 #include "interpolation/check_point_grid.h"
 #include "interpolation/clearance.h"
@@ -267,8 +268,8 @@ Refinement plan_refinement(const Grid& grid,
                            double tolerance, std::int32_t smallest, const Clearance& clearance,
                            const std::function<bool(const CellEstimate&)>& is_left) {
   if (!(tolerance > 0)) {
-    throw InputError("The tolerance of the force is " + std::to_string(tolerance) +
-                     " N; it takes a positive one.");
+    throw InputError("The tolerance of the force is " + quantity(tolerance, "N") +
+                     "; it takes a positive one.");
   }
   const Estimator estimator(grid, configurations, clearance);
   const CellTree& tree = estimator.grid().tree();

@@ -6,13 +6,14 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
 
 void check_not_negative(double value, const std::string& name) {
   if (value >= 0 && std::isfinite(value)) return;
-  throw InputError("The " + name + " is " + std::to_string(value) +
+  throw InputError("The " + name + " is " + quantity(value) +
                    "; it must be a number that is not negative.");
 }
 
@@ -38,16 +39,15 @@ void validate(const Rheology& rheology) {
     check_not_negative(rheology.prony_times[j], "time " + number + " (PronyTimes)");
     if ((rheology.prony_moduli[j] > 0) != (rheology.prony_times[j] > 0)) {
       throw InputError("Term " + number + " of the Prony series has the ratio " +
-                       std::to_string(rheology.prony_moduli[j]) + " and the time " +
-                       std::to_string(rheology.prony_times[j]) +
-                       " s. Give both above 0, or neither.");
+                       quantity(rheology.prony_moduli[j]) + " and the time " +
+                       quantity(rheology.prony_times[j], "s") + ". Give both above 0, or neither.");
     }
     if (rheology.prony_times[j] == 0) continue;
     if (rheology.prony_times[j] <= last_time) {
       throw InputError("Time " + number + " of the Prony series (PronyTimes) is " +
-                       std::to_string(rheology.prony_times[j]) + " s, after " +
-                       std::to_string(last_time) +
-                       " s. Sort the terms by their times, and give each time once.");
+                       quantity(rheology.prony_times[j], "s") + ", after " +
+                       quantity(last_time, "s") +
+                       ". Sort the terms by their times, and give each time once.");
     }
     last_time = rheology.prony_times[j];
   }

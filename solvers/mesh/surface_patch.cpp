@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -38,7 +39,7 @@ bool SurfacePatches::on_surface(Index point) const {
 
 std::vector<Index> SurfacePatches::around(Index node, double radius) const {
   if (!(std::isfinite(radius) && radius >= 0)) {
-    throw InputError("The tip radius is " + std::to_string(radius) +
+    throw InputError("The tip radius is " + quantity(radius) +
                      "; it must be a length in m, or 0 for a single point.");
   }
   if (!on_surface(node)) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -25,8 +26,8 @@ constexpr double kLeastScale = 1e-3;
 
 void require(bool good, const char* name, double value, const char* what) {
   if (good) return;
-  throw InputError(std::string("The option ") + name + " of a reduced body is " +
-                   std::to_string(value) + "; " + what);
+  throw InputError(std::string("The option ") + name + " of a reduced body is " + quantity(value) +
+                   "; " + what);
 }
 
 }  // namespace

@@ -11,9 +11,11 @@
 #include "assembly/external_energy.h"
 #include "assembly/mass.h"
 #include "base/error.h"
+#include "base/quantity.h"
 #include "dynamics/dynamic_solver.h"
 #include "equilibrium/equilibrium.h"
 #include "interaction/interaction_list.h"
+#include "mesh/resolved_length.h"
 #include "reduced/reduced_body.h"
 #include "reduction/hyper_reduction.h"
 #include "reduction/random_path.h"
@@ -71,7 +73,7 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
   for (const Material& material : scene.materials) {
     if (material.formulation == Formulation::displacement) continue;
     throw InputError("The material " + to_string(material.law) + " with Poisson's ratio " +
-                     std::to_string(poissons_ratio(material)) +
+                     quantity(poissons_ratio(material)) +
                      " has a pressure of its own, which a reduced model has not. Choose a "
                      "compressible law with a ratio of at most 0.45.");
   }
@@ -80,13 +82,6 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
                      std::to_string(scene.materials.size()) + " materials. Give one for each.");
   }
   for (const Rheology& rheology : rheologies) validate(rheology);
-}
-
-/// The diagonal of the box around the points, m.
-double size_of(const TetMesh& mesh) {
-  Eigen::AlignedBox3d box;
-  for (const Vec3& point : mesh.points) box.extend(point);
-  return box.diagonal().norm();
 }
 
 /// What follows the surface would be one more energy that is not quadratic.
@@ -471,6 +466,7 @@ void check_reduction(const Scene& scene, const std::vector<Rheology>& rheologies
   validate(options);
   check_materials(scene, rheologies);
   check_loads(scene);
+  check_resolved(scene.mesh, "The option Reach", options.reach);
   require(options.reach <= kMostReach * size_of(scene.mesh), "Reach", options.reach,
           "it must be at most ten times the size of the body, in m.");
   if (options.gravity.isZero(0)) return;

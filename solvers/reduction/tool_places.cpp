@@ -16,6 +16,7 @@
 #include "assembly/piece_support.h"
 #include "assembly/supports.h"
 #include "base/error.h"
+#include "base/quantity.h"
 #include "dynamics/dynamic_solver.h"
 #include "equilibrium/direction_constraints.h"
 #include "equilibrium/equilibrium.h"
@@ -443,8 +444,8 @@ class PlacedTools::Impl {
     const Eigen::MatrixXd third = -held.vanishing(inverse_times(odd));
     if (!second.allFinite() || !third.allFinite()) {
       throw InputError("The body is inverted as soon as its tools move by " +
-                       std::to_string(kExpansion * trained_.reach) +
-                       " m. Train with a shorter Reach.");
+                       quantity(kExpansion * trained_.reach, "m") +
+                       ". Train with a shorter Reach.");
     }
     return {first, second / std::pow(kExpansion, 2), third / std::pow(kExpansion, 3), tools};
   }

@@ -9,16 +9,16 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXf;
 
 /// Directions taken at a time: enough for products of matrices to be fast, few enough not to
 /// overshoot the rank by much.
-constexpr Index kBlock = 32;
+constexpr Eigen::Index kBlock = 32;
 
 /// The range finder goes to this share of the limit, to leave the rest to truncation.
 constexpr double kRangeShare = 0.25;
@@ -28,12 +28,13 @@ constexpr double kRangeShare = 0.25;
 constexpr double kTruncationShare = 0.7;
 
 /// Fields that are made of modes at a time.
-constexpr Index kColumnsAtATime = 256;
+constexpr Eigen::Index kColumnsAtATime = 256;
 
 /// ±1 at random, the same on every machine.
-MatrixXf random_signs(Index rows, Index cols, std::mt19937_64& random) {
+MatrixXf random_signs(Eigen::Index rows, Eigen::Index cols, std::mt19937_64& random) {
   MatrixXf signs(rows, cols);
-  for (Index i = 0; i < signs.size(); ++i) signs.data()[i] = (random() >> 63) != 0 ? 1.F : -1.F;
+  for (Eigen::Index i = 0; i < signs.size(); ++i)
+    signs.data()[i] = (random() >> 63) != 0 ? 1.F : -1.F;
   return signs;
 }
 
@@ -59,16 +60,15 @@ void orthonormalise(MatrixXf& block, const MatrixXf& basis) {
 
 void validate_pod_bound(double bound) {
   if (!(bound >= kLeastPodBound && bound < 1)) {
-    throw InputError("The bound on the error of the surface displacement is " +
-                     std::to_string(bound) + "; give one from " + std::to_string(kLeastPodBound) +
-                     " to below 1.");
+    throw InputError("The bound on the error of the surface displacement is " + quantity(bound) +
+                     "; give one from " + quantity(kLeastPodBound) + " to below 1.");
   }
 }
 
 double largest_at_a_point(const Eigen::Ref<const MatrixXf>& fields, int components) {
   float largest = 0;
-  for (Index c = 0; c < fields.cols(); ++c) {
-    for (Index i = 0; i < fields.rows(); i += components) {
+  for (Eigen::Index c = 0; c < fields.cols(); ++c) {
+    for (Eigen::Index i = 0; i < fields.rows(); i += components) {
       largest = std::max(largest, fields.col(c).segment(i, components).squaredNorm());
     }
   }
@@ -78,15 +78,15 @@ double largest_at_a_point(const Eigen::Ref<const MatrixXf>& fields, int componen
 double largest_product_at_a_point(const Eigen::Ref<const MatrixXf>& modes,
                                   const Eigen::Ref<const MatrixXf>& coefficients, int components) {
   double largest = 0;
-  for (Index first = 0; first < coefficients.cols(); first += kColumnsAtATime) {
-    const Index count = std::min(kColumnsAtATime, coefficients.cols() - first);
+  for (Eigen::Index first = 0; first < coefficients.cols(); first += kColumnsAtATime) {
+    const Eigen::Index count = std::min(kColumnsAtATime, coefficients.cols() - first);
     const MatrixXf fields = modes * coefficients.middleCols(first, count);
     largest = std::max(largest, largest_at_a_point(fields, components));
   }
   return largest;
 }
 
-PodBasis::PodBasis(Index num_rows, int components, double limit, MatrixXf begin)
+PodBasis::PodBasis(Eigen::Index num_rows, int components, double limit, MatrixXf begin)
     : components_(components), limit_(limit), begin_(std::move(begin)), modes_(num_rows, 0) {
   if (begin_.cols() == 0) {
     begin_.resize(num_rows, 0);
@@ -111,7 +111,7 @@ void PodBasis::add(const MatrixXf& bound, const MatrixXf& following) {
   if (error > kTruncationShare * limit_) {
     // More than there are fields: few random signs may be dependent.
     while (modes_.cols() < modes_.rows() && error > kRangeShare * limit_) {
-      const Index size = std::min(kBlock, modes_.rows() - modes_.cols());
+      const Eigen::Index size = std::min(kBlock, modes_.rows() - modes_.cols());
       MatrixXf block = rest * random_signs(rest.cols(), size, random_);
       orthonormalise(block, modes_);
       const MatrixXf coefficients = block.transpose() * rest;
@@ -133,10 +133,10 @@ void PodBasis::add(const MatrixXf& bound, const MatrixXf& following) {
 
 /// Modes that came with later batches have the coefficient 0 in earlier ones.
 MatrixXf PodBasis::all_of(MatrixXf Batch::*columns) const {
-  Index count = 0;
+  Eigen::Index count = 0;
   for (const Batch& batch : batches_) count += (batch.*columns).cols();
   MatrixXf all = MatrixXf::Zero(modes_.cols(), count);
-  Index at = 0;
+  Eigen::Index at = 0;
   for (const Batch& batch : batches_) {
     const MatrixXf& part = batch.*columns;
     all.block(0, at, part.rows(), part.cols()) = part;
@@ -145,18 +145,18 @@ MatrixXf PodBasis::all_of(MatrixXf Batch::*columns) const {
   return all;
 }
 
-double PodBasis::error_without(Index dropped, const MatrixXf& modes,
+double PodBasis::error_without(Eigen::Index dropped, const MatrixXf& modes,
                                const MatrixXf& coefficients) const {
   return largest_product_at_a_point(modes.rightCols(dropped), coefficients.bottomRows(dropped),
                                     components_);
 }
 
-Index PodBasis::sufficient(const MatrixXf& modes, const MatrixXf& coefficients) const {
+Eigen::Index PodBasis::sufficient(const MatrixXf& modes, const MatrixXf& coefficients) const {
   const double allowed = kTruncationShare * limit_ - bound_error_;
-  Index too_few = -1;
-  Index enough = modes.cols();
+  Eigen::Index too_few = -1;
+  Eigen::Index enough = modes.cols();
   while (enough - too_few > 1) {
-    const Index middle = (too_few + enough) / 2;
+    const Eigen::Index middle = (too_few + enough) / 2;
     const bool keeps = error_without(modes.cols() - middle, modes, coefficients) <= allowed;
     (keeps ? enough : too_few) = middle;
   }
@@ -167,8 +167,8 @@ PodFit PodBasis::finish() {
   PodFit fit;
   fit.bound = all_of(&Batch::bound);
   fit.following = all_of(&Batch::following);
-  const Index given = begin_.cols();
-  const Index found = modes_.cols() - given;
+  const Eigen::Index given = begin_.cols();
+  const Eigen::Index found = modes_.cols() - given;
   MatrixXf added = modes_.rightCols(found);
   if (found > 0) {
     // By the energy of what they represent.
@@ -180,7 +180,7 @@ PodFit PodBasis::finish() {
     added = (added * w).eval();
     fit.bound.bottomRows(found) = (w.transpose() * fit.bound.bottomRows(found)).eval();
     fit.following.bottomRows(found) = (w.transpose() * fit.following.bottomRows(found)).eval();
-    const Index kept = sufficient(added, fit.bound.bottomRows(found));
+    const Eigen::Index kept = sufficient(added, fit.bound.bottomRows(found));
     bound_error_ += error_without(found - kept, added, fit.bound);
     following_error_ += error_without(found - kept, added, fit.following);
     added.conservativeResize(Eigen::NoChange, kept);

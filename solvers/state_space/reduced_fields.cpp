@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/quantity.h"
 
 namespace palpate {
 namespace {
@@ -113,9 +114,8 @@ class Part {
     fit.following_error += rounded.following_error;
     const double of_single = kSinglePrecision * scale_;
     if (scale_ > 0 && fit.bound_error + of_single > bound_ * scale_) {
-      throw BackendError("The modes of the fields keep " +
-                         std::to_string(fit.bound_error / scale_) + " of the bound " +
-                         std::to_string(bound_) + ". Give a larger bound.");
+      throw BackendError("The modes of the fields keep " + quantity(fit.bound_error / scale_) +
+                         " of the bound " + quantity(bound_) + ". Give a larger bound.");
     }
     Result result{std::move(rounded.modes),    std::move(rounded.steps),
                   std::move(fit.bound),        std::move(fit.following),

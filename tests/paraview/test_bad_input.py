@@ -5,7 +5,7 @@ import math
 
 import numpy
 from paraview.simple import (AssignMaterial, Calculator, Delete, IDSelectionSource, Plane,
-                             SetBoundary, SolveEquilibrium, Sphere)
+                             PrecomputeStateSpace, SetBoundary, SolveEquilibrium, Sphere)
 from support import (Messages, box_body, expect_error, expect_silence, fetch, field, grid_of,
                      places, produce, source)
 from vtkmodules.vtkCommonCore import vtkDoubleArray, vtkUnsignedCharArray
@@ -169,7 +169,7 @@ def test_density_and_viscosity(bad):
 
     prony_fails([0.5], [], "PronyModuli has 1", "PronyTimes has 0")
     prony_fails([0.1] * 5, [1, 2, 3, 4, 5], "5 terms", "4 at the most")
-    prony_fails([0.5, 0.2], [1, 1], "PronyTimes", "Sort", "1.0")
+    prony_fails([0.5, 0.2], [1, 1], "PronyTimes", "Sort", "1 s, after 1 s")
     prony_fails([0.5, 0.2], [1, 0.1], "PronyTimes", "Sort", "0.1")
     prony_fails([-0.5], [1], "PronyModuli", "-0.5")
     prony_fails([0.5], [-1], "PronyTimes", "-1")
@@ -352,6 +352,33 @@ def test_displacement_and_options(bad):
     bad.fails("threads", equilibrium={"Threads": -1})
     bad.fails("max_seconds", equilibrium={"MaximumSeconds": -1})
     bad.fails("linear solver", "Abacus", equilibrium={"LinearSolver": "Abacus"})
+
+
+def test_lengths_that_no_body_resolves(bad):
+    """On all roads, and in few words: a force of zero would be wrong without a word."""
+    pressing = {"ActiveNodes": [], "Displacement": [], "Tool": "Sphere", "ToolRadius": 0.03,
+                "ToolPosition": [0.1, 0.05, 0.127]}
+    for name, value, *words in (("ToolRadius", 1e-300, "(ToolRadius) is 1e-300 m"),
+                                ("ToolRadius", 1e300, "1e+300 m, too large", "ToolRadius"),
+                                ("ContactThickness", 1e-300, "(ContactThickness) is 1e-300 m"),
+                                ("ContactThickness", 1e300, "(ContactThickness) is 1e+300 m")):
+        bad.fails(*words, equilibrium={**pressing, name: value})
+    held = road(bad.body, bad.node).Input
+    space = {"Tool": "Sphere", "ToolRadius": 0.03, "Spacing": 0.02, "Depth": 0.01}
+    for settings, *words in (
+            ({"ActiveNodes": [bad.node], "HalfWidth": 1e-300}, "(HalfWidth) is 1e-300 m"),
+            ({**space, "Depth": 1e-300}, "(Depth) is 1e-300 m"),
+            ({**space, "Spacing": 1e-300}, "Cells of 1e-300 m", "Take a spacing"),
+            ({**space, "ToolRadius": 1e-300}, "(ToolRadius) is 1e-300 m"),
+            ({**space, "ToolRadius": 1e300}, "1e+300 m, too large", "ToolRadius"),
+            ({**space, "ContactThickness": 1e300}, "(ContactThickness) is 1e+300 m")):
+        made = PrecomputeStateSpace(Input=held, **settings)
+        with Messages() as messages:
+            made.UpdatePipeline()
+        assert messages.errors == 1, (settings, messages.text)
+        assert all(word in messages.text for word in words), (settings, messages.text)
+        assert len(messages.text) < 500, messages.text
+        Delete(made)
 
 
 if __name__ == "__main__":

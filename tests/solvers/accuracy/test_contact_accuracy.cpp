@@ -16,6 +16,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/communicators.h"
 #include "solvers/support/laws.h"
+#include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
 
 namespace palpate {
@@ -290,6 +291,33 @@ TEST_F(ContactAccuracy, AnAbortedRunGoesOn) {
   expect_equal(rest, in_memory);
 }
 
+// A depth that only the force limit ends is drawn from as far as there is a space, and where no
+// place is in the space it is told at once.
+TEST_F(ContactAccuracy, ADepthWithoutEndIsDrawnFrom) {
+  if (world_->rank() != 0) return;
+  const SurfacePlaces places(block_.scene);
+  InteractionFactory tools(block_.scene);
+  ToolSpaceSetup setup;
+  setup.id = kContactToolSpace;
+  setup.interaction = rigid_contact_spec(with_defaults(of_space_.contact->tool, block_.scene));
+  setup.policy.depth = 1e300;
+  setup.grid.half_width = 0.1;
+  const auto clearance = tools.clearance(setup.interaction);
+  const auto draw = [&](const std::function<bool(const Vec3&)>& holds) {
+    return draw_contact_points(setup, 3, 20, places, *clearance, holds);
+  };
+  EXPECT_EQ(draw([](const Vec3& q) { return q.z() > 0.05; }).size(), 20U);
+  int num_tried = 0;
+  const std::string text = test::message_of([&] {
+    (void)draw([&](const Vec3& /*q*/) {
+      ++num_tried;
+      return false;
+    });
+  });
+  EXPECT_NE(text.find("fewer than were asked for are in the state space"), std::string::npos);
+  EXPECT_LE(num_tried, 20'000);
+}
+
 TEST_F(ContactAccuracy, FewPointsAreTheFirstOfManyAndSlidesGoOnInSmallSteps) {
   if (world_->rank() != 0) return;
   const SurfacePlaces places(block_.scene);
@@ -298,6 +326,7 @@ TEST_F(ContactAccuracy, FewPointsAreTheFirstOfManyAndSlidesGoOnInSmallSteps) {
   setup.id = kContactToolSpace;
   setup.interaction = rigid_contact_spec(with_defaults(of_space_.contact->tool, block_.scene));
   setup.policy.depth = kDepth;
+  setup.grid.half_width = 0.1;
   const auto clearance = tools.clearance(setup.interaction);
   const auto draw = [&](int num) {
     return draw_contact_points(setup, 3, num, places, *clearance,

@@ -17,6 +17,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 #include "solvers/support/communicators.h"
+#include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
@@ -418,6 +419,13 @@ TEST_F(Precompute, WithoutActiveNodesAllTouchableOnesAreTaken) {
   EXPECT_EQ(run(*world_).report.num_solved, 2 * 27);
   std::fill(block_.scene.touchable.begin(), block_.scene.touchable.end(), 0);
   EXPECT_THROW((void)run(*world_), InputError);
+}
+
+// Its forces would be zero, all of them, as those of a space that has converged.
+TEST_F(Precompute, ABoxThatTheBodyDoesNotResolveIsRefused) {
+  options_.half_width = 1e-300;
+  const std::string text = test::message_of([&] { (void)run(*world_); });
+  EXPECT_NE(text.find("The half-width (HalfWidth) is 1e-300 m"), std::string::npos) << text;
 }
 
 TEST_F(Precompute, AFileOfAnotherSceneIsRefusedAndStaysAsItIs) {

@@ -401,6 +401,10 @@ TEST(BuildReducedModel, SaysWhatIsWrongWithItsInput) {
   ReductionOptions far = options;
   far.reach = 1e300;
   EXPECT_NE(build(block.scene, {dense()}, tools, far).find("Reach"), std::string::npos);
+  ReductionOptions tiny = options;
+  tiny.reach = 1e-300;
+  EXPECT_NE(build(block.scene, {dense()}, tools, tiny).find("Reach is 1e-300 m"),
+            std::string::npos);
 
   using O = ReductionOptions;
   const std::pair<const char*, std::function<void(O&)>> out_of_range[] = {
