@@ -284,7 +284,7 @@ def edge():
 
 
 def grow():
-    """A space that grows is touched further, without letting go; a hundred starts and stops."""
+    """A space that grows is touched further, without letting go; twenty starts and stops."""
     space, view = open_space("part.palpate")
     click_start("Mouse")
     at = pixel_of(view, MIDDLE)
@@ -308,7 +308,7 @@ def grow():
     let_go(farther)
     click_stop()
     threads = len(os.listdir("/proc/self/task"))
-    for _ in range(100):
+    for _ in range(20):
         click_start("Mouse")
         application.processEvents()
         click_stop()

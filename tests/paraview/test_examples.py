@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The examples at a reduced size: examples/liver on one rank and on two, with the same table and
-pictures, the reports, and examples/cluster with the batch job.
+"""The examples that several ranks run together, at a reduced size: examples/liver on one rank and
+on two, with the same table and pictures, reports, and examples/cluster with the batch job. Those of
+one rank: test_examples_alone.py.
 
 Arguments: pvbatch and, where there is MPI, mpiexec with its options.
 """
@@ -13,10 +14,11 @@ import re
 import signal
 import sqlite3
 import subprocess
-import sys
 import time
 
 import numpy as np
+from examples_support import (EXAMPLES, MPIEXEC, PVBATCH, environment_of, expect_pictures, rows_of,
+                              run)
 from image_support import pixels
 from paraview.simple import SaveData, XMLImageDataReader, XMLUnstructuredGridReader
 from support import cell_array, fetch, places, point_array, scene
@@ -25,8 +27,6 @@ from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
 
-PVBATCH, MPIEXEC = sys.argv[1], sys.argv[2:]
-EXAMPLES = os.path.join(os.environ["PALPATE_SOURCE_DIR"], "examples")
 SMALL = ["--resolution", "3", "--elements", "400"]
 PICTURES = ["rest.png", "deformed_push.png", "deformed_pull.png", "deformed_sideways.png"]
 # What another number of ranks may change; the times follow it.
@@ -46,20 +46,6 @@ OF_SPACE = 1
 # The ranks blend the border of shapes in another order.
 PIXEL_TOLERANCE = 60
 SHARE_OF_PIXELS = 1e-3
-
-
-def environment_of(ranks):
-    # This process is an MPI program of its own, and mpiexec would take over what it is told of it.
-    return {name: value for name, value in os.environ.items()
-            if ranks == 1 or not name.startswith(("OMPI_", "PMIX_"))}
-
-
-def run(ranks, *arguments, example="liver", script=None):
-    launcher = [*MPIEXEC, "-n", str(ranks)] if ranks > 1 else []
-    path = os.path.join(EXAMPLES, example, (script or example) + ".py")
-    return subprocess.run([*launcher, PVBATCH, path, *arguments], stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, text=True, timeout=500, check=False,
-                          env=environment_of(ranks))
 
 
 def table_of(folder):
@@ -141,17 +127,6 @@ def check_a_surface_that_crosses_itself():
     assert all(os.path.exists(os.path.join("stl", name)) for name in PICTURES)
 
 
-def rows_of(path):
-    with open(path, encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def expect_pictures(folder, *names):
-    for name in names:
-        drawn = (pixels(os.path.join(folder, name + ".png")).min(axis=1) < 240).mean()
-        assert 0.003 < drawn < 0.9, (name, drawn)
-
-
 def discretisation(ranks, *arguments):
     """The rows of the report, and its force by element and tip on the coarsest mesh."""
     folder = f"discretisation_{ranks}"
@@ -187,44 +162,6 @@ def check_discretisation():
         _, together = discretisation(2, "--edges", "0.12", "--laws", "Neo-Hookean")
         assert together.keys() == force.keys()
         assert all(math.isclose(force[key], together[key], rel_tol=1e-6) for key in force), together
-
-
-def check_locking(scene):
-    done = run(1, "--locking", scene, "--output", "locking", example="discretisation")
-    assert done.returncode == 0, done.stderr
-    rows = rows_of("locking/locking.csv")
-    force = {(row["Poisson's ratio"], row["element"], row["formulation"]): float(row["force (N)"])
-             for row in rows if row["outcome"] == "converged"}
-    assert len(force) == len(rows) == 22
-    # Of another code, with the same points of integration.
-    assert math.isclose(force["0.45", "Tet10", "Displacement"], 0.67644, rel_tol=1e-4)
-    for element, locks in (("Tet10", 1.5), ("Tet4", 20)):
-        soft = force["0.5", element, "Mixed"]
-        assert force["0.4999", element, "Displacement"] > locks * soft, force
-        assert math.isclose(force["0.4999", element, "Mixed"], soft, rel_tol=5e-3), force
-    expect_pictures("locking", "locking")
-
-
-def check_stability(*scene):
-    small = ["--laws", "Neo-Hookean", "Neo-Hookean incompressible", "--poissons", "0.3",
-             "--contrasts", "1", "1e6", "--distances", "0.01", "-0.01", "--increments", "1", "3",
-             "--elements", "150", "--output", "stability", *scene]
-    done = run(1, *small, example="stability")
-    assert done.returncode == 0, done.stderr
-    rows = rows_of("stability/stability.csv")
-    assert len(rows) == 24 and {row["outcome"] for row in rows} == {"converged"}, done.stdout
-    for row in rows:
-        assert float(row["residual"]) <= 1e-10 and float(row["least det F"]) > 0, row
-        assert math.isfinite(float(row["condition"])) and 0 < float(row["seconds"]) < 60, row
-    soft, stiff = (max(float(row["condition"]) for row in rows if row["contrast"] == contrast)
-                   for contrast in ("1", "1e+06"))
-    assert stiff > 100 * soft, (soft, stiff)
-    assert "The same equilibrium in one increment and in many" in done.stdout, done.stdout
-    expect_pictures("stability", "stability")
-
-    done = run(1, *small, "--stiff", "9", "9", "9", "0.1", example="stability")
-    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
-    assert done.stderr.startswith("stability.py: the stiff region is empty"), done.stderr
 
 
 def check_cluster():
@@ -317,16 +254,6 @@ def check_the_job():
     assert 0 < kept < 2 * 21 ** 3, kept
 
 
-def tolerance_rows(folder, *arguments):
-    done = run(1, *arguments, "--output", folder, example="tolerance")
-    assert done.returncode == 0, done.stderr
-    with open(os.path.join(folder, "table.md"), encoding="utf-8") as file:
-        assert file.read().strip() in done.stdout
-    rows = rows_of(os.path.join(folder, "table.csv"))
-    assert all(float(row["seconds"]) > 0 and 0 < float(row["MB"]) < 10 for row in rows), rows
-    return rows, done.stdout
-
-
 def check_roof():
     """Both branches of a coarse roof, and the jumps between them where the paths end."""
     done = run(2 if MPIEXEC else 1, "--cells", "1", "--resolution", "11", "--force-limit", "2500",
@@ -348,28 +275,6 @@ def check_roof():
     # Without levels the same scene says that it has folds, where they are and in its status.
     assert any(row["found"] == 3 for row in rows) and "near a fold" in done.stderr
     expect_pictures("roof", "loop", "branches")
-
-
-def check_tolerance():
-    small = ["--elements", "150", "--points", "12"]
-    rows, text = tolerance_rows("tolerance", *small, "--laws", "Fung", "--exponent", "20",
-                                "--half-width", "0.025", "--tolerances", "5", "0.02",
-                                "--uniform", "3", "5")
-    assert [row["space"] for row in rows] == ["5 %", "0.02 %", "uniform, 3³", "uniform, 5³"], rows
-    coarse, fine, three, five = rows
-    assert (three["configurations"], five["configurations"]) == ("27", "125"), rows
-    assert 125 <= int(coarse["configurations"]) < int(fine["configurations"]), rows
-    for row in (coarse, fine):
-        assert 0 < float(row["reached (%)"]) <= float(row["asked (%)"]), rows
-        assert float(row["marked (%)"]) == 0, rows
-    assert float(five["reached (%)"]) < 0.3 * float(three["reached (%)"]), rows
-    assert "Fung: every tolerance is kept" in text, text
-    expect_pictures("tolerance", "reached_asked", "error_configurations")
-
-    # The scene of that run with a material of its own; St. Venant-Kirchhoff would invert.
-    done = run(1, "tolerance/scene.vtu", *small, "--laws", "Own", example="tolerance")
-    assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
-    assert done.stderr.startswith("tolerance.py: the scene has no material"), done.stderr
 
 
 def check_accuracy():
@@ -427,46 +332,6 @@ def check_palpation():
     done = run(1, "palpation/scene.vtu", *small, "--laws", "Own", example="palpation")
     assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
     assert done.stderr.startswith("palpation.py: the scene has no material"), done.stderr
-
-
-def check_two_hands():
-    """Two sizes of model on a coarse liver; then the same place for both tools, and no density."""
-    small = ["--elements", "100", "--points", "150", "--training-paths", "2", "--time-step",
-             "0.004", "--output", "two_hands"]
-    done = run(1, *small, "--modes", "15", "40", example="two_hands")
-    assert done.returncode == 0, done.stderr
-    with open("two_hands/table.md", encoding="utf-8") as file:
-        text = file.read()
-    assert text.strip() in done.stdout, done.stdout
-    few, many = rows_of("two_hands/table.csv")
-    for column in ("all tools (%)", "motion, rms (%)", "grasp (%)"):
-        assert 0 < float(many[column]) < float(few[column]), (column, few, many)
-    assert float(many["grasp (%)"]) < min(2, float(many["beyond (%)"])), many
-    assert float(many["trust, beyond"]) > 1.5, many
-    assert 0 < float(many["step (ms)"]) <= float(many["99.9 % (ms)"]), many
-    expect_pictures("two_hands", "grasped", "pulled", "let_go", "error_steps", "forces")
-
-    for wrong, message in ((["--tip-radius", "0.1"], "no place for a second tool"),
-                           (["--density", "0"], "without any nothing swings")):
-        done = run(1, *small, *wrong, example="two_hands")
-        assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
-        assert done.stderr.startswith("two_hands.py: ") and message in done.stderr, done.stderr
-
-
-def check_wobble():
-    """More viscosity: the swinging is gone sooner, and the reduced model says so too."""
-    done = run(1, "--elements", "100", "--points", "150", "--training-paths", "2", "--time-step",
-               "0.004", "--modes", "30", "--viscous-times", "0.01", "0.04", "--output", "wobble",
-               example="wobble")
-    assert done.returncode == 0, done.stderr
-    little, much = rows_of("wobble/table.csv")
-    assert float(much["gone after (s)"]) < float(little["gone after (s)"]), (little, much)
-    assert 0.5 < float(little["swings (1/s)"]) < 5, little
-    for row in (little, much):
-        assert 0 < float(row["this path, rms (%)"]) < 1, row
-    expect_pictures("wobble", "motion", "pulled", "swung")
-    done = run(1, "--laws", "Own", "--output", "wobble", example="wobble")
-    assert done.returncode == 1 and done.stderr.startswith("wobble.py: "), done.stderr
 
 
 def check_nodule():
@@ -590,16 +455,10 @@ if MPIEXEC:
 check_failures()
 if os.environ.get("PALPATE_SHARED_DATA"):
     check_a_surface_that_crosses_itself()
-    check_locking(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
-    check_stability(os.path.join(os.environ["PALPATE_SHARED_DATA"], "liver_seed.vtu"))
 check_discretisation()
-check_stability()
 check_roof()
-check_tolerance()
 check_accuracy()
 check_palpation()
-check_two_hands()
-check_wobble()
 check_nodule()
 check_brain()
 check_cluster()

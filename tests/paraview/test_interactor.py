@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The dock Palpate in ParaView's window: touched with a simulated hand and with the mouse, the body
-is seen deformed and the loop keeps its pace; started and stopped a hundred times; left by what it
+is seen deformed and the loop keeps its pace; started and stopped twenty times; left by what it
 needs, it ends. Touched on a server, too.
 
   test_interactor.py <palpate_test_make_space> <folder of the plugin PalpateInteractor> <server>…
