@@ -269,11 +269,13 @@ vtkPalpateCompartments OfSeparateSurfaces(
   return compartments;
 }
 
+/// Walls that lie so near to each other may be meant as one: a share of the diagonal.
+constexpr double Close = 1e-3;
+
 /// Tells of bodies that lie beside each other so closely that a wall between them was meant; empty
 /// where there are none.
 std::string GapsBetween(const vtkPalpateWalls& walls, const vtkPalpateCompartments& compartments)
 {
-  constexpr double close = 1e-3; // of the diagonal
   int parts = 0;
   const auto part = vtkPalpateConnectedParts(walls.Surface, parts);
   std::vector<char> is_outermost(parts, 0);
@@ -296,7 +298,7 @@ std::string GapsBetween(const vtkPalpateWalls& walls, const vtkPalpateCompartmen
   {
     bodies.Tissues.push_back(part[id]);
   }
-  const auto matched = vtkPalpateMatchWalls(bodies, close * vtkPalpateDiagonal(walls.Surface));
+  const auto matched = vtkPalpateMatchWalls(bodies, Close * vtkPalpateDiagonal(walls.Surface));
   if (matched.Replaced == 0)
   {
     return "";
@@ -424,18 +426,68 @@ private:
   std::map<std::array<int, 2>, std::set<vtkIdType>> Crossing;
 };
 
-/// What to do about the faults of a surface.
-std::string AdviceFor(const Overlaps& overlaps, const vtkPalpateTissueSurfaces& tissues)
+/// Whether walls that were matched bound bodies without a fault.
+bool AreMatched(const vtkPalpateMatchedWalls& matched)
 {
-  if (!overlaps.Any())
+  const auto walls = vtkPalpateUniteWalls(matched.Surfaces);
+  auto compartments = vtkPalpateFindCompartments(walls);
+  if (matched.Surfaces.Tissues.empty())
+  {
+    compartments = OfSeparateSurfaces(matched.Surfaces, std::move(compartments));
+  }
+  return vtkPalpateCheckWalls(walls, compartments).None();
+}
+
+/// How far from each other the walls of several surfaces lie that bound bodies without a fault when
+/// each is one wall, m; none where they are too far apart for that, or there is another fault.
+std::optional<double> ToleranceThatHelps(
+  const vtkPalpateSurface& surface, const vtkPalpateSurface& walls)
+{
+  // The least of several that does: a large one takes thin parts for walls.
+  for (const double share : { Close, 4 * Close, 16 * Close })
+  {
+    const auto matched = vtkPalpateMatchWalls(surface, share * vtkPalpateDiagonal(walls));
+    if (matched.Replaced > 0 && AreMatched(matched))
+    {
+      return matched.Moved;
+    }
+  }
+  return std::nullopt;
+}
+
+/// What to do about the faults of a surface.
+std::string AdviceFor(const vtkPalpateSurface& surface, const vtkPalpateWalls& walls,
+  const vtkPalpateSurfaceFaults& faults, const vtkPalpateTissueSurfaces& tissues)
+{
+  const Overlaps overlaps(surface, walls, faults);
+  const auto tolerance = ToleranceThatHelps(surface, walls.Surface);
+  if (!overlaps.Any() && !tolerance)
   {
     return "Turn on RepairSurface, or mend the surface.";
   }
-  return "The regions " +
-    overlaps.List([&tissues](int region) { return NameOf(tissues, region); }) +
-    ". If that is one wall, triangulated twice, set WallTolerance to a little more than this. Else "
-    "take the overlap away from one of them in the program that they come from" +
-    (overlaps.HasNumbers() ? "." : "; RepairSurface would join them to one region.");
+  std::ostringstream text;
+  text.precision(3);
+  if (overlaps.Any())
+  {
+    text << "The regions "
+         << overlaps.List([&tissues](int region) { return NameOf(tissues, region); }) << ". ";
+  }
+  if (tolerance)
+  {
+    text << "Walls lie up to " << *tolerance << " m from each other: if two are one wall, "
+         << "triangulated twice, set WallTolerance to a little more than this. ";
+  }
+  else
+  {
+    text
+      << "If that is one wall, triangulated twice, set WallTolerance to a little more than this. ";
+  }
+  text << "Else "
+       << (overlaps.Any()
+              ? "take the overlap away from one of them in the program that they come from"
+              : "mend them")
+       << (overlaps.HasNumbers() ? "." : "; RepairSurface would join them to one region.");
+  return text.str();
 }
 
 void AddText(vtkDataObject* output, const char* name, const std::string& text)
@@ -687,8 +739,7 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
   {
     throw InputError(
       "The surface bounds no body: " + vtkPalpateDescribeFaults(walls.Surface, faults) + ". " +
-      AdviceFor(Overlaps(surface, walls, faults), tissues) +
-      " The second output shows these places.");
+      AdviceFor(surface, walls, faults, tissues) + " The second output shows these places.");
   }
   this->Mesh(surface, repaired, tissues, body);
   if (!matched.empty())
@@ -741,13 +792,7 @@ std::optional<vtkPalpateRepairedSurface> vtkPalpateTetrahedralizeSurface::MatchW
   if (this->WallTolerance == 0)
   {
     // What was not asked for has to be a success.
-    const auto result = vtkPalpateUniteWalls(matched.Surfaces);
-    auto found = vtkPalpateFindCompartments(result);
-    if (surface.Tissues.empty())
-    {
-      found = OfSeparateSurfaces(matched.Surfaces, std::move(found));
-    }
-    if (!vtkPalpateCheckWalls(result, found).None())
+    if (!AreMatched(matched))
     {
       return {};
     }

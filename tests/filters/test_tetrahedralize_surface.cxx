@@ -765,6 +765,40 @@ TEST(SharedWalls, ApartOrOverlappingByLessThanTheTolerance) {
   ExpectError(MeshedAll({lower}, [](Filter* f) { f->SetWallTolerance(-1); }), {"WallTolerance"});
 }
 
+/// What a message says the walls of surfaces to be apart, m.
+double ToleranceOf(const Result& result) {
+  const std::string words = "Walls lie up to ";
+  const auto& text = result.Errors.empty() ? "" : result.Errors.front();
+  const std::size_t place = text.find(words);
+  return place == std::string::npos ? 0 : std::stod(text.substr(place + words.size()));
+}
+
+// The advice is what helps: of walls that are apart at one end and cross at the other, also where a
+// smaller tolerance was given, it is their largest distance and not the depth of the overlap.
+TEST(SharedWalls, TheToleranceThatIsAdvisedHelps) {
+  for (const auto& [low, high] : {std::pair(-1e-3, 4e-3), {-4e-3, 1e-3}, {0.0, 4e-3}}) {
+    auto tilted = Slab(1, 2, 3);
+    for (vtkIdType i = 0; i < tilted->GetNumberOfPoints(); ++i) {
+      double x[3];
+      tilted->GetPoint(i, x);
+      if (x[2] != 1) continue;
+      x[2] += low + (high - low) * x[0] / 4;
+      tilted->GetPoints()->SetPoint(i, x);
+    }
+    for (const double given : {0.0, 5e-4, 2e-3}) {
+      const auto result =
+          Meshed(Append({Slab(0, 1), tilted}), [&](Filter* f) { f->SetWallTolerance(given); });
+      ExpectError(result, {"WallTolerance", "RepairSurface would join them to one region"});
+      const double advised = ToleranceOf(result);
+      EXPECT_NEAR(advised, 4e-3, 1e-4);
+      const auto mended = Meshed(Append({Slab(0, 1), tilted}),
+                                 [&](Filter* f) { f->SetWallTolerance(1.01 * advised); });
+      EXPECT_TRUE(mended.Errors.empty());
+      EXPECT_GT(FacesBetween(mended.Body, 0, 1), 0);
+    }
+  }
+}
+
 TEST(SharedWalls, BodiesWithAGapBetweenThemAreTold) {
   const auto apart = MeshedAll({Slab(0, 1), Slab(1.001, 2, 3)});
   ExpectGood(apart, 16 + 15.984);
