@@ -455,6 +455,36 @@ std::optional<double> ToleranceThatHelps(
   return std::nullopt;
 }
 
+/// Tells of voids that are closed in between walls which lie so near to each other that they may be
+/// one; empty where there are none.
+std::string VoidsBetween(const vtkPalpateSurface& surface, const vtkPalpateWalls& walls,
+  const vtkPalpateCompartments& compartments)
+{
+  const double thin = Close * vtkPalpateDiagonal(walls.Surface);
+  for (int i = vtkPalpateCompartments::Outside + 1; i < compartments.Count(); ++i)
+  {
+    const double mean = 2 * compartments.Volume[i] / vtkPalpateArea(compartments.Boundary[i]);
+    const bool isThin = compartments.Region[i] == vtkPalpateCompartments::Empty && mean < thin;
+    const auto tolerance =
+      isThin ? ToleranceThatHelps(surface, walls.Surface) : std::optional<double>();
+    if (!tolerance)
+    {
+      continue;
+    }
+    const auto x = vtkPalpateMiddleOf(compartments, i);
+    std::ostringstream text;
+    text.precision(3);
+    text
+      << "Regions close in a void that is " << mean << " m thick in the mean, near (" << x[0]
+      << ", " << x[1] << ", " << x[2]
+      << "): around it cells become very small. If its two sides are one wall, set WallTolerance "
+         "to a little more than "
+      << *tolerance << " m. ";
+    return text.str();
+  }
+  return "";
+}
+
 /// What to do about the faults of a surface.
 std::string AdviceFor(const vtkPalpateSurface& surface, const vtkPalpateWalls& walls,
   const vtkPalpateSurfaceFaults& faults, const vtkPalpateTissueSurfaces& tissues)
@@ -741,15 +771,25 @@ void vtkPalpateTetrahedralizeSurface::Tetrahedralize(
       "The surface bounds no body: " + vtkPalpateDescribeFaults(walls.Surface, faults) + ". " +
       AdviceFor(surface, walls, faults, tissues) + " The second output shows these places.");
   }
-  this->Mesh(surface, repaired, tissues, body);
+  const std::string gaps =
+    GapsBetween(walls, compartments) + VoidsBetween(surface, walls, compartments);
+  try
+  {
+    this->Mesh(surface, repaired, tissues, body);
+  }
+  catch (const palpate::BackendError& error)
+  {
+    // They may be why.
+    throw palpate::BackendError(error.what() + (gaps.empty() ? "" : ' ' + gaps));
+  }
   if (!matched.empty())
   {
     repaired.Report = matched + (repaired.Report == "none" ? "" : "; " + repaired.Report);
   }
   AddText(body, "Repair", repaired.Report);
   AddText(fault_output, "Repair", repaired.Report);
-  const std::string warning = tissues.Warning + GapsBetween(walls, compartments) +
-    (repaired.Lost.empty() ? "" : "RepairSurface " + repaired.Lost + ".");
+  const std::string warning =
+    tissues.Warning + gaps + (repaired.Lost.empty() ? "" : "RepairSurface " + repaired.Lost + ".");
   if (!warning.empty())
   {
     vtkPalpateWarn(this, warning);
