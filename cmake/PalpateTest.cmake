@@ -124,7 +124,10 @@ function(palpate_add_pvpython_test name script)
     COST ${cost}
     SKIP_RETURN_CODE 77
     TIMEOUT 600)
+  # While one rank runs the script, the others ask again and again what to do: they let go first who
+  # has something to do. Ranks that solve together all the time are faster without.
   set_property(TEST "${test}" PROPERTY ENVIRONMENT
+    "OMPI_MCA_mpi_yield_when_idle=1"
     "PV_PLUGIN_PATH=${PALPATE_PLUGIN_BUILD_DIR}"
     "PALPATE_SHARED_DATA=${PALPATE_SHARED_DATA}"
     "PALPATE_SOURCE_DIR=${PROJECT_SOURCE_DIR}")

@@ -9,6 +9,3 @@ set(ENV{OMPI_MCA_ess_singleton_isolated} 1)
 # All such programs would share one folder, which the first to end removes, also where another is
 # just about to use it.
 set(ENV{OMPI_MCA_orte_create_session_dirs} 0)
-# A rank that waits for another one asks again and again. It shall let others go first: else it
-# takes the core from a test that runs beside it, and from the very rank that it waits for.
-set(ENV{OMPI_MCA_mpi_yield_when_idle} 1)
