@@ -15,7 +15,6 @@
 #include "pqRenderView.h"
 #include "vtkDataObject.h"
 #include "vtkNew.h"
-#include "vtkRenderer.h"
 #include "vtkSMOutputPort.h"
 #include "vtkSMPVRepresentationProxy.h"
 #include "vtkSMParaViewPipelineControllerWithRendering.h"
@@ -43,8 +42,9 @@ constexpr std::array<std::array<double, 3>, 3> OverTissue = { { { 0.88, 0.70, 0.
 constexpr int Lab = 2;
 /// The part of a colour that does not depend on the light.
 constexpr double Brightness = 0.3;
-/// Of a view: on a background that is brighter letters are dark.
-constexpr double LightBackground = 0.5;
+/// As of what is told beside the tool: legible on each background and before the body.
+constexpr std::array<double, 3> LegendInk = { 0.1, 0.1, 0.1 };
+constexpr std::array<double, 4> LegendPaper = { 1, 1, 0.85, 0.9 };
 constexpr const char* TouchSpace = "TouchStateSpace";
 constexpr const char* TouchReduced = "TouchReducedModel";
 /// So many more late than punctual ones, and the picture becomes plainer.
@@ -188,22 +188,17 @@ void pqPalpateBodyView::SetLegend()
     ? vtkSMTransferFunctionProxy::FindScalarBarRepresentation(
         vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy(), this->View->getViewProxy())
     : nullptr;
-  vtkRenderer* renderer = this->View->getRenderViewProxy()->GetRenderer();
-  if (!legend || !renderer)
+  if (!legend)
   {
     return;
   }
-  double brightness = 0;
-  for (const double part :
-    { renderer->GetBackground()[0], renderer->GetBackground()[1], renderer->GetBackground()[2] })
-  {
-    brightness += part / 3;
-  }
-  const std::vector<double> ink(3, brightness > LightBackground ? 0.1 : 1);
+  // The body may lie behind it.
   for (const char* letters : { "TitleColor", "LabelColor" })
   {
-    vtkSMPropertyHelper(legend, letters).Set(ink.data(), 3);
+    vtkSMPropertyHelper(legend, letters).Set(LegendInk.data(), 3);
   }
+  vtkSMPropertyHelper(legend, "BackgroundColor").Set(LegendPaper.data(), 4);
+  vtkSMPropertyHelper(legend, "DrawBackground").Set(1);
   vtkSMPropertyHelper(legend, "Title")
     .Set(this->ColouredBy == "Displacement" ? "Displacement (m)" : "Pressure (Pa)");
   vtkSMPropertyHelper(legend, "ComponentTitle").Set("");

@@ -85,7 +85,7 @@ private:
   /// @param filter The name of the one that shows the body.
   pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* filter,
     const char* colouredBy, double most, bool inTissue, const double* free);
-  /// The legend says what is coloured, in letters that are seen on the view's background.
+  /// The legend says what is coloured, in letters that are seen whatever is behind it.
   void SetLegend();
   /// How the filter is shown in the view; null: it is not.
   vtkSMPVRepresentationProxy* FindShown() const;
