@@ -451,6 +451,10 @@ std::optional<double> ToleranceThatHelps(
     {
       return matched.Moved;
     }
+    if (matched.IsGivenUp)
+    {
+      break;
+    }
   }
   return std::nullopt;
 }

@@ -74,10 +74,15 @@ public:
       Current = group;
       this->FindReach();
       this->Outline();
+      if (this->HasTooManyPieces())
+      {
+        break;
+      }
       this->Replace();
     }
     vtkPalpateMatchedWalls result;
-    if (!this->AreClosedAsBefore())
+    result.IsGivenUp = this->HasTooManyPieces();
+    if (result.IsGivenUp || !this->AreClosedAsBefore())
     {
       result.Surfaces = Given;
       return result;
@@ -130,12 +135,13 @@ private:
     palpate::OnTriangle At;
   };
 
-  /// An outline that asks for more is none: the tolerance is larger than what it has to keep apart.
-  std::size_t MostPieces() const
+  /// An outline that asks for more is none: the tolerance is larger than what it has to keep apart,
+  /// or the surfaces cross each other. A wall gets new points along its outline alone.
+  bool HasTooManyPieces() const
   {
-    constexpr std::size_t of_each = 8;
+    constexpr std::size_t of_each = 2;
     constexpr std::size_t at_least = 10000;
-    return at_least + of_each * Given.Triangles.size();
+    return Pieces.size() >= at_least + of_each * Given.Triangles.size();
   }
 
   Vec3 At(vtkIdType id) const { return Vec3(Points[id].data()); }
@@ -168,9 +174,13 @@ private:
     Pieces.push_back(piece);
     const auto add_to = [&](std::vector<vtkIdType>& list)
     {
-      list.erase(std::remove_if(list.begin(), list.end(),
-                   [this](vtkIdType other) { return Pieces[other].State == Cut; }),
-        list.end());
+      // Instead of a larger list, so that it takes a time that grows as the number of pieces does.
+      if (list.size() == list.capacity())
+      {
+        list.erase(std::remove_if(list.begin(), list.end(),
+                     [this](vtkIdType other) { return Pieces[other].State == Cut; }),
+          list.end());
+      }
       list.push_back(id);
     };
     add_to(PiecesOfRoot[piece.Root]);
@@ -213,7 +223,9 @@ private:
       {
         for (const vtkIdType id : PiecesOfRoot[Tree->order()[place]])
         {
-          if (!ended && Pieces[id].State == state && this->IsOf(Pieces[id], late))
+          const Piece& piece = Pieces[id];
+          if (!ended && piece.State == state && this->IsOf(piece, late) &&
+            this->BoxOf(piece.Corners).intersects(box))
           {
             ended = visit(id);
           }
@@ -479,7 +491,7 @@ private:
     const bool other = !late;
     bool changed = false;
     std::vector<Edge> waiting = { edge };
-    while (!waiting.empty() && Pieces.size() < this->MostPieces())
+    while (!waiting.empty() && !this->HasTooManyPieces())
     {
       const vtkIdType a = this->Resolved(waiting.back()[0]);
       const vtkIdType b = this->Resolved(waiting.back()[1]);
@@ -558,7 +570,7 @@ private:
     // An edge that is drawn cuts triangles, whose other sides are then edges of the outline too.
     constexpr int most_rounds = 6;
     bool changed = true;
-    for (int round = 0; round < most_rounds && changed; ++round)
+    for (int round = 0; round < most_rounds && changed && !this->HasTooManyPieces(); ++round)
     {
       changed = false;
       for (const bool late : { false, true })
@@ -566,6 +578,10 @@ private:
         const auto edges = this->EdgesOf(late);
         for (const Edge& edge : edges)
         {
+          if (this->HasTooManyPieces())
+          {
+            return;
+          }
           for (const vtkIdType end : edge)
           {
             changed = this->DrawPoint(this->Resolved(end), late) || changed;

@@ -24,6 +24,8 @@ struct vtkPalpateMatchedWalls
   vtkIdType Replaced = 0;     ///< triangles
   double Moved = 0;           ///< how far the wall of one lay from that of the other at most, m
   vtkPalpatePoint Place = {}; ///< of one of the triangles that were replaced, m
+  /// The surfaces are as they were, since the walls would have had to be cut too finely.
+  bool IsGivenUp = false;
 };
 
 /// @param surfaces Those of one tissue are one surface; where nobody says, those that hang

@@ -303,7 +303,12 @@ def test_segments():
     assert "'spleen'" not in messages.text, messages.text
     write_nrrd("plain.nrrd", labels(), numpy.eye(3))
     reader.FileName = "plain.nrrd"
-    expect_error(lambda: fetch(reader), "'tumour'", "It has none")
+    if list(reader.Segments) == ["tumour"]:
+        expect_error(lambda: fetch(reader), "'tumour'", "It has none")
+    else:
+        # ParaView 6.1 takes names that the new file has not out of the list.
+        assert list(reader.Segments) == []
+        assert expect_silence(lambda: fetch(reader)).GetNumberOfPoints() == labels().size
     other = SegmentationReader(FileName="plain.nrrd")
     assert expect_silence(lambda: fetch(other)).GetFieldData().GetNumberOfArrays() == 0
     # Before anybody has looked into the file.
