@@ -27,6 +27,7 @@
 #include "vtkMultiBlockDataSet.h"
 #include "vtkPalpateSurface.h"
 #include "vtkPalpateTetrahedralizeSurface.h"
+#include "vtkPalpateWallMatch.h"
 #include "vtkPartitionedDataSetCollection.h"
 #include "vtkPlane.h"
 #include "vtkPointData.h"
@@ -798,6 +799,16 @@ TEST(SharedWalls, TheToleranceThatIsAdvisedHelps) {
       EXPECT_GT(FacesBetween(mended.Body, 0, 1), 0);
     }
   }
+}
+
+// Their outline has a new point where any two edges meet: it would take minutes to draw.
+TEST(SharedWalls, SurfacesThatCrossEachOtherAreNotDrawnIntoEachOther) {
+  const auto surface = vtkPalpateSurfaceFromPolyData(
+      Triangles(Append({Cube(0.3), Sphere(0.1, {0, 0, 0.06}, 180)})));
+  const auto matched = vtkPalpateMatchWalls(surface, 4e-4);
+  EXPECT_TRUE(matched.IsGivenUp);
+  EXPECT_EQ(matched.Replaced, 0);
+  EXPECT_EQ(matched.Surfaces.Triangles, surface.Triangles);
 }
 
 TEST(SharedWalls, BodiesWithAGapBetweenThemAreTold) {
