@@ -372,6 +372,7 @@ TEST_F(ContactAccuracy, ASlideToAnotherBranchIsToldApart) {
   ToolSpaceSetup setup;
   setup.id = kContactToolSpace;
   setup.interaction = rigid_contact_spec(with_defaults(tool, plate));
+  setup.grid.half_width = size.x();
   setup.policy.depth = 0.004;
   options_.exact.test_points = 150;
   options_.exact.holds = [](const Vec3& q) {
