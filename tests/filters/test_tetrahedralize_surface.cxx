@@ -803,8 +803,8 @@ TEST(SharedWalls, TheToleranceThatIsAdvisedHelps) {
 
 // Their outline has a new point where any two edges meet: it would take minutes to draw.
 TEST(SharedWalls, SurfacesThatCrossEachOtherAreNotDrawnIntoEachOther) {
-  const auto surface = vtkPalpateSurfaceFromPolyData(
-      Triangles(Append({Cube(0.3), Sphere(0.1, {0, 0, 0.06}, 180)})));
+  const auto surface =
+      vtkPalpateSurfaceFromPolyData(Triangles(Append({Cube(0.3), Sphere(0.1, {0, 0, 0.06}, 180)})));
   const auto matched = vtkPalpateMatchWalls(surface, 4e-4);
   EXPECT_TRUE(matched.IsGivenUp);
   EXPECT_EQ(matched.Replaced, 0);
