@@ -339,7 +339,8 @@ def check_faults(require, records):
     # By the loop: the program that looks at it has no priority, and comes when the kernel lets it.
     gone = [int(time) for time, state, *_ in records.lines["tick"] if state == "gone"]
     for name, limit in OPEN_AFTER.items():
-        after = soonest(faults[name].begin, gone)
+        # A tick has the time of its beginning, and may be the one in which the device goes.
+        after = soonest(faults[name].begin - TICK, gone) - TICK
         require(after <= SOON, f"{name}: noticed after {after} µs")
         after = soonest(faults[name].end, records.times("opened"))
         require(after <= limit, f"{name}: open again {after} µs after it came back")
