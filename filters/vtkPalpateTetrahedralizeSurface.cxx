@@ -468,12 +468,15 @@ std::string VoidsBetween(const vtkPalpateSurface& surface, const vtkPalpateWalls
   for (int i = vtkPalpateCompartments::Outside + 1; i < compartments.Count(); ++i)
   {
     const double mean = 2 * compartments.Volume[i] / vtkPalpateArea(compartments.Boundary[i]);
-    const bool isThin = compartments.Region[i] == vtkPalpateCompartments::Empty && mean < thin;
-    const auto tolerance =
-      isThin ? ToleranceThatHelps(surface, walls.Surface) : std::optional<double>();
-    if (!tolerance)
+    if (compartments.Region[i] != vtkPalpateCompartments::Empty || !(mean < thin))
     {
       continue;
+    }
+    // It is that of all surfaces, and so of each void.
+    const auto tolerance = ToleranceThatHelps(surface, walls.Surface);
+    if (!tolerance)
+    {
+      return "";
     }
     const auto x = vtkPalpateMiddleOf(compartments, i);
     std::ostringstream text;

@@ -55,6 +55,15 @@ class ContactAccuracy : public testing::Test {
   [[nodiscard]] AccuracyResult run(const TouchSpace& space, Communicator& communicator) const {
     return measure_accuracy(block_.scene, space, options_, communicator, progress_);
   }
+  /// Of that tool, as wide as the block: what test points are drawn for, without a space.
+  [[nodiscard]] ToolSpaceSetup setup_to(double depth) const {
+    ToolSpaceSetup setup;
+    setup.id = kContactToolSpace;
+    setup.interaction = rigid_contact_spec(with_defaults(of_space_.contact->tool, block_.scene));
+    setup.policy.depth = depth;
+    setup.grid.half_width = 0.1;
+    return setup;
+  }
 
   std::unique_ptr<Communicator> world_ = test::make_world();
   test::WorldFolder folder_{*world_};
@@ -297,11 +306,7 @@ TEST_F(ContactAccuracy, ADepthWithoutEndIsDrawnFrom) {
   if (world_->rank() != 0) return;
   const SurfacePlaces places(block_.scene);
   InteractionFactory tools(block_.scene);
-  ToolSpaceSetup setup;
-  setup.id = kContactToolSpace;
-  setup.interaction = rigid_contact_spec(with_defaults(of_space_.contact->tool, block_.scene));
-  setup.policy.depth = 1e300;
-  setup.grid.half_width = 0.1;
+  const ToolSpaceSetup setup = setup_to(1e300);
   const auto clearance = tools.clearance(setup.interaction);
   const auto draw = [&](const std::function<bool(const Vec3&)>& holds) {
     return draw_contact_points(setup, 3, 20, places, *clearance, holds);
@@ -322,11 +327,7 @@ TEST_F(ContactAccuracy, FewPointsAreTheFirstOfManyAndSlidesGoOnInSmallSteps) {
   if (world_->rank() != 0) return;
   const SurfacePlaces places(block_.scene);
   InteractionFactory tools(block_.scene);
-  ToolSpaceSetup setup;
-  setup.id = kContactToolSpace;
-  setup.interaction = rigid_contact_spec(with_defaults(of_space_.contact->tool, block_.scene));
-  setup.policy.depth = kDepth;
-  setup.grid.half_width = 0.1;
+  const ToolSpaceSetup setup = setup_to(kDepth);
   const auto clearance = tools.clearance(setup.interaction);
   const auto draw = [&](int num) {
     return draw_contact_points(setup, 3, num, places, *clearance,
