@@ -92,8 +92,10 @@ int explore(const char* path, double tolerance, const std::string& tool, const s
     options.contact->tool.radius = 0.015;
     options.contact->spacing = 0.012;
     options.contact->shell.depth = 0.004;
-    // The free end.
-    options.contact->shell.region = [](const Vec3& place) { return place.x() > 0.07; };
+    // The edge of the free end.
+    options.contact->shell.region = [](const Vec3& place) {
+      return place.x() > 0.085 && place.z() > 0.04;
+    };
   } else {
     options.active_nodes = {block.corner, block.middle};
     options.half_width = tool == "iterative" ? 0.008 : 0.02;
