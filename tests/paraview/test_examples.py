@@ -6,6 +6,7 @@ one rank: test_examples_alone.py.
 Arguments: pvbatch and, where there is MPI, mpiexec with its options.
 """
 
+import concurrent.futures
 import csv
 import glob
 import math
@@ -28,6 +29,12 @@ from vtkmodules.vtkCommonMath import vtkMatrix4x4
 from vtkmodules.vtkIOImage import vtkNIFTIImageWriter
 
 SMALL = ["--resolution", "3", "--elements", "400"]
+OF_ACCURACY = ["--points", "20", "--output", "accuracy"]
+OF_BRAIN = ["--grey", "grey.nii.gz", "--white", "white.nii", "--voxel", "6", "--edge", "0.04",
+            "--region", "0.004", "--output", "brain"]
+OF_CLUSTER = ["scene.vtu", "--resolution", "3", "--at-most", "2", "--tip-radius", "0.03"]
+# To read it takes no time; what the examples make without a surface takes seconds.
+SURFACE = os.path.join(EXAMPLES, "liver", "liver.vtp")
 PICTURES = ["rest.png", "deformed_push.png", "deformed_pull.png", "deformed_sideways.png"]
 # What another number of ranks may change; the times follow it.
 OF_THE_RUN = ("meshing", "ranks", "solved in this run", "taken from the file", "size of the file")
@@ -144,6 +151,7 @@ def discretisation(ranks, *arguments):
 
 
 def check_discretisation():
+    """@returns the forces, as discretisation()."""
     rows, force = discretisation(1, "--edges", "0.12", "0.09", "--laws", "Neo-Hookean",
                                  "Mooney-Rivlin incompressible")
     # Five meshes, with a tip for both laws and as a point for the first.
@@ -158,30 +166,36 @@ def check_discretisation():
     assert 0.7 < force["Tet10, fine tip", "18"] / force["Tet10", "18"] < 1.05, force
     for row in rows:
         assert float(row["seconds"]) > 0 and float(row["memory (MB)"]) >= 0, row
-    if MPIEXEC:
-        _, together = discretisation(2, "--edges", "0.12", "--laws", "Neo-Hookean")
-        assert together.keys() == force.keys()
-        assert all(math.isclose(force[key], together[key], rel_tol=1e-6) for key in force), together
+    return force
+
+
+def check_discretisation_on_two_ranks(force):
+    _, together = discretisation(2, "--edges", "0.12", "--laws", "Neo-Hookean")
+    assert together.keys() == force.keys()
+    assert all(math.isclose(force[key], together[key], rel_tol=1e-6) for key in force), together
+
+
+def cluster(ranks, *arguments):
+    return run(ranks, *arguments, example="cluster", script="precompute")
 
 
 def check_cluster():
     """A scene as Set Boundary makes it, on two ranks, each for itself and together."""
     SaveData("scene.vtu", proxy=scene("cluster"), DataMode="Binary")
-    small = ["scene.vtu", "--resolution", "3", "--at-most", "2", "--tip-radius", "0.03"]
-
-    def cluster(ranks, *arguments):
-        return run(ranks, *arguments, example="cluster", script="precompute")
-
     ranks = 2 if MPIEXEC else 1
-    done = cluster(ranks, *small, "--output", "cluster.palpate")
+    done = cluster(ranks, *OF_CLUSTER, "--output", "cluster.palpate")
     assert done.returncode == 0, done.stderr
     assert "54 configurations solved and 0 taken from cluster.palpate" in done.stdout, done.stdout
-    done = cluster(ranks, *small, "--output", "cluster.palpate", "--ranks-per-solve", str(ranks))
+    done = cluster(ranks, *OF_CLUSTER, "--output", "cluster.palpate", "--ranks-per-solve",
+                   str(ranks))
     assert "0 configurations solved and 54 taken from cluster.palpate" in done.stdout, done.stdout
+
+
+def check_failures_of_cluster():
     for arguments, message in (([], "name a scene"),
                                (["missing.vtu"], "there is no file missing.vtu"),
-                               ([*small, "--part", "2", "2"], "no part 2 of 2"),
-                               ([*small, "--ranks-per-solve", "2"], "number of ranks, 1")):
+                               ([*OF_CLUSTER, "--part", "2", "2"], "no part 2 of 2"),
+                               ([*OF_CLUSTER, "--ranks-per-solve", "2"], "number of ranks, 1")):
         done = cluster(1, *arguments)
         lines = [line for line in done.stderr.splitlines() if line]
         assert done.returncode == 1 and len(lines) == 1, lines
@@ -278,10 +292,8 @@ def check_roof():
 
 
 def check_accuracy():
-    """On two ranks, then of a file on one, with what was solved for before."""
-    small = ["--points", "20", "--output", "accuracy"]
-    done = run(2 if MPIEXEC else 1, *small, "--elements", "150", "--resolutions", "3", "5",
-               "--intermediate-states", "1", example="accuracy")
+    done = run(2 if MPIEXEC else 1, SURFACE, *OF_ACCURACY, "--elements", "150", "--resolutions",
+               "3", "5", "--intermediate-states", "1", example="accuracy")
     assert done.returncode == 0, done.stderr
     with open("accuracy/report.md", encoding="utf-8") as file:
         text = file.read()
@@ -296,19 +308,21 @@ def check_accuracy():
     assert len(pictures) == 7, pictures
     expect_pictures("accuracy", *pictures)
 
-    done = run(1, "accuracy/space_neo-hookean_5.palpate", *small, example="accuracy")
+
+def check_accuracy_of_a_file():
+    """On one rank, with what was solved for before."""
+    done = run(1, "accuracy/space_neo-hookean_5.palpate", *OF_ACCURACY, example="accuracy")
     assert done.returncode == 0, done.stderr
     # The space contains the coarser one.
     assert {row["grid"] for row in rows_of("accuracy/table.csv")} == {"3³", "5³"}
-    done = run(1, *small, "--resolutions", "4", example="accuracy")
+    done = run(1, *OF_ACCURACY, "--resolutions", "4", example="accuracy")
     assert done.returncode == 1 and done.stderr.startswith("accuracy.py: "), done.stderr
 
 
 def check_palpation():
-    """A part of a coarse liver, on two ranks; then a scene without a law of its own."""
-    small = ["--elements", "300", "--points", "30", "--spacings", "0.008", "0.005", "--output",
-             "palpation"]
-    done = run(2 if MPIEXEC else 1, *small, "--region", "0.012", "--tolerance", "2",
+    """A part of a coarse liver, on two ranks."""
+    done = run(2 if MPIEXEC else 1, SURFACE, "--elements", "150", "--points", "20", "--spacings",
+               "0.008", "0.006", "--region", "0.012", "--tolerance", "1", "--output", "palpation",
                example="palpation")
     assert done.returncode == 0, done.stderr
     with open("palpation/table.md", encoding="utf-8") as file:
@@ -317,11 +331,11 @@ def check_palpation():
     rows = rows_of("palpation/table.csv")
     error = {(row["space"], row["method"]): float(row["mean (%)"]) for row in rows}
     assert len(rows) == len(error) == 9, rows
-    coarse, fine, refined = ("8 mm", "5 mm", "5 mm, 2 %")
+    coarse, fine, refined = ("8 mm", "6 mm", "6 mm, 1 %")
     assert 0 < error[fine, "Energy Hermite"] < error[coarse, "Energy Hermite"], error
     assert error[refined, "Energy Hermite"] < 2 and error[refined, "Trilinear"] > 0, error
     configurations = {row["space"]: float(row["configurations"]) for row in rows}
-    assert configurations[coarse] < configurations[fine] <= configurations[refined], configurations
+    assert configurations[coarse] < configurations[fine] < configurations[refined], configurations
     off = re.search(r"on the slide the force is off by ([0-9.e-]+) %", text)
     assert off and float(off.group(1)) < 5, text
     slide = rows_of("palpation/slide.csv")
@@ -329,24 +343,26 @@ def check_palpation():
     assert len(felt) > 100 and max(felt) > 0.05, (len(felt), max(felt, default=0))
     expect_pictures("palpation", "pressed", "slide", "error_seconds", "error_bytes")
 
-    done = run(1, "palpation/scene.vtu", *small, "--laws", "Own", example="palpation")
+
+def check_palpation_without_a_law():
+    done = run(1, "palpation/scene.vtu", "--laws", "Own", "--output", "palpation",
+               example="palpation")
     assert done.returncode == 1 and done.stderr.count("\n") == 1, done.stderr
     assert done.stderr.startswith("palpation.py: the scene has no material"), done.stderr
 
 
 def check_nodule():
-    """A larger nodule in a coarser mesh, on two ranks: its map, what is noticed; one too large."""
-    small = ["--output", "nodule", "--size", "0.02", "--below", "0.003", "--tool-radius", "0.015",
-             "--region", "0.02", "--spacing", "0.008", "--sizes", "0.01", "0.02",
-             "--depths", "0.003", "0.012"]
-    done = run(2 if MPIEXEC else 1, *small, example="nodule")
+    """A larger nodule in a coarser mesh, on two ranks: its map, and what is noticed."""
+    done = run(2 if MPIEXEC else 1, "--output", "nodule", "--size", "0.025", "--below", "0.003",
+               "--tool-radius", "0.02", "--region", "0.014", "--spacing", "0.012", "--sizes",
+               "0.015", "0.025", "--depths", "0.003", "0.015", example="nodule")
     assert done.returncode == 0, done.stderr
     with open("nodule/table.md", encoding="utf-8") as file:
         text = file.read()
     assert text.strip() in done.stdout, done.stdout
     more = {(float(row["size (mm)"]), float(row["below (mm)"])): float(row["more (%)"])
             for row in rows_of("nodule/table.csv")}
-    assert more[20, 3] > 10 > more[20, 12] > more[10, 12] > 0 and more[20, 3] > more[10, 3], more
+    assert more[25, 3] > 10 > more[25, 15] > more[15, 15] > 0 and more[25, 3] > more[15, 3], more
     where = re.search(r"adds ([0-9.]+) % to the stiffness at the most, ([0-9.]+) mm from", text)
     assert float(where.group(1)) > 8 and float(where.group(2)) < 10, text
     off = re.search(r"the spaces are off by ([0-9.]+) mN of ([0-9.]+) N", text)
@@ -357,6 +373,8 @@ def check_nodule():
         coloured = (np.ptp(pixels(f"nodule/{name}.png"), axis=1) > 40).mean()
         assert 0.1 < coloured < 0.9, (name, coloured)
 
+
+def check_a_nodule_too_large():
     done = run(1, "--output", "nodule", "--size", "0.2", example="nodule")
     assert done.returncode == 1 and "nodule.py: " in done.stderr, done.stderr
 
@@ -406,9 +424,7 @@ def save_head():
 def check_brain():
     """Eggs in place of a brain, on two ranks: where they are, how large, and how they are felt."""
     grey, white = save_head()
-    small = ["--grey", "grey.nii.gz", "--white", "white.nii", "--voxel", "6", "--edge", "0.04",
-             "--region", "0.004", "--output", "brain"]
-    done = run(2 if MPIEXEC else 1, *small, example="brain")
+    done = run(2 if MPIEXEC else 1, *OF_BRAIN, example="brain")
     assert done.returncode == 0, done.stderr
     with open("brain/table.md", encoding="utf-8") as file:
         text = file.read()
@@ -435,33 +451,48 @@ def check_brain():
     assert len(memory.group(1).split(" and ")) == (2 if MPIEXEC else 1), text
     expect_pictures("brain", "tissues", "pressed", "slide")
 
+
+def check_failures_of_brain():
     with open("grey.nii.gz", "rb") as file, open("cut.nii.gz", "wb") as cut:
         cut.write(file.read()[:-1000])
     for arguments, message in (
             (["--grey", "cut.nii.gz", "--white", "white.nii"], "cut.nii.gz cannot be read"),
             (["--grey", "brain/table.md", "--white", "white.nii"], "is no NIfTI image"),
             (["--grey", "grey.nii.gz"], "--grey and --white go together"),
-            (["--certain", "100", *small], "which value stands for certain?")):
+            (["--certain", "100", *OF_BRAIN], "which value stands for certain?")):
         done = run(1, *arguments, example="brain")
         lines = [line for line in done.stderr.splitlines() if line]
         assert done.returncode == 1 and lines[-1].startswith("brain.py: "), (arguments, lines)
         assert message in lines[-1], lines
 
 
-check_one_rank()
-check_that_the_file_is_used_again()
+def check_liver_alone():
+    check_one_rank()
+    check_that_the_file_is_used_again()
+    check_failures()
+
+
+def side_by_side(*checks):
+    """Those of one rank each, which leave a core idle alone.
+    @returns what they return."""
+    with concurrent.futures.ThreadPoolExecutor(2) as cores:
+        return [check.result() for check in [cores.submit(check) for check in checks]]
+
+
+alone = [check_discretisation, check_liver_alone]
+if os.environ.get("PALPATE_SHARED_DATA"):
+    alone.append(check_a_surface_that_crosses_itself)
+force, *_ = side_by_side(*alone)
 if MPIEXEC:
     check_two_ranks()
-check_failures()
-if os.environ.get("PALPATE_SHARED_DATA"):
-    check_a_surface_that_crosses_itself()
-check_discretisation()
+    check_discretisation_on_two_ranks(force)
 check_roof()
 check_accuracy()
 check_palpation()
 check_nodule()
 check_brain()
 check_cluster()
-check_options_of_the_job()
+side_by_side(check_accuracy_of_a_file, check_palpation_without_a_law, check_a_nodule_too_large,
+             check_failures_of_brain, check_failures_of_cluster, check_options_of_the_job)
 if MPIEXEC:
     check_the_job()
