@@ -34,8 +34,9 @@ def part(name):
 
 
 def canvas():
-    """What is drawn on in the view."""
-    return max(window.findChildren(QOpenGLWidget),
+    """What is drawn on in the view. Looking through all of the window's thousands of objects would
+    take longer than drawing; the views are in its middle."""
+    return max(window.centralWidget().findChildren(QOpenGLWidget),
                key=lambda widget: widget.width() * widget.height())
 
 
