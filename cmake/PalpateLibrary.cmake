@@ -40,6 +40,23 @@ function(palpate_add_library part)
     PRIVATE ${private} "$<BUILD_INTERFACE:palpate_warnings>")
 endfunction()
 
+#[[
+palpate_add_test_library(<name> SOURCES <file>… DEPENDS <part or imported target>…)
+
+Makes the static library palpate_<name> (alias palpate::<name>) of what several tests or benchmarks
+share. Headers are included relative to tests/.
+]]
+function(palpate_add_test_library name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;DEPENDS")
+  palpate_resolve_targets(depends ${arg_DEPENDS})
+  set(target palpate_${name})
+  add_library(${target} STATIC ${arg_SOURCES})
+  add_library(palpate::${name} ALIAS ${target})
+  target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/tests")
+  target_link_libraries(${target} PUBLIC ${depends} PRIVATE palpate_warnings)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release,None>:-O1>)
+endfunction()
+
 # Turns names of parts into targets and leaves imported targets as they are.
 function(palpate_resolve_targets result)
   set(targets "")

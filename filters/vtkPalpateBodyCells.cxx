@@ -28,9 +28,6 @@ namespace
 using palpate::InputError;
 using Tetrahedron = std::array<vtkIdType, 4>;
 
-/// In VTK's order of the points 4 to 9 of a quadratic tetrahedron.
-constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 2, 0 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-
 constexpr const char* CellOfPart = "Cell";
 
 /// A cell that can be cut: what its corners make, and how many they are.
@@ -389,7 +386,8 @@ vtkPalpateBodyCells vtkPalpateToTetrahedra(vtkUnstructuredGrid* grid)
       std::copy(corners.begin(), corners.end(), ids.begin());
       for (int edge = 0; edge < 6; ++edge)
       {
-        ids[4 + edge] = middles.Between(cell, { corners[Edges[edge][0]], corners[Edges[edge][1]] });
+        ids[4 + edge] = middles.Between(
+          cell, { corners[palpate::kTetEdges[edge][0]], corners[palpate::kTetEdges[edge][1]] });
       }
       data->CopyData(
         grid->GetCellData(), cell, body->InsertNextCell(VTK_QUADRATIC_TETRA, 10, ids.data()));

@@ -27,9 +27,6 @@ namespace
 {
 using Tetrahedron = std::array<vtkIdType, 4>;
 
-/// In VTK's order of the points 4 to 9 of a quadratic tetrahedron.
-constexpr int Edges[6][2] = { { 0, 1 }, { 1, 2 }, { 2, 0 }, { 0, 3 }, { 1, 3 }, { 2, 3 } };
-
 /// What palpate-tetgen gives, taken apart.
 struct Mesh
 {
@@ -277,7 +274,7 @@ void BuildBody(const Mesh& mesh, const std::map<int, int>& number, const char* n
     {
       for (int i = 0; i < 6; ++i)
       {
-        ids[4 + i] = points.Middle(ids[Edges[i][0]], ids[Edges[i][1]]);
+        ids[4 + i] = points.Middle(ids[palpate::kTetEdges[i][0]], ids[palpate::kTetEdges[i][1]]);
       }
     }
     body->InsertNextCell(

@@ -26,13 +26,6 @@
 
 namespace
 {
-enum OutputPort
-{
-  ModelPort,
-  ErrorPort,
-  NumberOfOutputs
-};
-
 void FillErrors(const std::vector<palpate::MeasuredError>& rows, const palpate::ReducedModel& model,
   vtkTable* table)
 {

@@ -150,6 +150,13 @@ private:
   vtkPalpateBuildReducedModel(const vtkPalpateBuildReducedModel&) = delete;
   void operator=(const vtkPalpateBuildReducedModel&) = delete;
 
+  enum OutputPort
+  {
+    ModelPort,
+    ErrorPort,
+    NumberOfOutputs
+  };
+
   /// @param body On rank 0. @note Collective.
   void Build(vtkUnstructuredGrid* body, palpate::Communicator& communicator,
     vtkUnstructuredGrid* output, vtkTable* errors);

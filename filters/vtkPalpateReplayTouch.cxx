@@ -51,14 +51,6 @@ enum ContactStatus
 };
 /// Of palpate::Contact.
 constexpr int MostNodes = 3;
-enum OutputPort
-{
-  SurfacePort,
-  ToolPort,
-  ForcePort,
-  NumberOfPorts
-};
-
 /// What is shown of a tick.
 struct Frame
 {

@@ -59,6 +59,14 @@ private:
   vtkPalpateReplayTouch(const vtkPalpateReplayTouch&) = delete;
   void operator=(const vtkPalpateReplayTouch&) = delete;
 
+  enum OutputPort
+  {
+    SurfacePort,
+    ToolPort,
+    ForcePort,
+    NumberOfPorts
+  };
+
   struct Replay;
 
   /// s from the first tick; none where FrameRate makes far too many.

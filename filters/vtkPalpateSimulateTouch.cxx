@@ -36,13 +36,6 @@ enum InputPort
   PathPort,
   NumberOfInputs
 };
-enum OutputPort
-{
-  MotionPort,
-  HistoryPort,
-  NumberOfOutputs
-};
-
 /// A row of the table.
 struct Step
 {

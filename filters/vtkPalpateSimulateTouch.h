@@ -65,6 +65,13 @@ private:
   vtkPalpateSimulateTouch(const vtkPalpateSimulateTouch&) = delete;
   void operator=(const vtkPalpateSimulateTouch&) = delete;
 
+  enum OutputPort
+  {
+    MotionPort,
+    HistoryPort,
+    NumberOfOutputs
+  };
+
   /// What was simulated, on the rank that has the body.
   struct Run;
 

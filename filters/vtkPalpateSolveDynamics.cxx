@@ -51,15 +51,8 @@ enum InputPort
   SurfacePort,
   NumberOfInputs
 };
-enum OutputPort
-{
-  MotionPort,
-  HistoryPort,
-  NumberOfOutputs
-};
-
 /// The displacement between two states, by a cubic that has their velocities too.
-NodalVector Between(const palpate::Motion& from, const palpate::Motion& to, double time)
+NodalVector Between(const palpate::BodyMotion& from, const palpate::BodyMotion& to, double time)
 {
   const double h = to.time - from.time;
   const double s = h > 0 ? std::clamp((time - from.time) / h, 0.0, 1.0) : 1;
@@ -88,7 +81,7 @@ struct Step
 
   double Time;
   double Length;
-  palpate::EnergyBalance Energy;
+  palpate::EnergyAccount Energy;
   Eigen::VectorXd Position;
   Eigen::VectorXd Force;
   double MinimumDetF;
@@ -394,7 +387,7 @@ void vtkPalpateSolveDynamics::Simulate(
 
   const std::vector<double> times = this->FrameTimes();
   run.Frames = std::make_unique<vtkPalpateFrames>(3 * setup.Scene.mesh.points.size());
-  palpate::Motion before;
+  palpate::BodyMotion before;
   const auto takeState = [&](const DynamicState& state)
   {
     if (run.Steps.empty())

@@ -24,7 +24,7 @@
  * Second output: a table of all steps,
  *
  *   `Time`, `StepLength` (s), `KineticEnergy`, `ElasticEnergy`, `WeightEnergy`, `ViscousEnergy`,
- *   `Dissipated`, `Work` (J, see palpate::EnergyBalance), `Position0`, … (m) and `Force0`, … (N) of
+ *   `Dissipated`, `Work` (J, see palpate::EnergyAccount), `Position0`, … (m) and `Force0`, … (N) of
  *   each tool, `MinimumDetF`, `LocalError` (m), `Residual`, `Iterations`, `Halvings`, `Flags`,
  *   `Outcome`
  *
@@ -192,6 +192,13 @@ protected:
 private:
   vtkPalpateSolveDynamics(const vtkPalpateSolveDynamics&) = delete;
   void operator=(const vtkPalpateSolveDynamics&) = delete;
+
+  enum OutputPort
+  {
+    MotionPort,
+    HistoryPort,
+    NumberOfOutputs
+  };
 
   /// What is simulated, on rank 0.
   struct Setup;

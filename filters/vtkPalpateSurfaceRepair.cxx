@@ -261,7 +261,7 @@ std::vector<char> Marked(const vtkPalpateSurface& surface, const vtkPalpateSurfa
   return marked;
 }
 
-vtkPalpateSurface Resample(vtkPalpateSurface surface, int resolution, vtkPalpateProgress progress)
+vtkPalpateSurface Resample(vtkPalpateSurface surface, int resolution, vtkPalpateShareDone progress)
 {
   const auto turn = [](vtkPalpateSurface& s)
   {
@@ -297,7 +297,7 @@ vtkPalpateSurface Resample(vtkPalpateSurface surface, int resolution, vtkPalpate
 /// @throws palpate::InputError a group has walls between regions.
 vtkPalpateSurface ResampleFaulty(const vtkPalpateWalls& walls,
   const vtkPalpateCompartments& compartments, const vtkPalpateSurfaceFaults& faults,
-  const vtkPalpateRepairOptions& options, const vtkPalpateProgress& progress)
+  const vtkPalpateRepairOptions& options, const vtkPalpateShareDone& progress)
 {
   const auto& surface = walls.Surface;
   std::vector<int> part;
@@ -345,7 +345,7 @@ vtkPalpateSurfaceFaults FaultsOf(const vtkPalpateSurface& surfaces)
 vtkPalpateRepairedSurface vtkPalpateRepairSurface(
   const vtkPalpateSurface& surface, const vtkPalpateRepairOptions& options)
 {
-  const vtkPalpateProgress progress = options.Progress ? options.Progress : [](double) {};
+  const vtkPalpateShareDone progress = options.Progress ? options.Progress : [](double) {};
   vtkPalpateRepairedSurface repaired;
   Report report;
   auto walls = vtkPalpateUniteWalls(surface);

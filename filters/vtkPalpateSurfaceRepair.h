@@ -15,9 +15,9 @@
 
 struct vtkPalpateRepairOptions
 {
-  int Resolution = 80;         ///< grid points along the longest side of what is sampled anew
-  bool ResampleAll = false;    ///< go straight to sampling the whole surface anew
-  vtkPalpateProgress Progress; ///< may be empty
+  int Resolution = 80;          ///< grid points along the longest side of what is sampled anew
+  bool ResampleAll = false;     ///< go straight to sampling the whole surface anew
+  vtkPalpateShareDone Progress; ///< may be empty
 };
 
 struct vtkPalpateRepairedSurface

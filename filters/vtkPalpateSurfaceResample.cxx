@@ -184,7 +184,7 @@ void Distance(const vtkPalpateSurface& surface, const Grid& grid, float* distanc
 
 /// In units of grid steps, with the grid's first point at the origin: any unit of length will do.
 vtkSmartPointer<vtkImageData> SignedDistance(
-  const vtkPalpateSurface& surface, const Grid& grid, const vtkPalpateProgress& progress)
+  const vtkPalpateSurface& surface, const Grid& grid, const vtkPalpateShareDone& progress)
 {
   std::vector<float> winding(grid.Count(), 0);
   for (int axis = 0; axis < 3; ++axis)
@@ -263,7 +263,7 @@ vtkPalpateSurface Decimated(vtkPolyData* surface, double wanted, bool regular)
 
 /// About so many well-shaped triangles; more where fewer do not make a good surface.
 vtkPalpateSurface Thinned(
-  const vtkPalpateSurface& surface, vtkIdType wanted, const vtkPalpateProgress& progress)
+  const vtkPalpateSurface& surface, vtkIdType wanted, const vtkPalpateShareDone& progress)
 {
   const auto polydata = vtkPalpateSurfaceToPolyData(surface);
   const auto count = static_cast<double>(surface.Triangles.size());
@@ -292,7 +292,7 @@ vtkPalpateSurface Thinned(
 vtkPalpateSurface vtkPalpateResampleSurface(
   const vtkPalpateSurface& surface, const vtkPalpateResampleOptions& options)
 {
-  const vtkPalpateProgress progress = options.Progress ? options.Progress : [](double) {};
+  const vtkPalpateShareDone progress = options.Progress ? options.Progress : [](double) {};
   const Grid grid(surface, options.Resolution);
 
   vtkNew<vtkFlyingEdges3D> contour;

@@ -14,13 +14,13 @@
 #include "vtkPalpateSurface.h"
 
 /// Takes the finished fraction, 0 to 1; may throw to stop the work.
-using vtkPalpateProgress = std::function<void(double)>;
+using vtkPalpateShareDone = std::function<void(double)>;
 
 struct vtkPalpateResampleOptions
 {
-  int Resolution = 80;         ///< grid points along the longest side of the bounding box
-  vtkIdType Triangles = 0;     ///< the result is thinned out to about as many; 0 = not at all
-  vtkPalpateProgress Progress; ///< may be empty
+  int Resolution = 80;          ///< grid points along the longest side of the bounding box
+  vtkIdType Triangles = 0;      ///< the result is thinned out to about as many; 0 = not at all
+  vtkPalpateShareDone Progress; ///< may be empty
 };
 
 /// Consistently oriented surface, normals outwards, without specks smaller than a grid cell. It

@@ -33,7 +33,7 @@ constexpr double kHandDepth = 0.6;
 bool is_simulated(const std::string& device) { return device == kSimulated; }
 
 /// What makes no sense here.
-void check(const CommandLine& line) {
+void check_reduced(const CommandLine& line) {
   if (!line.replay.empty()) {
     throw InputError(
         "A recording of a reduced model cannot be replayed: the steps of its body are not in it, "
@@ -198,7 +198,7 @@ std::string name_of(Index tool, const std::vector<Hand>& hands) {
 }  // namespace
 
 int touch_reduced(const CommandLine& line, StateSpaceFile file) {
-  check(line);
+  check_reduced(line);
   const Signals signals;
   const TouchedModel touched = read_touched_model(file, line.reduced);
   file.close();

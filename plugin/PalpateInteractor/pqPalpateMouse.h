@@ -48,6 +48,9 @@ public:
   const std::string& GetHint() const { return this->Hint; }
 
 protected:
+  /// Of the body's diagonal: a notch of the wheel.
+  static constexpr double Notch = 0.01;
+
   /// @param surface Of the body at rest.
   /// @param motion Of the board, the axes of which are those of the scene.
   pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::Surface& surface,

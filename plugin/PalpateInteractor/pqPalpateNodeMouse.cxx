@@ -10,12 +10,10 @@ using palpate::Vec3;
 namespace
 {
 /// Shares of the body's diagonal: how far outside of the body the tool waits; how far it goes in
-/// before the mouse has moved; how far from an active node a press still takes hold of it; a notch
-/// of the wheel.
+/// before the mouse has moved; how far from an active node a press still takes hold of it.
 constexpr double Clearance = 0.02;
 constexpr double Overshoot = 0.002;
 constexpr double Reach = 0.1;
-constexpr double Notch = 0.01;
 /// Of the half-width of the space: the drag ends within it, however the board rounds.
 constexpr double Within = 0.999;
 }

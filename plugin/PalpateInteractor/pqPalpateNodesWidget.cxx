@@ -41,7 +41,7 @@
 namespace
 {
 /// Before ParaView's own, which are at 0.
-constexpr float Priority = 5;
+constexpr float NodesPriority = 5;
 /// A press and a release that are farther apart are a drag, pixels.
 constexpr int Still = 3;
 constexpr int AnyProcess = -1;
@@ -171,8 +171,8 @@ void pqPalpateNodesWidget::start()
   for (const unsigned long event :
     { vtkCommand::LeftButtonPressEvent, vtkCommand::LeftButtonReleaseEvent })
   {
-    this->Observers.push_back(
-      this->Interactor->AddObserver(event, this, &pqPalpateNodesWidget::handleEvent, Priority));
+    this->Observers.push_back(this->Interactor->AddObserver(
+      event, this, &pqPalpateNodesWidget::handleEvent, NodesPriority));
   }
   this->PickingView->setCursor(Qt::CrossCursor);
   this->showChosen();

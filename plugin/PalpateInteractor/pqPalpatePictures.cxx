@@ -37,7 +37,7 @@ bool Is(vtkSMProxy* proxy, const char* name)
 }
 
 /// The least value of a component, which is its value where there is one point.
-double Value(vtkPVArrayInformation* array, int component)
+double LeastValue(vtkPVArrayInformation* array, int component)
 {
   return array->GetComponentRange(component)[0];
 }
@@ -92,13 +92,14 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
   {
     return;
   }
-  const double displacement[3] = { Value(place, 0), Value(place, 1), Value(place, 2) };
+  const double displacement[3] = { LeastValue(place, 0), LeastValue(place, 1),
+    LeastValue(place, 2) };
   for (pqPipelineSource* consumer : space->getConsumers())
   {
     vtkSMProxy* touch = consumer->getProxy();
     if (Is(touch, "TouchStateSpace"))
     {
-      const auto activeNode = static_cast<vtkIdType>(Value(node, 0));
+      const auto activeNode = static_cast<vtkIdType>(LeastValue(node, 0));
       vtkSMPropertyHelper(touch, "ActiveNode").Set(activeNode);
       if (activeNode < 0)
       {

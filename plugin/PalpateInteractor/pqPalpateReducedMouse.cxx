@@ -10,7 +10,6 @@ namespace
 /// Shares of the body's diagonal: how far from the tool a press still takes hold of it; a notch of
 /// the wheel.
 constexpr double Reach = 0.1;
-constexpr double Notch = 0.01;
 }
 
 pqPalpateReducedMouse::pqPalpateReducedMouse(vtkSMRenderViewProxy* view,

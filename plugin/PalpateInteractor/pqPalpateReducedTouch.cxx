@@ -37,15 +37,12 @@ using palpate::Vec3;
 
 namespace
 {
-constexpr int FrameInterval = 33; // ms
-/// Of the radius of the body: what a device reaches beyond that.
-constexpr double Room = 1.3;
 /// The simulated hand begins so far away, of the reach of the tool, and moves it so far, of what
 /// the model was trained for.
-constexpr double HandHeight = 1.2;
-constexpr double HandDepth = 0.6;
+constexpr double HeldHeight = 1.2;
+constexpr double HeldDepth = 0.6;
 
-QString Words(palpate::ContactStatus status)
+QString WordsOfHold(palpate::ContactStatus status)
 {
   switch (status)
   {
@@ -65,11 +62,6 @@ QString Words(palpate::ContactStatus status)
 QString Words(std::string_view text)
 {
   return QString::fromUtf8(text.data(), static_cast<int>(text.size()));
-}
-
-double Microseconds(palpate::Duration duration)
-{
-  return 1e6 * palpate::seconds(duration);
 }
 
 /// The largest distance of a coordinate of the tool in training, m.
@@ -145,7 +137,7 @@ struct pqPalpateReducedTouch::Session
 pqPalpateReducedTouch::pqPalpateReducedTouch(QObject* parent)
   : QObject(parent)
 {
-  this->FrameTimer.setInterval(FrameInterval);
+  this->FrameTimer.setInterval(pqPalpateTouch::FrameInterval);
   this->FrameTimer.setTimerType(Qt::PreciseTimer);
   QObject::connect(&this->FrameTimer, &QTimer::timeout, this, &pqPalpateReducedTouch::showFrame);
   QObject::connect(&this->Watch, &pqPalpateRunWatch::mustEnd, this, &pqPalpateReducedTouch::end);
@@ -194,7 +186,7 @@ std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
   }
   else if (device == pqPalpateHandDevice)
   {
-    const double height = HandHeight * options.reach;
+    const double height = HeldHeight * options.reach;
     const Vec3 normal = (place - session.Centre).normalized();
     const Vec3 across = normal.unitOrthogonal();
     hand->Centre = place + height * normal;
@@ -202,7 +194,7 @@ std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
     // It takes hold where it comes within reach.
     opened = pqPalpateSimulatedDevice(session.Clock,
       pqPalpateHandMotion(
-        height - options.reach + HandDepth * Trained(*session.Space.Model, tool)));
+        height - options.reach + HeldDepth * Trained(*session.Space.Model, tool)));
   }
   else
   {
@@ -293,7 +285,7 @@ QString pqPalpateReducedTouch::start(pqOutputPort* model, pqRenderView* view,
     }
     session->Centre = box.center();
     const double size = box.diagonal().norm();
-    session->Radius = Room * size / 2;
+    session->Radius = pqPalpateTouch::Room * size / 2;
     const int tools = static_cast<int>(session->Space.Places.size());
     for (int tool = 0; tool < tools; ++tool)
     {
@@ -409,7 +401,7 @@ bool pqPalpateReducedTouch::endHand(Session& session, int tool)
     "tool %d with %s: %llu ticks, %.1f /s, lateness 99 %% %.0f us, missed %llu, largest force "
     "%.3f N, untrusted ticks %llu",
     tool, hand->Device.toUtf8().constData(), static_cast<unsigned long long>(statistics.ticks),
-    statistics.rate(), Microseconds(statistics.lateness.p99),
+    statistics.rate(), pqPalpateTouch::Microseconds(statistics.lateness.p99),
     static_cast<unsigned long long>(statistics.missed), statistics.largest_force,
     static_cast<unsigned long long>(statistics.untrusted_ticks));
   if (hand->Recording)
@@ -447,7 +439,8 @@ void pqPalpateReducedTouch::end(const QString& why, pqPalpateRunWatch::Left left
     "reduced body: %llu steps, %.1f /s, step 50 %% %.0f us, 99 %% %.0f us, missed %llu, largest "
     "trust %.2f, %llu frames, %.1f /s",
     static_cast<unsigned long long>(statistics.steps), statistics.rate(),
-    Microseconds(statistics.step_time.median), Microseconds(statistics.step_time.p99),
+    pqPalpateTouch::Microseconds(statistics.step_time.median),
+    pqPalpateTouch::Microseconds(statistics.step_time.p99),
     static_cast<unsigned long long>(statistics.missed), statistics.largest_trust,
     static_cast<unsigned long long>(frames),
     1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
@@ -606,11 +599,11 @@ pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
   figures.IsTrusted = state.trust <= palpate::kLargestTrusted;
   figures.Rate = statistics.rate();
   figures.FrameRate = session.BodyView->GetFrameRate();
-  figures.Lateness[0] = Microseconds(statistics.lateness.median);
-  figures.Lateness[1] = Microseconds(statistics.lateness.p99);
-  figures.Lateness[2] = Microseconds(statistics.lateness.largest);
-  figures.StepTime[0] = Microseconds(statistics.step_time.median);
-  figures.StepTime[1] = Microseconds(statistics.step_time.p99);
+  figures.Lateness[0] = pqPalpateTouch::Microseconds(statistics.lateness.median);
+  figures.Lateness[1] = pqPalpateTouch::Microseconds(statistics.lateness.p99);
+  figures.Lateness[2] = pqPalpateTouch::Microseconds(statistics.lateness.largest);
+  figures.StepTime[0] = pqPalpateTouch::Microseconds(statistics.step_time.median);
+  figures.StepTime[1] = pqPalpateTouch::Microseconds(statistics.step_time.p99);
   figures.Steps = statistics.steps;
   figures.Missed = statistics.missed;
   figures.Problem = QString::fromStdString(session.Body->problem());
@@ -622,7 +615,7 @@ pqPalpateReducedTouch::Figures pqPalpateReducedTouch::figures()
     if (hand)
     {
       const palpate::Tick tick = hand->Servo->latest();
-      tool.State = Words(palpate::to_string(tick.state)) + ", " + Words(tick.contact.status);
+      tool.State = Words(palpate::to_string(tick.state)) + ", " + WordsOfHold(tick.contact.status);
       const std::string_view why = palpate::words_for(tick.tripped);
       if (!why.empty())
       {

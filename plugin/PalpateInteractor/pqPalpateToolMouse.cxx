@@ -17,10 +17,8 @@ namespace
 constexpr double RoomOfCell = 2;
 /// Of the greatest depth: where a first press goes, and a notch of the wheel.
 constexpr double FirstDepth = 0.5;
-constexpr double Notch = 0.05;
-/// Of the body's diagonal: a notch of the wheel while it holds, and how near the tool has to come
-/// to where it leaves to.
-constexpr double HeldNotch = 0.01;
+constexpr double DepthNotch = 0.05;
+/// Of the body's diagonal: how near the tool has to come to where it leaves to.
 constexpr double Near = 0.002;
 /// The place that is pointed at has jumped, to another part of the body, where it is so many times
 /// as far away as the pointer has moved in the plane of the view.
@@ -197,12 +195,12 @@ void pqPalpateToolMouse::Turn(int notches)
 {
   if (this->Grasps)
   {
-    this->Pulled += notches * HeldNotch * this->Size * this->Away();
+    this->Pulled += notches * Notch * this->Size * this->Away();
   }
   else
   {
     this->Depth =
-      std::min(std::max(this->Depth + notches * Notch * this->Deepest, 0.0), this->Deepest);
+      std::min(std::max(this->Depth + notches * DepthNotch * this->Deepest, 0.0), this->Deepest);
   }
 }
 

@@ -34,9 +34,6 @@ using palpate::Vec3;
 
 namespace
 {
-constexpr int FrameInterval = 33; // ms
-/// Of the radius of what can be touched: what the device reaches beyond that.
-constexpr double Room = 1.3;
 /// The simulated hand begins so far above where it touches, and goes so far into the body, of how
 /// far the space goes.
 constexpr double HandHeight = 0.25;
@@ -80,11 +77,6 @@ QString Words(palpate::Support support)
       return "in a marked region";
   }
   return {};
-}
-
-double Microseconds(palpate::Duration duration)
-{
-  return 1e6 * palpate::seconds(duration);
 }
 
 /// The tool space of the rigid tool; nullptr: there is none.

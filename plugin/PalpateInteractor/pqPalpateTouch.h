@@ -16,6 +16,7 @@
 #include <QTimer>
 #include <memory>
 
+#include "haptic/realtime/clock.h"
 #include "haptic/touching/settings.h"
 #include "pqPalpateRunWatch.h"
 
@@ -30,6 +31,14 @@ class pqPalpateTouch : public QObject
 {
   Q_OBJECT
 public:
+  static constexpr int FrameInterval = 33; // ms
+  /// Of the radius of what can be touched: what the device reaches beyond that.
+  static constexpr double Room = 1.3;
+  static double Microseconds(palpate::Duration duration)
+  {
+    return 1e6 * palpate::seconds(duration);
+  }
+
   /// What may change while it runs.
   struct Settings
   {

@@ -213,7 +213,7 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
   const std::vector<ToolSpaceSetup> setups =
       share_setups(scene, space, methods, of_exact.holds, communicator);
   AccuracyResult result;
-  const Clock::time_point start = Clock::now();
+  const SteadyClock::time_point start = SteadyClock::now();
   ExactResult exact = solve_test_points(scene, setups, of_exact, communicator, progress);
   result.num_solved = exact.num_solved;
   result.num_reused = exact.num_reused;
@@ -221,7 +221,7 @@ AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
   result.complete = exact.complete;
   if (!exact.complete) return result;
 
-  const Clock::time_point measure_start = Clock::now();
+  const SteadyClock::time_point measure_start = SteadyClock::now();
   bool complete = true;
   run_on_first_rank(communicator, [&] {
     double seconds = 0;

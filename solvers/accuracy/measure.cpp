@@ -392,21 +392,21 @@ void measure_jumps(const Interpolator& interpolator, const TouchToolSpace& tool_
 void measure_time(const Interpolator& interpolator, Places place, Measurement& result) {
   std::vector<Vec3> places(kTimedCalls);
   for (Vec3& t : places) t = place();
-  const auto nanoseconds = [](Clock::time_point a, Clock::time_point b) {
+  const auto nanoseconds = [](SteadyClock::time_point a, SteadyClock::time_point b) {
     return std::chrono::duration<double, std::nano>(b - a).count();
   };
   std::vector<double> of_clock;
   double sum = 0;
   for (int i = 0; i < 1000; ++i) {
-    const auto a = Clock::now();
-    of_clock.push_back(nanoseconds(a, Clock::now()));
+    const auto a = SteadyClock::now();
+    of_clock.push_back(nanoseconds(a, SteadyClock::now()));
     sum += interpolator.evaluate(places[static_cast<std::size_t>(i)]).energy;  // warms up
   }
   const double overhead = quantile(of_clock, 0.5);
   for (const Vec3& t : places) {
-    const auto a = Clock::now();
+    const auto a = SteadyClock::now();
     const TouchResult touch = interpolator.evaluate(t);
-    const auto b = Clock::now();
+    const auto b = SteadyClock::now();
     sum += touch.energy;
     result.nanoseconds.push_back(std::max(nanoseconds(a, b) - overhead, 0.0));
   }
@@ -505,7 +505,7 @@ Measurement measure(const TouchSpace& space, const TouchToolSpace& whole, const 
   const std::int32_t side = smallest_side(tool_space);
   result.resolution = 2 * (grid.reach() / side) + 1;
   result.spacing = side * grid.spacing();
-  const auto start = Clock::now();
+  const auto start = SteadyClock::now();
   Subject subject(tool_space, variant);
   result.setup_seconds = seconds_since(start);
   const Interpolator& interpolator = subject.on(0);

@@ -2,12 +2,7 @@
 #include "assembly/node_levels.h"
 
 namespace palpate {
-namespace {
-
-/// The corners of the edges of a cell, in the order of their midside nodes.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-
-}  // namespace
+namespace {}  // namespace
 
 NodeLevels make_node_levels(const TetMesh& mesh, const std::vector<Index>& unknown_of_point) {
   const auto node_of = [&](Index point) {
@@ -43,8 +38,8 @@ NodeLevels make_node_levels(const TetMesh& mesh, const std::vector<Index>& unkno
     for (int e = 0; e < 6; ++e) {
       const Index node = node_of(cell[4 + e]);
       if (node < 0) continue;
-      levels.parents[node] = {corner_of_point[cell[kEdges[e][0]]],
-                              corner_of_point[cell[kEdges[e][1]]]};
+      levels.parents[node] = {corner_of_point[cell[kTetEdges[e][0]]],
+                              corner_of_point[cell[kTetEdges[e][1]]]};
     }
   }
   return levels;

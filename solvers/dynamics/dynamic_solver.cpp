@@ -209,7 +209,7 @@ class DynamicSolver::Impl {
 
   DynamicState run(const ToolPath& path, double until, const TakeState& take,
                    const Eigen::VectorXd& clear) {
-    start_ = Clock::now();
+    start_ = SteadyClock::now();
     if (path.num_coordinates() != system_.num_coordinates()) {
       throw InputError("The way of the tools has " + std::to_string(path.num_coordinates()) +
                        " coordinates, but the tools have " +
@@ -667,7 +667,7 @@ class DynamicSolver::Impl {
     return std::min(factor < 1 || factor > 1.2 ? factor * length : length, options_.time_step);
   }
 
-  void remember(const Motion& motion) {
+  void remember(const BodyMotion& motion) {
     history_.push_back({motion.time, motion.u});
     if (history_.size() > 3) history_.erase(history_.begin());
   }
@@ -719,7 +719,7 @@ class DynamicSolver::Impl {
   std::optional<LinearisedState> factor_of_;
   mutable double largest_way_ = 0;
   /// Of the run.
-  Clock::time_point start_{};
+  SteadyClock::time_point start_{};
 };
 
 DynamicSolver::DynamicSolver(const Scene& scene, const std::vector<Rheology>& rheologies,

@@ -67,7 +67,7 @@ void validate(const DynamicsOptions& options);
 /// The energies since the beginning, J. But for what the method itself dissipates,
 ///
 ///   work = change of (kinetic + elastic + weight + viscous_stored) + dissipated
-struct EnergyBalance {
+struct EnergyAccount {
   double kinetic = 0;
   /// That of the laws, of springs that support the body, and of tools that have a potential.
   double elastic = 0;
@@ -81,13 +81,13 @@ struct EnergyBalance {
 
 /// The body at the end of a step.
 struct DynamicState {
-  Motion motion;
+  BodyMotion motion;
   /// Pressures of mixed cells, Pa; see LinearisedState.
   NodalVector p;
   /// Coordinates of the tools [d], m, and the force that they take [d], N.
   Eigen::VectorXd tools;
   Eigen::VectorXd force;
-  EnergyBalance energy;
+  EnergyAccount energy;
   /// Least det F over quadrature points and corners, and the cell where that is.
   double minimum_det_f = 1;
   Index minimum_det_f_cell = -1;

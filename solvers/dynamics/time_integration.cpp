@@ -14,7 +14,7 @@ Vec3 derivative_weights(double last, double before) {
 
 }  // namespace
 
-TimeStep::TimeStep(TimeIntegrator integrator, double spectral_radius, const Motion& from,
+TimeStep::TimeStep(TimeIntegrator integrator, double spectral_radius, const BodyMotion& from,
                    double length)
     : integrator_(integrator),
       from_(from),
@@ -39,9 +39,9 @@ TimeStep::TimeStep(TimeIntegrator integrator, double spectral_radius, const Moti
       (length * length * (0.5 - beta_) - alpha_m / ((1 - alpha_f) * inertia_)) * from.acceleration;
 }
 
-Motion TimeStep::end(const NodalVector& x) const {
+BodyMotion TimeStep::end(const NodalVector& x) const {
   const Eigen::Index n = from_.u.size();
-  Motion to;
+  BodyMotion to;
   to.time = from_.time + length_;
   to.step = length_;
   to.u = x.head(n);
@@ -61,7 +61,7 @@ Motion TimeStep::end(const NodalVector& x) const {
   return to;
 }
 
-NodalVector TimeStep::acceleration_of(const Motion& end) const {
+NodalVector TimeStep::acceleration_of(const BodyMotion& end) const {
   NodalVector acceleration = rate_[0] * end.velocity + rate_[1] * from_.velocity;
   if (from_.step > 0) acceleration += rate_[2] * from_.velocity_before;
   return acceleration;

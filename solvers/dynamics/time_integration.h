@@ -26,7 +26,7 @@ enum class TimeIntegrator : int {
 };
 
 /// What of the past a step needs.
-struct Motion {
+struct BodyMotion {
   double time = 0;
   NodalVector u;
   NodalVector velocity;
@@ -41,7 +41,8 @@ struct Motion {
 class TimeStep {
  public:
   /// @param spectral_radius ρ_∞ of the generalised α method, 0 … 1.
-  TimeStep(TimeIntegrator integrator, double spectral_radius, const Motion& from, double length);
+  TimeStep(TimeIntegrator integrator, double spectral_radius, const BodyMotion& from,
+           double length);
 
   [[nodiscard]] double length() const { return length_; }
   /// w.
@@ -53,13 +54,13 @@ class TimeStep {
   /// w₀, w₁, w₂, 1/s.
   [[nodiscard]] const Vec3& rate() const { return rate_; }
   /// The motion after the step. @param x The solution, and maybe more of the state behind it.
-  [[nodiscard]] Motion end(const NodalVector& x) const;
+  [[nodiscard]] BodyMotion end(const NodalVector& x) const;
   /// The acceleration after the step, of second order.
-  [[nodiscard]] NodalVector acceleration_of(const Motion& end) const;
+  [[nodiscard]] NodalVector acceleration_of(const BodyMotion& end) const;
 
  private:
   TimeIntegrator integrator_;
-  const Motion& from_;
+  const BodyMotion& from_;
   double length_;
   double share_of_past_ = 0;
   double inertia_ = 0;

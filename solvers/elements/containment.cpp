@@ -16,15 +16,12 @@ constexpr double kLastStep = 1e-9;
 /// Farther out than this Newton's method does not come back.
 constexpr double kFarOut = 10;
 
-/// The corners of the edges that midside nodes are on.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-
 /// Around a cell wherever its nodes are: around the control points of its Bézier form.
 Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& nodes) {
   Eigen::AlignedBox3d box;
   for (int a = 0; a < 4; ++a) box.extend(nodes.col(a));
   for (Eigen::Index e = 0; e + 4 < nodes.cols(); ++e) {
-    const auto [a, b] = kEdges[e];
+    const auto [a, b] = kTetEdges[e];
     box.extend(2 * nodes.col(e + 4) - 0.5 * (nodes.col(a) + nodes.col(b)));
   }
   return box;

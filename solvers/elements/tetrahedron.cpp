@@ -7,9 +7,6 @@
 namespace palpate {
 namespace {
 
-/// Corners of the edge that each midside node divides.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-
 /// Barycentric coordinate of the four points of degree 2: near one corner, and the other three.
 const double kNear = (5 + 3 * std::sqrt(5.0)) / 20;
 const double kFar = (5 - std::sqrt(5.0)) / 20;
@@ -69,7 +66,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 3> shape_gradients(ElementOrder order, con
   }
   if (order == ElementOrder::quadratic) {
     for (int e = 0; e < 6; ++e) {
-      const auto [a, b] = kEdges[e];
+      const auto [a, b] = kTetEdges[e];
       gradients.row(4 + e) =
           4 *
           (lambda[a] * barycentric_gradient(b) + lambda[b] * barycentric_gradient(a)).transpose();
@@ -85,7 +82,8 @@ Eigen::VectorXd shape_values(ElementOrder order, const Vec3& xi) {
     values[a] = order == ElementOrder::linear ? lambda[a] : lambda[a] * (2 * lambda[a] - 1);
   }
   if (order == ElementOrder::quadratic) {
-    for (int e = 0; e < 6; ++e) values[4 + e] = 4 * lambda[kEdges[e][0]] * lambda[kEdges[e][1]];
+    for (int e = 0; e < 6; ++e)
+      values[4 + e] = 4 * lambda[kTetEdges[e][0]] * lambda[kTetEdges[e][1]];
   }
   return values;
 }

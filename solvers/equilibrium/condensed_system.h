@@ -24,6 +24,10 @@
 
 namespace palpate {
 
+/// Energies are sums over the body: those that differ by less than this share are equal but for
+/// rounding.
+inline constexpr double kEnergyRounding = 1e-11;
+
 class CondensedSystem {
  public:
   /// @param scene It was checked, see check().

@@ -11,8 +11,6 @@ namespace {
 
 /// Sufficient decrease, as usual (Nocedal & Wright, 3.4).
 constexpr double kSufficientDecrease = 1e-4;
-/// Energies that differ by less than this share are equal but for rounding; the residual decides.
-constexpr double kEnergyRounding = 1e-11;
 constexpr int kMaxBacktracks = 15;
 /// A step of which the search leaves less than this says that the factor is of another place: where
 /// a stiff part has turned since, what the factor takes for a soft mode is a stretch of it.

@@ -29,8 +29,6 @@ namespace {
 constexpr double kEnergyGap = 0.05;
 /// The same of the work of the change of force, for steps over which the energy hardly changes.
 constexpr double kWorkGap = 0.01;
-/// Energies are sums over the body: this much of them is rounding.
-constexpr double kEnergyRounding = 1e-11;
 /// Where rounding does not allow the displacement to be as accurate as it should, as with
 /// stiffnesses that differ by 1e9, an error up to this is let be, and told.
 constexpr double kMostDisplacementError = 1e-6;
@@ -206,11 +204,11 @@ class EquilibriumSolver::Impl {
   /// What is summed up to the energy of the body at rest, J, where that is told from nothing.
   double energies_at_rest_ = 0;
   Equilibrium settled_;
-  Clock::time_point start_{};
+  SteadyClock::time_point start_{};
 };
 
 void EquilibriumSolver::Impl::begin() {
-  start_ = Clock::now();
+  start_ = SteadyClock::now();
   system_.begin_solve();
 }
 

@@ -12,7 +12,7 @@ namespace {
 /// As many iterations as a factorisation of a body of a hundred thousand unknowns costs; those of
 /// the last two come to a quarter of a second in a smaller body, which may be a coarse shell: one
 /// of 1 400 unknowns takes 850.
-constexpr int kMaxIterations = 300;
+constexpr int kUsualMostIterations = 300;
 constexpr int kMostIterations = 3000;
 constexpr int kMostTimesUnknowns = 3'000'000;
 /// A preconditioner that needs more than so many times the iterations of its first solve is made
@@ -37,7 +37,7 @@ KrylovTangent::KrylovTangent(const TetMesh& mesh, const Assembly& assembly,
   }
   pattern_ = std::make_shared<const BlockPattern>(make_block_pattern(assembly.pattern()));
   max_iterations_ = std::clamp(kMostTimesUnknowns / std::max(assembly.pattern().size, 1),
-                               kMaxIterations, kMostIterations);
+                               kUsualMostIterations, kMostIterations);
   held_.assign(static_cast<std::size_t>(pattern_->num_nodes), 0);
 }
 

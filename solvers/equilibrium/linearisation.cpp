@@ -76,7 +76,7 @@ Linearisation at_rest_alone(const CondensedSystem& system, const Eigen::VectorXd
 }
 
 /// Iterations of conjugate gradients at most: more would cost as much as a factorisation.
-constexpr int kMaxIterations = 14;
+constexpr int kMaxGradientSteps = 14;
 
 /// A step of refinement that is this small beside v leaves an error of about its square.
 constexpr double kLastRefinement = 1e-4;
@@ -204,7 +204,7 @@ std::optional<LinearisedState> linearise_by_iteration(
     return (z.colwise().norm().array() <= error * v.colwise().norm().array()).all();
   };
   for (int i = 0; !is_done(); ++i) {
-    if (i == kMaxIterations) return std::nullopt;
+    if (i == kMaxGradientSteps) return std::nullopt;
     const Eigen::MatrixXd q = system.times_tangent(p);
     const Eigen::RowVectorXd curvature = p.cwiseProduct(q).colwise().sum();
     if (!(curvature.array() > 0).all()) return std::nullopt;

@@ -13,13 +13,13 @@ namespace palpate {
 namespace {
 
 /// Iterations of one step along the path; a step that wants more is halved.
-constexpr int kMaxIterations = 20;
+constexpr int kMaxStepIterations = 20;
 /// A step that takes this many keeps its length.
 constexpr double kUsualIterations = 8;
 /// A factor serves as long as the residual shrinks to at most this share an iteration.
 constexpr double kContraction = 0.25;
 /// Cosine between the tangents at the ends of a step; less, and the step may have left its branch.
-constexpr double kLeastCosine = 0.9;
+constexpr double kLeastTurnCosine = 0.9;
 /// The shortest step, as a share of the first.
 constexpr double kShortestStep = 1e-4;
 
@@ -119,7 +119,7 @@ class Follower {
     static_cast<LinearisedState&>(equilibrium) = std::move(at_next->state);
     Vector tangent = tangent_at(equilibrium);
     const double cosine = product(tangent, tangent_);
-    if (std::abs(cosine) < kLeastCosine) return false;
+    if (std::abs(cosine) < kLeastTurnCosine) return false;
     if (cosine < 0) {
       tangent.x = -tangent.x;
       tangent.way = -tangent.way;
@@ -152,7 +152,7 @@ class Follower {
       const double norm = system_.norm(r);
       residual = norm / system_.displacement_scale(t);
       if (residual <= options_.tolerance) return true;
-      if (!std::isfinite(norm) || i == kMaxIterations) return false;
+      if (!std::isfinite(norm) || i == kMaxStepIterations) return false;
       if (factor == nullptr || (i > 0 && norm > kContraction * last_norm)) {
         factor = system_.factorise(t, point.x);
         if (factor == nullptr) return false;

@@ -38,7 +38,7 @@ constexpr double kSingleBytes = 0.5;
 double least_seconds(const std::function<void()>& work) {
   double least = 0;
   for (int run = 0; run < kRuns; ++run) {
-    const Clock::time_point start = Clock::now();
+    const SteadyClock::time_point start = SteadyClock::now();
     work();
     const double seconds = seconds_since(start);
     least = run == 0 ? seconds : std::min(least, seconds);
@@ -99,7 +99,7 @@ void measure_iteration(const Scene& scene, const Assembly& body, const std::vect
   tangent.take(values);
   Eigen::MatrixXd columns(body.pattern().size, 3);
   for (Eigen::Index i = 0; i < columns.size(); ++i) columns(i) = static_cast<double>(i % 7) - 3;
-  const Clock::time_point start = Clock::now();
+  const SteadyClock::time_point start = SteadyClock::now();
   (void)tangent.solve(columns, kColumnError);
   cost.iteration_seconds = seconds_since(start);
 }

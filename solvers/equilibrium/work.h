@@ -20,23 +20,23 @@ struct Work {
   Work& operator+=(const Work& other);
 };
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
-inline double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+inline double seconds_since(SteadyClock::time_point start) {
+  return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
 /// Adds the time of its scope to a sum.
 class Timer {
  public:
-  explicit Timer(double& sum) : sum_(sum), start_(Clock::now()) {}
+  explicit Timer(double& sum) : sum_(sum), start_(SteadyClock::now()) {}
   ~Timer() { sum_ += seconds_since(start_); }
   Timer(const Timer&) = delete;
   Timer& operator=(const Timer&) = delete;
 
  private:
   double& sum_;
-  Clock::time_point start_;
+  SteadyClock::time_point start_;
 };
 
 }  // namespace palpate

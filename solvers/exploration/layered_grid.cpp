@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 /// A failed step is tried from this many starts in all. More seldom helps where three failed.
-constexpr int kMaxStarts = 3;
+constexpr int kMaxLayerStarts = 3;
 
 std::int32_t layer_of(const CheckPoint& p) {
   return std::max({std::abs(p[0]), std::abs(p[1]), std::abs(p[2])});
@@ -166,7 +166,7 @@ void LayeredGrid::decide(const CheckPoint& target) {
       // A better one may come of it.
       if (of_start == Status::open || of_start == Status::under_way) return;
       if (of_start != Status::start) continue;
-      if (++num_starts > kMaxStarts) break;
+      if (++num_starts > kMaxLayerStarts) break;
       if (!tried) return give_out(start);
       if (start == failed->second) tried = false;
     }

@@ -227,7 +227,7 @@ PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
                          const std::function<std::unique_ptr<LinearSolver>()>& make_solver) {
   PrecomputeResult result;
   PrecomputeReport& report = result.report;
-  const Clock::time_point start = Clock::now();
+  const SteadyClock::time_point start = SteadyClock::now();
   Monitor monitor(progress, communicator.network());
   std::vector<PlannedSpace> spaces;
   std::unique_ptr<EquilibriumSolver> solver;
@@ -277,7 +277,7 @@ PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
   } while (report.complete && rounds && rounds->plan(engine, communicator, report));
   report.exploration_seconds = seconds_since(start);
 
-  const Clock::time_point finish_start = Clock::now();
+  const SteadyClock::time_point finish_start = SteadyClock::now();
   result.space = record->finish(report.complete, options.touch_bound);
   report.finishing_seconds = seconds_since(finish_start);
   const auto held = tools.make(setups.front().interaction)->prescribed_points();
@@ -350,7 +350,7 @@ void append(PrecomputeResult& all, PrecomputeResult newer, bool in_memory) {
 
 PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& asked,
                             Communicator& communicator, const Progress& progress) {
-  const Clock::time_point start = Clock::now();
+  const SteadyClock::time_point start = SteadyClock::now();
   const bool has_both = asked.contact && !asked.active_nodes.empty();
   agree(communicator, [&] {
     validate(asked);

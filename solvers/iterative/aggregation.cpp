@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 /// Of a motion, what is left of it when the others are taken out of it: less is rounding.
-constexpr double kRounding = 1e-8;
+constexpr double kDependentMotion = 1e-8;
 /// The least rows of a part.
 constexpr Index kRowsOfPart = 128;
 
@@ -246,7 +246,7 @@ BlockRows<B, 6> tentative_prolongation(const Aggregates& aggregates, const Motio
         }
       }
       const double left = local.col(c).norm();
-      if (left > kRounding * before) {
+      if (left > kDependentMotion * before) {
         r(c, c) = left;
         local.col(c) /= left;
       } else {

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 /// A curvature below this share of the largest one is rounding of its sum.
-constexpr double kRounding = 1e-15;
+constexpr double kCurvatureRounding = 1e-15;
 /// Between two true residuals of one solve the later one is at most this share of the earlier one,
 /// or the solve stagnates.
 constexpr double kLeastProgress = 0.5;
@@ -152,7 +152,7 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
     alpha = {};
     for (int c = 0; c < m; ++c) {
       if (!is_active[c]) continue;
-      const double rounding = kRounding * k.largest_diagonal() * length[c];
+      const double rounding = kCurvatureRounding * k.largest_diagonal() * length[c];
       if (!std::isfinite(curvature[c])) return end(SolveStatus::not_finite);
       if (curvature[c] < -rounding) {
         summary.curvature = curvature[c] / length[c];

@@ -22,7 +22,7 @@ constexpr int kVectors = 3;
 /// rounding.
 constexpr double kDependent = 1e-10;
 /// A value below minus this share of the largest stiffness is negative, and no rounding.
-constexpr double kRounding = 1e-14;
+constexpr double kEigenvalueRounding = 1e-14;
 /// The chance that a negative mode is missed, about.
 constexpr double kChance = 1e-3;
 
@@ -201,7 +201,7 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
     move(kx, kz, kp);
     has_p = has_z;
 
-    const bool is_negative = result.value < -kRounding * k.largest_diagonal();
+    const bool is_negative = result.value < -kEigenvalueRounding * k.largest_diagonal();
     if (is_negative && options.stop_when_negative) return end(EigenStatus::negative);
     // r = K x − x λ, and what the preconditioner makes of it.
     combine({{&kx, Eigen::Matrix3d::Identity()}, {&x, Eigen::Matrix3d((-values).asDiagonal())}}, r);
@@ -209,11 +209,13 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
     double products_rz[kVectors];
     dot(n, kVectors, r.data(), z.data(), products_rz);
     if (!std::isfinite(products_rz[0])) return end(EigenStatus::not_finite);
-    const double scale = std::max(std::abs(result.value), kRounding * k.largest_diagonal());
+    const double scale =
+        std::max(std::abs(result.value), kEigenvalueRounding * k.largest_diagonal());
     result.error = std::abs(products_rz[0]) / scale;
     if (result.error <= options.tolerance) {
       if (is_negative) return end(EigenStatus::negative);
-      const bool is_positive = found.is_definite && result.value > kRounding * k.largest_diagonal();
+      const bool is_positive =
+          found.is_definite && result.value > kEigenvalueRounding * k.largest_diagonal();
       return end(is_positive ? EigenStatus::converged : EigenStatus::sign_unknown);
     }
     if (result.iterations == options.max_iterations) return end(EigenStatus::iteration_limit);

@@ -20,13 +20,13 @@ constexpr double kSmoothedShare = 1.0 / 8;
 constexpr int kLanczosSteps = 10;
 /// A block whose least eigenvalue is below this share of the greatest may be singular: its values
 /// are sums of stiffnesses with errors of 1e-16.
-constexpr double kRounding = 1e-13;
+constexpr double kSingularShare = 1e-13;
 /// What the steps may miss; the polynomial bears another eighth before it amplifies.
 constexpr double kMargin = 1.05;
 
 /// By Sylvester's criterion.
 bool is_definite(const Mat3& block) {
-  const double least = kRounding * block.cwiseAbs().maxCoeff();
+  const double least = kSingularShare * block.cwiseAbs().maxCoeff();
   return block(0, 0) > least &&
          block(0, 0) * block(1, 1) - block(0, 1) * block(0, 1) > least * block(0, 0) &&
          block.determinant() > least * least * block(0, 0);

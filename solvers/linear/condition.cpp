@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr int kMaxRounds = 5;
+constexpr int kMaxEstimates = 5;
 
 double one_norm(const SymmetricPattern& pattern, const std::vector<double>& values) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(pattern.size);
@@ -33,7 +33,7 @@ double inverse_one_norm(Index size, const SolveColumns& solve_columns) {
   Eigen::VectorXd x = solve(Eigen::VectorXd::Constant(size, 1.0 / size));
   double estimate = x.lpNorm<1>();
   Eigen::Index corner = -1;
-  for (int round = 0; round < kMaxRounds && size > 1; ++round) {
+  for (int round = 0; round < kMaxEstimates && size > 1; ++round) {
     const Eigen::VectorXd signs = x.unaryExpr([](double v) { return v < 0 ? -1.0 : 1.0; });
     Eigen::Index next = 0;
     solve(signs).cwiseAbs().maxCoeff(&next);

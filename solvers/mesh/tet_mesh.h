@@ -15,6 +15,9 @@ enum class ElementOrder : int { linear = 1, quadratic = 2 };
   return order == ElementOrder::linear ? 4 : 10;
 }
 
+/// The corners of the edges of a cell, in the order of their midside nodes.
+inline constexpr int kTetEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+
 [[nodiscard]] constexpr int nodes_per_face(ElementOrder order) {
   return order == ElementOrder::linear ? 3 : 6;
 }

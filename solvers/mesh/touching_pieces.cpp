@@ -79,7 +79,7 @@ class Groups {
   std::vector<std::vector<Index>> members_;
 };
 
-struct Face {
+struct SurfaceFace {
   /// Corners, then midside nodes.
   std::vector<Index> nodes;
   Index piece;
@@ -87,10 +87,10 @@ struct Face {
   double shortest_edge;
 };
 
-std::vector<Face> faces_of(const TetMesh& mesh, const Pieces& pieces) {
+std::vector<SurfaceFace> faces_of(const TetMesh& mesh, const Pieces& pieces) {
   std::vector<Index> cells;
   const std::vector<Index> nodes = boundary_faces(mesh, &cells);
-  std::vector<Face> faces;
+  std::vector<SurfaceFace> faces;
   for (std::size_t f = 0; f < cells.size(); ++f) {
     const Index* face = nodes.data() + f * static_cast<std::size_t>(nodes_per_face(mesh.order));
     const Vec3& a = mesh.points[face[0]];
@@ -104,7 +104,7 @@ std::vector<Face> faces_of(const TetMesh& mesh, const Pieces& pieces) {
   return faces;
 }
 
-std::vector<Index> merged_nodes(const Face& face, const std::vector<Index>& merged) {
+std::vector<Index> merged_nodes(const SurfaceFace& face, const std::vector<Index>& merged) {
   std::vector<Index> nodes = face.nodes;
   for (Index& p : nodes) p = merged[p];
   std::sort(nodes.begin(), nodes.end());
@@ -160,12 +160,12 @@ class Search {
 
   void find_faces(TouchingPieces& found) {
     std::vector<BoxTree::Box> boxes;
-    for (const Face& face : faces_) {
+    for (const SurfaceFace& face : faces_) {
       BoxTree::Box& box = boxes.emplace_back();
       for (int a = 0; a < 3; ++a) box.extend(mesh_.points[face.nodes[a]]);
     }
     const BoxTree tree(boxes);
-    for (const Face& face : faces_) {
+    for (const SurfaceFace& face : faces_) {
       Vec3 centre = Vec3::Zero();
       for (int a = 0; a < 3; ++a) centre += mesh_.points[face.nodes[a]] / 3;
       const double radius = kCoincident * face.shortest_edge;
@@ -173,7 +173,7 @@ class Search {
       bool lies_on_another = false;
       bool is_matched = false;
       tree.for_overlapping(around, [&](Index place) {
-        const Face& other = faces_[tree.order()[place]];
+        const SurfaceFace& other = faces_[tree.order()[place]];
         if (other.piece == face.piece || face.normal.dot(other.normal) > -kAgainst) return;
         const Index* corner = other.nodes.data();
         const OnTriangle nearest = nearest_on_triangle(
@@ -192,7 +192,7 @@ class Search {
   std::vector<Index> piece_of_point_;
   /// Of each piece 1: it touches another one.
   std::vector<char> touches_;
-  std::vector<Face> faces_;
+  std::vector<SurfaceFace> faces_;
 };
 
 }  // namespace

@@ -52,12 +52,6 @@ constexpr double kMoves = 1e-12;
 /// States of training that choose the points of a model.
 constexpr Eigen::Index kMostStates = 150;
 
-Eigen::MatrixXd side_by_side(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  Eigen::MatrixXd both(a.rows(), a.cols() + b.cols());
-  both << a, b;
-  return both;
-}
-
 InteractionList as_list(const std::vector<BondedPatch>& tools) {
   InteractionList list;
   for (const BondedPatch& tool : tools) list.add(tool);

@@ -12,6 +12,8 @@ Eigen::MatrixXd as_columns(const std::vector<Eigen::VectorXd>& columns, Eigen::I
   return matrix;
 }
 
+}  // namespace
+
 Eigen::MatrixXd side_by_side(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   if (a.cols() == 0) return b;
   if (b.cols() == 0) return a;
@@ -19,8 +21,6 @@ Eigen::MatrixXd side_by_side(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
   both << a, b;
   return both;
 }
-
-}  // namespace
 
 void TrainingStates::append(const TrainingStates& others) {
   u = side_by_side(u, others.u);

@@ -11,6 +11,9 @@
 
 namespace palpate {
 
+/// The columns of both; one without columns may have any number of rows.
+[[nodiscard]] Eigen::MatrixXd side_by_side(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
 struct TrainingStates {
   /// Displacement of every point [3 num_points × states], m.
   Eigen::MatrixXd u;

@@ -198,7 +198,7 @@ class PlainNewton {
 
   /// @returns whether it has converged.
   bool solve(const Equilibrium& start, const Eigen::VectorXd& t) {
-    const Clock::time_point begin = Clock::now();
+    const SteadyClock::time_point begin = SteadyClock::now();
     system_.begin_solve();
     NodalVector x = system_.vector_of(start) + system_.sensitivity_of(start) * (t - start.t);
     if (!std::isfinite(system_.evaluate(t, x))) x = system_.vector_of(start);

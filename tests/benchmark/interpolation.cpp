@@ -118,7 +118,7 @@ const Vec3 kHalfAxes(0.05, 0.035, 0.03);
 /// of the largest force: 23 000 configurations.
 const TouchToolSpace& whole_body() {
   static const TouchToolSpace whole = [] {
-    const test::Contact contact = test::ellipsoid(Vec3(0.001, 0.0007, -0.0003), kHalfAxes);
+    const test::ContactExample contact = test::ellipsoid(Vec3(0.001, 0.0007, -0.0003), kHalfAxes);
     Grid grid;
     grid.sparse = true;
     grid.half_width = 0.064;

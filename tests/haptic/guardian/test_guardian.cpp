@@ -23,7 +23,7 @@
 
 #include "base/error.h"
 
-namespace palpate {
+namespace palpate::test::test_guardian {
 namespace {
 
 using namespace std::chrono_literals;
@@ -284,4 +284,4 @@ TEST(Guardian, LeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_guardian

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-namespace palpate {
+namespace palpate::test::test_host_watch {
 namespace {
 
 using namespace std::chrono_literals;
@@ -161,4 +161,4 @@ TEST(HostWatchOfAProcess, WhatTheSystemDoesNotTellIsTakenForWell) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_host_watch

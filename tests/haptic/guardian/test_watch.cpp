@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace palpate {
+namespace palpate::test::test_watch {
 namespace {
 
 using namespace std::chrono_literals;
@@ -164,4 +164,4 @@ TEST_F(WatchTest, TheLoopSeesThatItIsGuarded) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_watch

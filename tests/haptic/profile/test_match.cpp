@@ -5,7 +5,7 @@
 #include "haptic/profile/palpate_report.h"
 #include "haptic/profile/profile.h"
 
-namespace palpate {
+namespace palpate::test::test_match {
 namespace {
 
 DeviceInfo device(int vendor, int product, int page, int usage) {
@@ -49,4 +49,4 @@ TEST(Match, MakesTheProfile) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_match

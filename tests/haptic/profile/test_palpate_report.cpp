@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "haptic/profile/reports.h"
 
-namespace palpate {
+namespace palpate::test::test_palpate_report {
 namespace {
 
 using palpate_report::Feature;
@@ -322,4 +322,4 @@ TEST(PalpateReport, DescriptorDescribesTheReports) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_palpate_report

@@ -5,7 +5,7 @@
 
 #include "haptic/profile/reports.h"
 
-namespace palpate {
+namespace palpate::test::test_space_mouse {
 namespace {
 
 using test::report;
@@ -113,4 +113,4 @@ TEST(SpaceMouse, HasNoMotors) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_space_mouse

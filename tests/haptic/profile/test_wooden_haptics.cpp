@@ -8,7 +8,7 @@
 
 #include "haptic/profile/reports.h"
 
-namespace palpate {
+namespace palpate::test::test_wooden_haptics {
 namespace {
 
 using test::bytes;
@@ -191,4 +191,4 @@ TEST(WoodenHaptics, AMotorThatTurnsAgainstItsBody) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_wooden_haptics

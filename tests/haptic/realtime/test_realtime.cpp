@@ -16,7 +16,7 @@
 #include "haptic/realtime/triple_buffer.h"
 #include "haptic/support/locked_memory.h"
 
-namespace palpate {
+namespace palpate::test::test_realtime {
 namespace {
 
 using namespace std::chrono_literals;
@@ -223,4 +223,4 @@ TEST(Clock, MonotonicClockSleepsUntil) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_realtime

@@ -14,7 +14,7 @@
 #include "haptic/recording/columns.h"
 #include "haptic/recording/folder.h"
 
-namespace palpate {
+namespace palpate::test::test_recorder {
 namespace {
 
 using test::text_of;
@@ -258,4 +258,4 @@ TEST_F(Recording, OutlivesTheDeathOfTheProcess) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_recorder

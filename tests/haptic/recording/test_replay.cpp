@@ -13,7 +13,7 @@
 #include "haptic/support/guarded_transport.h"
 #include "haptic/transport/simulated_board.h"
 
-namespace palpate {
+namespace palpate::test::test_replay {
 namespace {
 
 using namespace std::chrono_literals;
@@ -267,4 +267,4 @@ TEST_F(Replay, RefusesWhatIsNoRecording) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_replay

@@ -28,7 +28,7 @@
 #include "haptic/servo/rig.h"
 #include "haptic/servo/servo.h"
 
-namespace palpate {
+namespace palpate::test::test_crash {
 namespace {
 
 using namespace std::chrono_literals;
@@ -357,4 +357,4 @@ TEST(WishToEnd, OfAForkedProcessIsNone) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_crash

@@ -8,7 +8,7 @@
 #include "haptic/servo/force_limiter.h"
 #include "haptic/servo/tick.h"
 
-namespace palpate {
+namespace palpate::test::test_force_limiter {
 namespace {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -71,4 +71,4 @@ TEST(ForceLimiter, AnythingGoesInAndTheLimitsHold) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_force_limiter

@@ -6,7 +6,7 @@
 #include "haptic/support/glide.h"
 #include "haptic/support/pressed_body.h"
 
-namespace palpate::test {
+namespace palpate::test::test_glide {
 namespace {
 
 class Glide : public testing::Test {
@@ -77,4 +77,4 @@ TEST_F(Glide, ACouplingMakesNoMore) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_glide

@@ -6,7 +6,7 @@
 #include "haptic/servo/rig.h"
 #include "haptic/support/guarded_transport.h"
 
-namespace palpate {
+namespace palpate::test::test_guarded {
 namespace {
 
 using namespace std::chrono_literals;
@@ -225,4 +225,4 @@ TEST_F(Guarded, AProgramWithItsOwnLoopToo) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_guarded

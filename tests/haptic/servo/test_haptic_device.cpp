@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "haptic/transport/simulated_board.h"
 
-namespace palpate {
+namespace palpate::test::test_haptic_device {
 namespace {
 
 using namespace std::chrono_literals;
@@ -180,4 +180,4 @@ TEST_F(HapticDeviceTest, OptionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_haptic_device

@@ -10,7 +10,7 @@
 #include "haptic/servo/rig.h"
 #include "haptic/support/pressed_body.h"
 
-namespace palpate {
+namespace palpate::test::test_loop {
 namespace {
 
 using namespace std::chrono_literals;
@@ -855,4 +855,4 @@ TEST(Loop, AToolThatGoesThroughTheSurfaceDeeperIsPressedOnByAnExtrapolation) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_loop

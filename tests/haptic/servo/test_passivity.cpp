@@ -3,7 +3,7 @@
 
 #include "haptic/servo/energy_balance.h"
 
-namespace palpate {
+namespace palpate::test::test_passivity {
 namespace {
 
 constexpr double kStiffness = 1000;
@@ -46,4 +46,4 @@ TEST(EnergyBalance, DampingTakesAwayWhatWasMade) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_passivity

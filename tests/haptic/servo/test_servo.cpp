@@ -21,7 +21,7 @@
 #include "haptic/support/locked_memory.h"
 #include "haptic/transport/simulated_board.h"
 
-namespace palpate {
+namespace palpate::test::test_servo {
 namespace {
 
 using namespace std::chrono_literals;
@@ -335,4 +335,4 @@ TEST(Servo, BadOptions) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_servo

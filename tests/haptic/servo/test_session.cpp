@@ -7,7 +7,7 @@
 #include "haptic/profile/palpate_report.h"
 #include "haptic/servo/session.h"
 
-namespace palpate {
+namespace palpate::test::test_session {
 namespace {
 
 using namespace std::chrono_literals;
@@ -246,4 +246,4 @@ TEST(SessionOnChange, SilenceMeansThatNothingChanges) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_session

@@ -39,7 +39,7 @@ extern "C" int pthread_mutex_lock(pthread_mutex_t*) noexcept {
 extern "C" int pthread_mutex_unlock(pthread_mutex_t*) noexcept { return 0; }
 #endif
 
-namespace palpate {
+namespace palpate::test::test_tick_realtime {
 namespace {
 
 using namespace std::chrono_literals;
@@ -213,4 +213,4 @@ TEST(TickRealtime, NoCallOfTheSystem) {
 #endif
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_tick_realtime

@@ -5,7 +5,7 @@
 
 #include "haptic/servo/velocity.h"
 
-namespace palpate {
+namespace palpate::test::test_velocity {
 namespace {
 
 constexpr double kStep = 1e-5;
@@ -53,4 +53,4 @@ TEST(Velocity, UnevenIntervals) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_velocity

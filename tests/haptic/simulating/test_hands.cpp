@@ -11,7 +11,7 @@
 #include "haptic/simulating/two_hands.h"
 #include "solvers/support/random.h"
 
-namespace palpate {
+namespace palpate::test::test_hands {
 namespace {
 
 using namespace std::chrono_literals;
@@ -451,4 +451,4 @@ TEST(Hands, TheirOptionsAreChecked) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_hands

@@ -10,7 +10,7 @@
 #include "haptic/support/guarded_transport.h"
 #include "haptic/transport/simulated_board.h"
 
-namespace palpate {
+namespace palpate::test::test_reduced_touch {
 namespace {
 
 using namespace std::chrono_literals;
@@ -170,4 +170,4 @@ TEST_F(ReducedTouchTest, SaysWhatIsWrongWithItsInput) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_reduced_touch

@@ -8,7 +8,7 @@
 #include "haptic/support/block_model.h"
 #include "solvers/support/allocations.h"
 
-namespace palpate {
+namespace palpate::test::test_simulating_realtime {
 namespace {
 
 using namespace std::chrono_literals;
@@ -91,4 +91,4 @@ TEST(SimulatingRealtime, NeitherLoopAllocates) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_simulating_realtime

@@ -14,7 +14,7 @@
 #include "haptic/support/locked_memory.h"
 #include "haptic/transport/simulated_board.h"
 
-namespace palpate {
+namespace palpate::test::test_threads {
 namespace {
 
 using namespace std::chrono_literals;
@@ -167,4 +167,4 @@ TEST(ReducedBodyThread, SaysWhatIsWrongWithItsInput) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_threads

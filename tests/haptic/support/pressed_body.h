@@ -19,7 +19,7 @@ inline constexpr double kPressedCell = 0.002;
 inline constexpr double kPressedWidth = 0.02;
 
 /// A plain: the energy of contact_space.h, below the centre's height over the top.
-inline Contact pressed_top() { return slab(kTouching[2]); }
+inline ContactExample pressed_top() { return slab(kTouching[2]); }
 
 /// @param width Half the side of the square of the top that has a space, m.
 inline TouchToolSpace pressed_tool_space(double width = kPressedWidth) {

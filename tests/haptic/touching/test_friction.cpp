@@ -5,7 +5,7 @@
 
 #include "haptic/touching/friction.h"
 
-namespace palpate {
+namespace palpate::test::test_friction {
 namespace {
 
 constexpr double kCoefficient = 0.3;
@@ -105,4 +105,4 @@ TEST(Friction, ASurfaceThatTurnsGivesNoEnergy) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_friction

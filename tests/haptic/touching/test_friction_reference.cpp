@@ -7,7 +7,7 @@
 #include "haptic/support/mindlin.h"
 #include "solvers/support/bonded_disc.h"
 
-namespace palpate::test {
+namespace palpate::test::test_friction_reference {
 namespace {
 
 /// P and k_n differ from the closed form by up to 1.5 % in this mesh.
@@ -52,4 +52,4 @@ TEST(Friction, BeginsAsABondedToolIs) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_friction_reference

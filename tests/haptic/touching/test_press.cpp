@@ -8,7 +8,7 @@
 #include "haptic/touching/pressing_range.h"
 #include "haptic/touching/tool.h"
 
-namespace palpate {
+namespace palpate::test::test_press {
 namespace {
 
 using test::kPressedDepth;
@@ -399,4 +399,4 @@ TEST(Press, APlaceThatIsNotFiniteIsNowhere) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_press

@@ -10,7 +10,7 @@
 #include "haptic/support/analytic_body.h"
 #include "haptic/touching/tool.h"
 
-namespace palpate {
+namespace palpate::test::test_tool {
 namespace {
 
 using test::kBox;
@@ -280,4 +280,4 @@ TEST(Tool, BadSettings) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_tool

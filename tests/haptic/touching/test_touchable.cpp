@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "haptic/support/analytic_body.h"
 
-namespace palpate {
+namespace palpate::test::test_touchable {
 namespace {
 
 TEST(Touchable, FindsItsNodes) {
@@ -53,4 +53,4 @@ TEST(Touchable, BadSpaces) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_touchable

@@ -9,7 +9,7 @@
 #include "haptic/profile/reports.h"
 #include "haptic/transport/fake_hid.h"
 
-namespace palpate {
+namespace palpate::test::test_hid_transport {
 namespace {
 
 using std::chrono::microseconds;
@@ -174,4 +174,4 @@ TEST(GetFeatureReport, DoesNotWaitForADeviceThatHangs) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_hid_transport

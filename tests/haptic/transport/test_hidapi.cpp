@@ -62,7 +62,7 @@ extern "C" int ioctl(int file, unsigned long request, ...) noexcept {
   }
 }
 
-namespace palpate {
+namespace palpate::test::test_hidapi {
 namespace {
 
 struct Hidapi : testing::Test {
@@ -141,4 +141,4 @@ TEST(HidapiFiles, FilesThatAreNoDeviceAreTold) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_hidapi

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace palpate {
+namespace palpate::test::test_motion {
 namespace {
 
 using std::chrono::microseconds;
@@ -100,4 +100,4 @@ TEST(MouseMotion, TargetsComeWholeFromAnotherThread) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_motion

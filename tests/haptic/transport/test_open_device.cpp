@@ -11,7 +11,7 @@
 #include "haptic/profile/reports.h"
 #include "haptic/transport/fake_hid.h"
 
-namespace palpate {
+namespace palpate::test::test_open_device {
 namespace {
 
 using test::contains;
@@ -156,4 +156,4 @@ TEST(UdevRule, KnowsEveryDeviceThatIsMatchedByItsNumbers) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_open_device

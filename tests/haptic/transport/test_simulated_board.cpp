@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "haptic/profile/reports.h"
 
-namespace palpate {
+namespace palpate::test::test_simulated_board {
 namespace {
 
 using palpate_report::Input;
@@ -375,4 +375,4 @@ TEST(SimulatedBoard, LongDelaysFitOnTheWay) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_simulated_board

@@ -9,7 +9,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 
-namespace palpate {
+namespace palpate::test::test_accuracy {
 namespace {
 
 class Accuracy : public testing::Test {
@@ -114,4 +114,4 @@ TEST_F(Accuracy, ASpaceOfAnotherBodyIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_accuracy

@@ -6,7 +6,7 @@
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/contact_space.h"
 
-namespace palpate {
+namespace palpate::test::test_coarsen {
 namespace {
 
 using Factors = std::vector<std::int32_t>;
@@ -61,7 +61,7 @@ TEST(Coarsen, CellsOfARigidToolLoseTheSmallest) {
   grid.half_width = 0.064;
   grid.resolution = 65;
   grid.coarsest = 4;
-  const test::Contact contact = test::ellipsoid(Vec3::Zero(), Vec3(0.05, 0.035, 0.03));
+  const test::ContactExample contact = test::ellipsoid(Vec3::Zero(), Vec3(0.05, 0.035, 0.03));
   TouchToolSpace tool_space = test::contact_space(contact, grid, 0.008);
   const std::size_t num_coarse = tool_space.configurations.size();
   // No cell is smaller than the coarsest ones.
@@ -98,4 +98,4 @@ TEST(Coarsen, FlagsOfAStateStay) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_coarsen

@@ -19,7 +19,7 @@
 #include "solvers/support/message_of.h"
 #include "solvers/support/world_folder.h"
 
-namespace palpate {
+namespace palpate::test::test_contact_accuracy {
 namespace {
 
 namespace fs = std::filesystem;
@@ -421,4 +421,4 @@ TEST_F(ContactAccuracy, WhatCannotBeMeasuredIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_contact_accuracy

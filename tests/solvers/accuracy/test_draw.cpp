@@ -7,7 +7,7 @@
 #include "accuracy/draw.h"
 #include "accuracy/statistics.h"
 
-namespace palpate {
+namespace palpate::test::test_draw {
 namespace {
 
 constexpr TestSet kSet{7, 0, 0.02, 3};
@@ -109,4 +109,4 @@ TEST(Statistics, AreThoseOfTheNumbers) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_draw

@@ -14,7 +14,7 @@
 #include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_exact {
 namespace {
 
 namespace fs = std::filesystem;
@@ -157,4 +157,4 @@ TEST_F(Exact, WhatIsWrongIsSaid) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_exact

@@ -9,7 +9,7 @@
 #include "accuracy/statistics.h"
 #include "solvers/interpolation/analytic_space.h"
 
-namespace palpate {
+namespace palpate::test::test_measure {
 namespace {
 
 constexpr double kWidth = test::kHalfWidth;
@@ -152,4 +152,4 @@ TEST(Measure, VariantsAreThoseThatTheSpaceServes) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_measure

@@ -20,7 +20,7 @@
 #include "solvers/support/random.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate::test {
+namespace palpate::test::test_assembly {
 namespace {
 
 /// Sums over some hundred cells, of terms of some hundred operations each.
@@ -370,4 +370,4 @@ TEST(Assembly, AFoldedCellIsNamed) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_assembly

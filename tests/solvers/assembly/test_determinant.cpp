@@ -17,7 +17,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_determinant {
 namespace {
 
 /// u_i = x · a_i x: F = I + 2 (a_i x) is exact on straight Tet10 cells.
@@ -150,4 +150,4 @@ TEST(Determinant, HasTheSignOfTheBezierBound) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_determinant

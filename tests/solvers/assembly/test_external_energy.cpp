@@ -18,7 +18,7 @@
 #include "solvers/support/random.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate::test {
+namespace palpate::test::test_external_energy {
 namespace {
 
 constexpr double kPressure = 700;
@@ -289,4 +289,4 @@ TEST(CheckSupports, WhatIsGivenTwiceOrNowhereIsTheSameScene) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_external_energy

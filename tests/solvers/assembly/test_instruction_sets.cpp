@@ -26,7 +26,7 @@ const Kernels& kernels(int order, int law, bool is_mixed);
 }
 #endif
 
-namespace test {
+namespace test::test_instruction_sets {
 namespace {
 
 /// Fused multiplication and addition rounds once where the baseline rounds twice.
@@ -199,5 +199,5 @@ TEST(InstructionSets, TheBestOneIsTaken) {
 #endif
 
 }  // namespace
-}  // namespace test
+}  // namespace test::test_instruction_sets
 }  // namespace palpate

@@ -17,7 +17,7 @@
 #include "solvers/support/random.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate::test {
+namespace palpate::test::test_mixed {
 namespace {
 
 constexpr double kRounding = 1e-12;
@@ -246,4 +246,4 @@ TEST_P(Pressures, OfIncompressibleMaterialsAreMultipliers) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_mixed

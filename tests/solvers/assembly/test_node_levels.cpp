@@ -6,7 +6,7 @@
 #include "assembly/assembly.h"
 #include "solvers/support/block.h"
 
-namespace palpate::test {
+namespace palpate::test::test_node_levels {
 namespace {
 
 TEST(NodeLevels, AMidsideNodeLiesBetweenItsParents) {
@@ -71,4 +71,4 @@ TEST(NodeLevels, WhatAToolHoldsIsTakenOut) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_node_levels

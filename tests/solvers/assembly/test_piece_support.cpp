@@ -10,7 +10,7 @@
 #include "solvers/support/message_of.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_piece_support {
 namespace {
 
 /// Boxes of 1 m³ in a row, 2 m apart, of which each is higher than the one before by 1 m.
@@ -109,4 +109,4 @@ TEST(PieceSupport, APartThatAnEdgeJoinsTurns) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_piece_support

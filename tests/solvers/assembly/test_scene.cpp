@@ -10,7 +10,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_scene {
 namespace {
 
 Scene good_scene() {
@@ -124,4 +124,4 @@ TEST(HashOfScene, IsOfWhatDecidesTheEquilibria) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_scene

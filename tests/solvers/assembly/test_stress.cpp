@@ -20,7 +20,7 @@
 #include "solvers/support/random.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate::test {
+namespace palpate::test::test_stress {
 namespace {
 
 /// Some hundred operations, of which strains near one make little of the rounding.
@@ -239,4 +239,4 @@ TEST_P(Stress, ThereIsNoneInACellThatIsInverted) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_stress

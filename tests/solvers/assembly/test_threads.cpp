@@ -13,7 +13,7 @@
 #include "solvers/support/tangent.h"
 #include "threads/thread_team.h"
 
-namespace palpate::test {
+namespace palpate::test::test_threads {
 namespace {
 
 /// Of a central difference with steps of a thousandth of an edge, relative to what it stands for.
@@ -150,4 +150,4 @@ TEST(PacketSets, ASmallBodyIsOne) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_threads

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-namespace palpate {
+namespace palpate::test::test_find_program {
 namespace {
 
 constexpr const char* kVariable = "PALPATE_TEST_FIND_PROGRAM";
@@ -52,4 +52,4 @@ TEST(FindProgram, SaysWhereItIsNot) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_find_program

@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace palpate {
+namespace palpate::test::test_memory_error {
 namespace {
 
 bool has(const std::string& text, const std::string& words) {
@@ -67,4 +67,4 @@ TEST(MemoryError, TakesThePlaceOfBadAlloc) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_memory_error

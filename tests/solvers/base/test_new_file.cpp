@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "solvers/support/message_of.h"
 
-namespace palpate {
+namespace palpate::test::test_new_file {
 namespace {
 
 namespace fs = std::filesystem;
@@ -125,4 +125,4 @@ TEST_F(NewFileTest, SaysWhereItCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_new_file

@@ -5,7 +5,7 @@
 
 #include <set>
 
-namespace palpate {
+namespace palpate::test::test_outcome {
 namespace {
 
 // They are stored in files and shown in data arrays.
@@ -46,4 +46,4 @@ TEST(Flags, AreListed) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_outcome

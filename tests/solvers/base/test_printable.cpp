@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace palpate {
+namespace palpate::test::test_printable {
 namespace {
 
 TEST(Printable, TextOfAnyLanguageStaysAsItIs) {
@@ -61,4 +61,4 @@ TEST(Printable, APathIsWholeBetweenQuotes) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_printable

@@ -13,7 +13,7 @@
 
 #include "solvers/support/message_of.h"
 
-namespace palpate {
+namespace palpate::test::test_read_file {
 namespace {
 
 class ReadFile : public testing::Test {
@@ -66,4 +66,4 @@ TEST_F(ReadFile, RefusesWhatIsNoFile) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_read_file

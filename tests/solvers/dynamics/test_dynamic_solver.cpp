@@ -20,7 +20,7 @@
 #include "solvers/support/sectors.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate {
+namespace palpate::test::test_dynamic_solver {
 namespace {
 
 constexpr double kDensity = 1000;
@@ -365,14 +365,14 @@ TEST_P(Balance, WorkOfTheToolIsWhatIsStoredAndWhatIsLost) {
   const ToolPath path = path_along(Vec3(0.6, -0.5, 0.3), 0.2, 81, [](double t) {
     return 0.01 * std::pow(std::sin(kPi * t / 0.2), 2);
   });
-  EnergyBalance start;
+  EnergyAccount start;
   bool is_first = true;
   double largest = 0;
   double error = 0;
   const DynamicState end = solver.run(path, 0.25, [&](const DynamicState& state) {
     if (is_first) start = state.energy;
     is_first = false;
-    const EnergyBalance& e = state.energy;
+    const EnergyAccount& e = state.energy;
     const double stored =
         e.kinetic + e.elastic - start.elastic + e.weight - start.weight + e.viscous_stored;
     largest = std::max(largest, e.work);
@@ -571,7 +571,7 @@ TEST(Contact, WorkOfASphereThatPressesAndSlidesIsWhatIsStoredAndWhatIsLost) {
       const DynamicState end = solver.run(
           Pressing::down_aside_and_up(0.2), 0.25,
           [&](const DynamicState& state) {
-            const EnergyBalance& e = state.energy;
+            const EnergyAccount& e = state.energy;
             largest = std::max(largest, e.work);
             error = std::max(
                 error, std::abs(e.work - e.kinetic - e.elastic - e.viscous_stored - e.dissipated));
@@ -966,4 +966,4 @@ TEST(DynamicSolver, HalfOfASymmetricBodyMovesAsTheWhole) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_dynamic_solver

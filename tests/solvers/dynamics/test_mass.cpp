@@ -6,7 +6,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate {
+namespace palpate::test::test_mass {
 namespace {
 
 constexpr double kDensity = 1050;
@@ -94,4 +94,4 @@ INSTANTIATE_TEST_SUITE_P(Orders, Mass,
                          testing::Values(ElementOrder::linear, ElementOrder::quadratic));
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_mass

@@ -12,7 +12,7 @@
 #include "dynamics/dynamic_solver.h"
 #include "interaction/bonded_patch.h"
 
-namespace palpate {
+namespace palpate::test::test_motion_reference {
 namespace {
 
 /// Of the largest change. The methods of both codes are of second order, and not the same: a step
@@ -116,4 +116,4 @@ INSTANTIATE_TEST_SUITE_P(Methods, MotionReference,
                          });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_motion_reference

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "dynamics/tool_path.h"
 
-namespace palpate {
+namespace palpate::test::test_tool_path {
 namespace {
 
 TEST(ToolPath, GoesThroughItsPlacesSmoothlyAndNotBeyondThem) {
@@ -82,4 +82,4 @@ TEST(ToolPath, OneThatIsNoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_tool_path

@@ -13,7 +13,7 @@
 #include "solvers/support/random.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate {
+namespace palpate::test::test_viscosity {
 namespace {
 
 struct Case {
@@ -165,4 +165,4 @@ TEST(Rheology, ComesBackFromItsValues) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_viscosity

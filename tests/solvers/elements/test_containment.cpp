@@ -8,7 +8,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_containment {
 namespace {
 
 class Containment : public testing::TestWithParam<ElementOrder> {};
@@ -44,4 +44,4 @@ TEST_P(Containment, PlacesOfCellsAreInsideAndOthersAreNot) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_containment

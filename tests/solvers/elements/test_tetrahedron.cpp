@@ -9,7 +9,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_tetrahedron {
 namespace {
 
 /// A dozen operations on numbers of order one.
@@ -102,4 +102,4 @@ TEST_P(Tetrahedron, QuadratureIsExactToItsDegree) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_tetrahedron

@@ -10,7 +10,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_budget {
 namespace {
 
 /// Half of the block's length: more than one step can do.
@@ -135,4 +135,4 @@ TEST_F(Budget, AStartThatDidNotConvergeIsGivenBackWithItsReason) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_budget

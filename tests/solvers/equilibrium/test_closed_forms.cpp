@@ -22,7 +22,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/solvable.h"
 
-namespace palpate::test {
+namespace palpate::test::test_closed_forms {
 namespace {
 
 /// Relative error of forces, energy and pressure; of displacements in shares of the body's size.
@@ -231,4 +231,4 @@ TEST(Incompressible, TheVolumeStays) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_closed_forms

@@ -29,7 +29,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_convergence_order {
 namespace {
 
 constexpr double kPoissonsRatio = 0.3;
@@ -239,4 +239,4 @@ TEST_P(ConvergenceOrder, TheSurfaceMayBeHeldInstead) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_convergence_order

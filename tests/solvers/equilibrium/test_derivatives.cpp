@@ -15,7 +15,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_derivatives {
 namespace {
 
 /// Solves to 1e-13 of the forces; steps of 2e-4 m, a fiftieth of the displacement, extrapolated to
@@ -94,4 +94,4 @@ TEST_P(Derivatives, OfAToolWithAPotential) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_derivatives

@@ -20,7 +20,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_equilibrium {
 namespace {
 
 const Vec3 kPush(-0.010, 0.006, -0.005);
@@ -296,4 +296,4 @@ TEST(Work, AddsUpAndGivesTheFloor) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_equilibrium

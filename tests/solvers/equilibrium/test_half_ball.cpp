@@ -12,7 +12,7 @@
 #include "interaction/bonded_patch.h"
 #include "solvers/support/solvable.h"
 
-namespace palpate::test {
+namespace palpate::test::test_half_ball {
 namespace {
 
 /// Of the displacement of the tip, as a share of it: the standard rule of quadrature is another
@@ -91,4 +91,4 @@ INSTANTIATE_TEST_SUITE_P(Rules, HalfBall,
                          });
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_half_ball

@@ -7,7 +7,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_iterated_tangent {
 namespace {
 
 const Vec3 kPull(0.006, 0.004, -0.005);
@@ -52,4 +52,4 @@ TEST(MixedTangent, IsLeftToAFactorWherePressuresMakeItASaddle) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_iterated_tangent

@@ -10,7 +10,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_linear_scene {
 namespace {
 
 /// Rounding times a condition number of some 1e4.
@@ -102,4 +102,4 @@ TEST_P(LinearScene, ANonlinearCellMakesItNonlinear) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_linear_scene

@@ -10,7 +10,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/solvable.h"
 
-namespace palpate {
+namespace palpate::test::test_load {
 namespace {
 
 const Vec3 kGravity(0, 0, -9.81);
@@ -99,4 +99,4 @@ TEST(Load, ThatIsTooLargeEndsByNameAndABadOneIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_load

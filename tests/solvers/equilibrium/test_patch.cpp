@@ -16,7 +16,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_patch {
 namespace {
 
 /// The solver's tolerance is 1e-13 of the forces; the condition number adds some digits.
@@ -82,4 +82,4 @@ TEST_P(Patch, AnAffineSurfaceGivesAnAffineBody) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_patch

@@ -15,7 +15,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/solvable.h"
 
-namespace palpate::test {
+namespace palpate::test::test_references {
 namespace {
 
 /// GetFEM's solves end at 1e-12 of the reaction, ours at 1e-13 of the force scale.
@@ -145,4 +145,4 @@ TEST(Nodule, ReactionEnergyAndDisplacementsAreTheirs) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_references

@@ -19,7 +19,7 @@
 #include "solvers/support/solvable.h"
 #include "solvers/support/tangent.h"
 
-namespace palpate::test {
+namespace palpate::test::test_rest_factor {
 namespace {
 
 /// Rounding times a condition number of some 1e5.
@@ -327,4 +327,4 @@ TEST(RestFactor, IsWorthItForMoreUnknownsTheLargerTheBody) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_rest_factor

@@ -15,7 +15,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_robustness {
 namespace {
 
 class Robustness : public testing::TestWithParam<Law> {
@@ -152,4 +152,4 @@ TEST_P(Robustness, OneFreePoint) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_robustness

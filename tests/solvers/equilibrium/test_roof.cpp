@@ -27,7 +27,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 
-namespace palpate::test {
+namespace palpate::test::test_roof {
 namespace {
 
 /// The tabulated point with the greatest load before the first fall, N and m: of the tables 9 of
@@ -218,4 +218,4 @@ TEST_F(HingedRoof, ASolveThatDoesNotFollowStopsBeforeTheFold) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_roof

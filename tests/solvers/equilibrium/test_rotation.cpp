@@ -13,7 +13,7 @@
 #include "solvers/support/random.h"
 #include "solvers/support/solvable.h"
 
-namespace palpate::test {
+namespace palpate::test::test_rotation {
 namespace {
 
 class Rotation : public testing::TestWithParam<Law> {};
@@ -94,4 +94,4 @@ TEST_P(Rotation, OfTheSceneTurnsTheAnswer) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_rotation

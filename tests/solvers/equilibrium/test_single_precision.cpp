@@ -12,7 +12,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/bodies.h"
 
-namespace palpate {
+namespace palpate::test::test_single_precision {
 namespace {
 
 struct Both {
@@ -178,4 +178,4 @@ TEST(SinglePrecision, ScalesByPowersOfTwo) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_single_precision

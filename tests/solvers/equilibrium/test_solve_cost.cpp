@@ -8,7 +8,7 @@
 #include "linear/linear_solver.h"
 #include "solvers/support/box_mesh.h"
 
-namespace palpate {
+namespace palpate::test::test_solve_cost {
 namespace {
 
 Scene make_cube(int bricks) {
@@ -78,4 +78,4 @@ TEST(SolveCost, AddsUpByWhatIsDone) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_solve_cost

@@ -16,7 +16,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_stability {
 namespace {
 
 class Stability : public testing::TestWithParam<std::string> {};
@@ -259,4 +259,4 @@ TEST_P(Stability, TwoFixedPointsAndTheActiveNodeHoldABody) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_stability

@@ -17,7 +17,7 @@
 #include "solvers/support/sectors.h"
 #include "solvers/support/solvable.h"
 
-namespace palpate::test {
+namespace palpate::test::test_supports {
 namespace {
 
 const Vec3 kSize(0.05, 0.04, 0.04);
@@ -286,4 +286,4 @@ TEST(Pressure, ThatIsTooLargeEndsByName) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_supports

@@ -8,7 +8,7 @@
 #include "solvers/support/finite_difference.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_third_derivative {
 namespace {
 
 const Vec3 kPull(-0.008, 0.006, 0.007);
@@ -151,4 +151,4 @@ TEST(ThirdDerivativeOfSeveralTools, IsNotComputed) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_third_derivative

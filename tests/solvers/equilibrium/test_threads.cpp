@@ -10,7 +10,7 @@
 #include "solvers/support/block.h"
 #include "threads/thread_team.h"
 
-namespace palpate::test {
+namespace palpate::test::test_threads {
 namespace {
 
 struct Solved {
@@ -65,4 +65,4 @@ TEST(Threads, AreAtMostAsManyAsCanBeAskedFor) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_threads

@@ -15,7 +15,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/surfaces.h"
 
-namespace palpate::test {
+namespace palpate::test::test_tool_inside {
 namespace {
 
 constexpr double kHeight = 0.03;
@@ -130,4 +130,4 @@ TEST_P(ToolInside, NoRestBeginsThere) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_tool_inside

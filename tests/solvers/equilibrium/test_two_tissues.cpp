@@ -16,7 +16,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_two_tissues {
 namespace {
 
 constexpr double kStrain = 1e-5;
@@ -110,4 +110,4 @@ TEST(TwoTissues, TheErrorFallsWithTheSquareOfTheEdge) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_two_tissues

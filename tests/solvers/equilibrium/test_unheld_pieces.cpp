@@ -15,7 +15,7 @@
 #include "solvers/support/bodies.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_unheld_pieces {
 namespace {
 
 const Vec3 kSize(0.04, 0.02, 0.02);
@@ -129,4 +129,4 @@ TEST_P(AnySolver, TwoPiecesThatAreHeldArePressed) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_unheld_pieces

@@ -25,7 +25,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_without_factor {
 namespace {
 
 /// Forces and stiffnesses of both solvers agree to this share: the equilibria are to 1e-10, and the
@@ -379,4 +379,4 @@ TEST(WithoutFactor, WhatNeedsOneIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_without_factor

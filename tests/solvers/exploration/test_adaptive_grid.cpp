@@ -13,7 +13,7 @@
 #include "solvers/exploration/strategy_run.h"
 #include "solvers/support/setup.h"
 
-namespace palpate {
+namespace palpate::test::test_adaptive_grid {
 namespace {
 
 using test::explore;
@@ -205,4 +205,4 @@ TEST(AdaptiveGrid, WhatFailsIsTriedFromThreeCornersAndThenGivenUp) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_adaptive_grid

@@ -19,7 +19,7 @@
 #include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_contact_space {
 namespace {
 
 namespace fs = std::filesystem;
@@ -408,4 +408,4 @@ TEST_F(ContactSpace, RefusesAFileOfAnotherTool) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_contact_space

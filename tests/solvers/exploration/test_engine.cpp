@@ -16,7 +16,7 @@
 #include "solvers/support/replay.h"
 #include "solvers/support/simulation.h"
 
-namespace palpate {
+namespace palpate::test::test_engine {
 namespace {
 
 using test::Recording;
@@ -222,4 +222,4 @@ TEST(Engine, SaysHowOftenACheckPointHadTooManyLevels) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_engine

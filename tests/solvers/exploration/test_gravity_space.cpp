@@ -26,7 +26,7 @@
 #include "state_space/sqlite.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_gravity_space {
 namespace {
 
 namespace fs = std::filesystem;
@@ -514,4 +514,4 @@ TEST(HashOfGravity, TakesInForceAndDensitiesWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_gravity_space

@@ -14,7 +14,7 @@
 #include "state_space/field_cache.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_keep {
 namespace {
 
 namespace fs = std::filesystem;
@@ -251,4 +251,4 @@ TEST_F(Kept, MoreThanIsKeptIsRefusedWithASentence) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_keep

@@ -12,7 +12,7 @@
 #include "solvers/exploration/strategy_run.h"
 #include "solvers/support/setup.h"
 
-namespace palpate {
+namespace palpate::test::test_layered_grid {
 namespace {
 
 using test::explore;
@@ -219,4 +219,4 @@ TEST(LayeredGrid, TheCornersOfCoarseCellsAreAGridOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_layered_grid

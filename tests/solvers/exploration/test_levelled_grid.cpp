@@ -13,7 +13,7 @@
 #include "solvers/exploration/strategy_run.h"
 #include "solvers/support/bistable.h"
 
-namespace palpate {
+namespace palpate::test::test_levelled_grid {
 namespace {
 
 using test::Bistable;
@@ -333,4 +333,4 @@ TEST(LevelledGrid, GoesOnFromWhatWasFound) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_levelled_grid

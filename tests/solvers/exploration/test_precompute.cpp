@@ -21,7 +21,7 @@
 #include "solvers/support/world_folder.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_precompute {
 namespace {
 
 namespace fs = std::filesystem;
@@ -665,4 +665,4 @@ TEST_F(Precompute, BadOptionsAreOneClearError) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_precompute

@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "solvers/support/communicators.h"
 
-namespace palpate {
+namespace palpate::test::test_reduction {
 namespace {
 
 constexpr ToolSpaceId kTool = kContactToolSpace;
@@ -235,4 +235,4 @@ TEST_F(Fields, AnErrorOfOneRankIsThatOfAll) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_reduction

@@ -18,7 +18,7 @@
 #include "schedule/owner.h"
 #include "solvers/support/simulation.h"
 
-namespace palpate {
+namespace palpate::test::test_start_graph {
 namespace {
 
 constexpr std::int32_t kWidth = 9;
@@ -290,4 +290,4 @@ TEST(StartGraph, WhatIsKnownIsNotSoughtAgain) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_start_graph

@@ -17,7 +17,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/laws.h"
 
-namespace palpate {
+namespace palpate::test::test_thin_lobe {
 namespace {
 
 const Vec3 kSize(0.06, 0.04, 0.01);
@@ -127,4 +127,4 @@ TEST_F(ThinLobe, TellsWhereTheWayDecides) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_thin_lobe

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace palpate {
+namespace palpate::test::test_transfer {
 namespace {
 
 template <class T>
@@ -74,4 +74,4 @@ TEST(Transfer, AMatrixWithoutValuesHasBoundsToo) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_transfer

@@ -14,7 +14,7 @@
 #include "solvers/support/finite_difference.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_bonded_patch {
 namespace {
 
 /// Reaches over a brick of the block's far end.
@@ -186,4 +186,4 @@ TEST_F(BondedPatchTest, RefusesPatchesThatReachAFixedPointOrEachOther) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_bonded_patch

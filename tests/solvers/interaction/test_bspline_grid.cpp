@@ -13,7 +13,7 @@
 #include "solvers/support/orders.h"
 #include "solvers/support/random.h"
 
-namespace palpate {
+namespace palpate::test::test_bspline_grid {
 namespace {
 
 using Region = BsplineGrid::Region;
@@ -189,4 +189,4 @@ TEST(BsplineGrid, RefusesAGridThatIsTooLarge) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_bspline_grid

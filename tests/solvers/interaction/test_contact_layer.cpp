@@ -13,7 +13,7 @@
 #include "solvers/support/bonded_layer.h"
 #include "solvers/support/half_space.h"
 
-namespace palpate::test {
+namespace palpate::test::test_contact_layer {
 namespace {
 
 const BondedLayer kLayer;
@@ -129,4 +129,4 @@ TEST(ContactLayerForce, IsNotKnownWithoutStiffness) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_contact_layer

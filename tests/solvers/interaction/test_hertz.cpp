@@ -6,7 +6,7 @@
 
 #include "solvers/support/hertz.h"
 
-namespace palpate::test {
+namespace palpate::test::test_hertz {
 namespace {
 
 constexpr double kCoarseThickness = 0.16;
@@ -41,4 +41,4 @@ TEST(RigidContact, TheDepthIsCountedWithTheLayer) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_hertz

@@ -12,7 +12,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/finite_difference.h"
 
-namespace palpate::test {
+namespace palpate::test::test_interaction {
 namespace {
 
 constexpr double kStiffness = 150;
@@ -101,4 +101,4 @@ TEST(InteractionList, HasTheCoordinatesOfItsToolsOneAfterTheOther) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_interaction

@@ -12,7 +12,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_large_tool {
 namespace {
 
 constexpr double kModulus = 5000;
@@ -163,4 +163,4 @@ TEST(LargeTool, TheForceIsTheDerivativeOfTheEnergy) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_large_tool

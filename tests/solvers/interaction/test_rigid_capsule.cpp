@@ -12,7 +12,7 @@
 #include "solvers/interaction/jets.h"
 #include "solvers/support/random.h"
 
-namespace palpate {
+namespace palpate::test::test_rigid_capsule {
 namespace {
 
 constexpr double kRadius = 0.008;
@@ -256,4 +256,4 @@ TEST(RigidCapsule, SaysWhatItIs) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_rigid_capsule

@@ -24,7 +24,7 @@
 #include "solvers/support/solvable.h"
 #include "solvers/support/surfaces.h"
 
-namespace palpate::test {
+namespace palpate::test::test_rigid_contact {
 namespace {
 
 constexpr double kRadius = 0.012;
@@ -297,4 +297,4 @@ TEST(RigidTool, HasANameWhateverItsShape) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_rigid_contact

@@ -17,7 +17,7 @@
 #include "solvers/support/random.h"
 #include "solvers/support/surfaces.h"
 
-namespace palpate {
+namespace palpate::test::test_rigid_surface {
 namespace {
 
 using test::Jet;
@@ -433,4 +433,4 @@ TEST(RigidSurface, RefusesNumbersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_rigid_surface

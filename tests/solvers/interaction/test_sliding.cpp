@@ -4,7 +4,7 @@
 
 #include "solvers/support/sliding.h"
 
-namespace palpate::test {
+namespace palpate::test::test_sliding {
 namespace {
 
 /// A fifth of the radius.
@@ -26,4 +26,4 @@ TEST(RigidContact, FeelsMoreOfTheMeshByDefault) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_sliding

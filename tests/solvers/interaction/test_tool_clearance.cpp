@@ -12,7 +12,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/laws.h"
 
-namespace palpate {
+namespace palpate::test::test_tool_clearance {
 namespace {
 
 const Vec3 kSize(0.1, 0.08, 0.05);
@@ -163,4 +163,4 @@ TEST(ToolClearance, ATurnedPlateGoesOutAcross) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_tool_clearance

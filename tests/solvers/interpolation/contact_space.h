@@ -98,13 +98,13 @@ inline Jet sine(const Jet& u) {
 }
 
 /// A body that a tool presses; q, depth and clearance in m.
-struct Contact {
+struct ContactExample {
   std::function<Jet(const Vec3& q)> depth;
   Clearance clearance;
 };
 
 /// Below the height z the tool touches.
-inline Contact slab(double z) {
+inline ContactExample slab(double z) {
   return {[z](const Vec3& q) {
             Jet depth = -1 * Jet::coordinate(q, 2);
             depth.value += z;
@@ -114,7 +114,7 @@ inline Contact slab(double z) {
 }
 
 /// The tool touches within an ellipsoid, with its axes along those of q.
-inline Contact ellipsoid(const Vec3& centre, const Vec3& half_axes) {
+inline ContactExample ellipsoid(const Vec3& centre, const Vec3& half_axes) {
   const double least = half_axes.minCoeff();
   return {
       [=](const Vec3& q) {
@@ -137,7 +137,7 @@ inline constexpr double kLayer = 0.002;
 inline constexpr double kStrength = 1.8e4;
 
 /// Energy, force, stiffness and third derivatives at q.
-inline Jet contact_energy(const Contact& contact, const Vec3& q) {
+inline Jet contact_energy(const ContactExample& contact, const Vec3& q) {
   const Jet depth = contact.depth(q);
   if (depth.value <= 0) return {};
   Jet shifted = depth;
@@ -150,7 +150,7 @@ inline Jet contact_energy(const Contact& contact, const Vec3& q) {
   return kStrength * smooth * power(depth, 4) * power(shifted, -1.5);
 }
 
-inline ConfigurationSummary contact_configuration(const Contact& contact, const Grid& grid,
+inline ConfigurationSummary contact_configuration(const ContactExample& contact, const Grid& grid,
                                                   const CheckPoint& p) {
   ConfigurationSummary c;
   c.check_point = p;
@@ -170,7 +170,7 @@ inline ConfigurationSummary contact_configuration(const Contact& contact, const 
 }
 
 /// Adds what is missing of these check-points.
-inline void add_configurations(TouchToolSpace& tool_space, const Contact& contact,
+inline void add_configurations(TouchToolSpace& tool_space, const ContactExample& contact,
                                const std::vector<CheckPoint>& points) {
   std::map<CheckPoint, ConfigurationSummary> all;
   for (const ConfigurationSummary& c : tool_space.configurations) all[c.check_point] = c;
@@ -183,7 +183,7 @@ inline void add_configurations(TouchToolSpace& tool_space, const Contact& contac
 }
 
 /// The coarsest cells that are not proved free and are in part less deep than a depth.
-inline TouchToolSpace contact_space(const Contact& contact, const Grid& grid, double depth) {
+inline TouchToolSpace contact_space(const ContactExample& contact, const Grid& grid, double depth) {
   TouchToolSpace tool_space;
   tool_space.setup.id = kContactToolSpace;
   RigidTool sphere;
@@ -210,7 +210,7 @@ inline TouchToolSpace contact_space(const Contact& contact, const Grid& grid, do
   return tool_space;
 }
 
-inline void split(TouchToolSpace& tool_space, const Contact& contact,
+inline void split(TouchToolSpace& tool_space, const ContactExample& contact,
                   const std::vector<Cell>& cells) {
   std::vector<CheckPoint> points;
   for (const Cell& cell : cells) {

@@ -11,7 +11,7 @@
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/work.h"
 
-namespace palpate {
+namespace palpate::test::test_adaptive {
 namespace {
 
 using test::analytic_space;
@@ -322,4 +322,4 @@ TEST(Adaptive, MarkedLeavesOfAnySizeSaySo) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_adaptive

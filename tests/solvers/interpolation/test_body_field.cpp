@@ -13,7 +13,7 @@
 #include "solvers/state_space/example_space.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_body_field {
 namespace {
 
 using test::analytic_space;
@@ -148,7 +148,7 @@ TEST_F(BodyFieldTest, TellsOfAFileThatIsNotItsOwn) {
 
 // A configuration that touches nothing is stored without fields: the body is at rest there.
 TEST_F(BodyFieldTest, WhatTouchesNothingIsNotRead) {
-  const test::Contact contact = test::slab(0.002);
+  const test::ContactExample contact = test::slab(0.002);
   Grid grid;
   grid.half_width = kHalfWidth;
   grid.resolution = 7;
@@ -191,4 +191,4 @@ TEST_F(BodyFieldTest, WhatTouchesNothingIsNotRead) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_body_field

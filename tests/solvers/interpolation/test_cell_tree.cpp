@@ -9,7 +9,7 @@
 #include "interpolation/error_estimate.h"
 #include "solvers/interpolation/analytic_space.h"
 
-namespace palpate {
+namespace palpate::test::test_cell_tree {
 namespace {
 
 using test::analytic_space;
@@ -131,4 +131,4 @@ TEST(CellTree, RefusesCellsThatDoNotTileTheBox) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_cell_tree

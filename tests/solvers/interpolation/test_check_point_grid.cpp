@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "solvers/interpolation/analytic_space.h"
 
-namespace palpate {
+namespace palpate::test::test_check_point_grid {
 namespace {
 
 using test::analytic_space;
@@ -120,4 +120,4 @@ TEST(CheckPointGrid, RefusesBadGrids) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_check_point_grid

@@ -16,20 +16,20 @@
 #include "solvers/interpolation/methods.h"
 #include "solvers/interpolation/work.h"
 
-namespace palpate {
+namespace palpate::test::test_contact {
 namespace {
 
-using test::Contact;
 using test::contact_energy;
 using test::contact_space;
+using test::ContactExample;
 
 const Vec3 kOrigin(0.1, -0.05, 0.02);
 constexpr double kDepth = 0.008;
 
-Contact make_ellipsoid() {
+ContactExample make_ellipsoid() {
   return test::ellipsoid(kOrigin + Vec3(0.001, 0.0007, -0.0003), Vec3(0.05, 0.035, 0.03));
 }
-Contact make_slab() { return test::slab(kOrigin[2] + 0.0013); }
+ContactExample make_slab() { return test::slab(kOrigin[2] + 0.0013); }
 
 /// A box of 128 mm. @param spacing Of the check-points, m. @param coarsest Side of the root cells.
 Grid make_grid(double spacing, std::int32_t coarsest) {
@@ -43,7 +43,7 @@ Grid make_grid(double spacing, std::int32_t coarsest) {
 }
 
 /// Cells of 8 mm, those around a place halved twice.
-TouchToolSpace graded(const Contact& contact) {
+TouchToolSpace graded(const ContactExample& contact) {
   TouchToolSpace tool_space = contact_space(contact, make_grid(0.002, 4), kDepth);
   const Vec3 centre = kOrigin + Vec3(0.01, 0.012, 0.002);
   for (double radius : {0.035, 0.02}) {
@@ -59,7 +59,7 @@ TouchToolSpace graded(const Contact& contact) {
 }
 
 /// Random places with a depth between two, in the ellipsoid or in the middle of the slab.
-std::vector<Vec3> places(const Contact& contact, double least, double most, int count) {
+std::vector<Vec3> places(const ContactExample& contact, double least, double most, int count) {
   test::RandomPoints random(0.05);
   std::vector<Vec3> all;
   while (static_cast<int>(all.size()) < count) {
@@ -70,7 +70,7 @@ std::vector<Vec3> places(const Contact& contact, double least, double most, int 
   return all;
 }
 
-double largest_force(const Contact& contact) {
+double largest_force(const ContactExample& contact) {
   double largest = 0;
   for (const Vec3& q : places(contact, 0, kDepth, 5000)) {
     largest = std::max(largest, contact_energy(contact, q).first.norm());
@@ -79,7 +79,7 @@ double largest_force(const Contact& contact) {
 }
 
 struct Bodies : testing::TestWithParam<const char*> {
-  [[nodiscard]] static Contact make() {
+  [[nodiscard]] static ContactExample make() {
     return std::string(GetParam()) == "Slab" ? make_slab() : make_ellipsoid();
   }
 };
@@ -125,7 +125,7 @@ TEST_P(Bodies, CellsAreOnlyWhereTheirCornersAre) {
 }
 
 TEST_P(Bodies, FreePlacesAreExactlyZero) {
-  const Contact contact = make();
+  const ContactExample contact = make();
   const TouchToolSpace tool_space = graded(contact);
   const CheckPointGrid grid(tool_space);
   const auto hermite = make_interpolator(Method::energy_hermite, tool_space);
@@ -159,7 +159,7 @@ TEST_P(Bodies, FreePlacesAreExactlyZero) {
 }
 
 TEST_P(Bodies, NothingJumpsAtTheSidesOfCells) {
-  const Contact contact = make();
+  const ContactExample contact = make();
   const TouchToolSpace tool_space = graded(contact);
   const CheckPointGrid grid(tool_space);
   const auto hermite = make_interpolator(Method::energy_hermite, tool_space);
@@ -209,7 +209,7 @@ TEST_P(Bodies, NothingJumpsAtTheSidesOfCells) {
 }
 
 TEST_P(Bodies, ForceIsTheGradientOfTheEnergy) {
-  const Contact contact = make();
+  const ContactExample contact = make();
   const TouchToolSpace tool_space = graded(contact);
   const auto interpolator = make_interpolator(Method::energy_hermite, tool_space);
   const double step = 1e-7;
@@ -248,7 +248,7 @@ TEST_P(Bodies, NoWorkAroundAClosedLoop) {
 }
 
 TEST_P(Bodies, ErrorFallsWithTheSpacing) {
-  const Contact contact = make();
+  const ContactExample contact = make();
   const double largest = largest_force(contact);
   const auto onset = places(contact, -0.002, 0.002, 5000);
   const auto deep = places(contact, 0.003, 0.006, 5000);
@@ -278,7 +278,7 @@ TEST_P(Bodies, ErrorFallsWithTheSpacing) {
 }
 
 TEST_P(Bodies, RefinementKeepsTheTolerance) {
-  const Contact contact = make();
+  const ContactExample contact = make();
   const double largest = largest_force(contact);
   const bool is_slab = std::string(GetParam()) == "Slab";
   struct Case {
@@ -340,7 +340,7 @@ INSTANTIATE_TEST_SUITE_P(, Bodies, testing::Values("Ellipsoid", "Slab"),
                          [](const auto& name) { return std::string(name.param); });
 
 TEST(Contact, DeepPlacesGoOnFromTheNearestCell) {
-  const Contact contact = make_ellipsoid();
+  const ContactExample contact = make_ellipsoid();
   TouchToolSpace tool_space = contact_space(contact, make_grid(0.004, 1), kDepth);
   const auto free = make_interpolator(Method::energy_hermite, tool_space);
   tool_space.setup.policy.force_limit = 15;
@@ -364,7 +364,7 @@ TEST(Contact, DeepPlacesGoOnFromTheNearestCell) {
 }
 
 TEST(Contact, NothingJumpsWhereTheSpaceEnds) {
-  const Contact contact = make_ellipsoid();
+  const ContactExample contact = make_ellipsoid();
   const TouchToolSpace tool_space = contact_space(contact, make_grid(0.004, 1), kDepth);
   const auto interpolator = make_interpolator(Method::energy_hermite, tool_space);
   const CheckPointGrid grid(tool_space);
@@ -392,7 +392,7 @@ TEST(Contact, NothingJumpsWhereTheSpaceEnds) {
 }
 
 TEST(Contact, PlacesThatAreNotExplored) {
-  const Contact contact = make_ellipsoid();
+  const ContactExample contact = make_ellipsoid();
   const TouchToolSpace whole = contact_space(contact, make_grid(0.004, 1), kDepth);
   TouchToolSpace part = whole;
   part.configurations.clear();
@@ -463,7 +463,7 @@ TEST(Contact, WhatIsNotFiniteFindsNothing) {
 }
 
 TEST(Contact, HolesAreExtrapolated) {
-  const Contact contact = make_ellipsoid();
+  const ContactExample contact = make_ellipsoid();
   TouchToolSpace tool_space = graded(contact);
   test::make_holes(tool_space, 0.15);
   const auto hermite = make_interpolator(Method::energy_hermite, tool_space);
@@ -534,7 +534,7 @@ TEST(Contact, ADenseGridIsMovedWithItsOrigin) {
 
 // The energy of one half lies higher: so much a loop across may gain.
 TEST(Contact, TheJumpBetweenBranchesIsTold) {
-  const Contact contact = make_slab();
+  const ContactExample contact = make_slab();
   constexpr double jump = 0.02;
   TouchToolSpace tool_space = contact_space(contact, make_grid(0.001, 8), kDepth);
   const double wall = kOrigin[0] + 0.0102;
@@ -621,4 +621,4 @@ TEST(Contact, OfRestAloneItsOutcomeIsTold) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_contact

@@ -7,7 +7,7 @@
 
 #include "solvers/interpolation/analytic_space.h"
 
-namespace palpate {
+namespace palpate::test::test_display_field {
 namespace {
 
 using test::analytic_space;
@@ -164,4 +164,4 @@ TEST(ApplyModes, IsTheProductInBothPrecisions) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_display_field

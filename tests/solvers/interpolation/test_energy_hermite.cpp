@@ -8,7 +8,7 @@
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/work.h"
 
-namespace palpate {
+namespace palpate::test::test_energy_hermite {
 namespace {
 
 using test::analytic_space;
@@ -296,4 +296,4 @@ TEST(EnergyHermite, MixedDerivativesVanishWithoutNeighbours) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_energy_hermite

@@ -13,7 +13,7 @@
 #include "interpolation/interpolator.h"
 #include "solvers/interpolation/analytic_space.h"
 
-namespace palpate {
+namespace palpate::test::test_error_estimate {
 namespace {
 
 using test::analytic_space;
@@ -374,4 +374,4 @@ TEST(PointsOfSplit, AreThoseThatTheCornersLeave) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_error_estimate

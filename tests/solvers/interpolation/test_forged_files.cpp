@@ -26,7 +26,7 @@
 #include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
 
-namespace palpate {
+namespace palpate::test::test_forged_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -292,4 +292,4 @@ TEST_F(ForgedFileTest, ABlobOfAnyOtherLengthIsLeftOutOrRefused) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_forged_files

@@ -13,7 +13,7 @@
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/methods.h"
 
-namespace palpate {
+namespace palpate::test::test_holes {
 namespace {
 
 using test::analytic_space;
@@ -216,4 +216,4 @@ INSTANTIATE_TEST_SUITE_P(, ExtrapolatingMethods,
                          test::name_of_method);
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_holes

@@ -14,7 +14,7 @@
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/methods.h"
 
-namespace palpate {
+namespace palpate::test::test_interpolators {
 namespace {
 
 using test::analytic_space;
@@ -391,4 +391,4 @@ TEST(MakeInterpolator, KnowsItsMethods) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_interpolators

@@ -12,7 +12,7 @@
 #include "solvers/interpolation/analytic_space.h"
 #include "solvers/interpolation/methods.h"
 
-namespace palpate {
+namespace palpate::test::test_radial_basis {
 namespace {
 
 using test::analytic_space;
@@ -167,4 +167,4 @@ INSTANTIATE_TEST_SUITE_P(, RadialBasis, testing::Values(Method::rbf_linear, Meth
                          test::name_of_method);
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_radial_basis

@@ -12,7 +12,7 @@
 #include "solvers/interpolation/contact_space.h"
 #include "solvers/support/allocations.h"
 
-namespace palpate {
+namespace palpate::test::test_realtime {
 namespace {
 
 class Realtime : public testing::TestWithParam<const char*> {};
@@ -69,4 +69,4 @@ INSTANTIATE_TEST_SUITE_P(, Realtime, testing::Values("Uniform", "Adaptive", "Con
                          [](const auto& name) { return std::string(name.param); });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_realtime

@@ -11,7 +11,7 @@
 #include "interpolation/interpolator.h"
 #include "solvers/support/bistable.h"
 
-namespace palpate {
+namespace palpate::test::test_solution_branches {
 namespace {
 
 using test::Bistable;
@@ -244,4 +244,4 @@ TEST(SolutionBranches, AWayThatIsNotFiniteStaysWhereItIs) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_solution_branches

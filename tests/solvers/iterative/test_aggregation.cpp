@@ -8,7 +8,7 @@
 #include "iterative/smoothed_aggregation.h"
 #include "solvers/iterative/tangents.h"
 
-namespace palpate::test {
+namespace palpate::test::test_aggregation {
 namespace {
 
 /// Of sums of a few hundred values, relative to the largest.
@@ -165,4 +165,4 @@ TEST(Aggregation, LevelsBecomeSmallFast) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_aggregation

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "solvers/iterative/tangents.h"
 
-namespace palpate::test {
+namespace palpate::test::test_block_pattern {
 namespace {
 
 TEST(BlockPattern, IsThatOfTheScalars) {
@@ -82,4 +82,4 @@ TEST(BlockPattern, KnowsWhatIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_block_pattern

@@ -9,7 +9,7 @@
 
 #include "solvers/iterative/tangents.h"
 
-namespace palpate::test {
+namespace palpate::test::test_conjugate_gradients {
 namespace {
 
 Eigen::MatrixXd random_columns(Index size, int count, std::uint64_t seed = 73) {
@@ -431,4 +431,4 @@ TEST_P(Small, FewNodesAreFree) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_conjugate_gradients

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "solvers/iterative/tangents.h"
 
-namespace palpate::test {
+namespace palpate::test::test_galerkin {
 namespace {
 
 /// Of sums of a few hundred values, relative to the largest.
@@ -125,4 +125,4 @@ TEST(Galerkin, LevelsOfAnotherBodyAreRefused) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_galerkin

@@ -11,7 +11,7 @@
 #include "iterative/cycle.h"
 #include "solvers/iterative/tangents.h"
 
-namespace palpate::test {
+namespace palpate::test::test_lowest_eigenvalue {
 namespace {
 
 Eigen::VectorXd eigenvalues_of(const Tangent& tangent) {
@@ -248,4 +248,4 @@ TEST(LowestEigenvalue, WhatWasNotFoundIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_lowest_eigenvalue

@@ -8,7 +8,7 @@
 #include "iterative/node_vectors.h"
 #include "solvers/iterative/tangents.h"
 
-namespace palpate::test {
+namespace palpate::test::test_passes {
 namespace {
 
 /// Of a product of a few hundred terms of order one, relative to its length.
@@ -279,4 +279,4 @@ TEST(AggregatePasses, BetweenLevels) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_passes

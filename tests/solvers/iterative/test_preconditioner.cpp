@@ -13,7 +13,7 @@
 #include "iterative/smoothed_aggregation.h"
 #include "solvers/iterative/tangents.h"
 
-namespace palpate::test {
+namespace palpate::test::test_preconditioner {
 namespace {
 
 /// Of a cycle in single precision.
@@ -217,4 +217,4 @@ TEST(Preconditioner, LevelsOfAnotherBodyAreRefused) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_preconditioner

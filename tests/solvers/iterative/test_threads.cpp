@@ -33,7 +33,7 @@ std::atomic<long> allocations_left{-1};
   std::free(memory);
 }
 
-namespace palpate::test {
+namespace palpate::test::test_threads {
 namespace {
 
 /// Of a sum of some dozen terms of order one.
@@ -290,4 +290,4 @@ TEST(Threads, MemoryThatIsUsedUpIsAnException) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_threads

@@ -7,7 +7,6 @@
 namespace palpate::test {
 namespace {
 
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 /// The barycentric coordinates of the 4-point rule.
 constexpr double kNear = 0.5854101966249685;
 constexpr double kFar = 0.1381966011250105;
@@ -19,7 +18,7 @@ Gradients gradients_at(const Eigen::Vector4d& l, const Eigen::Matrix<double, 4, 
   Gradients gradients;
   for (int i = 0; i < 4; ++i) gradients.row(i) = (4 * l[i] - 1) * of_l.row(i);
   for (int e = 0; e < 6; ++e) {
-    const auto [a, b] = kEdges[e];
+    const auto [a, b] = kTetEdges[e];
     gradients.row(4 + e) = 4 * (l[a] * of_l.row(b) + l[b] * of_l.row(a));
   }
   return gradients;

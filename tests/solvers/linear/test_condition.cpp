@@ -6,7 +6,7 @@
 #include "solvers/linear/systems.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_condition {
 namespace {
 
 double dense_condition(const Eigen::MatrixXd& matrix) {
@@ -72,4 +72,4 @@ TEST(Condition, OfNothing) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_condition

@@ -11,7 +11,7 @@
 #include "solvers/linear/systems.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_group {
 namespace {
 
 /// Of a solution on several ranks, relative: ε times the condition number, below 1e5.
@@ -133,4 +133,4 @@ TEST(Group, MayEndBeforeItHasBegun) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_group

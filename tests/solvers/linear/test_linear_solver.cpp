@@ -14,7 +14,7 @@
 #include "solvers/linear/systems.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_linear_solver {
 namespace {
 
 /// Backward stable solves of well conditioned systems: ε times the condition number, below 1e4.
@@ -368,4 +368,4 @@ TEST(LinearSolver, AnUnknownNameIsRefused) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_linear_solver

@@ -7,7 +7,7 @@
 
 #include "solvers/linear/systems.h"
 
-namespace palpate::test {
+namespace palpate::test::test_ordering {
 namespace {
 
 void expect_permutation(std::vector<Index> order, Index size) {
@@ -54,4 +54,4 @@ TEST(Ordering, TakesAnyPattern) {
 TEST(Ordering, OfNothing) { EXPECT_TRUE(nested_dissection({0, {0}, {}}).empty()); }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_ordering

@@ -12,7 +12,7 @@
 #include "solvers/linear/systems.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_saddle_point {
 namespace {
 
 using Where = std::function<bool(const Vec3&)>;
@@ -154,4 +154,4 @@ TEST_F(SaddlePoint, SmallOnes) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_saddle_point

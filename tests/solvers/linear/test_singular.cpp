@@ -9,7 +9,7 @@
 #include "linear/linear_solver.h"
 #include "solvers/linear/systems.h"
 
-namespace palpate::test {
+namespace palpate::test::test_singular {
 namespace {
 
 const Vec3 kSize(1, 1, 1);
@@ -193,4 +193,4 @@ TEST_P(Singular, TheVerdictHasNoMemory) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_singular

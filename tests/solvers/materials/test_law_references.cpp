@@ -14,7 +14,7 @@
 #include "solvers/materials/point.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_law_references {
 namespace {
 
 /// Relative to the energy and to the largest component of stress and tangent: no digit is lost by
@@ -65,4 +65,4 @@ TEST_P(LawReferences, EnergyStressAndTangentKeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_law_references

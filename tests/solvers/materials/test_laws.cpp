@@ -10,7 +10,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/random.h"
 
-namespace palpate::test {
+namespace palpate::test::test_laws {
 namespace {
 
 /// A law is some hundred operations; det F as small as 0.3 and stretches near 3 amplify their
@@ -476,4 +476,4 @@ TEST(Log1pRemainder, KeepsItsDigits) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_laws

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "solvers/support/laws.h"
 
-namespace palpate::test {
+namespace palpate::test::test_material {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -252,4 +252,4 @@ TEST(Material, BadParametersOfIncompressibleLawsAreNamed) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_material

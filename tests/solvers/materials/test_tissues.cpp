@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-namespace palpate {
+namespace palpate::test::test_tissues {
 namespace {
 
 const Material& material_of(const std::string& name) {
@@ -79,4 +79,4 @@ TEST(Tissues, StandOnTheirPageWithTheirSource) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_tissues

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-namespace palpate {
+namespace palpate::test::test_bisection_order {
 namespace {
 
 /// A grid, x fastest.
@@ -74,4 +74,4 @@ TEST(BisectionOrder, SomePlacesComeFirstInTheirPart) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_bisection_order

@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-namespace palpate {
+namespace palpate::test::test_box_tree {
 namespace {
 
 using Box = BoxTree::Box;
@@ -120,4 +120,4 @@ TEST(NearestOnTriangle, IsTheNearestOfAllItsPoints) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_box_tree

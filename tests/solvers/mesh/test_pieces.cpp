@@ -9,7 +9,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_pieces {
 namespace {
 
 /// Sums of some hundred terms lose two digits at the most.
@@ -67,4 +67,4 @@ TEST(Pieces, AnEdgeJoinsPointsButNoFaces) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_pieces

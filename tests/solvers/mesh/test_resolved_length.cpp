@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "solvers/support/box_mesh.h"
 
-namespace palpate {
+namespace palpate::test::test_resolved_length {
 namespace {
 
 const Vec3 kSides(0.2, 0.1, 0.1);
@@ -58,4 +58,4 @@ TEST(ResolvedLength, TooLargeIsWhatRoundsTheBodyAway) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_resolved_length

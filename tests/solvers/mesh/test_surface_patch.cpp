@@ -10,7 +10,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_surface_patch {
 namespace {
 
 Index nearest(const TetMesh& mesh, const Vec3& place) {
@@ -90,4 +90,4 @@ TEST_P(SurfacePatch, RefusesWhatIsNoPlaceOrNoRadius) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_surface_patch

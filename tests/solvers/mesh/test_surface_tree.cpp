@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "solvers/support/surfaces.h"
 
-namespace palpate {
+namespace palpate::test::test_surface_tree {
 namespace {
 
 const Vec3 kBox(0.08, 0.08, 0.04);
@@ -106,4 +106,4 @@ TEST(SurfaceTree, BadSurfaces) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_surface_tree

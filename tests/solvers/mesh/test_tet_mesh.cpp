@@ -14,7 +14,7 @@
 #include "solvers/support/box_mesh.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_tet_mesh {
 namespace {
 
 constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
@@ -202,4 +202,4 @@ TEST_P(AnyOrder, PointsOfNoCellAreNotInUse) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_tet_mesh

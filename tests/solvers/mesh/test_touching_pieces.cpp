@@ -11,7 +11,7 @@
 #include "solvers/support/message_of.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_touching_pieces {
 namespace {
 
 constexpr std::array<int, 3> kBricks{3, 2, 2};
@@ -159,4 +159,4 @@ TEST(TouchingPieces, WhatIsThereTwiceIsNotMerged) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_touching_pieces

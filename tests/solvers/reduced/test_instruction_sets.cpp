@@ -26,7 +26,7 @@ const ReducedKernels& reduced_kernels();
 }
 #endif
 
-namespace test {
+namespace test::test_instruction_sets {
 namespace {
 
 /// Fused multiplication and addition rounds once where the baseline rounds twice.
@@ -119,5 +119,5 @@ TEST(ReducedInstructionSets, Avx512) {
 #endif
 
 }  // namespace
-}  // namespace test
+}  // namespace test::test_instruction_sets
 }  // namespace palpate

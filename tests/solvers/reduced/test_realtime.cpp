@@ -10,7 +10,7 @@
 #include "solvers/support/allocations.h"
 #include "solvers/support/block.h"
 
-namespace palpate {
+namespace palpate::test::test_realtime {
 namespace {
 
 TEST(Realtime, AStepAllocatesNothing) {
@@ -58,4 +58,4 @@ TEST(Realtime, AStepAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_realtime

@@ -15,7 +15,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/laws.h"
 
-namespace palpate {
+namespace palpate::test::test_reduced_body {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -155,7 +155,7 @@ TEST_P(InMotion, ACompleteBasisGoesStepByStepAsTheWholeBody) {
     EXPECT_EQ(reduced.step(state.tools.data()).outcome, ReducedOutcome::converged);
     largest = std::max(largest, state.force.norm());
     error = std::max(error, (state.force - reduced.force()).norm());
-    const EnergyBalance& e = state.energy;
+    const EnergyAccount& e = state.energy;
     const ReducedState& r = reduced.state();
     largest_energy = std::max(largest_energy, e.elastic);
     for (const double difference :
@@ -554,4 +554,4 @@ TEST(ReducedModel, IsRefusedWhereItIsDamaged) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_reduced_body

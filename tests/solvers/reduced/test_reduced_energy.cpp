@@ -13,7 +13,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/random.h"
 
-namespace palpate {
+namespace palpate::test::test_reduced_energy {
 namespace {
 
 struct Case {
@@ -162,4 +162,4 @@ TEST(ReducedEnergy, OfABodyOfSeveralLawsIsThatOfTheWholeBody) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_reduced_energy

@@ -23,7 +23,7 @@
 #include "solvers/support/message_of.h"
 #include "solvers/support/supported.h"
 
-namespace palpate {
+namespace palpate::test::test_build_reduced_model {
 namespace {
 
 constexpr double kReach = 0.01;  // of a block of 0.1
@@ -465,4 +465,4 @@ TEST(RandomPath, StaysWithinItsReachAndBeginsAtRest) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_build_reduced_model

@@ -21,7 +21,7 @@
 #include "solvers/support/world_folder.h"
 #include "state_space/sqlite.h"
 
-namespace palpate {
+namespace palpate::test::test_kept_model {
 namespace {
 
 namespace fs = std::filesystem;
@@ -601,4 +601,4 @@ TEST_F(KeptModelTest, ItsKeyTellsWhichCellHasWhichRheology) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_kept_model

@@ -4,7 +4,7 @@
 #include "reduction/nnls.h"
 #include "solvers/support/random.h"
 
-namespace palpate {
+namespace palpate::test::test_nnls {
 namespace {
 
 Eigen::MatrixXd random_matrix(test::Random& random, Eigen::Index rows, Eigen::Index columns) {
@@ -75,4 +75,4 @@ TEST(Nnls, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_nnls

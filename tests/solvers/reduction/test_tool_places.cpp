@@ -15,7 +15,7 @@
 #include "solvers/support/message_of.h"
 #include "solvers/support/supported.h"
 
-namespace palpate {
+namespace palpate::test::test_tool_places {
 namespace {
 
 constexpr double kReach = 0.01;  // of a block of 0.1
@@ -304,4 +304,4 @@ TEST_F(ToolPlaces, RefuseAPartOfTheBodyThatHasNone) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_tool_places

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace palpate {
+namespace palpate::test::test_forest {
 namespace {
 
 using test::Forest;
@@ -99,4 +99,4 @@ TEST(Master, HandsOutOneTaskAfterTheOther) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_forest

@@ -12,7 +12,7 @@
 #include "solvers/support/communicators.h"
 #include "threads/usable_cores.h"
 
-namespace palpate {
+namespace palpate::test::test_schedule {
 namespace {
 
 class Schedule : public testing::Test {
@@ -149,4 +149,4 @@ TEST_F(Schedule, ALongErrorIsCut) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_schedule

@@ -17,7 +17,7 @@
 #include "solvers/schedule/random_graph.h"
 #include "solvers/support/communicators.h"
 
-namespace palpate {
+namespace palpate::test::test_scheduler {
 namespace {
 
 using test::GraphWorker;
@@ -466,4 +466,4 @@ TEST_F(SchedulerOnRanks, RunsInARowDoNotMix) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_scheduler

@@ -14,7 +14,7 @@
 #include "solvers/schedule/random_graph.h"
 #include "solvers/support/simulation.h"
 
-namespace palpate {
+namespace palpate::test::test_simulation {
 namespace {
 
 using test::GraphWorker;
@@ -463,4 +463,4 @@ TEST(Scheduler, UnreadMailIsBounded) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_simulation

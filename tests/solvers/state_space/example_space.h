@@ -30,7 +30,6 @@ inline TetMesh cube_mesh(int n, ElementOrder order) {
     return at->second;
   };
   constexpr int kPaths[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
   for (int cube = 0; cube < n * n * n; ++cube) {
     for (const auto& path : kPaths) {
       int p[3] = {cube / (n * n), cube / n % n, cube % n};
@@ -41,7 +40,7 @@ inline TetMesh cube_mesh(int n, ElementOrder order) {
       }
       mesh.cells.insert(mesh.cells.end(), corner.begin(), corner.end());
       if (order == ElementOrder::linear) continue;
-      for (const auto& e : kEdges) mesh.cells.push_back(midside(corner[e[0]], corner[e[1]]));
+      for (const auto& e : kTetEdges) mesh.cells.push_back(midside(corner[e[0]], corner[e[1]]));
     }
   }
   check_and_orient(mesh);

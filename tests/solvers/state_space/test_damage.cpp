@@ -19,7 +19,7 @@
 #include "state_space/state_space_file.h"
 #include "state_space/touch_space.h"
 
-namespace palpate {
+namespace palpate::test::test_damage {
 namespace {
 
 namespace fs = std::filesystem;
@@ -599,4 +599,4 @@ TEST_P(OlderVersionTest, KeepsItsDamage) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_damage

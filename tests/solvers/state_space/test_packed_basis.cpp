@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace palpate {
+namespace palpate::test::test_packed_basis {
 namespace {
 
 using Eigen::MatrixXf;
@@ -122,4 +122,4 @@ TEST(PackedBasis, NoMemoryIsTakenForModesThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_packed_basis

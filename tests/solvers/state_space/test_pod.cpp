@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace palpate {
+namespace palpate::test::test_pod {
 namespace {
 
 using Eigen::MatrixXf;
@@ -180,4 +180,4 @@ TEST(Pod, RefusesBoundsItCannotKeep) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_pod

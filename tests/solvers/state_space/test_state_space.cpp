@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace palpate {
+namespace palpate::test::test_state_space {
 namespace {
 
 Configuration at(const CheckPoint& check_point, std::int32_t level = 0) {
@@ -47,4 +47,4 @@ TEST(StateSpace, SortsAndFinds) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_state_space

@@ -24,7 +24,7 @@
 #include "base/error.h"
 #include "solvers/state_space/example_space.h"
 
-namespace palpate {
+namespace palpate::test::test_state_space_file {
 namespace {
 
 namespace fs = std::filesystem;
@@ -1304,4 +1304,4 @@ assert count == 27, count
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_state_space_file

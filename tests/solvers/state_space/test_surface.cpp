@@ -9,7 +9,7 @@
 
 #include "solvers/state_space/example_space.h"
 
-namespace palpate {
+namespace palpate::test::test_surface {
 namespace {
 
 class SurfaceOfOrder : public testing::TestWithParam<ElementOrder> {};
@@ -51,4 +51,4 @@ INSTANTIATE_TEST_SUITE_P(, SurfaceOfOrder,
                          });
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_surface

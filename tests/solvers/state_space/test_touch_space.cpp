@@ -13,7 +13,7 @@
 #include "solvers/state_space/example_space.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_touch_space {
 namespace {
 
 using test::cube_scene;
@@ -229,4 +229,4 @@ TEST(TouchSpace, AToolThatTouchesNothingInTheBodyHasGoneThroughItsSurface) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_touch_space

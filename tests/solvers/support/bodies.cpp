@@ -10,9 +10,6 @@
 namespace palpate::test {
 namespace {
 
-/// Corners of the edges in VTK's order of midside nodes.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-
 Vec3 middle_of(const TetMesh& mesh, Index cell) {
   Vec3 sum = Vec3::Zero();
   for (int a = 0; a < 4; ++a) sum += mesh.points[mesh.cell(cell)[a]];
@@ -110,7 +107,7 @@ double largest_aspect_ratio(const TetMesh& mesh) {
     const auto corner = corners_of(mesh, c);
     double longest = 0;
     double least_height = INFINITY;
-    for (const auto& edge : kEdges) {
+    for (const auto& edge : kTetEdges) {
       longest = std::max(longest, (corner[edge[0]] - corner[edge[1]]).norm());
     }
     for (int a = 0; a < 4; ++a) {

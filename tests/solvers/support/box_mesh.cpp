@@ -9,9 +9,6 @@
 namespace palpate::test {
 namespace {
 
-/// Corners of the edges in VTK's order of midside nodes.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-
 /// The six orders of the axes: a tetrahedron each, along the diagonal of the brick (Kuhn).
 constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};
 
@@ -32,7 +29,7 @@ TetMesh with_midside_nodes(const TetMesh& linear) {
   for (Index c = 0; c < linear.num_cells(); ++c) {
     const Index* corner = linear.cell(c);
     mesh.cells.insert(mesh.cells.end(), corner, corner + 4);
-    for (const auto& edge : kEdges) {
+    for (const auto& edge : kTetEdges) {
       const auto ends = std::minmax(corner[edge[0]], corner[edge[1]]);
       const auto [place, is_new] = middle.try_emplace(ends, mesh.num_points());
       if (is_new) mesh.points.push_back((mesh.points[ends.first] + mesh.points[ends.second]) / 2);
@@ -80,7 +77,7 @@ void warp_straight(TetMesh& mesh, const Map& map) {
     const Index* cell = mesh.cell(c);
     for (int e = 0; e < 6; ++e) {
       mesh.points[cell[4 + e]] =
-          (mesh.points[cell[kEdges[e][0]]] + mesh.points[cell[kEdges[e][1]]]) / 2;
+          (mesh.points[cell[kTetEdges[e][0]]] + mesh.points[cell[kTetEdges[e][1]]]) / 2;
     }
   }
 }

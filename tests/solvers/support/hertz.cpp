@@ -16,10 +16,10 @@
 namespace palpate::test {
 namespace {
 
-constexpr double kRadius = 1;
+constexpr double kHertzRadius = 1;
 /// So small that what Hertz neglects, the motion of the surface along itself, is 0.1 % of the
 /// force.
-constexpr double kDepth = kContactRadius * kContactRadius / kRadius;
+constexpr double kHertzDepth = kContactRadius * kContactRadius / kHertzRadius;
 /// What the filters take where the user gives none.
 constexpr double kContactStiffness = 2 * kYoungsModulus;
 /// How deep the tool is pushed in one solve, thicknesses of the layer.
@@ -27,7 +27,7 @@ constexpr double kPush = 3;
 
 /// The equilibrium with the tool's centre at this height, where it comes to from above.
 Equilibrium push(EquilibriumSolver& solver, double height, double thickness) {
-  double now = kRadius + 1.01 * thickness;
+  double now = kHertzRadius + 1.01 * thickness;
   Equilibrium state = solver.rest(Vec3(0, 0, now));
   while (now > height) {
     now = std::max(now - kPush * thickness, height);
@@ -43,14 +43,14 @@ Equilibrium push(EquilibriumSolver& solver, double height, double thickness) {
 
 HertzContact hertz_contact(double poissons_ratio) {
   const double stiffness = disc_stiffness(poissons_ratio).frictionless;
-  return {2.0 / 3 * stiffness * kDepth, stiffness};
+  return {2.0 / 3 * stiffness * kHertzDepth, stiffness};
 }
 
 HertzResult press_half_space(const HertzOptions& options) {
   const HertzContact exact = hertz_contact(options.poissons_ratio);
   const double a = kContactRadius;
-  const double largest_pressure = exact.stiffness / (M_PI * kRadius);
-  const double thickness = options.thickness * kDepth;
+  const double largest_pressure = exact.stiffness / (M_PI * kHertzRadius);
+  const double thickness = options.thickness * kHertzDepth;
   const double larger = thickness * (1 - 0.75 * std::cbrt(largest_pressure / kContactStiffness));
 
   // Contact ends at r = a, where the mesh is still even.
@@ -58,7 +58,7 @@ HertzResult press_half_space(const HertzOptions& options) {
   const Scene scene = make_half_space(sector, options.poissons_ratio);
   const RigidContact contact(
       std::make_shared<const ContactSurface>(ContactSurface::divided(scene, options.divisions)),
-      make_sphere(kRadius), {thickness, kContactStiffness});
+      make_sphere(kHertzRadius), {thickness, kContactStiffness});
   InteractionList tools;
   tools.add(contact);
   tools.add(SymmetryPlanes(scene.mesh, sector));
@@ -67,13 +67,13 @@ HertzResult press_half_space(const HertzOptions& options) {
   solver_options.tolerance = 1e-8;
   EquilibriumSolver solver(scene, solver_options);
   solver.set_interaction(tools);
-  const Equilibrium state = push(solver, kRadius + larger - kDepth, thickness);
+  const Equilibrium state = push(solver, kHertzRadius + larger - kHertzDepth, thickness);
 
   HertzResult result;
   result.num_unknowns = solver.assembly().pattern().size;
   result.force = -options.sectors * state.reaction[2] / exact.force;
   result.force_from_middle =
-      result.force * std::pow(kDepth / (kDepth - larger + thickness / 2), 1.5);
+      result.force * std::pow(kHertzDepth / (kHertzDepth - larger + thickness / 2), 1.5);
   result.stiffness = options.sectors * state.stiffness(2, 2) / exact.stiffness;
 
   NodalVector forces = NodalVector::Zero(state.u.size());

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace palpate {
+namespace palpate::test::test_parallel {
 namespace {
 
 /// Runs the parts backwards, and counts its loops.
@@ -73,4 +73,4 @@ TEST(Parallel, OnePartNeedsNoTeam) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_parallel

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-namespace palpate {
+namespace palpate::test::test_thread_team {
 namespace {
 
 constexpr bool kHasThreads = PALPATE_HAS_THREADS;
@@ -107,4 +107,4 @@ TEST(ThreadTeam, HasNoneWhereTheSystemGrantsTooFew) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_thread_team

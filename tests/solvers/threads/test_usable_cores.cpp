@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace palpate {
+namespace palpate::test::test_usable_cores {
 namespace {
 
 using Cores = std::vector<char>;
@@ -30,4 +30,4 @@ TEST(UsableCores, ProcessesThatAreBoundKeepTheirs) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_usable_cores

@@ -36,7 +36,7 @@ Result run(const Case& one) {
   EquilibriumOptions options;
   options.max_seconds = one.seconds;
   options.max_steps = one.max_steps;
-  const auto start = Clock::now();
+  const auto start = SteadyClock::now();
   try {
     result.solver = std::make_unique<EquilibriumSolver>(result.problem.scene, options);
     result.solver->set_interaction(result.problem.tools);

@@ -18,7 +18,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/orders.h"
 
-namespace palpate::test {
+namespace palpate::test::test_stability_matrix {
 namespace {
 
 class StabilityMatrix : public testing::TestWithParam<std::string> {};
@@ -292,4 +292,4 @@ TEST(TinyDisplacements, KeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace palpate::test
+}  // namespace palpate::test::test_stability_matrix

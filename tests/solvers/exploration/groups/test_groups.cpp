@@ -14,7 +14,7 @@
 #include "solvers/support/block.h"
 #include "solvers/support/communicators.h"
 
-namespace palpate {
+namespace palpate::test::test_groups {
 namespace {
 
 namespace fs = std::filesystem;
@@ -168,4 +168,4 @@ TEST_F(Groups, ReportWhatIsWrongOnce) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_groups

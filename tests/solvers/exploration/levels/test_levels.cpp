@@ -21,7 +21,7 @@
 #include "solvers/support/communicators.h"
 #include "state_space/state_space_file.h"
 
-namespace palpate {
+namespace palpate::test::test_levels {
 namespace {
 
 namespace fs = std::filesystem;
@@ -228,4 +228,4 @@ TEST_F(RoofLevels, AnAbortedRunGoesOnAndMakesNoTransitionTwice) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_levels

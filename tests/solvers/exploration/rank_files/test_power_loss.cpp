@@ -16,7 +16,7 @@
 #include "recorded_disk.h"
 #include "solvers/state_space/example_space.h"
 
-namespace palpate {
+namespace palpate::test::test_power_loss {
 namespace {
 
 namespace fs = std::filesystem;
@@ -171,4 +171,4 @@ TEST_F(PowerLossTest, AtMostASecondOfWorkIsLost) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_power_loss

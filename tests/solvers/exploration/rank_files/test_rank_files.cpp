@@ -10,7 +10,7 @@
 #include "solvers/state_space/example_space.h"
 #include "state_space/sqlite.h"
 
-namespace palpate {
+namespace palpate::test::test_rank_files {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ TEST_F(RankFilesTest, ComputesAgainWhatIsDamaged) {
 }
 
 }  // namespace
-}  // namespace palpate
+}  // namespace palpate::test::test_rank_files
