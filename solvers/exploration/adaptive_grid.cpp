@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// A failed step is tried from this many corners in all.
+/// The number of corners from which a point is tried in all.
 constexpr std::size_t kMaxStarts = 3;
 
 }  // namespace
@@ -33,7 +33,7 @@ void AdaptiveGrid::accept(const ConfigurationSummary& found) {
     return;
   }
   const auto here = under_way_.find(found.check_point);
-  if (here == under_way_.end()) return;  // an earlier run had it
+  if (here == under_way_.end()) return;  // an earlier run has found it
   std::vector<CheckPoint>& left = here->second;
   if (!found.usable() && !left.empty()) {
     due_.push_back({found.check_point, left.front()});
@@ -64,8 +64,8 @@ std::vector<CheckPoint> AdaptiveGrid::given_up() {
 }
 
 void AdaptiveGrid::plan_round() {
-  // Those that an earlier run has found need no transition; where it has found all of a round, the
-  // next one is planned at once.
+  // Points that an earlier run has found need no transition. If it has found all points of a round,
+  // the next round is planned at once.
   for (bool goes_on = true; goes_on && under_way_.empty();) {
     goes_on = false;
     std::vector<ConfigurationSummary> found;
@@ -82,7 +82,7 @@ void AdaptiveGrid::plan_round() {
       }
       std::vector<CheckPoint> tried = starts(corners, target);
       if (tried.empty()) {
-        found_[target].check_point = target;  // no start leads there: as if it had failed
+        found_[target].check_point = target;  // No start leads there: the point counts as failed.
         continue;
       }
       due_.push_back({target, tried.front()});

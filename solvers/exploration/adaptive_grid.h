@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A space that refines itself to a tolerance: first the corners of the coarsest cells, as
-// layered_grid.h; then, round by round, the points of the halves of those cells that
-// error_estimate.h says are not good enough. A round begins when the one before is complete, so
-// that what is refined does not depend on the order in which configurations are found; it is
-// planned anew from the same configurations when an exploration is resumed or its tolerance
-// changed.
+// A grid that is refined until the interpolated force has a tolerance. First the corners of the
+// coarsest cells are explored, as layered_grid.h says. Then, round by round, the cells whose error
+// is too large by error_estimate.h are halved along each axis, and the new points are explored. A
+// round begins when the one before is complete, so that the refinement does not depend on the order
+// in which configurations are found. When an exploration is resumed, or its tolerance was changed,
+// the rounds are planned anew from the configurations that are known.
 //
-// The points of a cell are reached from its corners, the nearest first, then the one nearest to
-// rest.
+// A new point is reached from the corners of its cell: the nearest to the point is tried first, and
+// of two that are as near the one nearer to rest.
 #pragma once
 
 #include <map>
@@ -20,7 +20,7 @@ namespace palpate {
 
 class AdaptiveGrid final : public ExplorationStrategy {
  public:
-  /// @param tool space It has a tolerance.
+  /// @param setup Its policy has a tolerance.
   explicit AdaptiveGrid(const ToolSpaceSetup& setup);
 
   void recall(const ConfigurationSummary& found) override;
@@ -40,14 +40,15 @@ class AdaptiveGrid final : public ExplorationStrategy {
 
   ToolSpaceSetup setup_;
   LayeredGrid coarse_;
-  /// What the rounds so far have found, usable or not, and the points that nothing leads to.
+  /// What the rounds so far have found, usable or not. A point that no start leads to is here too,
+  /// as one that failed.
   Summaries found_;
-  /// What earlier runs have found between the corners of the coarsest cells, and no round has
+  /// Configurations of earlier runs between the corners of the coarsest cells that no round has
   /// asked for yet.
   Summaries recalled_;
-  /// Targets that are under way, and the starts that may be tried next.
+  /// Targets of the transitions that are being made, each with the starts that may be tried next.
   std::map<CheckPoint, std::vector<CheckPoint>> under_way_;
-  /// Points that rounds have asked for.
+  /// The number of points that rounds have asked for.
   std::int64_t num_refined_ = 0;
   std::vector<Transition> due_;
   std::vector<CheckPoint> given_up_;

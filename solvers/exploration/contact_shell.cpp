@@ -14,14 +14,15 @@
 namespace palpate {
 namespace {
 
-/// The coarsest cells may be halved so often at the most.
+/// The coarsest cells are halved at most this often.
 constexpr int kMostHalvings = 3;
 
-/// A start is shallower than what is reached from it by at least this share of the spacing.
+/// A start is shallower than its target by at least this share of the spacing.
 constexpr double kShallower = 0.2;
 
-/// How far the exploration has to come, m: that is measured at the surface, so that all
-/// check-points on a way out of the body are as far, those that touch nothing too.
+/// The distance of a check-point from where the exploration begins, m. It is measured between
+/// places on the surface, so that all check-points on one normal have the same distance, also those
+/// where the tool touches nothing.
 double distance(const ToolClearance::Approach& approach, const Vec3& begin_at) {
   return (approach.touched - begin_at).norm();
 }
@@ -58,9 +59,9 @@ class Shell {
     bool is_corner = false;
   };
 
-  /// Adds the cells of a cube of cells that belong to the shell.
-  /// @param first The numbers along each axis of its first cell. @param count Cells along its
-  /// sides, a power of two; some may lie beyond the grid.
+  /// Adds the cells of the shell that lie in a cube of cells.
+  /// @param first The numbers of the cube's first cell along the axes.
+  /// @param count Cells along a side of the cube, a power of two; some may lie beyond the grid.
   void add_of(const CheckPoint& first, std::int32_t count) {
     if (*std::max_element(first.begin(), first.end()) >= roots_) return;
     const std::int32_t reach = grid_.reach();
@@ -70,7 +71,7 @@ class Shell {
     const double half_diagonal = 0.5 * std::sqrt(3.0) * side;
     const Vec3 centre = grid_.place(cell.first) + Vec3::Constant(0.5 * side);
     if (clearance_.clearance(centre) > half_diagonal) return;
-    // The depth changes by no more than the way.
+    // The depth changes by no more than the distance.
     if (is_too_deep(clearance_.approach(centre).depth - half_diagonal)) return;
     if (count == 1) {
       if (holds(cell)) add(cell);
@@ -103,7 +104,8 @@ class Shell {
            (!options_.region || options_.region(approach.touched));
   }
 
-  /// Whether the tool is to press somewhere in a cell.
+  /// Whether a cell belongs to the shell: at one of its corners the tool is not too deep, and at
+  /// one it presses where it is asked for.
   [[nodiscard]] bool holds(const Cell& cell) {
     bool is_shallow = false;
     bool is_asked = false;
@@ -119,12 +121,12 @@ class Shell {
     for (int corner = 0; corner < 8; ++corner) node(corner_of(cell, corner)).is_corner = true;
   }
 
-  /// Where a check-point may be reached from, the best first; itself is from where the tool touches
-  /// nothing.
+  /// Starts from which a check-point may be reached, the best first. The check-point itself among
+  /// them means that it is reached without a start, from where the tool touches nothing.
   [[nodiscard]] std::vector<CheckPoint> starts(const CheckPoint& p, const Node& node) const {
     if (node.is_free) return {p};
     struct Start {
-      /// The square of the tangent of the angle between the way to it and the way out.
+      /// The square of the tangent of the angle between the normal and the line to the start.
       double aside;
       CheckPoint check_point;
       bool operator<(const Start& other) const {
@@ -168,7 +170,8 @@ Grid make_shell_grid(const ToolClearance& clearance, double spacing) {
   const Eigen::AlignedBox3d box = clearance.bounds();
   const double size = box.sizes().maxCoeff();
   constexpr int kMostCells = kLargestCoarsestResolution - 1;
-  // Even, so that (0,0,0) is a corner; a cell more, since the box lies anywhere in the outermost.
+  // The number of cells is even, so that (0, 0, 0) is a corner. One cell is added, since the box
+  // may lie anywhere in the outermost cells.
   const double wanted = 2 * (std::floor(size / (2 * spacing)) + 1);
   if (!(spacing > 0) || !(wanted <= kMostCells)) {
     throw InputError("Cells of " + quantity(spacing, "m") + " around a body and a tool of " +

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The check-points of a rigid tool that presses a body anywhere: the corners of the cells of a
-// Cartesian grid in which the tool may touch, and is no deeper than asked for.
+// The check-points of a rigid tool that presses a body anywhere, the shell: corners of those cells
+// of a Cartesian grid in which the tool may touch the body, and is no deeper than asked for.
 //
-// Each is reached along the normal of the surface: from the neighbour farther out that lies nearest
-// to that line, and where that touches nothing, from where the tool touches nothing itself. So the
-// exploration begins at all places outside at once, and a chain of starts is no longer than the
-// shell is deep.
+// A check-point is reached along the normal of the surface: from the neighbour farther out that
+// lies nearest to this normal, or, if the tool touches nothing at that neighbour, from no start at
+// all. So the exploration can begin at all places around the body at once, and a chain of starts is
+// no longer than the shell is deep.
 #pragma once
 
 #include <cstdint>
@@ -21,32 +21,33 @@ namespace palpate {
 
 /// Where a rigid tool is to press.
 struct ShellOptions {
-  /// How deep, measured at rest, m; 0: as deep as the force limit allows.
+  /// The largest depth of the tool, measured at the body's rest, m; 0: the force limit alone bounds
+  /// it.
   double depth = 0;
-  /// Whether a place of the surface at rest is to be pressed; empty: all that is touchable.
+  /// Whether a place of the surface at rest is to be pressed; empty: every touchable place is.
   std::function<bool(const Vec3&)> region;
-  /// Where the exploration begins, m: it grows from there over the surface, so that the place can
-  /// be touched long before all is found.
+  /// Where the exploration begins, m. It spreads from there over the surface, so that this place
+  /// can be touched long before the space is complete.
   Vec3 begin_at = Vec3::Zero();
 };
 
-/// The grid of a rigid tool around a body, with coarsest cells of a side, and such that they may be
-/// halved as often as the numbers of check-points allow, thrice at the most.
-/// @param spacing Of the coarsest cells, m.
+/// The grid around a body that a rigid tool presses. Its coarsest cells may be halved as often as
+/// the numbers of check-points allow, three times at most.
+/// @param spacing Side of the coarsest cells, m.
 /// @throws InputError there would be too many of them.
 [[nodiscard]] Grid make_shell_grid(const ToolClearance& clearance, double spacing);
 
 /// The corners of the coarsest cells of the shell.
-/// @param touchable Of each point of the mesh 1: it may be touched.
+/// @param touchable One entry for each point of the mesh; other than 0: the point may be touched.
 /// @throws InputError there is no such cell.
 [[nodiscard]] std::vector<StartGraph::Target> shell_targets(const ToolClearance& clearance,
                                                             const Grid& grid,
                                                             const std::vector<char>& touchable,
                                                             const ShellOptions& options);
 
-/// The targets of a further round: the points of the halves of cells that are to be split.
-/// They are reached from the corners of those, the nearest first.
-/// @param known What is known of all check-points so far, by check-point.
+/// The targets of a further round: the points of the halves of the cells that are to be split. They
+/// are reached from the corners of these cells, the nearest first.
+/// @param known All configurations so far, by check-point.
 /// @param begin_at See ShellOptions.
 [[nodiscard]] std::vector<StartGraph::Target> refined_targets(
     const ToolClearance& clearance, const Grid& grid, const std::vector<Cell>& to_split,

@@ -14,24 +14,25 @@ namespace palpate {
 namespace {
 
 enum class Kind : std::uint8_t {
-  /// To an owner: some of what an earlier run has left, which rank 0 has.
+  /// To an owner: configurations and transitions of earlier runs, from rank 0.
   recalled,
   /// To an owner: a configuration that the sender has kept, or a failure.
   found,
-  /// To the rank that has kept a candidate: the level that it has, if any.
+  /// To the rank whose record has a candidate: the level that the candidate gets, or that it is
+  /// removed.
   settle,
-  /// To a holder of starts: batches.
+  /// To a rank whose record has starts: batches of transitions from these.
   make,
   /// To an owner: a question.
   ask,
-  /// To rank 0: how far the tool spaces are that the sender owns.
+  /// To rank 0: the progress of the tool spaces that the sender owns.
   progress,
 };
 
-/// Transitions and configurations of an earlier run that an owner is told at once.
+/// The number of transitions and configurations of earlier runs that one task tells the owners.
 constexpr std::size_t kRecalledAtOnce = 256;
 
-/// Calls visit(of equilibrium, of configuration) for each part that both have.
+/// Calls visit(part of the equilibrium, part of the configuration) for each part that both have.
 template <class OfEquilibrium, class OfConfiguration, class Visit>
 void for_each_shared_part(OfEquilibrium& e, OfConfiguration& c, Visit&& visit) {
   visit(e.t, c.t);
@@ -134,7 +135,8 @@ void Engine::start(Mail& mail) {
   for (const PlannedSpace& space : spaces_) to_recall_.push_back(space.setup.id);
 }
 
-/// Tells owners some of what is known of a tool space, and with the last of it that they can begin.
+/// Tells the owners a few configurations and transitions of earlier runs. The last message of a
+/// tool space says that the owners can begin with it.
 void Engine::recall_some(Mail& mail) {
   const ToolSpaceId id = to_recall_.front();
   if (known_ == nullptr) known_ = std::make_unique<Known>(record_.known(id));
@@ -171,7 +173,7 @@ void Engine::recall_some(Mail& mail) {
   to_recall_.pop_front();
 }
 
-/// At an owner: what rank 0 knows.
+/// Takes in, at an owner, what rank 0 tells of earlier runs.
 void Engine::recall(Unpacker& content, Mail& mail) {
   const auto id = content.take<ToolSpaceId>();
   Owned& owned = owned_.at(id);
@@ -273,7 +275,7 @@ void Engine::conclude(ToolSpaceId tool_space, Owned& owned, const ConfigurationS
   owned.waiting.erase(start);
   Question question;
   question.start = start;
-  // What would follow if it led on.
+  // Finds the targets that would follow if this start were sound.
   ConfigurationSummary leading = found;
   leading.outcome = Outcome::converged;
   leading.flags = 0;
@@ -331,8 +333,8 @@ void Engine::take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, 
   hand_out(tool_space, mail);
 }
 
-/// Records what a transition between levels has reached, and then has the candidate settled by the
-/// rank that has kept it: one of a run that is killed in between is settled by the next.
+/// Records first which level a transition has reached, and then has the candidate settled by the
+/// rank that keeps it. If the run is killed in between, the next run settles the candidate.
 void Engine::settle(ToolSpaceId tool_space, Owned& owned, const Settlement& settlement,
                     Mail& mail) {
   const LevelTransition& transition = settlement.transition;
@@ -372,8 +374,8 @@ Engine::Target Engine::target_of(const Owned& owned, const Transition& transitio
   return target;
 }
 
-/// Sends what the strategy of a tool space asks for to those that have the starts, and records what
-/// it has given up.
+/// Sends the transitions that a strategy asks for to the ranks that have their starts, and records
+/// the targets that it has given up.
 void Engine::hand_out(ToolSpaceId tool_space, Mail& mail) {
   Owned& owned = owned_.at(tool_space);
   const std::vector<Transition> due = owned.strategy->next();
@@ -478,7 +480,7 @@ void Engine::work(Mail& mail) {
     solver_.forget(*start);
   }
   current_.reset();
-  if (!summary.usable()) return;  // it has no state
+  if (!summary.usable()) return;  // without a state nothing follows from it
   Batch next;
   next.tool_space = id;
   next.start = summary;
@@ -489,7 +491,7 @@ void Engine::work(Mail& mail) {
   begun_.push_back(std::move(next));
 }
 
-/// Tells how far the tool spaces are that this rank owns.
+/// Reports the progress of the tool spaces that this rank owns.
 void Engine::tell() {
   Packer message;
   message.put(Kind::progress);
@@ -586,10 +588,10 @@ Engine::Batch Engine::take_last() {
 
 Bytes Engine::give() {
   Packer message;
-  // Whole batches while there are others; what is left of the one that is made last of all.
+  // Whole batches are given while there is more than one; of a single batch, half of its targets.
   const std::size_t num_batches = due_.size() + begun_.size();
   if (num_batches > (current_ ? 0 : 1)) {
-    // Up to half of those from rest, else one.
+    // Batches without a start are given together, up to half of all; of others, one.
     std::size_t most = (num_batches + 1) / 2;
     for (bool from_rest = true; from_rest && most > 0; --most) {
       Batch given = take_last();

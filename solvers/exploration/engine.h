@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes the transitions that the strategies ask for, on all ranks.
+// The engine makes, on all ranks, the transitions that the strategies ask for.
 //
-// The strategy of a tool space is at its owner, a rank that follows from a hash; where the plan is
-// spread, each check-point has an owner, which knows of that one alone. A rank that finds a
-// configuration keeps it in its record, tells the owner, and goes on depth first with what follows:
-// so a start still has its factor, and a rank has no more states in memory than it is layers deep.
-// What the strategy decides in addition, such as another start for a step that failed, the owner
-// sends to the rank whose record has the start; where another rank owns the start, through that
-// one, which answers when the start is found or given up. What is due waits in the order of the
-// plan, the nearest to where the exploration begins first. A rank without tasks takes over some of
-// another's, those that it would make last: whole batches.
+// Each tool space has an owner rank, which follows from a hash of its number, and the owner has the
+// strategy. If the plan is spread, each check-point has an owner rank of its own, which knows of
+// that check-point alone. A rank that finds a configuration keeps it in its record, tells the
+// owner, and goes on depth first with the targets that follow from it. So the start still has its
+// factor, and a rank has no more states in memory than the space has layers. Other transitions,
+// such as one from another start after a failure, are decided by the strategy. The owner sends them
+// to the rank whose record has the start. If another rank owns the start, the owner of the target
+// asks that rank, which answers as soon as the start is found or given up. Transitions that wait
+// are in a priority queue, ordered by the distance that the plan gives. A rank without tasks takes
+// over tasks from the end of another rank's queue, in whole batches where it can.
 //
-// What an earlier run has left is on rank 0, which tells the owners. That is a task for each few
-// configurations, so that the scheduler holds it back while mail lies unread.
+// What an earlier run has found is on rank 0, which tells the owners. Rank 0 does so by tasks of a
+// few configurations each, so that the scheduler can hold them back while messages are unread.
 //
-// An exploration in several rounds is a run of the scheduler for each of them.
+// An exploration in several rounds runs the scheduler once for each round.
 #pragma once
 
 #include <deque>
@@ -36,18 +37,18 @@ namespace palpate {
 class Engine final : public Worker {
  public:
   /// All arguments must outlive the engine.
-  /// @param spaces They are in the order of their numbers. Before another run their plans may be
-  ///   others, see plan_anew().
+  /// @param spaces The tool spaces, ordered by their numbers. Their plans may change between two
+  ///   runs, see plan_anew().
   /// @param network The network of the scheduler that runs the engine.
-  /// @param report The engine adds what the tasks of this rank and the tool spaces that it owns
-  /// have done.
+  /// @param report The engine adds the work of this rank, and the figures of the tool spaces that
+  ///   this rank owns.
   Engine(const std::vector<PlannedSpace>& spaces, StateSolver& solver, Record& record,
          const Network& network, Monitor& monitor, PrecomputeReport& report);
 
-  /// Begins another round, by the plans that the spaces have now.
+  /// Begins another round, with the plans that the spaces have now.
   void plan_anew();
-  /// What is known of the check-points of a spread tool space that this rank owns: what was found,
-  /// and what was given up. It may be asked for between runs.
+  /// The check-points of a spread tool space that this rank owns and that were found or given up.
+  /// Call this between runs.
   [[nodiscard]] const std::vector<ConfigurationSummary>& known_here(ToolSpaceId tool_space) const {
     return owned_.at(tool_space).known;
   }
@@ -63,18 +64,18 @@ class Engine final : public Worker {
  private:
   struct Target {
     CheckPoint check_point{};
-    /// The level of what is found: 0, or that of a candidate.
+    /// The level of the configuration that is sought: 0, or the number of a candidate.
     std::int32_t level = 0;
-    /// What earlier attempts, which failed, have taken.
+    /// The iterations and the time that earlier, failed attempts have taken.
     std::int32_t iterations = 0;
     double seconds = 0;
   };
   /// Transitions from one start.
   struct Batch {
     ToolSpaceId tool_space = 0;
-    /// The start; not usable for the rest position, which has none.
+    /// The start; not usable: the targets need no start.
     ConfigurationSummary start;
-    /// The state of the start; null until it is needed, and where there is no start.
+    /// The state of the start; null: it was not read yet, or there is no start.
     std::shared_ptr<const Equilibrium> state;
     std::deque<Target> targets;
     [[nodiscard]] bool has_start() const { return start.usable(); }
@@ -84,33 +85,34 @@ class Engine final : public Worker {
     ConfigurationSummary summary;
     int rank = 0;
   };
-  /// What the owner of a start is asked for, and what it answers.
+  /// A question to the owner of a start, or an answer to the owner of a target.
   struct Question {
     enum class Kind : char { want, refused, offer };
     Kind kind = Kind::want;
     Target target;
     CheckPoint start{};
-    /// The answer is no since the start is beyond the force limit.
+    /// If the answer is `refused`: the start is beyond the force limit.
     bool beyond_limit = false;
   };
-  /// A tool space that this rank owns, or a part of one.
+  /// The tool space, or the part of a spread one, that this rank owns.
   struct Owned {
     std::unique_ptr<ExplorationStrategy> strategy;
-    /// All that earlier runs have left of it was told.
+    /// Rank 0 has told everything that earlier runs have found of it.
     bool has_recalled = false;
-    /// What was asked before.
+    /// Questions that came before has_recalled.
     std::vector<Question> postponed;
-    /// Of a spread one: what is known of its check-points; those from which nothing is reached, and
-    /// whether since they are beyond the force limit; and by start what waits for it.
+    /// Of a spread tool space: its check-points that were found or given up; starts that lead
+    /// nowhere, with true for those beyond the force limit; and by start the targets that wait for
+    /// it.
     std::vector<ConfigurationSummary> known;
     std::map<CheckPoint, bool> ended;
     std::map<CheckPoint, std::vector<Target>> waiting;
-    /// All usable configurations.
+    /// The usable configurations, with their ranks.
     std::map<StateKey, Held> held;
-    /// Failed transitions that may be tried from another start; their figures are those of all
-    /// attempts together.
+    /// Failed transitions that may be tried from another start. Iterations and time are the sum
+    /// over all attempts.
     std::map<CheckPoint, ConfigurationSummary> failed;
-    /// What ExplorationStrategy::num_expected() gave when it was last called.
+    /// The value of ExplorationStrategy::num_expected() that the report has counted already.
     std::int64_t num_expected = 0;
   };
 
@@ -118,35 +120,36 @@ class Engine final : public Worker {
   void recall(Unpacker& content, Mail& mail);
   void tell();
   void hand_out(ToolSpaceId tool_space, Mail& mail);
-  /// What a transition seeks, with what earlier attempts have taken.
+  /// The target of a transition, with the iterations and the time of earlier attempts.
   [[nodiscard]] static Target target_of(const Owned& owned, const Transition& transition);
   void settle(ToolSpaceId tool_space, Owned& owned, const Settlement& settlement, Mail& mail);
   void take_in(ToolSpaceId tool_space, const ConfigurationSummary& found, int rank, Mail& mail);
-  /// Where a check-point of a spread tool space was found or given up.
+  /// Tells those that wait for a check-point of a spread tool space that it was found, or given up.
   void conclude(ToolSpaceId tool_space, Owned& owned, const ConfigurationSummary& found,
                 bool is_recalled, Mail& mail);
   void ask(ToolSpaceId tool_space, const CheckPoint& of, const Question& question, Mail& mail);
   void hear(ToolSpaceId tool_space, const Question& question, Mail& mail);
-  /// Sends what is wanted from starts that are known, a batch for each start.
+  /// Sends the transitions that wait for a start which is known here. They are grouped by start, so
+  /// that each start is factorised once.
   void send_wanted(Mail& mail);
-  /// Has transitions from a start made by the rank that has it.
+  /// Sends transitions from one start to the rank whose record has the start.
   void send(ToolSpaceId tool_space, const Held& start, const std::vector<Target>& targets,
             Mail& mail);
-  /// Has a batch made when it is its turn; of those that are as far as another, after it.
+  /// Puts a batch into the priority queue, behind batches of the same distance.
   void enqueue(Batch&& batch);
-  /// Takes out the batch that is made next.
+  /// Takes out the batch that is to be made next.
   [[nodiscard]] Batch take_next();
-  /// The batch that is made last of all.
+  /// The batch that would be made last of all.
   [[nodiscard]] Batch& last();
   [[nodiscard]] Batch take_last();
   /// Takes every other target out of a batch, for another rank.
   [[nodiscard]] static Batch split(Batch& batch);
-  /// @param with_state Whether the state of the start is put in too: for a rank whose record does
-  ///   not have it.
+  /// @param with_state Also packs the state of the start, for a rank whose record does not have it.
   void pack(Batch& batch, bool with_state, Packer& message);
   [[nodiscard]] static Batch unpack(Unpacker& message);
-  /// Reads the state of a batch's start, unless it is there. Where no more than a part of it was
-  /// kept, it is solved for again; one that is not found again leads nowhere.
+  /// Reads the state of a batch's start, unless it was read before. If only a part of its fields
+  /// was kept, the equilibrium is solved for again; if it is not found again, its outcome says so
+  /// and the transitions from it fail.
   void load_state(Batch& batch);
   [[nodiscard]] const PlannedSpace& space(ToolSpaceId tool_space) const;
   [[nodiscard]] const ToolSpaceSetup& setup_of(ToolSpaceId tool_space) const {
@@ -156,8 +159,8 @@ class Engine final : public Worker {
     return space(tool_space).plan->owner_key(tool_space, p);
   }
   [[nodiscard]] Configuration make(const Batch& batch, const Target& target);
-  /// Solves for the intermediate states on the straight way to a configuration that was found.
-  /// Where that is aborted, the last one has that outcome.
+  /// Solves for the intermediate states on the straight line from the start to a configuration that
+  /// was found. If a solve is aborted, the last state has that outcome.
   [[nodiscard]] std::vector<IntermediateState> make_way(const Batch& batch,
                                                         const ConfigurationSummary& found);
 
@@ -170,18 +173,18 @@ class Engine final : public Worker {
   PrecomputeReport& report_;
   std::map<ToolSpaceId, Owned> owned_;
   bool is_first_round_ = true;
-  /// On rank 0: the tool spaces whose owners wait for what is known of them, and what is left to
-  /// tell of the first of these, null until it is read.
+  /// On rank 0: the tool spaces whose owners were not told yet what earlier runs have found, and
+  /// what is left to tell of the first of them; null until it is read.
   std::deque<ToolSpaceId> to_recall_;
   std::unique_ptr<Known> known_;
-  /// The targets that were given up here without any transition.
+  /// The number of targets that were given up here without any transition.
   std::int64_t num_not_reached_ = 0;
-  /// What is wanted from starts that are known here, by start: it is sent together, so that a start
-  /// is factorised once.
+  /// Targets that wait for a start which is known here, by start.
   std::map<std::pair<ToolSpaceId, CheckPoint>, std::vector<Target>> wanted_;
-  /// What is due, by the distance from where the exploration begins.
+  /// The priority queue: batches by the distance of their first target, see
+  /// ExplorationPlan::distance().
   std::multimap<double, Batch> due_;
-  /// Batches that are made before these, depth first: the last one is next.
+  /// The stack of the depth-first search: its last batch is made next, before any of the queue.
   std::deque<Batch> begun_;
   /// The batch whose transition is being made.
   std::optional<Batch> current_;

@@ -12,18 +12,18 @@
 namespace palpate {
 namespace {
 
-/// How many configurations more than the first round a tolerance takes, about: what the liver took
-/// for 0.1 %.
+/// The factor by which a tolerance multiplies the configurations of the first round, as measured on
+/// the liver with 0.1 %.
 constexpr double kMoreByTolerance = 3;
-/// An intermediate state beside a configuration.
+/// The time of an intermediate state, as a share of that of a configuration.
 constexpr double kIntermediateState = 0.6;
-/// A configuration of a bonded node, and of a rigid tool: what the liver's took
+/// The mean work of a configuration of a bonded node and of a rigid tool, as measured on the liver
 /// (tests/benchmark/README.md).
 constexpr WorkCount kBonded = {0.4, 24, 20, 0.8};
 constexpr WorkCount kContact = {0.8, 29, 35, 1.5};
-/// A configuration without fields, in a file, bytes.
+/// The size of a configuration without fields in a file, bytes.
 constexpr double kSummaryBytes = 512;
-/// u and v, p and ∂p/∂t.
+/// Fields of a configuration: u, v, p and ∂p/∂t.
 constexpr double kNumbersOfState = 4;
 
 struct Count {
@@ -46,7 +46,8 @@ Count count(const PrecomputeOptions& options, const std::vector<PlannedSpace>& s
   return {more * count.configurations, more * count.free};
 }
 
-/// Of a configuration's fields in a file: those of a rigid tool are in single precision.
+/// The size of a configuration's fields in a file, bytes. Those of a rigid tool are in single
+/// precision.
 double field_bytes(const PrecomputeOptions& options, const SolveCost& cost) {
   const std::size_t number = options.contact ? sizeof(float) : sizeof(double);
   return kNumbersOfState * static_cast<double>(cost.state_size * number);
@@ -63,7 +64,7 @@ ExplorationEstimate estimate_exploration(const PrecomputeOptions& options,
   estimate.num_configurations = std::llround(configurations);
   estimate.num_free = std::llround(free);
   const bool single = options.equilibrium.single_precision;
-  // Ranks that solve together are taken to be as quick as ranks that do not.
+  // Ranks that share a solve are assumed to be as quick as ranks that solve apart.
   estimate.seconds = configurations * (1 + kIntermediateState * options.intermediate_states) *
                      seconds_of(work_of_configuration(options.contact.has_value()), cost, single) /
                      num_ranks;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What an exploration will take, told before it begins.
+// The expected cost of an exploration, told before it begins.
 #pragma once
 
 #include <cstdint>
@@ -15,33 +15,35 @@ struct PrecomputeOptions;
 
 struct ExplorationEstimate {
   Index num_unknowns = 0;
-  /// Equilibria that are solved for. With a tolerance, a force limit or levels nobody knows how
-  /// many: a tolerance of 0.1 % of a liver under a sphere took three times as many as without.
+  /// Equilibria that are solved for. With a tolerance, a force limit or levels this is a guess:
+  /// with a tolerance of 0.1 %, a liver under a sphere took three times as many as without.
   std::int64_t num_configurations = 0;
-  /// Check-points at which a rigid tool touches nothing, which take no time.
+  /// Check-points at which a rigid tool touches nothing; they need no solve.
   std::int64_t num_free = 0;
-  /// Wall time on all ranks, s; what a rank needs in memory beside ParaView, and the file, bytes.
+  /// Wall time on all ranks, s; the memory of a rank beside ParaView's, bytes; and the size of the
+  /// file, bytes.
   double seconds = 0;
   double bytes_per_rank = 0;
   double file_bytes = 0;
 };
 
-/// @param spaces What plan_spaces() has planned for these options.
+/// @param spaces The spaces that plan_spaces() has made for these options.
 [[nodiscard]] ExplorationEstimate estimate_exploration(const PrecomputeOptions& options,
                                                        const std::vector<PlannedSpace>& spaces,
                                                        const SolveCost& cost, int num_ranks);
 
-/// The same of all that the options ask for: a rigid tool and active nodes.
-/// @param scene It was checked, see check().
+/// The estimate of all that the options ask for: a rigid tool, active nodes, or both.
+/// @param scene A scene that check() accepts.
 /// @throws InputError what precompute() would refuse too.
 [[nodiscard]] ExplorationEstimate estimate_exploration(const Scene& scene,
                                                        const PrecomputeOptions& options,
                                                        const SolveCost& cost, int num_ranks);
 
-/// A configuration in the mean: of an active node, or of a rigid tool.
+/// The mean work of a configuration, of a rigid tool or of an active node.
 [[nodiscard]] WorkCount work_of_configuration(bool is_rigid);
 
-/// @throws InputError the space of a rigid tool would have more configurations than are allowed.
+/// @throws InputError the space of a rigid tool would have more configurations than the options
+///   allow.
 void require_few_enough(const PrecomputeOptions& options, const std::vector<PlannedSpace>& spaces);
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of the exploration of a tool space is the same on every rank and does not change while the
-// ranks are at work: what follows from what, and which rank decides about a check-point.
+// The part of a tool space's exploration that is the same on every rank and does not change during
+// a run: which targets follow from a configuration, and which rank owns a check-point.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ class ExplorationPlan {
   ExplorationPlan(const ExplorationPlan&) = delete;
   ExplorationPlan& operator=(const ExplorationPlan&) = delete;
 
-  /// The targets to which transitions from a configuration are made whatever else is found. The
-  /// same target follows from no other configuration.
+  /// The targets that are reached from a configuration, whatever else is found. Each target follows
+  /// from at most one configuration.
   [[nodiscard]] virtual std::vector<CheckPoint> following(
       const ConfigurationSummary& found) const = 0;
-  /// Each check-point has an owner of its own, which knows of that one alone. Otherwise one rank
-  /// owns the tool space.
+  /// Whether each check-point has an owner rank of its own, which knows of that check-point alone.
+  /// Otherwise one rank owns the whole tool space.
   [[nodiscard]] virtual bool is_spread() const = 0;
-  /// How far a check-point is from where the exploration begins, m: of what is due, a rank makes
-  /// first what is nearest. It decides when a configuration is found, never what is found.
+  /// The distance of a check-point from where the exploration begins, m. A rank makes the nearest
+  /// target first. The distance decides when a configuration is found, never which one.
   [[nodiscard]] virtual double distance(const CheckPoint& /*p*/) const { return 0; }
   /// The strategy of the check-points that a rank owns.
   [[nodiscard]] virtual std::unique_ptr<ExplorationStrategy> make_strategy(int rank,

@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// A failed step is tried from this many starts in all. More seldom helps where three failed.
+/// The number of starts from which a target is tried. Further starts seldom help where three
+/// failed.
 constexpr int kMaxLayerStarts = 3;
 
 std::int32_t layer_of(const CheckPoint& p) {
@@ -40,8 +41,8 @@ void for_each_neighbour(const CheckPoint& p, std::int32_t layer, F&& f) {
   }
 }
 
-/// Squared distance of layer · p from (layer − 1) · target: how far a start p lies off the straight
-/// way from rest to the target, times the layer so that it stays whole.
+/// How far a start p lies off the straight line from rest to the target: the squared distance of
+/// layer · p from (layer − 1) · target, which is a whole number.
 std::int64_t detour(const CheckPoint& p, const CheckPoint& target, std::int64_t layer) {
   std::int64_t sum = 0;
   for (int i = 0; i < 3; ++i) {
@@ -51,7 +52,7 @@ std::int64_t detour(const CheckPoint& p, const CheckPoint& target, std::int64_t 
   return sum;
 }
 
-/// Where a target other than rest may be reached from, the best first.
+/// The starts from which a target other than rest may be reached, the best first.
 std::vector<CheckPoint> candidates(const CheckPoint& target) {
   const std::int32_t layer = layer_of(target);
   std::vector<CheckPoint> starts;
@@ -64,7 +65,7 @@ std::vector<CheckPoint> candidates(const CheckPoint& target) {
   return starts;
 }
 
-/// In steps of the grid.
+/// The targets that follow from a start; all are in steps of this grid.
 std::vector<CheckPoint> following_on_grid(const CheckPoint& start, std::int32_t reach) {
   std::vector<CheckPoint> targets;
   const std::int32_t layer = layer_of(start) + 1;
@@ -125,7 +126,7 @@ void LayeredGrid::accept(const ConfigurationSummary& found) {
   const CheckPoint p = on_grid(found.check_point, step_);
   if (found.leads_on()) {
     for (const CheckPoint& target : following_on_grid(p, reach_)) {
-      // What follows may be heard of first.
+      // The result of a following target may have come before that of its start.
       const auto failed = failed_from_.find(target);
       const bool is_known_to_fail = failed != failed_from_.end() && failed->second == p;
       if (at(target) != Status::open || is_known_to_fail) continue;
@@ -163,7 +164,7 @@ void LayeredGrid::decide(const CheckPoint& target) {
     bool tried = !is_new;
     for (const CheckPoint& start : candidates(target)) {
       const Status of_start = at(start);
-      // A better one may come of it.
+      // A better start may still be found here.
       if (of_start == Status::open || of_start == Status::under_way) return;
       if (of_start != Status::start) continue;
       if (++num_starts > kMaxLayerStarts) break;
@@ -178,11 +179,11 @@ void LayeredGrid::decide(const CheckPoint& target) {
 
 std::vector<Transition> LayeredGrid::next() {
   if (!std::exchange(has_begun_, true)) {
-    // Layer by layer: what an earlier run has left.
+    // Go through the layers, so that targets which an earlier run has left open are decided.
     for (std::int32_t layer = 0; layer <= reach_; ++layer) {
       for (std::int32_t i = -layer; i <= layer; ++i) {
         for (std::int32_t j = -layer; j <= layer; ++j) {
-          // Inside the layer's shell only its two faces.
+          // Within a layer, the points with max(|i|, |j|) < layer have k = ±layer alone.
           const bool face = std::max(std::abs(i), std::abs(j)) == layer;
           for (std::int32_t k = -layer; k <= layer; k += face || layer == 0 ? 1 : 2 * layer) {
             decide({i, j, k});
@@ -191,7 +192,7 @@ std::vector<Transition> LayeredGrid::next() {
       }
     }
   }
-  // The order of the targets within those of one start stays.
+  // The sort is stable: targets of the same start keep their order.
   std::stable_sort(due_.begin(), due_.end(),
                    [](const Transition& a, const Transition& b) { return a.start < b.start; });
   return std::exchange(due_, {});

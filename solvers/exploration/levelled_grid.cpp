@@ -10,20 +10,20 @@
 namespace palpate {
 namespace {
 
-/// Two states at a check-point are the same if their forces differ by no larger a share of the
-/// larger one, and their displacements by no larger a share of that of the tool space. A solve
-/// leaves errors below a thousandth of this.
+/// Two states at a check-point are the same if their forces and their displacements differ by no
+/// more than this: as a share of the larger force, and as a share of the displacement of the
+/// check-point. The error of a solve is below a thousandth of this.
 constexpr double kSame = 1e-3;
 
-/// What is left of the energy along an edge falls to 1/32 when the edge is halved, where it is
-/// smooth and the edge is short enough; where the force jumps, to a half.
+/// If an edge is halved, its energy residual falls to 1/32 where the force is smooth and the edge
+/// is short enough, and to 1/2 where the force jumps. This bound lies in between.
 constexpr double kShrinks = 0.25;
-/// And counts only beyond this share of the work along the edge.
+/// A residual counts only beyond this share of the work along the edge.
 constexpr double kCounts = 2e-3;
 
 constexpr Flags kNoStart = flags::inverted | flags::unstable | flags::beyond_force_limit;
 
-/// Transitions between levels may start from it.
+/// Whether transitions between levels may start from a configuration.
 bool is_start(const ConfigurationSummary& c) { return c.usable() && (c.flags & kNoStart) == 0; }
 
 bool is_inverted(const ConfigurationSummary& c) { return (c.flags & flags::inverted) != 0; }
@@ -69,7 +69,7 @@ std::vector<Transition> LevelledGrid::next() {
   if (!due.empty() || !flat_.is_complete() || num_under_way_ > 0) return due;
   if (!std::exchange(has_suspects_, true)) find_suspects();
   for (std::set<Key> round = missing(); !round.empty(); round = missing()) {
-    // Those of one start follow each other, as the keys do.
+    // Transitions with the same start are next to each other, as their keys are.
     for (const Key& key : round) {
       if (recalled_.count(key) > 0 || candidates_.count(key) > 0) continue;
       const auto& [start, start_level, target] = key;
@@ -106,7 +106,7 @@ bool LevelledGrid::is_across(const ConfigurationSummary& found, int axis) const 
   const double residual = edge_residual(found, *next, edge);
   const double work = 0.5 * edge.norm() * (found.force.norm() + next->force.norm());
   if (!(residual > kCounts * work)) return false;
-  // In each pair of edges, the long one's ends are those of the pair.
+  // The residual of this edge is compared with those of edges twice as long that contain it.
   const ConfigurationSummary* before = moved(-1);
   const ConfigurationSummary* after = moved(2);
   double of_long = -1;
@@ -117,7 +117,7 @@ bool LevelledGrid::is_across(const ConfigurationSummary& found, int axis) const 
 
 bool LevelledGrid::is_suspect(const ConfigurationSummary& found) const {
   if (found.usable()) return (found.flags & (flags::near_fold | flags::unstable)) != 0;
-  // Not reached, though the body is sound where the way there begins.
+  // The target was not reached, though its start is sound.
   const ConfigurationSummary* parent = flat_at(found.parent);
   return parent != nullptr && is_start(*parent);
 }
@@ -167,10 +167,10 @@ void LevelledGrid::add_transitions(const CheckPoint& from, const CheckPoint& to,
   const auto here = found_.find(from);
   if (here == found_.end()) return;
   const ConfigurationSummary* flat = flat_at(to);
-  // Which of its branches an inverted body is on is no question of physics.
+  // An inverted body is not physical, so that its branches are not told apart.
   if (flat != nullptr && is_inverted(*flat)) return;
   for (const auto& [level, c] : here->second) {
-    // The flat space has made this one.
+    // The flat space has made this transition.
     if (level == 0 && flat != nullptr && flat->parent == from) continue;
     const Key key{from, level, to};
     if (is_start(c) && reached_.count(key) == 0) all.insert(key);

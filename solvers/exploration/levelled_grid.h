@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Levels on a uniform grid [P07]: a check-point holds every equilibrium that the body is found in
-// there, and each of these says which level of each neighbour the body is on when it is moved
-// there.
+// Levels on a uniform grid [P07]: a check-point has each equilibrium that was found there, as a
+// level, and each level says which level of each neighbour the body reaches when it is moved there.
 //
-// First comes the flat space, as layered_grid.h. Then, round by round, all transitions between each
-// suspect and its neighbours, from and to all their levels. Suspects are check-points where there
-// are signs of several branches: a jump or a loss of stability on the way there, an edge whose
-// energy does not fit its forces (branch_test.h), a target that was not reached; and then those
-// that have several levels. A body without such signs pays nothing. With History::levels all are
-// suspects.
+// The flat space is explored first, as layered_grid.h says. Then all transitions between each
+// suspect and its neighbours are made in rounds, from and to all their levels. A suspect is a
+// check-point with a sign of several branches: a jump or a loss of stability on the way to it, an
+// edge whose energy does not fit its forces (branch_test.h), or a target that was not reached. A
+// check-point with several levels becomes a suspect too. A body without such signs needs no further
+// transition. With History::levels, all check-points are suspects.
 //
-// What a transition finds is one of the levels of its target if force and displacement are the
-// same. The rounds, and the order in which levels are told apart in each, do not depend on the
-// order in which configurations are found.
+// A transition has found a known level of its target if force and displacement are the same.
+// Neither the rounds nor the order in which a round compares levels depend on the order in which
+// configurations are found.
 //
-// A check-point has kMostLevels levels at most: a transition that finds one more counts as one that
-// has failed, and says so (beyond_most_levels).
+// A check-point has at most kMostLevels levels. A transition that finds one more counts as failed,
+// and is marked so (beyond_most_levels).
 //
 // No transition starts from a state that is inverted, unstable or beyond the force limit, and none
-// leads to where the flat space is inverted; what one finds inverted counts as not reached.
+// leads to a check-point where the flat space is inverted. A transition that finds an inverted
+// state counts as not reached.
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
 #pragma once
@@ -35,7 +35,7 @@ namespace palpate {
 
 class LevelledGrid final : public ExplorationStrategy {
  public:
-  /// @param tool space Its grid is uniform.
+  /// @param setup Its grid is uniform.
   explicit LevelledGrid(const ToolSpaceSetup& setup);
 
   void recall(const ConfigurationSummary& found) override;
@@ -48,7 +48,7 @@ class LevelledGrid final : public ExplorationStrategy {
 
  private:
   using Levels = std::map<std::int32_t, ConfigurationSummary>;
-  /// A transition: its start, the level of that, and its target.
+  /// A transition: its start, the level of the start, and its target.
   using Key = std::tuple<CheckPoint, std::int32_t, CheckPoint>;
 
   [[nodiscard]] bool is_in_box(const CheckPoint& p) const;
@@ -56,13 +56,14 @@ class LevelledGrid final : public ExplorationStrategy {
   [[nodiscard]] bool is_suspect(const ConfigurationSummary& found) const;
   /// Whether the energy along an edge does not fit the forces at its ends.
   [[nodiscard]] bool is_across(const ConfigurationSummary& found, int axis) const;
-  /// Finds the suspects of the flat space, once that is complete.
+  /// Finds the suspects of the flat space, which is complete.
   void find_suspects();
-  /// The transitions that suspects ask for and that are not settled yet.
+  /// The transitions between suspects and their neighbours that are not settled yet.
   [[nodiscard]] std::set<Key> missing() const;
   void add_transitions(const CheckPoint& from, const CheckPoint& to, std::set<Key>& all) const;
   void settle(const Key& key);
-  /// The level of a state at its check-point, a new one, or beyond_most_levels.
+  /// The level of a state at its check-point: a known one, the next free one, or
+  /// beyond_most_levels.
   [[nodiscard]] std::int32_t level_of(const ConfigurationSummary& found) const;
 
   ToolSpaceSetup setup_;
@@ -71,12 +72,12 @@ class LevelledGrid final : public ExplorationStrategy {
   std::set<CheckPoint> suspects_;
   /// What the flat space and the rounds so far have found.
   std::map<CheckPoint, Levels> found_;
-  /// The levels beyond the flat space, those of earlier runs too.
+  /// The levels above 0, those of earlier runs too.
   std::map<CheckPoint, Levels> levels_;
   std::int64_t num_levels_ = 0;
   /// The levels that transitions of earlier runs have reached.
   std::map<Key, std::int32_t> recalled_;
-  /// What transitions of this round, and those of earlier runs that were not settled, have found.
+  /// Results of this round's transitions, and of those of earlier runs that were not settled.
   std::map<Key, ConfigurationSummary> candidates_;
   std::map<Key, std::int32_t> reached_;
   std::size_t num_under_way_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A monitor tells the user how far the ranks are, and the solvers whether to go on: they stop when
+// A monitor reports the progress of all ranks to the user, and tells the solvers when to stop: when
 // an abort was asked for on any rank.
 #pragma once
 
@@ -22,19 +22,20 @@ class Monitor {
         start_(network.now()),
         last_sent_(start_) {}
 
-  /// What a rank knows of: configurations that were found, in this run or an earlier one, those of
-  /// them that an earlier run has found, and those that are expected in all.
+  /// What a rank knows: configurations that were found in this run or an earlier one, those among
+  /// them from an earlier run, and those that are expected in all.
   struct Count {
     std::int64_t found = 0;
     std::int64_t reused = 0;
     std::int64_t expected = 0;
   };
-  /// Give the mail at the begin of a run and null at its end: in between go_on() serves what comes
-  /// from other ranks.
+  /// Set the mailbox at the start of a run, and null at its end. In between, go_on() serves
+  /// messages of other ranks.
   void set_mail(Mail* mail) { mail_ = mail; }
 
-  /// Takes down how far this rank is, and sends it to rank 0 now and then. Call this during a run.
-  /// @param message What the message begins with, by which the worker knows it.
+  /// Stores the progress of this rank, and sends it to rank 0 every kInterval. Call this during a
+  /// run.
+  /// @param message The beginning of the message, by which the worker recognises it.
   void tell(const Count& count, Packer message = {}) {
     of_ranks_[mail_->rank()] = count;
     if (mail_->rank() == 0 || network_.now() - last_sent_ < kInterval) return;
@@ -42,7 +43,7 @@ class Monitor {
     message.put(count);
     mail_->send(0, message.take());
   }
-  /// Takes down what another rank has told.
+  /// Stores the progress that another rank has sent.
   void hear(int from, Unpacker& message) { of_ranks_[from] = message.take<Count>(); }
 
   bool go_on() {
@@ -52,7 +53,7 @@ class Monitor {
   }
 
  private:
-  /// How long a rank waits before it tells rank 0 again, s.
+  /// The time between two messages of a rank to rank 0, s.
   static constexpr double kInterval = 0.5;
 
   [[nodiscard]] ProgressState state() const {

@@ -18,14 +18,13 @@
 namespace palpate {
 namespace {
 
-/// Cells are halved this often at the most.
+/// Cells are halved at most this often.
 constexpr int kMaxDepth = 6;
 
-/// Side of the coarsest cells of a rigid tool's space where it is not given, in half-widths of the
-/// tool.
+/// Default side of the coarsest cells of a rigid tool's space, in half-widths of the tool.
 constexpr double kSpacingOfRadius = 0.4;
 
-/// Makes the grid of a tool space that of the smallest cells that a tolerance may ask for.
+/// Makes the grid that of the smallest cells that a tolerance may ask for.
 void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
   setup.policy.tolerance = options.tolerance;
   setup.policy.tolerance_is_relative = options.tolerance_is_relative;
@@ -38,7 +37,7 @@ void refine(const PrecomputeOptions& options, ToolSpaceSetup& setup) {
   }
 }
 
-/// What the policies of all tool spaces have in common.
+/// The part of the policy that all tool spaces have in common.
 ExplorationPolicy policy_of(const PrecomputeOptions& options) {
   ExplorationPolicy policy;
   policy.force_limit = options.force_limit;
@@ -48,9 +47,9 @@ ExplorationPolicy policy_of(const PrecomputeOptions& options) {
   return policy;
 }
 
-/// The spacing where it is not given. A tool that is larger than the body has that of a tool as
-/// large as the body is thin, but for a grid of too many cells.
-/// @param width Half of the tool's.
+/// The default spacing. A tool that is larger than the body is given the spacing of a tool as wide
+/// as the body is thin, or a larger one that keeps the grid within its largest size.
+/// @param width Half-width of the tool, m.
 double usual_spacing(const ToolClearance& clearance, double width) {
   if (!clearance.is_large()) return kSpacingOfRadius * width;
   const double of_body = 0.5 * clearance.body_bounds().sizes().minCoeff();

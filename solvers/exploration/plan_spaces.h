@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tool spaces that an exploration is asked for, with their grids and the order in which they
-// are explored.
+// The tool spaces that an exploration is asked for, with their grids and the plans of their
+// exploration.
 #pragma once
 
 #include <vector>
@@ -11,30 +11,32 @@
 
 namespace palpate {
 
-/// The space of the rigid tool, or where there is none those of the active nodes.
-/// @throws InputError as both of these.
+/// The space of the rigid tool if there is one, else those of the active nodes.
+/// @throws InputError as plan_shell() and plan_grids() do.
 [[nodiscard]] std::vector<PlannedSpace> plan_spaces(const Scene& scene,
                                                     const PrecomputeOptions& options,
                                                     InteractionFactory& tools);
 
 /// A space for each active node.
-/// @throws InputError a node where the tool cannot be.
+/// @throws InputError the tool cannot be placed at a node.
 [[nodiscard]] std::vector<PlannedSpace> plan_grids(const Scene& scene,
                                                    const PrecomputeOptions& options);
 
 /// The space of the rigid tool. Its plan is a StartGraph.
-/// @throws InputError a tool that is none, or that there is nothing to press with.
+/// @throws InputError the tool has no valid shape, or there is nothing to press.
 [[nodiscard]] std::vector<PlannedSpace> plan_shell(const Scene& scene,
                                                    const PrecomputeOptions& options,
                                                    InteractionFactory& tools);
 
-/// Whether the file was begun with the layer of contact that earlier versions of this program chose
-/// by themselves for the rigid tool: with another one it would be another tool.
-/// @param options With a rigid tool. @note Of one rank: what a run that was killed has left of the
-///   file is taken up. @throws InputError, BackendError the file cannot be read.
+/// Whether the file has a rigid tool with the contact layer that earlier versions of this program
+/// chose by default. Such a run is resumed with that layer, since another layer would make it
+/// another tool.
+/// @param options They have a rigid tool.
+/// @throws InputError, BackendError the file cannot be read.
+/// @note Call this on one rank only: opening the file recovers what a killed run has left in it.
 [[nodiscard]] bool has_earlier_layer(const Scene& scene, const PrecomputeOptions& options);
 
-/// A rigid tool with that layer.
+/// The rigid tool with the default layer of earlier versions.
 [[nodiscard]] RigidTool with_earlier_layer(RigidTool tool, const Scene& scene);
 
 }  // namespace palpate

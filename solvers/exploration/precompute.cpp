@@ -30,16 +30,17 @@
 namespace palpate {
 namespace {
 
-/// What the error of a cell is in one of its halves at the most where halving helps: it falls to an
-/// eighth or less where the force is smooth, and where contact begins.
+/// Halving a cell has helped if the error of the half is below this share of the cell's. Where the
+/// force is smooth, or contact begins, it falls to an eighth or less.
 constexpr double kShrinks = 1.0 / 3;
-/// A step onto another branch, as at a ridge, is halved this often before the body jumps. What it
-/// jumps to is the same after eight halvings, in three times the time.
+/// A step that leads to another branch, as at a ridge, is halved this often before the body jumps.
+/// Eight halvings jump to the same state in three times the time.
 constexpr int kMostHalvingsOfStep = 3;
 
 EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& monitor) {
   EquilibriumOptions result = options.equilibrium;
-  // Depth first, the starts on the way down keep their factors beside those of a step.
+  // The exploration goes depth first: the starts on the current path keep their factors, beside
+  // that of a step.
   result.follow_folds = false;
   if (options.contact) result.max_halvings = std::min(result.max_halvings, kMostHalvingsOfStep);
   result.kept_factors =
@@ -50,7 +51,7 @@ EquilibriumOptions solver_options(const PrecomputeOptions& options, Monitor& mon
   return result;
 }
 
-/// Who solves together with whom.
+/// The ranks, in groups that solve together.
 struct Groups {
   Groups(Communicator& all, int ranks_per_solve) {
     const int last = all.size() / ranks_per_solve - 1;
@@ -60,7 +61,7 @@ struct Groups {
   [[nodiscard]] bool leads() const { return own->rank() == 0; }
 
   std::unique_ptr<Communicator> own;
-  /// On those that lead.
+  /// The communicator of the ranks that lead a group.
   std::unique_ptr<Communicator> leaders;
 };
 
@@ -80,7 +81,7 @@ void validate_ranks_per_solve(const PrecomputeOptions& options, int num_ranks) {
   }
 }
 
-/// Adds what another rank has to what one has.
+/// Adds the figure of another rank.
 template <class T>
 void add(T& all, const T& one) {
   all += one;
@@ -90,8 +91,8 @@ void add(std::map<Key, std::int64_t>& all, const std::map<Key, std::int64_t>& on
   for (const auto& [key, number] : one) all[key] += number;
 }
 
-/// Calls visit(figure, combine) for each figure of a report that the ranks combine, where
-/// combine(all, one) takes in that of one more.
+/// Calls visit(figure, combine) for each figure of a report that is combined over the ranks;
+/// combine(all, one) takes in the figure of one more rank.
 template <class Visit>
 void for_each_figure(PrecomputeReport& report, Visit&& visit) {
   constexpr auto sum = [](auto& all, const auto& one) { add(all, one); };
@@ -117,7 +118,7 @@ void for_each_figure(PrecomputeReport& report, Visit&& visit) {
   visit(report.finishing_seconds, largest);
 }
 
-/// The figures of a report.
+/// Packs the figures of a report.
 Bytes packed(PrecomputeReport& report) {
   Packer figures;
   for_each_figure(report, [&](auto& figure, auto /*combine*/) { figures.put(figure); });
@@ -131,7 +132,7 @@ void take_in(PrecomputeReport& report, const Bytes& figures) {
   });
 }
 
-/// Combines what each rank has; the ranks that serve others have nothing.
+/// Combines the reports of all ranks. Ranks that serve others in a solve have empty reports.
 void combine(PrecomputeReport& report, Communicator& communicator) {
   const Bytes mine = packed(report);
   for_each_figure(report, [](auto& figure, auto /*combine*/) { figure = {}; });
@@ -140,7 +141,7 @@ void combine(PrecomputeReport& report, Communicator& communicator) {
   report.num_not_reached = report.num_expected - report.num_solved - report.num_reused;
 }
 
-/// The rounds in which cells of a rigid tool's space are halved. Every rank plans the same.
+/// The rounds in which cells of a rigid tool's space are halved. Every rank plans the same rounds.
 class ShellRounds {
  public:
   ShellRounds(PlannedSpace& space, const ToolClearance& clearance, const Vec3& begin_at)
@@ -148,15 +149,15 @@ class ShellRounds {
     take(static_cast<const StartGraph&>(*space.plan));
   }
 
-  /// Plans the next round, after one that is complete.
-  /// @returns false: there is none.
+  /// Plans the next round, after a complete one.
+  /// @returns false: no further round is needed.
   /// @note Collective
   bool plan(Engine& engine, Communicator& communicator, PrecomputeReport& report) {
     gather_known(engine, communicator);
     bool goes_on = false;
     agree(communicator, [&] {
       const ToolSpaceSetup& setup = space_.setup;
-      // What earlier runs have left of rounds to come does not count yet.
+      // Configurations of earlier runs that belong to later rounds do not count yet.
       std::map<CheckPoint, ConfigurationSummary> known;
       std::vector<ConfigurationSummary> found;
       for (const auto& [p, c] : known_) {
@@ -184,7 +185,7 @@ class ShellRounds {
   }
 
  private:
-  /// Whether halving has not helped: between the branches at a ridge it does not.
+  /// Whether halving has not helped, as between the branches at a ridge.
   [[nodiscard]] bool is_in_vain(const CellEstimate& estimate) const {
     const auto before = errors_.find(parent_of(estimate.cell, space_.setup.grid.reach()));
     return before != errors_.end() && !(estimate.error < kShrinks * before->second);
@@ -211,17 +212,17 @@ class ShellRounds {
   PlannedSpace& space_;
   const ToolClearance& clearance_;
   Vec3 begin_at_;
-  /// Of the rounds so far.
+  /// The check-points that the rounds so far have asked for.
   std::set<CheckPoint> asked_;
   std::map<CheckPoint, ConfigurationSummary> known_;
-  /// The estimates of all cells so far, also of those that were split.
+  /// The error estimates of all cells so far, also of cells that were split since.
   std::map<Cell, double> errors_;
   std::size_t num_told_ = 0;
   int num_rounds_ = 0;
 };
 
-/// On ranks that solve.
-/// @param make_solver Of this rank; null for one without a factor.
+/// Explores, on the ranks that lead a solve.
+/// @param make_solver Makes the solver of this rank; null: a solver without factorisation.
 PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
                          Communicator& communicator, const Progress& progress,
                          const std::function<std::unique_ptr<LinearSolver>()>& make_solver) {
@@ -232,7 +233,7 @@ PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
   std::vector<PlannedSpace> spaces;
   std::unique_ptr<EquilibriumSolver> solver;
   std::string solver_name;
-  // All that can be wrong, before a file is touched.
+  // Check everything that can be wrong before a file is touched.
   agree(communicator, [&] {
     with_memory("to prepare the solver of the body", [&] {
       std::unique_ptr<LinearSolver> linear_solver = make_solver();
@@ -286,7 +287,7 @@ PrecomputeResult explore(const Scene& asked, const PrecomputeOptions& options,
   return result;
 }
 
-/// On all ranks.
+/// Explores, on all ranks.
 /// @note Collective
 PrecomputeResult explore_on_ranks(const Scene& scene, const PrecomputeOptions& options,
                                   Communicator& communicator, const Progress& progress) {
@@ -303,7 +304,8 @@ PrecomputeResult explore_on_ranks(const Scene& scene, const PrecomputeOptions& o
     agree(communicator, prepare_group_solver);
     agree(communicator, [&] {
       if (groups.leads()) {
-        // First: the others have begun to serve it, and whatever fails releases them.
+        // Make the solver first: the other ranks already serve it, and if anything fails its
+        // destructor releases them.
         auto solver = make_group_solver(group);
         result = explore(scene, options, *groups.leaders, progress,
                          [&solver] { return std::move(solver); });
@@ -327,11 +329,12 @@ PrecomputeOptions without_contact(const PrecomputeOptions& options) {
   return result;
 }
 
-/// Adds what was explored after the rest.
-/// @param in_memory Else the file, and so the newer space, has all.
+/// Adds the results of an earlier exploration to those of a later one.
+/// @param in_memory true: the spaces are joined here. false: the file, and so the later result, has
+///   all.
 void append(PrecomputeResult& all, PrecomputeResult newer, bool in_memory) {
   PrecomputeReport& report = newer.report;
-  // The later of the two says whether anything is left, and each has taken its time.
+  // The later report says whether the run is complete; the times are added up.
   report.exploration_seconds += all.report.exploration_seconds;
   report.finishing_seconds += all.report.finishing_seconds;
   all.report.complete = false;
@@ -355,7 +358,7 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& asked,
   agree(communicator, [&] {
     validate(asked);
     validate_ranks_per_solve(asked, communicator.size());
-    // What is wrong with these is not told at the end of the first exploration.
+    // Check the active nodes now, and not after the first exploration.
     if (has_both) (void)plan_grids(scene, asked);
   });
   PrecomputeOptions options = asked;
@@ -369,7 +372,7 @@ PrecomputeResult precompute(const Scene& scene, const PrecomputeOptions& asked,
     }
   }
   PrecomputeResult result;
-  // One rank may run out of memory anywhere.
+  // A rank may run out of memory anywhere.
   agree(communicator, [&] {
     result = explore_on_ranks(scene, without_nodes(options), communicator, progress);
     if (has_both && any(communicator, result.report.complete)) {

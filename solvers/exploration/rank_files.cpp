@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// As NewFile names what is not whole yet.
+/// The ending that NewFile gives to a file that is not complete yet.
 constexpr char kPart[] = ".part";
 
 [[noreturn]] void throw_not_removed(const fs::path& file, const std::error_code& error) {
@@ -26,7 +26,7 @@ constexpr char kPart[] = ".part";
 }  // namespace
 
 void RankFiles::open(const std::function<void(StateSpaceFile&)>& prepare) {
-  // Rank 0 first: where it fails, no other rank leaves a file behind.
+  // Rank 0 goes first: if it fails, no other rank leaves a file behind.
   agree(communicator_, [&] {
     if (communicator_.rank() != 0) return;
     if (const auto left = left_by_ranks(); !left.empty() && !fs::exists(path_)) {
@@ -69,7 +69,7 @@ void RankFiles::discard_others() {
   });
 }
 
-/// What ranks of this or of an earlier, killed run have left under names with this ending.
+/// The files with this ending that ranks of this run, or of an earlier, killed one, have left.
 std::vector<fs::path> RankFiles::left_by_ranks(const std::string& ending) const {
   std::vector<fs::path> files;
   const std::string prefix = path_.filename().string() + ".rank";
@@ -78,7 +78,7 @@ std::vector<fs::path> RankFiles::left_by_ranks(const std::string& ending) const 
     const std::size_t digits_end =
         std::min(name.find_first_not_of("0123456789", prefix.size()), name.size());
     const std::string rest = name.substr(digits_end);
-    // Before its ending, one that was half made has what no other has.
+    // The name of an incomplete file has random characters before its ending.
     const bool is_part = ending == kPart && rest.size() >= ending.size() &&
                          rest.compare(rest.size() - ending.size(), ending.size(), ending) == 0;
     if (digits_end > prefix.size() && (rest == ending || is_part)) {
@@ -88,8 +88,8 @@ std::vector<fs::path> RankFiles::left_by_ranks(const std::string& ending) const 
   return files;
 }
 
-/// Merges and removes one after the other: never more than one of them is on the disk twice. What
-/// was merged is durable before its source is removed.
+/// Merges and removes the files one by one, so that no more than one of them is on the disk twice.
+/// A file is removed once its content is durable in this one.
 void RankFiles::take_over() {
   for (const fs::path& file : left_by_ranks()) {
     const std::vector<std::string> left_out = own_->merge(file);
@@ -101,7 +101,7 @@ void RankFiles::take_over() {
     std::error_code error;
     if (!fs::remove(file, error)) throw_not_removed(file, error);
   }
-  // Of a file that was half made or half removed when the power was lost.
+  // Remains of a file that was being created or removed when the power was lost.
   for (const char* ending : {kPart, "-journal", "-wal"}) {
     for (const fs::path& remains : left_by_ranks(ending)) fs::remove(remains);
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A state-space file that all ranks of a run write to: each a file of its own beside it
-// (<path>.rank<r>), but rank 0, which writes to the file itself. They are merged at the end, or by
-// the next run after a kill.
+// A state-space file that all ranks of a run write to. Rank 0 writes to the file itself, and each
+// other rank to a file of its own beside it (<path>.rank<r>). The files are merged at the end, or
+// after a kill by the next run.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ namespace palpate {
 
 class RankFiles {
  public:
-  /// Nothing is touched before open().
+  /// The files are not touched before open().
   RankFiles(std::filesystem::path path, const Scene& scene, double solver_tolerance,
             Communicator& communicator)
       : path_(std::move(path)),
@@ -26,26 +26,27 @@ class RankFiles {
         solver_tolerance_(solver_tolerance),
         communicator_(communicator) {}
 
-  /// Opens or makes the files of all ranks.
-  /// @param prepare It is called on each rank with the file of that rank.
+  /// Opens or creates the files of all ranks.
+  /// @param prepare Called on each rank with the file of that rank.
   /// @throws InputError a file of another scene or tolerance.
   /// @note Collective
   void open(const std::function<void(StateSpaceFile&)>& prepare);
 
-  /// The file of this rank. After merge() only rank 0 has one.
+  /// The file of this rank. After merge(), only that of rank 0 is open.
   [[nodiscard]] StateSpaceFile& own() { return *own_; }
   [[nodiscard]] const StateSpaceFile& own() const { return *own_; }
 
-  /// What open() has found damaged in the file and so has removed from it, see
-  /// StateSpaceFile::left_out(); empty on other ranks than 0.
+  /// On rank 0: damaged parts that open() has removed from the file, see
+  /// StateSpaceFile::left_out(); empty elsewhere.
   [[nodiscard]] const std::vector<std::string>& damaged() const { return damaged_; }
 
-  /// Removes the files of the other ranks, whose content is in that of rank 0 by other means.
+  /// Removes the files of the other ranks, when their content is in the file of rank 0 by other
+  /// means.
   /// @note Collective
   void discard_others();
 
-  /// Moves everything into the file of rank 0, and removes the other files.
-  /// @throws InputError the file of a rank is damaged: what is sound in it was taken over, and it
+  /// Moves the content of all files into that of rank 0, and removes the others.
+  /// @throws InputError the file of a rank is damaged. Its sound part was taken over, and the file
   ///   stays.
   /// @note Collective
   void merge();

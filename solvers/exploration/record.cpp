@@ -16,18 +16,18 @@
 namespace palpate {
 namespace {
 
-/// Of a ratio of two numbers that were stored.
+/// Rounding of a ratio of two stored numbers.
 constexpr double kRounding = 1e-12;
 
 namespace fs = std::filesystem;
 
-/// What the ranks have found, without fields.
+/// Results of the ranks, without fields.
 struct Parts {
   std::vector<std::pair<ToolSpaceId, ConfigurationSummary>> configurations;
   std::vector<std::pair<ToolSpaceId, LevelTransition>> transitions;
   std::vector<std::pair<ToolSpaceId, IntermediateState>> intermediate_states;
 
-  /// On rank 0 all, elsewhere nothing.
+  /// Moves the results of all ranks to rank 0.
   /// @note Collective
   void gather_all(Communicator& communicator) {
     gather(configurations, communicator);
@@ -52,15 +52,16 @@ ReductionTask task_of(const Scene& scene, const std::vector<ToolSpaceSetup>& set
   return task;
 }
 
-/// What fields are reduced: those that count from the body at rest.
+/// A configuration as its fields are reduced: they count from the body at rest.
 Configuration from_rest(const Scene& scene, Configuration configuration) {
   count_from_rest(scene.settled, configuration);
   return configuration;
 }
 
-/// Makes the touch space of what all ranks have found.
-/// @param parts, whole What this rank has, and of which it has the fields.
-/// @returns The whole on rank 0, empty elsewhere.
+/// Makes the touch space from the results of all ranks.
+/// @param parts The results of this rank.
+/// @param whole The states whose fields this rank has.
+/// @returns The touch space on rank 0; an empty one elsewhere.
 /// @note Collective
 TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Parts parts,
                     std::vector<StateKey> whole, std::function<Configuration(const StateKey&)> load,
@@ -92,12 +93,12 @@ TouchSpace assemble(const Scene& scene, std::vector<ToolSpaceSetup> setups, Part
     std::map<StateKey, ConfigurationSummary> found;
     for (const auto& [id, c] : parts.configurations) {
       const auto [there, is_new] = found.emplace(key_of(id, c), c);
-      // One that failed in an earlier run may have been found in this one.
+      // A configuration that failed in an earlier run may have been found in this one.
       if (!is_new && !there->second.usable()) there->second = c;
     }
     for (const auto& [id, transition] : parts.transitions) {
       const auto start = found.find({id, transition.start, transition.start_level});
-      // The end of a run that was killed may have been lost.
+      // A run that was killed may have lost its last configurations.
       if (start == found.end()) continue;
       if (transition.reached >= 0 &&
           found.count({id, transition.target, transition.reached}) == 0) {
@@ -302,7 +303,7 @@ class FileRecord final : public Record {
     return any(communicator_, is_reduced);
   }
 
-  /// Those of the file of rank 0, on all ranks.
+  /// The tool spaces in the file of rank 0, on all ranks.
   /// @note Collective
   [[nodiscard]] std::vector<ToolSpaceSetup> all_setups() {
     Packer mine;
@@ -316,7 +317,7 @@ class FileRecord final : public Record {
     return Unpacker(all.front()).take_list<std::vector<ToolSpaceSetup>>();
   }
 
-  /// What the file of this rank has of some tool spaces.
+  /// The results that the file of this rank has of some tool spaces.
   [[nodiscard]] Parts read_parts(const std::vector<ToolSpaceSetup>& setups) const {
     Parts parts;
     for (const ToolSpaceSetup& setup : setups) {
@@ -345,7 +346,7 @@ class FileRecord final : public Record {
     return whole;
   }
 
-  /// As fields are reduced.
+  /// Reads a configuration as its fields are reduced.
   [[nodiscard]] Configuration load(const StateKey& key) const {
     ConfigurationSummary summary;
     summary.check_point = key.check_point;
@@ -353,7 +354,7 @@ class FileRecord final : public Record {
     return from_rest(scene_, load(key.tool_space, summary));
   }
 
-  /// The file has all fields, those of other tool spaces too.
+  /// Finishes a file that has all fields. The tool spaces of other runs in it are included.
   /// @note Collective
   [[nodiscard]] TouchSpace finish_whole(bool complete, double bound) {
     const std::vector<ToolSpaceSetup> setups = all_setups();
@@ -377,8 +378,7 @@ class FileRecord final : public Record {
     return result;
   }
 
-  /// Reduces what was found in the spaces of this run into the file of rank 0: all of it at once or
-  /// not at all.
+  /// Reduces the results of this run into the file of rank 0, in one transaction.
   /// @note Collective
   void reduce_into_file(double bound) {
     ReductionTask task;
@@ -391,7 +391,7 @@ class FileRecord final : public Record {
       parts = read_parts(setups_);
     });
     parts.gather_all(communicator_);
-    // What is there already tells what is kept of the rest.
+    // The bases that the file already has determine what is kept of the other regions.
     Packer mine;
     agree(communicator_, [&] {
       std::int32_t num_pressures = 0;
@@ -431,7 +431,7 @@ class FileRecord final : public Record {
         plan(setups_[s], boxes[s], of_spaces[setups_[s].id], task.regions);
       }
     });
-    // The other ranks keep what they have until rank 0 has committed it.
+    // The other ranks keep their files until rank 0 has committed the transaction.
     agree(communicator_, [&] {
       if (communicator_.rank() == 0) {
         files_.own().change_together([&] { reduce(task, parts); });
@@ -441,7 +441,7 @@ class FileRecord final : public Record {
     });
   }
 
-  /// Adds the regions of a tool space.
+  /// Adds the regions of a tool space to a list.
   void plan(const ToolSpaceSetup& setup, const std::vector<StateSpaceFile::BasisBox>& boxes,
             const std::vector<StateKey>& keys, std::vector<ReductionRegion>& regions) {
     std::vector<ReductionRegion> there;
@@ -456,7 +456,7 @@ class FileRecord final : public Record {
     }
   }
 
-  /// @param parts On rank 0: what the others have found.
+  /// @param parts On rank 0: the results of the other ranks.
   /// @note Collective
   void reduce(const ReductionTask& task, const Parts& parts) {
     StateSpaceFile& file = files_.own();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where an exploration keeps what it finds. Until the end each rank keeps what it has found itself.
+// Where an exploration keeps what it finds. Until the end of a run, each rank keeps its own
+// results.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +15,9 @@
 
 namespace palpate {
 
-/// What earlier runs have left of a tool space.
+/// What earlier runs have found of a tool space.
 struct Known {
-  /// All configurations without fields, and candidates too, see candidate_level().
+  /// All configurations, without fields; candidates too, see candidate_level().
   std::vector<ConfigurationSummary> configurations;
   std::vector<LevelTransition> transitions;
 };
@@ -27,33 +28,34 @@ class Record {
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
 
-  /// What earlier runs have left of a tool space; empty on other ranks than 0.
+  /// What earlier runs have found of a tool space; empty on ranks other than 0.
   [[nodiscard]] virtual Known known(ToolSpaceId tool_space) const = 0;
-  /// What earlier runs have left but is damaged, see StateSpaceFile::left_out(); empty on other
-  /// ranks than 0.
+  /// Damaged parts of what earlier runs have left, see StateSpaceFile::left_out(); empty on ranks
+  /// other than 0.
   [[nodiscard]] virtual std::vector<std::string> damaged() const = 0;
-  /// Keeps a configuration. The rank that has found it calls this before any other hears of it.
-  /// @param way The intermediate states on the way to it. Either all is kept or nothing.
+  /// Keeps a configuration. The rank that found it calls this before it tells any other rank.
+  /// @param way The intermediate states on the way to it. Either all of this is kept or nothing.
   virtual void keep(ToolSpaceId tool_space, const Configuration& found,
                     const std::vector<IntermediateState>& way) = 0;
-  /// Keeps a transition. Call this on any rank, before the candidate that it has found is settled.
+  /// Keeps a transition between levels. Call this on any rank, before its candidate is settled.
   virtual void keep(ToolSpaceId tool_space, const LevelTransition& transition) = 0;
-  /// Gives its level to a candidate that was kept on this rank or is known here, or removes it.
-  /// @param level Below zero: the candidate is removed, as it is a configuration that is known.
+  /// Settles a candidate that was kept on this rank, or by an earlier run: gives it a level, or
+  /// removes it.
+  /// @param level Below zero: the candidate is removed, since it is a known configuration.
   virtual void settle(ToolSpaceId tool_space, const ConfigurationSummary& candidate,
                       std::int32_t level) = 0;
-  /// A configuration that was kept on this rank or is known here, with its fields.
+  /// A configuration with its fields, which was kept on this rank or by an earlier run.
   [[nodiscard]] virtual Configuration load(ToolSpaceId tool_space,
                                            const ConfigurationSummary& summary) const = 0;
-  /// What load() gives of the fields: less than all where an earlier run has reduced them.
+  /// The part of the fields that load() gives; less than all if an earlier run has reduced them.
   [[nodiscard]] virtual Keep kept(ToolSpaceId /*tool_space*/,
                                   const ConfigurationSummary& /*summary*/) const {
     return Keep::all;
   }
-  /// Brings together all that was found or was known. The result is whole on rank 0, empty
-  /// elsewhere.
-  /// @param complete Whether nothing is left to find.
-  /// @param bound The largest error of a displacement that modes make, as a share of the largest.
+  /// Joins what all ranks have kept. The result is complete on rank 0, and empty elsewhere.
+  /// @param complete Whether the whole space was explored.
+  /// @param bound The largest error of a displacement that is reduced to modes, as a share of the
+  ///   largest displacement.
   /// @note Collective
   [[nodiscard]] virtual TouchSpace finish(bool complete, double bound) = 0;
 
@@ -66,12 +68,12 @@ class Record {
                                                          const std::vector<ToolSpaceSetup>& setups,
                                                          Communicator& communicator);
 
-/// A record in a state-space file, which may hold a part of the space already, see rank_files.h.
-/// @param keep What the file keeps of the fields when nothing is left to find.
-/// @param bound Of their error, as a share of the largest displacement.
-/// @throws InputError a file of another scene, tolerance, tip or grid, with another number of
-///   intermediate states, or where third derivatives are there or asked for alone; one that keeps
-///   less than is asked for, or with a larger error.
+/// A record in a state-space file, which may have a part of the space already, see rank_files.h.
+/// @param keep The part of the fields that the file keeps once the space is complete.
+/// @param bound The largest error of these fields, as a share of the largest displacement.
+/// @throws InputError the file is of another scene, tolerance, tip or grid; it has another number
+///   of intermediate states; third derivatives are in the file but not asked for, or the reverse;
+///   or it keeps less than is asked for, or with a larger error.
 /// @note Collective
 [[nodiscard]] std::unique_ptr<Record> make_file_record(const std::filesystem::path& path,
                                                        const Scene& scene,

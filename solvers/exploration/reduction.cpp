@@ -12,16 +12,16 @@
 namespace palpate {
 namespace {
 
-/// A region of a rigid tool's space has no more states, if it can be halved. With more, a basis has
-/// to serve more of the organ; with fewer, the bases take most of the file.
+/// A region of a rigid tool's space has no more states than these if it can be halved. With more
+/// states, a basis has to serve more of the organ; with fewer, the bases take most of the file.
 constexpr std::size_t kMostInRegion = 1024;
 /// The side of the octree's root cells, in steps of the grid: they reach beyond any grid.
 constexpr std::int32_t kRootSide = 1024;
 static_assert(kRootSide > kLargestResolution / 2);
 
-/// The part of a region that a rank has, of one batch.
+/// The snapshots of one batch of a region that one rank has.
 struct Share {
-  /// Places in the batch.
+  /// Columns of the snapshots in the batch.
   std::vector<Eigen::Index> places;
   Snapshots snapshots;
 };
@@ -37,7 +37,7 @@ CheckPointBox cell_at(const CheckPoint& first, std::int32_t side) {
   return cell;
 }
 
-/// Cuts a cell of the octree into regions.
+/// Divides a cell of the octree into regions.
 void cut(const CheckPoint& first, std::int32_t side, std::vector<StateKey> keys,
          const std::vector<ReductionRegion>& there, std::vector<ReductionRegion>& regions) {
   if (keys.empty()) return;
@@ -67,7 +67,8 @@ void cut(const CheckPoint& first, std::int32_t side, std::vector<StateKey> keys,
   }
 }
 
-/// A part of the work, on every rank. @note Collective
+/// Does a part of the work on every rank.
+/// @note Collective
 template <class Body>
 void together(Communicator& communicator, Body&& body) {
   agree(communicator, [&] { with_memory("to reduce the displacements to modes", body); });
@@ -96,7 +97,7 @@ std::vector<std::vector<Placed>> place(const ReductionTask& task) {
   return placed;
 }
 
-/// How large the fields of each region are.
+/// The scale of the fields in each region.
 /// @note Collective
 std::vector<FieldScale> find_scales(const ReductionTask& task,
                                     const std::vector<std::vector<Placed>>& placed,
@@ -121,7 +122,7 @@ std::vector<FieldScale> find_scales(const ReductionTask& task,
   return scales;
 }
 
-/// Reduces so many regions as there are ranks.
+/// Reduces one region on each rank, at most.
 class Round {
  public:
   Round(const ReductionTask& task, const std::vector<std::vector<Placed>>& placed,
@@ -134,7 +135,7 @@ class Round {
         communicator_(communicator),
         batch_(batch_size(num_points(), task.num_pressures)) {}
 
-  /// @returns What this rank has reduced; nothing: it had no region.
+  /// @returns The region that this rank has reduced; nothing: it had no region.
   /// @note Collective
   std::optional<PackedReduction> run() {
     std::size_t longest = 0;
@@ -170,8 +171,8 @@ class Round {
     return std::min(first + static_cast<std::size_t>(batch_), states.size());
   }
 
-  /// What this rank has of a batch of a rank's region, and with the first of them on rank 0 the
-  /// basis that is there already.
+  /// The snapshots that this rank has of a batch of another rank's region. In the first batch, rank
+  /// 0 adds the existing basis.
   [[nodiscard]] Bytes packed(std::size_t rank, std::size_t first) const {
     const ReductionRegion& region = task_.regions[regions_[rank]];
     const std::vector<Placed>& states = placed_[regions_[rank]];
@@ -195,7 +196,7 @@ class Round {
     return message.take();
   }
 
-  /// Adds a batch of this rank's region.
+  /// Adds a batch to this rank's region.
   void take(std::vector<Bytes> from, std::size_t first) {
     if (static_cast<std::size_t>(communicator_.rank()) >= regions_.size()) return;
     const std::vector<Placed>& states = placed_[own_region()];

@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// @throws InputError there is none.
+/// @throws InputError the body has no rest, or the run was aborted.
 SettledBody find_rest(const Scene& scene, const EquilibriumSolver& solver,
                       const std::filesystem::path& path) {
   require_rest(solver);

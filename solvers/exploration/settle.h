@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a body with a load is at rest, the same for all ranks and all runs of a file: the
-// places of tools, and so their grids, count from there.
+// The equilibrium of a body under its load, the same on all ranks and in all runs of a file: the
+// displacements of tools, and so their grids, count from there.
 #pragma once
 
 #include <filesystem>
@@ -12,12 +12,13 @@
 
 namespace palpate {
 
-/// The scene with its body at rest: that which is given, where it has no load.
-/// @param solver Of the scene, on each rank.
-/// @param file If it is there and of this scene, the rest is that of the file: runs that differ in
-///   rounding agree on it. Empty: there is none.
-/// @param settled Holds the scene, where it has a load.
-/// @throws InputError the body finds no rest, or was aborted before it had found it.
+/// The scene with its body at rest. A scene without load is returned as it is.
+/// @param solver The solver of the scene, on each rank.
+/// @param file If it exists and is of this scene, its rest is taken, so that runs which differ in
+///   rounding agree. Empty: there is no file.
+/// @param settled Storage of the result, if the scene has a load.
+/// @throws InputError the body has no equilibrium under its load, or the run was aborted before it
+///   was found.
 /// @note Collective
 [[nodiscard]] const Scene& settle(const Scene& scene, const EquilibriumSolver& solver,
                                   const std::filesystem::path& file, Communicator& communicator,

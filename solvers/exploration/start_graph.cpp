@@ -60,10 +60,11 @@ class OwnedTargets final : public ExplorationStrategy {
  private:
   struct State {
     const StartGraph::Target* target = nullptr;
-    /// The start that is tried now; after the last of them the target itself.
+    /// The index of the start that is tried now. After the last start the target is tried without
+    /// one.
     std::size_t tried = 0;
     bool is_done = false;
-    /// A start is beyond the force limit.
+    /// One of its starts is beyond the force limit.
     bool is_beyond_limit = false;
   };
 
@@ -82,12 +83,12 @@ class OwnedTargets final : public ExplorationStrategy {
     if (state.is_done) return;
     if (target.starts.empty()) return due_.push_back({target.check_point, target.check_point});
     const CheckPoint& first = target.starts.front();
-    // From what is sought too it follows.
+    // If the first start is sought too, the target follows from it and is not asked for here.
     const bool follows = first != target.check_point && graph_.find(first) != nullptr;
     if (!follows) due_.push_back({target.check_point, first});
   }
 
-  /// Tries the next start.
+  /// Tries the next start of a target, or gives the target up.
   void go_on(State& state) {
     const StartGraph::Target& target = *state.target;
     const auto& starts = target.starts;

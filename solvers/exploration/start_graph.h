@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An exploration by a list: check-points that are sought, and of each the starts it may be reached
-// from, the best first. A start that is itself sought comes before what is reached from it, so that
-// the list is a directed graph without cycles.
+// An exploration by a list: the check-points that are sought, each with the starts from which it
+// may be reached, the best first. A start that is itself sought comes before what is reached from
+// it, so that the list is a directed graph without cycles.
 //
-// Each check-point has an owner of its own. A target follows from its first start if that leads on.
-// Where it does not, or the step from it fails, the owner of the target tries the next start: it
-// asks the owner of that, who answers once the start is found or given up. A target that is its own
-// start is reached from none: from where the tool touches nothing.
+// Each check-point has an owner rank of its own. A target follows from its first start, if this is
+// found and can be a start. If it cannot, or the step from it fails, the owner of the target tries
+// the next start: it asks that start's owner, which answers once the start is found or given up. A
+// target that is its own start needs none: the tool comes from where it touches nothing.
 //
-// A target whose starts all failed is reached from none in the end, unless one of them was beyond
-// the force limit: then it is beyond the limit too, and given up.
+// A target whose starts all failed is tried without a start at last, unless one of them was beyond
+// the force limit: then the target is beyond the limit too, and is given up.
 #pragma once
 
 #include <map>
@@ -19,17 +19,17 @@
 
 namespace palpate {
 
-/// A target is reached from so many starts at the most, itself not counted. More seldom helps where
-/// three failed.
+/// The number of starts from which a target is tried, besides itself. Further starts seldom help
+/// where three failed.
 inline constexpr std::size_t kMostStarts = 3;
 
 class StartGraph final : public ExplorationPlan {
  public:
   struct Target {
     CheckPoint check_point{};
-    /// These are sought too, or were found before.
+    /// Starts that are sought too, or were found before.
     std::vector<CheckPoint> starts;
-    /// The tool touches nothing there: it takes no time to find it.
+    /// The tool touches nothing at this check-point, so that it needs no solve.
     bool is_free = false;
     /// See ExplorationPlan::distance(), m.
     double distance = 0;
@@ -45,13 +45,13 @@ class StartGraph final : public ExplorationPlan {
 
   /// The targets in the order of their check-points.
   [[nodiscard]] const std::vector<Target>& targets() const { return targets_; }
-  /// A check-point that is sought; null: it is not.
+  /// A check-point that is sought; null: it is not sought.
   [[nodiscard]] const Target* find(const CheckPoint& p) const;
 
  private:
   ToolSpaceId tool_space_;
   std::vector<Target> targets_;
-  /// What follows from a check-point: the places of targets whose first start it is.
+  /// By start, the targets whose first start it is.
   std::map<CheckPoint, std::vector<CheckPoint>> following_;
 };
 

@@ -9,13 +9,13 @@
 namespace palpate {
 namespace {
 
-/// What was stored and what is found again differ by no more than what the solver leaves: shares of
-/// the force of the tool and of the energy.
+/// A stored equilibrium and the one that is found again differ only by the solver's error: by these
+/// shares of the tool's force and of the energy.
 constexpr double kSameForce = 1e-6;
 constexpr double kSameEnergy = 1e-6;
 
-/// Whether two equilibria at the same place of the tool are one: on different branches of a body
-/// their energies and forces differ.
+/// Whether two equilibria at the same place of the tool are the same. On different branches of a
+/// body, energy or force differ.
 bool is_same(const Equilibrium& a, const Equilibrium& b) {
   const double force = std::max(a.reaction.norm(), b.reaction.norm());
   return (a.reaction - b.reaction).norm() <= kSameForce * force &&
@@ -39,7 +39,7 @@ Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equili
   if (!has_fields(near)) return near;
   take(setup);
   Equilibrium filled = near;
-  // The inside follows from what was displaced from rest.
+  // The extension to the inside works with displacements from rest.
   const SettledBody& at_rest = scene_.settled;
   if (at_rest.u.size() > 0) filled.u -= at_rest.u;
   extension(kept).fill(filled.u);
@@ -47,7 +47,7 @@ Equilibrium InteractionSolver::restore(const ToolSpaceSetup& setup, const Equili
   if (filled.p.size() == 0) filled.p = at_rest.p;
   Equilibrium restored = solver_.settle(filled);
   if (restored.outcome == Outcome::converged && is_same(restored, near)) return restored;
-  // By the straight way from where the tool touches nothing, or from rest.
+  // Try the straight line from where the tool touches nothing, or from rest.
   restored = clearance_ == nullptr ? solver_.solve(near.t, solver_.rest(), Tangent::factorised)
                                    : begin(setup, near.t, Tangent::factorised);
   if (restored.outcome == Outcome::converged && !is_same(restored, near)) {

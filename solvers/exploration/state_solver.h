@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the engine asks of the mechanics: equilibria of a body on which one tool after the other
-// acts. A solver makes them; where only the order and the time of transitions matter, a recording
-// stands in for it.
+// acts. InteractionSolver computes them. Where only the order and the time of transitions matter, a
+// recording of solves can take its place.
 #pragma once
 
 #include <map>
@@ -23,24 +23,25 @@ class StateSolver {
   StateSolver(const StateSolver&) = delete;
   StateSolver& operator=(const StateSolver&) = delete;
 
-  /// The equilibrium at t that is reached from none: of a bonded tool, for which t is 0, that at
-  /// rest; of a rigid one that to which it comes from where it touches nothing.
-  /// @throws InputError a place where the tool cannot be; the body is not held.
+  /// The equilibrium at t that needs no start. With a bonded tool, t is 0 and it is the body at
+  /// rest; a rigid tool comes from where it touches nothing.
+  /// @throws InputError the tool cannot be there; the body is not held.
   [[nodiscard]] virtual Equilibrium begin(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                           Tangent tangent) = 0;
-  /// As EquilibriumSolver::solve(), with this tool. A start that touches nothing may come without
-  /// its fields, as configurations are kept.
+  /// As EquilibriumSolver::solve(), with this tool. A start that touches nothing may lack its
+  /// fields, as configurations are kept without them.
   [[nodiscard]] virtual Equilibrium solve(const ToolSpaceSetup& setup, const Eigen::VectorXd& t,
                                           const Equilibrium& start, Tangent tangent) = 0;
-  /// The equilibrium of which `near` has a part of the fields, as they were reduced, and all
-  /// figures. Where it is not found, the outcome says so.
-  /// @param kept What it has of them.
+  /// Finds an equilibrium again of which only reduced fields were kept. If it is not found, the
+  /// outcome says so.
+  /// @param near The figures of the equilibrium, and the part of its fields that was kept.
+  /// @param kept The part of the fields that `near` has.
   [[nodiscard]] virtual Equilibrium restore(const ToolSpaceSetup& /*setup*/,
                                             const Equilibrium& near, Keep /*kept*/) {
     return near;
   }
-  /// As EquilibriumSolver::forget(), for a state of the tool space that was solved for last, which
-  /// may come without its fields as a start may.
+  /// As EquilibriumSolver::forget(), for a state of the tool space that was solved for last. The
+  /// state may lack its fields as a start may.
   virtual void forget(const Equilibrium& state) = 0;
 
  protected:
@@ -88,9 +89,9 @@ class InteractionSolver final : public StateSolver {
   InteractionFactory& tools_;
   [[nodiscard]] const InnerExtension& extension(Keep kept);
 
-  /// The tool space whose tool is taken.
+  /// The tool space whose tool the solver has.
   std::optional<ToolSpaceId> taken_;
-  /// Of that tool, if it is rigid.
+  /// The clearance of that tool, if it is rigid.
   std::shared_ptr<const ToolClearance> clearance_;
   std::map<Keep, InnerExtension> extensions_;
 };

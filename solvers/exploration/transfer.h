@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the ranks of a run send each other, as bytes. Values are taken out in the order in which
-// they were put in.
+// The messages between the ranks of a run, as bytes. Values are unpacked in the order in which they
+// were packed.
 #pragma once
 
 #include <array>
@@ -23,11 +23,12 @@
 
 namespace palpate {
 
-/// Whether values of a type are sent as the bytes that they are in memory. Eigen's vectors of a
-/// fixed size are, though C++ does not see it.
+/// Whether values of a type are sent as their bytes in memory. Types with Eigen vectors of a fixed
+/// size are, though C++ does not call them trivially copyable.
 template <class T>
 struct IsPlain : std::is_trivially_copyable<T> {};
-/// A pair is plain for C++ where its first is constant, and not otherwise.
+/// Whether a pair is trivially copyable for C++ depends on its first type, so pairs go part by
+/// part.
 template <class A, class B>
 struct IsPlain<std::pair<A, B>> : std::false_type {};
 template <>
@@ -150,7 +151,7 @@ class Packer {
     if constexpr (IsPlain<T>::value) {
       put(&value, sizeof value);
     } else {
-      // Parts are visited alike to read and to write them.
+      // The same visitor reads and writes the parts.
       for_each_part(const_cast<T&>(value), [this](const auto& part) { put(part); });
     }
   }
@@ -172,8 +173,8 @@ class Packer {
       put_list(list);
     }
   }
-  /// Puts in the number of values, then one after the other.
-  /// @param list Any container of values that can be put in.
+  /// Packs the number of values, then each value.
+  /// @param list Any container of values that can be packed.
   template <class List>
   void put_list(const List& list) {
     put(list.size());
@@ -191,9 +192,9 @@ class Packer {
   Bytes bytes_;
 };
 
-/// Takes values out of bytes that outlive it. What the bytes say of a size is held against what is
-/// left of them before anything is made of that size.
-/// @throws BackendError the bytes are not those of such a value.
+/// Takes values out of bytes, which must outlive it. A size is checked against the bytes that are
+/// left before memory is allocated for it.
+/// @throws BackendError the bytes do not hold such a value.
 class Unpacker {
  public:
   explicit Unpacker(const Bytes& bytes) : bytes_(bytes) {}
@@ -219,7 +220,7 @@ class Unpacker {
     const auto shape = take<std::array<std::int64_t, 2>>();
     require((rows < 0 || shape[0] == rows) && (columns < 0 || shape[1] == columns));
     require(shape[0] >= 0 && shape[1] >= 0);
-    // Without values either may be any number that a matrix can have.
+    // A matrix without values may have any number of rows or columns that a matrix can have.
     const auto most = static_cast<std::int64_t>(std::numeric_limits<Index>::max());
     require(shape[0] <= most && shape[1] <= most);
     require_left(static_cast<std::size_t>(shape[0] * shape[1]), sizeof(Scalar));
@@ -242,7 +243,7 @@ class Unpacker {
       list = take_list<std::vector<T>>();
     }
   }
-  /// Takes what Packer::put_list() has put in, into a container that the caller chooses.
+  /// Takes what Packer::put_list() has packed, into a container that the caller chooses.
   template <class List>
   [[nodiscard]] List take_list() {
     List list;
@@ -253,7 +254,7 @@ class Unpacker {
   }
 
  private:
-  /// What is in a container, keys of a map not constant.
+  /// The type of a container's values; for a map, with keys that are not constant.
   template <class List>
   struct ValueOf {
     using Type = typename List::value_type;
