@@ -48,7 +48,7 @@ class AbsentCells {
   [[nodiscard]] bool is_absent(std::size_t root) const {
     return nearest_[root] != static_cast<std::int32_t>(root);
   }
-  /// What stands for places that are not proved free.
+  /// The entry for places that are not proved free: it refers to the nearest existing root cell.
   [[nodiscard]] std::int32_t touching(std::size_t root) const {
     return ~(CellTree::kNearestRoot + std::max(nearest_[root], 0));
   }
@@ -59,7 +59,8 @@ class AbsentCells {
     return (i[0] * num_ + i[1]) * num_ + i[2];
   }
 
-  // Cells hand on their nearest root to those beside them until nobody has a nearer one to offer.
+  // Root cells pass their nearest existing cell on to their neighbours, until none gets a nearer
+  // one.
   void find_nearest(std::vector<std::int32_t> changed) {
     const auto distance2 = [&](std::int32_t a, std::int32_t b) {
       const Index i = index_of(a);
@@ -88,7 +89,7 @@ class AbsentCells {
     }
   }
 
-  /// Of a cube of root cells, some of which may lie outside the box.
+  /// Finds the free parts of a cube of root cells, some of which may lie outside the box.
   void prove(const Cell& cube) {
     Index first;
     Index end;
@@ -120,12 +121,13 @@ class AbsentCells {
     }
   }
 
-  /// What stands for a part of an absent root cell.
+  /// The entry for a part of an absent root cell.
   [[nodiscard]] std::int32_t part(const Cell& cell, std::int32_t touching) {
     const double c = clearance_(centre(grid_, cell));
     const double r = half_diagonal(grid_, cell);
     if (c > r) return ~CellTree::kFree;
-    // The centres of the smallest parts are as far as r − s at the most: one may be free.
+    // The centres of the smallest parts are at most r − s from this centre, so one of them may be
+    // free.
     const double s = half_diagonal(grid_, {cell.first, smallest_});
     if (!(c + (r - s) > s)) return touching;
     const Cell half{cell.first, cell.side / 2};
@@ -138,11 +140,11 @@ class AbsentCells {
 
   const Grid& grid_;
   const Clearance& clearance_;
-  /// Root cells along an axis.
+  /// The number of root cells along an axis.
   const std::int32_t num_;
   const std::int32_t smallest_;
   std::vector<std::int32_t>& cells_;
-  /// By root cell: the nearest one that is there; −1: none is.
+  /// By root cell: the nearest existing one; −1: there is none.
   std::vector<std::int32_t> nearest_;
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The root cells of a sparse grid that are absent (cell_tree.h): where the tool touches nothing
-// there, and which of the root cells that are there is nearest.
+// The absent root cells of a sparse grid (cell_tree.h): in which parts of them the tool touches
+// nothing, and which existing root cell is nearest.
 //
-// The clearance c at the centre of a cube of half diagonal r decides without looking further where
-// |c| > r: it changes by no more than the way.
+// Let c be the clearance at the centre of a cube, and r half its diagonal. Since c changes by no
+// more than the distance, |c| > r decides for the whole cube.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,16 @@ namespace palpate {
 
 struct Cell;
 
-/// The clearance proves that the tool touches nothing at any place of a cell; an empty one proves
-/// nothing.
+/// Whether the clearance proves that the tool touches nothing anywhere in a cell. An empty
+/// clearance proves nothing.
 [[nodiscard]] bool is_proved_free(const Grid& grid, const Clearance& clearance, const Cell& cell);
 
-/// An absent root cell is halved down to this share of its side to tell what is free of it.
+/// An absent root cell is halved down to this share of its side, to find its free parts.
 inline constexpr std::int32_t kAbsentParts = 4;
 
-/// Fills in the absent root cells, as CellTree keeps them.
-/// @param present The numbers of the root cells that are there.
-/// @param cells The root cells; those that are there stay as they are.
+/// Fills in the absent root cells in the format of CellTree.
+/// @param present The numbers of the root cells that exist.
+/// @param cells The root cells; the existing ones stay as they are.
 void fill_absent_cells(const Grid& grid, const Clearance& clearance,
                        const std::vector<std::int32_t>& present, std::vector<std::int32_t>& cells);
 

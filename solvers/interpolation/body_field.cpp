@@ -22,7 +22,7 @@ bool BodyField::touches(std::int32_t configuration) const {
           flags::touches_nothing) == 0;
 }
 
-// What a corner of a leaf hangs on is larger than the leaf: it comes to an end.
+// The recursion ends, since a node hangs on a leaf that is larger than those it is a corner of.
 void BodyField::add_node(std::int32_t node, double a, const Vec3& d, Weights& weights) const {
   if (const auto found = hanging_.find(node); found != hanging_.end()) {
     const CheckPointGrid::HangingNode& hanging = grid_.hanging_nodes()[found->second];
@@ -53,7 +53,7 @@ Support BodyField::evaluate(const Vec3& t, FieldCache& fields, Keep needed, Noda
   for (auto weight = weights.begin(); weight != weights.end();) {
     weight = touches(weight->first) ? std::next(weight) : weights.erase(weight);
   }
-  // Of a body at rest any configuration tells the sizes.
+  // A body at rest takes the sizes of its fields from any configuration that has them.
   if (weights.empty() && any_touching_ >= 0) weights[any_touching_] = {};
   if (weights.empty()) return Support::none;
   std::vector<FieldCache::Share> shares;
@@ -62,7 +62,7 @@ Support BodyField::evaluate(const Vec3& t, FieldCache& fields, Keep needed, Noda
         {configurations_[static_cast<std::size_t>(configuration)], weight.a, weight.d});
   }
   fields.add_up(setup_, shares, needed, u, p);
-  // So far out that it overflows there is nothing to go by.
+  // The extrapolation overflows so far out, and there is no answer.
   if (!u.allFinite() || !p.allFinite()) {
     u.resize(0);
     p.resize(0);

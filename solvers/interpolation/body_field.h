@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The displacement of every point of the body, and the pressures of its mixed cells, that answer a
-// displacement t of the active node: as DisplayField, but from the fields in the space's file in
-// place of the modes of the surface. A configuration that touches nothing has no fields: the body
-// is at rest there.
+// The displacement of every point of the body, and the pressures of its mixed cells, at a
+// displacement t of the active node. DisplayField does the same with modes of the surface; this
+// class takes the fields in the space's file. A configuration that touches nothing has no fields:
+// the body is at rest there.
 #pragma once
 
 #include <map>
@@ -12,21 +12,23 @@
 
 namespace palpate {
 
-/// Immutable, and holds all it needs but the fields: the tool space may go.
+/// Immutable. It copies all that it needs but the fields, so that the tool space need not outlive
+/// it.
 class BodyField {
  public:
   /// @throws InputError the tool space has no grid, see CheckPointGrid.
   explicit BodyField(const TouchToolSpace& tool_space)
       : BodyField(tool_space, CheckPointGrid(tool_space)) {}
-  /// @param grid Of the tool space, as an interpolator has it: it takes a while to make that of a
-  ///   rigid tool.
+  /// @param grid The grid of the tool space, such as that of an interpolator: to make that of a
+  ///   rigid tool takes a while.
   BodyField(const TouchToolSpace& tool_space, CheckPointGrid grid);
 
-  /// @param fields Of the file of the space; what is needed at t is read, if it is not there.
-  /// @param needed The points whose displacement is needed; that of others may be zero.
-  /// @param u Displacement [3 × num_points], m. @param p Pressures [num_pressures], Pa; empty for a
-  ///   body without. Both are empty where nothing is found,
-  ///   or where no configuration of the tool space touches the body.
+  /// @param fields The fields in the file of the space. Those that are needed at t are read if they
+  ///   are not in memory.
+  /// @param needed The points whose displacement is needed; that of other points may be zero.
+  /// @param u Displacement [3 × num_points], m.
+  /// @param p Pressures [num_pressures], Pa; empty if the body has none. Both u and p are empty if
+  ///   the support is `none`, or if no configuration of the tool space touches the body.
   /// @throws InputError, BackendError as FieldCache::add_up.
   Support evaluate(const Vec3& t, FieldCache& fields, Keep needed, NodalVector& u,
                    NodalVector& p) const;
@@ -36,18 +38,18 @@ class BodyField {
     double a = 0;
     Vec3 d = Vec3::Zero();
   };
-  /// By configuration.
+  /// Weights by configuration.
   using Weights = std::map<std::int32_t, Weight>;
   [[nodiscard]] bool touches(std::int32_t configuration) const;
-  /// Adds a u + v d of a node.
+  /// Adds a u + v d of a node to the weights.
   void add_node(std::int32_t node, double a, const Vec3& d, Weights& weights) const;
 
   ToolSpaceSetup setup_;
   std::vector<ConfigurationSummary> configurations_;
   CheckPointGrid grid_;
-  /// A configuration that has fields; −1: there is none.
+  /// A configuration that has fields; −1: none has.
   std::int32_t any_touching_ = -1;
-  /// Place among the hanging nodes, by node.
+  /// Index into the hanging nodes, by node.
   std::map<std::int32_t, std::size_t> hanging_;
 };
 

@@ -13,14 +13,14 @@ double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& 
 
 namespace {
 
-/// What an edge's residual falls to at the most under refinement where Π is smooth: 1/32 when the
-/// cells are small enough.
+/// The largest share of an edge's residual that one refinement leaves where Π is smooth: 1/32 if
+/// the cells are small enough.
 constexpr double kShrinks = 0.125;
-/// The same for contact, where Π begins as the fourth power of the depth and cells are seldom
-/// smaller than the layer in which it does.
+/// The same bound where contact begins: Π grows with the fourth power of the depth there, and cells
+/// are seldom smaller than the contact layer.
 constexpr double kShrinksInContact = 0.25;
 
-/// Leaves around one that crosses branches whose mixed derivatives are differences across.
+/// Layers of leaves around one across branches whose mixed derivatives are differences across it.
 constexpr int kLayers = 2;
 
 }  // namespace
@@ -36,8 +36,8 @@ double BranchTest::residual(CheckPoint first, int axis, std::int32_t side, Edges
   return edge_residual(a, b, side * grid_.spacing() * Vec3::Unit(axis));
 }
 
-/// Along the lines through a cell's corners and, where `halves`, through the other points of its
-/// halves.
+/// The largest residual along the lines through a cell's corners and, with `halves`, also along
+/// those through the other points of its halves.
 double BranchTest::largest(const Cell& cell, bool halves, Edges edges) const {
   const std::int32_t step = halves ? cell.side / 2 : cell.side;
   double largest = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether one smooth branch runs through a leaf. What is left of Π along its edges tells: it falls
-// to 1/32 under refinement where Π is smooth, to a half where the force jumps, and stays where Π
-// jumps from one branch to another.
+// Whether one smooth branch runs through a leaf. The residual of the energy Π along the edges
+// tells: under refinement it falls to 1/32 where Π is smooth, to a half where the force jumps, and
+// stays where Π jumps from one branch to another.
 #pragma once
 
 #include <vector>
@@ -15,24 +15,26 @@ namespace palpate {
 [[nodiscard]] double edge_residual(const ConfigurationSummary& a, const ConfigurationSummary& b,
                                    const Vec3& d);
 
-/// It refers to its arguments, which have to outlive it.
+/// The arguments must outlive the object.
 class BranchTest {
  public:
   BranchTest(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations)
       : grid_(grid), configurations_(configurations) {}
 
-  /// The largest along the edges of a cell, J; those of which an end is not usable do not count.
+  /// The largest residual along the edges of a cell, J. An edge with an unusable end does not
+  /// count.
   [[nodiscard]] double largest_residual(const Cell& cell) const {
     return largest(cell, false, Edges::all);
   }
 
-  /// The largest along the edges of the leaves that lie across branches themselves, J.
+  /// The largest residual along the edges of leaves that lie across branches themselves, J.
   [[nodiscard]] double largest_jump() const;
 
-  /// For each leaf 1 where it lies across branches: twice in a row refinement has left more than an
-  /// eighth of the residual, in a sparse grid a quarter; and where it is so near to one that its
-  /// mixed derivatives reach across. Edges between a free node and one that is not free do not
-  /// count: the energy begins there as the fourth power of the depth, and no branch ends.
+  /// For each leaf, 1 if it lies across branches: if two refinements in a row have left more than
+  /// an eighth of the residual, in a sparse grid a quarter, or if the leaf is so near to such a
+  /// leaf that its mixed derivatives are differences across it. Edges between a free node and one
+  /// that is not free do not count: contact begins there with the fourth power of the depth, and no
+  /// branch ends.
   [[nodiscard]] std::vector<char> leaves_across() const;
 
  private:

@@ -60,7 +60,7 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
   const auto is_split = [&](const Cell& cell) {
     if (cell.side == 1) return false;
     for (int i = 0; i < 27; ++i) {
-      // The centre first: few cells have it and are not split.
+      // Test the centre first: few cells have it without being split.
       if (!is_found(point_of_halves(cell, (i + 13) % 27))) return false;
     }
     return true;
@@ -68,7 +68,7 @@ CellTree::CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& co
 
   const std::int32_t n = num_roots_;
   cells_.resize(static_cast<std::size_t>(n) * n * n);
-  // Of the cells that are there, and their places among cells_.
+  // The existing cells, and their indices in cells_.
   std::vector<Cell> cells;
   std::vector<std::int32_t> places;
   if (grid.sparse) {
@@ -191,7 +191,8 @@ std::int32_t CellTree::find(const CheckPoint& point) const {
 }
 
 std::int32_t CellTree::leaf_in_octant(const CheckPoint& point, int octant) const {
-  // In halves of a step from the first corner of the box, at the middle of the octant's unit cube.
+  // Positions are in halves of a step from the first corner of the box, in the middle of the unit
+  // cube of the octant.
   std::array<std::int32_t, 3> at{};
   std::int32_t cell = 0;
   for (int k = 0; k < 3; ++k) {

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The cells between the check-points of a grid: an octree that follows from where there are
-// configurations, and from nothing else.
+// The cells between the check-points of a grid: an octree that follows from the check-points that
+// have a configuration, and from nothing else.
 //
-// Root cells of side Grid::coarsest tile the box. A cell of side > 1 is split into eight where
-// there is a configuration, usable or not, at each of the 27 points of its halves. The leaves are
-// what is interpolated on; neighbours may differ in size, by any power of two.
+// Root cells of side Grid::coarsest tile the box. A cell of side > 1 is split into eight if each of
+// the 27 points of its halves has a configuration, usable or not. Interpolation is done on the
+// leaves; the sizes of neighbours may differ by any power of two.
 //
-// In a sparse grid a root cell without a configuration, usable or not, at one of its corners is
-// absent. The clearance of the tool may prove that it touches nothing in it, or in a part of it;
-// what is left refers to the nearest root cell that is there, see absent_cells.h.
+// A root cell of a sparse grid is absent if one of its corners has no configuration, usable or not.
+// The clearance of the tool may prove that it touches nothing in such a cell or in a part of it.
+// The rest of the cell refers to the nearest existing root cell, see absent_cells.h.
 //
-// Nodes are the corners of leaves; in a grid that is not sparse those of root cells are there with
-// or without a configuration. A node hangs where it lies on a side or an edge of a leaf without
-// being a corner of it.
+// Nodes are the corners of leaves. In a grid that is not sparse, the corners of root cells are
+// nodes with or without a configuration. A node hangs on a leaf if it lies on a side or an edge of
+// the leaf without being one of its corners.
 #pragma once
 
 #include <algorithm>
@@ -42,7 +42,7 @@ struct Cell {
   return a.first != b.first ? a.first < b.first : a.side < b.side;
 }
 
-/// The cell of twice the side that holds a cell of a tree; its root cells begin at −reach.
+/// The cell of twice the side that contains a cell of a tree whose root cells begin at −reach.
 [[nodiscard]] inline Cell parent_of(const Cell& cell, std::int32_t reach) {
   Cell parent{{}, 2 * cell.side};
   for (int k = 0; k < 3; ++k) {
@@ -71,12 +71,12 @@ struct Cell {
   return weight;
 }
 
-/// Memory and time to build it grow with the number of root cells and of configurations; an absent
-/// root cell takes four bytes.
+/// Memory and construction time grow with the numbers of root cells and of configurations. An
+/// absent root cell takes four bytes.
 class CellTree {
  public:
-  /// The numbers of leaves are less. This one stands for what is absent and proved free; what is
-  /// absent and not proved free has kNearestRoot plus the number of the nearest root cell.
+  /// An entry less than kFree is the number of a leaf. kFree stands for a place that is absent and
+  /// proved free. Any other absent place has kNearestRoot plus the number of the nearest root cell.
   static constexpr std::int32_t kFree = 1 << 30;
   static constexpr std::int32_t kNearestRoot = kFree + 1;
 
@@ -86,8 +86,8 @@ class CellTree {
     Cell cell;
   };
 
-  /// @param configurations Those off the grid are left out.
-  /// @param clearance Of a sparse grid; empty: nothing is proved free.
+  /// @param configurations Those off the grid are ignored.
+  /// @param clearance The clearance of the tool, for a sparse grid; empty: nothing is proved free.
   /// @throws InputError a resolution that is not odd and positive, or coarsest cells that do not
   ///   tile the box.
   CellTree(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
@@ -101,35 +101,35 @@ class CellTree {
   /// The node at a check-point; −1: there is none.
   [[nodiscard]] std::int32_t find(const CheckPoint& point) const;
 
-  /// None where rest is the only check-point.
+  /// The leaves; none if rest is the only check-point.
   [[nodiscard]] const std::vector<Leaf>& leaves() const { return leaves_; }
 
   struct Place {
-    /// kFree and more: there is none.
+    /// The number of the leaf; kFree or more: there is none.
     std::int32_t leaf = -1;
     /// Local coordinates in the leaf, in [0, 1].
     Vec3 s = Vec3::Zero();
   };
-  /// The leaf that holds a point of the box.
-  /// @param x In steps of the grid from the first corner of the box.
+  /// The leaf that contains a point of the box.
+  /// @param x The point, in steps of the grid from the first corner of the box.
   /// @note Realtime-safe.
   [[nodiscard]] Place locate(const Vec3& x) const noexcept;
-  /// The nearest leaf to a point of an absent root cell, among those of the root cells around that
-  /// and of a given one: so nothing jumps at the sides of leaves.
-  /// @param root The number of a root cell that is there.
-  /// @param x The point; the nearest one of the leaf is put in its place.
+  /// The leaf that is nearest to a point of an absent root cell, searched in the root cells around
+  /// the point and in a given one. So what is interpolated does not jump at the sides of leaves.
+  /// @param root The number of a root cell that exists.
+  /// @param x The point; it is replaced by the nearest point of the leaf.
   /// @note Realtime-safe.
   [[nodiscard]] Place locate_beside(std::int32_t root, Vec3& x) const noexcept;
 
-  /// Memory that it holds.
+  /// Adds the memory of the tree.
   void add_memory(MemoryRanges& ranges) const {
     palpate::add_memory(cells_, ranges);
     palpate::add_memory(leaves_, ranges);
     palpate::add_memory(keys_, ranges);
   }
 
-  /// Calls visit(leaf) for the leaf in each of the eight octants around a check-point: a leaf that
-  /// has it on a side or an edge comes more than once.
+  /// Calls visit(leaf) for the leaf in each of the eight octants around a check-point. A leaf that
+  /// has the check-point on a side or an edge is visited more than once.
   template <class Visit>
   void for_each_leaf_around(const CheckPoint& point, Visit&& visit) const {
     for (int octant = 0; octant < 8; ++octant) {
@@ -144,20 +144,22 @@ class CellTree {
   [[nodiscard]] bool is_on_grid(const CheckPoint& point) const;
   [[nodiscard]] Key key(const CheckPoint& point) const;
   [[nodiscard]] CheckPoint point_of(Key key) const;
-  /// −1: it is outside the box; kFree and more as in Place.
+  /// The leaf; −1: the octant is outside the box; kFree or more as in Place.
   [[nodiscard]] std::int32_t leaf_in_octant(const CheckPoint& point, int octant) const;
-  /// From a cell of cells_ to the leaf. @param s Local coordinates in the cell, then in the leaf.
+  /// Goes from an entry of cells_ down to the leaf.
+  /// @param s Local coordinates in the cell, and afterwards in the leaf.
   [[nodiscard]] std::int32_t descend(std::int32_t cell, Vec3& s) const noexcept;
   std::int32_t reach_ = 0;
   std::int32_t coarsest_ = 1;
-  /// Root cells along an axis.
+  /// The number of root cells along an axis.
   std::int32_t num_roots_ = 0;
   double per_coarsest_ = 1;
-  /// The root cells, z fastest, then the children of a cell side by side: the first of its children
-  /// or, less than zero, ~leaf; of what is absent as in Place.
+  /// The root cells, z fastest, and then the children of each cell next to each other. An entry is
+  /// the index of the cell's first child or, below zero, ~leaf; for an absent place it is as in
+  /// Place.
   std::vector<std::int32_t> cells_;
   std::vector<Leaf> leaves_;
-  /// Of the nodes, ascending.
+  /// The keys of the nodes, ascending.
   std::vector<Key> keys_;
 };
 
@@ -175,7 +177,7 @@ inline CellTree::Place CellTree::locate(const Vec3& x) const noexcept {
 }
 
 inline std::int32_t CellTree::descend(std::int32_t cell, Vec3& s) const noexcept {
-  // Doubling and taking off 1 are exact: a point of a side is one in every cell.
+  // Doubling and subtracting 1 are exact, so that a point on a side is on the side in every cell.
   while (cells_[cell] >= 0) {
     std::int32_t child = 0;
     for (int k = 0; k < 3; ++k) {

@@ -12,8 +12,8 @@
 namespace palpate {
 namespace {
 
-/// How far a configuration may lie from its check-point, in spacings: a t that went through single
-/// precision misses it by 1e-7 of the half-width.
+/// The largest distance of a configuration from its check-point, in spacings: a t that was rounded
+/// to single precision is off by 1e-7 of the half-width.
 constexpr double kOffCheckPoint = 1e-4;
 
 bool has_finite_data(const ConfigurationSummary& c) {
@@ -108,7 +108,8 @@ void CheckPointGrid::find_free_leaves(const Grid& grid, const Clearance& clearan
   }
   std::vector<std::int32_t> holder(static_cast<std::size_t>(num_nodes()), -1);
   for (const HangingNode& hanging : hanging_nodes_) holder[hanging.node] = hanging.leaf;
-  // What a corner of a leaf hangs on is larger than the leaf.
+  // A node hangs on a leaf that is larger than those it is a corner of, so the larger leaves go
+  // first.
   std::vector<std::int32_t> by_size(leaves.size());
   std::iota(by_size.begin(), by_size.end(), 0);
   std::stable_sort(by_size.begin(), by_size.end(), [&](std::int32_t a, std::int32_t b) {
@@ -145,14 +146,15 @@ std::vector<CheckPointGrid::HangingNode> CheckPointGrid::find_hanging_nodes(
       hanging.s[k] = static_cast<double>(p[k] - cell.first[k]) / cell.side;
     }
   }
-  // What a corner of a leaf hangs on is larger than the leaf.
+  // A node hangs on a leaf that is larger than those it is a corner of, so the larger leaves go
+  // first.
   std::stable_sort(nodes.begin(), nodes.end(), [&](const HangingNode& a, const HangingNode& b) {
     return leaf(a.leaf).cell.side > leaf(b.leaf).cell.side;
   });
   return nodes;
 }
 
-// Corners of a leaf hand on their nearest usable node until nobody has a nearer one to offer.
+// Corners of a leaf pass their nearest usable node on, until no corner gets a nearer one.
 void CheckPointGrid::find_nearest() {
   nearest_.assign(configuration_.size(), -1);
   if (!any_usable_) return;
@@ -183,7 +185,7 @@ void CheckPointGrid::find_nearest() {
     }
     changed = std::move(next);
   }
-  // What no leaf connects with a usable node.
+  // Search all nodes for those that no leaf connects with a usable one.
   for (std::int32_t n = 0; n < num_nodes(); ++n) {
     if (nearest_[n] >= 0) continue;
     std::int32_t nearest = -1;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The usable check-points of a tool space and the cells between them, and where in these a
-// displacement lies.
+// The usable check-points of a tool space, the cells between them, and the location of a
+// displacement in these cells.
 //
-// A node without a usable configuration is extrapolated (extrapolated_node.h). A leaf with such a
-// corner is not complete.
+// A node without a usable configuration is extrapolated (extrapolated_node.h), and a leaf with such
+// a corner is not complete.
 //
-// A node is free where its configuration touches nothing, or the clearance of the tool says so: the
-// energy is zero there with all its derivatives. A leaf that is proved free (absent_cells.h) has
-// free corners, so that what is interpolated is exactly zero in it, unless one of them hangs on a
-// leaf that is not free. Outside the box of a sparse grid the tool touches nothing.
+// A node is free if its configuration touches nothing, or if the clearance of the tool says so: the
+// energy and all its derivatives are zero there. A leaf that is proved free (absent_cells.h) has
+// free corners, so that the interpolation is exactly zero in it, unless one of them hangs on a leaf
+// that is not free. Outside the box of a sparse grid the tool touches nothing.
 #pragma once
 
 #include <algorithm>
@@ -21,24 +21,24 @@
 
 namespace palpate {
 
-/// How much a result can be trusted. The numbers are stored in data arrays: keep them.
+/// How far a result can be trusted. The numbers are stored in data arrays: do not change them.
 enum class Support : int {
   /// Nothing to interpolate, or t is not finite: force, stiffness and energy are zero.
   none = 0,
   inside = 1,
-  /// Outside the box, in a cell that lacks a usable corner, or in no cell and not known to be free.
+  /// Outside the box, in a cell that lacks a usable corner, or in no cell and not proved free.
   extrapolated = 2,
   /// Inside, but a corner of the cell is inverted, unstable or near a fold.
   marked = 3,
 };
 
-/// Any of these at a corner marks its leaves.
+/// A corner with any of these flags marks its leaves.
 inline constexpr Flags kMarking = flags::inverted | flags::unstable | flags::near_fold;
 
 class CheckPointGrid {
  public:
-  /// If a check-point has several levels, the first usable one is taken; only configurations with
-  /// finite energy, force and stiffness are.
+  /// Of several levels of a check-point, the first usable one is taken. Configurations without
+  /// finite energy, force and stiffness are not used.
   /// @throws InputError as CellTree, a half-width that is not positive, or a configuration that
   ///   does not lie at its check-point.
   CheckPointGrid(const Grid& grid, const std::vector<ConfigurationSummary>& configurations,
@@ -52,7 +52,8 @@ class CheckPointGrid {
     free,
     /// The place is in a leaf.
     cell,
-    /// Outside the box, or in no leaf: the nearest point of the box, or of a leaf beside, is given.
+    /// The place is outside the box, or in no leaf. The nearest point of the box, or of a leaf
+    /// nearby, is given.
     beside_cell,
     /// There is no leaf: rest is the only check-point.
     rest,
@@ -61,13 +62,13 @@ class CheckPointGrid {
   struct Location {
     Place place = Place::nowhere;
     Support support = Support::none;
-    /// The leaf of the tree that the place is in or beside.
+    /// The leaf that the place is in or beside.
     std::int32_t leaf = 0;
     /// Local coordinates in the leaf, in [0, 1].
     Vec3 s = Vec3::Zero();
     /// The point of the leaf, in spacings from rest.
     Vec3 x = Vec3::Zero();
-    /// The offset from there to t, m; it is zero in a cell.
+    /// The offset from that point to t, m; zero in a cell.
     Vec3 offset = Vec3::Zero();
   };
 
@@ -79,55 +80,57 @@ class CheckPointGrid {
   [[nodiscard]] std::int32_t num_nodes() const { return tree_.num_nodes(); }
   [[nodiscard]] std::int32_t reach() const { return reach_; }
   [[nodiscard]] bool is_sparse() const { return is_sparse_; }
-  /// Distance of neighbouring check-points, m; 1 where rest is the only one.
+  /// Distance of neighbouring check-points, m; 1 if rest is the only one.
   [[nodiscard]] double spacing() const { return spacing_; }
   /// Coordinates of the tool at a node, m.
   [[nodiscard]] Vec3 place(std::int32_t node) const {
     const CheckPoint p = tree_.point(node);
     return origin_ + spacing_ * Vec3(p[0], p[1], p[2]);
   }
-  /// Place of a node's configuration in the tool space's list; −1: none is usable.
+  /// Index of a node's configuration in the tool space's list; −1: none is usable.
   [[nodiscard]] std::int32_t configuration(std::int32_t node) const { return configuration_[node]; }
   [[nodiscard]] bool usable(std::int32_t node) const { return configuration_[node] >= 0; }
-  /// The tool touches nothing at a node and around it, whether it is usable or not.
+  /// Whether the tool touches nothing at a node and around it; the node may be usable or not.
   [[nodiscard]] bool is_free(std::int32_t node) const { return free_[node] != 0; }
-  /// The tool touches nothing anywhere in a leaf.
+  /// Whether the tool touches nothing anywhere in a leaf.
   [[nodiscard]] bool is_proved_free(std::int32_t leaf) const { return proved_free_[leaf] != 0; }
-  /// It is proved free, and all that is interpolated is exactly zero in it.
+  /// Whether a leaf is proved free and the interpolation is exactly zero in it.
   [[nodiscard]] bool is_zero(std::int32_t leaf) const { return states_[leaf] == State::zero; }
-  /// All corners of a leaf are usable.
+  /// Whether all corners of a leaf are usable.
   [[nodiscard]] bool is_complete(std::int32_t leaf) const {
     const auto& corners = tree_.leaves()[leaf].corners;
     return std::all_of(corners.begin(), corners.end(), [&](std::int32_t n) { return usable(n); });
   }
-  /// A corner of the leaf is inverted, unstable or near a fold, or it lies across branches.
+  /// Whether a corner of a leaf is inverted, unstable or near a fold, or the leaf lies across
+  /// branches.
   [[nodiscard]] bool is_marked(std::int32_t leaf) const {
     return states_[leaf] == State::marked || is_across(leaf);
   }
-  /// A corner of the leaf is neither usable nor free: a force that is zero there tells nothing.
+  /// Whether a corner of a leaf is neither usable nor free, so that a force of zero tells nothing
+  /// there.
   [[nodiscard]] bool is_unknown(std::int32_t leaf) const noexcept {
     return states_[leaf] == State::unknown || states_[leaf] == State::lacks_corner;
   }
-  /// It lies across branches though no corner tells, see branch_test.h.
+  /// Whether a leaf lies across branches though none of its corners is marked, see branch_test.h.
   [[nodiscard]] bool is_across(std::int32_t leaf) const { return states_[leaf] == State::across; }
 
   [[nodiscard]] bool any_usable() const { return any_usable_; }
-  /// Some leaf lacks a usable corner.
+  /// Whether a leaf lacks a usable corner.
   [[nodiscard]] bool has_extrapolated_nodes() const { return has_extrapolated_nodes_; }
-  /// The usable node nearest to a node, itself if it is usable; −1: no node is usable.
+  /// The usable node that is nearest to a node, itself if it is usable; −1: no node is usable.
   [[nodiscard]] std::int32_t nearest(std::int32_t node) const { return nearest_[node]; }
 
-  /// A node that hangs on a leaf, the largest of those around it. What is interpolated is
-  /// continuous where such a node takes what that leaf gives at it.
+  /// A node that hangs on a leaf: on the largest of the leaves around it. The interpolation is
+  /// continuous if the node takes the value of this leaf.
   struct HangingNode {
     std::int32_t node = 0;
     std::int32_t leaf = 0;
     /// Local coordinates in the leaf.
     Vec3 s = Vec3::Zero();
   };
-  /// The order is such that the corners of a leaf come before the nodes that hang on it.
+  /// The hanging nodes. The corners of a leaf come before the nodes that hang on it.
   [[nodiscard]] const std::vector<HangingNode>& hanging_nodes() const { return hanging_nodes_; }
-  /// The same list, made of usable nodes and complete leaves alone.
+  /// The hanging nodes among usable nodes, of complete leaves alone.
   [[nodiscard]] const std::vector<HangingNode>& hanging_on_complete() const {
     return hanging_on_complete_;
   }
@@ -139,16 +142,16 @@ class CheckPointGrid {
   }
 
  private:
-  /// unknown: no configuration of the tool space is usable; lacks_free: what lacks a usable
-  /// configuration is free all the same.
+  /// unknown: no configuration of the tool space is usable. lacks_free: corners without a usable
+  /// configuration are free all the same.
   enum class State : char { unknown, zero, lacks_corner, lacks_free, complete, marked, across };
   static constexpr Place kPlaceIn[] = {Place::nowhere, Place::free, Place::cell, Place::cell,
                                        Place::cell,    Place::cell, Place::cell};
   static constexpr Support kSupportIn[] = {
       Support::none,   Support::inside, Support::extrapolated, Support::extrapolated,
       Support::inside, Support::marked, Support::marked};
-  /// A displacement that misses the border of the box by so little, in spacings, is on it: rounding
-  /// of t = i·H must not make a check-point on the border an outside one.
+  /// A displacement that lies outside the box by less than this, in spacings, is on its border:
+  /// rounding of t = i·H must not put a check-point of the border outside.
   static constexpr double kOnBorder = 1e-9;
 
   void find_free_nodes(const std::vector<ConfigurationSummary>& configurations,
@@ -165,27 +168,27 @@ class CheckPointGrid {
   Vec3 origin_;
   bool is_sparse_;
   bool any_usable_ = false;
-  /// Nothing is usable, and nowhere is known to be free.
+  /// No configuration is usable, and no place is known to be free.
   bool is_empty_ = false;
   bool outside_is_free_ = false;
   bool has_extrapolated_nodes_ = false;
-  /// By node.
+  /// Index of the configuration, by node; −1: none.
   std::vector<std::int32_t> configuration_;
-  /// By node.
+  /// Whether a node is free, by node.
   std::vector<char> free_;
   /// By leaf.
   std::vector<State> states_;
-  /// By leaf.
+  /// Whether a leaf is proved free, by leaf.
   std::vector<char> proved_free_;
   std::vector<HangingNode> hanging_nodes_;
   std::vector<HangingNode> hanging_on_complete_;
-  /// By node.
+  /// The nearest usable node, by node.
   std::vector<std::int32_t> nearest_;
 };
 
 inline CheckPointGrid::Location CheckPointGrid::locate(const Vec3& t) const noexcept {
   Location at;
-  // A sum of what is not finite is not finite; one that overflows is too far out.
+  // The sum is not finite if one term is not, or if it overflows: then t is too far out.
   if (is_empty_ || !std::isfinite(t[0] + t[1] + t[2])) return at;
   const Vec3 from_rest = t - origin_;
   const double reach = reach_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far the tool may be moved without touching the body, and where it therefore touches nothing.
-// The clearance c changes by no more than the way: |c(q) − c(p)| ≤ |q − p|.
+// How far the tool may be moved without touching the body. The clearance c changes by no more than
+// the distance: |c(q) − c(p)| ≤ |q − p|.
 #pragma once
 
 #include "base/types.h"
@@ -8,11 +8,12 @@
 
 namespace palpate {
 
-/// Tells at one place after another whether the tool touches nothing there. Where the way from the
-/// last evaluation decides, there is no other.
+/// Tells for a series of places whether the tool touches nothing there. It evaluates the clearance
+/// only where the distance from the last evaluation does not decide.
 class ClearanceProbe {
  public:
-  /// @param clearance Not empty. @param first Where it is evaluated to begin with.
+  /// @param clearance A function that is not empty.
+  /// @param first The place of the first evaluation.
   ClearanceProbe(const Clearance& clearance, const Vec3& first)
       : clearance_(clearance), place_(first), value_(clearance(first)) {}
 
@@ -29,7 +30,7 @@ class ClearanceProbe {
 
  private:
   const Clearance& clearance_;
-  /// Of the last evaluation.
+  /// Place and value of the last evaluation.
   Vec3 place_;
   double value_;
 };

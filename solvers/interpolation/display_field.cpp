@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// Rows that are summed up at a time: they stay in the first cache.
+/// The number of rows that are summed at a time: they stay in the first-level cache.
 constexpr Eigen::Index kRows = 512;
 
 bool is_finite(float x) { return std::isfinite(x); }
@@ -85,7 +85,7 @@ Support DisplayField::coefficients(const Vec3& t, float* out) const noexcept {
   const CheckPointGrid::Location at = grid_.locate(t);
   for_each_node(grid_, at,
                 [&](std::int32_t node, double a, const Vec3& d) { add_node(node, a, d, out); });
-  // So far out that it overflows there is nothing to go by.
+  // The extrapolation overflows so far out, and there is no answer.
   if (at.place != Place::cell && !std::all_of(out, out + num_modes_, is_finite)) {
     std::fill_n(out, num_modes_, 0.F);
     return Support::none;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The displaced surface that answers a displacement t of the active node, with the weights of
-// field_weights.h. In two steps: the coefficients of the modes, then the field.
+// The displacement of the surface at a displacement t of the active node, with the weights of
+// field_weights.h. It is computed in two steps: the coefficients of the modes, then the field.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// Immutable, and holds all it needs: the tool space may go.
+/// Immutable. It copies all that it needs, so that the tool space need not outlive it.
 class DisplayField {
  public:
   /// @throws InputError the tool space has no grid, see CheckPointGrid.
@@ -17,12 +17,12 @@ class DisplayField {
 
   [[nodiscard]] int num_modes() const { return num_modes_; }
 
-  /// The coefficients of the modes at t [num_modes]; zero where nothing is found.
+  /// The coefficients of the modes at t [num_modes]; zero if the support is `none`.
   /// @note Realtime-safe.
   Support coefficients(const Vec3& t, float* out) const noexcept;
 
  private:
-  /// Adds a·c + (∂c/∂t)·d of a node.
+  /// Adds a·c + (∂c/∂t)·d of a node to the coefficients.
   void add_node(std::int32_t node, double a, const Vec3& d, float* out) const noexcept;
 
   CheckPointGrid grid_;
@@ -31,8 +31,10 @@ class DisplayField {
   std::vector<float> data_;
 };
 
-/// The field of given coefficients: displacement [3 × surface points], m, x₀ y₀ z₀ x₁ …
-/// @param modes As in TouchSpace. @param coefficients [modes.cols()]. @param out [modes.rows()].
+/// The displacement field of given coefficients [3 × surface points], m, x₀ y₀ z₀ x₁ …
+/// @param modes As in TouchSpace.
+/// @param coefficients [modes.cols()]
+/// @param out [modes.rows()]
 /// @note Realtime-safe.
 void apply_modes(const Eigen::MatrixXf& modes, const float* coefficients, float* out) noexcept;
 void apply_modes(const Eigen::MatrixXf& modes, const float* coefficients, double* out) noexcept;

@@ -7,9 +7,9 @@
 //
 // with D^{abc} = H^{a+b+c} ∂^{abc}Π (hermite_data.h) and the basis of hermite_cell.h.
 //
-// A corner's derivatives are the same for all cells around it, and those of a hanging node are what
-// the larger cell gives there, so that energy, force and stiffness are continuous and the work
-// around a closed loop is zero.
+// All cells around a corner share its derivatives, and a hanging node has the derivatives of the
+// larger cell there. So energy, force and stiffness are continuous, and the work around a closed
+// loop is zero.
 #pragma once
 
 #include <vector>

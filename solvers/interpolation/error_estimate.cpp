@@ -29,11 +29,11 @@ constexpr double kOfThirdAlongDiagonals = 0.05;
 /// Points along an axis at which forces are compared.
 constexpr int kSamples = 5;
 
-/// Nodes in the differences that are compared.
+/// The numbers of nodes in the differences that are compared.
 constexpr int kNodes = kHermiteStencil;
 constexpr int kFewerNodes = 3;
 
-/// Refinement is not decided by extrapolated nodes.
+/// Extrapolated nodes do not decide about refinement.
 HermiteDataOptions options_with(int most, bool is_sparse = false) {
   HermiteDataOptions options;
   options.most = most;
@@ -83,7 +83,7 @@ class Estimator {
     return estimate;
   }
 
-  /// By leaf.
+  /// The estimates, by leaf.
   [[nodiscard]] std::vector<CellEstimate> estimates() const {
     std::vector<CellEstimate> estimates;
     const auto count = static_cast<std::int32_t>(grid_.tree().leaves().size());
@@ -124,7 +124,7 @@ class Estimator {
     return found != configurations_.end() && found->check_point == key.check_point;
   }
 
-  /// What the data make of the force in a leaf, N.
+  /// The force that the data give in a leaf, N.
   [[nodiscard]] Vec3 force_of(const std::vector<HermiteNode>& data, const CellTree::Leaf& leaf,
                               const Vec3& s) const {
     HermiteJet jet;
@@ -132,7 +132,7 @@ class Estimator {
     return Vec3(jet[1], jet[2], jet[3]) / (leaf.cell.side * grid_.spacing());
   }
 
-  /// The largest force of the difference at the samples.
+  /// The largest force of the difference data at the samples, N.
   [[nodiscard]] double of_mixed(std::int32_t leaf) const {
     double error2 = 0;
     for (int x = 0; x < kSamples; ++x) {
@@ -146,8 +146,8 @@ class Estimator {
     return std::sqrt(error2);
   }
 
-  /// The largest force at the samples at which the tool touches nothing, if it is more than a
-  /// bound; at least 0.
+  /// The largest force at those samples where the tool touches nothing, N, if it exceeds a bound;
+  /// else 0.
   [[nodiscard]] double attraction(std::int32_t leaf, double bound) const {
     if (!clearance_ || grid_.is_zero(leaf)) return 0;
     const CellTree::Leaf& of_leaf = grid_.leaf(leaf);
@@ -194,8 +194,8 @@ class Estimator {
     return branch_test_.largest_residual(cell) / (cell.side * grid_.spacing());
   }
 
-  /// Between any two corners: what is left of the energy along diagonals, and of the force where
-  /// third derivatives are known.
+  /// The largest residual between two corners, N: of the energy along diagonals, and of the force
+  /// where third derivatives are known.
   [[nodiscard]] double of_pairs(std::int32_t leaf) const {
     const CellTree::Leaf& of_leaf = grid_.leaf(leaf);
     double largest = 0;
@@ -224,7 +224,7 @@ class Estimator {
   BranchTest branch_test_;
   HermiteKernel kernel_ = best_hermite_kernel();
   std::vector<HermiteNode> data_;
-  /// What the data with differences of fewer nodes have more.
+  /// The data with differences of fewer nodes, minus data_.
   std::vector<HermiteNode> difference_;
   /// By leaf: the largest error at the nodes that hang on it, N.
   std::vector<double> hanging_;
@@ -281,7 +281,7 @@ Refinement plan_refinement(const Grid& grid,
     is_split[leaf] = estimate.error > tolerance && !(is_left && is_left(estimate)) &&
                      estimator.may_be_split(estimate, leaf, smallest);
   }
-  // Calls visit(other) for the larger leaves that touch a leaf: they hold one of its corners.
+  // Calls visit(other) for the larger leaves that touch a leaf: they contain one of its corners.
   const auto for_each_larger = [&](std::int32_t leaf, auto&& visit) {
     for (std::int32_t node : tree.leaves()[leaf].corners) {
       tree.for_each_leaf_around(tree.point(node), [&](std::int32_t other) {

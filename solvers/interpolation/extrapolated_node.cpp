@@ -17,7 +17,8 @@ NodeData node_data(const CheckPointGrid& grid,
   data.energy = c.energy;
   data.force = c.force;
   data.stiffness = c.stiffness;
-  // Where elements turn inside out or a path folds they say nothing of what is a spacing away.
+  // Where elements invert or a path folds, third derivatives say nothing about a node one spacing
+  // away.
   const bool has_third =
       with_third_derivatives && c.has_third_derivative() && (c.flags & kMarking) == 0;
   if (has_third) data.third_derivative = c.third_derivative;

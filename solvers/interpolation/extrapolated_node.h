@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What interpolation takes from a node: the data of its configuration. A node that has no usable
-// one is extrapolated: it has the Taylor expansion at the nearest usable node, a distance Δ away:
+// The data of a node that interpolation uses: those of its configuration. A node without a usable
+// configuration is extrapolated: it has the Taylor expansion at the nearest usable node, which is Δ
+// away:
 //
 //   Π + h·Δ + ½ Δ·kΔ + ⅙ T(Δ,Δ,Δ),   h + kΔ + ½ T(Δ,Δ),   k + TΔ,   T
 //
-// T is taken where it is known and wanted and the configuration does not mark, else it is 0. At a
-// free node (check_point_grid.h) all is 0. A node has one value for all the leaves around it, so
-// that what is interpolated does not jump beside a hole.
+// T is used if it is known and asked for, and if the flags of the configuration do not mark it;
+// else it is 0. At a free node (check_point_grid.h) everything is 0. A node has the same data for
+// all leaves around it, so that the interpolation does not jump beside a hole.
 #pragma once
 
 #include <limits>
@@ -16,12 +17,12 @@
 
 namespace palpate {
 
-/// Place of ∂³Π/∂t_a∂t_b∂t_c in ThirdDerivative.
+/// Index of ∂³Π/∂t_a∂t_b∂t_c in ThirdDerivative.
 inline constexpr int kThirdIndex[3][3][3] = {{{0, 1, 2}, {1, 3, 4}, {2, 4, 5}},
                                              {{1, 3, 4}, {3, 6, 7}, {4, 7, 8}},
                                              {{2, 4, 5}, {4, 7, 8}, {5, 8, 9}}};
 
-/// T d: the change of the stiffness over d, m.
+/// T d: the change of the stiffness over d, N/m, with d in m.
 [[nodiscard]] inline Mat3 times(const ThirdDerivative& third, const Vec3& d) {
   Mat3 product = Mat3::Zero();
   for (int a = 0; a < 3; ++a) {
@@ -33,20 +34,20 @@ inline constexpr int kThirdIndex[3][3][3] = {{{0, 1, 2}, {1, 3, 4}, {2, 4, 5}},
 }
 
 struct NodeData {
-  /// J.
+  /// Π, J.
   double energy = 0;
-  /// N.
+  /// h, N.
   Vec3 force = Vec3::Zero();
-  /// N/m.
+  /// k, N/m.
   Mat3 stiffness = Mat3::Zero();
-  /// N/m²; NaN where it is not known or of no use.
+  /// T, N/m²; NaN if it is not known or not used.
   ThirdDerivative third_derivative =
       ThirdDerivative::Constant(std::numeric_limits<double>::quiet_NaN());
 
   [[nodiscard]] bool has_third_derivative() const { return third_derivative.allFinite(); }
 };
 
-/// @param node Of a grid that has a usable one.
+/// @param node A node of a grid that has a usable node.
 [[nodiscard]] NodeData node_data(const CheckPointGrid& grid,
                                  const std::vector<ConfigurationSummary>& configurations,
                                  std::int32_t node, bool with_third_derivatives = true);

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the fields of the configurations have to do with the displacement that answers a t between
+// The weights with which the fields of the configurations make up the displacement at a t between
 // them:
 //
 //   u(t) ≈ Σ w_i [u_i + ½ v_i (t − t_i)] = Σ a_i u_i + v_i d_i,   w trilinear over the corners,
 //
-// exact where u is quadratic in t. A hanging node takes the field of the larger cell, and of v what
-// is trilinear there: with these the sides of cells of different size agree. An extrapolated
-// node (extrapolated_node.h) has u_i + v_i Δ and v_i of the nearest usable node. Outside the box it
-// goes on as the force does (interpolator.h): u(t₀) + v(t₀) Δ, v trilinear.
+// which is exact if u is quadratic in t. A hanging node takes u of the larger cell, and the
+// trilinear v there, so that the sides of cells of different size agree. An extrapolated node
+// (extrapolated_node.h) has u_i + v_i Δ and v_i of the nearest usable node. Outside the box the
+// field is extended as the force is (interpolator.h): u(t₀) + v(t₀) Δ, with a trilinear v.
 #pragma once
 
 #include "interpolation/check_point_grid.h"
 
 namespace palpate {
 
-/// Calls visit(node, a', d') for the corners of a leaf, whose sum is a u + v d at a place in it.
+/// Distributes a u + v d of a place in a leaf over its corners: calls visit(node, a', d') for each
+/// of them, such that the sum of a' u + v d' is the same.
 /// @note Realtime-safe.
 template <class Visit>
 void for_each_corner(const CheckPointGrid& grid, const CellTree::Leaf& leaf, const Vec3& s,
@@ -27,7 +28,7 @@ void for_each_corner(const CheckPointGrid& grid, const CellTree::Leaf& leaf, con
   }
 }
 
-/// Does the same at a location of the grid, and nothing where the location is nowhere.
+/// Does so for a location of the grid; nothing if the location is nowhere.
 /// @note Realtime-safe.
 template <class Visit>
 void for_each_node(const CheckPointGrid& grid, const CheckPointGrid::Location& at, Visit&& visit) {
@@ -38,8 +39,8 @@ void for_each_node(const CheckPointGrid& grid, const CheckPointGrid::Location& a
   }
 }
 
-/// Calls visit(configuration, a', d') for a u + v d of a node that does not hang, in a grid with a
-/// usable node.
+/// Calls visit(configuration, a', d') for a u + v d of a node that does not hang. The grid must
+/// have a usable node.
 template <class Visit>
 void visit_configuration(const CheckPointGrid& grid, std::int32_t node, double a, const Vec3& d,
                          Visit&& visit) {

@@ -6,15 +6,16 @@
 namespace palpate {
 namespace {
 
-// B₀ B₁ B₂ and their derivatives are all r^{3−d} times a quadratic in s at the left, and are
-// mirrored at the right: [derivative][power of s].
+// B₀, B₁, B₂ and their derivatives at the left end are r^{3−d} times a quadratic in s; those at the
+// right end mirror them. The coefficients are [derivative][power of s][a].
 constexpr double kQuadratic[3][3][4] = {
     {{1, 0, 0, 0}, {3, 1, 0, 0}, {6, 3, 0.5, 0}},
     {{0, 1, 0, 0}, {0, 2, 1, 0}, {-30, -15, -2.5, 0}},
     {{0, 0, 1, 0}, {-60, -36, -8, 0}, {120, 60, 10, 0}},
 };
 
-/// [derivative][left, right][a], with respect to s; the data are of x = side · s.
+/// Values [derivative][left, right][a], with respect to s. The data they multiply are derivatives
+/// with respect to x = side · s.
 struct Basis {
   alignas(32) double of[3][2][4];
 
@@ -39,16 +40,17 @@ struct Basis {
   }
 };
 
-/// Orders of the derivatives along y and z: first those to which no third derivative belongs.
+/// Orders of the derivatives along y and z. The first six suffice for Π and its first and second
+/// derivatives.
 constexpr int kOrders[9][2] = {{0, 0}, {1, 0}, {2, 0}, {0, 1}, {1, 1},
                                {0, 2}, {1, 2}, {2, 1}, {2, 2}};
 
-/// The sums over 8 × 27 products, taken one axis after another; the numbers of a vector are a. It
-/// takes the first `count` of kOrders.
+/// The sums over 8 × 27 products, one axis after another. The entries of a vector are those of a.
+/// Only the first `count` of kOrders are computed.
 template <int count>
 struct Contraction {
   Basis bx;
-  /// Along y and z [corner in x][order].
+  /// Sums over y and z [corner in x][order].
   Four along_yz[2][count];
 
   [[gnu::always_inline]] inline Contraction(const HermiteNode* nodes, const CellTree::Leaf& leaf,
@@ -60,7 +62,7 @@ struct Contraction {
     for (int x = 0; x < 2; ++x) {
       Four sum[count] = {};
       for (int y = 0; y < 2; ++y) {
-        // Along z [derivative][b].
+        // Sums over z [derivative][b].
         Four along_z[3][3] = {};
 #pragma GCC unroll 2
         for (int z = 0; z < 2; ++z) {
@@ -89,7 +91,7 @@ struct Contraction {
     }
   }
 
-  /// The derivative of order d along x, and of kOrders[i].
+  /// The derivative of order d along x and of kOrders[i] along y and z.
   [[gnu::always_inline]] inline double derivative(int d, int i) const {
     Four left;
     Four right;
@@ -119,7 +121,7 @@ void contract_baseline(const HermiteNode* nodes, const CellTree::Leaf& leaf, con
   contract(nodes, leaf, s, jet);
 }
 
-/// In twice as many registers, of the same width.
+/// The kernel with twice as many registers of the same width.
 [[gnu::target("avx512f,avx512dq,avx512vl,fma,prefer-vector-width=256")]] void contract_avx512(
     const HermiteNode* nodes, const CellTree::Leaf& leaf, const Vec3& s, HermiteJet& jet) {
   contract(nodes, leaf, s, jet);
@@ -142,7 +144,7 @@ HermiteKernel best_hermite_kernel() {
 HermiteNode hermite_node_at(const HermiteNode* nodes, const CellTree::Leaf& leaf, const Vec3& s) {
   const Contraction<9> at(nodes, leaf, s);
   const double side = leaf.cell.side;
-  // From derivatives with respect to s.
+  // The derivatives are with respect to s; these factors make them derivatives with respect to x.
   const double per_side[3] = {1, 1 / side, 1 / (side * side)};
   HermiteNode result;
   for (int i = 0; i < 9; ++i) {

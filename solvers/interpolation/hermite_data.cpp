@@ -14,7 +14,7 @@ constexpr int kStencil = kHermiteStencil;
 
 using Order = std::array<int, 3>;
 
-/// The difference at a node along an axis; size 1 is none.
+/// The difference at a node along an axis; size 1: there is none.
 struct Stencil {
   int size = 1;
   std::array<std::int32_t, kStencil> nodes{};
@@ -49,7 +49,7 @@ std::vector<Links> find_links(const CheckPointGrid& grid) {
   return links;
 }
 
-/// Weights of the derivative at x[p] of the polynomial through x[0 … n − 1].
+/// The weights of the derivative at x[p] of the polynomial through x[0 … n − 1].
 void fill_weights(const double* x, int n, int p, double* weights) {
   for (int j = 0; j < n; ++j) {
     weights[j] = 0;
@@ -66,8 +66,8 @@ void fill_weights(const double* x, int n, int p, double* weights) {
   }
 }
 
-/// The differences at the nodes, of `most` nodes at the most. A row that ends at the side of a
-/// larger leaf goes on into it by inserted points, at which the data are those that the leaf gives.
+/// Finds the differences at the nodes, of at most `most` nodes. A row that ends at the side of a
+/// larger leaf is continued into it by inserted points, at which the leaf gives the data.
 class StencilFinder {
  public:
   StencilFinder(const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
@@ -108,17 +108,18 @@ class StencilFinder {
     return best_of(row);
   }
 
-  /// The places of the inserted points; they are numbered after the nodes.
+  /// The places of the inserted points, which are numbered after the nodes.
   [[nodiscard]] const std::vector<CellTree::Place>& inserted() const { return inserted_; }
 
  private:
   static constexpr int kMiddle = kStencil - 1;
 
-  /// Nodes along an axis, ascending, with one in the middle, and their distance from that.
+  /// Nodes along an axis in ascending order, the node itself in the middle, and their distances
+  /// from it.
   struct Row {
     std::array<std::int32_t, 2 * kStencil - 1> nodes{};
     std::array<double, 2 * kStencil - 1> x{};
-    /// Before and after the middle.
+    /// The numbers of nodes before and after the middle.
     std::array<int, 2> count{};
 
     [[nodiscard]] int size() const { return count[0] + 1 + count[1]; }
@@ -128,7 +129,7 @@ class StencilFinder {
       nodes[place] = node;
       x[place] = at;
     }
-    /// Where the next one stands if it is as far as that before it; 0: there is none.
+    /// The position of the next node, if it is as far as the last two are apart; 0: there is none.
     [[nodiscard]] double next(int up) const {
       const int sign = up == 1 ? 1 : -1;
       const int end = kMiddle + sign * count[up];
@@ -136,7 +137,7 @@ class StencilFinder {
     }
   };
 
-  /// The nodes of a row for which the product of the distances is least.
+  /// The stencil of a row for which the product of the distances is least.
   [[nodiscard]] Stencil best_of(const Row& row) const {
     Stencil stencil;
     stencil.size = std::min(most_, row.size());
@@ -175,7 +176,7 @@ class StencilFinder {
 
   const CheckPointGrid& grid_;
   const std::vector<Links> links_;
-  /// By node: its configuration marks.
+  /// Whether the configuration of a node is marked, by node.
   std::vector<bool> marked_;
   const int most_;
   const bool fewer_in_short_rows_;
@@ -205,10 +206,10 @@ void fill_known(const NodeData& node, double h, double* d) {
   d[hermite_index(0, 1, 2)] = t[kThirdIndex[1][2][2]];
 }
 
-/// A node of which the derivatives are to be filled in.
+/// A node whose missing derivatives are to be filled in.
 struct Incomplete {
   std::int32_t node = 0;
-  /// Those of a + b + c up to it are known.
+  /// Derivatives with a + b + c up to this are known.
   int known = 2;
   std::array<Stencil, 3> stencils;
 };
@@ -264,7 +265,7 @@ std::vector<HermiteNode> hermite_data(const CheckPointGrid& grid,
   }
   fill_missing(nodes, data);
 
-  // Once more with inserted points, whose data come from what is there now.
+  // Do it once more with inserted points, whose data follow from the present ones.
   for (Incomplete& node : nodes) {
     for (int axis = 0; axis < 3; ++axis) {
       Stencil& stencil = node.stencils[axis];

@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The derivatives of the energy that triquintic Hermite interpolation takes from each node.
 //
-// D^{abc} = H^{a+b+c} ∂^{abc}Π for a, b, c ∈ {0, 1, 2}, H the spacing of the check-points, whatever
-// the side of the cells around. Known are those of a + b + c ≤ 2: Π, h, k, and where a node has its
-// third derivatives those of a + b + c = 3. The others follow by increasing |α| = a + b + c:
+// D^{abc} = H^{a+b+c} ∂^{abc}Π for a, b, c ∈ {0, 1, 2}, where H is the spacing of the check-points,
+// whatever the side of the cells around. Derivatives with a + b + c ≤ 2 are known: Π, h, k; and
+// those with a + b + c = 3 where a node has its third derivatives. The others follow in the order
+// of |α| = a + b + c:
 //
 //   D^α = mean over the axes k with α_k > 0 of the difference along k of D^{α − e_k}
 //
-// with differences of five nodes: of those in a row that holds the node the ones for which the
-// product of the distances from it is least. That is central where it can be, one-sided at the
-// border of the box, beside a node without a usable configuration and, unless the node is such a
-// one itself, beside one that is inverted, unstable or near a fold: what lies behind does not
-// continue what lies before. It goes across a change of the cells' size. It is of fewer where fewer
-// than five stand in a row. An axis along which the node stands alone takes no part; where no axis
-// does, the derivative is taken as zero.
+// with differences of five nodes in a row along the axis: those for which the product of their
+// distances from the node is least. So a difference is central if it can be. It is one-sided at the
+// border of the box and beside a node without a usable configuration. It is one-sided beside a node
+// that is inverted, unstable or near a fold too, unless the node itself is one: the energy
+// behind such a node does not continue that before it. It goes across changes of the cells' size.
+// It has fewer nodes if fewer than five stand in a row. An axis along which the node stands alone
+// does not count; if no axis counts, the derivative is zero.
 //
-// A row goes along edges of leaves, and takes in hanging nodes with the configurations they have.
-// Where it ends, with fewer than five, at the side of a larger leaf, it goes on into that by points
-// at which the leaf gives the data, up to two on a side of the node.
+// A row follows edges of leaves, and contains hanging nodes with their own configurations. If it
+// ends with fewer than five nodes at the side of a larger leaf, it is continued into that leaf by
+// points at which the leaf gives the data, up to two on a side of the node.
 //
 // A free node (check_point_grid.h) has zeros only: all its derivatives are known.
 //
-// Extrapolated nodes (extrapolated_node.h) have what their Taylor expansion gives up to
-// a + b + c = 3 and zero beyond, and take no part in the differences of others. Last of all the
-// data of hanging nodes are put in the place of what the larger leaf gives there.
+// Extrapolated nodes (extrapolated_node.h) have their Taylor expansion up to a + b + c = 3 and zero
+// beyond, and are not used in the differences of other nodes. At the end, the data of hanging nodes
+// are replaced by those that the larger leaf gives there.
 #pragma once
 
 #include <vector>
@@ -33,21 +34,21 @@
 
 namespace palpate {
 
-/// Nodes in a difference.
+/// The number of nodes in a difference.
 inline constexpr int kHermiteStencil = 5;
 
 struct HermiteDataOptions {
-  /// Nodes in a difference, kHermiteStencil or fewer.
+  /// The number of nodes in a difference, kHermiteStencil or fewer.
   int most = kHermiteStencil;
-  /// Where no more than `most` stand in a row, a difference is of one fewer.
+  /// If no more than `most` nodes stand in a row, a difference uses one node less than the row has.
   bool fewer_in_short_rows = false;
-  /// Third derivatives are used where they are known.
+  /// Whether third derivatives are used where they are known.
   bool third_derivatives = true;
-  /// Without, nodes that are not usable are zero, and no node hangs on a leaf that has one.
+  /// If false, nodes that are not usable are zero, and no node hangs on a leaf with such a corner.
   bool extrapolated_nodes = true;
 };
 
-/// D [num_nodes]; zero where no node is usable.
+/// D [num_nodes]; all zero if no node is usable.
 [[nodiscard]] std::vector<HermiteNode> hermite_data(
     const CheckPointGrid& grid, const std::vector<ConfigurationSummary>& configurations,
     const HermiteDataOptions& options = {});

@@ -15,7 +15,7 @@
 namespace palpate {
 namespace {
 
-/// How much larger than at the configurations the force may be between them.
+/// The factor by which the force between configurations may exceed that at them.
 constexpr double kBetween = 2;
 
 void limit(TouchResult& result, double size, double most) {

@@ -1,33 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The force that answers a displacement t of the active node, from the configurations around it.
+// The force at a displacement t of the active node, from the configurations around it.
 //
-// This is the call of the servo loop: no lock, no allocation, no exception, never a NaN, and within
-// the box and at its border no jump of the force.
+// The servo loop calls this: it takes no lock, allocates no memory, throws no exception and never
+// gives a NaN, and the force does not jump within the box or at its border.
 //
-// Where there is a hole. A node without a usable configuration is extrapolated: it has the data of
-// the Taylor expansion at the nearest usable node (extrapolated_node.h). A leaf with such a corner
-// is evaluated as any other, and its support is `extrapolated`. Where cells of different size meet,
-// the smaller ones take at their hanging nodes what the larger one gives there. A node that is
-// extrapolated from far away can be wild: in a box with such nodes
+// Holes. A node without a usable configuration is extrapolated: it has the data of the Taylor
+// expansion at the nearest usable node (extrapolated_node.h). A leaf with such a corner is
+// evaluated as any other, with the support `extrapolated`. Where cells of different size meet, the
+// hanging nodes of the smaller ones take the values of the larger one. The force of a node that is
+// extrapolated from far away can be very large, so that in a box with such nodes it is limited:
 //
 //   |h| ≤ max(force limit, twice the largest |h| of a usable configuration).
 //
-// Outside the box. Beyond the border the answer goes on by Taylor's expansion from the nearest
-// point t₀ of the box:
+// Outside the box, Taylor's expansion at the nearest point t₀ of the box continues the force:
 //
 //   Π(t) = Π₀ + h₀·Δ + ½ Δ·k₀Δ,   h(t) = h₀ + k₀Δ,   Δ = t − t₀
 //
-// with a k₀ that is continuous along the border, and where the tool space has a force limit, up to
-// |h| ≤ max(force limit, |h₀|). It is there no longer the exact gradient of Π: k₀ varies along the
-// box. So far out that Π or h overflows there is nothing to go by: nothing is found.
+// with a k₀ that is continuous along the border. If the tool space has a force limit, |h| ≤
+// max(force limit, |h₀|). The force is not the exact gradient of Π there, since k₀ varies along the
+// border. If Π or h overflows so far out, the support is `none`.
 //
-// In a sparse grid the tool touches nothing outside the box, and wherever its clearance proves it:
+// In a sparse grid the tool touches nothing outside the box, or wherever its clearance proves it:
 // force, stiffness and energy are exactly zero, and the support is `inside`. A place in no cell
-// that is not proved free, deeper than the space or not explored yet, is answered as one outside a
-// box, from the nearest cell.
+// that is not proved free, either deeper than the space or not explored yet, is treated as one
+// outside a box, starting from the nearest cell.
 //
-// Where the force is limited the stiffness is that of a force of this size, the direction of which
-// follows t: (limit/|h|)(I − ĥĥᵀ)k; Π is not.
+// Where the force is limited, the stiffness is that of a force of constant size whose direction
+// follows t: (limit/|h|)(I − ĥĥᵀ)k. Π is not limited.
 #pragma once
 
 #include <cstddef>
@@ -39,30 +38,30 @@
 
 namespace palpate {
 
-/// The numbers are those of the interface: keep them.
+/// The numbers are used in the interface: do not change them.
 enum class Method : int {
   trilinear = 0,
   tricubic = 1,
   rbf_linear = 2,
   rbf_cubic = 3,
   energy_hermite = 4,
-  /// The stiffness at rest times t.
+  /// The force is the stiffness at rest times t.
   linear = 5,
 };
 
-/// The methods are in the order of their numbers.
+/// All methods, in the order of their numbers.
 [[nodiscard]] std::vector<Method> all_methods();
 
 /// 'Trilinear', 'Tricubic', 'RBF linear', 'RBF cubic', 'Energy Hermite', 'Linear'.
 [[nodiscard]] std::string to_string(Method method);
 
-/// Whether a method needs no box that is full of check-points, and so serves a sparse grid.
+/// Whether a method serves a sparse grid, since it does not need a box full of check-points.
 [[nodiscard]] constexpr bool serves_sparse_grids(Method method) {
   return method == Method::energy_hermite || method == Method::trilinear;
 }
 
 struct InterpolationOptions {
-  /// RBF: with a linear polynomial besides the radial functions.
+  /// RBF: a linear polynomial is added to the radial functions.
   bool linear_polynomial = true;
   /// RBF: intermediate states are centres too.
   bool intermediate_states = true;
@@ -71,7 +70,7 @@ struct InterpolationOptions {
 };
 
 struct TouchResult {
-  /// That holds the node at t [3], N; a device feels its opposite.
+  /// The force that holds the node at t [3], N; a device feels its opposite.
   Vec3 force = Vec3::Zero();
   /// ∂force/∂t [3×3], N/m.
   Mat3 stiffness = Mat3::Zero();
@@ -80,7 +79,7 @@ struct TouchResult {
   Support support = Support::none;
 };
 
-/// Immutable, and holds all it needs: the tool space may go.
+/// Immutable. It copies all that it needs, so that the tool space need not outlive it.
 class Interpolator {
  public:
   virtual ~Interpolator() = default;
@@ -92,7 +91,7 @@ class Interpolator {
 
   using Location = CheckPointGrid::Location;
 
-  /// Where that is in the space.
+  /// The location of a displacement in the space.
   /// @note Realtime-safe.
   [[nodiscard]] Location locate(const Vec3& t) const noexcept { return grid_.locate(t); }
   /// The check-points of the tool space.
@@ -104,7 +103,7 @@ class Interpolator {
     return grid_.leaf(at.leaf).cell.side * grid_.spacing();
   }
 
-  /// Memory that is held for evaluating.
+  /// Adds the memory that evaluate() needs.
   void add_memory(MemoryRanges& ranges) const {
     grid_.add_memory(ranges);
     do_add_memory(ranges);
@@ -115,29 +114,30 @@ class Interpolator {
     return total_bytes(ranges);
   }
 
-  /// Configurations and intermediate states that it interpolates between.
+  /// The number of configurations and intermediate states that it interpolates between.
   [[nodiscard]] std::size_t num_samples() const { return num_samples_; }
 
  protected:
   explicit Interpolator(const TouchToolSpace& tool_space);
   void set_num_samples(std::size_t num) { num_samples_ = num; }
-  /// Where nothing comes from extrapolated nodes: the force is h + kΔ from rest whatever is
-  /// missing.
+  /// Call this in a method that uses no extrapolated nodes: the force is h + kΔ from rest, and is
+  /// not limited because of missing nodes.
   void set_linear_from_rest(const TouchResult& rest);
 
  private:
-  /// Energy, force and stiffness at the place in the box that is given.
+  /// Computes energy, force and stiffness at a place in the box.
   virtual void do_evaluate(const Location& at, TouchResult& result) const noexcept = 0;
-  /// Puts in a stiffness that is continuous across cells, if that of do_evaluate() is not.
+  /// Replaces the stiffness by one that is continuous across cells, if that of do_evaluate() is
+  /// not.
   virtual void do_smooth_stiffness(const Location& at, Mat3& stiffness) const noexcept;
-  /// The object itself too.
+  /// Adds the memory of the derived object, the object itself included.
   virtual void do_add_memory(MemoryRanges& ranges) const = 0;
 
   CheckPointGrid grid_;
   double force_limit_;
-  /// Largest |force| within the box, N.
+  /// Bound of |force| within the box, N; infinite if no node is extrapolated.
   double largest_force_;
-  /// The result at rest, where rest is the only check-point.
+  /// The result at rest, if rest is the only check-point.
   TouchResult rest_;
   std::size_t num_samples_ = 0;
 };

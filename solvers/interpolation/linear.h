@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The force of a linear body: the stiffness at rest times t, and Π = ½ t·k t. All that elementary
-// displacements [Cotin] give for one node; a baseline.
+// The force of a linear body: the stiffness at rest times t, and Π = ½ t·k t. It is what elementary
+// displacements [Cotin] give for one node, and serves as a baseline.
 //
 // [Cotin] Cotin, Delingette & Ayache, Real-time Elastic Deformations of Soft Tissues for Surgery
 // Simulation, IEEE TVCG 5 (1999).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The stiffness of the configurations, trilinear between them: continuous, which the gradient of an
-// interpolated force need not be.
+// The stiffness of the configurations, interpolated trilinearly. It is continuous, which the
+// gradient of an interpolated force need not be.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,14 @@
 
 namespace palpate {
 
-/// Immutable, and holds all it needs but the grid.
+/// Immutable. It copies all that it needs but the grid.
 class NodalStiffness {
  public:
   NodalStiffness(const CheckPointGrid& grid,
                  const std::vector<ConfigurationSummary>& configurations,
                  bool with_third_derivatives);
 
-  /// N/m.
+  /// Stiffness at a place in a leaf, N/m.
   /// @note Realtime-safe.
   [[nodiscard]] Mat3 at(const CellTree::Leaf& leaf, const Vec3& s) const noexcept;
 

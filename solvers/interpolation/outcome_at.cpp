@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// The configuration that is nearest to a place, of those that are looked at.
+/// The outcome of the nearest configuration to a place, among those that are looked at.
 class Nearest {
  public:
   explicit Nearest(const Vec3& t) : t_(t) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the solves ended that an answer of a space comes from.
+// The outcome of the solves on which an interpolated answer stands.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,14 @@
 
 namespace palpate {
 
-/// @param grid Of the usable configurations of a tool space.
-/// @param configurations All of it in their order, also those on other branches than the grid's.
+/// The outcome at a displacement of the tool: Outcome::converged if the tool is free there, or if
+/// no corner of the cell that t is in or beside has failed; a corner that was not solved for has
+/// not failed. Otherwise it is the outcome of the nearest failed corner. If the support is `none`,
+/// it is the outcome of the nearest of all configurations, and not_converged if there is none.
+/// @param grid The grid of the usable configurations of a tool space.
+/// @param configurations All configurations of the tool space in their order, also those on other
+///   branches than the grid's.
 /// @param t The coordinates of the tool [3], m.
-/// @return Outcome::converged where the tool is free, and where no corner of the cell that t is in
-///   or beside has failed; a corner that was not solved for has not. Else the outcome of the
-///   nearest one that has. Where nothing is found it is that of the nearest configuration of all,
-///   and not_converged where there is none.
 [[nodiscard]] Outcome outcome_at(const CheckPointGrid& grid,
                                  const std::vector<ConfigurationSummary>& configurations,
                                  const Vec3& t);

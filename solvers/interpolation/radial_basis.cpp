@@ -13,19 +13,19 @@
 namespace palpate {
 namespace {
 
-/// Centres nearer to each other, in spacings, are one.
+/// Centres nearer to each other than this, in spacings, are the same.
 constexpr double kSamePlace = 1e-6;
 
-/// What may be left of the values at the centres, as a share of the largest, before the system
-/// counts as singular: with few centres in a plane the polynomial is not determined.
+/// Largest residual at the centres, as a share of the largest value, of a system that is not
+/// singular. With few centres in a plane, the polynomial is not determined.
 constexpr double kResidual = 1e-8;
 
-/// Force and energy.
+/// The components of the force, and the energy.
 constexpr int kValues = 4;
 /// The coefficients of 1, x, y and z.
 constexpr int kPolynomial = 4;
 
-/// Centres: so many of each coordinate and weight stand side by side.
+/// The number of centres whose coordinates and weights are stored next to each other.
 constexpr int kGroup = 8;
 
 struct alignas(64) Group {
@@ -33,7 +33,7 @@ struct alignas(64) Group {
   double weights[kValues][kGroup];
 };
 
-/// Value and slopes along x, y and z of the force, and the value of the energy.
+/// The values and slopes along x, y and z of the force, and the value of the energy.
 struct Sums {
   double value[kValues] = {};
   double slope[3][3] = {};
@@ -134,7 +134,7 @@ Kernel best_kernel() {
   return sum_up_baseline<cubic>;
 }
 
-/// Places [3 × num], in spacings, and values [num × 4].
+/// Places [num × 3], in spacings, and values [num × 4].
 struct Centres {
   std::vector<Vec3> places;
   std::vector<Eigen::Vector4d> values;
@@ -182,10 +182,10 @@ class RadialBasis final : public Interpolator {
   }
 
  private:
-  /// [num centres + 4 or + 0, 4]
+  /// The weights [number of centres, plus 4 with a polynomial; 4].
   [[nodiscard]] static Eigen::MatrixXd weights_of(const Centres& centres, bool with_polynomial) {
     const auto n = static_cast<Eigen::Index>(centres.places.size());
-    // φ(0) = 0: one centre alone gives nothing.
+    // φ(0) = 0, so that a single centre needs the polynomial.
     const Eigen::Index m = with_polynomial || n == 1 ? kPolynomial : 0;
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n + m, n + m);
     Eigen::MatrixXd values = Eigen::MatrixXd::Zero(n + m, kValues);
@@ -257,7 +257,7 @@ class RadialBasis final : public Interpolator {
   }
 
   std::vector<Group> groups_;
-  /// At rest.
+  /// The value of the polynomial at rest.
   Sums polynomial_;
   double slopes_[3][kValues] = {};
   NodalStiffness stiffness_;

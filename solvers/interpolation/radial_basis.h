@@ -3,15 +3,16 @@
 //
 //   f(x) = Σ w_i φ(|x − x_i|) + p(x),   φ(r) = r or r³,   Σ w_i q(x_i) = 0 for each q like p,
 //
-// through the values at all centres x_i at once: the usable configurations, one a check-point, and
-// the usable intermediate states. p is a linear polynomial or not there. x is t in spacings.
+// through the values at all centres x_i at once. The centres are the usable configurations, one for
+// each check-point, and the usable intermediate states. p is a linear polynomial, or 0 without
+// linear_polynomial. x is t in spacings.
 //
-// The stiffness is the exact gradient of the interpolated force, and is not symmetrised; at a
-// centre that of r, which has none, counts as 0. The interpolated force is not the gradient of an
-// energy.
+// The stiffness is the exact gradient of the interpolated force, and is not symmetrised. At a
+// centre the gradient of r does not exist and counts as 0. The interpolated force is not the
+// gradient of an energy.
 //
-// A dense system of as many unknowns as there are centres is solved once: its time grows with the
-// cube of their number, that of an evaluation with the number.
+// A dense system with as many unknowns as there are centres is solved once. Its time grows with the
+// cube of their number, and that of an evaluation with the number.
 //
 // [P08] Peterlík & Matyska, Haptic Interaction with Soft Tissues Based on State-Space
 // Approximation, EuroHaptics 2008.

@@ -14,10 +14,11 @@
 namespace palpate {
 namespace {
 
-/// Of the side of a cell: so near to its border a displacement is on it.
+/// A displacement nearer than this to the border of a cell, as a share of its side, is on the
+/// border.
 constexpr double kOnBorder = 1e-9;
 
-/// Steps in which a way is followed, in sides of a cell, and how many at the most.
+/// A straight movement is followed in steps of this share of a cell's side, and in so many at most.
 constexpr double kStep = 0.5;
 constexpr double kMostSteps = 4096;
 
@@ -26,8 +27,8 @@ std::int32_t reached(const ConfigurationSummary& a, const ConfigurationSummary& 
   return a.reached[neighbour_number(a.check_point, b.check_point)];
 }
 
-/// The configurations of a tool space, with the transitions of the flat space among those that were
-/// made.
+/// The configurations of a tool space. The transitions that the flat space has made are added to
+/// those between levels.
 std::vector<ConfigurationSummary> with_flat_transitions(const TouchToolSpace& tool_space) {
   std::vector<ConfigurationSummary> all = tool_space.configurations;
   for (const ConfigurationSummary& c : tool_space.configurations) {
@@ -47,7 +48,8 @@ enum class Way { unknown, smooth, broken };
 Way way_between(const ConfigurationSummary& a, const ConfigurationSummary& b) {
   const std::int32_t there = reached(a, b);
   const std::int32_t back = reached(b, a);
-  // Beyond the force limit nothing is touched; what is there only bounds the cells before it.
+  // Nothing is touched beyond the force limit; a configuration there only bounds the cells before
+  // it.
   if (!a.leads_on() || !b.leads_on()) {
     return there == b.level || back == a.level ? Way::smooth : Way::unknown;
   }
@@ -55,7 +57,7 @@ Way way_between(const ConfigurationSummary& a, const ConfigurationSummary& b) {
     return Way::broken;
   }
   if (there != not_tried && back != not_tried) return Way::smooth;
-  // One way alone: it may have been a jump.
+  // A transition in one direction alone may have been a jump.
   const auto jumped = [](const ConfigurationSummary& from, const ConfigurationSummary& to) {
     return to.parent == from.check_point && to.parent_level == from.level &&
            (to.flags & flags::near_fold) != 0;
@@ -100,7 +102,7 @@ class Builder {
         covered[i] = 1;
         members.push_back(i);
       }
-      // What spans no cell is of no use; rest is where the body begins.
+      // A branch that spans no cell is of no use, except that of rest, where the body begins.
       const std::vector<CheckPoint> cells = cells_of(branch);
       if (!branches.empty() && cells.empty()) continue;
       for (const CheckPoint& first : cells) branches_at_[first].push_back(branches_.size());
@@ -118,7 +120,7 @@ class Builder {
     return all;
   }
 
-  /// Of each of these cells and each branch the branch that the body is on there.
+  /// For each of these cells and each branch, the branch that the body goes on with.
   [[nodiscard]] std::vector<std::int16_t> next() const {
     std::vector<std::int16_t> all;
     all.reserve(branches_at_.size() * branches_.size());
@@ -185,7 +187,7 @@ class Builder {
     return cells;
   }
 
-  /// Transitions from the corners that are on a branch which have reached another branch.
+  /// The number of transitions from corners on one branch that have reached another branch.
   [[nodiscard]] int votes(const Branch& from, const Branch& to, const CheckPoint& first) const {
     int sum = 0;
     for (int a = 0; a < 8; ++a) {
@@ -213,7 +215,7 @@ class Builder {
     std::pair<int, double> most{0, std::numeric_limits<double>::infinity()};
     for (std::size_t s : here) {
       if (s == branch) return static_cast<std::int16_t>(branch);
-      // More votes, then less energy.
+      // More votes come first, then less energy.
       const std::pair<int, double> of_s{-votes(branches_[branch], branches_[s], first),
                                         energy(branches_[s], first)};
       if (of_s < most) {
@@ -225,10 +227,10 @@ class Builder {
   }
 
   std::vector<ConfigurationSummary> all_;
-  /// Usable and stable, by check-point.
+  /// The usable and stable configurations, by check-point.
   std::map<CheckPoint, std::vector<std::int32_t>> at_;
   std::vector<Branch> branches_;
-  /// By the first corner of a cell.
+  /// The branches that span a cell, by its first corner.
   std::map<CheckPoint, std::vector<std::size_t>> branches_at_;
 };
 
@@ -273,7 +275,7 @@ int SolutionBranches::next(int branch, const CheckPoint& cell) const noexcept {
 int SolutionBranches::follow(int branch, const Vec3& t) const noexcept {
   const std::int32_t n = 2 * reach_;
   CheckPoint cell{};
-  /// Where t lies on the border with the cell before or after along an axis: −1 or 1.
+  /// −1 or 1 along an axis: t lies on the border with the cell before or after.
   CheckPoint beside{};
   for (int k = 0; k < 3; ++k) {
     const double x =
@@ -306,12 +308,12 @@ TouchToolSpace restricted(const TouchToolSpace& tool_space,
     const std::int32_t of_space = configurations[static_cast<std::size_t>(i)];
     ConfigurationSummary& c = part.configurations.emplace_back(
         tool_space.configurations[static_cast<std::size_t>(of_space)]);
-    // The jump that led here is not on the branch.
+    // The jump that led to this configuration is not on the branch.
     if (configurations.size() < tool_space.configurations.size()) c.flags &= ~flags::near_fold;
     part.coefficients.col(i) = tool_space.coefficients.col(of_space);
     part.coefficient_gradients.col(i) = tool_space.coefficient_gradients.col(of_space);
   }
-  // Those on the way to a first level: the others have none.
+  // Keep the intermediate states on the way to a first level; those of other levels do not exist.
   const auto leads_here = [&](const IntermediateState& state) {
     ConfigurationSummary target;
     target.check_point = state.target;

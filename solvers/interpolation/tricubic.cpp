@@ -32,7 +32,7 @@ void fill_weights(double u, int count, double* value, double* slope) {
   }
 }
 
-/// One axis after another; the numbers of a vector are the values of a node.
+/// The sums, one axis after another. The entries of a vector are the values of a node.
 template <int count>
 [[gnu::always_inline]] inline void sum_up(const Eigen::Vector4d* first,
                                           const std::array<std::ptrdiff_t, 3>& strides,
@@ -116,7 +116,7 @@ Tricubic::Tricubic(const TouchToolSpace& tool_space, const InterpolationOptions&
       stiffness_(grid(), tool_space.configurations, options.third_derivatives),
       kernel_(best_kernel()) {
   if (!grid().any_usable()) return;
-  // On a uniform grid they are numbered through, z fastest.
+  // The nodes of a uniform grid are numbered consecutively, z fastest.
   for (std::int32_t n = 0; n < grid().num_nodes(); ++n) {
     const NodeData data =
         node_data(grid(), tool_space.configurations, n, options.third_derivatives);

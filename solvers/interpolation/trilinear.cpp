@@ -31,7 +31,7 @@ void Trilinear::do_smooth_stiffness(const Location& at, Mat3& stiffness) const n
 
 void Trilinear::in_leaf(const CellTree::Leaf& leaf, const Vec3& s,
                         TouchResult& result) const noexcept {
-  // So written a corner is met exactly.
+  // In this form, the value at a corner is exact.
   const auto between = [](const Values& a, const Values& b, double at) -> Values {
     return (1 - at) * a + at * b;
   };

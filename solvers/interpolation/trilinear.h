@@ -20,7 +20,7 @@ class Trilinear final : public Interpolator {
   Trilinear(const TouchToolSpace& tool_space, const InterpolationOptions& options);
 
  private:
-  /// Force, then energy: taken together.
+  /// Force and energy, which are interpolated together.
   using Values = Eigen::Vector4d;
 
   void do_evaluate(const Location& at, TouchResult& result) const noexcept override;

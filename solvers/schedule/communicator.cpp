@@ -38,7 +38,7 @@ void set(Failure& failure, Failure::Kind kind, const char* text) {
   std::snprintf(failure.text, sizeof failure.text, "%s", text);
 }
 
-/// Of the exception that is being handled.
+/// Describes the exception that is being handled.
 void describe_current(Failure& failure) {
   try {
     throw;
@@ -88,7 +88,7 @@ void agree(Communicator& communicator, const std::function<void()>& body) {
   try {
     body();
   } catch (...) {
-    if (communicator.num_shared_failures() > before) throw;  // every rank has thrown it
+    if (communicator.num_shared_failures() > before) throw;  // it was thrown on every rank already
     describe_current(failure);
   }
   communicator.share(failure);

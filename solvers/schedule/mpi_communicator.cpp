@@ -18,7 +18,7 @@
 namespace palpate {
 namespace {
 
-/// Counts in MPI are ints; in units of eight bytes they reach to 16 GiB.
+/// Counts in MPI are ints; in units of eight bytes they reach 16 GiB.
 constexpr std::int64_t kUnit = 8;
 
 class MpiCommunicator final : public Communicator {
@@ -120,16 +120,16 @@ class MpiCommunicator final : public Communicator {
   [[nodiscard]] Network& network() override { return *network_; }
 
  private:
-  /// Where the message of each rank lies among those of all.
+  /// Positions of the messages of all ranks in one buffer.
   struct Layout {
     std::vector<std::int64_t> bytes;
-    /// In units.
+    /// Lengths and positions in units.
     std::vector<int> counts;
     std::vector<int> offsets;
     std::int64_t total = 0;
   };
 
-  /// Of messages of these sizes.
+  /// The layout of messages of these sizes.
   [[nodiscard]] static Layout lay_out(std::vector<std::int64_t> sizes) {
     Layout layout{std::move(sizes), {}, {}, 0};
     for (const std::int64_t bytes : layout.bytes) {

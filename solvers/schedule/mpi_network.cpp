@@ -18,14 +18,14 @@
 namespace palpate {
 namespace {
 
-/// A message travels in parts of this size, since counts in MPI are ints.
+/// A message is sent in parts of this size, since counts in MPI are ints.
 constexpr std::size_t kPartBytes = 16 << 20;
 
-/// Is let go of where there is no memory left for a message: so that the ranks can still tell each
-/// other that they end.
+/// Memory that is freed when none is left for a message, so that the ranks can still tell each
+/// other to end.
 constexpr std::size_t kReserveBytes = 2 * kPartBytes;
 
-/// rest() only yields so often, then sleeps.
+/// rest() yields this often, and sleeps afterwards.
 constexpr int kYields = 50;
 constexpr double kShortestSleep = 10e-6;  // s
 constexpr double kLongestSleep = 1e-3;    // s
@@ -73,7 +73,7 @@ class MpiNetwork final : public Network {
   [[nodiscard]] std::optional<Message> receive() override {
     forget_sent();
     start_receiving();
-    // The first that is whole and has none of its sender before it.
+    // Find the first part that has arrived and has no earlier part of the same sender before it.
     for (auto i = incoming_.begin(); i != incoming_.end();) {
       const bool is_first = std::none_of(
           incoming_.begin(), i, [&](const Part& before) { return before.from == i->from; });
@@ -124,7 +124,7 @@ class MpiNetwork final : public Network {
     MPI_Request request = MPI_REQUEST_NULL;
   };
 
-  /// Lets go of what has left.
+  /// Frees parts that were sent.
   void forget_sent() {
     if (requests_.empty()) return;
     int num_done = 0;
@@ -152,7 +152,7 @@ class MpiNetwork final : public Network {
       if (has_come == 0) return;
       int count = 0;
       MPI_Get_count(&status, MPI_BYTE, &count);
-      // Room first: a part for which there is none stays where it is.
+      // Allocate first: a part for which there is no memory stays in MPI.
       Part part;
       with_reserve([&] {
         part.content.resize(static_cast<std::size_t>(count));
@@ -168,7 +168,7 @@ class MpiNetwork final : public Network {
     }
   }
 
-  /// Calls f, and once more without the reserve where there is not enough memory.
+  /// Calls f. If memory is short, frees the reserve and calls f again.
   template <class F>
   void with_reserve(F&& f) {
     try {
@@ -180,13 +180,13 @@ class MpiNetwork final : public Network {
     }
   }
 
-  /// Doubles the room, as push_back() does.
+  /// Doubles the capacity if it is too small, as push_back() does.
   template <class T>
   static void reserve_more(std::vector<T>& list, std::size_t count) {
     if (list.size() + count > list.capacity()) list.reserve(2 * (list.size() + count));
   }
 
-  /// A message when the part is its last one.
+  /// Returns the message of which this part is the last one.
   std::optional<Message> add(Part&& part) {
     const auto begun = begun_.find(part.from);
     if (begun == begun_.end()) {
@@ -206,18 +206,18 @@ class MpiNetwork final : public Network {
   MPI_Comm comm_ = MPI_COMM_NULL;
   int rank_ = 0;
   int size_ = 1;
-  /// Parts under way and what they belong to.
+  /// The requests of parts that are being sent, and the messages that they belong to.
   std::vector<MPI_Request> requests_;
   std::vector<std::shared_ptr<const Bytes>> sent_;
   std::vector<int> done_;
-  /// In the order in which they came.
+  /// Parts in the order of their arrival.
   std::deque<Part> incoming_;
-  /// Messages of which parts are here, by sender.
+  /// Messages of which only the first parts are here, by sender.
   std::unordered_map<int, Bytes> begun_;
-  /// Never touched, so that it takes of the address space alone; null: there is nobody to tell
-  /// anything, or there was none left for it.
+  /// The memory is never written to, so that it takes address space alone. Null: there is no other
+  /// rank, or no memory was left.
   std::unique_ptr<std::byte[]> reserve_;
-  /// Since something came.
+  /// Calls of rest() since a message came.
   int num_rests_ = 0;
 };
 

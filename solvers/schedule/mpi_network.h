@@ -7,8 +7,9 @@
 
 namespace palpate {
 
-/// @param mpi_comm Address of an MPI_Comm, which is duplicated; so that callers need no MPI header.
-/// @note Collective, and so is the end of the object.
+/// @param mpi_comm Address of an MPI_Comm, which is duplicated. The type is void so that callers
+///   need no MPI header.
+/// @note Collective, and so is the destructor.
 [[nodiscard]] std::unique_ptr<Network> make_mpi_network(const void* mpi_comm);
 
 }  // namespace palpate

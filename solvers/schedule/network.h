@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the scheduler needs of the outside: messages between ranks, and a clock.
+// What the scheduler needs of its environment: messages between ranks, and a clock.
 #pragma once
 
 #include <cstddef>
@@ -26,29 +26,29 @@ class Network {
   [[nodiscard]] virtual int rank() const = 0;
   [[nodiscard]] virtual int size() const = 0;
 
-  /// Returns at once; the content may have any length. What a rank sends to another one arrives in
-  /// the order in which it was sent.
+  /// Sends a message of any length and returns at once. Messages of one rank to another arrive in
+  /// the order in which they were sent.
   /// @param to Another rank, or this one.
   /// @param tag 0 … 1000
   virtual void send(int to, int tag, Bytes content) = 0;
-  /// The next message that has come whole. A large one needs both its ends to call this now and
-  /// then.
+  /// The next message that has arrived completely. A large message needs both its sender and its
+  /// receiver to call this repeatedly.
   [[nodiscard]] virtual std::optional<Message> receive() = 0;
-  /// Waits until all that was sent has left; the receivers must go on to receive.
+  /// Waits until all messages have left; their receivers must go on to call receive().
   virtual void flush() = 0;
 
-  /// s, from a start of this rank's own.
+  /// Time since a start that each rank has for itself, s.
   [[nodiscard]] virtual double now() const = 0;
-  /// Has nothing to do before the time `until` unless something comes: rests for a moment, a longer
-  /// one the longer nothing has come, 1 ms at the most. So idle ranks leave the cores to busy ones
-  /// where there are more ranks than cores.
+  /// Waits for a moment, at most until the time `until`, if nothing arrives before. The moment
+  /// grows from yielding the core to 1 ms while nothing arrives, so that idle ranks leave the cores
+  /// to busy ones where there are more ranks than cores.
   virtual void rest(double until) = 0;
 
  protected:
   Network() = default;
 };
 
-/// One rank.
+/// The network of a single rank.
 [[nodiscard]] std::unique_ptr<Network> make_serial_network();
 
 }  // namespace palpate

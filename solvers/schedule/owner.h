@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which rank owns a state [TDS]: it decides what follows from it.
+// The owner rank of a state [TDS]: it decides what follows from the state.
 //
 // [TDS] Romein, Plaat, Bal, Schaeffer, Transposition Table Driven Work Scheduling in Distributed
 // Search, AAAI 1999.
@@ -19,7 +19,8 @@ namespace palpate {
   return key ^ (key >> 31);
 }
 
-/// The owner is the same on all ranks. Any keys are spread evenly, also neighbouring ones.
+/// The owner rank of a key, the same on all ranks. Any keys are spread evenly, also consecutive
+/// ones.
 [[nodiscard]] constexpr int owner_of(std::uint64_t key, int num_ranks) {
   return static_cast<int>(mix(key) % static_cast<std::uint64_t>(num_ranks));
 }

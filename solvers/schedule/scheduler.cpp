@@ -12,7 +12,7 @@ namespace {
 
 enum Tag : int {
   kMail,
-  /// Bytes of mail that were read.
+  /// The number of bytes of mail that were read.
   kConfirmation,
   kStop,
   /// The answers to a request.
@@ -26,22 +26,23 @@ enum Tag : int {
   kLeave,
 };
 
-/// These can make a rank busy, or follow from a message that did.
+/// Whether messages of a kind can make a rank busy, or follow from one that did. Only these are
+/// counted.
 bool is_counted(int tag) { return tag <= kShare; }
 
-/// Ranks below one in the tree of the waves.
+/// The number of children of a rank in the tree of the waves.
 constexpr int kChildren = 4;
-/// Between waves in vain, s: long to the network, short to a task.
+/// Pause between two waves while messages are under way, s: long for the network, short for a task.
 constexpr double kBetweenWaves = 1e-3;
 
-/// Requests that follow at once when they are refused.
+/// The number of requests that are repeated at once after a refusal.
 constexpr int kEarlyTries = 2;
-/// Between the refusal of a later one and the next, doubled each time, s. With the longest, a busy
-/// rank spends a few µs of each 4 ms on refusals, however many are idle.
+/// Pause after a later refusal, which is doubled each time, s. With the longest pause, a busy rank
+/// spends a few µs of each 4 ms on refusals, however many ranks are idle.
 constexpr double kShortestPause = 1e-3;
 constexpr double kLongestPause = 4e-3;
-/// After which another rank is asked too, s: one that does not poll answers late. Not shorter than
-/// a common task, or the shares would come in twos.
+/// Time without an answer after which another rank is asked too, s: a rank that does not poll
+/// answers late. It is not shorter than a common task, or shares would arrive in pairs.
 constexpr double kPatience = 50e-3;
 constexpr int kMostUnanswered = 4;
 
@@ -77,7 +78,7 @@ bool run(Worker& worker, Communicator& communicator, ScheduleReport* report,
          const ScheduleOptions& options) {
   Network& network = communicator.network();
   Scheduler scheduler(worker, network, options);
-  // From here on the ranks wait for each other's messages: all of them or none.
+  // From here on the ranks wait for each other's messages, so all of them begin or none.
   agree(communicator, [] {});
   agree(communicator, [&] {
     for (;;) {
@@ -85,7 +86,7 @@ bool run(Worker& worker, Communicator& communicator, ScheduleReport* report,
       try {
         step = scheduler.step();
       } catch (...) {
-        // The others wait until this rank has heard of the end, too.
+        // The other ranks wait until this rank has heard of the end too.
         scheduler.fail();
       }
       if (step == Scheduler::Step::over) break;
@@ -160,7 +161,7 @@ Scheduler::Step Scheduler::note(Step step) {
   return step;
 }
 
-/// Calls the worker. What it throws ends the run.
+/// Calls the worker. An exception ends the run.
 template <class F>
 void Scheduler::guard(F&& call) {
   try {
@@ -172,8 +173,8 @@ void Scheduler::guard(F&& call) {
 
 void Scheduler::fail() {
   if (!error_) error_ = std::current_exception();
-  // Once this rank has joined the last wave, nothing is left to stop, and others may have left:
-  // they would hear of it in their next run.
+  // Once this rank has joined the last wave, nothing is left to stop. Other ranks may have left,
+  // and would take the message for one of their next run.
   if (!last_wave_ || wave_open_) stop();
 }
 
@@ -242,7 +243,8 @@ void Scheduler::keep(Message&& mail) {
       std::max(report_.most_queued_bytes, static_cast<std::int64_t>(inbox_bytes_));
 }
 
-/// Delivers what is there: not what this rank posts to itself meanwhile, which may never end.
+/// Delivers the mail that is there now. Mail that this rank sends to itself meanwhile waits for the
+/// next call, since it might never end.
 void Scheduler::deliver() {
   for (std::size_t n = inbox_.size(); n > 0; --n) {
     const Message mail = std::move(inbox_.front());
@@ -254,8 +256,8 @@ void Scheduler::deliver() {
   }
 }
 
-/// Tells a sender that its mail was read, not of each message: what all receivers together hold
-/// back is half of what lets it work.
+/// Confirms mail to its sender, but not each message: what all receivers together have read without
+/// confirming is at most half of what lets the sender work.
 void Scheduler::confirm(int sender, std::size_t bytes) {
   std::size_t& unconfirmed = unconfirmed_[sender];
   unconfirmed += bytes;
@@ -317,7 +319,7 @@ void Scheduler::hear_refusal() {
   }
 }
 
-/// Any but this one.
+/// A random rank other than this one.
 int Scheduler::random_rank() {
   const int other = owner_of(++random_, size_ - 1);
   return other < rank_ ? other : other + 1;
@@ -369,7 +371,7 @@ void Scheduler::leave() {
   over_ = true;
 }
 
-/// Over the tree, away from where it was heard of.
+/// Spreads over the tree that the run stops, away from the rank that has told this one.
 void Scheduler::spread_stop(int heard_from) {
   if (std::exchange(stopped_, true)) return;
   if (rank_ > 0 && parent_ != heard_from) transmit(parent_, kStop, {});

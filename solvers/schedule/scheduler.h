@@ -2,31 +2,32 @@
 // Transposition-driven scheduling [TDS] of opaque tasks on all ranks: no master, no barrier, and no
 // rank waits for an answer.
 //
-// Mail. What concerns a state is posted to its owner rank, the hash of its key (owner.h),
-// which so knows of duplicates. It is delivered between tasks, before the next one.
+// Mail. A message about a state is sent to the owner rank of the state, which follows from the hash
+// of its key (owner.h); so the owner knows of duplicates. Mail is delivered between tasks, before
+// the next task begins.
 //
 // Stealing. Hashing alone leaves ranks idle, so a rank without work asks others for a share of
-// theirs: first the one that gave last, then one at random after the other, with a pause of a few
-// ms where it is refused. Because of the pauses, and since a request may go to any rank, the many
-// that are idle at the end do not drown the few that are busy: each of these is asked as often as
-// each idle rank asks. Where a request stays unanswered for long, since the other one does not
-// poll, a next one is asked as well. In the simulator, lifelines [LGB], over which a rank that has
-// got work shares it with neighbours that asked before, took longer and moved four times as many
-// shares: many went to ranks that had got work meanwhile.
+// theirs: first the rank that gave last, then random ranks, with a pause of a few ms after a
+// refusal. Since it pauses, and since its request may go to any rank, the many idle ranks at the
+// end do not drown the few busy ones: on average a busy rank is asked as often as an idle rank
+// asks. If a request stays unanswered for long, because the other rank does not poll, a further
+// rank is asked. Lifelines [LGB], over which a rank that has got work shares it with neighbours
+// that asked before, were slower in the simulator and moved four times as many shares: many went to
+// ranks that had got work meanwhile.
 //
-// Termination. The four-counter method [Mattern, section 4]: waves run over a tree of all ranks;
-// each rank joins a wave once it has neither work nor mail, with the numbers of messages that it
-// has sent and received. Once as many had been received in a wave as had been sent in the next one,
-// nothing was under way and nobody busy at the end of the former. Requests for work and refusals
-// are not counted, since they make nobody busy; so one more wave, which a rank joins when its
-// requests are answered, sees to it that no message at all is left behind. A wave waits at a busy
-// rank, so there are few.
+// Termination. The four-counter method [Mattern, section 4] sends waves over a tree of all ranks.
+// Each rank joins a wave once it has neither work nor mail, and adds the numbers of messages that
+// it has sent and received. If the number received by one wave equals the number sent by the next,
+// then at the end of the first no message was under way and no rank was busy. Requests for work and
+// refusals are not counted, since they make no rank busy. One more wave, which a rank joins when
+// its own requests are answered, makes sure that no message at all is left. A wave waits at a busy
+// rank, so there are few waves.
 //
-// Memory. The worker's tasks are its own matter. A rank executes no task while more than
-// ScheduleOptions::most_unread_bytes of its mail lie unread at their receivers (who tell the
-// sender): so all ranks together hold at most P times as much, and what one task and the answers to
-// its messages post. Of shares at most one for each unanswered request is under way to a rank, of
-// which there are four at most.
+// Memory. The tasks are the worker's own matter. A rank executes no task while more than
+// ScheduleOptions::most_unread_bytes of the mail that it has sent is unread; receivers confirm what
+// they have read. So all ranks together hold at most P times this, plus the messages of one task
+// and of the replies to them. At most one share is under way to a rank for each of its unanswered
+// requests, of which there are at most four.
 //
 // [TDS] Romein, Plaat, Bal, Schaeffer, Transposition Table Driven Work Scheduling in Distributed
 // Search, AAAI 1999.
@@ -50,36 +51,36 @@
 namespace palpate {
 
 struct ScheduleOptions {
-  /// Of a rank's mail that its receivers have not read; each message counts kMessageBytes more than
-  /// its content.
+  /// The largest amount of mail of a rank that its receivers have not read, bytes; each message
+  /// counts kMessageBytes more than its content.
   std::size_t most_unread_bytes = 16 << 20;
 };
 
-/// Counted for a message besides its content.
+/// Bytes that a message counts besides its content.
 inline constexpr std::size_t kMessageBytes = 64;
 
-/// What one rank has done, or what several have done together.
+/// What one rank has done, or several together.
 struct ScheduleReport {
   std::int64_t tasks = 0;
-  /// Sent, of all kinds, and their contents.
+  /// Messages of all kinds that were sent, and the bytes of their contents.
   std::int64_t messages = 0;
   std::int64_t bytes = 0;
-  /// Requests for work sent, and those that brought a share.
+  /// Requests for work, and those among them that brought a share.
   std::int64_t steals_asked = 0;
   std::int64_t steals_granted = 0;
   /// Time without work, s.
   double idle_seconds = 0;
-  /// Most mail that lay unread at one time, messages and bytes (with kMessageBytes each).
+  /// The most mail that was unread at one time, messages and bytes (with kMessageBytes each).
   std::int64_t most_queued = 0;
   std::int64_t most_queued_bytes = 0;
 
-  /// Adds; of the last two, the larger.
+  /// Adds the figures; of the last two it takes the larger.
   ScheduleReport& operator+=(const ScheduleReport& other);
 };
 
 /// Executes the workers' tasks until no rank has work and no message is under way.
-/// @returns false: it was stopped. The same on every rank.
-/// @param report Of this rank.
+/// @returns false: the run was stopped. It is the same on every rank.
+/// @param report Receives the figures of this rank.
 /// @note Collective. A worker's error is thrown on all ranks, see agree().
 [[nodiscard]] bool run(Worker& worker, Communicator& communicator, ScheduleReport* report = nullptr,
                        const ScheduleOptions& options = {});
@@ -98,10 +99,10 @@ class Scheduler final : private Mail {
     idle,  ///< Nothing to do before idle_until() unless a message comes.
     over,  ///< On all ranks; nothing is under way.
   };
-  /// Takes in what has come, and executes one task at the most.
+  /// Takes in the messages that have come, and executes at most one task.
   Step step();
-  /// Takes the exception that is being handled for the error of this rank, and stops all. step() is
-  /// to be called on until all is over.
+  /// Takes the exception that is being handled as the error of this rank, and stops all ranks. Go
+  /// on to call step() until the run is over.
   void fail();
   /// A time by the clock of the network, which may be infinite.
   [[nodiscard]] double idle_until() const;
@@ -165,34 +166,34 @@ class Scheduler final : private Mail {
   bool discarded_ = false;
   bool over_ = false;
   std::exception_ptr error_;
-  /// Since when; negative: not idle.
+  /// Time at which the rank became idle; negative: it is not idle.
   double idle_since_ = -1;
 
-  /// Mail that waits for the end of a task, and its bytes with kMessageBytes each.
+  /// Mail that waits for the end of a task, and its bytes, with kMessageBytes for each message.
   std::deque<Message> inbox_;
   std::size_t inbox_bytes_ = 0;
   std::deque<Message> shares_;
-  /// Bytes of this rank's mail that are unread at others.
+  /// Bytes of mail from this rank that other ranks have not confirmed as read.
   std::size_t unread_ = 0;
-  /// Bytes of each rank's mail that were read here without its knowing.
+  /// Bytes of mail that were read here and not confirmed yet, by sender.
   std::unordered_map<int, std::size_t> unconfirmed_;
 
-  /// Requests that are not answered yet.
+  /// The number of own requests that are not answered yet.
   int num_asked_ = 0;
   int last_giver_ = -1;
-  /// Since there was work last.
+  /// The number of requests since this rank last had work.
   int num_tries_ = 0;
   double next_try_ = 0;
   double pause_;
   std::uint64_t random_;
 
-  /// These count the messages that can make a rank busy.
+  /// Numbers of those messages that can make a rank busy.
   Counts counts_;
   int parent_ = -1;
   std::vector<int> children_;
   bool wave_open_ = false;
   bool last_wave_ = false;
-  /// Children that have not joined yet.
+  /// The number of children that have not joined the wave yet.
   int num_awaited_ = 0;
   Counts wave_;
   // On rank 0.

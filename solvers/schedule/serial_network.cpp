@@ -31,7 +31,7 @@ class SerialNetwork final : public Network {
         .count();
   }
 
-  /// Nobody is there who could send something.
+  /// No other rank could send anything.
   void rest(double /*until*/) override {}
 
  private:

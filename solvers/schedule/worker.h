@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a user of the scheduler implements, and what the scheduler gives for it.
+// What a user of the scheduler implements (Worker), and what the scheduler offers to it (Mail).
 #pragma once
 
 #include <cstdint>
@@ -9,24 +9,25 @@
 
 namespace palpate {
 
-/// The way out of a worker's member functions.
+/// The mailbox through which a worker sends messages.
 class Mail {
  public:
   [[nodiscard]] virtual int rank() const = 0;
   [[nodiscard]] virtual int size() const = 0;
 
-  /// Posts a message: Worker::receive gets it there, later; also on this rank, and never from
-  /// within this call. Messages to one rank arrive in the order in which they were posted.
+  /// Sends a message, which Worker::receive of that rank takes later. The rank may be this one; the
+  /// message is never delivered from within this call. Messages to one rank arrive in the order in
+  /// which they were sent.
   virtual void send(int rank, Bytes message) = 0;
-  /// The same, to the owner of a key.
+  /// Sends a message to the owner of a key.
   void send_to_owner(std::uint64_t key, Bytes message) {
     send(owner_of(key, size()), std::move(message));
   }
 
-  /// Call this now and then within Worker::work where a task is long: it gives tasks to ranks that
-  /// have none, through Worker::give, and hands on what keeps the run going. Delivers nothing to
-  /// this rank: Worker::receive and Worker::take wait for the end of the task.
-  /// @returns false when the run is to end early: the task may give up, its result is not needed.
+  /// Call this repeatedly within a long Worker::work. It gives tasks to ranks that have none, by
+  /// Worker::give, and forwards the messages that keep the run going. It delivers nothing to this
+  /// rank: Worker::receive and Worker::take wait for the end of the task.
+  /// @returns false: the run ends early. The task may give up, since its result is not needed.
   virtual bool poll() = 0;
 
   /// Ends the run early, on all ranks.
@@ -40,32 +41,33 @@ class Mail {
 };
 
 /// The tasks of one rank, and what they mean. All functions are called on the thread of run(), one
-/// at a time, but give() also from within Mail::poll(). What they throw ends the run on all ranks.
+/// at a time; give() may also be called from within Mail::poll(). An exception ends the run on all
+/// ranks.
 class Worker {
  public:
   virtual ~Worker() = default;
 
-  /// This is called before all other functions.
+  /// Called before all other functions.
   virtual void start(Mail&) {}
 
-  /// A message has come that `from` posted. To be cheap: it is no task. Comes between tasks, and
-  /// before the next one.
+  /// Takes a message of the rank `from`. It is called between tasks and must be cheap, since it is
+  /// no task.
   virtual void receive(int from, const Bytes& message, Mail& mail) = 0;
 
-  /// There is a task to be executed. Changes only in the functions of this class: a rank without
-  /// work and without messages is idle.
+  /// Whether there is a task to be executed. The answer may change only within functions of this
+  /// class. A rank without tasks and without messages is idle.
   [[nodiscard]] virtual bool has_work() const = 0;
   /// Executes one task.
   virtual void work(Mail& mail) = 0;
 
-  /// Splits off about half of this rank's tasks for one that has none; empty: none can be spared.
-  /// Within a task (from Mail::poll) the others may all go; between tasks one must stay, or it
-  /// could travel from rank to rank and never be executed.
+  /// Removes about half of this rank's tasks and returns them, for a rank that has none; empty:
+  /// none can be spared. Within a task (from Mail::poll) all other tasks may be given. Between
+  /// tasks one must stay, or it could travel from rank to rank without being executed.
   [[nodiscard]] virtual Bytes give() = 0;
-  /// Takes what give() of another rank has split off. There may be tasks here already.
+  /// Takes tasks that give() of another rank has returned. This rank may have tasks already.
   virtual void take(const Bytes& share, Mail& mail) = 0;
 
-  /// The run ends early: drops all tasks. Nothing else is called afterwards.
+  /// Drops all tasks, since the run ends early. No other function is called afterwards.
   virtual void discard() = 0;
 
  protected:
