@@ -375,10 +375,10 @@ void CondensedSystem::add_potential(const Eigen::VectorXd& q, const NodalVector&
     if (unknown < 0) continue;
     const Index prescribed = coordinate_of_unknown_[unknown];
     if (prescribed < 0) {
-      mixed_.block<3, 3>(unknown, coordinate) += value;
+      mixed_.block(unknown, coordinate, 3, value.cols()) += value;
     } else {
-      of_coordinates_.block<3, 3>(prescribed, coordinate) += value;
-      of_coordinates_.block<3, 3>(coordinate, prescribed) += value.transpose();
+      of_coordinates_.block(prescribed, coordinate, 3, value.cols()) += value;
+      of_coordinates_.block(coordinate, prescribed, value.cols(), 3) += value.transpose();
     }
   }
   of_coordinates_ += hessian.of_coordinates;

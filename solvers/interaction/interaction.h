@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "interaction/pose_map.h"
 
 namespace palpate {
 
@@ -37,17 +38,18 @@ struct PotentialHessian {
     Index b = 0;
     Mat3 value = Mat3::Zero();
   };
-  /// ∂²Φ/∂u_a∂q of a point a and three coordinates, N/m.
+  /// ∂²Φ/∂u_a∂q of a point a and coordinates of a tool, one after another.
   struct Mixed {
     Index a = 0;
-    /// The first of the three.
+    /// The first of these.
     Index coordinate = 0;
-    Mat3 value = Mat3::Zero();
+    /// [3 × number of these], N/m where these are lengths.
+    PoseColumns value;
   };
   /// Each pair of points is in one order only; what is there several times is added up.
   std::vector<OfPoints> of_points;
   std::vector<Mixed> mixed;
-  /// ∂²Φ/∂q² [d × d], N/m.
+  /// ∂²Φ/∂q² [d × d], N/m where the coordinates are lengths.
   Eigen::MatrixXd of_coordinates;
 };
 
@@ -57,7 +59,7 @@ class Interaction {
 
   [[nodiscard]] virtual std::unique_ptr<Interaction> clone() const = 0;
 
-  /// d, a multiple of 3.
+  /// d, at least 1.
   [[nodiscard]] virtual Index num_coordinates() const = 0;
   /// The points of the body that the tool prescribes, no point twice.
   [[nodiscard]] virtual std::vector<PrescribedPoint> prescribed_points() const { return {}; }

@@ -7,9 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "base/error.h"
-#include "base/quantity.h"
-
 namespace palpate {
 namespace {
 
@@ -59,27 +56,49 @@ Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& places) {
   return box;
 }
 
-}  // namespace
+/// What the energy of a point of integration adds to the second derivatives in which coordinates of
+/// the tool are, for each unit of area.
+struct CoordinatePart {
+  /// By the place of the point and the coordinates [3 × d].
+  PoseColumns mixed;
+  /// By the coordinates [d × d].
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxPoseCoordinates, kMaxPoseCoordinates>
+      of_coordinates;
+};
 
-void validate(const ContactLaw& law) {
-  if (!(std::isfinite(law.thickness) && law.thickness > 0)) {
-    throw InputError("The contact thickness is " + quantity(law.thickness, "m") +
-                     "; it must be a positive length.");
+template <class Point>
+CoordinatePart part_of_coordinates(const PoseJet& pose, const Vec3& y, const Vec3& normal,
+                                   const Point& point) {
+  CoordinatePart part;
+  const PoseColumns y_by = pose.point_by(y);
+  PoseColumns in_tool = point.by_yy * y_by;
+  if (!pose.turns) {
+    part.mixed = pose.rotation * in_tool;
+    part.of_coordinates = y_by.transpose() * in_tool;
+    return part;
   }
-  if (!(std::isfinite(law.stiffness) && law.stiffness > 0)) {
-    throw InputError("The contact stiffness is " + quantity(law.stiffness, "Pa") +
-                     "; it must be positive.");
+  const PoseColumns m_by = pose.direction_by(normal);
+  in_tool += point.by_ym * m_by;
+  part.mixed = pose.rotation * in_tool;
+  for (int i = 0; i < pose.num_coordinates; ++i) {
+    part.mixed.col(i) += pose.rotation_by[i] * point.by_y;
   }
-  if (!(law.offset >= 0 && law.offset < law.thickness)) {
-    throw InputError("The layer of contact is drawn back by " + quantity(law.offset, "m") +
-                     "; it must be at least 0 and less than its thickness of " +
-                     quantity(law.thickness, "m") + ".");
+  part.of_coordinates = y_by.transpose() * in_tool +
+                        m_by.transpose() * (point.by_ym.transpose() * y_by + point.by_mm * m_by);
+  for (int i = 0; i < pose.num_coordinates; ++i) {
+    for (int j = 0; j < pose.num_coordinates; ++j) {
+      part.of_coordinates(i, j) += point.by_y.dot(pose.point_by_two(y, i, j)) +
+                                   point.by_m.dot(pose.direction_by_two(normal, i, j));
+    }
   }
+  return part;
 }
 
+}  // namespace
+
 RigidContact::RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape,
-                           ContactLaw law)
-    : surface_(std::move(surface)), shape_(std::move(shape)), law_(law) {
+                           ContactLaw law, PoseMapPtr pose)
+    : surface_(std::move(surface)), shape_(std::move(shape)), law_(law), pose_(std::move(pose)) {
   validate(law);
   longest_step_ = kLongestStep * 0.5 * shape_->bounds().sizes().minCoeff();
 }
@@ -93,57 +112,57 @@ double RigidContact::displacement_scale(const Eigen::VectorXd& /*q*/) const {
 }
 
 std::string RigidContact::describe(const Eigen::VectorXd& q) const {
+  const Vec3 place = pose_->evaluate(q, 0).place;
   std::ostringstream text;
-  text << shape_->description() << " at (" << q[0] << ", " << q[1] << ", " << q[2] << ") m";
+  text << shape_->description() << " at (" << place[0] << ", " << place[1] << ", " << place[2]
+       << ") m";
   return text.str();
 }
 
 std::vector<Vec3> RigidContact::inner_places(const Eigen::VectorXd& q) const {
+  const PoseJet pose = pose_->evaluate(q, 0);
   std::vector<Vec3> places = shape_->inner_places();
-  for (Vec3& place : places) place += q;
+  for (Vec3& place : places) place = pose.place + pose.rotation * place;
   return places;
 }
 
-bool RigidContact::evaluate(const Vec3& offset, const Vec3& normal, bool with_hessian,
-                            Point& point) const {
-  const double thickness = law_.thickness;
-  RigidShape::Jet jet = shape_->evaluate(offset, with_hessian ? 2 : 1);
-  const double depth = law_.reach() - jet.value;
-  if (!(depth > 0)) return false;
-  const double towards = -normal.dot(jet.gradient);
+bool RigidContact::evaluate(const Vec3& y, const Vec3& m, bool with_hessian, Point& point) const {
+  RigidShape::Jet jet = shape_->evaluate(y, with_hessian ? 2 : 1);
+  if (!law_.acts_at(jet.value)) return false;
+  const double towards = -m.dot(jet.gradient);
   if (towards <= -kAway) return false;
-  const double scale = law_.stiffness / (thickness * thickness * thickness);
-  const double psi = scale * depth * depth * depth * depth / 4;
-  const double slope = -scale * depth * depth * depth;
-  const double curvature = 3 * scale * depth * depth;
+  const auto [psi, slope, curvature] = law_.evaluate(jet.value);
   const Vec3& n = jet.gradient;
+  point = {};
   if (towards >= 0) {
     point.value = psi;
-    point.gradient = slope * n;
-    if (with_hessian) point.hessian = curvature * n * n.transpose() + slope * jet.hessian;
+    point.by_y = slope * n;
+    if (with_hessian) point.by_yy = curvature * n * n.transpose() + slope * jet.hessian;
     return true;
   }
   // The face begins to look away.
-  jet = shape_->evaluate(offset, with_hessian ? 3 : 2);
+  jet = shape_->evaluate(y, with_hessian ? 3 : 2);
   const Ramp s = ramp(1 + towards / kAway);
   const double ds = s.slope / kAway;
-  const Vec3 turn = -jet.hessian * normal;
+  const double dds = s.curvature / (kAway * kAway);
+  const Vec3 turn = -jet.hessian * m;
   point.value = psi * s.value;
-  point.gradient = slope * s.value * n + psi * ds * turn;
+  point.by_y = slope * s.value * n + psi * ds * turn;
+  point.by_m = -psi * ds * n;
   if (with_hessian) {
     const Mat3 mixed = n * turn.transpose();
-    point.hessian = s.value * (curvature * n * n.transpose() + slope * jet.hessian) +
-                    slope * ds * (mixed + mixed.transpose()) +
-                    psi * s.curvature / (kAway * kAway) * turn * turn.transpose() -
-                    psi * ds * contracted(jet.third, normal);
+    point.by_yy = s.value * (curvature * n * n.transpose() + slope * jet.hessian) +
+                  slope * ds * (mixed + mixed.transpose()) + psi * dds * turn * turn.transpose() -
+                  psi * ds * contracted(jet.third, m);
+    point.by_ym = -(slope * ds * n + psi * dds * turn) * n.transpose() - psi * ds * jet.hessian;
+    point.by_mm = psi * dds * n * n.transpose();
   }
   return true;
 }
 
 template <class Visit>
-void RigidContact::for_each_touched_point(const Eigen::VectorXd& q, const NodalVector& state,
+void RigidContact::for_each_touched_point(const PoseJet& pose, const NodalVector& state,
                                           bool with_hessian, Visit&& visit) const {
-  const Vec3 centre = q;
   Eigen::AlignedBox3d reach = shape_->bounds();
   const double margin = law_.reach() + shape_->error();
   reach = Eigen::AlignedBox3d(reach.min().array() - margin, reach.max().array() + margin);
@@ -153,41 +172,49 @@ void RigidContact::for_each_touched_point(const Eigen::VectorXd& q, const NodalV
     const ContactSurface::Face face = surface_->face(f);
     for (Eigen::Index a = 0; a < places.cols(); ++a) {
       const Index p = face.nodes[a];
-      places.col(a) = surface_->points()[p] + state.segment<3>(3 * Eigen::Index{p}) - centre;
+      places.col(a) = pose.point(surface_->points()[p] + state.segment<3>(3 * Eigen::Index{p}));
     }
     if (!box_of(places).intersects(reach)) continue;
+    const Vec3 m = pose.direction(face.normal);
     for (Eigen::Index i = 0; i < face.shape->rows(); ++i) {
-      const Vec3 offset = places * face.shape->row(i).transpose();
-      if (!reach.contains(offset)) continue;
-      if (evaluate(offset, face.normal, with_hessian, point)) visit(face, i, point);
+      const Vec3 y = places * face.shape->row(i).transpose();
+      if (!reach.contains(y)) continue;
+      if (evaluate(y, m, with_hessian, point)) visit(face, i, y, point);
     }
   }
 }
 
 double RigidContact::potential(const Eigen::VectorXd& q, const NodalVector& state,
                                NodalVector& force, Eigen::VectorXd& of_q) const {
+  const PoseJet pose = pose_->evaluate(q, 1);
   double sum = 0;
   for_each_touched_point(
-      q, state, false, [&](const ContactSurface::Face& face, Eigen::Index i, const Point& point) {
-        sum += face.weights[i] * point.value;
-        const Vec3 pull = face.weights[i] * point.gradient;
+      pose, state, false,
+      [&](const ContactSurface::Face& face, Eigen::Index i, const Vec3& y, const Point& point) {
+        const double weight = face.weights[i];
+        sum += weight * point.value;
+        const Vec3 pull = weight * (pose.rotation * point.by_y);
         for (Eigen::Index a = 0; a < face.shape->cols(); ++a) {
           force.segment<3>(3 * Eigen::Index{face.nodes[a]}) += (*face.shape)(i, a) * pull;
         }
-        of_q -= pull;
+        of_q += weight * (pose.point_by(y).transpose() * point.by_y +
+                          pose.direction_by(face.normal).transpose() * point.by_m);
       });
   return sum;
 }
 
 void RigidContact::add_hessian(const Eigen::VectorXd& q, const NodalVector& state,
                                PotentialHessian& hessian) const {
+  const PoseJet pose = pose_->evaluate(q, 2);
   const int nodes = surface_->nodes_per_face();
+  const int coordinates = pose.num_coordinates;
   const Index* last = nullptr;
   // The blocks of the face that points are visited of.
   std::size_t first_of_points = 0;
   std::size_t first_mixed = 0;
   for_each_touched_point(
-      q, state, true, [&](const ContactSurface::Face& face, Eigen::Index i, const Point& point) {
+      pose, state, true,
+      [&](const ContactSurface::Face& face, Eigen::Index i, const Vec3& y, const Point& point) {
         if (face.nodes != last) {
           last = face.nodes;
           first_of_points = hessian.of_points.size();
@@ -196,19 +223,23 @@ void RigidContact::add_hessian(const Eigen::VectorXd& q, const NodalVector& stat
             for (int b = 0; b <= a; ++b) {
               hessian.of_points.push_back({face.nodes[a], face.nodes[b], Mat3::Zero()});
             }
-            hessian.mixed.push_back({face.nodes[a], 0, Mat3::Zero()});
+            hessian.mixed.push_back({face.nodes[a], 0, PoseColumns::Zero(3, coordinates)});
           }
         }
-        const Mat3 h = face.weights[i] * point.hessian;
+        const double weight = face.weights[i];
+        const Mat3 of_place = weight * (pose.rotation * point.by_yy * pose.rotation.transpose());
+        const CoordinatePart part = part_of_coordinates(pose, y, face.normal, point);
+        const PoseColumns mixed = weight * part.mixed;
         std::size_t block = first_of_points;
         for (int a = 0; a < nodes; ++a) {
-          const Mat3 of_a = (*face.shape)(i, a) * h;
+          const double share = (*face.shape)(i, a);
+          const Mat3 of_a = share * of_place;
           for (int b = 0; b <= a; ++b) {
             hessian.of_points[block++].value += (*face.shape)(i, b) * of_a;
           }
-          hessian.mixed[first_mixed + static_cast<std::size_t>(a)].value -= of_a;
+          hessian.mixed[first_mixed + static_cast<std::size_t>(a)].value += share * mixed;
         }
-        hessian.of_coordinates += h;
+        hessian.of_coordinates += weight * part.of_coordinates;
       });
 }
 
@@ -232,8 +263,9 @@ RigidContact::Patch RigidContact::patch(const Eigen::VectorXd& q, const NodalVec
   double force = 0;
   double moment = 0;
   for_each_touched_point(
-      q, state, false, [&](const ContactSurface::Face& face, Eigen::Index i, const Point& point) {
-        const double pressure = point.gradient.norm();
+      pose_->evaluate(q, 0), state, false,
+      [&](const ContactSurface::Face& face, Eigen::Index i, const Vec3&, const Point& point) {
+        const double pressure = point.by_y.norm();
         force += face.weights[i] * pressure;
         moment += face.weights[i] * pressure * std::cbrt(pressure / law_.stiffness);
         result.area += face.weights[i];

@@ -1,57 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rigid tool that presses the surface of a body without friction. Its coordinates are the place p
-// of its centre; it does not turn. With the gap g = d(x − p) + o, d the signed distance to the tool
-// (rigid_shape.h), and x the place of a point of the surface,
+// A rigid tool that presses the surface of a body without friction. Three things make it, of which
+// none knows the others: its shape (rigid_shape.h) gives d, the signed distance to the tool; its
+// pose (pose_map.h) gives y, where a point x of the surface is in the tool's own axes, for the
+// coordinates q of the tool; the law of contact (contact_law.h) gives ψ, the energy of an area at a
+// distance.
 //
-//   Φ(u; p) = ∫_Γ₀ ψ(g) s dA₀,   ψ(g) = κ⟨δ − g⟩⁴ / (4 δ³)
+//   Φ(u; q) = ∫_Γ₀ ψ(d(y)) s dA₀
 //
-// over the surface at rest. The pressure −ψ′ acts in a layer of thickness δ, in which it rises
-// smoothly: ψ is C³ and zero beyond it, so that a tool that touches nothing adds exactly nothing.
-// A pressure p = −ψ′ is at the gap δ (1 − (p/κ)^{1/3}), so that a tool seems larger by the mean of
-// that; o draws the layer back into the tool, so that it seems as large as it is.
+// over the surface at rest.
 //
-// What is left of it, e = δ − o − 5/6 ∫ h p dA / ∫ p dA with h = δ − g, makes the tool feel as if
-// it were deeper by e than it is. The factor makes that mean the one that belongs to the force:
-// with Hertz's pressure, by the principle of complementary energy, it is δ − o − ¾ δ (p₀/κ)^{1/3}.
+// What is left of the law's layer, e = δ − o − 5/6 ∫ h p dA / ∫ p dA with h = δ − g, makes the tool
+// feel as if it were deeper by e than it is. The factor makes that mean the one that belongs to the
+// force: with Hertz's pressure, by the principle of complementary energy, it is
+// δ − o − ¾ δ (p₀/κ)^{1/3}.
 //
 // The far side of a thin lobe may lie in the layer too, or in the tool. It is told apart by which
-// way it looks: with c = −N·∇d, N the normal of the face at rest, s is 1 where c ≥ 0, as on every
-// face that looks towards the tool, and falls smoothly to 0 where it looks away by 30° or more.
+// way it looks: with c = −m·∇d, m the normal of the face at rest in the tool's axes, s is 1 where
+// c ≥ 0, as on every face that looks towards the tool, and falls smoothly to 0 where it looks away
+// by 30° or more.
 #pragma once
 
 #include <memory>
 
+#include "interaction/contact_law.h"
 #include "interaction/contact_surface.h"
 #include "interaction/interaction.h"
+#include "interaction/pose_map.h"
 #include "interaction/rigid_shape.h"
 
 namespace palpate {
 
-struct ContactLaw {
-  /// δ, m.
-  double thickness = 0;
-  /// κ, Pa: the pressure at g = 0, which is o inside of the tool.
-  double stiffness = 0;
-  /// o, m, less than δ.
-  double offset = 0;
-
-  /// How far outside of the tool the layer begins, m.
-  [[nodiscard]] double reach() const { return thickness - offset; }
-
-  [[nodiscard]] friend bool operator==(const ContactLaw& a, const ContactLaw& b) {
-    return a.thickness == b.thickness && a.stiffness == b.stiffness && a.offset == b.offset;
-  }
-};
-
-/// @throws InputError a thickness or stiffness that is not positive, or an offset out of its range.
-void validate(const ContactLaw& law);
-
 class RigidContact final : public Interaction {
  public:
   /// @throws InputError a thickness or stiffness that is not positive.
-  RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape, ContactLaw law);
+  RigidContact(std::shared_ptr<const ContactSurface> surface, RigidShapePtr shape, ContactLaw law,
+               PoseMapPtr pose = translated_pose());
 
   [[nodiscard]] const RigidShape& shape() const { return *shape_; }
+  [[nodiscard]] const PoseMap& pose() const { return *pose_; }
   [[nodiscard]] const RigidShapePtr& shape_ptr() const { return shape_; }
   [[nodiscard]] const ContactSurface& surface() const { return *surface_; }
   [[nodiscard]] const std::shared_ptr<const ContactSurface>& surface_ptr() const {
@@ -60,7 +46,7 @@ class RigidContact final : public Interaction {
   [[nodiscard]] const ContactLaw& law() const { return law_; }
 
   [[nodiscard]] std::unique_ptr<Interaction> clone() const override;
-  [[nodiscard]] Index num_coordinates() const override { return 3; }
+  [[nodiscard]] Index num_coordinates() const override { return pose_->num_coordinates(); }
   [[nodiscard]] double displacement_scale(const Eigen::VectorXd& q) const override;
   [[nodiscard]] std::string describe(const Eigen::VectorXd& q) const override;
   [[nodiscard]] double longest_step() const override { return longest_step_; }
@@ -85,22 +71,27 @@ class RigidContact final : public Interaction {
   [[nodiscard]] Patch patch(const Eigen::VectorXd& q, const NodalVector& state) const;
 
  private:
-  /// φ = ψ s of a point and its derivatives by the point's place.
+  /// φ = ψ s of a point of integration and its derivatives by y and m, in the tool's axes.
   struct Point {
     double value = 0;
-    Vec3 gradient = Vec3::Zero();
-    Mat3 hessian = Mat3::Zero();
+    Vec3 by_y = Vec3::Zero();
+    Vec3 by_m = Vec3::Zero();
+    Mat3 by_yy = Mat3::Zero();
+    Mat3 by_ym = Mat3::Zero();
+    Mat3 by_mm = Mat3::Zero();
   };
   /// @returns false where it is zero.
-  bool evaluate(const Vec3& offset, const Vec3& normal, bool with_hessian, Point& point) const;
-  /// Calls visit(face, number of the point, φ) for each point of integration where φ is not zero.
+  bool evaluate(const Vec3& y, const Vec3& m, bool with_hessian, Point& point) const;
+  /// Calls visit(face, number of the point, y, φ) for each point of integration where φ is not
+  /// zero.
   template <class Visit>
-  void for_each_touched_point(const Eigen::VectorXd& q, const NodalVector& state, bool with_hessian,
+  void for_each_touched_point(const PoseJet& pose, const NodalVector& state, bool with_hessian,
                               Visit&& visit) const;
 
   std::shared_ptr<const ContactSurface> surface_;
   RigidShapePtr shape_;
   ContactLaw law_;
+  PoseMapPtr pose_;
   double longest_step_;
 };
 

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "equilibrium/equilibrium.h"
@@ -23,6 +24,7 @@
 #include "solvers/support/laws.h"
 #include "solvers/support/solvable.h"
 #include "solvers/support/surfaces.h"
+#include "solvers/support/turned_pose.h"
 
 namespace palpate::test::test_rigid_contact {
 namespace {
@@ -42,10 +44,12 @@ RigidShapePtr shape_of(const std::string& name) {
   return make_surface_tool(tool);
 }
 
-RigidContact contact_with(const Scene& scene, const RigidShapePtr& shape) {
+RigidContact contact_with(const Scene& scene, const RigidShapePtr& shape,
+                          PoseMapPtr pose = translated_pose()) {
   return {std::make_shared<const ContactSurface>(scene, 0.7 * kThickness),
           shape,
-          {kThickness, kStiffness}};
+          {kThickness, kStiffness},
+          std::move(pose)};
 }
 
 /// Above the middle of the top of a block, which is at z = 0.05.
@@ -55,57 +59,73 @@ class AnyShape : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(Each, AnyShape, testing::Values("Sphere", "Capsule", "Surface"),
                          [](const auto& each) { return each.param; });
 
-// At states of the body at random, so that faces look every way.
+/// At states of the body at random, so that faces look every way.
+void expect_derivatives(const RigidContact& contact, const Eigen::VectorXd& q,
+                        const Eigen::VectorXd& q_way) {
+  const Eigen::Index size = 3 * static_cast<Eigen::Index>(contact.surface().points().size());
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> any(-1, 1);
+  NodalVector state(size);
+  for (double& x : state) x = 0.006 * any(random);
+  NodalVector way(size);
+  for (double& x : way) x = any(random);
+  struct Forces {
+    double energy = 0;
+    NodalVector of_points;
+    Eigen::VectorXd of_q;
+  };
+  const auto at = [&](double s) {
+    Forces f;
+    f.of_points = NodalVector::Zero(size);
+    f.of_q = Eigen::VectorXd::Zero(q.size());
+    f.energy = contact.potential(q + s * q_way, state + s * way, f.of_points, f.of_q);
+    return f;
+  };
+  constexpr double kStep = 2e-5;
+  constexpr double kDifference = 1e-6;
+  const Forces here = at(0);
+  ASSERT_GT(here.energy, 0);
+  const double along = here.of_points.dot(way) + here.of_q.dot(q_way);
+  EXPECT_NEAR(along, derivative([&](double s) { return at(s).energy; }, kStep),
+              kDifference * std::abs(along));
+
+  PotentialHessian hessian;
+  hessian.of_coordinates.setZero(q.size(), q.size());
+  contact.add_hessian(q, state, hessian);
+  NodalVector of_points = NodalVector::Zero(size);
+  Eigen::VectorXd of_q = hessian.of_coordinates * q_way;
+  for (const auto& [a, b, value] : hessian.of_points) {
+    of_points.segment<3>(3 * a) += value * way.segment<3>(3 * b);
+    if (a != b) of_points.segment<3>(3 * b) += value.transpose() * way.segment<3>(3 * a);
+  }
+  for (const auto& [a, coordinate, value] : hessian.mixed) {
+    of_points.segment<3>(3 * a) += value * q_way;
+    of_q += value.transpose() * way.segment<3>(3 * a);
+  }
+  const NodalVector expected = derivative([&](double s) { return at(s).of_points; }, kStep);
+  EXPECT_LT((of_points - expected).norm(), kDifference * expected.norm());
+  const Eigen::VectorXd expected_q = derivative([&](double s) { return at(s).of_q; }, kStep);
+  EXPECT_LT((of_q - expected_q).norm(), kDifference * expected_q.norm());
+}
+
 TEST_P(AnyShape, ForcesAndTangentAreDerivativesOfThePotential) {
   for (const ElementOrder order : {ElementOrder::linear, ElementOrder::quadratic}) {
     const Block block = make_block(Law::neo_hookean, {order});
     const RigidContact contact = contact_with(block.scene, shape_of(GetParam()));
-    const Index num_points = block.scene.mesh.num_points();
-    std::mt19937 random(7);
-    std::uniform_real_distribution<double> any(-1, 1);
-    NodalVector state(3 * num_points);
-    for (double& x : state) x = 0.006 * any(random);
-    NodalVector way(state.size());
-    for (double& x : way) x = any(random);
-    const Eigen::VectorXd q = above(-0.004);
-    const Eigen::VectorXd q_way = Vec3(0.4, -0.7, 0.5);
-    struct Forces {
-      double energy = 0;
-      NodalVector of_points;
-      Eigen::VectorXd of_q = Vec3::Zero();
-    };
-    const auto at = [&](double s) {
-      Forces f;
-      f.of_points = NodalVector::Zero(state.size());
-      f.energy = contact.potential(q + s * q_way, state + s * way, f.of_points, f.of_q);
-      return f;
-    };
-    constexpr double kStep = 2e-5;
-    constexpr double kDifference = 1e-6;
-    const Forces here = at(0);
-    ASSERT_GT(here.energy, 0);
-    const double along = here.of_points.dot(way) + here.of_q.dot(q_way);
-    EXPECT_NEAR(along, derivative([&](double s) { return at(s).energy; }, kStep),
-                kDifference * std::abs(along));
-
-    PotentialHessian hessian;
-    hessian.of_coordinates.setZero(3, 3);
-    contact.add_hessian(q, state, hessian);
-    NodalVector of_points = NodalVector::Zero(state.size());
-    Eigen::VectorXd of_q = hessian.of_coordinates * q_way;
-    for (const auto& [a, b, value] : hessian.of_points) {
-      of_points.segment<3>(3 * a) += value * way.segment<3>(3 * b);
-      if (a != b) of_points.segment<3>(3 * b) += value.transpose() * way.segment<3>(3 * a);
-    }
-    for (const auto& [a, coordinate, value] : hessian.mixed) {
-      of_points.segment<3>(3 * a) += value * q_way;
-      of_q += value.transpose() * way.segment<3>(3 * a);
-    }
-    const NodalVector expected = derivative([&](double s) { return at(s).of_points; }, kStep);
-    EXPECT_LT((of_points - expected).norm(), kDifference * expected.norm());
-    const Eigen::VectorXd expected_q = derivative([&](double s) { return at(s).of_q; }, kStep);
-    EXPECT_LT((of_q - expected_q).norm(), kDifference * expected_q.norm());
+    expect_derivatives(contact, above(-0.004), Vec3(0.4, -0.7, 0.5));
   }
+}
+
+TEST_P(AnyShape, ForcesTorquesAndTangentOfATurnedToolAreDerivativesOfThePotential) {
+  const Block block = make_block(Law::neo_hookean);
+  const RigidContact contact =
+      contact_with(block.scene, shape_of(GetParam()), std::make_shared<const TurnedPose>());
+  ASSERT_EQ(contact.num_coordinates(), 6);
+  Eigen::VectorXd q(6);
+  q << above(-0.004), 0.3, -0.5, 0.8;
+  Eigen::VectorXd way(6);
+  way << 0.4, -0.7, 0.5, 30, -20, 40;
+  expect_derivatives(contact, q, way);
 }
 
 TEST_P(AnyShape, AwayFromTheBodyNothingIsFeltAndNothingIsSolved) {

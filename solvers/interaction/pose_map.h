@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the coordinates q ∈ ℝᵈ of a rigid tool place and turn it: the point y of the tool, about its
+// centre and in its own axes, is at
+//
+//   x = p(q) + R(q) y,   so that  y = Rᵀ (x − p)  and a direction n is  m = Rᵀ n  in its axes.
+//
+// The shape of a tool (rigid_shape.h) knows y and m alone, and a law of contact the distance there;
+// what is felt along each coordinate follows from the derivatives of y and m by q.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "base/types.h"
+
+namespace palpate {
+
+/// The coordinates of a tool at most: six are those of any motion.
+inline constexpr int kMaxPoseCoordinates = 6;
+/// A vector for each coordinate [3 × d].
+using PoseColumns = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxPoseCoordinates>;
+
+/// A pose and its derivatives.
+struct PoseJet {
+  /// d.
+  int num_coordinates = 0;
+  /// p, m.
+  Vec3 place = Vec3::Zero();
+  /// R, a rotation.
+  Mat3 rotation = Mat3::Identity();
+  /// Whether R, or ∂p/∂q, depends on q. If not, all derivatives but ∂p/∂q are zero.
+  bool turns = false;
+  /// ∂p/∂q_i [d], m per unit of q_i, and ∂R/∂q_i [d].
+  std::array<Vec3, kMaxPoseCoordinates> place_by{};
+  std::array<Mat3, kMaxPoseCoordinates> rotation_by{};
+  /// ∂²p/∂q_i∂q_j and ∂²R/∂q_i∂q_j, in both orders [d × d].
+  std::array<std::array<Vec3, kMaxPoseCoordinates>, kMaxPoseCoordinates> place_by_two{};
+  std::array<std::array<Mat3, kMaxPoseCoordinates>, kMaxPoseCoordinates> rotation_by_two{};
+
+  /// All is zero but R, which is the identity.
+  explicit PoseJet(int coordinates);
+
+  /// y of a point at x.
+  [[nodiscard]] Vec3 point(const Vec3& x) const { return rotation.transpose() * (x - place); }
+  /// m of a direction n.
+  [[nodiscard]] Vec3 direction(const Vec3& n) const { return rotation.transpose() * n; }
+  /// ∂y/∂q of a point at rest in the scene [3 × d].
+  /// @param y Where it is in the tool's axes.
+  [[nodiscard]] PoseColumns point_by(const Vec3& y) const;
+  /// ∂m/∂q of a direction n [3 × d].
+  [[nodiscard]] PoseColumns direction_by(const Vec3& n) const;
+  /// ∂²y/∂q_i∂q_j of a point at rest in the scene [3].
+  /// @param y Where it is in the tool's axes.
+  [[nodiscard]] Vec3 point_by_two(const Vec3& y, int i, int j) const;
+  /// ∂²m/∂q_i∂q_j of a direction n [3].
+  [[nodiscard]] Vec3 direction_by_two(const Vec3& n, int i, int j) const {
+    return rotation_by_two[i][j].transpose() * n;
+  }
+};
+
+/// Does not change once it is made, and may be evaluated by several threads at once.
+class PoseMap {
+ public:
+  virtual ~PoseMap() = default;
+
+  /// d, 1 … kMaxPoseCoordinates.
+  [[nodiscard]] virtual int num_coordinates() const noexcept = 0;
+  /// @param q [d]. @param order Of the highest derivative that is wanted, 0 … 2. Those above are
+  ///   zero.
+  [[nodiscard]] virtual PoseJet evaluate(const Eigen::VectorXd& q, int order = 2) const = 0;
+
+ protected:
+  PoseMap() = default;
+  PoseMap(const PoseMap&) = default;
+  PoseMap& operator=(const PoseMap&) = default;
+};
+
+/// Several tools, and the threads that solve for them, may share one.
+using PoseMapPtr = std::shared_ptr<const PoseMap>;
+
+/// The tool does not turn, and its coordinates are the place of its centre, m.
+[[nodiscard]] PoseMapPtr translated_pose();
+
+}  // namespace palpate
