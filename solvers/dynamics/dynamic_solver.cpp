@@ -500,7 +500,7 @@ class DynamicSolver::Impl {
     const NodalVector predicted = extrapolated(from.motion.time + length);
     x.head(predicted.size()) = predicted;
     system_.prescribe(q, x);
-    if (!std::isfinite(system_.evaluate(q, x))) {
+    if (!system_.evaluate(q, x).is_finite()) {
       x = last_x_;
       x.head(predicted.size()) = from.motion.u;
       system_.prescribe(q, x);

@@ -195,29 +195,33 @@ double CondensedSystem::euclidean_norm(const Eigen::VectorXd& r) const {
   return r.cwiseProduct(inverse_row_norm_).norm();
 }
 
-double CondensedSystem::evaluate(const Eigen::VectorXd& q, const NodalVector& state) {
+Evaluation CondensedSystem::evaluate(const Eigen::VectorXd& q, const NodalVector& state) {
   const Timer timer(work_.residual_seconds);
   ++work_.residuals;
-  force_of_coordinates_.setZero(num_coordinates());
-  double energy = assembly_.residual(state, force_).energy;
-  energy += add_terms(state, nullptr);
-  if (!has_potential()) return energy;
-  return energy + interaction_->potential(q, state, force_, force_of_coordinates_);
+  Evaluation at;
+  at.of_coordinates.setZero(num_coordinates());
+  at.energy = assembly_.residual(state, at.force).energy;
+  at.energy += add_terms(state, at.force, nullptr);
+  if (has_potential()) {
+    at.energy += interaction_->potential(q, state, at.force, at.of_coordinates);
+  }
+  return at;
 }
 
-void CondensedSystem::residual(Eigen::VectorXd& r) const {
+Eigen::VectorXd CondensedSystem::residual(const Evaluation& at) const {
   const auto& state_of_unknown = assembly_.state_of_unknown();
-  r.resize(assembly_.pattern().size);
+  Eigen::VectorXd r(assembly_.pattern().size);
   for (Index i = 0; i < r.size(); ++i) {
-    r[i] = coordinate_of_unknown_[i] >= 0 ? 0 : force_[state_of_unknown[i]];
+    r[i] = coordinate_of_unknown_[i] >= 0 ? 0 : at.force[state_of_unknown[i]];
   }
   constraints_.project(r);
+  return r;
 }
 
-Eigen::VectorXd CondensedSystem::reaction() const {
-  Eigen::VectorXd h = force_of_coordinates_;
+Eigen::VectorXd CondensedSystem::reaction(const Evaluation& at) const {
+  Eigen::VectorXd h = at.of_coordinates;
   for (const auto& [point, coordinate] : prescribed_points_) {
-    h.segment<3>(coordinate) += force_.segment<3>(3 * Eigen::Index{point});
+    h.segment<3>(coordinate) += at.force.segment<3>(3 * Eigen::Index{point});
   }
   return h;
 }
@@ -273,13 +277,15 @@ NodalVector CondensedSystem::as_state(const Eigen::VectorXd& unknowns) const {
 void CondensedSystem::assemble(const NodalVector& state, std::vector<double>& values) {
   const Timer timer(work_.assembly_seconds);
   ++work_.assemblies;
-  assembly_.tangent(state, force_, values);
-  (void)add_terms(state, &values);
+  NodalVector force;
+  assembly_.tangent(state, force, values);
+  (void)add_terms(state, force, &values);
 }
 
-double CondensedSystem::add_terms(const NodalVector& state, std::vector<double>* values) {
+double CondensedSystem::add_terms(const NodalVector& state, NodalVector& force,
+                                  std::vector<double>* values) {
   double energy = 0;
-  for (const EnergyTerm* term : terms_) energy += term->add(state, force_, values);
+  for (const EnergyTerm* term : terms_) energy += term->add(state, force, values);
   return energy;
 }
 

@@ -7,6 +7,7 @@
 // costs less than a factorisation (rest_factor.h).
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -27,6 +28,18 @@ namespace palpate {
 /// Energies are sums over the body: those that differ by less than this share are equal but for
 /// rounding.
 inline constexpr double kEnergyRounding = 1e-11;
+
+/// The energy of a body and a tool at a state, and its first derivatives.
+struct Evaluation {
+  /// Π, J; not finite where it is not defined, as in a cell that is turned inside out.
+  double energy = 0;
+  /// ∂Π/∂x of every component of the state, N.
+  NodalVector force;
+  /// ∂Φ/∂q of the tool's potential [num_coordinates], N where q is a length.
+  Eigen::VectorXd of_coordinates;
+
+  [[nodiscard]] bool is_finite() const { return std::isfinite(energy); }
+};
 
 class CondensedSystem {
  public:
@@ -92,19 +105,12 @@ class CondensedSystem {
   /// Root of the sum of squares of the same, m.
   [[nodiscard]] double euclidean_norm(const Eigen::VectorXd& r) const;
 
-  /// Energy at a state with the tool at q, J. The force there is kept for residual() and
-  /// reaction().
-  double evaluate(const Eigen::VectorXd& q, const NodalVector& state);
+  /// The energy and the forces at a state with the tool at q.
+  [[nodiscard]] Evaluation evaluate(const Eigen::VectorXd& q, const NodalVector& state);
   /// The components of the force that must vanish, by unknown; zero for those that are held.
-  void residual(Eigen::VectorXd& r) const;
-  /// h, the force that holds the tool in the last evaluation [num_coordinates], N.
-  [[nodiscard]] Eigen::VectorXd reaction() const;
-  /// dΠ along ways of the state and the tool in the last evaluation, N.
-  /// @param ways Changes of the state for a unit of each coordinate, those of prescribed points
-  ///   among them [state_size × num_coordinates].
-  [[nodiscard]] Eigen::VectorXd force_along(const Eigen::MatrixXd& ways) const {
-    return ways.transpose() * force_ + force_of_coordinates_;
-  }
+  [[nodiscard]] Eigen::VectorXd residual(const Evaluation& at) const;
+  /// h, the force that holds the tool [num_coordinates], N.
+  [[nodiscard]] Eigen::VectorXd reaction(const Evaluation& at) const;
 
   /// Puts the points that the tool prescribes to where it is at q: u = u_rest + q.
   void prescribe(const Eigen::VectorXd& q, NodalVector& state) const;
@@ -196,8 +202,8 @@ class CondensedSystem {
   /// Orders the body.
   void take_solver(std::unique_ptr<LinearSolver> solver);
   void assemble(const NodalVector& state, std::vector<double>& values);
-  /// The energy of the terms, J, of which the derivatives are added.
-  double add_terms(const NodalVector& state, std::vector<double>* values);
+  /// Adds the derivatives of the terms. @returns Their energy, J.
+  double add_terms(const NodalVector& state, NodalVector& force, std::vector<double>* values);
   /// Finds how stiff each unknown is at rest.
   void measure_rest();
   /// Adds the second derivatives of the tool's potential to the last tangent.
@@ -263,9 +269,6 @@ class CondensedSystem {
   std::vector<Index> idle_;
   std::vector<Index> idle_diagonal_;
 
-  /// ∂Π/∂x of the last evaluation, N, and ∂Φ/∂q of the tool's potential, N.
-  NodalVector force_;
-  Eigen::VectorXd force_of_coordinates_;
   /// The tangent at rest with nothing held, and the last one, condensed.
   std::vector<double> rest_values_;
   std::vector<double> values_;

@@ -33,9 +33,10 @@ struct Iterate {
 };
 
 bool evaluate(CondensedSystem& system, const Eigen::VectorXd& q, Iterate& iterate) {
-  iterate.energy = system.evaluate(q, iterate.state);
-  if (!std::isfinite(iterate.energy)) return false;
-  system.residual(iterate.r);
+  const Evaluation at = system.evaluate(q, iterate.state);
+  iterate.energy = at.energy;
+  if (!at.is_finite()) return false;
+  iterate.r = system.residual(at);
   iterate.norm = system.norm(iterate.r);
   return std::isfinite(iterate.norm);
 }

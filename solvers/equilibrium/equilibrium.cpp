@@ -237,7 +237,7 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene) {
   system_.set_terms({&*external_});
   system_.set_interaction(InteractionList());
   if (!scene.has_load()) {
-    rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_);
+    rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_).energy;
     return;
   }
   Ramp ramp;
@@ -254,7 +254,7 @@ void EquilibriumSolver::Impl::set_external(const Scene& scene) {
   const double of_external = external_->add(rest_, force, nullptr);
   energies_at_rest_ = std::abs(of_materials) + std::abs(of_external);
   external_->count_from(rest_, of_materials);
-  rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_);
+  rest_energy_ = system_.evaluate(Eigen::VectorXd(), rest_).energy;
   Equilibrium& state = settled_;
   state.u = rest_.head(3 * Eigen::Index{assembly.num_points()});
   state.p = rest_.tail(assembly.num_pressures()).cwiseProduct(system_.pressure_scale());
@@ -295,7 +295,7 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
     state.message = settled_.message;
     return state;
   }
-  if (system_.evaluate(t, rest_) != rest_energy_) {
+  if (system_.evaluate(t, rest_).energy != rest_energy_) {
     throw InputError("The body is touched at the start, by " + system_.interaction().describe(t) +
                      ". Let the tool start outside of it.");
   }
@@ -341,10 +341,10 @@ std::optional<NodalVector> EquilibriumSolver::Impl::predict(double stride,
   if (progress.last_stride > 0) {
     const NodalVector curved =
         predicted + (0.5 * stride * stride / progress.last_stride) * progress.bend;
-    predicted = std::isfinite(system_.evaluate(next_t, curved)) ? curved : predicted;
+    predicted = system_.evaluate(next_t, curved).is_finite() ? curved : predicted;
   }
   system_.prescribe(next_t, predicted);
-  if (std::isfinite(system_.evaluate(next_t, predicted))) return predicted;
+  if (system_.evaluate(next_t, predicted).is_finite()) return predicted;
   return std::nullopt;
 }
 
@@ -411,10 +411,9 @@ Outcome EquilibriumSolver::Impl::polish(NodalVector& x, Equilibrium& next, Tange
     const double before = here.state.displacement_error;
     if (before > kMostPolish) return Outcome::not_converged;
     const NodalVector improved = x + here.newton_step;
-    if (!std::isfinite(system_.evaluate(next.t, improved))) return Outcome::not_converged;
-    Eigen::VectorXd r;
-    system_.residual(r);
-    const double residual = system_.norm(r) / system_.displacement_scale(next.t);
+    const Evaluation at = system_.evaluate(next.t, improved);
+    if (!at.is_finite()) return Outcome::not_converged;
+    const double residual = system_.norm(system_.residual(at)) / system_.displacement_scale(next.t);
     if (!(residual <= options_.tolerance)) break;
     ++progress.iterations;
     std::optional<Linearisation> there = linearise_at(next.t, improved, tangent);

@@ -118,10 +118,10 @@ std::optional<Linearisation> linearise(CondensedSystem& system, const Eigen::Vec
   Linearisation result;
   LinearisedState& state = result.state;
   state.t = t;
-  state.energy = system.evaluate(t, x);
-  state.reaction = system.reaction();
-  Eigen::VectorXd r;
-  system.residual(r);
+  const Evaluation at = system.evaluate(t, x);
+  state.energy = at.energy;
+  state.reaction = system.reaction(at);
+  const Eigen::VectorXd r = system.residual(at);
   Eigen::MatrixXd solutions(r.size(), coordinates + 1);
   solutions << system.mixed(), r;
   solutions = -solutions;
@@ -154,8 +154,9 @@ LinearisedState superpose(CondensedSystem& system, const LinearisedState& start,
                           const Eigen::VectorXd& t, const NodalVector& x) {
   LinearisedState state;
   state.t = t;
-  state.energy = system.evaluate(t, x);
-  state.reaction = system.reaction();
+  const Evaluation at = system.evaluate(t, x);
+  state.energy = at.energy;
+  state.reaction = system.reaction(at);
   state.stiffness = start.stiffness;
   state.v = start.v;
   state.p_v = start.p_v;
@@ -182,14 +183,14 @@ std::optional<LinearisedState> linearise_by_iteration(
   LinearisedState state;
   state.t = t;
   system.assemble_tangent(t, x);
-  state.energy = system.evaluate(t, x);
-  state.reaction = system.reaction();
+  const Evaluation at = system.evaluate(t, x);
+  state.energy = at.energy;
+  state.reaction = system.reaction(at);
   const Eigen::Index coordinates = system.num_coordinates();
   Eigen::MatrixXd v(system.mixed().rows(), coordinates);
   for (Eigen::Index c = 0; c < coordinates; ++c) v.col(c) = system.as_unknowns(start.v.col(c));
   Eigen::MatrixXd residual = -system.mixed() - system.times_tangent(v);
-  Eigen::VectorXd r;
-  system.residual(r);
+  const Eigen::VectorXd r = system.residual(at);
 
   Eigen::MatrixXd z(r.size(), coordinates + 1);
   z << residual, r;
@@ -235,12 +236,12 @@ std::optional<Linearisation> linearise_without_factor(CondensedSystem& system,
   Linearisation result;
   LinearisedState& state = result.state;
   state.t = t;
-  state.energy = system.evaluate(t, x);
-  state.reaction = system.reaction();
+  const Evaluation at = system.evaluate(t, x);
+  state.energy = at.energy;
+  state.reaction = system.reaction(at);
   Eigen::MatrixXd v = -system.mixed();
   if (system.solve(v, error).status != SolveStatus::converged) return std::nullopt;
-  Eigen::VectorXd r;
-  system.residual(r);
+  const Eigen::VectorXd r = system.residual(at);
   Eigen::MatrixXd step = -r;
   if (system.solve(step, kNewtonStepError).status == SolveStatus::not_finite) return std::nullopt;
   result.newton_step = system.as_state(step.col(0));

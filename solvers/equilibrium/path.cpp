@@ -147,8 +147,9 @@ class Follower {
     for (int i = 0;; ++i, ++iterations, ++iterations_) {
       const Eigen::VectorXd t = t_at(point.way);
       system_.prescribe(t, point.x);
-      if (!std::isfinite(system_.evaluate(t, point.x))) return false;
-      system_.residual(r);
+      const Evaluation at = system_.evaluate(t, point.x);
+      if (!at.is_finite()) return false;
+      r = system_.residual(at);
       const double norm = system_.norm(r);
       residual = norm / system_.displacement_scale(t);
       if (residual <= options_.tolerance) return true;

@@ -56,7 +56,7 @@ RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
     const Eigen::VectorXd q = ramp.at(next);
     NodalVector trial = x + (next - end.share) * slope;
     system.prescribe(q, trial);
-    if (!std::isfinite(system.evaluate(q, trial))) {
+    if (!system.evaluate(q, trial).is_finite()) {
       trial = x;
       system.prescribe(q, trial);
     }

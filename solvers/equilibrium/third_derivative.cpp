@@ -56,8 +56,9 @@ std::optional<SecondDifferences> differences(CondensedSystem& system, const Eige
                                              double step) {
   bool defined = true;
   const auto force_at = [&](const Vec3& way) -> Vec3 {
-    defined = defined && std::isfinite(system.evaluate(t + way, x + v * way));
-    return system.force_along(v);
+    const Evaluation at = system.evaluate(t + way, x + v * way);
+    defined = defined && at.is_finite();
+    return v.transpose() * at.force + at.of_coordinates;
   };
   const Vec3 middle = force_at(Vec3::Zero());
   const auto along = [&](const Vec3& way) -> Vec3 {
