@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the servo loop and its guardian tell each other, in memory that both processes have.
+// The memory that the servo loop shares with its guardian, a process of its own.
 //
 // The loop says that it lives whenever it commands the motors, and the guardian whenever it looks.
-// Where the loop falls silent the guardian latches a trip and sets the motors to zero, again and
+// When the loop falls silent, the guardian latches a trip and sets the motors to zero, again and
 // again until the loop has acknowledged the trip:
 //
 //   loop       beat, no trip? force …        (held up)      … trip! zero, acknowledge, zero …
@@ -14,9 +14,9 @@
 //
 // The loop may live on where the rest of its program, the host, has failed: a thread that has
 // crashed hangs in a handler of the crash, or the main thread waits for something that never comes.
-// Then nobody commands what the loop sends. So the channel also says how the host does: `crashed`
-// or `ending`, for good, which the host says itself in a handler of the signal (host_signals.h), or
-// `hanging`, as long as the guardian finds it so (host_watch.h).
+// Then nobody commands what the loop sends. So the channel also has the state of the host:
+// `crashed` or `ending`, which the host sets for good in a handler of the signal (host_signals.h),
+// or `hanging`, which the guardian sets as long as it finds the host so (host_watch.h).
 #pragma once
 
 #include <atomic>
@@ -27,28 +27,28 @@
 
 namespace palpate {
 
-/// How the program does that the loop is a part of.
+/// The state of the program that the loop is a part of.
 enum class HostState : std::uint32_t {
   living,
-  /// The thread that a person commands it by waits for something that does not come, or handles a
-  /// signal of host_signals.h.
+  /// The thread by which a person commands the program waits for something that does not come, or
+  /// handles a signal of host_signals.h.
   hanging,
-  /// It was asked to end, by a signal.
+  /// The program was asked to end, by a signal.
   ending,
-  /// One of its threads has crashed.
+  /// A thread of the program has crashed.
   crashed,
 };
 
-/// The memory that both share. All times are those of MonotonicClock. All calls are realtime-safe
-/// and make no system call.
+/// The shared memory. All times are those of MonotonicClock. All calls are realtime-safe and make
+/// no system call.
 class GuardianChannel {
  public:
-  /// The loop counts as silent when it has not commanded the motors for so long.
+  /// The loop counts as silent when it has not commanded the motors for this long.
   static constexpr Duration kLoopSilence = std::chrono::milliseconds(20);
-  /// The guardian counts as dead when it has not looked for so long. It looks once every kLook.
+  /// The guardian counts as dead when it has not looked for this long. It looks once every kLook.
   static constexpr Duration kGuardianSilence = std::chrono::milliseconds(60);
   static constexpr Duration kLook = std::chrono::milliseconds(10);
-  /// The version of this class; the two programs must have the same.
+  /// The version of this class, which must be the same in both programs.
   static constexpr std::uint32_t kVersion = 3;
 
   /// @param its_zero The report that switches the motors off, whatever the device's state is.
@@ -60,17 +60,17 @@ class GuardianChannel {
 
   /// Says that the loop is about to command the motors.
   void beat(Time now) noexcept { loop_lives_.store(now.count(), std::memory_order_release); }
-  /// Says that the motors have zero force, and that nobody will command them.
+  /// Says that the motors have zero force, and that the loop commands them no longer.
   void rest() noexcept { loop_lives_.store(kResting, std::memory_order_release); }
-  /// Whether there is a trip that the loop has not acknowledged.
+  /// Whether the guardian has latched a trip that the loop has not acknowledged.
   [[nodiscard]] bool tripped() const noexcept {
     return trips_.load(std::memory_order_acquire) != acknowledged_.load(std::memory_order_acquire);
   }
-  /// Says that the loop has seen the trip, and has set the motors to zero since.
+  /// Says that the loop has seen the trip and has set the motors to zero since then.
   void acknowledge() noexcept {
     acknowledged_.store(trips_.load(std::memory_order_acquire), std::memory_order_release);
   }
-  /// Whether the guardian has looked lately.
+  /// Whether the guardian has looked within kGuardianSilence.
   [[nodiscard]] bool guarded(Time now) const noexcept {
     const std::int64_t lives = guardian_lives_.load(std::memory_order_acquire);
     return lives != kNever && now.count() - lives <= kGuardianSilence.count();
@@ -87,15 +87,15 @@ class GuardianChannel {
 
   // Other threads of the host call these.
 
-  /// Says that the thread lives that a person commands the program by. From the first call on it
+  /// Says that the thread lives by which a person commands the program. From the first call on it
   /// is watched.
-  /// @param thread The system's number of it (gettid()).
+  /// @param thread The system's number of the thread (gettid()).
   void host_beat(Time now, std::int32_t thread) noexcept {
     host_thread_.store(thread, std::memory_order_relaxed);
     host_lives_.store(now.count(), std::memory_order_release);
   }
   /// Says that the host has crashed, or was asked to end. Handlers of signals may call this.
-  /// @param state `crashed` or `ending`; what has crashed stays so.
+  /// @param state `crashed` or `ending`; a host that has crashed stays `crashed`.
   void say_host_fails(HostState state) noexcept {
     HostState before = host_.load(std::memory_order_relaxed);
     while (before != HostState::crashed &&
@@ -108,12 +108,12 @@ class GuardianChannel {
   void look(Time now) noexcept { guardian_lives_.store(now.count(), std::memory_order_release); }
   void trip() noexcept { trips_.fetch_add(1, std::memory_order_acq_rel); }
   void say_device_is_gone() noexcept { device_is_gone_.store(true, std::memory_order_release); }
-  /// How long the loop may still be silent; zero or less: it has been silent for too long.
+  /// How long the loop may still be silent; zero or less: it was silent for too long.
   [[nodiscard]] Duration until_loop_is_silent(Time now) const noexcept {
     const std::int64_t lives = loop_lives_.load(std::memory_order_acquire);
     if (lives == kResting) return Duration::max();
-    // The loop may have said it after the caller has asked for the time, but not much later: then
-    // something has overwritten the memory.
+    // The loop may have beaten after the caller has asked for the time, but only just. A beat from
+    // much later means that something has overwritten the memory.
     const Duration since = now - Time(lives);
     return since < -kLoopSilence ? Duration(0) : kLoopSilence - since;
   }
@@ -123,11 +123,11 @@ class GuardianChannel {
                ? 0
                : host_thread_.load(std::memory_order_relaxed);
   }
-  /// When that thread has last said that it lives.
+  /// When that thread last said that it lives.
   [[nodiscard]] Time host_lived() const noexcept {
     return Time(host_lives_.load(std::memory_order_acquire));
   }
-  /// Says whether the host hangs. What has crashed or ends stays so.
+  /// Says whether the host hangs. A host that has crashed or ends stays so.
   void say_host_hangs(bool hangs) noexcept {
     HostState other = hangs ? HostState::living : HostState::hanging;
     host_.compare_exchange_strong(other, hangs ? HostState::hanging : HostState::living,

@@ -8,7 +8,7 @@ namespace palpate::guardian_descriptors {
 inline constexpr int kLine = 0;
 /// The memory of a GuardianChannel.
 inline constexpr int kMemory = 1;
-/// The last one, the standard error.
+/// The last of them, the standard error.
 inline constexpr int kLast = 2;
 
 }  // namespace palpate::guardian_descriptors

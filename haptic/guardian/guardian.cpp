@@ -33,13 +33,14 @@ std::string message(int error) { return std::generic_category().message(error); 
                      message(error) + ".");
 }
 
-/// A descriptor that is closed at the end, and in programs that this one starts.
+/// A file descriptor that is closed at the end, and in programs that this one starts.
 class Descriptor {
  public:
-  /// @param descriptor Of the one that is opened, or −1 with errno.
+  /// @param descriptor The descriptor, or −1 with errno where opening has failed.
   Descriptor(int descriptor, const char* what) : value_(descriptor) {
     if (value_ < 0) fail(what, errno);
-    // Not one of those that the guardian is to have: one would overwrite another.
+    // The descriptor must not have a number that the guardian will use: one would overwrite
+    // another.
     if (value_ > guardian_descriptors::kLast) return;
     const int other = ::fcntl(value_, F_DUPFD_CLOEXEC, guardian_descriptors::kLast + 1);
     const int error = errno;
@@ -83,7 +84,7 @@ Guardian::Guardian(const std::string& device, const Report& zero, Duration deadl
   const std::string program =
       find_program(kName, "PALPATE_GUARDIAN", "Put it there from Palpate's folder `bin`");
   const Descriptor memory(::memfd_create(kName, MFD_CLOEXEC | MFD_ALLOW_SEALING), "Shared memory");
-  // Nobody can take the memory away from under the other.
+  // With these seals neither process can take the memory away from the other.
   if (::ftruncate(memory.get(), sizeof(GuardianChannel)) != 0 ||
       ::fcntl(memory.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
     fail("Shared memory", errno);
@@ -92,7 +93,8 @@ Guardian::Guardian(const std::string& device, const Report& zero, Duration deadl
       ::mmap(nullptr, sizeof(GuardianChannel), PROT_READ | PROT_WRITE, MAP_SHARED, memory.get(), 0);
   if (mapped == MAP_FAILED) fail("Shared memory", errno);
   channel_ = new (mapped) GuardianChannel(zero);
-  // The loop shall not wait for a page of it. Where it is not permitted nothing is lost.
+  // The loop must not wait for a page of this memory. Where locking is not permitted, the guardian
+  // works all the same.
   (void)::mlock(mapped, sizeof(GuardianChannel));
   try {
     start(program, device, memory.get());
@@ -105,7 +107,7 @@ Guardian::Guardian(const std::string& device, const Report& zero, Duration deadl
 }
 
 Guardian::~Guardian() {
-  // A word, and then the end of the line; without the word it sets the motors to zero.
+  // Sends a word, and then closes the line. Without the word the guardian sets the motors to zero.
   constexpr char kWord = 0;
   if (channel_->resting()) (void)::send(line_, &kWord, sizeof kWord, MSG_NOSIGNAL);
   release();
@@ -122,8 +124,8 @@ void Guardian::start(const std::string& program, const std::string& device, int 
   posix_spawn_file_actions_t* const actions = &settings.actions;
   posix_spawn_file_actions_adddup2(actions, its.get(), kLine);
   posix_spawn_file_actions_adddup2(actions, memory, kMemory);
-  // Not ours: it shall not hold a terminal or a pipe of ours open, and what nobody should print
-  // must not go to a descriptor that the device might have.
+  // The guardian must not hold a terminal or a pipe of this program open, and whatever a library
+  // prints there must not go to a descriptor that the device might have.
   posix_spawn_file_actions_addopen(actions, STDERR_FILENO, "/dev/null", O_RDWR, 0);
   posix_spawn_file_actions_addclosefrom_np(actions, kLast + 1);
   posix_spawnattr_t* const attributes = &settings.attributes;
@@ -177,8 +179,8 @@ void Guardian::host_lives() noexcept {
 void Guardian::release() noexcept {
   host_signals_.reset();
   if (line_ >= 0) ::close(line_);
-  // It ends by itself. One that hangs in the device's driver is left to itself: the system takes
-  // it when this process is no more.
+  // The guardian ends by itself. One that hangs in the device's driver is not waited for; the
+  // system reaps it when this process has ended.
   constexpr int kTries = 500;
   int status = 0;
   for (int i = 0; i < kTries && !ended(status); ++i) std::this_thread::sleep_for(1ms);

@@ -14,16 +14,18 @@
 namespace palpate {
 namespace {
 
-/// The number of devices that are open at a time, at the most.
+/// The largest number of devices that are open at a time.
 constexpr std::size_t kMostChannels = 32;
 
-// A handler has nobody to ask: what it uses is here.
+// A signal handler gets no object, so that all it uses is in static storage.
 std::array<std::atomic<GuardianChannel*>, kMostChannels> channels{};
-/// What was there before, of each signal; written while the handler is not in front.
+/// The action that was there before, for each signal. It is written only while this handler is not
+/// in front.
 std::array<struct sigaction, kHostSignals.size()> before{};
-/// How often the handler was called since it was put there, of each signal.
+/// The number of calls since the handler was put in front, for each signal.
 std::array<std::atomic<int>, kHostSignals.size()> calls{};
-/// Whose signal it is: a process that was forked from this one has the channels, too.
+/// The process that the channels belong to: a process that was forked from this one has them too,
+/// and must not write to them.
 std::atomic<pid_t> host{0};
 static_assert(std::atomic<GuardianChannel*>::is_always_lock_free);
 
@@ -39,19 +41,20 @@ void tell(HostState state) {
   }
 }
 
-// No lock, no allocation, and only calls that POSIX permits in a handler.
+// This takes no lock, allocates nothing, and makes only calls that POSIX permits in a handler.
 void handle(int signal, siginfo_t* info, void*) {
   for (std::size_t i = 0; i < kHostSignals.size(); ++i) {
     if (kHostSignals[i].signal != signal) continue;
     if (::getpid() == host.load(std::memory_order_relaxed)) tell(kHostSignals[i].state);
-    // A handler that was put in front of this one may call it in its turn: once is enough.
+    // Another handler, put in front of this one, may call this one again. The earlier action is
+    // restored only the first time; from then on the action is the default one.
     struct sigaction none {};
     none.sa_handler = SIG_DFL;
     const bool is_first = calls[i].fetch_add(1, std::memory_order_relaxed) == 0;
     (void)::sigaction(signal, is_first ? &before[i] : &none, nullptr);
   }
-  // It is blocked here, and comes when this returns, with the same information: also where that
-  // would not run into the fault again, as in abort().
+  // The signal is blocked here and arrives when this returns, with the same information. It is sent
+  // because the program need not run into the fault again by itself, as with abort().
   (void)::syscall(SYS_rt_tgsigqueueinfo, ::getpid(), ::syscall(SYS_gettid), signal, info);
 }
 
@@ -83,13 +86,14 @@ void HostSignals::stay_in_front() noexcept {
     struct sigaction there {};
     if (::sigaction(kHostSignals[i].signal, nullptr, &there) != 0) continue;
     const bool is_there = (there.sa_flags & SA_SIGINFO) != 0 && there.sa_sigaction == &handle;
-    // What a program ignores neither crashes nor ends it: a hangup under nohup.
+    // A signal that the program ignores neither crashes nor ends it, such as a hangup under nohup.
     if (is_there || there.sa_handler == SIG_IGN) continue;
     before[i] = there;
     calls[i] = 0;
     struct sigaction ours {};
     ours.sa_sigaction = &handle;
-    // On the stack that the thread has for it, where it has one: its own may have overflowed.
+    // The handler runs on the thread's alternate stack, where it has one: its own may have
+    // overflowed.
     ours.sa_flags = SA_SIGINFO | SA_ONSTACK;
     sigemptyset(&ours.sa_mask);
     (void)::sigaction(kHostSignals[i].signal, &ours, nullptr);

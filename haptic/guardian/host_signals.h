@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tells the guardian's channels that this program crashes, or is asked to end, before anything
-// else handles that.
+// Tells the guardian's channels that this program has crashed or was asked to end, before any other
+// handler of the signal runs.
 //
-// Neither need end a program. What handles the signal may wait for ever: ParaView's handler, of
-// SIGTERM and SIGINT too, prints where the program was, for which it allocates, and waits for the
-// lock of the allocation that the signal has come into. The servo loop has a thread of its own, and
-// would go on. Who asks a program to end wants no force from it, either, as long as it tidies up.
+// Neither need end a program. The other handler may wait for ever: ParaView's, also that of SIGTERM
+// and SIGINT, prints where the program was. For that it allocates memory, and it waits for ever
+// where the signal has interrupted an allocation, which holds the lock. The servo loop, on a thread
+// of its own, would go on. And whoever asks a program to end wants no force from it while it tidies
+// up.
 //
-// So here is a handler in front of the one that is there, which does no more than say `crashed` or
-// `ending` in each channel. Then it gives way: it restores what was there and sends the signal
-// again, with the same information, so that the program ends, or does not, as if nobody had been in
-// between.
+// So this handler is put in front of the one that is there. It only says `crashed` or `ending` in
+// each channel. Then it gives way: it restores the earlier handler and sends the signal again, with
+// the same information, so that the program ends, or does not, as if this handler were not there.
 #pragma once
 
 #include <signal.h>
@@ -21,13 +21,13 @@
 
 namespace palpate {
 
-/// A signal, and what it makes of the host.
+/// A signal, and the state of the host that follows from it.
 struct HostSignal {
   int signal;
   HostState state;
 };
 
-/// The signals that a host may live on after, though nobody should command its motors any more.
+/// The signals after which a host may live on, though nobody should command its motors any more.
 inline constexpr std::array<HostSignal, 9> kHostSignals = {{{SIGSEGV, HostState::crashed},
                                                             {SIGABRT, HostState::crashed},
                                                             {SIGBUS, HostState::crashed},
@@ -38,16 +38,16 @@ inline constexpr std::array<HostSignal, 9> kHostSignals = {{{SIGSEGV, HostState:
                                                             {SIGHUP, HostState::ending},
                                                             {SIGQUIT, HostState::ending}}};
 
-/// A channel that hears of such signals, as long as this lives.
+/// As long as this object lives, its channel hears of such signals.
 class HostSignals {
  public:
-  /// @throws BackendError there are too many.
+  /// @throws BackendError too many devices are open.
   explicit HostSignals(GuardianChannel& channel);
   ~HostSignals();
   HostSignals(const HostSignals&) = delete;
   HostSignals& operator=(const HostSignals&) = delete;
 
-  /// Puts the handler in front of those that were set since, too.
+  /// Puts the handler in front again where another one was set since.
   static void stay_in_front() noexcept;
 
  private:

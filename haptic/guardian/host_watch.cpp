@@ -20,10 +20,10 @@ constexpr std::uint64_t watched_signals() {
   return bits;
 }
 
-/// Longer than any such file.
+/// The file is shorter than this, bytes.
 constexpr std::size_t kSize = 8192;
 
-/// @return Where the value of a line begins; nullptr: there is no such line.
+/// @return The beginning of the value in the line with this name; nullptr: there is no such line.
 const char* value_of(const std::string& text, const std::string& name) {
   const std::size_t line = text.find('\n' + name + ":\t");
   return line == std::string::npos ? nullptr : text.c_str() + line + name.size() + 3;
@@ -72,7 +72,8 @@ bool HostWatch::hangs(Time now, std::int32_t thread, const ThreadStatus& status,
     blocked_ = status.blocked;
     ran_at_ = now;
   }
-  // Whoever starts the guardian has blocked all of them for a moment, and may be seen so.
+  // A signal that is blocked now but was not always counts. The program that starts the guardian
+  // has blocked all signals for a moment, and may be seen so at the first look.
   blocked_ &= status.blocked;
   const bool has_run = std::exchange(switches_, status.switches) != status.switches;
   if (status.runs || has_run) ran_at_ = now;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Decides what the guardian does and when, without system calls: palpate_guardian/main.cpp waits
-// and writes.
+// Decides what the guardian does and when. It makes no system call itself:
+// palpate_guardian/main.cpp waits and writes.
 #pragma once
 
 #include <optional>
@@ -11,18 +11,18 @@ namespace palpate {
 
 class Watch {
  public:
-  /// The time from one zero report to the next, while a trip is new and later on; and how long a
-  /// trip is new.
+  /// The time from one zero report to the next while a trip is new, the same later on, and how long
+  /// a trip counts as new.
   static constexpr Duration kZeroPeriod = std::chrono::milliseconds(2);
   static constexpr Duration kSlowZeroPeriod = std::chrono::milliseconds(20);
   static constexpr Duration kNew = std::chrono::milliseconds(100);
   /// The number of zero reports that the device must take after the host has died.
   static constexpr int kLastZeros = 3;
 
-  /// How the process that the loop runs in is doing.
+  /// The state of the process that the loop runs in.
   enum class Host {
     running,
-    /// It hangs, as HostWatch finds; it may go on.
+    /// HostWatch finds that it hangs; it may go on.
     hanging,
     /// It has said that it no longer needs a guardian.
     finished,

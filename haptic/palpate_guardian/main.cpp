@@ -4,10 +4,10 @@
 //
 //   palpate-guardian <device>
 //
-// with its end of a socket and shared memory as guardian/descriptors.h says. It ends when the
-// device is unplugged, and when the program has ended: after a word over the socket at once,
-// without one when the device has taken zero. Its exit code is 0 or, where it cannot watch, the
-// errno.
+// with its end of a socket and shared memory as guardian/descriptors.h says. The guardian ends when
+// the device is unplugged, and when that program has ended: at once after a word over the socket,
+// and without a word as soon as the device has taken zero. Its exit code is 0 or, where it cannot
+// watch, the errno.
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
@@ -28,10 +28,11 @@
 namespace palpate {
 namespace {
 
-/// Above the servo loop's, within what haptic/README.md asks the system for.
+/// The priority is above that of the servo loop, and within what haptic/README.md asks the system
+/// for.
 constexpr int kPriority = 90;
 
-/// nullptr, with errno: there is none, or it is that of another version.
+/// The shared memory; nullptr, with errno: there is none, or it has another version.
 GuardianChannel* shared_memory() {
   struct stat status {};
   if (::fstat(guardian_descriptors::kMemory, &status) != 0) return nullptr;
@@ -50,7 +51,7 @@ GuardianChannel* shared_memory() {
   return channel;
 }
 
-/// As far as the system permits.
+/// Takes real-time priority and locks the memory, as far as the system permits.
 void be_realtime() {
   sched_param parameters{};
   parameters.sched_priority = kPriority;
@@ -83,11 +84,11 @@ bool is_unplugged(int device) {
 }
 
 void watch(GuardianChannel& channel, int device) {
-  // A copy: what goes wrong in the host may overwrite what is shared.
+  // This is a copy, because a fault in the host may overwrite the shared memory.
   const Report zero = channel.zero;
   MonotonicClock clock;
   Watch watch(channel);
-  // The program that has started this one.
+  // The parent process is the program that has started this one.
   HostWatch host_watch(::getppid());
   Watch::Host host = Watch::Host::running;
   for (;;) {

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-/// "energy-hermite".
+/// The methods by their names on the command line, such as "energy-hermite".
 std::map<std::string, Method> methods() {
   std::map<std::string, Method> result;
   for (const Method method : all_methods()) {
@@ -51,7 +51,7 @@ void add_choice(CLI::App& app, const std::string& option, Value& value,
       ->type_name("NAME");
 }
 
-/// A flag that takes something away.
+/// Adds a flag that switches something off.
 void add_without(CLI::App& app, const std::string& option, bool& value,
                  const std::string& meaning) {
   app.add_flag_callback(
@@ -183,7 +183,7 @@ std::optional<CommandLine> parse_command_line(int argc, char** argv) {
   }
   if (!line.replay.empty()) {
     for (const CLI::Option* option : app.get_options()) {
-      // A reduced model has its own reason.
+      // For a reduced model there is a message of its own.
       if (option->count() == 0 || option == space || option == replay || option == reduced)
         continue;
       throw InputError("--replay and " + option->get_name() +

@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Of the workspace's radius: how far its centre is above the surface.
+/// The distance of the workspace's centre above the surface, in radii of the workspace.
 constexpr double kClearance = 0.25;
 
 double radius_of(const palpate_report::Feature& feature) {
@@ -48,7 +48,7 @@ std::shared_ptr<Motion> wished_motion(HandMotion motion, double clearance, doubl
                                               true);
     case HandMotion::circle: break;
   }
-  // A turn a second, down and up in four.
+  // The hand makes one turn a second, and goes down and up again within four seconds.
   return std::make_shared<ScriptedMotion>([=](Time time) {
     const double turn = 2 * M_PI * seconds(time);
     const double part = 0.5 * (1 - std::cos(turn / 4));

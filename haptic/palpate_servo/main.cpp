@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A haptic device touches a state space, or several a reduced model, from the command line.
+// Lets a haptic device touch a state space, or several devices touch a reduced model, from the
+// command line.
 //
 //   palpate-servo liver.palpate                                  a simulated board and hand
 //   palpate-servo --device list                                  what is plugged in
@@ -10,8 +11,9 @@
 //   palpate-servo liver.palpate --reduced 1 --device simulated --device simulated
 //                                                                two hands hold its reduced model
 //
-// Prints a line a subject: the device, the body, how well the loop kept its time, what was sent.
-// Ends with 1 and a message on stderr where something is wrong with what was given or the device.
+// The program prints a line for each subject: the device, the body, how well the loop kept its
+// time, and the forces that were sent. It ends with 1 and a message on stderr where the arguments,
+// the file or the device are at fault.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -54,7 +56,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "palpate-servo: %s\n", text);
     return EXIT_FAILURE;
   } catch (const std::exception& error) {
-    // It may repeat what a file has in place of a name.
+    // The message may repeat any bytes that a file has in place of a name.
     std::fprintf(stderr, "palpate-servo: %s\n", palpate::printable_message(error.what()).c_str());
     return EXIT_FAILURE;
   }

@@ -25,14 +25,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The simulated hand begins so far away from its tool, of the tool's reach, and moves it so far,
-/// of what the model was trained for. As in ParaView's dock.
+/// The distance from the tool at which the simulated hand begins, in reaches of the tool, and how
+/// far it moves the tool, as a share of what the model was trained for. They are those of
+/// ParaView's dock.
 constexpr double kHandHeight = 1.2;
 constexpr double kHandDepth = 0.6;
 
 bool is_simulated(const std::string& device) { return device == kSimulated; }
 
-/// What makes no sense here.
+/// @throws InputError an option makes no sense for a reduced model.
 void check_reduced(const CommandLine& line) {
   if (!line.replay.empty()) {
     throw InputError(
@@ -69,7 +70,7 @@ void check_reduced(const CommandLine& line) {
   }
 }
 
-/// A device and what it does with its tool.
+/// A device, its settings, and the tool that it moves.
 struct Hand {
   Device device;
   ServoSettings settings;
@@ -77,7 +78,7 @@ struct Hand {
   std::unique_ptr<Recorder> recorder;
 };
 
-/// The recording of a tool: run-tool0.csv of run.csv.
+/// The recorder of a tool: for run.csv it writes run-tool0.csv.
 std::unique_ptr<Recorder> make_recorder(const std::string& file, std::size_t tool) {
   if (file.empty()) return nullptr;
   const std::filesystem::path path(file);
@@ -189,7 +190,7 @@ bool contains(const std::vector<Index>& tools, Index tool) {
   return std::find(tools.begin(), tools.end(), tool) != tools.end();
 }
 
-/// "The device of tool 1 (simulated)".
+/// The name for a message, such as "The device of tool 1 (simulated)".
 std::string name_of(Index tool, const std::vector<Hand>& hands) {
   return "The device of tool " + std::to_string(tool) + " (" +
          hands[static_cast<std::size_t>(tool)].device.setup.device + ')';
@@ -207,8 +208,8 @@ int touch_reduced(const CommandLine& line, StateSpaceFile file) {
                      " devices, but the reduced model has " + std::to_string(touched.tools.size()) +
                      " tool(s). Give --device once for each at the most.");
   }
-  // Without a place for the recordings there is no reason to open a device, and all devices are
-  // opened before one is used.
+  // The recordings are made first, because without them there is no reason to open a device. All
+  // devices are opened before any is used.
   std::vector<Hand> hands(line.devices.size());
   for (std::size_t tool = 0; tool < hands.size(); ++tool) {
     hands[tool].tool = options_of_tool(touched.tools[tool], line);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several devices touch a reduced model, one for each of its tools.
+// Lets several devices touch a reduced model, one for each of its tools.
 #pragma once
 
 #include "haptic/palpate_servo/command_line.h"
@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// @return The exit code of the program.
-/// @throws InputError, BackendError what is wrong with what was given or a device.
+/// @throws InputError, BackendError an argument, the file or a device is at fault.
 int touch_reduced(const CommandLine& line, StateSpaceFile file);
 
 }  // namespace palpate

@@ -11,7 +11,7 @@
 namespace palpate {
 namespace {
 
-/// As reduction/kept_model.h stores it.
+/// The names under which reduction/kept_model.h stores the arrays.
 constexpr const char* kActiveNodes = "ActiveNodes";
 constexpr const char* kRest = "Rest";
 
@@ -21,7 +21,7 @@ std::string join(const std::vector<Index>& numbers) {
   return text;
 }
 
-/// @throws InputError it is damaged.
+/// @throws InputError the model is damaged.
 StateSpaceFile::Arrays read_arrays(const StateSpaceFile& file, const std::string& key,
                                    const std::string& name) {
   auto arrays = file.read_reduced_model(key);
@@ -32,7 +32,7 @@ StateSpaceFile::Arrays read_arrays(const StateSpaceFile& file, const std::string
                    "Build Reduced Model with the same file repairs it.");
 }
 
-/// @throws InputError they are not those of a body with so many points.
+/// @throws InputError the nodes are not points of a body with `num_points` points.
 std::vector<Index> active_nodes(const StateSpaceFile::Arrays& arrays, Index num_points,
                                 const std::string& name) {
   const auto found = arrays.find(kActiveNodes);
@@ -53,7 +53,7 @@ std::vector<Index> active_nodes(const StateSpaceFile::Arrays& arrays, Index num_
 }
 
 /// Moves the points of the body to where they are at rest under gravity.
-/// @throws InputError that is not stored of each point.
+/// @throws InputError the displacement is not stored for each point.
 void let_sag(const StateSpaceFile::Arrays& arrays, const std::string& name,
              std::vector<Vec3>& points) {
   const auto found = arrays.find(kRest);
@@ -67,7 +67,7 @@ void let_sag(const StateSpaceFile::Arrays& arrays, const std::string& name,
   }
 }
 
-/// "1 (tools at points 8, 23; 30 modes)" of each.
+/// The models in words, such as "1 (tools at points 8, 23; 30 modes)" for each.
 std::string list_models(const StateSpaceFile& file, Index num_points,
                         const std::vector<std::string>& keys) {
   std::string text;

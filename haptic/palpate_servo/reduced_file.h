@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The reduced models of a file, as those who touch them need them.
+// Reads the reduced models of a file, as a program that touches them needs them.
 #pragma once
 
 #include <cstdint>
@@ -15,15 +15,15 @@ namespace palpate {
 
 struct TouchedModel {
   std::shared_ptr<const ReducedModel> model;
-  /// Among those of the file, from 1.
+  /// The number of the model among those of the file, from 1.
   std::int64_t number = 0;
-  /// The active node of each tool, and where it is at rest; the depth is what the model was trained
-  /// for, the largest of a coordinate of the tool, m.
+  /// The active node of each tool, and its place at rest. The depth is the largest value of a
+  /// coordinate of the tool that the model was trained for, m.
   std::vector<Index> nodes;
   std::vector<StartPlace> tools;
 };
 
-/// Whether the file holds reduced models, but no state space.
+/// Whether the file holds reduced models and no state space.
 [[nodiscard]] bool has_only_reduced_models(const StateSpaceFile& file);
 
 /// @param number From 1; empty: the only one.

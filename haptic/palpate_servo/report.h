@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What palpate-servo prints: a line for each subject, in SI units, but times in µs.
+// The output of palpate-servo: a line for each subject, in SI units except for times in µs.
 #pragma once
 
 #include "haptic/profile/specification.h"
@@ -16,13 +16,13 @@ void print(const Touchable& body, Method method);
 /// @param limit The force limit that holds, N.
 void print(const Counters& counters, double limit);
 void print_timing(const Statistics& statistics);
-/// Of a servo loop that was stopped.
-/// @param board That of a simulated device whose loop has ended, or nullptr.
+/// Prints the results of a servo loop that was stopped.
+/// @param board The board of a simulated device whose loop has ended, or nullptr.
 /// @param force_limit As ServoSettings::force_limit.
 void print_end(Servo& servo, SimulatedBoard* board, double force_limit);
-/// Of a body that was stopped.
+/// Prints the results of a body that was stopped.
 void print_end(ReducedBodyThread& body);
-/// Of one that was closed.
+/// Prints the results of a recorder that was closed.
 void print(const Recorder& recorder);
 
 }  // namespace palpate

@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// Ctrl+C, Ctrl+\ (SIGQUIT), Ctrl+Z (SIGTSTP) and the like, as long as it lasts, for this thread
-/// and those that it starts: they are taken by wait_for(), and neither break off nor freeze a loop
-/// that sends forces.
+/// As long as this object lives, Ctrl+C, Ctrl+\ (SIGQUIT), Ctrl+Z (SIGTSTP) and the like are
+/// blocked in this thread and those that it starts. wait_for() takes them, so that they neither
+/// break off nor freeze a loop that sends forces.
 class Signals {
  public:
   Signals();
@@ -18,7 +18,7 @@ class Signals {
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
 
-  /// @return Whether one has come.
+  /// @return Whether a signal has come within the time.
   [[nodiscard]] bool wait_for(std::chrono::milliseconds time) const;
 
  private:

@@ -31,7 +31,7 @@ TouchSpace read_space(const StateSpaceFile& file) {
   return space;
 }
 
-/// Where the space is touched: at the node of the command line, or where it is best begun.
+/// Where the space is touched: at the node of the command line, or at start_place().
 StartPlace chosen_place(const TouchSpace& space, const Touchable& body, const CommandLine& line) {
   if (!line.node) return start_place(space, body);
   const std::int32_t place = body.find(*line.node);
@@ -54,11 +54,11 @@ StartPlace chosen_place(const TouchSpace& space, const Touchable& body, const Co
                    ". Give one of " + active + ".");
 }
 
-/// What is touched, and where.
+/// The body that is touched, the place, and the tool.
 struct Touched {
   std::shared_ptr<const Touchable> body;
   StartPlace at;
-  /// Which tool, in words.
+  /// The tool, in words.
   std::string tool;
 };
 
@@ -88,7 +88,7 @@ void place_device(const Touched& touched, const Specification& device, CommandLi
               line.touch.coupling_stiffness);
 }
 
-/// What makes no sense here.
+/// @throws InputError an option makes no sense for a state space.
 void check(const CommandLine& line) {
   if (line.devices.size() > 1) {
     throw InputError("There are " + std::to_string(line.devices.size()) +
@@ -108,7 +108,7 @@ void check(const CommandLine& line) {
 int touch_space(CommandLine line, std::optional<StateSpaceFile> file) {
   check(line);
   const Signals signals;
-  // First of all: without a place for it there is no reason to open a device.
+  // The recording is made first, because without it there is no reason to open a device.
   const auto recorder = line.record.empty() ? nullptr : std::make_unique<Recorder>(line.record);
   const Touched touched = read_touched(line, std::move(file));
   const auto& body = touched.body;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One device touches a state space.
+// Lets one device touch a state space.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace palpate {
 
-/// Touches the space of a file, or without one says where the device is.
+/// Touches the space of a file. Without a file it prints where the device is.
 /// @return The exit code of the program.
-/// @throws InputError, BackendError what is wrong with what was given or the device.
+/// @throws InputError, BackendError an argument, the file or the device is at fault.
 int touch_space(CommandLine line, std::optional<StateSpaceFile> file);
 
 /// Runs the ticks of the recording again.
-/// @return, @throws As touch_space().
+/// @return, @throws Those of touch_space().
 int replay_space(CommandLine line, const StateSpaceFile& file);
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a device tells in a report.
+// What a device measures and reports.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -25,13 +25,13 @@ struct DeviceState {
   /// The number of the report, where the device counts them. It goes back with the force that
   /// answers the report.
   std::uint32_t counter = 0;
-  /// The rates of the position [3], m/s, and of the rotation [3], rad/s, where the device tells
-  /// these.
+  /// The rates of the position [3], m/s, and of the rotation [3], rad/s, of a device that reports
+  /// rates.
   Vec3 rate = Vec3::Zero();
   Vec3 angular_rate = Vec3::Zero();
-  /// The device was calibrated, if it has to be.
+  /// Whether the device was calibrated, where it needs that.
   bool calibrated = false;
-  /// Angles of the joints [3], rad, where forces are computed from these.
+  /// Angles of the joints [3], rad, of a device whose forces are computed from them.
   Vec3 joints = Vec3::Zero();
 };
 

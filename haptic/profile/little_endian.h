@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Integers in a report, byte by byte, the lowest first on any machine.
+// Reads and writes integers in a report byte by byte, the lowest first, on any machine.
 #pragma once
 
 #include <cmath>
@@ -32,8 +32,8 @@ template <class T>
   return static_cast<T>(bits);
 }
 
-/// A number of units as an integer, rounded toward zero so that it is never more than was asked
-/// for; beyond 16 bits the largest integer.
+/// A number of units as an integer. It is rounded toward zero, so that it is never more than was
+/// asked for; a number beyond 16 bits becomes the largest integer.
 /// @note Realtime-safe.
 [[nodiscard]] inline std::int16_t toward_zero(double units) noexcept {
   constexpr double kLargest = std::numeric_limits<std::int16_t>::max();

@@ -11,7 +11,7 @@ namespace palpate {
 namespace palpate_report {
 namespace {
 
-/// Of the workspace's radius: what is further away is no position.
+/// A position farther away than this, in radii of the workspace, is refused.
 constexpr double kFarthest = 10;
 
 constexpr std::array<std::uint8_t, 4> kMagic{'P', 'L', 'P', 'T'};
@@ -174,7 +174,8 @@ Specification specification_of(const Feature& feature) {
   return s;
 }
 
-/// A number of which only the low bits came, near the last one. Before the first (0): as it is.
+/// The whole number near the last one, of which only the low bits came. Before the first report,
+/// with `last` 0, it is the low bits themselves.
 template <class Low, class T>
 T unwrap(Low low, T last) noexcept {
   if (last == 0) return low;

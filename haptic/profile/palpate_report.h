@@ -54,8 +54,8 @@ inline constexpr std::uint8_t kDescriptor[] = {
     0xC0,                    // end of collection
 };
 
-/// What a board says of itself, in the units of the report. The defaults are those of a device on a
-/// desk.
+/// The description that a board gives of itself, in the units of the report. The defaults suit a
+/// device on a desk.
 struct Feature {
   std::uint8_t version = 1;
   /// Bits: axes with a motor (x, y, z: 0 to 2), kSensesRotation, kLockStep.
@@ -71,7 +71,8 @@ struct Feature {
   std::uint16_t max_damping = 1'000;
   /// Radius of the workspace, 0.1 mm.
   std::uint16_t workspace_radius = 800;
-  /// The firmware switches the motors off by itself after so long without an output report, ms.
+  /// The time without an output report after which the firmware switches the motors off by itself,
+  /// ms.
   std::uint16_t watchdog_ms = 50;
   /// Time from a measurement to the next, µs.
   std::uint16_t interval_us = 1'000;
@@ -82,7 +83,7 @@ struct Feature {
 inline constexpr std::uint8_t kAxes = 7;
 /// The rotation in the input report is valid.
 inline constexpr std::uint8_t kSensesRotation = 8;
-/// The board measures and reports when an output report has come, not by itself.
+/// The board measures and reports only when an output report has come.
 inline constexpr std::uint8_t kLockStep = 16;
 
 struct Input {
@@ -114,14 +115,14 @@ struct Output {
 inline constexpr std::uint8_t kMotorsOff = 0;
 inline constexpr std::uint8_t kForce = 1;
 
-// The board's end. Nothing is checked but the number and the size of a report.
+// The board calls these. They check nothing but the number and the size of a report.
 [[nodiscard]] Report encode_feature(const Feature& feature) noexcept;
 [[nodiscard]] Report encode_input(const Input& input) noexcept;
 [[nodiscard]] bool decode_output(const Report& report, Output& output) noexcept;
 
-// The host's end.
+// The host calls these.
 
-/// @throws InputError it is not our report, or a field is out of range.
+/// @throws InputError the report is not ours, or a field is out of range.
 [[nodiscard]] Feature decode_feature(const Report& report);
 [[nodiscard]] bool decode_input(const Report& report, Input& input) noexcept;
 [[nodiscard]] Report encode_output(const Output& output) noexcept;

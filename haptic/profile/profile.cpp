@@ -10,7 +10,7 @@ namespace palpate {
 void Profile::advance(DeviceState&, Duration) const noexcept {}
 
 Vec3 Profile::displayed(const Vec3& force, const DeviceState& state) const noexcept {
-  // Room for the rounding of a force that was cut to the limit, and no more.
+  // A force that was cut to the limit may exceed it by its rounding, and by no more.
   constexpr double kSlack = 1e-9;
   const double largest = (1 + kSlack) * specification_.max_linear_force;
   if (!force.allFinite() || force.stableNorm() > largest) return Vec3::Zero();

@@ -23,15 +23,15 @@ class Profile {
 
   [[nodiscard]] const Specification& specification() const { return specification_; }
 
-  /// Takes a report into the state.
-  /// @param state The last state. What the report does not say stays as it is.
+  /// Puts what a report says into the state.
+  /// @param state The last state. Whatever the report does not say stays as it is.
   /// @return Whether the report is one of this profile's, whole and in range. If not, the state is
   ///   unchanged.
   /// @note Realtime-safe.
   [[nodiscard]] virtual bool decode(const Report& report, DeviceState& state) const noexcept = 0;
 
-  /// Moves the state on by a time without a report: where the device tells rates, the position
-  /// changes.
+  /// Moves the state on by a time in which no report came: the position of a device that reports
+  /// rates changes.
   /// @note Realtime-safe.
   virtual void advance(DeviceState& state, Duration duration) const noexcept;
 
@@ -39,9 +39,9 @@ class Profile {
   /// @note Realtime-safe.
   [[nodiscard]] Vec3 on_motors(const Vec3& force) const noexcept;
 
-  /// The force that the device displays when it is asked for one. Axes without a motor are left
-  /// out, and it is less where the motors cannot give it, or must not yet.
-  /// @param force N. One that is not finite, or above max_linear_force, gives zero.
+  /// The force that the device displays when it is asked for `force`. Axes without a motor are left
+  /// out. The force is smaller where the motors cannot give it, or must not give it yet.
+  /// @param force N. A force that is not finite, or above max_linear_force, gives zero.
   /// @return N, never longer than `force`.
   /// @note Realtime-safe.
   [[nodiscard]] Vec3 displayed(const Vec3& force, const DeviceState& state) const noexcept;
@@ -59,16 +59,16 @@ class Profile {
   explicit Profile(Specification specification) : specification_(std::move(specification)) {}
 
  private:
-  /// @param force It has only components that have motors.
+  /// @param force The force on the axes that have motors alone, N.
   [[nodiscard]] virtual Vec3 do_display(const Vec3& force, const DeviceState& state) const noexcept;
-  /// @param force It is as displayed() gives it.
+  /// @param force The force as displayed() gives it, N.
   [[nodiscard]] virtual Report do_encode(const Vec3& force,
                                          const DeviceState& state) const noexcept = 0;
 
   Specification specification_;
 };
 
-/// What the system tells of a HID device before it is opened.
+/// What the system says about a HID device before it is opened.
 struct DeviceInfo {
   std::string path;
   std::uint16_t vendor_id = 0;
@@ -76,7 +76,7 @@ struct DeviceInfo {
   /// Usage page and usage of the top-level collection; 0: not known.
   std::uint16_t usage_page = 0;
   std::uint16_t usage = 0;
-  /// Number of the interface of the USB device; −1: it has none.
+  /// Number of the interface of the USB device; −1: there is none.
   int interface_number = -1;
   std::string manufacturer;
   std::string product;
@@ -85,10 +85,10 @@ struct DeviceInfo {
 
 enum class ProfileKind { palpate_report, wooden_haptics, space_mouse };
 
-/// The kind of profile that serves a device; empty: none does.
+/// The kind of profile that fits a device; empty: none does.
 [[nodiscard]] std::optional<ProfileKind> match(const DeviceInfo& device) noexcept;
 
-/// The number of the feature report that a profile is made from; empty: it needs none.
+/// The number of the feature report that a profile of this kind is made from; empty: it needs none.
 [[nodiscard]] std::optional<std::uint8_t> feature_report(ProfileKind kind) noexcept;
 
 /// Makes a profile.

@@ -26,7 +26,7 @@ Specification specification_of_space_mouse() {
   return s;
 }
 
-/// Three deflections in our axes, of full deflection [3].
+/// Three deflections in our axes, as shares of the full deflection [3].
 Vec3 deflection(const Report& report, std::size_t at) noexcept {
   const auto of = [&](std::size_t i) {
     const int counts = get<std::int16_t>(report, at + 2 * i);
@@ -42,7 +42,8 @@ Vec3 deflection(const Report& report, std::size_t at) noexcept {
 SpaceMouse::SpaceMouse() : Profile(specification_of_space_mouse()) {}
 
 bool SpaceMouse::matches(const DeviceInfo& device) noexcept {
-  // A receiver shows a keyboard and a mouse besides. 0: the system does not say.
+  // A receiver shows a keyboard and a mouse besides. The usage page is 0 where the system does not
+  // say.
   const bool multi_axis = device.usage_page == 1 && device.usage == 8;
   if (!multi_axis && device.usage_page != 0) return false;
   return device.vendor_id == k3Dconnexion ||
@@ -65,7 +66,7 @@ bool SpaceMouse::decode(const Report& report, DeviceState& state) const noexcept
     return true;
   }
   if (number == 3 && report.size >= 2 && report.size <= 9) {
-    // Bytes that a short one does not have are zero.
+    // Bytes that a short report lacks are zero.
     Report padded;
     std::copy_n(report.data.begin(), report.size, padded.data.begin());
     state.buttons = get<std::uint32_t>(padded, 1);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // 3Dconnexion's SpaceMouse and its relatives: a cap that is pushed and turned, without motors.
 //
-// It tells how far the cap is out, which is taken as a rate and integrated; the point stays within
-// the workspace. Nothing comes while nothing changes.
+// The device reports the deflection of the cap. The profile takes it as a rate and integrates it;
+// the point stays within the workspace. While nothing changes, no report comes.
 //
 // Input reports, little endian: 1 translation int16 × 3, or of newer ones translation and rotation
 // int16 × 6; 2 rotation int16 × 3; 3 buttons, a bit each. Full deflection is about 350
@@ -20,7 +20,8 @@ class SpaceMouse final : public Profile {
   static constexpr double kFullSpeed = 0.1;
   static constexpr double kFullTurn = 1.5;
   static constexpr int kFullDeflection = 350;
-  /// Fewer counts are taken for no deflection: the cap does not come back to zero exactly.
+  /// A deflection of fewer counts is taken for none, because the cap does not return to zero
+  /// exactly.
   static constexpr int kDeadZone = 10;
 
   SpaceMouse();
@@ -29,7 +30,7 @@ class SpaceMouse final : public Profile {
 
   bool decode(const Report& report, DeviceState& state) const noexcept override;
   void advance(DeviceState& state, Duration duration) const noexcept override;
-  /// An empty report: there are no motors.
+  /// Gives an empty report, because there are no motors.
   Report zero_force(const DeviceState& state) const noexcept override;
 
  private:

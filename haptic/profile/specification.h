@@ -11,24 +11,24 @@ namespace palpate {
 
 /// Who sets the pace of the servo loop.
 enum class Pacing {
-  /// The device reports on its own; the loop has its own clock.
+  /// The device reports by itself; the loop goes by a clock of its own.
   free_running,
-  /// The device reports in answer to each force: the loop waits for that.
+  /// The device reports in answer to each force, and the loop waits for the report.
   lock_step,
-  /// The device reports when something changes: silence means that nothing does.
+  /// The device reports when something changes, so that silence means that nothing does.
   on_change,
 };
 
 struct Specification {
   std::string manufacturer;
   std::string model;
-  /// Largest force that is ever sent, N; 0: the device has no motors.
+  /// Largest force that may be sent, N; 0: the device has no motors.
   double max_linear_force = 0;
-  /// Largest stiffness that it displays stably at 1 kHz, N/m.
+  /// Largest stiffness that the device displays stably at 1 kHz, N/m.
   double max_linear_stiffness = 0;
-  /// Largest damping that it displays stably at 1 kHz, N·s/m.
+  /// Largest damping that the device displays stably at 1 kHz, N·s/m.
   double max_linear_damping = 0;
-  /// Radius of the sphere that can be reached, m.
+  /// Radius of the sphere that the hand can reach, m.
   double workspace_radius = 0;
   /// The smallest steps of position, m, and of force, N; 0: not known.
   double position_resolution = 0;
@@ -39,7 +39,8 @@ struct Specification {
   Pacing pacing = Pacing::free_running;
   /// Whether reports tell when the device measured.
   bool has_device_time = false;
-  /// After so long without a force report the device itself switches its motors off; 0: never.
+  /// The time without a force report after which the device itself switches its motors off; 0:
+  /// never.
   Duration watchdog{0};
 };
 

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kSize = 14;
-// The first byte of what is written is no part of the report.
+// The first byte that is written is no part of the report.
 constexpr std::size_t kOut = 1;
 constexpr std::uint32_t kCalibrationSwitch = 1;
 
@@ -27,7 +27,7 @@ Specification specification_of(const WoodenHapticsGeometry& g) {
   s.max_linear_stiffness = 1000;
   s.max_linear_damping = 8;
   s.workspace_radius = 0.1;
-  // With the longest lever of each joint.
+  // These follow from the longest lever of each joint.
   const Vec3 lever(g.centre[0], g.length[1], g.length[2]);
   const Vec3 gear = g.body_diameter.cwiseQuotient(g.capstan_diameter);
   s.position_resolution = angle_per_count(g).cwiseProduct(lever).cwiseAbs().maxCoeff();
@@ -92,7 +92,7 @@ Report WoodenHaptics::zero_force(const DeviceState& state) const noexcept {
   return report;
 }
 
-/// Of the motors [3], A.
+/// The currents of the motors [3], A.
 Vec3 WoodenHaptics::current_of(const Vec3& force, const DeviceState& state) const noexcept {
   const WoodenHapticsGeometry& g = geometry_;
   const Vec3 torque = jacobian(state.joints).transpose() * force;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// WoodenHaptics, the device of plywood and three motors that one builds oneself, with the USB board
-// of the Polhem (1234:0006). Whatever it knows of geometry is here, on the host.
+// WoodenHaptics, a device of plywood and three motors that one builds oneself, with the USB board
+// of the Polhem (1234:0006). The board knows nothing of the geometry: all of that is here, on the
+// host.
 //
 // Reports are not numbered, 14 bytes each way, little endian. From the board: int16 × 6 encoders
 // a … f, int16 1 when the switch for calibration was pressed. To the board: int16 × 3 current of
@@ -17,10 +18,9 @@
 // With J = ∂x/∂θ the torques of the joints are τ = Jᵀ f, and the current of motor i is
 // τ_i d_i / D_i / (torque constant).
 //
-// From the published facts: github.com/forsslund/haptikfabrikenapi (src/kinematics.cpp,
-// src/haptikfabrikenapi.h: configuration woodenhaptics_v2015, firmware/main.cpp) and CHAI3D's
-// CWoodenDevice. The Polhem from version 2 on has other kinematics, which are not published: this
-// profile is not for it.
+// Sources: github.com/forsslund/haptikfabrikenapi (src/kinematics.cpp, src/haptikfabrikenapi.h:
+// configuration woodenhaptics_v2015, firmware/main.cpp) and CHAI3D's CWoodenDevice. The Polhem from
+// version 2 on has other kinematics, which are not published: this profile is not for it.
 #pragma once
 
 #include <array>
@@ -44,7 +44,7 @@ struct WoodenHapticsGeometry {
   Vec3 torque_constant{0.0259, 0.0259, 0.0259};
   /// The values that a calibration sets the encoders a … f to.
   std::array<std::int16_t, 6> home{0, 0, 6000, 0, 0, 0};
-  /// The largest current that a motor's amplifier can give for long, A.
+  /// The largest continuous current of a motor's amplifier, A.
   double max_current = 2.0;
 };
 
@@ -54,20 +54,20 @@ class WoodenHaptics final : public Profile {
 
   [[nodiscard]] static bool matches(const DeviceInfo& device) noexcept;
 
-  /// Place of the joints' angles in the axes of DeviceState [3], m.
+  /// The position that the joints' angles give, in the axes of DeviceState [3], m.
   [[nodiscard]] Vec3 position(const Vec3& angles) const noexcept;
   /// ∂position/∂angles [3×3], m/rad.
   [[nodiscard]] Mat3 jacobian(const Vec3& angles) const noexcept;
 
-  /// Button 0 is the switch for calibration; calibrated after it was pressed.
+  /// Button 0 is the switch for calibration. The state is calibrated once the switch was pressed.
   bool decode(const Report& report, DeviceState& state) const noexcept override;
-  /// Answers the switch with a calibration, as the other one does.
+  /// While the switch is pressed the report asks for a calibration; so does that of do_encode().
   Report zero_force(const DeviceState& state) const noexcept override;
 
  private:
-  /// Nothing before the calibration, and while the switch is pressed. Where a motor would have to
-  /// give more than it can all three give less by the same factor: the direction of the force
-  /// stays.
+  /// The force is zero before the calibration and while the switch is pressed. Where a motor would
+  /// have to give more than it can, all three give less by the same factor, so that the direction
+  /// of the force stays.
   Vec3 do_display(const Vec3& force, const DeviceState& state) const noexcept override;
   [[nodiscard]] Vec3 current_of(const Vec3& force, const DeviceState& state) const noexcept;
   Report do_encode(const Vec3& force, const DeviceState& state) const noexcept override;

@@ -18,7 +18,7 @@ class Clock {
   virtual ~Clock() = default;
   /// @note Realtime-safe.
   [[nodiscard]] virtual Time now() noexcept = 0;
-  /// Sleeps until a time; returns at once where that is past.
+  /// Sleeps until a time, and returns at once where that time is past.
   virtual void sleep_until(Time time) noexcept = 0;
 };
 
@@ -29,8 +29,8 @@ class MonotonicClock final : public Clock {
   void sleep_until(Time time) noexcept override;
 };
 
-/// A clock that stands still but for sleep_until() and advance(): a test with it takes no time, and
-/// goes the same way each time.
+/// A clock that moves only in sleep_until() and advance(). A test with it takes no time and runs
+/// the same way each time.
 class VirtualClock final : public Clock {
  public:
   Time now() noexcept override { return now_; }

@@ -4,8 +4,9 @@
 //
 // An object passes through four places, each of which holds at most one: offered → current →
 // previous → returned. The first and the last are shared by an atomic exchange; the other two
-// belong to the taker. It takes what is offered only when the place of the previous one is empty,
-// and gives that one back only in a later call of take(): so between two calls both are alive.
+// belong to the taker. The taker takes an offer only when the place of the previous object is
+// empty, and gives that object back only in a later call of take(). So between two calls both are
+// alive.
 #pragma once
 
 #include <atomic>
@@ -38,11 +39,11 @@ class Handover {
   /// the memory earlier.
   void collect() { delete returned_.exchange(nullptr, std::memory_order_acq_rel); }
 
-  /// The newest offer, or nullptr before the first. It is valid until the next call, and so is what
-  /// the call before has given.
+  /// The newest offer, or nullptr before the first. It is valid until the next call, and so is the
+  /// object that the call before has given.
   /// @note Realtime-safe.
   [[nodiscard]] T* take() noexcept {
-    // One that is not yet collected keeps the place; the offer waits meanwhile.
+    // An object that is not yet collected keeps its place, and the offer waits meanwhile.
     if (previous_ != nullptr && returned_.load(std::memory_order_acquire) == nullptr) {
       returned_.store(previous_, std::memory_order_release);
       previous_ = nullptr;

@@ -6,7 +6,8 @@
 
 namespace palpate {
 
-// Below 16 ns a bucket a nanosecond; from there the four digits after the leading one count.
+// Below 16 ns each nanosecond has a bucket. From there on a bucket follows from the exponent and
+// the four bits after the leading one.
 int DurationHistogram::bucket_of(std::uint64_t nanoseconds) noexcept {
   if (nanoseconds < 16) return static_cast<int>(nanoseconds);
   const int exponent = 63 - __builtin_clzll(nanoseconds);
@@ -23,7 +24,7 @@ void DurationHistogram::add(Duration duration) noexcept {
   const std::int64_t nanoseconds = std::max<std::int64_t>(duration.count(), 0);
   std::atomic<std::uint64_t>& count =
       counts_[std::min(bucket_of(static_cast<std::uint64_t>(nanoseconds)), kBuckets - 1)];
-  // One writer: no read-modify-write is needed.
+  // There is one writer, so no read-modify-write is needed.
   count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
   if (nanoseconds > largest_.load(std::memory_order_relaxed)) {
     largest_.store(nanoseconds, std::memory_order_relaxed);

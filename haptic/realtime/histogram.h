@@ -23,7 +23,7 @@ class DurationHistogram {
  public:
   /// @note Realtime-safe.
   void add(Duration duration) noexcept;
-  /// The percentiles of what was added so far; zero where that is nothing.
+  /// The percentiles of all durations that were added so far; zero before the first.
   [[nodiscard]] Percentiles percentiles() const noexcept;
 
  private:

@@ -16,19 +16,19 @@ std::uintptr_t page_size() {
   return size;
 }
 
-/// How many locks have each page of the process.
+/// The number of locks on each page of the process.
 struct Counts {
   std::mutex mutex;
   std::unordered_map<std::uintptr_t, int> of_page;
 };
 
-/// Lives as long as the last thread.
+/// The counts are never destroyed, because a thread may unlock after the static objects are gone.
 Counts& counts() {
   static auto* const counts = new Counts;
   return *counts;
 }
 
-/// Calls call(address, bytes) for each row of neighbours among the pages that is_wanted() names.
+/// Calls call(address, bytes) for each run of neighbouring pages for which is_wanted() is true.
 template <class IsWanted, class Call>
 void for_each_row(const std::vector<std::uintptr_t>& pages, IsWanted is_wanted, Call call) {
   std::uintptr_t first = 0;

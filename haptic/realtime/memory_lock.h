@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A lock keeps pages of memory from being paged out while it lives.
 //
-// Only what is named is locked. mlockall() would lock all that the program has, and what it comes
-// to have: inside ParaView the data sets that are shown, which may be larger than the memory.
+// It locks only what it is given. mlockall() would lock all that the program has and will have:
+// inside ParaView also the data sets that are shown, which may be larger than the memory.
 //
 // The system does not count locks: one munlock() of a page undoes every mlock() of it. Objects of
 // the heap share pages, so locks are counted here, a page at a time, for the whole process.

@@ -15,7 +15,7 @@ constexpr const char* kHowToPermit =
     " Give the user 'rtprio 95' and 'memlock unlimited' in /etc/security/limits.conf, and log in "
     "again; or run without, where other work may delay the loop.";
 
-/// Below what the thread's function has on its stack the loop and the driver need less than that.
+/// The loop and the driver need less than this below the frame of the thread's function, bytes.
 constexpr std::uintptr_t kStack = 256 << 10;
 
 }  // namespace

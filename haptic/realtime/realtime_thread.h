@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a thread needs that has to keep its time.
+// Priority, signals and stack of a thread that has to keep its time.
 #pragma once
 
 #include <signal.h>
@@ -22,12 +22,14 @@ class SignalsBlocked {
   sigset_t before_;
 };
 
-/// Gives the calling thread a real-time priority (SCHED_FIFO).
+/// Asks for a real-time priority (SCHED_FIFO) of the calling thread.
 /// @param priority From 1 to 99. @param what The thread in words, such as "The servo loop".
-/// @return Why the system does not permit it and what to do, in words; empty: it does.
+/// @return Why the system does not permit it and what to do, in words; empty: the thread has the
+///   priority.
 [[nodiscard]] std::string take_realtime_priority(int priority, const std::string& what);
 
-/// The stack of the calling thread: what a function that is called now needs, and all above it.
+/// The stack of the calling thread: what it uses now, and room below for the functions that it
+/// calls.
 [[nodiscard]] MemoryRange own_stack();
 
 }  // namespace palpate

@@ -13,7 +13,7 @@ namespace palpate {
 template <class T>
 class Ring {
  public:
-  /// @param capacity At least so many values fit.
+  /// @param capacity The ring holds at least so many values.
   explicit Ring(std::size_t capacity) {
     while (size_ < capacity) size_ *= 2;
     slots_.reset(new T[size_]());
@@ -32,7 +32,7 @@ class Ring {
   }
 
   /// Takes the oldest value.
-  /// @return false: there is none.
+  /// @return false: the ring is empty.
   /// @note Realtime-safe.
   [[nodiscard]] bool pop(T& value) noexcept {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);

@@ -10,12 +10,12 @@
 
 namespace palpate::recording {
 
-/// The name of a column, in parts so that the writer need not put it together for each value.
+/// The name of a column. It is kept in parts, so that no string is put together for each value.
 struct Name {
   std::string_view what;
   std::string_view part = {};
   std::string_view unit = {};
-  /// Recordings of before it was there lack it: it has its default.
+  /// Older recordings lack this column; its value is then the default.
   bool is_newer = false;
 
   /// The whole name, such as "force_x_N".
@@ -120,7 +120,7 @@ void visit_settings(Record& record, Visit&& visit) {
   visit(Name{"friction", {}, {}, true}, touch.friction);
 }
 
-/// Calls visit for each setting that may not.
+/// Calls visit for each setting that stays as it is during a recording.
 template <class Setup, class Visit>
 void visit_setup(Setup& setup, Visit&& visit) {
   visit(Name{"device"}, setup.device);

@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kRoom = 8192;
 constexpr auto kInterval = std::chrono::milliseconds(20);
 
-/// "name=value;" of each.
+/// Puts values together as "name=value;".
 class SettingsText {
  public:
   template <class Value>
@@ -62,12 +62,12 @@ std::string header() {
 
 void append_quoted(std::string& row, const std::string& text) {
   const std::size_t begin = row.size();
-  // Twice as long where each character is a quotation mark.
+  // The text doubles where each character is a quotation mark.
   row.resize(begin + 2 * text.size() + 2);
   row.resize(begin + csv_write(&row[begin], row.size() - begin, text.data(), text.size()));
 }
 
-/// Why no file of that name can be made.
+/// Why no file of that name can be made, in words.
 std::string refusal(const std::filesystem::path& path, int error) {
   const std::string name = quoted(path);
   std::error_code ignored;
@@ -118,7 +118,7 @@ struct Recorder::Impl {
     }
   }
 
-  /// From the ring to the file.
+  /// Writes what is in the ring to the file.
   void drain() {
     std::uint64_t num_ticks = 0;
     while (ring->pop(record)) {
@@ -157,12 +157,12 @@ struct Recorder::Impl {
         fail(std::strerror(errno));
       }
     }
-    // What fitted may end in the middle of a row.
+    // The part that was written may end in the middle of a row.
     const std::size_t whole = done > 0 ? rows.rfind('\n', done - 1) + 1 : 0;
     if (whole < done) (void)!::ftruncate(file, static_cast<off_t>(size + whole));
     auto num_rows = static_cast<std::uint64_t>(
         std::count(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(whole), '\n'));
-    // The header is no tick.
+    // The header does not count as a tick.
     if (size == 0 && num_rows > 0) --num_rows;
     size += whole;
     written += num_rows;
@@ -176,7 +176,7 @@ struct Recorder::Impl {
     problem = "The recording " + path.string() + " cannot be written any more: " + why;
   }
 
-  /// Nothing is written afterwards.
+  /// Writes what is left in the ring, and ends the thread.
   void finish() {
     if (!thread.joinable()) return;
     {
@@ -203,11 +203,11 @@ struct Recorder::Impl {
   bool stop = false;
   std::string problem;
 
-  // Of the thread.
+  // The thread alone uses these.
   bool failed = false;
   TickRecord record;
   std::string rows;
-  /// Of what is in the file.
+  /// The number of bytes in the file.
   std::size_t size = 0;
   std::string setup_of_first_row;
   std::string last_settings;

@@ -5,13 +5,13 @@
 // each tick, of about 700 bytes; columns.h says which. ParaView opens it as a table: numbers are
 // numbers, and a report is the letter x and its bytes in hexadecimal.
 //
-// What a replay needs besides is in the last column, `settings`, as "name=value;" with numbers as
-// in the other columns: in the first row all of it, later in the rows where something has changed.
-// So there is one file, which cannot lose its other half, is complete from the first row on, and
-// has no line that a reader of tables would trip over.
+// The settings that a replay also needs are in the last column, `settings`, as "name=value;" with
+// numbers as in the other columns: all of them in the first row, and later those of the tick in
+// each row where one has changed. So there is a single file, which is complete from the first row
+// on and has no line that a reader of tables would fail at.
 //
-// Every 20 ms the rows are handed to the system: of a process that is killed more than that is not
-// lost, and at the most the last row is cut short. A loss of power may take what the system has not
+// Every 20 ms the rows are handed to the system. A process that is killed loses no more than that,
+// and at most the last row is cut short. A loss of power may take the rows that the system has not
 // yet written, which is some seconds.
 #pragma once
 
@@ -37,20 +37,21 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// From now on what is in the ring is written. Call this once.
+  /// Begins to write what is in the ring. Call this once.
   void start(const RecordedSetup& setup);
 
   /// The ring for the servo loop. It has room for eight seconds at 1 kHz.
   [[nodiscard]] std::shared_ptr<TickRing> ring() const;
 
   /// Writes what is in the ring and closes the file; then it is on the disk.
-  /// @throws BackendError not all could be written: the disk is full, say. The message says how
-  ///   much there is; it is whole rows.
+  /// @throws BackendError not all could be written, for example because the disk is full. The
+  ///   message says how much is in the file; that is whole rows.
   void close();
 
   /// The number of ticks that are in the file.
   [[nodiscard]] std::uint64_t written() const;
-  /// The number of ticks that are not, as the ring was full or the file cannot be written any more.
+  /// The number of ticks that are not in the file, because the ring was full or the file cannot be
+  /// written any more.
   [[nodiscard]] std::uint64_t dropped() const;
   /// Why the file cannot be written any more; empty: it can.
   [[nodiscard]] std::string problem() const;

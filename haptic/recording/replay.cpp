@@ -19,7 +19,7 @@
 namespace palpate {
 namespace {
 
-/// Takes the cells of a line apart.
+/// Splits a line into its cells.
 class Cells {
  public:
   Cells() {
@@ -29,7 +29,7 @@ class Cells {
   Cells(const Cells&) = delete;
   Cells& operator=(const Cells&) = delete;
 
-  /// @param line With its end.
+  /// @param line The line, with its end.
   /// @return What is wrong, in words; empty: nothing.
   [[nodiscard]] std::string split(const std::string& line) {
     cells_.clear();
@@ -78,7 +78,7 @@ struct RecordingReader::Impl {
     }
   }
 
-  /// @return Whether there is another whole line.
+  /// @return Whether there was another whole line.
   bool read_cells() {
     if (!std::getline(stream, line) || stream.eof()) {
       cut_short = cut_short || !line.empty();
@@ -106,7 +106,7 @@ struct RecordingReader::Impl {
       }
       ++column;
     });
-    // The first row has to have them.
+    // The first row must have settings.
     if (row == 2 || !texts.back().empty()) take_settings(texts.back());
     record.settings = settings.settings;
     record.touch = settings.touch;
@@ -117,11 +117,11 @@ struct RecordingReader::Impl {
     return true;
   }
 
-  /// @param text "name=value;" of each.
+  /// @param text The settings as "name=value;".
   void take_settings(const std::string& text) {
     const auto take = [&](const recording::Name& what, auto& value) {
       const std::string key = what.text() + '=';
-      // Names are at the beginning, or behind the end of another.
+      // A name is at the beginning of the text, or follows the end of another setting.
       std::size_t begin = text.rfind(key, 0);
       if (begin == text.npos) {
         begin = text.find(';' + key);
@@ -160,11 +160,11 @@ struct RecordingReader::Impl {
   std::string name;
   std::ifstream stream;
   std::vector<std::string> names;
-  /// It has the columns that are newer.
+  /// Whether the recording has the columns that were added later.
   bool has_newer = false;
   Cells cells;
   std::string line;
-  /// The header is 1.
+  /// The number of the last row that was read; the header is 1.
   std::uint64_t row = 0;
   RecordedSetup setup;
   TickRecord settings;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording in place of a device: what the loop has read comes again at the same times, so that
-// the same loop does the same.
+// A recording in place of a device: the loop reads the same reports again at the same times, so
+// that it computes the same.
 //
 //   RecordingReader reader(path);
 //   ReplayTransport device(clock);
@@ -11,11 +11,11 @@
 //   }
 //
 // Forces are equal to the bit where the recording begins with the loop and has every tick, and
-// where no tick read more than TickRecord::kReports reports. Reports are read some microseconds
-// after a tick began, and replayed at its beginning: by a clock that does not stand still
-// meanwhile, a report that is just too old may be just fresh in the replay, and a device that tells
-// rates is elsewhere by that much. A body that was replaced meanwhile is not in the recording, but
-// the hash of its scene.
+// where no tick read more than TickRecord::kReports reports. Reports were read some microseconds
+// after their tick began, but are replayed at its beginning. So a report that was just too old may
+// be just fresh in the replay, and a device that reports rates is elsewhere by that much. A body
+// that was replaced meanwhile is not in the recording; the recording has the hash of the scene of
+// the first one.
 #pragma once
 
 #include <cstdint>
@@ -41,12 +41,13 @@ class RecordingReader {
   [[nodiscard]] const RecordedSetup& setup() const;
 
   /// Reads the next tick.
-  /// @return false: there is none.
-  /// @throws InputError the row is not as it should be, or its settings are out of range; the
-  ///   message says which.
+  /// @return false: there is no further tick.
+  /// @throws InputError a row is damaged, or its settings are out of range; the message says which
+  ///   row.
   [[nodiscard]] bool next(TickRecord& record);
 
-  /// What is missing in what was read, in words: ticks, or the end of the last row; empty: nothing.
+  /// What is missing in the part that was read, in words: ticks, or the end of the last row; empty:
+  /// nothing.
   [[nodiscard]] std::string notice() const;
 
  private:
@@ -58,7 +59,8 @@ class ReplayTransport final : public Transport {
  public:
   explicit ReplayTransport(std::shared_ptr<VirtualClock> clock) : clock_(std::move(clock)) {}
 
-  /// Sets the clock to the time of a tick, and has the reports of that tick ready to be read.
+  /// Sets the clock to the time of a tick, and gives its reports to the calls of read() that
+  /// follow.
   void play(const TickRecord& record) noexcept;
 
   [[nodiscard]] TransportStatus read(Report& report, Duration timeout) noexcept override;
@@ -75,7 +77,7 @@ class ReplayTransport final : public Transport {
   std::size_t next_ = 0;
   bool gone_ = false;
   bool write_fails_ = false;
-  /// This trips as it did in the recording.
+  /// This guardian trips as the real one did in the recording.
   GuardianChannel guardian_;
   Report written_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a replay must know besides the ticks.
+// The facts about a recording that a replay needs besides the ticks.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ struct RecordedSetup {
   ProfileKind profile = ProfileKind::palpate_report;
   /// The feature report that the profile was made from; empty: it needs none.
   Report feature;
-  /// The hash of the scene of the body that is touched; empty: there is none.
+  /// The hash of the scene of the body that is touched; empty: no body is touched.
   std::string scene_hash;
   TouchableOptions touchable;
   ServoOptions options;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The values of a recording as text, such that what is read is what was written, bit for bit.
+// Converts the values of a recording to text and back. A value that is read equals the one that was
+// written, bit for bit.
 #pragma once
 
 #include <charconv>
@@ -46,7 +47,8 @@ inline void append(std::string& text, ProfileKind kind) {
   text.append(kProfiles[static_cast<int>(kind)]);
 }
 
-/// Appends a duration in s with nine decimals: a double would not hold each nanosecond.
+/// Appends a duration in s with nine decimals. It does not go through a double, which would not
+/// hold each nanosecond.
 inline void append(std::string& text, Duration duration) {
   if (duration.count() < 0) text.push_back('-');
   const auto count = static_cast<std::uint64_t>(std::abs(duration.count()));
@@ -55,8 +57,8 @@ inline void append(std::string& text, Duration duration) {
   text.append(".").append(9 - decimals.size(), '0').append(decimals);
 }
 
-/// Appends a report as x and hexadecimal digits. With the x it is a word also where all digits are
-/// decimal.
+/// Appends a report as the letter x and hexadecimal digits. The x lets readers of tables take it
+/// for a word even where all digits are decimal.
 inline void append(std::string& text, const Report& report) {
   constexpr std::string_view digits = "0123456789abcdef";
   text.push_back('x');
@@ -75,7 +77,7 @@ inline void append(std::string& text, const std::string& words) {
 }
 
 /// Reads a value.
-/// @return Whether all of the text is such a value.
+/// @return Whether the whole text is such a value.
 template <class Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
 [[nodiscard]] bool parse(std::string_view text, Number& value) {
   if constexpr (std::is_same_v<Number, bool>) {

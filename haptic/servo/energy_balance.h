@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Passivity of the sampled loop, observed and restored [HR].
 //
-// Between two ticks the device moves by Δx under the force f that was sent before, so the hand puts
-// in −f·Δx. What the body and the coupling store is known exactly, Π. So
+// Between two ticks the device moves by Δx under the force f that was sent before, so that the hand
+// puts in −f·Δx. The energy Π that body and coupling store is known exactly. So
 //
 //   D = −Σ f·Δx − (Π − Π₀)
 //
-// is what the loop has dissipated since it touched; a sampled loop makes energy, above all with a
-// stiff body, a delay or coarse steps of position, and D falls below zero. Π tells how much earlier
-// than the sum alone does, which must first use up what is stored. Damping of
+// is the energy that the loop has dissipated since it touched. A sampled loop can make energy,
+// above all with a stiff body, a delay or coarse steps of position; then D falls below zero. The
+// sum alone would show that only after the stored energy is used up; with Π it shows at once.
+// Damping of
 //
 //   b = −D / (|v|² Δt),   at most what the device displays stably,
 //
-// for the next interval takes away as much as was made.
+// for the next interval takes away as much energy as was made.
 //
 // [HR] Hannaford & Ryu, Time-Domain Passivity Control of Haptic Interfaces, IEEE Transactions on
 // Robotics and Automation 18(1), 2002.
@@ -24,7 +25,7 @@ namespace palpate {
 
 class EnergyBalance {
  public:
-  /// Begins anew, for a touch that begins.
+  /// Begins anew. Call this when a touch begins.
   /// @param stored Π₀, J.
   void begin(double stored) noexcept {
     stored_ = stored;
@@ -41,8 +42,8 @@ class EnergyBalance {
     stored_ = stored;
   }
 
-  /// Adds an interval in which the force was late, as the slew limit held it back. What is stored
-  /// did not come back to the hand, or will not, so that only the work is counted.
+  /// Adds an interval in which the slew limit held the force back. The change of the stored energy
+  /// did not reach the hand, so that only the work is counted.
   /// @note Realtime-safe.
   void add_late(const Vec3& sent, const Vec3& moved, double stored) noexcept {
     dissipated_ -= sent.dot(moved);

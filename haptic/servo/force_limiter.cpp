@@ -6,7 +6,8 @@
 namespace palpate {
 namespace {
 
-/// Whether it was longer. No square of a large finite number overflows on the way.
+/// Shortens v to the largest length, and tells whether it was longer. The length is computed so
+/// that the square of no large finite number overflows.
 bool cut(Vec3& v, double largest) {
   const double length = v.stableNorm();
   if (!(length > largest)) return false;
@@ -27,7 +28,7 @@ Vec3 limit_force(const Vec3& wanted, const Vec3& last, double largest, double st
   Vec3 change = force - last;
   if (cut(change, step)) limited |= limits::slew;
   force = last + change;
-  // The limit may have been lowered since the last one was sent, and the sum is rounded.
+  // The last force may be above a limit that was lowered since, and the sum is rounded.
   cut(force, largest);
   if (force.allFinite()) return force;
   limited |= limits::not_finite;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The limiter: the last step of a force before the device, on every path.
+// The limiter: every force passes it last, before the device's profile makes a report of it.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@
 
 namespace palpate {
 
-/// The part of a force that may be sent: it is not longer than the largest, and not further from
-/// the last one than the step. A force that is not finite becomes zero at once.
-/// @param last The force that the motors have, N.
+/// The force that may be sent: it is no longer than `largest` and differs from `last` by no more
+/// than `step`. A force that is not finite becomes zero at once.
+/// @param last The force that the motors have now, N.
 /// @param largest N.
 /// @param step N.
 /// @param limited Bits of namespace limits (tick.h), set where they hold.

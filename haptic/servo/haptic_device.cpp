@@ -53,7 +53,7 @@ bool HapticDevice::close() noexcept {
 bool HapticDevice::getPosition(Vec3& position) noexcept {
   if (session_) {
     session_->poll();
-    // Before the device has said where it is there is nothing to take.
+    // There is no state before the device has said where it is.
     if (session_->known()) {
       state_ = session_->state();
       linear_velocity_ = session_->velocity();
@@ -88,7 +88,8 @@ bool HapticDevice::setForce(const Vec3& force) noexcept {
   const Time now = clock_->now();
   const Duration since_last = sent_at_ ? now - *sent_at_ : Duration(0);
   sent_at_ = now;
-  // After a pause of the caller no more than after a report that is just not too old.
+  // After a pause of the caller the force may change by no more than within the age of a report
+  // that is just not too old.
   const double step = options_.slew_limit * seconds(std::min(since_last, options_.stale_after));
   if (force.isZero(0)) session_->interlock().rearm();
   std::uint32_t limited = 0;

@@ -10,10 +10,10 @@
 //   }
 //   device.close();
 //
-// It does what the servo loop does: the newest report counts, a state that is too old is told and
-// gets no force, after an outage there is no force until zero was asked for, the limiter is the
-// last step, and the end is zero force. It is not thread-safe. A device whose driver hangs holds
-// the caller up; Servo does not have that fault.
+// The class does what the servo loop does: it takes the newest report; it says when a state is too
+// old, and then sends no force; after an outage it sends no force until zero was asked for; the
+// limiter is the last step; and at the end it sends zero force. It is not thread-safe. A device
+// whose driver hangs holds the caller up; Servo does not have that fault.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ namespace palpate {
 struct HapticDeviceOptions {
   /// A report older than this gives no force.
   Duration stale_after = std::chrono::milliseconds(5);
-  /// When no fresh report has come for so long, or writes have failed, there is no force until the
-  /// caller asks for zero force, as it does where the hand is free.
+  /// When no fresh report has come for this long, or writes have failed, there is no force until
+  /// the caller asks for zero force, as it does where the hand is free.
   Duration release_after = std::chrono::milliseconds(20);
   /// Largest force, N; 0: that of the device. It is never above that of the device.
   double force_limit = 0;
@@ -61,7 +61,7 @@ class HapticDevice {
     return profile_->specification();
   }
 
-  /// Reads the device. What the other functions give is of the same moment.
+  /// Reads the device. The other functions give values of the same moment.
   /// @param position From the centre of the workspace [3], m.
   /// @return false: the device is closed or gone, or what it says is too old. Then the position is
   ///   the last that is known, zero before there is one.
@@ -80,7 +80,7 @@ class HapticDevice {
   /// Sends a force, limited. Call this in every round of the loop: a device in lock-step measures
   /// when it gets a force, and a watchdog cuts the motors of a device that gets none.
   /// @param force In the device's axes [3], N.
-  /// @return false: zero was sent in place of it, or nothing could be.
+  /// @return false: zero was sent instead, or nothing could be sent.
   /// @note Realtime-safe but for the device's own calls.
   bool setForce(const Vec3& force) noexcept;
   /// The force that was last sent, N.
@@ -100,7 +100,7 @@ class HapticDevice {
   Vec3 linear_velocity_ = Vec3::Zero();
   Vec3 sent_ = Vec3::Zero();
   std::optional<Time> sent_at_;
-  /// The last member: at its end it sends zero force through those above.
+  /// This is the last member: its destructor sends zero force through those above.
   std::optional<DeviceSession> session_;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The interlock holds the force off after a fault, until the hand has left the body.
 //
-// A cause (the reports are too old, writes fail, nobody holds the dead-man switch, the guardian had
-// to set the motors to zero, the body was not stepped) holds for a while. What it has tripped stays
-// tripped when the cause is over: the hand may be anywhere by then, and a force must not rise
-// wherever it is. Outside of the body, where no force is due, the interlock is armed again.
+// A cause lasts for a while: the reports are too old, writes fail, nobody holds the dead-man
+// switch, the guardian had to set the motors to zero, or the body was not stepped. The interlock
+// stays tripped when the cause is over, because the hand may be anywhere by then, and no force must
+// rise under it. Outside of the body, where the force is zero, the interlock is armed again.
 #pragma once
 
 #include <cstdint>

@@ -13,11 +13,11 @@
 namespace palpate {
 namespace {
 
-/// Of those that DeviceState::buttons holds.
+/// The number of the last button that DeviceState::buttons can hold.
 constexpr std::int32_t kLastButton = 31;
 
-/// After ticks that take longer than the period it waits for this part of it: with real-time
-/// priority nothing else would run on their processor.
+/// After a tick that takes longer than the period the loop waits for the period divided by this.
+/// Otherwise, with real-time priority, nothing else would run on its processor.
 constexpr int kRest = 10;
 
 const ServoOptions& checked(const ServoOptions& options) {
@@ -51,8 +51,8 @@ bool same_workspace(const ServoSettings& a, const ServoSettings& b) {
          a.workspace_scale == b.workspace_scale;
 }
 
-/// Whether energies under the one and the other can be added up. The workspace only changes where
-/// none is stored.
+/// Whether energies that were counted under the one and the other settings can be added up. The
+/// workspace is not compared, because it changes only where no energy is stored.
 bool same_energy(const LoopInbox::Settings& a, const LoopInbox::Settings& b) {
   return a.servo.force_scale == b.servo.force_scale &&
          a.touch.coupling_stiffness == b.touch.coupling_stiffness &&
@@ -181,8 +181,8 @@ void Loop::tick() noexcept {
 
 void Loop::wait() noexcept {
   if (specification_.pacing == Pacing::lock_step) {
-    // Two reports may be under way where one was thought lost; waiting lets them be read together,
-    // so that the next answer is one again.
+    // Two reports may be under way where one was thought lost. Waiting lets the next tick read both
+    // together, so that it sends one answer again.
     clock_.sleep_until(begin_ + options_.period / 2);
     due_ = begin_ + options_.period;
     return;
@@ -211,8 +211,8 @@ void Loop::keep_time(Time begin) noexcept {
   tick_.time = begin;
 }
 
-// A tool that holds the body would be torn through it by another workspace, and a free one be put
-// into it.
+// A new workspace would tear a tool that holds the body through it, and could put a free tool into
+// it. So it waits until the tool is free, and then the tool lets go until it was outside.
 void Loop::take_settings() noexcept {
   energy_goes_on_ = true;
   if (!inbox_.settings.has_new() && !workspace_waits_) return;
@@ -279,10 +279,10 @@ void Loop::touch(const Touchable* body, SimulatedTool* tool,
 void Loop::observe_energy(const void* body, const LoopInbox::Settings& settings) noexcept {
   const ServoSettings& servo = settings.servo;
   const double stored = servo.force_scale / servo.workspace_scale * tick_.contact.energy;
-  // Of the tick before: one that was not running has sent nothing.
+  // tick_.state is still that of the tick before. A tick that was not running has sent no force.
   const bool observable = touches(tick_.contact.status) && tick_.state == ServoState::running;
   const ContactStatus observed = observable ? tick_.contact.status : ContactStatus::nothing;
-  // A force that was cut has nothing to do with what is stored.
+  // A force that was cut says nothing about the stored energy.
   const bool was_cut = (tick_.limited & ~limits::slew) != 0;
   if (!observable || observed != observed_ || was_cut || body != observed_body_ ||
       !energy_goes_on_) {
@@ -309,9 +309,10 @@ ServoState Loop::state(const ServoSettings& settings) const noexcept {
   return session_.interlock().tripped() == 0 ? ServoState::running : ServoState::tripped;
 }
 
-// The session limits it, whatever came before.
+// Asks for a force. The session limits it, whatever was computed before.
 void Loop::send_force(const ServoSettings& settings, bool has_coupled_tool) noexcept {
-  // As late as can be: the thread may have been held up since it has read the device.
+  // The state is found as late as possible, because the thread may have been held up since it read
+  // the device.
   tick_.state = state(settings);
   tick_.limited = 0;
   if (tick_.state != ServoState::running) {
@@ -323,7 +324,7 @@ void Loop::send_force(const ServoSettings& settings, bool has_coupled_tool) noex
           settings.force_scale * (settings.workspace_rotation.transpose() * tick_.contact.force) -
           (settings.damping + tick_.added_damping) * session_.velocity();
     }
-    // A hand that opens has nothing in it, at once.
+    // A hand that opens holds nothing any more, so that its force ends at once.
     const bool may_jump = has_coupled_tool && !touches(tick_.contact.status);
     const double step =
         may_jump ? std::numeric_limits<double>::infinity()

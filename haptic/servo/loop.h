@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The servo loop, a tick at a time: from the newest report of the device to the force that answers
-// it.
+// The servo loop, tick by tick: from the newest report of the device to the force that answers it.
 //
 //   newest report → age → place in the scene → contact → coupling, damping → limiter → device
 //
 // After a fault the interlock holds the force off, and the tool lets go, until the fault is over
 // and the tool was outside of the body.
 //
-// One thread runs the loop. What it needs from other threads comes by the inbox, and what it has
-// done goes by the outbox; neither side waits for the other.
+// One thread runs the loop. It gets bodies and settings from another thread through the inbox, and
+// gives its ticks and figures through the outbox; neither side waits for the other.
 #pragma once
 
 #include "haptic/realtime/handover.h"
@@ -23,10 +22,10 @@
 
 namespace palpate {
 
-/// What one other thread gives the loop.
+/// The objects and settings that one other thread passes to the loop.
 struct LoopInbox {
   Handover<const Touchable> body;
-  /// A tool of a reduced body, which is moved in place of touching `body`.
+  /// A tool of a reduced body. While there is one, the loop moves it and does not touch `body`.
   Handover<SimulatedTool> tool;
   Handover<TickRing> recording;
   struct Settings {
@@ -36,7 +35,7 @@ struct LoopInbox {
   TripleBuffer<Settings> settings;
 };
 
-/// What the loop gives one other thread.
+/// The results that the loop passes to one other thread.
 struct LoopOutbox {
   struct Newest {
     Tick tick;
@@ -56,32 +55,32 @@ class Loop {
   Loop(Transport& transport, const Profile& profile, Clock& clock, const ServoOptions& options,
        LoopInbox& inbox, LoopOutbox& outbox);
 
-  /// Does one tick, now.
+  /// Makes one tick, now.
   /// @note Realtime-safe but for the device's own calls.
   void tick() noexcept;
 
-  /// Sleeps until the next tick is due, and where that is past for a tenth of the period, so that
-  /// ticks that take longer leave time to others. Where the device sets the pace it returns at
-  /// once, since the tick itself waits for the device. After a tick that was late by a period or
-  /// more the rhythm begins anew.
+  /// Sleeps until the next tick is due. Where that time is past it sleeps for a tenth of the
+  /// period, so that ticks that take too long leave time to other threads. After a tick that was
+  /// late by a period or more the rhythm begins anew. Where the device sets the pace the tick
+  /// itself waits for it, and this only sleeps until half a period after the tick began.
   void wait() noexcept;
 
   [[nodiscard]] const Tick& last() const noexcept { return tick_; }
 
  private:
   void keep_time(Time begin) noexcept;
-  /// Takes the settings of the tick: the newest ones, but the workspace with which the tool began
-  /// to touch.
+  /// Takes the settings of the tick: the newest ones, except that the workspace stays as it was
+  /// when the tool began to touch.
   void take_settings() noexcept;
   void locate(const ServoSettings& settings) noexcept;
   void touch(const Touchable* body, SimulatedTool* tool,
              const LoopInbox::Settings& settings) noexcept;
   /// Lets go of whatever is touched.
   void release() noexcept;
-  /// @param body What is touched.
+  /// @param body The body or the coupled tool that is touched.
   void observe_energy(const void* body, const LoopInbox::Settings& settings) noexcept;
   [[nodiscard]] ServoState state(const ServoSettings& settings) const noexcept;
-  /// @param has_coupled_tool The tool is that of a reduced body.
+  /// @param has_coupled_tool Whether the tool is that of a reduced body.
   void send_force(const ServoSettings& settings, bool has_coupled_tool) noexcept;
   void count_trips(std::uint32_t before) noexcept;
   void count() noexcept;
@@ -95,19 +94,18 @@ class Loop {
   Tool tool_;
   CoupledTool coupled_tool_;
   EnergyBalance balance_;
-  /// The settings of the tick, and whether the energy that was counted under those of the tick
-  /// before goes on under them.
+  /// The settings of the tick, and whether the energy balance may go on under them.
   LoopInbox::Settings settings_;
   bool energy_goes_on_ = false;
-  /// The newest settings have another workspace, which waits until the tool is free.
+  /// Whether the newest settings have another workspace, which waits until the tool is free.
   bool workspace_waits_ = false;
 
   Tick tick_;
   Counters counters_;
   /// How far the device has moved since the tick before, in its axes, m.
   Vec3 device_moved_ = Vec3::Zero();
-  /// The body, and how it was touched, that the observed energy belongs to: with another it begins
-  /// anew. nothing: there is none that could be observed.
+  /// The body, and the kind of contact, that the energy balance belongs to: with another one the
+  /// balance begins anew. `nothing`: there is no contact whose energy could be observed.
   const void* observed_body_ = nullptr;
   ContactStatus observed_ = ContactStatus::nothing;
   /// When the tick began, and the time since the one before, s.

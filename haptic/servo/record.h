@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a recording keeps of a tick: all that a replay needs, and all that the loop has made of it.
+// What a recording keeps of a tick: all that a replay needs, and all that the loop has computed
+// from it.
 #pragma once
 
 #include <array>
@@ -19,8 +20,8 @@ struct TickRecord {
   /// The settings that held in the tick.
   ServoSettings settings;
   TouchSettings touch;
-  /// The newest reports that were read in the tick, the oldest of them first; empty places hold
-  /// none.
+  /// The newest reports that were read in the tick, the oldest of them first; unused places hold
+  /// empty reports.
   std::array<Report, kReports> received{};
   /// The report that was written, and whether writing it has failed.
   Report sent;

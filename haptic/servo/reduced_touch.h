@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A reduced body that devices touch: the thread that steps it, and a servo loop for each tool that
-// a device moves. They begin together, and however they end, every device has zero force:
+// a device moves. They begin together, and however they end, every device gets zero force:
 //
 //   ReducedTouch touch(std::move(body), std::move(servos));
 //   touch.start();
@@ -22,8 +22,8 @@ namespace palpate {
 class ReducedTouch {
  public:
   /// Gives the tools to the servo loops, but starts nothing.
-  /// @param servos Of the tools in turn, with their settings; nullptr, or none at the end: no
-  ///   device moves the tool.
+  /// @param servos The servo loops of the tools in their order, with their settings. No device
+  ///   moves a tool whose servo loop is nullptr or missing at the end.
   /// @throws InputError there are more servo loops than tools.
   ReducedTouch(std::unique_ptr<ReducedBodyThread> body, std::vector<std::unique_ptr<Servo>> servos);
   /// Stops all.
@@ -33,17 +33,17 @@ class ReducedTouch {
 
   /// @throws BackendError a thread cannot be started, or was started before; then all are stopped.
   void start();
-  /// As Servo::host_lives(), of all loops.
+  /// Calls Servo::host_lives() of all loops.
   void host_lives() noexcept;
   /// The tools whose device is gone, or whose servo loop has ended by itself, from 0. The others go
   /// on until stop().
   [[nodiscard]] std::vector<Index> lost();
-  /// Sends zero force to all devices at once, and ends their loops and the body.
-  /// @return The tools whose device's driver hangs: of these alone the loop has not ended.
+  /// Sends zero force to all devices at once, and then ends their loops and the body.
+  /// @return The tools whose loop has not ended, because the driver of their device hangs.
   std::vector<Index> stop() noexcept;
 
   [[nodiscard]] ReducedBodyThread& body() { return *body_; }
-  /// Of a tool, from 0; nullptr: no device moves it.
+  /// The servo loop of a tool, counted from 0; nullptr: no device moves the tool.
   [[nodiscard]] Servo* servo(Index tool);
 
  private:

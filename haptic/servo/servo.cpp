@@ -16,7 +16,7 @@
 namespace palpate {
 namespace {
 
-/// Of what is wrong with the device, in words; empty: nothing.
+/// Why the interlock has tripped, in words; empty: it has not, or forces are merely switched off.
 std::string why_tripped(const Tick& tick) {
   std::string text;
   if (tick.tripped & trips::failed_writes) {
@@ -50,7 +50,7 @@ struct Resident {
 
 }  // namespace
 
-/// All that the thread uses: it may outlive the servo where a driver does not let go of it.
+/// All that the thread uses. It may outlive the servo where a driver does not let go of the thread.
 struct Servo::Shared {
   std::unique_ptr<Transport> transport;
   std::shared_ptr<const Profile> profile;
@@ -92,7 +92,7 @@ struct Servo::Shared {
         loop.tick();
         loop.wait();
       }
-      // zero force
+      // The session of the loop has sent zero force when it was destroyed.
     } catch (const std::exception& error) {
       const std::lock_guard lock(mutex);
       problem = std::string("The servo loop has ended: ") + error.what();
@@ -150,7 +150,7 @@ void Servo::let_go() noexcept { shared_->stop = true; }
 void Servo::host_lives() noexcept { shared_->transport->host_lives(); }
 
 void Servo::set_body(std::shared_ptr<const Touchable> body) {
-  // The system calls for it are made here, and not in the loop.
+  // The memory is locked here, because the loop must make no system call for it.
   if (body != nullptr && shared_->options.priority != 0) {
     const auto resident = std::make_shared<const Resident>(std::move(body));
     shared_->body_locked = resident->lock.complete();
@@ -225,7 +225,7 @@ std::string Servo::problem() {
     add("The body is moved by " + quantity(newest.tick.contact.trust, "") +
         " times what its reduced model was trained for: its force is not to be trusted.");
   }
-  // A few are stale at the beginning and after each pause of the machine.
+  // A few ticks are stale at the beginning and after each pause of the machine.
   constexpr std::uint64_t kManyTicks = 1000;
   constexpr std::uint64_t kShare = 50;
   if (counters.ticks > kManyTicks && counters.stale_ticks > counters.ticks / kShare) {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The servo loop on a thread of its own.
 //
-// The thread has real-time priority where the system permits, and what it reads while it touches
+// The thread has real-time priority where the system permits it. All that it reads while it touches
 // stays in memory: its stack, its objects and the body, but not the rest of the program. Signals go
-// elsewhere. It is paced by absolute times; after an overrun it takes up the rhythm anew, without
-// ticks that catch up. What it needs crosses to it, and what it has done comes back, without either
-// side waiting for the other.
+// to other threads. The pace is set by absolute times; after an overrun the rhythm begins anew,
+// without ticks that catch up. Bodies and settings reach the thread, and its ticks come back,
+// without either side waiting for the other.
 //
 // Every way out sends zero force: stop(), the destructor, a report that is too old, a force that is
-// not finite, a device that fails. A device whose driver hangs in a write cannot be sent anything;
-// stop() then returns in time all the same, the thread ends by itself when the driver lets go of
-// it, and until then the device's own watchdog is what cuts the motors.
+// not finite, a device that fails. Nothing can be sent to a device whose driver hangs in a write.
+// Then stop() still returns in time, the thread ends by itself when the driver lets go of it, and
+// until then the device's own watchdog cuts the motors.
 #pragma once
 
 #include <memory>
@@ -43,32 +43,32 @@ class Servo {
   /// Sends zero force and ends the loop. It returns in time whatever the device does.
   /// @return Whether the thread has ended.
   bool stop() noexcept;
-  /// Zero force, and the loop ends by itself. Any thread may call this, and none waits in it.
+  /// Asks the loop to end by itself with zero force, and returns at once. Any thread may call this.
   void let_go() noexcept;
 
-  /// Says that the calling thread lives, by which a person commands this program; call it some
-  /// times a second. From the first call on that thread is watched: where it hangs there is no
-  /// force (haptic/guardian/host_watch.h). A program that never calls this is watched for crashes
-  /// alone.
+  /// Says that the calling thread lives, the one by which a person commands this program. Call it
+  /// some times a second. From the first call on that thread is watched: while it hangs there is no
+  /// force (haptic/guardian/host_watch.h). A program that never calls this is watched only for
+  /// crashes and for being asked to end.
   void host_lives() noexcept;
 
-  /// Gives the body that is touched from the next tick on, also while another is touched; nullptr:
-  /// none.
+  /// Gives the loop the body that it touches from the next tick on, also while another is touched;
+  /// nullptr: none.
   void set_body(std::shared_ptr<const Touchable> body);
-  /// Gives a tool of a reduced body (ReducedBodyThread), which is moved from the next tick on in
-  /// place of touching a body of set_body(); nullptr: none. It is held while the button
-  /// ServoSettings::grasp_button is, or without one whenever the hand has come within its reach. No
-  /// other servo loop may have it.
+  /// Gives the loop a tool of a reduced body (ReducedBodyThread). From the next tick on the loop
+  /// moves that tool and touches no body of set_body(); nullptr: none. The tool is held while the
+  /// button ServoSettings::grasp_button is, or without such a button whenever the hand has come
+  /// within its reach. No other servo loop may have the same tool.
   void set_tool(std::shared_ptr<SimulatedTool> tool);
   /// @throws InputError a value is out of range, or the device lacks what is required.
   void set_settings(const ServoSettings& settings);
   /// @throws InputError a value is out of range.
   void set_touch_settings(const TouchSettings& settings);
-  /// Puts every tick from the next one on into the ring; nullptr: none is kept.
+  /// Puts every tick from the next one on into the ring; nullptr: no tick is kept.
   void set_recording(std::shared_ptr<TickRing> ring);
 
   [[nodiscard]] const Specification& specification() const;
-  /// The newest tick. Where the thread hangs in the device's driver its state is stale.
+  /// The newest tick. Its state is `stale` while the thread hangs in the device's driver.
   [[nodiscard]] Tick latest();
   [[nodiscard]] Statistics statistics();
   /// What is wrong with the device, its clock, or the thread's priority, in words; empty: nothing.

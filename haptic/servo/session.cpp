@@ -11,20 +11,21 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// In one poll: more than any queue holds, so that a device that never falls silent cannot keep the
-/// loop from sending forces.
+/// The largest number of reports that one poll reads: more than any queue holds, and finite, so
+/// that a device that never falls silent cannot keep the loop from sending forces.
 constexpr int kMostReports = 256;
 
-/// Of two clocks at the most: crystals keep to 1e-4, trimmed oscillators to 3e-3.
+/// The largest drift between two clocks, s/s: crystals keep to 1e-4, trimmed oscillators to 3e-3.
 constexpr double kClockDrift = 3e-3;
-/// A gap in the reports in which the queue was not seen empty lets the offset grow by no more than
-/// a gap of so long.
+/// During a gap in the reports the offset grows by no more than in a gap of this length, unless the
+/// queue was seen empty meanwhile.
 constexpr Duration kLongestDrift = milliseconds(10);
 
-/// A device the time of which has gone back, as by a restart, is believed anew after so long.
+/// The time of a device that has gone back, as by a restart, is believed again after this long.
 constexpr Duration kOnTrial = milliseconds(100);
 
-/// Attempts at the last zero force, kRetryPause apart: 100 ms, half of what stop() waits for.
+/// The number of attempts at the last zero force, kRetryPause apart. They take 100 ms, half of the
+/// time that stop() waits.
 constexpr int kLastAttempts = 20;
 
 }  // namespace
@@ -108,7 +109,7 @@ void DeviceSession::poll() noexcept {
     if (status == TransportStatus::error) ++counted_.failed_reads;
     break;
   }
-  // Of reports that came together without a time nobody knows when they were measured.
+  // Several reports that came together, without a time, do not say when they were measured.
   const Specification& device = profile_.specification();
   const bool moves_on = device.pacing == Pacing::on_change || read_at_ >= begin;
   if (known_ && !device.has_device_time && moves_on) take_velocity(begin);
@@ -117,8 +118,8 @@ void DeviceSession::poll() noexcept {
   watch_guardian();
 }
 
-// By when the loop has had a fresh state, not by the age of this one: after a pause of the host it
-// may be fresh, and the hand has moved on meanwhile all the same.
+// Trips by the time since the loop last had a fresh state, not by the age of this state: after a
+// pause of the host this state may be fresh, though the hand has moved on meanwhile.
 void DeviceSession::watch_age() noexcept {
   if (profile_.specification().max_linear_force == 0) return;
   const Time now = clock_.now();
@@ -150,8 +151,8 @@ void DeviceSession::take(const Report& report) noexcept {
     ++counted_.bad_reports;
     return;
   }
-  // What waited in the queue before it was ever seen empty may be of any age, and a clock cannot be
-  // learnt from what may have waited.
+  // Reports that waited in the queue before it was ever seen empty may be of any age, and the
+  // offset of the clocks cannot be learnt from them.
   if (!last_empty_) return;
   not_before_ = *last_empty_;
   if (!known_ && clock_.now() - not_before_ > options_.stale_after) return;
@@ -178,7 +179,7 @@ void DeviceSession::take_device_time_of(const DeviceState& before) noexcept {
     restart_ = Restart{now, state_.device_time};
     estimator_.reset();
   } else if (restart_ && now - restart_->at >= kOnTrial) {
-    // An old report that comes again and again does not run as our clock does.
+    // The time of an old report that comes again and again does not run as the host's clock does.
     const Duration ours = now - restart_->at;
     const Duration theirs = state_.device_time - restart_->device_time;
     if (theirs > ours * 9 / 10 && theirs < ours * 11 / 10) {
@@ -188,7 +189,8 @@ void DeviceSession::take_device_time_of(const DeviceState& before) noexcept {
       restart_ = Restart{now, state_.device_time};
     }
   }
-  // While the queue was seen empty nothing waited in it, and the clocks drifted all the same.
+  // While the queue was seen empty nothing waited in it, and the clocks may have drifted all that
+  // time.
   const Duration longest = std::max<Duration>(kLongestDrift, not_before_ - last);
   const double drift = kClockDrift * static_cast<double>(std::min(now - last, longest).count());
   offset_ = std::min(offset_ + Duration(static_cast<Duration::rep>(drift)), sample);
@@ -210,7 +212,8 @@ Vec3 DeviceSession::send(const Vec3& wanted, double largest, double step,
     limited |= limits::device;
     return force_;
   }
-  // What changes is what the motors have, which is not always what they were to have.
+  // The change is limited from the force that the motors have, which need not be the one that was
+  // sent.
   if (may_be_cut()) force_.setZero();
   const Vec3 allowed = limit_force(profile_.on_motors(wanted), force_, largest, step, limited);
   const Report report = profile_.encode(allowed, state_);

@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A device in use: its newest state and how old that is, and the forces that go to it.
+// A device in use: its newest state, the age of that state, and the forces that go to the device.
 //
-// How old. A queue of the system keeps the oldest reports, 63 with hidraw: after a pause what is
-// read last is old too. Where the device tells its time, the age of a report is
+// Age. A queue of the system keeps the oldest reports, 63 with hidraw, so that after a pause even
+// the last report that is read is old. Where the device tells its time, the age of a report is
 //
 //   age = now − (device time + offset),   offset = least (time of reading − device time),
 //
-// the least over what was read, which grows by the drift that clocks have. A device's time that
-// goes back has begun anew, and is believed when it has run as ours does for a while. Where there
-// is none, a report cannot be older than the last time that the queue was seen empty before it, and
-// is taken for that old.
+// the least over all reports that were read; it grows by the drift that clocks may have. A device
+// whose time goes back has begun anew; its time is believed again once it has run as the host's
+// does for a while. Where the device does not tell its time, a report came after the queue was last
+// seen empty, and is taken to be as old as that.
 //
-// What the motors have. A write that fails may have arrived or not: the motors have the force of
-// before, or the new one. So nothing but zero is written until a write has succeeded; only then is
-// it known again what the motors have.
+// The force of the motors. A write that fails may have arrived or not: the motors have the earlier
+// force, or the new one. So nothing but zero is written until a write has succeeded; only then is
+// the force of the motors known again.
 //
-// Who else looks. Each write tells the guardian that the loop lives, and before each the session
-// looks whether the guardian has tripped, or looks no more. A trip is acknowledged when the device
-// has taken zero after it.
+// The guardian. Each write tells the guardian that the loop lives. Before each write the session
+// checks whether the guardian has tripped, or no longer looks. A trip is acknowledged when the
+// device has taken zero after it.
 #pragma once
 
 #include <array>
@@ -37,28 +37,28 @@ namespace palpate {
 
 class DeviceSession {
  public:
-  /// When so many writes in a row have failed the interlock trips.
+  /// The interlock trips when this many writes in a row have failed.
   static constexpr int kFailedWrites = 3;
-  /// From then on zero is tried again after this pause, so that a device that fails is not
-  /// hammered. It is a fifth of the 25 ms within which motors have to be off.
+  /// From then on zero is tried again only after this pause, so that a device that fails is not
+  /// flooded. The pause is a fifth of the 25 ms within which motors have to be off.
   static constexpr Duration kRetryPause = std::chrono::milliseconds(5);
 
   /// All arguments must outlive the session.
   DeviceSession(Transport& transport, const Profile& profile, Clock& clock,
                 const ServoOptions& options);
-  /// Sends zero force; where that fails it tries again and again, for 100 ms.
+  /// Sends zero force, and tries again for 100 ms where that fails.
   ~DeviceSession();
   DeviceSession(const DeviceSession&) = delete;
   DeviceSession& operator=(const DeviceSession&) = delete;
 
-  /// Reads all reports that are there, and waits for a device in lock-step. Such a device stays
-  /// silent after a report was lost, until something is sent to it: send() must follow whatever was
-  /// read.
+  /// Reads all reports that are there, and waits for a device in lock-step. After a report was
+  /// lost, such a device stays silent until something is sent to it. So send() must follow each
+  /// poll, whatever was read.
   /// @note Realtime-safe but for the device's own calls.
   void poll() noexcept;
 
-  /// Sends what the limits leave of a force in the device's axes (force_limiter.h); where the state
-  /// is no longer fresh, the interlock has tripped, or the last write has failed, zero.
+  /// Sends a force in the device's axes within the limits (force_limiter.h). Sends zero where the
+  /// state is no longer fresh, the interlock has tripped, or the last write has failed.
   /// @param largest N.
   /// @param step The largest change from what the motors have, N.
   /// @param limited Bits of namespace limits (tick.h), set where they hold.
@@ -69,19 +69,20 @@ class DeviceSession {
   /// @note Realtime-safe but for the device's own calls.
   void send_zero() noexcept;
 
-  /// The interlock. poll() and send() trip it for what the session sees; whoever knows the body
-  /// arms it again.
+  /// The interlock. poll() and send() trip it for the faults that the session sees. The caller, who
+  /// knows where the body is, arms it again.
   [[nodiscard]] Interlock& interlock() noexcept { return interlock_; }
   [[nodiscard]] const Interlock& interlock() const noexcept { return interlock_; }
 
   [[nodiscard]] const DeviceState& state() const noexcept { return state_; }
-  /// The age of the state at the last poll, at most.
+  /// An upper bound of the age of the state at the last poll.
   [[nodiscard]] Duration age() const noexcept { return age_; }
-  /// Whether the state may be answered by a force now.
+  /// Whether the state is fresh enough now to be answered by a force.
   [[nodiscard]] bool fresh() const noexcept {
     return !gone_ && age_at(clock_.now()) <= options_.stale_after;
   }
-  /// The force that the motors have [3], N; while writes fail, the largest that they may have.
+  /// The force that the motors have [3], N; while writes fail, the largest force that they may
+  /// have.
   [[nodiscard]] const Vec3& force() const noexcept { return force_; }
   /// The velocity of the position from report to report [3], m/s.
   [[nodiscard]] const Vec3& velocity() const noexcept { return velocity_; }
@@ -89,7 +90,7 @@ class DeviceSession {
   /// Whether the device has said where it is.
   [[nodiscard]] bool known() const noexcept { return known_; }
 
-  /// How many reports the last poll has read, and the newest of them.
+  /// The number of reports that the last poll has read, and the newest of them.
   [[nodiscard]] std::int32_t num_received() const noexcept { return num_received_; }
   [[nodiscard]] const std::array<Report, TickRecord::kReports>& received() const noexcept {
     return received_;
@@ -98,10 +99,10 @@ class DeviceSession {
   [[nodiscard]] const Report& sent() const noexcept { return sent_; }
   /// Whether writing it has failed.
   [[nodiscard]] bool write_failed() const noexcept { return failed_writes_ > 0; }
-  /// The time in the device's calls since this was last called.
+  /// The time that was spent in the device's calls since this was last called.
   [[nodiscard]] Duration take_device_time() noexcept;
 
-  /// Adds to the counters what was counted since the last call.
+  /// Adds the events since the last call to the counters.
   void count(Counters& counters) noexcept;
 
  private:
@@ -114,9 +115,11 @@ class DeviceSession {
   void watch_age() noexcept;
   void watch_guardian() noexcept;
   [[nodiscard]] Duration age_at(Time now) const noexcept;
-  /// Whether the device's watchdog has cut the motors or is about to: it was long without a force.
+  /// Whether the device's watchdog may have cut the motors, because no report was sent for its
+  /// time.
   [[nodiscard]] bool may_be_cut() const noexcept;
-  /// Whether it has cut them for certain, even if the last report has come as late as it can.
+  /// Whether the watchdog has certainly cut the motors, even if the last report arrived as late as
+  /// it can.
   [[nodiscard]] bool is_cut() const noexcept;
 
   Transport& transport_;
@@ -132,14 +135,14 @@ class DeviceSession {
   Time polled_at_{0};
   /// When the queue was last seen empty, if it was.
   std::optional<Time> last_empty_;
-  /// The newest report did not come before this time.
+  /// The newest report came after this time.
   Time not_before_{0};
   /// When the newest report was read, and how old it was then by the device's time.
   Time read_at_{0};
   Duration age_when_read_{0};
   Duration offset_{0};
-  /// When the device's time went back, by both clocks. The device's time is not believed as long as
-  /// this is set.
+  /// When the device's time was found to have gone back, by both clocks. As long as this is set,
+  /// the device's time is not believed.
   struct Restart {
     Time at;
     Time device_time;
@@ -147,14 +150,15 @@ class DeviceSession {
   std::optional<Restart> restart_;
   VelocityEstimator estimator_;
   Vec3 velocity_ = Vec3::Zero();
-  /// The time of the last position in the estimator, by the clock that the estimator goes by.
+  /// The time of the last position in the estimator: by the device's clock where it has one, else
+  /// by the host's.
   std::optional<Time> velocity_at_;
   /// When the write of the last report that was written began, if there was one.
   std::optional<Time> written_at_;
   /// When the last attempt to write a force ended.
   Time force_until_{0};
   Vec3 force_ = Vec3::Zero();
-  /// The number of writes that have failed since the last one that has not.
+  /// The number of writes that have failed since the last one that succeeded.
   int failed_writes_ = 0;
   /// When zero is tried again after writes have failed.
   Time retry_at_{0};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well a servo loop keeps its time, and what it has sent.
+// How well a servo loop keeps its time, and which forces it has sent.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,11 @@ struct Counters {
   std::uint64_t ticks = 0;
   /// Time from the beginning of the first tick to that of the last.
   Duration running{0};
-  /// Ticks that were missed, as the loop was late by a period or more.
+  /// Ticks that were missed because the loop was late by a period or more.
   std::uint64_t missed = 0;
   std::uint64_t reports = 0;
-  /// Reports that the profile does not know: they are too short, or have another number.
+  /// Reports that the profile does not recognise, because they are too short or have another
+  /// number.
   std::uint64_t bad_reports = 0;
   /// Reports that the device has counted and that were not read.
   std::uint64_t lost_reports = 0;
@@ -25,15 +26,15 @@ struct Counters {
   std::uint64_t failed_writes = 0;
   /// Ticks in the state stale.
   std::uint64_t stale_ticks = 0;
-  /// Ticks in which the interlock had tripped, and how often it has for each of its causes
-  /// (namespace trips).
+  /// Ticks in which the interlock was tripped, and the number of trips by each cause (namespace
+  /// trips).
   std::uint64_t tripped_ticks = 0;
   std::uint64_t trips_by_stale_reports = 0;
   std::uint64_t trips_by_failed_writes = 0;
   std::uint64_t trips_by_disengaging = 0;
   std::uint64_t trips_by_guardian = 0;
   std::uint64_t trips_by_body = 0;
-  /// Ticks in which the force was cut, held back, or not finite.
+  /// Ticks in which the force was above its limit, changed too fast, or was not finite.
   std::uint64_t magnitude_limited = 0;
   std::uint64_t slew_limited = 0;
   std::uint64_t not_finite = 0;

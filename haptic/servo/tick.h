@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one tick of the servo loop has found and done.
+// The result of one tick of the servo loop.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ enum class ServoState : int {
   /// The device is read, but forces are off.
   ready = 1,
   running = 2,
-  /// What the device says is too old, or it says nothing. There is no force until it is fresh
-  /// again.
+  /// The state of the device is too old, or the device says nothing. There is no force until the
+  /// state is fresh again.
   stale = 3,
   /// The device is unplugged: it must be opened anew.
   gone = 4,
@@ -44,7 +44,7 @@ struct Tick {
   /// When the tick began, by the loop's clock.
   Time time{0};
   ServoState state = ServoState::closed;
-  /// The state of the device in its newest report, and how old that is at most.
+  /// The state of the device in its newest report, and an upper bound of the age of that report.
   DeviceState device;
   Duration age{0};
   /// The number of reports that were read in this tick.
@@ -54,7 +54,7 @@ struct Tick {
   Vec3 velocity = Vec3::Zero();
   Contact contact;
   /// The force that was sent, in the axes of the scene [3], N at the device. Where writes fail it
-  /// is the largest that the motors may still have.
+  /// is the largest force that the motors may still have.
   Vec3 force = Vec3::Zero();
   std::uint32_t limited = 0;
   /// Why the interlock has tripped, bits of namespace trips (interlock.h); 0: it has not.

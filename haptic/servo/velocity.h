@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The velocity of a position that is known in steps: over the longest time in which a straight line
-// explains what was measured [JHC]. At rest it is exactly zero, and in fast motion as prompt as a
-// difference.
+// The velocity of a position that is measured in steps. It is taken over the longest time in which
+// a straight line fits the measurements [JHC]. At rest it is exactly zero, and in fast motion it is
+// as prompt as a difference.
 //
 // [JHC] Janabi-Sharifi, Hayward & Chen, Discrete-Time Adaptive Windowing for Velocity Estimation,
 // IEEE Transactions on Control Systems Technology 8(6), 2000.
@@ -15,20 +15,21 @@ namespace palpate {
 
 class VelocityEstimator {
  public:
-  /// @param step Of the position, m: a line may miss what was measured by that much.
+  /// @param step The step of the position, m. The line may miss a measurement by that much.
   explicit VelocityEstimator(double step) : step_(step) {}
 
-  /// Takes the next position, m.
-  /// @param interval Since the last one, s; where it is not positive the last velocity stays.
+  /// Adds the next position, m.
+  /// @param interval The time since the last position, s; where it is not positive the velocity
+  ///   stays as it was.
   /// @return Velocity [3], m/s.
   /// @note Realtime-safe.
   const Vec3& add(const Vec3& position, double interval) noexcept;
 
-  /// Nothing is known.
+  /// Forgets all positions.
   void reset() noexcept;
 
  private:
-  /// Measured positions at the most.
+  /// The largest number of positions that are kept.
   static constexpr int kWindow = 16;
 
   [[nodiscard]] double along(int axis) const noexcept;
@@ -36,7 +37,7 @@ class VelocityEstimator {
 
   double step_;
   std::array<Vec3, kWindow> positions_{};
-  /// Of each, since the estimator began, s.
+  /// The time of each position since the estimator began, s.
   std::array<double, kWindow> times_{};
   int newest_ = 0;
   int num_ = 0;

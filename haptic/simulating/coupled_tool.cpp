@@ -42,7 +42,7 @@ Contact CoupledTool::move(const Vec3& place, const Vec3& velocity, bool grasps, 
     contact.anchor = options.place;
     contact.displacement = answer_.displacement;
     contact.distance = (from_rest - answer_.displacement).norm() - options.reach;
-    // Where the distance is no number it is not outside.
+    // A place that is not finite does not count as outside.
     const bool is_outside = from_rest.allFinite() && (!grasps || contact.distance > 0);
     armed_ = armed_ || is_outside;
     contact.status = is_outside ? ContactStatus::free : ContactStatus::inside;

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The servo loop's end of the virtual coupling (simulated_tool.h).
 //
-// Between two steps of the body its tool goes on with the velocity of the last one, for one step at
-// the most, and the hand feels
+// Between two steps of the body, its tool goes on with the velocity of the last step, for the
+// length of one step at most. The hand feels
 //
 //   f = −c (p − d(t)) − b (ṗ − ḋ).
 //
-// A hand takes hold where it is: p begins at d, so that the force begins at zero. It takes hold
-// within the tool's reach while it grasps, having been outside before: farther away, or not
+// A hand takes hold wherever it is: p begins at d, so that the force begins at zero. It takes hold
+// while it grasps within the tool's reach, and only after it was outside: farther away, or not
 // grasping.
 //
-// What the coupling stores, and what has gone through it into the body since the hand took hold, is
+// The energy that the coupling stores, and the work that has gone through it into the body since
+// the hand took hold, are together
 //
 //   E = ½ c |p − d|² + ∫ h · ḋ dt.
 //
-// What the hand puts in beyond it, the coupling dissipates; if less, the sampled coupling has made
-// energy (energy_balance.h), whatever the body and its other tools do.
+// Where the hand puts in more than E, the coupling dissipates the rest. Where it puts in less, the
+// sampled coupling has made energy (energy_balance.h), whatever the body and its other tools do.
 #pragma once
 
 #include "haptic/simulating/simulated_tool.h"
@@ -26,22 +27,22 @@ namespace palpate {
 class CoupledTool {
  public:
   /// Takes the newest answer of the body.
-  /// @param tool Another one than before is not held; nullptr: there is none.
-  /// @return Whether the body goes on: it was stepped not long ago. @note Realtime-safe.
+  /// @param tool The tool; one that is new is not held. nullptr: there is none.
+  /// @return Whether the body was stepped within release_after; true without a tool.
+  /// @note Realtime-safe.
   bool listen(SimulatedTool* tool, Time now) noexcept;
 
-  /// Takes the hand to a place, and tells the body.
-  /// @param place, velocity Of the hand, m and m/s.
-  /// @return status: nothing, where there is no tool; free, outside; inside, where the hand is
-  /// within
-  ///   reach but has let go for another reason; or attached. Then anchor is the tool's place at
-  ///   rest, displacement d, energy E, and support is extrapolated where the trust is above
-  ///   kLargestTrusted or the body stands still.
+  /// Moves the hand to a place, and tells the body.
+  /// @param place, velocity Those of the hand, m and m/s.
+  /// @return A contact. Its status is `nothing` without a tool, `free` outside, `inside` within
+  ///   reach where the hand has let go for another reason than opening, or `attached`. Then anchor
+  ///   is the tool's place at rest, displacement is d, and energy is E; support is `extrapolated`
+  ///   where the trust is above kLargestTrusted or the body stands still.
   /// @note Realtime-safe.
   [[nodiscard]] Contact move(const Vec3& place, const Vec3& velocity, bool grasps,
                              Time now) noexcept;
 
-  /// Lets go, and takes hold again only after it was outside. @note Realtime-safe.
+  /// Lets go. The hand takes hold again only after it was outside. @note Realtime-safe.
   void release() noexcept;
 
  private:
@@ -52,7 +53,7 @@ class CoupledTool {
   bool is_alive_ = false;
   bool armed_ = false;
   bool holds_ = false;
-  /// p, and what is to be taken off the hand's place for it.
+  /// p, and the hand's place from the tool's place at rest less p, m.
   Vec3 hand_ = Vec3::Zero();
   Vec3 offset_ = Vec3::Zero();
   /// ToolAnswer::work when the hand took hold.

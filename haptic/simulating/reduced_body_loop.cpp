@@ -11,8 +11,8 @@
 namespace palpate {
 namespace {
 
-/// After steps that take longer than the period it waits for this part of it: with real-time
-/// priority nothing else would run on their processor.
+/// After a step that takes longer than the period the loop waits for the period divided by this.
+/// Otherwise, with real-time priority, nothing else would run on its processor.
 constexpr int kRest = 10;
 
 ReducedBodyOptions options_of_body(const ReducedBodyLoopOptions& options) {
@@ -55,7 +55,7 @@ ReducedBodyLoop::ReducedBodyLoop(const ReducedModel& model,
   before_.setZero(model.num_tool_coordinates);
   newest_.coordinates.setZero(model.num_coordinates());
   for (Index tool = 0; tool < static_cast<Index>(tools_.size()); ++tool) body_.hold(tool, 0);
-  // Each place of the buffer gets its memory.
+  // Three writes give each place of the triple buffer its memory.
   for (int i = 0; i < 3; ++i) {
     outbox_.newest.write(newest_);
     (void)outbox_.newest.read();

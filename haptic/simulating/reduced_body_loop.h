@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reduced body, stepped in real time while hands move its tools: each period one step of that
-// length, at whose end the tools are where the newest commands lead them.
+// A reduced body that is stepped in real time while hands move its tools. Each period it makes one
+// step of that length, at whose end the tools are where the newest commands lead them.
 //
 // A damper of a coupling (simulated_tool.h) is taken into a step of length τ by
 //
 //   h = c e + b (e − e₀)/τ = (c + b/τ) (p' − d),   p' = p − (b/τ)/(c + b/τ) e₀,   e = p − d
 //
-// with e₀ from the step before: to the body it is a spring, of another stiffness and to another
-// place.
+// with e₀ from the step before: the body sees a spring of another stiffness, to another place.
 //
-// Where a step is late by a period or more the body has lost time: it does not catch up.
+// Where a step is late by a period or more, the body has lost that time and does not catch up.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +24,10 @@
 namespace palpate {
 
 struct ReducedBodyLoopOptions {
-  /// From step to step, and the length of a step: ReducedBodyOptions::time_step is without effect.
+  /// The time from step to step, which is also the length of a step: ReducedBodyOptions::time_step
+  /// is without effect.
   Duration period = std::chrono::milliseconds(2);
-  /// A tool whose servo loop has not said for so long where it is, is let go.
+  /// The body lets go of a tool whose servo loop has not said for this long where the hand is.
   Duration release_after = std::chrono::milliseconds(20);
   ReducedBodyOptions body;
 };
@@ -44,19 +44,19 @@ struct ReducedBodyCounters {
   std::uint64_t missed = 0;
   /// Steps that took longer than the period.
   std::uint64_t too_long = 0;
-  /// Steps by their outcome, but for those that have converged.
+  /// Steps that have not converged, by their outcome.
   std::uint64_t not_converged = 0;
   std::uint64_t beyond_training = 0;
   std::uint64_t tools_ahead = 0;
   /// Steps whose trust was above kLargestTrusted, and the largest trust.
   std::uint64_t untrusted = 0;
   double largest_trust = 0;
-  /// The most tangents and iterations that a step has taken.
+  /// The largest numbers of tangents and iterations that a step has taken.
   int most_tangents = 0;
   int most_iterations = 0;
 };
 
-/// What the loop gives one other thread.
+/// The results that the loop passes to one other thread.
 struct ReducedBodyOutbox {
   struct Newest {
     /// When the last step ended.
@@ -73,18 +73,18 @@ struct ReducedBodyOutbox {
 
 class ReducedBodyLoop {
  public:
-  /// Takes all the memory that it will need.
+  /// Makes the body, at rest, and allocates all memory that the loop needs.
   /// @param model, clock, outbox They must outlive the loop.
-  /// @param tools Those of the model in turn; nullptr: the tool is let go.
+  /// @param tools The tools of the model in their order; nullptr: the tool is let go.
   /// @throws InputError an invalid model or option, or another number of tools than the model has.
   ReducedBodyLoop(const ReducedModel& model, std::vector<std::shared_ptr<SimulatedTool>> tools,
                   Clock& clock, const ReducedBodyLoopOptions& options, ReducedBodyOutbox& outbox);
 
-  /// Does one step, now. @note Realtime-safe.
+  /// Makes one step, now. @note Realtime-safe.
   void step() noexcept;
-  /// Sleeps until the next step is due, and where that is past for a tenth of the period, so that
-  /// steps that take longer leave time to others. After one that was late by a period or more the
-  /// rhythm begins anew.
+  /// Sleeps until the next step is due. Where that time is past it sleeps for a tenth of the
+  /// period, so that steps that take too long leave time to other threads. After a step that was
+  /// late by a period or more the rhythm begins anew.
   void wait() noexcept;
 
   [[nodiscard]] const ReducedBody& body() const noexcept { return body_; }
@@ -111,7 +111,7 @@ class ReducedBodyLoop {
   const std::vector<std::shared_ptr<SimulatedTool>> tools_;
   std::vector<Coupling> couplings_;
   ReducedBody body_;
-  /// Where the tools are led to, and where they were before [num_tool_coordinates], m.
+  /// Where the tools are led to, and where they were before the step [num_tool_coordinates], m.
   Eigen::VectorXd places_;
   Eigen::VectorXd before_;
   ReducedBodyOutbox::Newest newest_;

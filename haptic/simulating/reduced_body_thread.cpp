@@ -31,8 +31,8 @@ const ReducedBodyLoopOptions& checked(const ReducedBodyThreadOptions& options) {
   return options.loop;
 }
 
-/// A servo loop takes a body without a first step for one that has stopped, and its interlock
-/// trips. So that step is waited for, but no longer than this: then it may trip.
+/// A servo loop would take a body without a first step for one that has stopped, and its interlock
+/// would trip. So start() waits for that step, but no longer than this.
 constexpr Duration kFirstStep = std::chrono::seconds(1);
 
 }  // namespace
@@ -156,7 +156,7 @@ std::string ReducedBodyThread::problem() {
   }
   const auto add = [&](const std::string& more) { text += (text.empty() ? "" : " ") + more; };
   const ReducedBodyOutbox::Newest& newest = latest();
-  // A few are missed at the beginning and after each pause of the machine.
+  // A few steps are missed at the beginning and after each pause of the machine.
   constexpr std::uint64_t kManySteps = 1000;
   constexpr std::uint64_t kShare = 50;
   const ReducedBodyCounters& counters = newest.counters;

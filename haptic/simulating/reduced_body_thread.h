@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reduced body on a thread of its own. Servo loops on theirs move its tools, one each:
+// A reduced body on a thread of its own. Servo loops, on threads of theirs, move its tools, one
+// each:
 //
 //   ReducedBodyThread body(model, {{place_of_first_tool}, {place_of_second_tool}}, clock);
 //   servo.set_tool(body.tool(0));
 //   other_servo.set_tool(body.tool(1));
 //   body.start();
 //
-// The thread has real-time priority where the system permits, below that of the servo loops, and
-// what it computes with stays in memory; signals go elsewhere. Where it stops or hangs, the servo
-// loops let go of its tools.
+// The thread has real-time priority where the system permits it, below that of the servo loops. Its
+// stack, the body and the model stay in memory, and signals go to other threads. When it stops or
+// hangs, the servo loops let go of its tools.
 #pragma once
 
 #include <memory>
@@ -29,7 +30,7 @@ struct ReducedBodyThreadOptions {
 void validate(const ReducedBodyThreadOptions& options);
 
 struct ReducedBodyStatistics : ReducedBodyCounters {
-  /// How late steps began, and what they took.
+  /// How late steps began, and how long they took.
   Percentiles lateness;
   Percentiles step_time;
   /// Whether the thread has real-time priority, and whether its stack, the body and its model are
@@ -47,7 +48,7 @@ struct ReducedBodyStatistics : ReducedBodyCounters {
 class ReducedBodyThread {
  public:
   /// Makes the body, at rest, but does not start it.
-  /// @param tools Those of the model in turn.
+  /// @param tools The tools of the model in their order.
   /// @throws InputError an invalid model or option, or another number of tools than the model has.
   ReducedBodyThread(std::shared_ptr<const ReducedModel> model,
                     const std::vector<SimulatedToolOptions>& tools, std::shared_ptr<Clock> clock,
@@ -57,17 +58,17 @@ class ReducedBodyThread {
   ReducedBodyThread(const ReducedBodyThread&) = delete;
   ReducedBodyThread& operator=(const ReducedBodyThread&) = delete;
 
-  /// Returns when the first step is made, or has been waited for for a second.
+  /// Starts the thread. Returns when the first step is made, or after a second.
   /// @throws BackendError the thread cannot be started, or was started before.
   void start();
-  /// Ends the thread, within a step. The servo loops let go of the tools.
+  /// Ends the thread after the step that it is making. The servo loops let go of the tools.
   void stop() noexcept;
 
   [[nodiscard]] Index num_tools() const;
-  /// What a servo loop moves a tool by (Servo::set_tool()).
+  /// The tool, for the servo loop that moves it (Servo::set_tool()).
   /// @param number From 0.
   [[nodiscard]] const std::shared_ptr<SimulatedTool>& tool(Index number) const;
-  /// The end of the newest step; valid until the next call of this object.
+  /// The state at the end of the newest step. It is valid until the next call of this object.
   [[nodiscard]] const ReducedBodyOutbox::Newest& latest();
   [[nodiscard]] ReducedBodyStatistics statistics();
   /// What is wrong with the thread's priority, its time or the model, in words; empty: nothing.

@@ -7,7 +7,7 @@
 namespace palpate {
 namespace {
 
-/// k_n of a contact that begins where there is none, N/m.
+/// The least k_n of a contact that begins, N/m.
 constexpr double kLeastStiffness = 1e-3;
 
 }  // namespace
@@ -20,7 +20,7 @@ void Friction::move(const Vec3& moved, double coefficient, const Vec3& push, dou
   if (!begins) stretch_ += moved;
   stretch_ -= normal * normal.dot(stretch_);
   const double length = stretch_.norm();
-  // What the shear gives by the law of before, with the hand's way in it.
+  // This is the force by the law as it was, after the motion of the hand.
   const double given = traction(length);
   if (begins || stiffness > 0) {
     const double pressed = std::max(stiffness, kLeastStiffness);

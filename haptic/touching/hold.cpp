@@ -9,11 +9,12 @@
 namespace palpate {
 namespace {
 
-/// Of the search for the displacement at which the nodes answer with a force.
+/// Limits of the search for the displacement at which the nodes answer with a force: the number of
+/// steps, and the relative error of the force.
 constexpr int kMostSteps = 12;
 constexpr double kAnswered = 1e-6;
 
-/// How certain, the worst first.
+/// A rank of the supports, the least certain first.
 int certainty(Support support) {
   switch (support) {
     case Support::none: return 0;
@@ -35,7 +36,7 @@ void Hold::take_over(const Touchable* body, bool is_same_scene) noexcept {
     if (held.node < 0) {
       let_go();
     } else {
-      // Branches may be numbered anew.
+      // The new body may number its branches differently.
       held.branch = body->nodes()[held.node].branches.move(0, Vec3::Zero(), displacement_);
     }
   }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tool is bonded to.
+// The bond between the tool and the active nodes that it holds.
 //
 // Attached at the point a of the surface at rest, the tool at p moves the active nodes there by one
 // displacement t, and feels
 //
 //   f = −h(t),   h = Σ w_n h_n(t) = ∇Π,   Π = Σ w_n Π_n(t),   t = p − a
 //
-// with the weights w of a in its triangle, or that of the nearest active node alone. The weights
-// stay as they are while the tool is attached: if they followed the tool, the force would do work
-// around a closed path. The force is zero where the tool comes in, t = 0.
+// with the weights w of a in its triangle, or with weight 1 for the nearest active node alone. The
+// weights stay as they are while the tool is attached: if they followed the tool, the force would
+// do work around a closed path. The force is zero where the tool comes in, at t = 0.
 //
-// With a coupling the tool holds the nodes by a spring: t is where that is in balance with h, see
-// balance.h.
+// With a coupling the tool holds the nodes by a spring, and t is where the spring is in balance
+// with h (balance.h).
 #pragma once
 
 #include <array>
@@ -24,17 +24,18 @@ namespace palpate {
 /// @note All functions are realtime-safe.
 class Hold {
  public:
-  /// Goes on with another body, or without.
+  /// Goes on with another body; nullptr: with none.
   void take_over(const Touchable* body, bool is_same_scene) noexcept;
 
   /// Takes hold where the tool comes in.
-  /// @param reach Of the nearest active node, m. @param blended The three nodes of the triangle,
-  ///   where all are active.
+  /// @param reach The largest distance of the nearest active node, m.
+  /// @param blended The tool holds the three nodes of the triangle, where all of them are active.
   /// @returns false: no active node is near.
   [[nodiscard]] bool take(const SurfaceTree::Nearest& at, double reach, bool blended) noexcept;
-  /// The tool has already pressed when it took hold: with the displacement at which the nodes
-  /// answer as the body did, the force does not jump. Where there is none, it begins at zero.
-  /// @param place Of the tool, m. @param holding The force that held it there [3], N.
+  /// Call this after take() where the tool was already pressing. It finds the displacement at which
+  /// the nodes hold the tool with the same force, so that the force does not jump. Where there is
+  /// none, the force begins at zero.
+  /// @param place The tool's place, m. @param holding The force that held the tool there [3], N.
   /// @param coupling As for move().
   void go_on_from(const Vec3& place, const Vec3& holding, double coupling) noexcept;
   void let_go() noexcept { num_held_ = 0; }
@@ -44,9 +45,9 @@ class Hold {
   /// @param coupling Stiffness of the virtual coupling, N/m; 0: there is none.
   [[nodiscard]] Contact move(const Vec3& place, double coupling) noexcept;
 
-  /// @param pulls_too The tool also pulls, and lets go only above a force, N; 0: never. Another
-  ///   one lets go where it would pull, and slips where it has gone aside beyond what the space
-  ///   holds.
+  /// @param pulls_too Whether the tool also pulls. Such a tool lets go only above `release_force`,
+  ///   N; 0: never. Another tool lets go where it would pull, and slips where it has gone aside
+  ///   beyond the tool space.
   [[nodiscard]] bool slips(const Contact& contact, bool pulls_too,
                            double release_force) const noexcept;
 
@@ -61,7 +62,7 @@ class Hold {
 
   /// Energy, force that holds, and stiffness at a displacement, with each node on its branch.
   [[nodiscard]] TouchResult evaluate(const Vec3& t) const noexcept;
-  /// The branch that each node is on where it is moved to.
+  /// Finds the branch that each node is on when the nodes move from displacement_ to t.
   void follow(const Vec3& t) noexcept;
 
   const Touchable* body_ = nullptr;
@@ -70,7 +71,8 @@ class Hold {
   Vec3 anchor_ = Vec3::Zero();
   Vec3 normal_ = Vec3::Zero();
   Vec3 displacement_ = Vec3::Zero();
-  /// With a coupling: the tool's displacement, and ∂(nodes' displacement)/∂(tool's).
+  /// With a coupling: the displacement of the tool, m, and the derivative of displacement_ with
+  /// respect to it.
   Vec3 offset_ = Vec3::Zero();
   Mat3 followed_ = Mat3::Zero();
 };

@@ -8,8 +8,9 @@
 namespace palpate {
 namespace {
 
-/// How far beside the space the tool goes on, and how far beside it may begin, in sides of the cell
-/// there: the border is not told to a hair, and a coupling lets the tool slide a little.
+/// How far beside the space the tool may go on pressing, and how far beside it may begin, in sides
+/// of the cell there. The border of the space is only as exact as its cells, and a coupling lets
+/// the tool slide a little.
 constexpr double kAside = 1;
 constexpr double kBegins = 0.25;
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A rigid tool that presses a body anywhere and glides on it.
 //
-// Without friction and coupling what is felt where the hand is, at x, is the force of the space of
-// configurations there, f = −h(x). A coupling holds the tool at the place p where it is in balance
-// with h (balance.h). Friction (friction.h) adds what the shear of the body under the tool holds
-// against the hand,
+// Without friction and coupling, the hand at x feels the force of the tool space there, f = −h(x).
+// A coupling holds the tool at the place p where it is in balance with h (balance.h). Friction
+// (friction.h) adds the force Q by which the sheared body under the tool resists the hand,
 //
 //   f = −(h(p) + Q),   Q along the surface.
 //
-// It begins to press where the space has a cell, or a quarter of one beside, coming from where it
-// is free. It goes on deeper than the space does, as the interpolation goes on (interpolator.h),
-// where the force limit of the device rules; but where it has gone aside, by more than a cell and
-// more than deeper, the space knows nothing of the body, and the force ends. So it does where a
-// solve of the space has failed, and what is extrapolated there is zero: the tool has gone through
-// the surface, and nothing says that it is free.
+// The tool begins to press when it comes from where it is free into a cell of the space, or within
+// a quarter of a cell beside one. It goes on deeper than the space does, as the interpolation goes
+// on (interpolator.h), and the force limit of the device bounds the force there. Where it has gone
+// aside by more than a cell, and by more than it has gone deeper, the space knows nothing of the
+// body, and the force ends. The force also ends where a solve of the space has failed and the
+// extrapolation gives zero: the tool has gone through the surface, and nothing proves that it is
+// free.
 #pragma once
 
 #include "haptic/touching/contact.h"
@@ -25,26 +25,27 @@ namespace palpate {
 
 class Press {
  public:
-  /// The tool is not in contact.
+  /// Ends the contact.
   /// @note Realtime-safe.
   void release() noexcept { *this = Press(); }
 
   /// Moves the hand.
-  /// @param force Of the rigid tool by its place.
-  /// @returns status: free; pressing; or inside, where it may touch, but the space has no force
-  ///   for it. Of what it touches nothing, distance and anchor are left as they are.
+  /// @param force The force on the rigid tool, by its place.
+  /// @returns A contact whose status is free, pressing, or inside: there the tool may touch, but
+  ///   the space has no force for it. While the tool does not press, the caller has to fill in
+  ///   distance and anchor.
   /// @note Realtime-safe.
   [[nodiscard]] Contact move(const Interpolator& force, const Vec3& hand,
                              const TouchSettings& settings) noexcept;
 
  private:
-  /// What answers at the tool's place, which follows from that of the hand.
+  /// Finds the tool's place from that of the hand, and gives the answer of the body there.
   [[nodiscard]] TouchResult answer(const Interpolator& force, double coupling) noexcept;
   [[nodiscard]] bool is_known(const Interpolator& force, const Vec3& push) const noexcept;
 
   bool is_pressing_ = false;
   Vec3 hand_ = Vec3::Zero();
-  /// Of the tool, m.
+  /// The tool's place, m.
   Vec3 place_ = Vec3::Zero();
   /// With a coupling: where the hand was when place_ was found, and ∂place_/∂hand.
   Vec3 held_ = Vec3::Zero();

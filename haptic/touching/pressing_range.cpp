@@ -10,10 +10,10 @@
 namespace palpate {
 namespace {
 
-/// How far the tool has come into the body where it is asked whether it can press, in half-widths:
-/// what is next to the surface is part of the first cell.
+/// The depth at which pressable_points() asks whether the tool can press, in half-widths of the
+/// tool. A place so close to the surface is in the first cell.
 constexpr double kIn = 0.02;
-/// Steps on the way down, in sides of the finest cells.
+/// The step of depth_left(), in sides of the finest cells.
 constexpr double kStep = 0.25;
 
 bool is_in_cell(const Interpolator& force, const Vec3& place) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a rigid tool can press, and how deep: as far as its space has cells.
+// Where a rigid tool can press, and how deep: wherever its tool space has cells.
 #pragma once
 
 #include <vector>
@@ -10,47 +10,47 @@
 
 namespace palpate {
 
-/// Where the centre of a tool is that touches a place of the surface, as if that were flat there,
-/// m.
-/// @param normal Of the surface, outward, of unit length.
+/// The centre of a tool that touches the surface at a place, as if the surface were flat there, m.
+/// @param normal The normal of the surface, outward, of unit length.
 [[nodiscard]] Vec3 touching_place(const RigidTool& tool, const Vec3& place, const Vec3& normal);
 
-/// The normals at the points of a surface, of unit length, by the areas of the triangles around.
+/// The normals at the points of a surface, of unit length, weighted by the areas of the triangles
+/// around.
 [[nodiscard]] std::vector<Vec3> point_normals(const Surface& surface);
 
-/// Which points of the surface the tool can press: 1 where the space has a cell when the tool has
-/// come a little into the body along the normal [surface.num_points()].
-/// @param force That of the space.
+/// The points of the surface that the tool can press [surface.num_points()]: 1 where the space has
+/// a cell for the tool that is a little way into the body along the normal.
+/// @param force The force of the tool space.
 [[nodiscard]] std::vector<char> pressable_points(const Surface& surface, const RigidTool& tool,
                                                  const Interpolator& force);
 
 /// How far the tool can go on from a place in a direction before the space ends, at most `most`, m.
-/// @param direction Of unit length.
+/// @param direction The direction, of unit length.
 [[nodiscard]] double depth_left(const Interpolator& force, const Vec3& place, const Vec3& direction,
                                 double most);
 
-/// How far the space of a tool goes from where it touches nothing, m: the half-width of a bonded
-/// tool's, and how deep a rigid one presses.
+/// How far the space of a tool goes from where the tool touches nothing, m: the half-width of a
+/// bonded tool's space, the depth to which a rigid tool presses.
 [[nodiscard]] double depth_of(const ToolSpaceSetup& setup);
 
-/// Where a hand may begin to touch.
-/// How deep a rigid tool is in the body at rest [m]: that of the point of it that is farthest down,
-/// along the normal of the surface nearest to its centre; below 0 it is outside.
-/// @param place Of its centre [3], m.
+/// How deep a rigid tool is in the body at rest, m: the depth of its deepest point, along the
+/// normal of the surface nearest to its centre; below 0 the tool is outside.
+/// @param place The tool's centre [3], m.
 [[nodiscard]] double depth_in_body(const SurfaceTree& surface, const RigidTool& tool,
                                    const Vec3& place);
 
+/// Where a hand may begin to touch.
 struct StartPlace {
-  /// Of the tool when it touches [3], m, and the normal of the surface there, outward.
+  /// The tool's place when it touches [3], m, and the outward normal of the surface there.
   Vec3 place = Vec3::Zero();
   Vec3 normal = Vec3::Zero();
   /// How far the space goes from there, m.
   double depth = 0;
 };
 
-/// The place of a space for a rigid tool that is nearest to the middle of all that it can press;
-/// of another one its first active node.
-/// @param body That of the space.
+/// The place from which to begin in a space: for a rigid tool the pressable place that is nearest
+/// to the middle of all of them; for other tools the first active node.
+/// @param body The body that was made of the space.
 /// @throws InputError there is no place yet that the tool can press.
 [[nodiscard]] StartPlace start_place(const TouchSpace& space, const Touchable& body);
 

@@ -10,16 +10,15 @@ struct TouchSettings {
   /// moves the nearest active node alone.
   bool blended = true;
   /// A bonded tool also pulls, and lets go only above release_force. Another tool lets go as soon
-  /// as it would pull. Where it has gone aside beyond what the space holds it slips: it goes on
+  /// as it would pull. Where such a tool has gone aside beyond the tool space it slips: it goes on
   /// from where it then is.
   bool bonded = false;
   /// A bonded tool lets go where the body pulls with more than this, N; 0: never. The usual value
   /// is below what the devices that we know give at most (5 N and more): the pull ends before the
   /// force limit cuts it, and no hand is held against the largest force of a motor.
   double release_force = 3;
-  /// The largest distance of an active node from where the tool comes in, for the tool to be
-  /// attached to it, m; 0: the longest side of the triangle there, or the radius of the tip if that
-  /// is more.
+  /// The tool is attached to an active node no farther than this from where it comes in, m; 0: the
+  /// longest side of the triangle there, or the radius of the tip if that is more.
   double reach = 0;
   /// Stiffness of the virtual coupling between tool and body, N/m in the scene; 0: none.
   double coupling_stiffness = 0;

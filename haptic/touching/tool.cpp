@@ -65,8 +65,8 @@ Contact Tool::move_bonded(const Vec3& place, const TouchSettings& settings) noex
     const Contact contact = hold_.move(place, settings.coupling_stiffness);
     if (!hold_.slips(contact, settings.bonded, settings.release_force)) return contact;
     release();
-    // A tool that only pushes has let go where it came in; where it has moved along a hollow it is
-    // still inside and pushes on there.
+    // A tool that only pushes lets go at its anchor. Where it has moved along a hollow it is still
+    // inside, and pushes on from there.
     armed_ = !settings.bonded;
   }
   const SurfaceTree::Nearest nearest = this->nearest(place);

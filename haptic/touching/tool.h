@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tool on its way: free, bonded to the body (hold.h), or pressing it (press.h).
+// The tool as it moves: free, bonded to the body (hold.h), or pressing it (press.h).
 //
-// It touches only what it has come to from outside. Where the body has a space for a rigid tool,
-// that presses and glides, and holds an active node while it grasps; else the tool is bonded to
-// where it comes in.
+// The tool touches a body only after it has come from outside. Where the body has a tool space of a
+// rigid tool, the tool presses and glides, and holds an active node while it grasps. Otherwise the
+// tool is bonded to the place where it comes in.
 #pragma once
 
 #include "haptic/touching/contact.h"
@@ -16,12 +16,12 @@ namespace palpate {
 
 class Tool {
  public:
-  /// Takes the tool to a place, m.
-  /// @param body The body; nullptr: there is none. The tool goes on touching when the body is
-  ///   replaced by another one of the same scene. It lets go when that is of another scene or lacks
-  ///   the nodes that are held.
-  /// @param grasps A rigid tool that presses takes hold of the active node there, as a bonded one,
-  ///   and lets go of it when this is false again.
+  /// Moves the tool to a place, m.
+  /// @param body The body; nullptr: there is none. When the body is replaced by another one of the
+  ///   same scene, the tool goes on touching. It lets go when the new body is of another scene or
+  ///   lacks the nodes that are held.
+  /// @param grasps A rigid tool that presses takes hold of the active node there, as a bonded tool
+  ///   does, and lets go of it when this is false again.
   /// @note Realtime-safe.
   [[nodiscard]] Contact move(const Touchable* body, const Vec3& place,
                              const TouchSettings& settings, bool grasps = false) noexcept;
@@ -40,9 +40,9 @@ class Tool {
                            const Vec3& place) noexcept;
 
   const Touchable* body_ = nullptr;
-  /// The tool was outside since it last let go.
+  /// Whether the tool was outside since it last let go.
   bool armed_ = false;
-  /// It has let go of what it grasped before it was told to.
+  /// Whether the tool has lost the node that it grasped, while it is still asked to grasp.
   bool has_lost_ = false;
   Hold hold_;
   Press press_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A body as the servo loop touches it: its surface at rest, the forces at each active node, and the
-// force on a rigid tool that presses anywhere, of what the state space has.
+// A body as the servo loop touches it: its surface at rest and, as far as the state space has them,
+// the forces at each active node and the force on a rigid tool that presses anywhere.
 #pragma once
 
 #include <memory>
@@ -28,7 +28,7 @@ class Touchable {
   explicit Touchable(const TouchSpace& space, const TouchableOptions& options = {});
 
   struct Node {
-    /// The point of the mesh and of the surface that it is.
+    /// The node's number as a point of the mesh and as a point of the surface.
     Index mesh_point = 0;
     Index surface_point = 0;
     Vec3 rest_position = Vec3::Zero();
@@ -41,12 +41,12 @@ class Touchable {
   [[nodiscard]] const std::string& scene_hash() const { return scene_hash_; }
   [[nodiscard]] const SurfaceTree& surface() const { return surface_; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
-  /// The place of a point of the surface in nodes(); −1: it is not active.
+  /// The index in nodes() of a point of the surface; −1: the point is not active.
   [[nodiscard]] std::int32_t node_of_surface_point(Index point) const { return node_of_[point]; }
-  /// The place of a point of the mesh in nodes(); −1: it is not active.
+  /// The index in nodes() of a point of the mesh; −1: the point is not active.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t find(Index mesh_point) const noexcept;
-  /// The place in nodes() of the active node that is nearest to a point, at rest; −1: there is none
+  /// The index in nodes() of the active node that is nearest to a point at rest; −1: there is none
   /// within `reach`, m.
   /// @note Realtime-safe.
   [[nodiscard]] std::int32_t nearest(const Vec3& point, double reach) const noexcept;
@@ -54,11 +54,11 @@ class Touchable {
   [[nodiscard]] double largest_stiffness() const { return largest_stiffness_; }
   /// The force on a rigid tool by its place; nullptr: the space is of active nodes alone.
   [[nodiscard]] const Interpolator* force_on_tool() const { return force_on_tool_.get(); }
-  /// Half of what the rigid tool is wide, m; 0: there is none.
+  /// Half of the rigid tool's width, m; 0: there is no rigid tool.
   [[nodiscard]] double tool_half_width() const { return tool_half_width_; }
   /// The largest radius of the tip of any active node, m.
   [[nodiscard]] double largest_tip_radius() const { return largest_tip_radius_; }
-  /// The memory that it holds.
+  /// The memory that the body holds, so that it can be locked.
   [[nodiscard]] MemoryRanges memory() const;
   [[nodiscard]] std::size_t bytes() const { return total_bytes(memory()); }
 

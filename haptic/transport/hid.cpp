@@ -12,11 +12,11 @@
 namespace palpate {
 namespace {
 
-/// HIDIOCGRDESCSIZE of linux/hidraw.h; other files do not know it (ENOTTY).
+/// This is HIDIOCGRDESCSIZE of linux/hidraw.h; files of other kinds refuse it (ENOTTY).
 constexpr unsigned long kDescriptorSize = _IOR('H', 0x01, int);
 
-/// hidapi keeps one error text for all calls that are not about an open device: no two of these at
-/// once.
+/// Guards the calls that are not about an open device: hidapi keeps one error text for all of them,
+/// so that no two may run at once.
 std::mutex& global_calls() {
   static std::mutex mutex;
   return mutex;
@@ -102,9 +102,10 @@ class Hidapi final : public Hid {
   }
 
   std::shared_ptr<HidDevice> open(const std::string& path, int& error) override {
-    // The first open wakes the device, which can take long, and says by errno why it fails;
-    // hidapi's own comes after it and is quick, so that the lock is not held for long. And where
-    // hidapi does not get the size of the descriptor it crashes (0.13.1): it is asked for before.
+    // This first open wakes the device, which can take long, and says by errno why it fails.
+    // hidapi's own open comes after it and is quick, so that the lock is not held for long. The
+    // size of the descriptor is asked for here as well, because hidapi (0.13.1) crashes where it
+    // does not get it.
     const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
     int size = 0;
     if (file < 0 || ::ioctl(file, kDescriptorSize, &size) < 0) {

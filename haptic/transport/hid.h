@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is used of hidapi. The rest of the transport uses this interface, and tests put their own in
-// its place.
+// The part of hidapi that is used. The rest of the transport goes through this interface, and tests
+// put their own in its place.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,11 @@ namespace palpate {
 class HidDevice {
  public:
   virtual ~HidDevice() = default;
-  /// @return The number of bytes; 0: none came in time, or an empty packet came.
+  /// @return The number of bytes; 0: no report came in time, or an empty packet came.
   virtual int read(std::uint8_t* data, std::size_t size, int timeout_ms) noexcept = 0;
   /// @return The number of bytes.
   virtual int write(const std::uint8_t* data, std::size_t size) noexcept = 0;
-  /// @param data It begins with the number of the report, and is overwritten.
+  /// @param data The number of the report in the first byte; the answer overwrites all.
   /// @return The number of bytes.
   virtual int get_feature(std::uint8_t* data, std::size_t size) noexcept = 0;
 };
@@ -31,10 +31,10 @@ class HidDevice {
 class Hid {
  public:
   virtual ~Hid() = default;
-  /// All devices. They are not opened, so that those without permission are listed too.
-  /// @note A device with several top-level collections is there several times.
+  /// Lists all devices without opening them, so that those without permission are listed too.
+  /// @note A device with several top-level collections is listed several times.
   [[nodiscard]] virtual std::vector<DeviceInfo> list() = 0;
-  /// @return The device; nullptr: it cannot be opened, and error says why (an errno).
+  /// @return The device; nullptr: it cannot be opened, and `error` says why (an errno).
   [[nodiscard]] virtual std::shared_ptr<HidDevice> open(const std::string& path, int& error) = 0;
   /// Starts the guardian of an open device with motors; nullptr: it is not a device of the system.
   /// @param zero The report that switches the motors off, whatever the device's state is.

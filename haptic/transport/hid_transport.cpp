@@ -19,7 +19,7 @@ std::string in_seconds(Duration duration) {
   return std::to_string(ms / 1000) + "." + std::to_string(ms / 100 % 10) + " s";
 }
 
-/// On a thread of its own, which is left to itself when it takes too long.
+/// Runs a task on a thread of its own, which is left to itself when it takes too long.
 template <class Task>
 auto within(Duration deadline, const std::string& what, Task task) {
   std::packaged_task<decltype(task())()> packaged(std::move(task));
@@ -108,7 +108,7 @@ TransportStatus HidTransport::write(const Report& report) noexcept {
   if (report.size == 0) return TransportStatus::nothing;
   const int result = uninterrupted([&] { return device_->write(report.data.data(), report.size); });
   if (result == static_cast<int>(report.size)) return TransportStatus::data;
-  // Less than all: the device has not got a whole report.
+  // Where fewer bytes were written, the device did not get a whole report.
   write_error_.store(result < 0 ? -result : EMSGSIZE, std::memory_order_relaxed);
   return result == -ENODEV ? TransportStatus::gone : TransportStatus::error;
 }

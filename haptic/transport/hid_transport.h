@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The reports of a real device, through hidapi (0.13) over the kernel's hidraw.
 //
-// This is what ordinary code gets wrong, and what is done here:
-// - hid_read_timeout() gives 0 when nothing came in time, and for an empty packet: it is asked
-//   once more, without waiting, before nothing is said.
-// - It gives −1 when a signal interrupts it (EINTR), and when the device is unplugged. Of the
-//   second, poll() tells hidapi by POLLHUP, which hidraw sets for no other reason and for which
-//   there is no errno; read() by EIO; any call by ENODEV. EINTR is tried again, kTries times in
-//   all, and is then an error that may pass; an unplug stays.
-// - hid_write() waits in the kernel until the device has taken the report, up to 5 s; nothing can
-//   be done about that in the thread that waits.
-// - Opening and asking for a feature report can take as long. Both are done by a thread of their
-//   own that owns the device jointly: an answer that comes too late is dropped, and the device
-//   closed then.
-// - hidraw keeps the oldest 63 reports: after a pause those that are read are old. That is for the
-//   loop to see, by the device's time.
+// What is easily got wrong with hidraw, and what this class does:
+// - hid_read_timeout() gives 0 both when nothing came in time and for an empty packet. So it is
+//   asked once more, without waiting, before read() says `nothing`.
+// - hid_read_timeout() gives −1 when a signal interrupts it (EINTR), and when the device is
+//   unplugged. hidapi hears of an unplug from poll() by POLLHUP, which hidraw sets for no other
+//   reason and for which there is no errno; from read() by EIO; from any call by ENODEV. After
+//   EINTR the call is tried again, kTries times in all; after that it counts as an error that may
+//   pass. An unplug is final.
+// - hid_write() waits in the kernel until the device has taken the report, up to 5 s. The thread
+//   that waits can do nothing about that.
+// - Opening, and asking for a feature report, can take as long. A thread of their own does both and
+//   owns the device jointly. An answer that comes too late is dropped, and the device is closed
+//   then.
+// - hidraw keeps the oldest 63 reports, so that the reports that are read after a pause are old.
+//   The loop has to notice that, by the device's time.
 #pragma once
 
 #include <atomic>
@@ -59,7 +60,7 @@ class HidTransport final : public Transport {
   void host_lives() noexcept override {
     if (guardian_) guardian_->host_lives();
   }
-  /// As that of Transport; it may be called from any thread.
+  /// Says what was last wrong, as Transport::problem() does. It may be called from any thread.
   std::string problem() const override;
 
  private:

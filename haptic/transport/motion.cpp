@@ -44,8 +44,8 @@ void MouseMotion::set_target(const Vec3& position, std::uint8_t buttons) noexcep
 }
 
 Motion::Pose MouseMotion::advance(Time time, const Vec3&) noexcept {
-  // Exact for a target that stands still meanwhile: with the distance e to it and ω the rate,
-  // e(t) = (e₀ + (ė₀ + ω e₀) t) exp(−ω t).
+  // This is exact for a target that stands still meanwhile. With the distance e to it and the rate
+  // ω, e(t) = (e₀ + (ė₀ + ω e₀) t) exp(−ω t).
   const Target& target = target_.read();
   const double t = seconds(time - time_);
   const double rate = 1 / settling_;

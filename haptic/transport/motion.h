@@ -24,9 +24,9 @@ class Motion {
 
   virtual ~Motion() = default;
 
-  /// Moves on.
-  /// @param time The time until which it moves on, since the board was switched on. It is never
-  ///   before that of the last call.
+  /// Moves the point on.
+  /// @param time The time until which the point moves, since the board was switched on. It never
+  ///   goes back from call to call.
   /// @param force The force of the motors, which was constant since the last call [3], N.
   /// @return Where the point is then.
   virtual Pose advance(Time time, const Vec3& force) noexcept = 0;

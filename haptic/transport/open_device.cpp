@@ -36,7 +36,7 @@ OpenedDevice open(const DeviceInfo& info, ProfileKind kind, const std::shared_pt
   std::string why_unguarded;
   if (opened.profile->specification().max_linear_force > 0) {
     try {
-      // The zero report of a device that nothing is known of: it only switches the motors off.
+      // This zero report is made without a state of the device, and only switches the motors off.
       guardian = hid->guard(info.path, opened.profile->zero_force({}));
     } catch (const BackendError& error) {
       why_unguarded = error.what();
@@ -86,7 +86,7 @@ OpenedDevice open_device(const std::string& which, const std::shared_ptr<Hid>& h
     const std::string line = "\n  " + to_string(info);
     const auto kind = match(info);
     if (!kind || !is_meant(info, which)) {
-      // Once, whatever the number of its collections.
+      // A device is listed once, whatever the number of its collections.
       if (std::find(others.begin(), others.end(), line) == others.end()) others.push_back(line);
       continue;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Finds what is plugged in, and opens a device that the loop can use.
+// Lists the devices that are plugged in, and opens one that the loop can use.
 #pragma once
 
 #include <memory>
@@ -22,10 +22,10 @@ struct OpenedDevice {
 };
 
 /// Opens a device.
-/// @param which Its path (/dev/hidraw3), or vendor and product in hexadecimal digits (1234:0006);
-///   empty: the first that can be opened.
-/// @throws InputError there is no such device, or none that is known; the message says what there
-///   is.
+/// @param which The path of the device (/dev/hidraw3), or its vendor and product in hexadecimal
+///   digits (1234:0006); empty: the first device that can be opened.
+/// @throws InputError there is no such device, or none that is known; the message lists the devices
+///   that there are.
 /// @throws BackendError no such device can be opened; the message says why for each.
 [[nodiscard]] OpenedDevice open_device(const std::string& which = {},
                                        const std::shared_ptr<Hid>& hid = hidapi(),
@@ -34,11 +34,11 @@ struct OpenedDevice {
 /// A device that is plugged in, for a person who chooses one.
 struct ListedDevice {
   DeviceInfo info;
-  /// Whether it is a haptic device that is known; only these have what follows.
+  /// Whether it is a haptic device that is known. Only such a device has the fields below.
   bool known = false;
-  /// What it can do, where it can be opened.
+  /// What the device can do; empty: it cannot be opened.
   std::optional<Specification> specification;
-  /// Why it cannot be opened; empty: it can.
+  /// Why the device cannot be opened; empty: it can.
   std::string fault;
 };
 

@@ -45,7 +45,7 @@ struct Dated {
 
 }  // namespace
 
-/// Times are since it was switched on.
+/// All times are since the board was switched on.
 struct SimulatedBoard::Firmware {
   Firmware(std::shared_ptr<Clock> its_clock, std::shared_ptr<Motion> its_motion,
            const BoardOptions& its_options)
@@ -73,7 +73,8 @@ struct SimulatedBoard::Firmware {
     return next;
   }
 
-  /// Everything up to that time, in order; at the same time a force comes before a measurement.
+  /// Lets everything happen that is due until that time, in order of time. Where both are due at
+  /// once, a force comes before a measurement.
   void run_until(Time time) {
     const Time end = std::min(time, unplugged);
     for (Time next = next_event(); next <= end; next = next_event()) {
@@ -93,7 +94,7 @@ struct SimulatedBoard::Firmware {
         next_measurement = lock_step ? BoardFaults::kNever : next + interval;
       }
     }
-    // Its power comes by the plug.
+    // A board that is unplugged has no power.
     if (is_gone(time)) switch_off();
     status.pose = motion->advance(time, status.force);
   }
@@ -191,7 +192,8 @@ struct SimulatedBoard::Firmware {
 SimulatedBoard::SimulatedBoard(std::shared_ptr<Clock> clock, std::shared_ptr<Motion> motion,
                                const BoardOptions& options) {
   const auto interval = std::chrono::microseconds(options.feature.interval_us);
-  // Two reports an interval, where they come twice, and the write that answers each.
+  // In an interval there are at most two reports, where they come twice, and the writes that answer
+  // them.
   const Duration longest = (kOnTheWay / 2 - 1) * interval;
   if (options.report_delay < Duration(0) || options.report_delay > longest ||
       options.force_delay < Duration(0) || options.force_delay > longest) {
@@ -260,7 +262,7 @@ TransportStatus SimulatedBoard::write(const Report& report) noexcept {
   ++f.status.outputs;
   f.status.last_output = output;
   f.forces.push({now + f.options.force_delay, output});
-  // Not twice in an interval: that is the frame of the bus.
+  // The board does not measure twice in an interval, which is the frame of the bus.
   if (f.lock_step) f.next_measurement = std::max(now, f.last_measurement + f.interval);
   f.run_until(now);
   return TransportStatus::data;

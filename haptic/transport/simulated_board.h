@@ -2,8 +2,9 @@
 // A simulated device: the firmware of a board that speaks our report, and the queue of the kernel's
 // hidraw between it and the host.
 //
-// Everything happens by the clock, in the order of its times, when the host calls: with a virtual
-// clock each run goes the same way. The motors hold a force until the next one takes effect.
+// The board advances when the host calls: everything that was due by the clock until then happens
+// in order of time. So with a virtual clock each run goes the same way. The motors hold a force
+// until the next one takes effect.
 #pragma once
 
 #include <limits>
@@ -15,7 +16,7 @@
 
 namespace palpate {
 
-/// What goes wrong and when, since the board was switched on.
+/// What goes wrong, and when. Times are since the board was switched on.
 struct BoardFaults {
   static constexpr Time kNever = Time::max();
   struct Span {
@@ -30,8 +31,8 @@ struct BoardFaults {
   Span short_reports;
   /// In this span each report comes twice.
   Span duplicates;
-  /// In this span an empty packet comes before each report: a read gives nothing though more is
-  /// there.
+  /// In this span an empty packet comes before each report, so that a read gives nothing though
+  /// there is more.
   Span empty_packets;
   /// The first report does not arrive.
   bool first_report_lost = false;
@@ -44,10 +45,10 @@ struct BoardFaults {
 
 struct BoardOptions {
   palpate_report::Feature feature;
-  /// What the board's clock and its counter show when it is switched on.
+  /// What the board's clock and counter show when it is switched on.
   std::uint32_t first_time_us = 0;
   std::uint16_t first_counter = 0;
-  /// How much the board's clock gains on ours, s/s.
+  /// How much the board's clock gains on the host's, s/s.
   double clock_drift = 0;
   /// The time from a measurement until the host can read it, and from a write until the motors
   /// follow.
@@ -69,16 +70,16 @@ struct BoardStatus {
   /// The number of output reports that have arrived whole, and of others.
   std::uint64_t outputs = 0;
   std::uint64_t bad_outputs = 0;
-  /// The last of them; its counter is that of the report it answers.
+  /// The last whole output report. Its counter is that of the input report which it answers.
   palpate_report::Output last_output;
-  /// How often the watchdog has cut the motors.
+  /// The number of times that the watchdog has cut the motors.
   std::uint64_t cuts = 0;
 };
 
 class SimulatedBoard final : public Transport {
  public:
-  /// The number of unread reports that hidraw keeps, the oldest ones: its ring has 64 places, of
-  /// which one stays empty (HIDRAW_BUFFER_SIZE in the kernel's drivers/hid/hidraw.c).
+  /// The number of unread reports that hidraw keeps; it keeps the oldest. Its ring has 64 places,
+  /// of which one stays empty (HIDRAW_BUFFER_SIZE in the kernel's drivers/hid/hidraw.c).
   static constexpr int kQueue = 63;
   /// The number of reports, and of forces, that can be on their way at once.
   static constexpr int kOnTheWay = 64;
@@ -98,7 +99,7 @@ class SimulatedBoard final : public Transport {
 
   /// What the board is doing and has done. It may be called from any thread.
   [[nodiscard]] BoardStatus status() noexcept;
-  /// Lets writes that block return, and none block from now on. It may be called from any thread.
+  /// Lets writes that block return; from then on none blocks. It may be called from any thread.
   void release_writes() noexcept;
   /// Pulls the plug of the board. It may be called from any thread.
   void unplug() noexcept;

@@ -12,8 +12,8 @@
 namespace palpate {
 namespace {
 
-/// Short beside every time constant of a hand (the shortest, m/b, is some 100 ms) and of a body
-/// that a device can display.
+/// The step is short beside every time constant of a hand (the shortest, m/b, is some 100 ms) and
+/// of a body that a device can display.
 constexpr Duration kStep = std::chrono::microseconds(20);
 
 void check(const char* name, double value, bool positive) {
@@ -33,8 +33,8 @@ SimulatedHand::SimulatedHand(std::shared_ptr<Motion> wish, const HandOptions& op
   check("stiffness", options.hand_stiffness, false);
 }
 
-// Semi-implicit Euler, which makes no energy at steps of this size. The wish moves evenly
-// meanwhile.
+// Integrates by semi-implicit Euler, which makes no energy at steps of this size. The place that
+// the person wants moves evenly meanwhile.
 Motion::Pose SimulatedHand::advance(Time time, const Vec3& force) noexcept {
   Pose pose = wish_->advance(time, force);
   if (!begun_) {

@@ -4,9 +4,9 @@
 //   (m_d + m_h) x'' = f − b_d x' + k_h (x_w − x) + b_h (x_w' − x')
 //
 // with m_d and b_d of the device, m_h, k_h and b_h of the arm and the grip, the force f of the
-// motors, and the place x_w where the person wants to be. What a grip is like differs from person
-// to person and from moment to moment; the defaults are those of a light one, at the lower end of
-// what is measured [KH].
+// motors, and the place x_w where the person wants to be. Grips differ from person to person and
+// from moment to moment; the defaults are those of a light grip, at the lower end of the measured
+// values [KH].
 //
 // [KH] Kuchenbecker, Park & Niemeyer, Characterizing the Human Wrist for Improved Haptic
 // Interaction, ASME IMECE 2003.

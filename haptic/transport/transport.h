@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Moves the bytes of reports between a device and the servo loop, and knows nothing of what they
-// mean.
+// Moves the bytes of reports between a device and the servo loop, without knowing what they mean.
 #pragma once
 
 #include <string>
@@ -14,9 +13,9 @@ namespace palpate {
 enum class TransportStatus {
   /// A report was read, or written.
   data,
-  /// No report is there (yet).
+  /// There is no report (yet).
   nothing,
-  /// The device is unplugged: nothing will come any more.
+  /// The device is unplugged, and nothing will come any more.
   gone,
   /// Something failed this time; problem() says what.
   error,
@@ -27,7 +26,7 @@ class Transport {
   virtual ~Transport() = default;
 
   /// Reads the oldest report that was not read yet.
-  /// @param timeout How long to wait for one; 0: not at all.
+  /// @param timeout How long to wait for a report; 0: not at all.
   /// @note Realtime-safe but for the device's own calls.
   [[nodiscard]] virtual TransportStatus read(Report& report, Duration timeout) noexcept = 0;
 
@@ -38,7 +37,8 @@ class Transport {
   /// is none.
   [[nodiscard]] virtual GuardianChannel* guardian() noexcept { return nullptr; }
 
-  /// Tells the guardian that the calling thread lives, by which a person commands this program.
+  /// Tells the guardian that the calling thread lives. It is the thread by which a person commands
+  /// this program.
   virtual void host_lives() noexcept {}
 
   /// What was last wrong, in words; empty: nothing. It may be called from any thread.
