@@ -16,15 +16,16 @@
 namespace palpate {
 namespace {
 
-/// The displacement scale does not fall below this share of the mean edge.
+/// The displacement scale is at least this share of the mean edge.
 constexpr double kLeastDisplacement = 1e-3;
-/// Kinds of unknowns that have no coordinate.
+/// Entries of coordinate_of_unknown_ that are no coordinates.
 constexpr Index kFree = -1;
 constexpr Index kIdle = -2;
-/// The factor at rest serves a tool only where its solutions for it have an error below this, of
-/// which a step of refinement leaves nothing.
+/// The factor at rest serves a tool only if its solutions have a relative error below this, which
+/// one step of refinement removes.
 constexpr double kRefinable = 1e-8;
-/// A body that keeps fewer factors has none for a state that it may not come back to.
+/// A body that keeps fewer factors than this does not share the factor at rest: it would have none
+/// left for a state of a solve.
 constexpr std::size_t kLeastFactorsToShare = 3;
 
 Eigen::VectorXd row_norms(const SymmetricPattern& pattern, const std::vector<double>& values) {
@@ -96,7 +97,7 @@ void CondensedSystem::take_solver(std::unique_ptr<LinearSolver> solver) {
     most_shared_ = RestFactor::most_held(*solver, pattern.size);
   }
   spare_solver_ = std::move(solver);
-  factors_.reserve(kept_factors_);  // so that pointers to them stay good
+  factors_.reserve(kept_factors_);  // so that pointers to them stay valid
 }
 
 std::vector<char> CondensedSystem::find_idle_multipliers() const {
@@ -109,7 +110,7 @@ std::vector<char> CondensedSystem::find_idle_multipliers() const {
       idle[pattern.row[i]] = 0;
     }
   }
-  // A stabilised pressure that no free unknown feels follows those that one does.
+  // If a free unknown is coupled with some stabilised pressures, the other ones follow from these.
   const auto& multipliers = assembly_.multipliers();
   const bool some_felt = std::any_of(multipliers.begin(), multipliers.end(),
                                      [&](Index unknown) { return idle[unknown] == 0; });
@@ -404,7 +405,7 @@ void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVect
     add_potential(q, state);
     constraints_.project(mixed_);
   }
-  // What was constrained at rest stays what it is.
+  // Values that were constrained at rest do not change when they are constrained again.
   constraints_.constrain(values_);
   for (const Coupling& c : couplings_) {
     mixed_(c.unknown, c.coordinate) += std::exchange(values_[c.position], 0.0);
@@ -415,13 +416,14 @@ void CondensedSystem::assemble_tangent(const Eigen::VectorXd& q, const NodalVect
     if (!h.diagonal) of_coordinates_(h.coordinate_b, h.coordinate_a) += value;
   }
   for (Index position : idle_) values_[position] = 0;
-  // Negative, as every pressure's: the count of negative pivots stays right.
+  // The diagonal is negative as that of every pressure, so that the count of negative pivots stays
+  // right.
   for (Index position : idle_diagonal_) values_[position] = -mean_diagonal_;
   if (krylov_ != nullptr) krylov_->take(values_);
 }
 
 Eigen::MatrixXd CondensedSystem::times_tangent(const Eigen::MatrixXd& columns) const {
-  // Three columns in one pass over the values.
+  // Three columns share each pass over the values.
   constexpr int kTogether = 3;
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, kTogether, Eigen::RowMajor>;
   Eigen::MatrixXd product(columns.rows(), columns.cols());
@@ -459,7 +461,7 @@ bool CondensedSystem::shares_rest_factor() {
     const Timer timer(work_.factorisation_seconds);
     ++work_.factorisations;
     if (solver.factorise(rest_values_) != FactorStatus::ok) {
-      most_shared_ = 0;  // it floats, with nothing held
+      most_shared_ = 0;  // the body floats if nothing is held
       return false;
     }
     rest_factor_ = std::make_unique<RestFactor>(std::move(spare_solver_), assembly_.pattern().size);
@@ -509,14 +511,14 @@ void CondensedSystem::begin_solve() {
 TangentFactor* CondensedSystem::factorise_accurately(const Eigen::VectorXd& q,
                                                      const NodalVector& state) {
   KeptFactor* factor = factorise_alone(q, state, Precision::full);
-  // The factor that is kept of a state is the usual one, whatever was asked for.
+  // A kept factor must be the usual one of its state, whatever was asked for.
   const bool is_usual = is_linear() || usual_precision() == Precision::full;
   if (factor != nullptr && !is_usual) factor->state.resize(0);
   return factor;
 }
 
-/// Where the tangent at rest is not safe in single precision, as of parts that differ much in
-/// stiffness, those to come will not be either.
+/// If the tangent at rest is not safe in single precision, as with parts of very different
+/// stiffness, later tangents are not either.
 Precision CondensedSystem::usual_precision() {
   if (precision_ == Precision::full) return precision_;
   if (!rest_is_safe_) {

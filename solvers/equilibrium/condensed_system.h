@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The discrete body together with a tool, condensed to the unknowns that are free: the residuals
-// and linear systems on the way to an equilibrium. With i the free unknowns and a those of the
-// points that the tool prescribes, K_ii is kept on the pattern of the whole body, the rows and
-// columns of a replaced by a multiple of the identity, so that one symbolic analysis serves every
-// tool; and so does one factor of the tangent at rest, where a solve for each unknown that is held
-// costs less than a factorisation (rest_factor.h).
+// The discrete body together with a tool, condensed to the free unknowns: the residuals and linear
+// systems that an equilibrium takes. Let i be the free unknowns and a those of the points that the
+// tool prescribes. K_ii is stored on the pattern of the whole body, with the rows and columns of a
+// replaced by a multiple of the identity. So one symbolic analysis serves every tool. One factor of
+// the tangent at rest serves every tool too, as long as a solve for each unknown that is held costs
+// less than a factorisation (rest_factor.h).
 #pragma once
 
 #include <cmath>
@@ -25,13 +25,13 @@
 
 namespace palpate {
 
-/// Energies are sums over the body: those that differ by less than this share are equal but for
-/// rounding.
+/// The rounding of an energy, as a share of it: an energy is a sum over the body, and two that
+/// differ by less are equal.
 inline constexpr double kEnergyRounding = 1e-11;
 
 /// The energy of a body and a tool at a state, and its first derivatives.
 struct Evaluation {
-  /// Π, J; not finite where it is not defined, as in a cell that is turned inside out.
+  /// Π, J; not finite where it is not defined, as in an inverted cell.
   double energy = 0;
   /// ∂Π/∂x of every component of the state, N.
   NodalVector force;
@@ -43,12 +43,12 @@ struct Evaluation {
 
 class CondensedSystem {
  public:
-  /// @param scene It was checked, see check().
-  /// @param solver Null: there is no factor, and tangents are solved for by iteration.
-  /// @param kept_factors At least 2: the factors at the start of a step and where it has come to.
+  /// @param scene A scene that check() accepts.
+  /// @param solver Null: nothing is factorised, and tangents are solved for by iteration.
+  /// @param kept_factors At least 2: the factors at the start of a step and at its present state.
+  /// @param precision The precision of factors. A saddle, and a body whose tangent at rest is too
+  ///   near to singular for single precision, has full precision in any case.
   /// @throws InputError a body that the linear solver cannot factorise.
-  /// @param precision That of factors. They have full precision in any case for a saddle, and for a
-  ///   body whose tangent at rest is too near to singular for others.
   CondensedSystem(const Scene& scene, std::unique_ptr<LinearSolver> solver, int kept_factors,
                   Precision precision);
 
@@ -57,18 +57,19 @@ class CondensedSystem {
   ///   cell, is fixed or held along a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
-  /// Gives the body energies besides that of its materials, and forgets all factors. Call this
-  /// again when a term has changed by more than what a factor of before still approximates: it
-  /// finds anew how stiff each unknown is.
-  /// @param terms They must outlive this object, or the next call.
+  /// Gives the body energies besides that of its materials, and forgets all factors. It measures
+  /// anew how stiff each unknown is. Call it again when a term has changed by more than an old
+  /// factor can approximate.
+  /// @param terms They must outlive this object, or stay until the next call.
   void set_terms(std::vector<const EnergyTerm*> terms);
 
-  /// The state from which the coordinates of tools count that prescribe points; the undeformed one
-  /// until this is called.
+  /// The state from which the coordinates of tools that prescribe points count. It is the
+  /// undeformed state until this is called.
   void set_rest(const NodalVector& state) { rest_ = state; }
 
   [[nodiscard]] const Assembly& assembly() const { return assembly_; }
-  /// To change the materials with, see Assembly::scale_energy(); call set_terms() afterwards.
+  /// The assembly, to change the materials: see Assembly::scale_energy(). Call set_terms()
+  /// afterwards.
   [[nodiscard]] Assembly& assembly() { return assembly_; }
   /// The tool. Call set_interaction() before.
   [[nodiscard]] const Interaction& interaction() const { return *interaction_; }
@@ -79,80 +80,82 @@ class CondensedSystem {
   [[nodiscard]] const TetMesh& mesh() const { return mesh_; }
   /// See supports.h.
   [[nodiscard]] const std::vector<char>& holding_points() const { return holding_points_; }
-  /// d; 0 without a tool.
+  /// d; 0 if there is no tool.
   [[nodiscard]] Index num_coordinates() const {
     return interaction_ == nullptr ? 0 : interaction_->num_coordinates();
   }
-  /// Whether the tool at q is in the body, through its surface.
+  /// Whether the tool at q is inside the body, having passed through its surface.
   [[nodiscard]] bool tool_is_inside(const Eigen::VectorXd& q, const NodalVector& state) const;
-  /// Whether the body is at rest and the tool away from it, so that nothing is felt.
+  /// Whether the body is at rest and the tool away from it, so that no force acts.
   [[nodiscard]] bool feels_nothing(const Eigen::VectorXd& q, const NodalVector& state) const;
-  /// Tangents have no factor, so that nothing may be asked for that needs one.
+  /// Whether tangents are solved for by iteration. Functions that need a factor must not be called
+  /// then.
   [[nodiscard]] bool is_iterative() const { return krylov_ != nullptr; }
-  /// The tangent is the same at all states.
+  /// Whether the tangent is the same at all states.
   [[nodiscard]] bool is_linear() const {
     return assembly_.is_linear() && !has_potential() && terms_.empty();
   }
-  /// The equilibrium is a saddle of the energy: there are pressures.
+  /// Whether the equilibrium is a saddle of the energy, because there are pressures.
   [[nodiscard]] bool is_saddle() const { return assembly_.num_pressures() > 0; }
 
-  /// A displacement that matters when the tool is at q: that of the tool, or a thousandth of an
-  /// edge, m.
+  /// The scale of displacements with the tool at q, m: the displacement of the tool, but at least a
+  /// thousandth of a mean edge.
   [[nodiscard]] double displacement_scale(const Eigen::VectorXd& q) const;
-  /// Largest component of a residual, each over the norm of its row of the tangent at rest, m: so
-  /// the residual of a soft part counts as much as that of a stiff one.
+  /// The largest component of a residual, m. Each component is divided by the norm of its row of
+  /// the tangent at rest, so that the residual of a soft part counts as much as that of a stiff
+  /// one.
   [[nodiscard]] double norm(const Eigen::VectorXd& r) const;
-  /// Root of the sum of squares of the same, m.
+  /// The root of the sum of squares of the same quotients, m.
   [[nodiscard]] double euclidean_norm(const Eigen::VectorXd& r) const;
 
   /// The energy and the forces at a state with the tool at q.
   [[nodiscard]] Evaluation evaluate(const Eigen::VectorXd& q, const NodalVector& state);
-  /// The components of the force that must vanish, by unknown; zero for those that are held.
+  /// The residual in the order of the unknowns, N; zero for unknowns that are held.
   [[nodiscard]] Eigen::VectorXd residual(const Evaluation& at) const;
   /// h, the force that holds the tool [num_coordinates], N.
   [[nodiscard]] Eigen::VectorXd reaction(const Evaluation& at) const;
 
-  /// Puts the points that the tool prescribes to where it is at q: u = u_rest + q.
+  /// Moves the points that the tool prescribes to their place at q: u = u_rest + q.
   void prescribe(const Eigen::VectorXd& q, NodalVector& state) const;
-  /// Makes the change of the points that the tool prescribes that of q.
+  /// Sets the change of the points that the tool prescribes to that of q.
   void prescribe_change(const Eigen::VectorXd& of_q, NodalVector& of_state) const;
-  /// s of each pressure, Pa/m.
+  /// The scale s of each pressure, Pa/m.
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> pressure_scale() const;
   /// The vector x = (u, p̂) of a state.
   [[nodiscard]] NodalVector vector_of(const LinearisedState& state) const;
   /// ∂x/∂t [state_size × d].
   [[nodiscard]] Eigen::MatrixXd sensitivity_of(const LinearisedState& state) const;
-  /// A change of the state as a change of the unknowns; those that are held are 0.
+  /// Converts a change of the state to a change of the unknowns; those that are held are 0.
   [[nodiscard]] Eigen::VectorXd as_unknowns(const NodalVector& state) const;
-  /// Takes out of a state what points that are held along directions cannot do.
+  /// Removes from a state the displacements of points along directions in which they are held.
   void hold_directions(NodalVector& state) const { constraints_.project_state(state); }
-  /// A change of the unknowns as a change of the state.
+  /// Converts a change of the unknowns to a change of the state.
   [[nodiscard]] NodalVector as_state(const Eigen::VectorXd& unknowns) const;
 
   /// Call this before each solve, so that its result does not depend on the solves before.
   void begin_solve();
 
-  /// The factor of the tangent at a state with the tool at q; null unless it is kept.
+  /// The factor of the tangent at a state with the tool at q; null: it is not kept.
   [[nodiscard]] TangentFactor* find_factor(const Eigen::VectorXd& q, const NodalVector& state);
-  /// Makes the factor at a state, if it is kept, the next to be replaced.
+  /// If a factor at this state is kept, it is the next to be replaced.
   void forget(const Eigen::VectorXd& q, const NodalVector& state);
   /// Assembles the tangent at a state for mixed(), of_coordinates() and times_tangent().
   void assemble_tangent(const Eigen::VectorXd& q, const NodalVector& state);
-  /// Assembles and factorises the tangent at a state, in place of the factor not used for longest;
-  /// null where it is singular. A linear body has one factor for all states, and where it can be,
-  /// the one at rest is that of all tools. A factor follows from the scene, the tool and the state
-  /// alone: one that is made again is the same.
+  /// Assembles and factorises the tangent at a state. The factor that was not used for the longest
+  /// time is replaced; null: the tangent is singular. A linear body has one factor for all states,
+  /// and if possible all tools share the factor at rest. A factor depends on the scene, the tool
+  /// and the state alone, so that the same factor is made again.
   [[nodiscard]] TangentFactor* factorise(const Eigen::VectorXd& q, const NodalVector& state);
-  /// Does the same for this state and this tool alone and in full precision, so that the factor
-  /// is not rough. It is valid until the next one is made.
+  /// Factorises the tangent for this state and this tool alone, in full precision, so that the
+  /// factor is not rough. It is valid until the next factorisation.
   [[nodiscard]] TangentFactor* factorise_accurately(const Eigen::VectorXd& q,
                                                     const NodalVector& state);
   void solve(TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> columns);
-  /// By iteration, for the last tangent, see KrylovTangent::solve().
+  /// Solves with the last tangent by iteration, see KrylovTangent::solve().
   [[nodiscard]] SolveSummary solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance);
-  /// The same of its inertia.
+  /// Estimates the inertia of the last tangent by iteration.
   [[nodiscard]] Inertia find_inertia();
-  /// The number of negative pivots beyond the one that belongs to each pressure.
+  /// The number of negative pivots besides the one that each pressure has.
   [[nodiscard]] int negative_pivots(const TangentFactor& factor) const;
   /// K_ii x of the last tangent for each column x.
   [[nodiscard]] Eigen::MatrixXd times_tangent(const Eigen::MatrixXd& columns) const;
@@ -160,17 +163,17 @@ class CondensedSystem {
   [[nodiscard]] const Eigen::MatrixXd& mixed() const { return mixed_; }
   [[nodiscard]] const Eigen::MatrixXd& of_coordinates() const { return of_coordinates_; }
 
-  /// An estimate of the 1-norm condition number of the last tangent. It costs a few solves.
+  /// An estimate of the 1-norm condition number of the last tangent. It takes a few solves.
   [[nodiscard]] double condition(TangentFactor& factor) const;
 
  private:
-  /// A value of the pattern that couples an unknown that is held with one that is not.
+  /// A value of the pattern that couples a held unknown with a free one.
   struct Coupling {
     Index position;
     Index unknown;
     Index coordinate;
   };
-  /// A value of the pattern between two unknowns that are held.
+  /// A value of the pattern between two held unknowns.
   struct Held {
     Index position;
     Index coordinate_a;
@@ -178,8 +181,8 @@ class CondensedSystem {
     bool diagonal;
   };
 
-  /// A factor for the present tool, where the tool was, and the state at which it was made; empty:
-  /// there is none.
+  /// A factor for the present tool, with the place of the tool and the state that it belongs to; an
+  /// empty state: there is none.
   struct KeptFactor final : TangentFactor {
     explicit KeptFactor(std::unique_ptr<LinearSolver> with) : solver(std::move(with)) {}
     void solve(Eigen::Ref<Eigen::MatrixXd> columns) override { solver->solve(columns); }
@@ -189,41 +192,42 @@ class CondensedSystem {
     std::unique_ptr<LinearSolver> solver;
     Eigen::VectorXd q;
     NodalVector state;
-    /// Single precision was not tried, as it had failed before in the same solve. Another solve
-    /// would try it, and so does not take this factor.
+    /// Single precision was not tried, since it had failed before in the same solve. Another solve
+    /// would try it, so it does not take this factor.
     bool is_provisional = false;
-    /// When it was made or last asked for.
+    /// The use count at which it was last made or asked for.
     long last_use = 0;
   };
 
   [[nodiscard]] bool has_potential() const {
     return interaction_ != nullptr && interaction_->has_potential();
   }
-  /// Orders the body.
+  /// Takes the solver and lets it analyse the pattern of the body.
   void take_solver(std::unique_ptr<LinearSolver> solver);
   void assemble(const NodalVector& state, std::vector<double>& values);
-  /// Adds the derivatives of the terms. @returns Their energy, J.
+  /// Adds the forces of the terms and, unless it is null, their second derivatives to `values`.
+  /// @returns Their energy, J.
   double add_terms(const NodalVector& state, NodalVector& force, std::vector<double>* values);
-  /// Finds how stiff each unknown is at rest.
+  /// Measures how stiff each unknown is at rest.
   void measure_rest();
   /// Adds the second derivatives of the tool's potential to the last tangent.
   void add_potential(const Eigen::VectorXd& q, const NodalVector& state);
-  /// The place of a value of the pattern.
+  /// The position of an entry in the values of the pattern.
   [[nodiscard]] Index position(Index row, Index column) const;
-  /// Whether the tangent at a state is that at rest.
+  /// Whether the tangent at a state equals that at rest.
   [[nodiscard]] bool is_as_at_rest(const Eigen::VectorXd& q, const NodalVector& state) const;
-  /// Makes the rest factor serve the present tool if that can be, and tells whether it does. The
+  /// Prepares the rest factor for the present tool if possible, and tells whether it serves it. The
   /// last tangent must be that at rest.
   [[nodiscard]] bool shares_rest_factor();
-  /// The relative error of the rest factor's solutions for the last tangent, roughly.
+  /// An estimate of the relative error of solutions by the rest factor for the last tangent.
   [[nodiscard]] double error_of_rest_factor();
-  /// The precision of factors that may be rough.
+  /// The precision of factors that are allowed to be rough.
   [[nodiscard]] Precision usual_precision();
   [[nodiscard]] KeptFactor* factorise_alone(const Eigen::VectorXd& q, const NodalVector& state,
                                             Precision precision);
   [[nodiscard]] KeptFactor* find_kept_factor(const Eigen::VectorXd& q, const NodalVector& state);
   KeptFactor& factor_to_replace();
-  /// Gives spare_solver_, and makes it if there is none.
+  /// Returns spare_solver_, and creates it if there is none.
   LinearSolver& spare_solver();
   [[nodiscard]] std::vector<char> find_idle_multipliers() const;
 
@@ -236,43 +240,44 @@ class CondensedSystem {
   NodalVector rest_;
   std::size_t kept_factors_;
   /// The precision that was asked for, and whether the tangent at rest with nothing held is safe in
-  /// single precision; empty: that is not known yet.
+  /// single precision; empty: not known yet.
   Precision precision_;
   std::optional<bool> rest_is_safe_;
-  /// In this solve a tangent was not safe in single precision. The next ones on the way will hardly
-  /// be, and are not tried.
+  /// In this solve a tangent was not safe in single precision. The next ones will hardly be, so
+  /// single precision is not tried for them.
   bool single_fails_ = false;
   std::vector<KeptFactor> factors_;
-  /// A solver that is analysed and has no factor that is needed; null: all have one.
+  /// A solver that is analysed and has no needed factor; null: there is none to spare.
   std::unique_ptr<LinearSolver> spare_solver_;
-  /// The factor at rest; null until it is asked for, and where there is none.
+  /// The factor at rest; null until it is needed, or if it cannot be made.
   std::unique_ptr<RestFactor> rest_factor_;
-  /// The number of unknowns that are held up to which the factor at rest serves.
+  /// The largest number of held unknowns for which the factor at rest is used.
   Index most_shared_ = 0;
-  /// Whether it serves the present tool; empty: that is not known yet.
+  /// Whether the factor at rest serves the present tool; empty: not known yet.
   std::optional<bool> is_shared_;
   long uses_ = 0;
   Work work_;
-  /// Mean diagonal of the tangent at rest, N/m, and one over the norm of each of its rows, m/N.
+  /// The mean diagonal of the tangent at rest, N/m, and the reciprocal norms of its rows, m/N.
   double mean_diagonal_ = 0;
   Eigen::VectorXd inverse_row_norm_;
 
   std::unique_ptr<Interaction> interaction_;
   std::vector<PrescribedPoint> prescribed_points_;
-  /// The coordinate of each unknown, −1 for those that are not held.
+  /// The coordinate of each unknown; below zero: it is not held by the tool.
   std::vector<Index> coordinate_of_unknown_;
   std::vector<Coupling> couplings_;
   std::vector<Held> held_;
-  /// For tangents without a factor; else null.
+  /// Solves by iteration; null if there are factors.
   std::unique_ptr<KrylovTangent> krylov_;
-  /// Positions of the values of multipliers that no free unknown feels, off the diagonal and on it.
+  /// Positions of the values of multipliers that no free unknown is coupled with, off the diagonal
+  /// and on it.
   std::vector<Index> idle_;
   std::vector<Index> idle_diagonal_;
 
   /// The tangent at rest with nothing held, and the last one, condensed.
   std::vector<double> rest_values_;
   std::vector<double> values_;
-  /// For a linear body: the last tangent is that of the present tool.
+  /// In a linear body: the last tangent is that of the present tool.
   bool has_tangent_ = false;
   Eigen::MatrixXd mixed_;
   Eigen::MatrixXd of_coordinates_;

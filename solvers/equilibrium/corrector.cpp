@@ -9,21 +9,21 @@
 namespace palpate {
 namespace {
 
-/// Sufficient decrease, as usual (Nocedal & Wright, 3.4).
+/// Sufficient decrease with the usual constant (Nocedal & Wright, 3.4).
 constexpr double kSufficientDecrease = 1e-4;
 constexpr int kMaxBacktracks = 15;
-/// A step of which the search leaves less than this says that the factor is of another place: where
-/// a stiff part has turned since, what the factor takes for a soft mode is a stretch of it.
+/// If the line search shortens a step below this share, the factor belongs to a state too far away:
+/// where a stiff part has turned since, the factor takes a stretch of it for a soft mode.
 constexpr double kShortStep = 0.02;
-/// A factor is not judged by how the steps shrink before this many of them.
+/// The number of steps after which the contraction of a factor is judged.
 constexpr int kStepsBeforeJudging = 8;
-/// The shares of a residual that conjugate gradients may leave.
+/// The largest and the smallest share of a residual that conjugate gradients may leave.
 constexpr double kLargestForcing = 0.1;
 constexpr double kLeastForcing = 1e-7;
-/// A solve that leaves more than this is of no use.
+/// A solve that leaves more than this share of its residual is useless.
 constexpr double kUseless = 0.9;
 
-/// A state on the way, with what is known of it.
+/// A state of the iteration with its residual.
 struct Iterate {
   NodalVector state;
   Eigen::VectorXd r;
@@ -41,8 +41,8 @@ bool evaluate(CondensedSystem& system, const Eigen::VectorXd& q, Iterate& iterat
   return std::isfinite(iterate.norm);
 }
 
-/// Whether a trial at `length` of the step is good enough; if not, `length` becomes what to try
-/// next.
+/// Whether a trial at `length` of the step decreases the energy enough. If not, `length` becomes
+/// the one to try next.
 bool accept_by_energy(const Iterate& old, const Iterate& trial, double slope, double& length) {
   const double change = trial.energy - old.energy;
   if (change <= kSufficientDecrease * length * slope) return true;
@@ -65,8 +65,8 @@ bool accept_by_residual(const CondensedSystem& system, const Iterate& old, const
   return false;
 }
 
-/// Moves along `step` until it is good enough.
-/// @returns the length of the step; 0 where none is.
+/// Line search: moves along `step` until a trial is good enough.
+/// @returns the accepted length of the step; 0: none was accepted.
 double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::VectorXd& step,
               double slope, Iterate& iterate) {
   const NodalVector direction = system.as_state(step);
@@ -93,7 +93,7 @@ double search(CondensedSystem& system, const Eigen::VectorXd& q, const Eigen::Ve
   return 0;
 }
 
-/// Nothing: the iteration goes on.
+/// The outcome with which the iteration ends; nothing: it goes on.
 std::optional<Outcome> reason_to_end(const Correction& so_far, const EquilibriumOptions& options,
                                      const Interruption& interruption) {
   if (so_far.residual <= options.tolerance) return Outcome::converged;
@@ -103,7 +103,7 @@ std::optional<Outcome> reason_to_end(const Correction& so_far, const Equilibrium
   return std::nullopt;
 }
 
-/// Takes a state in equilibrium, unless the tool has gone through the body in it.
+/// Takes a state in equilibrium, unless the tool has passed through the surface of the body.
 Outcome arrive(const CondensedSystem& system, const Eigen::VectorXd& t, const NodalVector& found,
                NodalVector& x) {
   if (system.tool_is_inside(t, found)) return Outcome::tool_inside;
@@ -129,9 +129,9 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
   result.quasi_newton = system.is_saddle() ? make_broyden() : make_bfgs();
   QuasiNewton& quasi_newton = *result.quasi_newton;
   TangentFactor*& factor = result.factor;
-  bool fresh = false;  // the factor is of the tangent at the iterate
+  bool fresh = false;  // the factor is that of the tangent at the iterate
   double first_step = 0;
-  int num_steps = 0;  // with the factor
+  int num_steps = 0;  // since the factor was made
   const auto use = [&](TangentFactor* other) {
     factor = other;
     quasi_newton.clear();
@@ -147,7 +147,7 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
       const NodalVector start_x = system.vector_of(start);
       use(system.find_factor(start.t, start_x));
       if (factor == nullptr) use(system.factorise(start.t, start_x));
-      // What can move freely at rest goes anywhere when it is pushed.
+      // A body that can move freely at rest has no equilibrium once it is pushed.
       if (factor == nullptr && system.feels_nothing(start.t, start_x)) {
         return end(Outcome::tangent_not_factorised);
       }
@@ -172,7 +172,7 @@ Correction correct(CondensedSystem& system, const EquilibriumOptions& options,
     ++num_steps;
     double slope = step.dot(iterate.r);
     if (slope > 0 && !system.is_saddle()) {
-      // The tangent is indefinite: along the opposite direction the energy falls.
+      // The tangent is indefinite. The energy falls along the opposite direction.
       step = -step;
       slope = -slope;
     }
@@ -212,7 +212,7 @@ Correction correct_by_iteration(CondensedSystem& system, const EquilibriumOption
 
     if (last_norm > 0) {
       const double ratio = iterate.norm / last_norm;
-      // No better than the end needs. (The safeguard of the method is for larger shares.)
+      // Solve no better than the end needs. (The safeguard of the method is for larger shares.)
       forcing = std::max(0.9 * ratio * ratio, 0.5 * options.tolerance / result.residual);
       forcing = std::clamp(forcing, kLeastForcing, kLargestForcing);
     }

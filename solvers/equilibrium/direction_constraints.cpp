@@ -12,7 +12,7 @@ DirectionConstraints::DirectionConstraints(const Scene& scene, const Assembly& a
   of_point_.assign(scene.held_directions.size(), -1);
   const SymmetricPattern& pattern = assembly.pattern();
   const Index num_displacements = pattern.size - assembly.num_unknown_pressures();
-  /// The number in points_ of the point of each unknown.
+  /// The index in points_ of the point of each unknown.
   std::vector<Index> of_unknown(static_cast<std::size_t>(num_displacements), -1);
   for (Index p = 0; p < static_cast<Index>(of_point_.size()); ++p) {
     const Index unknown = unknown_of_point[p];
@@ -27,7 +27,7 @@ DirectionConstraints::DirectionConstraints(const Scene& scene, const Assembly& a
       const Index row = pattern.row[i];
       if (row >= num_displacements) {
         if (of_column < 0) continue;
-        // Its row is there in the three columns.
+        // A pressure has its row in all three columns of the point.
         pressure_rows_.push_back({of_column, block_positions(pattern, row, column)});
       } else if (row % 3 == 0 && (of_column >= 0 || of_unknown[row] >= 0)) {
         blocks_.push_back(

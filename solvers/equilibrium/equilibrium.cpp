@@ -24,26 +24,27 @@
 namespace palpate {
 namespace {
 
-/// Share of its change that the energy of a step may be off by; across a jump it is off by much of
-/// it, on a smooth path by far less.
+/// The error of the energy of a step that counts as a jump, as a share of its change. Across a jump
+/// the error is a large share, and on a smooth path a far smaller one.
 constexpr double kEnergyGap = 0.05;
-/// The same of the work of the change of force, for steps over which the energy hardly changes.
+/// A further allowance, as a share of the work of the change of force, for steps over which the
+/// energy hardly changes.
 constexpr double kWorkGap = 0.01;
-/// Where rounding does not allow the displacement to be as accurate as it should, as with
-/// stiffnesses that differ by 1e9, an error up to this is let be, and told.
+/// If rounding does not allow the displacement the accuracy that was asked for, as with stiffnesses
+/// that differ by 1e9, an error up to this is accepted and flagged.
 constexpr double kMostDisplacementError = 1e-6;
-/// A Newton step that is longer, in shares of the displacement, corrects no error of rounding: the
-/// tangent is near singular there, and where the step leads may be on another branch.
+/// A Newton step longer than this share of the displacement does not correct rounding: the tangent
+/// is nearly singular there, and the step may lead to another branch.
 constexpr double kMostPolish = 1e-2;
-/// A step that failed this often in a row is followed along the path instead of being halved on.
+/// After this many failures in a row, the path is followed instead of halving the step again.
 constexpr int kFailuresBeforeFollowing = 3;
-/// The share of a right-hand side that may be left of v without a factor: that of k is its square,
-/// and the third derivative is good to as much.
+/// The relative residual of v without a factor. The error of k is the square of it, and the third
+/// derivative has about the same relative error as v.
 constexpr double kSensitivityErrorWithoutFactor = 1e-6;
-/// Points of a path that a solve follows; each costs two or three factorisations.
+/// The largest number of points of a path within a solve; each takes two or three factorisations.
 constexpr int kMaxPathPoints = 150;
 
-/// BodyForce, AppliedPressure and AppliedTraction, those that there are.
+/// The property names of the loads that act: BodyForce, AppliedPressure, AppliedTraction.
 std::string names_of_loads(const Scene& scene) {
   std::string names;
   const auto add = [&](bool is_there, const char* name) {
@@ -69,10 +70,11 @@ bool is_mobile(Outcome outcome, const Equilibrium& from) {
   return outcome == Outcome::tangent_not_factorised && (from.flags & flags::touches_nothing) != 0;
 }
 
-/// Whether two equilibria can be on one smooth path, by their energies, reactions and stiffnesses.
-/// @param rest_energy What the body has in it at rest, J: its rounding is in each energy.
+/// Whether two equilibria can lie on one smooth path, by their energies, reactions and stiffnesses.
+/// @param rest_energy The energy of the body at rest, J; its rounding is part of each energy.
 bool agree(const Equilibrium& from, const Equilibrium& to, double rest_energy) {
-  // A tool that touched nothing has come upon the body. There is one branch, which begins there.
+  // The tool has touched nothing, and now touches the body. There is one branch, which begins
+  // there.
   if (from.stiffness.isZero(0) && from.reaction.isZero(0)) return true;
   const Eigen::VectorXd d = to.t - from.t;
   const double change = to.energy - from.energy;
@@ -139,12 +141,13 @@ class EquilibriumSolver::Impl {
   const CondensedSystem& system() const { return system_; }
 
  private:
-  /// How far a solve has come.
+  /// The present state of a solve.
   struct Progress {
     Equilibrium state;
-    /// Share of the way that is done.
+    /// The share of the distance that is done.
     double way = 0;
-    /// Change of ∂x/∂way over the last step, and that step's share of the way.
+    /// The change of ∂x/∂way over the last step, and the length of that step as a share of the
+    /// distance.
     NodalVector bend;
     double last_stride = 0;
     std::vector<Fold> folds;
@@ -153,39 +156,42 @@ class EquilibriumSolver::Impl {
   };
 
   void begin();
-  /// Lets the body find its rest under what acts on it.
+  /// Finds the rest of the body under its loads and springs.
   void set_external(const Scene& scene);
   void require_coordinates(const Eigen::VectorXd& t) const;
   [[nodiscard]] Outcome interruption() const;
-  /// The equilibrium at next_t that a step from progress leads to.
+  /// Tries a step from progress, and gives the equilibrium at next_t that it leads to.
   Equilibrium step(double stride, const Eigen::VectorXd& next_t, Tangent tangent,
                    Progress& progress);
-  /// Completes the equilibrium at x, after Newton steps where the displacement needs them.
+  /// Completes the equilibrium at x, after further Newton steps if the displacement needs them.
   Outcome polish(NodalVector& x, Equilibrium& next, Tangent tangent, Progress& progress);
-  /// With a factor or without, as the system is. @param tangent What is wanted without.
+  /// Linearises with a factor or, in an iterative system, without one.
+  /// @param tangent What is needed in an iterative system.
   std::optional<Linearisation> linearise_at(const Eigen::VectorXd& t, const NodalVector& x,
                                             Tangent tangent);
-  /// That there is no linearisation.
+  /// The outcome of a state at which linearise_at() gives nothing.
   Outcome no_tangent() const {
     return system_.is_iterative() ? Outcome::tangent_not_solved : Outcome::tangent_not_factorised;
   }
-  /// @throws InputError there is none. @param what It is needed for.
+  /// @throws InputError the system is iterative, so that there is no factor.
+  /// @param what What the factor is needed for.
   void require_factor(const char* what) const;
-  /// Sets the flag of a displacement that is less accurate than was asked for.
+  /// Sets flags::inaccurate if the displacement is less accurate than was asked for.
   void tell_accuracy(Equilibrium& state) const;
-  /// Of one that has converged, if it is asked for.
+  /// Adds the third derivative to an equilibrium that has converged, if it was asked for.
   void add_third_derivative(Equilibrium& state);
-  /// Takes the next equilibrium into progress.
+  /// Makes the next equilibrium the present one.
   void advance(double stride, const Eigen::VectorXd& way, Equilibrium next, Progress& progress);
-  /// A state near the equilibrium at next_t, at which the energy is finite; none if there is none.
+  /// Predicts a state near the equilibrium at next_t, with a finite energy; nothing: none was
+  /// found.
   std::optional<NodalVector> predict(double stride, const Eigen::VectorXd& next_t,
                                      const Progress& progress);
-  /// Goes the rest of the way along the path, round its folds; stays where it is if that fails.
+  /// Follows the path, around its folds, to t. If this fails, the state of progress is unchanged.
   Outcome follow(const Eigen::VectorXd& t, Progress& progress);
-  /// What there is to say of a solve that came a share `way` of the way to t.
+  /// The message about a solve that has done the share `way` of the distance to t.
   [[nodiscard]] std::string explain_end(const Equilibrium& state, const Eigen::VectorXd& t,
                                         double way);
-  /// The fold that the body jumped at, between two equilibria that do not agree.
+  /// The fold at which the body jumped, between two equilibria that do not agree.
   static Fold jump(const Equilibrium& from, const Equilibrium& to, double way);
 
   EquilibriumOptions options_;
@@ -194,14 +200,14 @@ class EquilibriumSolver::Impl {
   PieceSupport support_;
   /// The points that the tool prescribes.
   std::vector<Index> held_by_tool_;
-  /// Which part of the body turns, once it was searched for; empty: none does.
+  /// The part of the body that turns, once this was searched for; an empty text: none does.
   std::optional<std::string> mobile_part_;
-  /// None: nothing acts on the body but its tools.
+  /// The loads and springs of the body; empty: there are none.
   std::optional<ExternalEnergy> external_;
-  /// Without a tool, and its energy, J.
+  /// The state of rest without a tool, and its energy, J.
   NodalVector rest_;
   double rest_energy_ = 0;
-  /// What is summed up to the energy of the body at rest, J, where that is told from nothing.
+  /// The sum of the magnitudes of the energies at rest, J; it sets the rounding of later energies.
   double energies_at_rest_ = 0;
   Equilibrium settled_;
   SteadyClock::time_point start_{};
@@ -303,7 +309,7 @@ Equilibrium EquilibriumSolver::Impl::rest(const Eigen::VectorXd& t) {
     throw InputError("The tool is inside the body at the start: " +
                      system_.interaction().describe(t) + ". Let the tool start outside of it.");
   }
-  // A tool that touches nothing makes no tangent that would tell.
+  // A tool that touches nothing has no tangent that could show this.
   const std::optional<std::string> mobile = support_.find_mobile_piece(held_by_tool_);
   std::optional<Linearisation> at_rest;
   if (!mobile) at_rest = linearise_at(state.t, rest_, Tangent::factorised);
@@ -418,8 +424,7 @@ Outcome EquilibriumSolver::Impl::polish(NodalVector& x, Equilibrium& next, Tange
     ++progress.iterations;
     std::optional<Linearisation> there = linearise_at(next.t, improved, tangent);
     if (!there) return no_tangent();
-    // Another inertia is that of another branch. And where the error grows, rounding is what is
-    // left.
+    // A different inertia means another branch. If the error grows, only rounding is left.
     if (there->state.negative_pivots != here.state.negative_pivots ||
         !(there->state.displacement_error < before)) {
       break;
@@ -476,7 +481,7 @@ Fold EquilibriumSolver::Impl::jump(const Equilibrium& from, const Equilibrium& t
 std::string EquilibriumSolver::Impl::explain_end(const Equilibrium& state, const Eigen::VectorXd& t,
                                                  double way) {
   std::string text = explain(system_, state, t, way);
-  // A factor would have told a singular tangent; conjugate gradients lose their way there.
+  // A factor would have shown a singular tangent; conjugate gradients just do not converge there.
   const bool is_lost =
       state.outcome == Outcome::not_converged || state.outcome == Outcome::tangent_not_solved;
   if (!is_lost || !system_.is_iterative()) return text;
@@ -496,7 +501,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   const Eigen::VectorXd way = t - start.t;
   Progress progress;
   progress.state = start;
-  // Powers of two, so that the last one ends at 1.
+  // Lengths are powers of two, so that the last step ends at exactly 1.
   double longest_stride = 1;
   const double longest_step = system_.interaction().longest_step();
   while (longest_stride * way.lpNorm<Eigen::Infinity>() > longest_step) longest_stride *= 0.5;
@@ -510,7 +515,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       outcome = Outcome::budget_used_up;
       break;
     }
-    // Strides are sums of powers of two: the last one ends at 1.
+    // The lengths add up to exactly 1, since they are powers of two.
     stride = std::min({stride, longest_stride, 1 - progress.way});
     const double next_way = progress.way + stride;
     const bool last = next_way == 1;
@@ -519,7 +524,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
     outcome = next.outcome;
     if (outcome == Outcome::aborted || outcome == Outcome::budget_used_up) break;
     if (outcome == Outcome::tool_inside) {
-      // There is no path round that: what is beyond is no contact.
+      // No path leads around this: the tool does not touch the body from outside any more.
       longest_stride = 0.5 * stride;
       if (longest_stride < least_stride) break;
       continue;
@@ -531,7 +536,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       failures = 0;
       continue;
     }
-    // Which of its branches an inverted body is on is no question of physics any more.
+    // Which branch an inverted body is on is no question of physics any more.
     const bool worth_it = options_.follow_folds || (next.flags & flags::inverted) == 0;
     const bool least = 0.5 * stride < least_stride;
     if (may_follow && (++failures == kFailuresBeforeFollowing || least)) {
@@ -548,7 +553,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
       continue;
     }
     if (outcome != Outcome::converged) break;
-    // Another equilibrium, of less energy: what the body jumps to.
+    // This is another equilibrium of less energy, to which the body jumps.
     progress.folds.push_back(jump(progress.state, next, progress.way));
     advance(stride, way, std::move(next), progress);
     progress.last_stride = 0;
@@ -559,7 +564,7 @@ Equilibrium EquilibriumSolver::Impl::solve(const Eigen::VectorXd& t, const Equil
   if (!state.folds.empty()) state.flags |= flags::near_fold;
   state.iterations = progress.iterations;
   state.steps = progress.steps;
-  state.third_derivative.resize(0);  // of the start
+  state.third_derivative.resize(0);  // that of the start
   if (tangent != Tangent::rough) add_third_derivative(state);
   state.seconds = seconds_since(start_);
   state.message =
@@ -573,7 +578,7 @@ Equilibrium EquilibriumSolver::Impl::settle(const Equilibrium& near) {
   const Assembly& assembly = system_.assembly();
   Progress progress;
   progress.state = near;
-  // What is no unknown is zero in a state, and would stay what it is here.
+  // Components that are no unknowns are zero in a state, and the solve would not change them.
   const Eigen::Index displacements = near.u.size();
   progress.state.u.setZero();
   progress.state.p.setZero(assembly.num_pressures());
@@ -605,7 +610,7 @@ Path EquilibriumSolver::Impl::trace(const Eigen::VectorXd& t, const Equilibrium&
   if (t == start.t) throw InputError("A path needs a target that differs from its start.");
   Path path = follow_path(
       system_, options_, options, [this] { return interruption(); }, start, t);
-  path.end.third_derivative.resize(0);  // of the start
+  path.end.third_derivative.resize(0);  // that of the start
   tell_accuracy(path.end);
   path.end.seconds = seconds_since(start_);
   path.end.message = explain(system_, path.end, t, path.points.back().way);

@@ -7,22 +7,22 @@
 //   v_i = −K_ii⁻¹ ∂²Π/∂x_i∂q                        sensitivity v = dx/dq
 //   k = dh/dq = ∂²Π/∂q² + (∂²Π/∂q∂x_i) v_i          haptic stiffness, symmetric, N/m
 //
-// as interaction/interaction.h says; in what follows t is q. Where it is asked for, T = d³Π/dt³
-// (third_derivative.h).
+// as interaction/interaction.h says, where the tool's coordinates t are called q. On request, T =
+// d³Π/dt³ (third_derivative.h).
 //
-// A step goes from one equilibrium to the next: predictor u + v Δt, of second order from the second
-// step on; corrector quasi-Newton (updates of the factor at the start of the step) with a line
-// search. Where that contracts too slowly the tangent is factorised anew, where it fails the step
-// is halved. One more factor, at the solution, gives v, k and the inertia. Steps from one start
-// share its factor, and those from rest that of all tools (rest_factor.h). In a linear body u = v
-// t, and v and k are the same throughout.
+// A step goes from one equilibrium to the next. The predictor is u + v Δt, and from the second step
+// on of second order. The corrector is a quasi-Newton method with a line search, which updates the
+// factor at the start of the step. If it contracts too slowly, the tangent is factorised anew; if
+// it fails, the step is halved. One more factor, at the solution, gives v, k and the inertia. Steps
+// from one start share its factor, and steps from rest share one with all tools (rest_factor.h). In
+// a linear body u = v t, and v and k are constant.
 //
 // A step must agree with the path that it claims to follow: with d = t₁ − t₀,
 //
 //   Π₁ − Π₀ = ½ (h₀ + h₁)·d + 1/12 d·(k₀ − k₁) d + O(|d|⁵)
 //
-// holds on a smooth path and not across a jump to another branch. A step that fails it is halved;
-// where that does not help the path folds, and is followed round the fold (path.h).
+// holds on a smooth path and not across a jump to another branch. A step that does not satisfy it
+// is halved. If that does not help, the path folds, and it is followed around the fold (path.h).
 //
 // [P07] Peterlík & Matyska, An Algorithm of State-Space Precomputation…, World Haptics 2007.
 #pragma once
@@ -38,27 +38,27 @@
 
 namespace palpate {
 
-/// How v and k at a solution are found.
+/// How v and k at a solution are computed.
 enum class Tangent {
-  /// They come from a factor of the tangent there, which also gives the inertia.
+  /// From a factor of the tangent there, which gives the inertia too.
   factorised,
-  /// They come from an iteration with the factor at the start where that serves, else as before.
-  /// This is cheaper and sets flags::inertia_not_computed. It is for states from which no other
-  /// solve starts.
+  /// By iteration with the factor at the start if this converges, else from a factor of the
+  /// tangent. This is cheaper and sets flags::inertia_not_computed. Use it for states from which no
+  /// other solve starts.
   iterated,
-  /// As before, but v has an error of a hundredth, and there is no third derivative. This is for
-  /// states of which no more than u, Π and h is used.
+  /// As `iterated`, but v has an error of a hundredth, and there is no third derivative. Use it for
+  /// states of which only u, Π and h are needed.
   rough,
 };
 
 class EquilibriumSolver {
  public:
   /// @param linear_solver Null: tangents are solved for by iteration, which needs little memory and
-  ///   a time in proportion to the size of the body. There are no paths round folds then, and of
-  ///   the inertia no more is known than the sign of the lowest eigenvalue.
+  ///   a time proportional to the size of the body. Paths around folds cannot be followed then, and
+  ///   of the inertia only the sign of the lowest eigenvalue is known.
   /// @throws InputError an invalid scene or option; an incompressible law with a linear solver that
-  ///   cannot factorise it, or a body with pressures without one. A body that finds no rest under
-  ///   its loads is told by settled().
+  ///   cannot factorise it; or a body with pressures without a linear solver. If a body finds no
+  ///   rest under its loads, settled() tells so.
   EquilibriumSolver(const Scene& scene, EquilibriumOptions options,
                     std::unique_ptr<LinearSolver> linear_solver = make_linear_solver());
   ~EquilibriumSolver();
@@ -68,38 +68,38 @@ class EquilibriumSolver {
   [[nodiscard]] const Assembly& assembly() const;
   [[nodiscard]] const Work& work() const;
 
-  /// Chooses the tool for the solves that follow. The symbolic analysis serves all tools, and so
-  /// does the factor at rest where not too many unknowns are held: always in a linear body, else
-  /// from three kept factors on.
+  /// Chooses the tool for the solves that follow. All tools share the symbolic analysis. They share
+  /// the factor at rest too if not too many unknowns are held, and if the body is linear or at
+  /// least three factors are kept.
   /// @throws InputError no tool; a point that does not exist, is in no cell, is fixed or held along
   ///   a direction, or is named twice.
   void set_interaction(const Interaction& interaction);
 
-  /// The rest of a body under loads (Scene::has_load()), without a tool: u, p, outcome, residual,
-  /// iterations, message and the energy, from the body of the mesh on, count. Solves start from
-  /// there, and the coordinates of a tool that prescribes points and the energy count from there.
-  /// Without a load it has converged, and its u and p are empty.
+  /// The rest of a body under loads (Scene::has_load()), without a tool. Only u, p, outcome,
+  /// residual, iterations, message and the energy, counted from the undeformed body, are set.
+  /// Solves start from this state. The energy, and the coordinates of a tool that prescribes
+  /// points, count from it. Without a load it has converged, with empty u and p.
   [[nodiscard]] const Equilibrium& settled() const;
 
-  /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at
-  /// t [d], m; without t, where its coordinates are 0. Call set_interaction() before.
-  /// @throws InputError the body is not at rest with the tool there: it touches the body.
+  /// The body at rest (u = 0 without a load) with its sensitivity and stiffness, the tool at t [d],
+  /// m; without t, at the coordinates 0. Call set_interaction() before.
+  /// @throws InputError the tool at t touches the body.
   [[nodiscard]] Equilibrium rest(const Eigen::VectorXd& t);
   [[nodiscard]] Equilibrium rest();
 
-  /// Moves the tool from where it is in `start` to t [d], m. `start` is an equilibrium of
-  /// the same tool with its sensitivity, such as rest(). The result depends on `start`, t
-  /// and the options alone, not on what was solved before.
+  /// Moves the tool from its place in `start` to t [d], m. `start` is an equilibrium of the same
+  /// tool with its sensitivity, such as rest(). The result depends on `start`, t and the options
+  /// alone, not on earlier solves.
   [[nodiscard]] Equilibrium solve(const Eigen::VectorXd& t, const Equilibrium& start,
                                   Tangent tangent = Tangent::factorised);
 
-  /// The equilibrium near a state that is one but for small errors, with the tool where it is: of a
-  /// configuration whose fields were reduced.
-  /// @param near t, u [3 × num_points] and the pressures p, or none, count alone.
+  /// Finds the equilibrium near a state that has small errors, such as one whose fields were
+  /// reduced, with the tool held in place.
+  /// @param near Only t, u [3 × num_points] and p, which may be empty, are used.
   [[nodiscard]] Equilibrium settle(const Equilibrium& near);
 
-  /// Tells that no solve will start from this state again: if its factor is kept, it is the next to
-  /// be replaced.
+  /// Says that no further solve starts from this state: if its factor is kept, it is the next to be
+  /// replaced.
   void forget(const Equilibrium& state);
 
   /// Follows the equilibrium path from `start` until it reaches t, however often it folds.
@@ -107,7 +107,7 @@ class EquilibriumSolver {
                            const PathOptions& options = {});
 
   /// 1-norm condition number of the tangent K_ii at an equilibrium, estimated (Hager, Higham).
-  /// Costs a factorisation and a few solves.
+  /// It takes a factorisation and a few solves.
   [[nodiscard]] double condition(const Equilibrium& state);
 
  private:
@@ -115,7 +115,8 @@ class EquilibriumSolver {
   std::unique_ptr<Impl> impl_;
 };
 
-/// @throws InputError the body finds no rest under its body force; one that was aborted passes.
+/// @throws InputError the body finds no rest under its loads. If the search was aborted, it does
+///   not throw.
 void require_rest(const EquilibriumSolver& solver);
 
 }  // namespace palpate

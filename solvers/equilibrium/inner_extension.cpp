@@ -4,7 +4,7 @@
 namespace palpate {
 namespace {
 
-/// Of the residual.
+/// Relative residual of conjugate gradients.
 constexpr double kTolerance = 1e-3;
 
 }  // namespace
@@ -15,7 +15,7 @@ InnerExtension::InnerExtension(const Assembly& assembly, const std::vector<Index
   for (const Index p : known) {
     for (int a = 0; a < 3; ++a) is_known[static_cast<std::size_t>(3 * p + a)] = 1;
   }
-  // The number of each unknown among those inside; −1: it is not.
+  // The index of each unknown among those inside; −1: it is not inside.
   const std::vector<Index>& state_of_unknown = assembly.state_of_unknown();
   std::vector<Index> number(state_of_unknown.size(), -1);
   for (std::size_t i = 0; i < state_of_unknown.size(); ++i) {

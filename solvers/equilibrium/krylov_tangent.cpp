@@ -9,19 +9,20 @@
 namespace palpate {
 namespace {
 
-/// As many iterations as a factorisation of a body of a hundred thousand unknowns costs; those of
-/// the last two come to a quarter of a second in a smaller body, which may be a coarse shell: one
-/// of 1 400 unknowns takes 850.
+/// The largest number of iterations is kMostTimesUnknowns over the number of unknowns, within two
+/// bounds. The lower one takes as long as a factorisation of a body of a hundred thousand unknowns.
+/// In a smaller body the iterations take at most a quarter of a second; it may be a coarse shell,
+/// of which one with 1 400 unknowns needs 850.
 constexpr int kUsualMostIterations = 300;
 constexpr int kMostIterations = 3000;
 constexpr int kMostTimesUnknowns = 3'000'000;
-/// A preconditioner that needs more than so many times the iterations of its first solve is made
-/// anew: that costs about as much as five of them.
+/// A preconditioner is made anew if it needs this many times the iterations of its first solve;
+/// making it costs about as much as five iterations.
 constexpr double kMuchWorse = 1.5;
-/// Shares of the tangent at rest that are added to one that is indefinite. The first with which it
-/// is definite gives the preconditioner that is nearest.
+/// Shares of the tangent at rest that are added to an indefinite tangent. The first sum that is
+/// definite gives the nearest preconditioner.
 constexpr double kSharesOfRest[] = {0.1, 0.3, 1};
-/// More negative eigenvalues than an elastic body has where anything of it is of interest.
+/// The largest number of negative eigenvalues; an elastic body in a state of interest has fewer.
 constexpr int kMostTurned = 12;
 
 }  // namespace
@@ -76,7 +77,7 @@ void KrylovTangent::prepare() {
 }
 
 void KrylovTangent::refresh_with_rest() {
-  // The rows of what the tool holds do no harm.
+  // The rows of held nodes do no harm.
   std::vector<double> mixture(rest_values_.size());
   for (const double share : kSharesOfRest) {
     std::transform(values_->begin(), values_->end(), rest_values_.begin(), mixture.begin(),

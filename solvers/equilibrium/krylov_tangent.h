@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tangent of a body that is too large for a factor: systems with it are solved by conjugate
+// The tangent of a body that is too large to be factorised. Systems with it are solved by conjugate
 // gradients (iterative/conjugate_gradients.h).
 //
-// The preconditioner is made for the first tangent of a solve, and again where it serves a later
-// one much worse than that: what a solve gives depends on nothing that was solved before it. Where
-// a tangent is indefinite, so that none can be made for it, one of the same solve or that of the
-// body at rest stays, and directions of negative curvature are turned (iterative/operator.h): so a
-// body is followed where it is unstable, too, as it is with a factor.
+// The preconditioner is made for the first tangent of a solve, and again when it serves a later one
+// much worse. So the result of a solve does not depend on earlier solves. If a tangent is
+// indefinite, no preconditioner can be made for it: an earlier one of the same solve is used, or
+// that of a sum with the tangent at rest. Directions of negative curvature are turned
+// (iterative/operator.h), so that a body can be followed into unstable states as with a factor.
 #pragma once
 
 #include <memory>
@@ -28,44 +28,46 @@ class KrylovTangent {
   KrylovTangent(const TetMesh& mesh, const Assembly& assembly,
                 const std::vector<double>& rest_values);
 
-  /// Takes the unknowns of a tool. @param held 1 for each node that it holds [num_nodes].
+  /// Sets the unknowns that a tool holds.
+  /// @param held 1 for each node that is held [num_nodes].
   void hold(const std::vector<char>& held);
 
   /// Begins a solve: the next tangent gets a preconditioner of its own.
   void begin_solve();
 
-  /// Takes a tangent, which must outlive its use.
+  /// Takes a tangent. The values must outlive their use.
   void take(const std::vector<double>& values);
 
-  /// Overwrites each column with the solution for it of the tangent that was taken.
-  /// @param tolerance Of each residual, as a share of its right-hand side.
+  /// Overwrites each column with the solution for it, by the tangent that was taken.
+  /// @param tolerance Residual of each column, as a share of its right-hand side.
   [[nodiscard]] SolveSummary solve(Eigen::Ref<Eigen::MatrixXd> columns, double tolerance);
 
-  /// What can be said of the inertia of the tangent that was taken.
+  /// An estimate of the inertia of the tangent that was taken.
   [[nodiscard]] Inertia inertia();
 
  private:
   void prepare();
-  /// Makes a preconditioner for a tangent that is indefinite.
+  /// Makes a preconditioner for an indefinite tangent, with the help of the tangent at rest.
   void refresh_with_rest();
 
   std::shared_ptr<const BlockPattern> pattern_;
   NodeLevels levels_;
   const std::vector<double>& rest_values_;
-  /// Of one solve.
+  /// The largest number of iterations of one solve.
   int max_iterations_ = 0;
   std::vector<char> held_;
-  /// Null until a tangent is solved for with what is held.
+  /// Null until the first tangent with these held nodes is solved for.
   std::unique_ptr<Preconditioner> preconditioner_;
   KrylovSolver solver_{{}};
   const std::vector<double>* values_ = nullptr;
   std::unique_ptr<Operator> operator_;
-  /// Of the preconditioner for the tangent that was taken, where one was tried.
+  /// The result of making the preconditioner for this tangent, if that was tried.
   SetupReport setup_;
   bool is_stale_ = true;
-  /// The preconditioner is that of a tangent of this solve.
+  /// The preconditioner belongs to a tangent of this solve.
   bool is_of_this_solve_ = false;
-  /// Iterations for a tenfold smaller residual, when the preconditioner was new; 0: not known yet.
+  /// Iterations per tenfold decrease of the residual when the preconditioner was new; 0: not known
+  /// yet.
   double first_rate_ = 0;
 };
 

@@ -15,7 +15,7 @@ void take_determinant(const Assembly& assembly, const NodalVector& x, Linearised
 
 namespace {
 
-/// Fills in what follows from x.
+/// Fills in the members that follow from x.
 void take_vector(const CondensedSystem& system, const NodalVector& x, LinearisedState& state) {
   const Assembly& assembly = system.assembly();
   state.u = x.head(3 * Eigen::Index{assembly.num_points()});
@@ -23,7 +23,7 @@ void take_vector(const CondensedSystem& system, const NodalVector& x, Linearised
   take_determinant(assembly, x, state);
 }
 
-/// Fills in what follows from v of the free unknowns.
+/// Fills in the members that follow from v of the free unknowns.
 void take_sensitivity(const CondensedSystem& system, const Eigen::Ref<const Eigen::MatrixXd>& v_i,
                       LinearisedState& state) {
   const Assembly& assembly = system.assembly();
@@ -40,7 +40,7 @@ void take_sensitivity(const CondensedSystem& system, const Eigen::Ref<const Eige
       system.pressure_scale().asDiagonal() * sensitivity.bottomRows(assembly.num_pressures());
 }
 
-/// Of the state's t, how far a Newton step would still move the body.
+/// The length of a Newton step, as a share of the displacement scale at t.
 double error_of(const CondensedSystem& system, const NodalVector& newton_step,
                 const Eigen::VectorXd& t) {
   return newton_step.head(3 * Eigen::Index{system.assembly().num_points()})
@@ -57,7 +57,7 @@ void take_stiffness(const Eigen::MatrixXd& k, LinearisedState& state) {
   state.stiffness = 0.5 * (k + k.transpose());
 }
 
-/// The body at rest with a tool that it does not feel.
+/// The linearisation of the body at rest with a tool that does not touch it.
 Linearisation at_rest_alone(const CondensedSystem& system, const Eigen::VectorXd& t,
                             const NodalVector& x) {
   const Assembly& assembly = system.assembly();
@@ -75,17 +75,18 @@ Linearisation at_rest_alone(const CondensedSystem& system, const Eigen::VectorXd
   return result;
 }
 
-/// Iterations of conjugate gradients at most: more would cost as much as a factorisation.
+/// The largest number of iterations of conjugate gradients; more would cost as much as a
+/// factorisation.
 constexpr int kMaxGradientSteps = 14;
 
-/// A step of refinement that is this small beside v leaves an error of about its square.
+/// A step of refinement that is shorter than this share of v leaves an error of about its square.
 constexpr double kLastRefinement = 1e-4;
 constexpr int kMaxRefinements = 4;
 
-/// The share of a residual that may be left of a Newton step of which the length alone counts.
+/// The allowed relative residual of a Newton step, of which only the length counts.
 constexpr double kNewtonStepError = 1e-2;
 
-/// Takes a step of refinement of v, with a factor of the last tangent.
+/// Does a step of refinement of v, with a factor of the last tangent.
 Eigen::MatrixXd refine_once(CondensedSystem& system, TangentFactor& factor,
                             Eigen::Ref<Eigen::MatrixXd> v) {
   Eigen::MatrixXd step = -system.mixed() - system.times_tangent(v);
@@ -94,8 +95,8 @@ Eigen::MatrixXd refine_once(CondensedSystem& system, TangentFactor& factor,
   return step;
 }
 
-/// Makes v accurate, which comes of a rough factor of the last tangent.
-/// @returns false where the factor is not good enough.
+/// Refines v, which comes from a rough factor of the last tangent.
+/// @returns false: the factor is not good enough.
 bool refine(CondensedSystem& system, TangentFactor& factor, Eigen::Ref<Eigen::MatrixXd> v) {
   for (int i = 0; i < kMaxRefinements; ++i) {
     const Eigen::MatrixXd step = refine_once(system, factor, v);
@@ -138,7 +139,7 @@ std::optional<Linearisation> linearise(CondensedSystem& system, const Eigen::Vec
   result.newton_step = system.as_state(solutions.col(coordinates));
   state.displacement_error = error_of(system, result.newton_step, t);
   if (system.is_linear()) {
-    // All displacements are made of v.
+    // All displacements are multiples of v, so its error counts.
     const Eigen::MatrixXd error = refine_once(system, *factor, v_i);
     state.displacement_error =
         std::max(state.displacement_error, error.rowwise().lpNorm<1>().maxCoeff());
@@ -248,7 +249,7 @@ std::optional<Linearisation> linearise_without_factor(CondensedSystem& system,
   state.displacement_error = error_of(system, result.newton_step, t);
   Eigen::MatrixXd residual = -system.mixed() - system.times_tangent(v);
   if (system.is_linear()) {
-    // All displacements are made of v.
+    // All displacements are multiples of v, so its error counts.
     Eigen::MatrixXd refinement = residual;
     if (system.solve(refinement, error).status != SolveStatus::converged) return std::nullopt;
     v += refinement;

@@ -12,18 +12,19 @@
 namespace palpate {
 namespace {
 
-/// Iterations of one step along the path; a step that wants more is halved.
+/// The largest number of iterations of a step along the path; a step that needs more is halved.
 constexpr int kMaxStepIterations = 20;
-/// A step that takes this many keeps its length.
+/// A step with this number of iterations keeps its length.
 constexpr double kUsualIterations = 8;
-/// A factor serves as long as the residual shrinks to at most this share an iteration.
+/// A factor is used as long as an iteration leaves at most this share of the residual.
 constexpr double kContraction = 0.25;
-/// Cosine between the tangents at the ends of a step; less, and the step may have left its branch.
+/// The least cosine between the tangents at the ends of a step; below it, the step may have left
+/// its branch.
 constexpr double kLeastTurnCosine = 0.9;
 /// The shortest step, as a share of the first.
 constexpr double kShortestStep = 1e-4;
 
-/// A point (x, λ) of the path or a direction there; x in the whole state, with the points that the
+/// A point (x, λ) of the path, or a direction there; x is a whole state, with the points that the
 /// tool prescribes.
 struct Vector {
   NodalVector x;
@@ -84,7 +85,7 @@ class Follower {
     return a.x.dot(b.x) + weight_ * a.way * b.way;
   }
 
-  /// Of unit length, λ rising.
+  /// The tangent of unit length along which λ increases.
   [[nodiscard]] Vector tangent_at(const Equilibrium& equilibrium) const {
     Vector tangent{system_.sensitivity_of(equilibrium) * (target_ - t_0_), 1};
     const double length = std::sqrt(product(tangent, tangent));
@@ -98,7 +99,7 @@ class Follower {
                             equilibrium.minimum_det_f, equilibrium.negative_pivots});
   }
 
-  /// One step of the present length; false when it has to be shorter.
+  /// Does one step of the present length; false: it has to be shorter.
   bool advance() {
     Vector next{here_.x + length_ * tangent_.x, here_.way + length_ * tangent_.way};
     int iterations = 0;
@@ -136,8 +137,8 @@ class Follower {
     return true;
   }
 
-  /// Newton, with a factor as long as it contracts, from a predicted point to the path: in the
-  /// plane across the tangent, or at its λ.
+  /// Corrects a predicted point to the path, in the plane normal to the tangent or at constant λ,
+  /// by Newton's method with a factor that is kept as long as it contracts.
   bool correct_across(bool at_its_way, Vector& point, int& iterations, double& residual) {
     TangentFactor* factor = system_.find_factor(at_.t, here_.x);
     if (factor == nullptr) factor = system_.factorise(at_.t, here_.x);
@@ -175,14 +176,15 @@ class Follower {
     }
   }
 
-  /// Between the present point and the next one λ(s), with its slopes known, has its maximum.
+  /// Adds the fold at the maximum of λ(s) between the present point and the next one, where the
+  /// slopes are known.
   void add_fold(const Equilibrium& next, const Vector& point, const Vector& tangent) {
     const double s =
         std::sqrt((point.x - here_.x).squaredNorm() + weight_ * std::pow(point.way - here_.way, 2));
     const double slope_0 = tangent_.way * s;
     const double slope_1 = tangent.way * s;
     const double rise = point.way - here_.way;
-    // λ' of the cubic: a x² + b x + c on [0, 1], positive at 0 and negative at 1.
+    // The derivative of the cubic λ is a x² + b x + c on [0, 1], positive at 0 and negative at 1.
     const double a = 3 * (slope_0 + slope_1 - 2 * rise);
     const double b = 2 * (3 * rise - 2 * slope_0 - slope_1);
     const double c = slope_0;
@@ -197,7 +199,7 @@ class Follower {
     fold_after_.push_back(path_.points.size() - 1);
   }
 
-  /// Finds for each fold where the path comes by its λ again, rising.
+  /// Finds for each fold the point at which the path reaches its λ again, with λ increasing.
   void land() {
     for (std::size_t f = 0; f < path_.folds.size(); ++f) {
       Fold& fold = path_.folds[f];
@@ -219,7 +221,7 @@ class Follower {
   const Interruption& interruption_;
   Eigen::VectorXd t_0_;
   Eigen::VectorXd target_;
-  /// What λ weighs beside x in the length of the arc: at the start as much as x does.
+  /// The weight of λ in the arc length: at the start, λ counts as much as x.
   double weight_ = 1;
 
   /// The last point, as an equilibrium and as a vector, and the tangent there.
@@ -228,11 +230,11 @@ class Follower {
   Vector tangent_;
   double first_length_ = 0;
   double length_ = 0;
-  /// The step that was tried last leads to where the tool is inside the body.
+  /// In the step that was tried last, the tool has passed through the surface of the body.
   bool goes_through_ = false;
   int iterations_ = 0;
   Path path_;
-  /// First point behind each fold.
+  /// Index of the first point behind each fold.
   std::vector<std::size_t> fold_after_;
 };
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The equilibrium path of a body whose tool is moved along a straight way t(λ) = t₀ + λ (t₁ − t₀),
-// also where it turns back: at a fold λ falls on, and the equilibria between two folds are not
-// stable while the tool is held.
+// The equilibrium path of a body whose tool is moved along the straight line t(λ) = t₀ + λ (t₁ −
+// t₀), also where it turns back: behind a fold λ decreases, and the equilibria between two folds
+// are not stable while the tool is held.
 //
-// The unknowns are (x_i, λ); a step of the length of the arc leads along the tangent of the path
-// and is corrected in the plane across it (Riks 1979; Crisfield 1981), by two solves with a factor
-// of K_ii instead of one of the bordered matrix:
+// The unknowns are (x_i, λ). A step of a given arc length goes along the tangent of the path, and
+// is corrected in the plane normal to it (Riks 1979; Crisfield 1981). Each correction takes two
+// solves with a factor of K_ii instead of one with the bordered matrix:
 //
 //   K_ii w = −∂²Π/∂x_i∂q (t₁ − t₀),   K_ii y = −r,   δx = y + δλ w,   δλ from the plane
 #pragma once
@@ -18,9 +18,9 @@
 namespace palpate {
 
 struct PathOptions {
-  /// The share of the way that the first step takes.
+  /// The first step, as a share of the distance.
   double first_step = 1.0 / 16;
-  /// No step is longer than this many times the first one.
+  /// The longest step, as a multiple of the first one.
   double largest_step = 2;
   /// The largest number of points of the path.
   int max_points = 400;
@@ -38,16 +38,16 @@ struct PathPoint {
   /// h [d], N.
   Eigen::VectorXd reaction;
   double minimum_det_f = 1;
-  /// Negative pivots of K_ii: 0 where the equilibrium is stable while the tool is held.
+  /// Negative pivots of K_ii; 0: the equilibrium is stable while the tool is held.
   int negative_pivots = 0;
 };
 
 struct Path {
-  /// The points of the path in their order, the start the first.
+  /// The points of the path in their order, from the start on.
   std::vector<PathPoint> points;
-  /// The folds at which λ begins to fall; those at which it begins to rise again lie between them.
+  /// The folds at which λ begins to decrease. Those at which it increases again lie between them.
   std::vector<Fold> folds;
-  /// The last equilibrium: at t₁ when the outcome is converged.
+  /// The last equilibrium; if its outcome is converged, it is at t₁.
   Equilibrium end;
 };
 

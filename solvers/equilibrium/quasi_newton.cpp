@@ -9,7 +9,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMaxPairs = 20;
-/// An update whose pair is closer to orthogonal than this would be lost in rounding.
+/// Smallest cosine between the vectors of a pair; closer to orthogonal, an update is lost in
+/// rounding.
 constexpr double kLeastCosine = 1e-8;
 
 class Bfgs final : public QuasiNewton {
@@ -54,8 +55,8 @@ class Bfgs final : public QuasiNewton {
   std::vector<Pair> pairs_;
 };
 
-/// H' = (I + a sᵀ) H with a = (s − H y)/(sᵀ H y), kept as a product. H y is not known before the
-/// next direction has solved for the new residual, so an update waits until then.
+/// The update is H' = (I + a sᵀ) H with a = (s − H y)/(sᵀ H y), stored as a product. H y is not
+/// known before the next direction has solved for the new residual, so an update waits until then.
 class Broyden final : public QuasiNewton {
  public:
   void clear() override {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Approximations of K⁻¹ by the factor of a tangent at another state and the last steps. An update
-// costs a few products of vectors, a factorisation as much as thirty solves.
+// costs a few inner products, a factorisation as much as thirty solves.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,20 +11,20 @@ namespace palpate {
 
 class QuasiNewton {
  public:
-  /// Overwrites each column with its product with the inverse of the tangent at the other state.
+  /// Overwrites each column with its product with the inverse of the factorised tangent.
   using Solve = std::function<void(Eigen::Ref<Eigen::MatrixXd>)>;
 
   virtual ~QuasiNewton() = default;
   QuasiNewton(const QuasiNewton&) = delete;
   QuasiNewton& operator=(const QuasiNewton&) = delete;
 
-  /// Forgets all steps. Call this when the factor is another.
+  /// Forgets all steps. Call this when the factor changes.
   virtual void clear() = 0;
-  /// Overwrites each column with its product with K⁻¹, approximately.
+  /// Overwrites each column with its product with the approximation of K⁻¹.
   virtual void apply(Eigen::Ref<Eigen::MatrixXd> columns, const Solve& solve) const = 0;
-  /// −K⁻¹ r, approximately. The next update() is about the step along it.
+  /// −K⁻¹ r by the approximation. The next update() is about the step along it.
   [[nodiscard]] virtual Eigen::VectorXd direction(const Eigen::VectorXd& r, const Solve& solve) = 0;
-  /// Learns from a step.
+  /// Updates the approximation by a step.
   /// @param step Change of the unknowns since the last direction().
   /// @param change Change of the residual meanwhile.
   virtual void update(const Eigen::VectorXd& step, const Eigen::VectorXd& change) = 0;

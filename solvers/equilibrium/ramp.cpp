@@ -8,12 +8,12 @@
 namespace palpate {
 namespace {
 
-/// An increment is halved this often at the most.
+/// The largest number of times that the first increment is halved.
 constexpr int kMostHalvings = 8;
-/// Where one was halved, this many are taken before it is doubled.
+/// After a halving, the number of increments that must converge before the increment is doubled.
 constexpr int kIncrementsBeforeDoubling = 2;
 
-/// What the corrector starts from.
+/// The state from which the corrector starts.
 LinearisedState state_at(const CondensedSystem& system, const Eigen::VectorXd& q,
                          const NodalVector& x) {
   LinearisedState state;
@@ -23,7 +23,7 @@ LinearisedState state_at(const CondensedSystem& system, const Eigen::VectorXd& q
   return state;
 }
 
-/// Whether the equilibrium x is one that the body stays in.
+/// Whether the equilibrium x is stable.
 bool is_stable(CondensedSystem& system, const Eigen::VectorXd& q, const NodalVector& x) {
   if (system.is_iterative()) {
     system.assemble_tangent(q, x);
@@ -49,7 +49,7 @@ RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
   double increment = ramp.longest_increment;
   const double least_increment = std::ldexp(increment, -kMostHalvings);
   int good_increments = 0;
-  // The change of x for a unit of the share.
+  // The change of x per unit of the share.
   NodalVector slope = NodalVector::Zero(x.size());
   while (end.share < 1) {
     const double next = std::min(1.0, end.share + increment);
@@ -66,8 +66,8 @@ RampEnd follow_ramp(CondensedSystem& system, const EquilibriumOptions& options,
     end.iterations += correction.iterations;
     end.residual = correction.residual;
     end.outcome = correction.outcome;
-    // An increment that is too long may end on another branch, which has cells inside out and is
-    // not stable. A corner that is inside out in a stable equilibrium is none of its faults.
+    // An increment that is too long may end on another branch, which has inverted cells and is not
+    // stable. An inverted corner in a stable equilibrium has another cause.
     end.is_unstable = end.outcome == Outcome::converged &&
                       system.assembly().minimum_det_f(trial).value <= 0 &&
                       !is_stable(system, q, trial);

@@ -18,20 +18,23 @@
 namespace palpate {
 namespace {
 
-/// A factor of so many points is timed: some hundredths of a second.
+/// The number of points of the part that is factorised, which takes some hundredths of a second.
 constexpr std::size_t kTimedPoints = 2500;
 constexpr int kRuns = 3;
 
 constexpr double kFactorisationExponent = 1.28;
-/// The error of the sensitivity of an equilibrium without a factor, and how many times as long as
-/// that the whole takes, of cubes of 20 000 to 300 000 unknowns (tests/benchmark/large.cpp).
+/// The relative error of the sensitivity of an equilibrium without a factor; and the time of the
+/// whole equilibrium as a multiple of the time of its sensitivity, as measured on cubes of 20 000
+/// to 300 000 unknowns (tests/benchmark/large.cpp).
 constexpr double kColumnError = 1e-6;
 constexpr double kIterationsOfEquilibrium = 3.5;
-/// Of a factor's numbers: what they take with the indices and the work space of MUMPS.
+/// The memory of a factor with the indices and the work space of MUMPS, as a multiple of its
+/// numbers.
 constexpr double kWithWorkSpace = 1.35;
-/// Pattern, values and their copy in MUMPS, and the arrays of the elements.
+/// Memory per unknown of the pattern, the values, their copy in MUMPS and the arrays of the
+/// elements.
 constexpr double kBytesOfUnknown = 2100;
-/// Of a factor of single precision beside one of full precision.
+/// Time and memory of a factor in single precision, as shares of those in full precision.
 constexpr double kSingleSeconds = 0.64;
 constexpr double kSingleBytes = 0.5;
 
@@ -46,7 +49,7 @@ double least_seconds(const std::function<void()>& work) {
   return least;
 }
 
-/// The same body, of which all but the points nearest to one of the free ones are held.
+/// The body with all points held but those nearest to one of the free points.
 Scene hold_most(const Scene& scene) {
   const std::vector<char> used = points_in_use(scene.mesh);
   std::vector<std::size_t> points;
@@ -86,7 +89,7 @@ void measure_factor(const Scene& scene, const Assembly& body, LinearSolver& whol
   const double larger = bytes / static_cast<double>(solver->factor_bytes());
   cost.factorisation_seconds = std::pow(larger, kFactorisationExponent) *
                                least_seconds([&] { (void)solver->factorise(values); });
-  // A body that is held nowhere has no factor to solve with; the solve itself says so.
+  // A body that is not held has no factor to solve with; the solve itself reports that.
   if (solver->factorise(values) == FactorStatus::ok) {
     Eigen::MatrixXd column = Eigen::MatrixXd::Ones(timed.pattern().size, 1);
     cost.solve_seconds = larger * least_seconds([&] { solver->solve(column); });

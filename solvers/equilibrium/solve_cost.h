@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the solves of a body will take, told before the first of them: a person who waits an hour
-// wants to know it before, and one whose machine has too little memory too.
+// The expected cost of the solves of a body, told before the first of them: a user who would wait
+// an hour, or whose machine has too little memory, wants to know it before.
 //
 // Residual and tangent are timed, and the body is ordered, so that the size of its factor is known.
-// A factor of all of it may take minutes, so that it is timed on a part of the body, whose other
-// points are held, and the time is scaled by
+// To factorise all of it may take minutes. So a part of the body, with the other points held, is
+// factorised, and the time is scaled by
 //
-//   t ~ b^1.28 for a factorisation, t ~ b for a solve, b the bytes of the factor
+//   t ~ b^1.28 for a factorisation, t ~ b for a solve, where b is the size of the factor in bytes
 //
-// which is what cubes of 6 000 to 300 000 unknowns take (tests/benchmark/growth.cpp); the count of
-// operations grows with b^1.5, and large factors are made more efficiently than small ones.
+// as was measured on cubes of 6 000 to 300 000 unknowns (tests/benchmark/growth.cpp). The count of
+// operations grows with b^1.5, but large factors are made more efficiently than small ones.
 //
-// Where the body is solved for without a factor (tangent_solver.h), three columns are solved for at
-// rest: an equilibrium takes a multiple of that.
+// If the body is solved for without a factor (tangent_solver.h), three columns are solved for at
+// rest; an equilibrium takes a multiple of that time.
 #pragma once
 
 #include <string>
@@ -21,35 +21,36 @@
 
 namespace palpate {
 
-/// The parts of a solve, of which factors are in full precision.
+/// The times of the parts of a solve, with factors in full precision.
 struct SolveCost {
   Index num_unknowns = 0;
   /// The length of a state, see Assembly::state_size().
   Index state_size = 0;
-  /// Time of one, s; a solve is with one right-hand side.
+  /// Time of one operation, s; a solve has one right-hand side.
   double residual_seconds = 0;
   double assembly_seconds = 0;
   double factorisation_seconds = 0;
   double solve_seconds = 0;
-  /// Without a factor: a preconditioner and three columns. Then the two above are 0.
+  /// Time of a preconditioner and three columns, if there is no factor; the two above are 0 then.
   double iteration_seconds = 0;
   [[nodiscard]] bool has_factor() const { return iteration_seconds == 0; }
-  /// What a factor takes in memory with the indices and the work space of its library, bytes.
+  /// Memory of a factor with the indices and the work space of its library, bytes.
   double factor_bytes = 0;
-  /// The same of all else that a solver has of the body.
+  /// Memory of everything else that a solver has of the body, bytes.
   double body_bytes = 0;
 };
 
-/// It takes about a second for 100 000 unknowns, and next to nothing for 10 000.
-/// @param scene It was checked, see check().
+/// Measures the cost. This takes about a second for 100 000 unknowns, and next to nothing for 10
+/// 000.
+/// @param scene A scene that check() accepts.
 /// @param linear_solver One of tangent_solver_names(); empty: the one that suits the body.
 /// @param threads As in EquilibriumOptions.
-/// @throws InputError as Assembly, or no solver of that name; BackendError the body cannot be
-///   ordered.
+/// @throws InputError as Assembly, or there is no solver of that name.
+/// @throws BackendError the body cannot be ordered.
 [[nodiscard]] SolveCost measure_solve_cost(const Scene& scene,
                                            const std::string& linear_solver = {}, int threads = 0);
 
-/// How often a part is done.
+/// How often each operation is done.
 struct WorkCount {
   double factorisations = 0;
   double right_hand_sides = 0;
@@ -57,15 +58,18 @@ struct WorkCount {
   double assemblies = 0;
 };
 
-/// @param work With a factor. Without one an equilibrium takes the same however it is reached.
-/// @param single_precision Of the factors.
+/// The time of some work, s.
+/// @param work The work with a factor. Without one, every equilibrium is taken to need the same
+///   time.
+/// @param single_precision The precision of the factors.
 [[nodiscard]] double seconds_of(const WorkCount& work, const SolveCost& cost,
                                 bool single_precision);
 
-/// An equilibrium that is one step away from rest, with its sensitivity, in full precision.
+/// The work of an equilibrium one step away from rest, with its sensitivity, in full precision.
 [[nodiscard]] WorkCount work_of_equilibrium();
 
-/// @param kept_factors How many factors are in memory at the same time.
+/// The memory of a solver, bytes.
+/// @param kept_factors The number of factors that are in memory at the same time.
 [[nodiscard]] double solver_bytes(const SolveCost& cost, double kept_factors,
                                   bool single_precision);
 

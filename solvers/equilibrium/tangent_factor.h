@@ -10,8 +10,8 @@ class TangentFactor {
  public:
   virtual ~TangentFactor() = default;
 
-  /// Overwrites each column with the solution for it. The rows of held unknowns have no influence
-  /// on the others.
+  /// Overwrites each column with the solution for it. The rows of held unknowns do not influence
+  /// the others.
   virtual void solve(Eigen::Ref<Eigen::MatrixXd> columns) = 0;
   /// The number of negative eigenvalues of K_ii.
   [[nodiscard]] virtual int negative_pivots() const = 0;

@@ -11,12 +11,12 @@
 namespace palpate {
 namespace {
 
-/// Bodies of one tissue take 15 to 25 iterations. With more than this, strained states, which take
-/// more, may not be solved for at all.
+/// The largest number of iterations at rest. Bodies of one tissue take 15 to 25. With more than
+/// this, strained states, which take more, may not be solved for at all.
 constexpr int kMostIterations = 100;
 constexpr double kTrialError = 1e-6;
 
-/// Whether conjugate gradients solve for the body at rest.
+/// Whether conjugate gradients solve well for the body at rest.
 bool is_solved_well(const Scene& scene) {
   const Assembly assembly(scene);
   NodalVector force;

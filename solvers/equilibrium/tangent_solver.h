@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What tangents are solved with: a factor, or for large bodies conjugate gradients.
+// The choice of how tangents are solved with: by a factor or, for large bodies, by conjugate
+// gradients.
 #pragma once
 
 #include <memory>
@@ -11,31 +12,34 @@
 
 namespace palpate {
 
-/// The name of the way without a factor.
+/// The name of the solver that needs no factor.
 inline constexpr const char* kConjugateGradients = "Conjugate gradients";
 
-/// From so many unknowns on, a body is solved for without a factor where nobody says how. The time
-/// of a configuration is less from six thousand on (tests/benchmark/large.cpp), but a factor tells
-/// more: the inertia, and what is beyond a fold.
+/// From this number of unknowns on, a body may be solved for without a factor if no solver is
+/// named. A configuration takes less time from six thousand unknowns on
+/// (tests/benchmark/large.cpp), but a factor tells more: the inertia, and what is beyond a fold.
 inline constexpr long kUnknownsWithoutFactor = 10'000;
 
-/// The names of linear solvers (linear/linear_solver.h), the default first, and the one above.
+/// The names of the linear solvers (linear/linear_solver.h), the default first, and
+/// kConjugateGradients.
 [[nodiscard]] std::vector<std::string> tangent_solver_names();
 
-/// As EquilibriumSolver takes it: null for conjugate gradients.
-/// @throws InputError there is none of that name.
+/// The solver for EquilibriumSolver; null for conjugate gradients.
+/// @throws InputError there is no solver of that name.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_tangent_solver(const std::string& name);
 
-/// The number of components of points that are free.
+/// The number of displacement components of the free points.
 [[nodiscard]] long count_unknowns(const Scene& scene);
 
-/// Whether a body may be solved for without a factor where nobody says how: it is large, and has no
+/// Whether a body may be solved for without a factor if no solver is named: it is large and has no
 /// pressures.
 [[nodiscard]] bool may_do_without_factor(const Scene& scene);
 
-/// The one that suits a body, as EquilibriumSolver takes it. Conjugate gradients are tried at rest:
-/// where they take many iterations, as with tissues that differ ten thousandfold, it is a factor.
-/// @param scene It was checked, see check(). @param threads As in EquilibriumOptions.
+/// The solver that suits a body, for EquilibriumSolver. Conjugate gradients are tried at rest. If
+/// they take many iterations, as with tissues whose stiffnesses differ ten thousandfold, the body
+/// is factorised.
+/// @param scene A scene that check() accepts.
+/// @param threads As in EquilibriumOptions.
 [[nodiscard]] std::unique_ptr<LinearSolver> choose_tangent_solver(const Scene& scene,
                                                                   int threads = 0);
 

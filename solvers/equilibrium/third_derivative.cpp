@@ -12,17 +12,17 @@
 namespace palpate {
 namespace {
 
-/// The largest strain that a step makes. The error of a difference is its square, and rounding,
-/// which is 1e-16 over the square, comes to as much at a third of it: 1e-7 of T in all, also where
-/// the body is stiff against a change of volume. v may be off by more.
+/// The largest strain of a difference step. The relative error of the difference is its square.
+/// Rounding, 1e-16 over the square, is as large at a third of this strain. The error of T is 1e-7
+/// in all, also where the body is stiff against changes of volume. v may have a larger error.
 constexpr double kStrain = 3e-4;
-/// The longest step beside a displacement that matters: the potential of a tool has a scale of its
-/// own.
+/// The longest step as a share of the displacement scale: the potential of a tool has a scale of
+/// its own.
 constexpr double kLongestStep = 1e-3;
-/// A step may be halved this often where an end of it inverts a cell.
+/// A step is halved at most this often if one of its ends inverts a cell.
 constexpr int kMaxHalvings = 12;
 
-/// Axes of the components.
+/// The axes of each component of T.
 constexpr int kAxes[10][3] = {{0, 0, 0}, {0, 0, 1}, {0, 0, 2}, {0, 1, 1}, {0, 1, 2},
                               {0, 2, 2}, {1, 1, 1}, {1, 1, 2}, {1, 2, 2}, {2, 2, 2}};
 
@@ -31,8 +31,8 @@ struct SecondDifferences {
   Vec3 of[3][3];
 };
 
-/// About the largest strain that the columns of v make for a unit of t each: of the ways from node
-/// to node of a cell, 1/m.
+/// About the largest strain of the columns of v per unit of t, 1/m: of the lines from node to node
+/// of a cell.
 double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
   double largest_square = 0;
   const int nodes = nodes_per_cell(mesh.order);
@@ -50,7 +50,7 @@ double largest_strain(const TetMesh& mesh, const Eigen::MatrixXd& v) {
   return std::sqrt(largest_square);
 }
 
-/// @returns nothing where a residual is not defined.
+/// @returns nothing: a residual is not defined.
 std::optional<SecondDifferences> differences(CondensedSystem& system, const Eigen::VectorXd& t,
                                              const NodalVector& x, const Eigen::MatrixXd& v,
                                              double step) {

@@ -5,8 +5,9 @@
 //
 //   T_abc = D²r_c[e_a, e_b]
 //
-// since what ∂v/∂t would add is multiplied by D²Π[v, ·], which is zero for all that the free
-// unknowns may do. So no system is solved: D²r comes of central second differences of the residual,
+// since the contribution of ∂v/∂t is multiplied by D²Π[v, ·], which is zero along all changes of
+// the free unknowns. So no system is solved: D²r comes from central second differences of the
+// residual,
 //
 //   D²r[d, d] = (r(x + εd) − 2 r(x) + r(x − εd)) / ε² + O(ε²)
 //
@@ -19,10 +20,10 @@
 namespace palpate {
 
 /// T at an equilibrium with its sensitivity, in the order xxx, xxy, xxz, xyy, xyz, xzz, yyy, yyz,
-/// yzz, zzz [10], N/m². This costs 13 residuals; none in a linear body, where T is zero. The
-/// relative error of T is three times that of v.
+/// yzz, zzz [10], N/m². It takes 13 residuals; none in a linear body, where T is zero. The relative
+/// error of T is three times that of v.
 /// @param system Its tool has three coordinates.
-/// @returns NaN where the residual is not defined on either side, however small the step.
+/// @returns NaN: the residual is not defined on either side, however small the step.
 [[nodiscard]] Eigen::VectorXd third_derivative(CondensedSystem& system,
                                                const Equilibrium& equilibrium);
 

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The work that a solver has done: how often it has done what, and how long that took.
+// The work that a solver has done: the number of operations of each kind, and their times, s.
 #pragma once
 
 #include <chrono>
 
 namespace palpate {
 
-/// The work done so far.
+/// The work so far.
 struct Work {
   long residuals = 0, assemblies = 0, analyses = 0, factorisations = 0, right_hand_sides = 0;
-  /// Of conjugate gradients, where there is no factor; of three columns together they count once.
+  /// Iterations of conjugate gradients, if there is no factor; those of three columns together
+  /// count once.
   long krylov_iterations = 0;
   double residual_seconds = 0, assembly_seconds = 0, analysis_seconds = 0,
          factorisation_seconds = 0, solve_seconds = 0;
 
-  /// Mean time of one assembly, one factorisation and three solves, s; 0 before any was done. A
+  /// The mean time of one assembly, one factorisation and three solves, s; 0 before any was done. A
   /// configuration cannot cost less, unless it does without a tangent of its own.
   [[nodiscard]] double floor_seconds() const;
   Work& operator+=(const Work& other);
