@@ -25,28 +25,27 @@
 namespace palpate {
 namespace {
 
-/// The error that a step of BDF2 makes, as a share of the difference of its result from a parabola
-/// through the three states before, for equal steps: 2/9 h³u‴ of 11/9 h³u‴.
+/// The error of a step of BDF2, as a share of the difference of its result from a parabola through
+/// the three states before, for equal steps: 2/9 h³u‴ of 11/9 h³u‴.
 constexpr double kErrorShare = 2.0 / 11;
-/// A step may not become longer by more than this factor, where its error allows for it. BDF2 is
-/// stable for ratios below 1 + √2.
+/// The bounds of the ratio of a step to the one before. BDF2 is stable for ratios below 1 + √2.
 constexpr double kLongestRatio = 1.6;
 constexpr double kShortestRatio = 0.3;
 constexpr double kSafety = 0.9;
-/// Where a step was halved, this many are taken before it is doubled.
+/// After a halving, this many steps are taken before the length is doubled.
 constexpr int kStepsBeforeDoubling = 4;
-/// Events that are nearer to each other than this share of the time step are at the same time.
+/// Events that are nearer to each other than this share of the time step count as simultaneous.
 constexpr double kInstant = 1e-3;
-/// s; the squares of shorter ones are of no use in the equations.
+/// Shortest time step, s; the squares of shorter ones are of no use in the equations.
 constexpr double kLeastTimeStep = 1e-12;
-/// No step is shorter than this share of the whole time: rounding would leave nothing of it.
+/// Shortest step as a share of the whole time; a shorter one would be lost in rounding.
 constexpr double kLeastShare = 1e-12;
 
-/// A tool that goes through the surface of the body in a step of this share of the longest one does
-/// not do so because the step is long.
+/// Share of the longest step at which a tool that passes through the surface of the body does not
+/// do so because of the step's length.
 constexpr double kShortestThrough = 1.0 / 16;
 
-/// What a step adds to the energy of the materials.
+/// The energy that a step adds to that of the materials.
 class StepTerm final : public EnergyTerm {
  public:
   StepTerm(const Assembly& assembly, const MassMatrix& mass, NodalVector load)
@@ -57,10 +56,10 @@ class StepTerm final : public EnergyTerm {
     inertia_ = factor;
     centre_ = centre;
   }
-  /// A force that is the same in all of the step, N [state_size].
+  /// Sets a force that is constant during the step, N [state_size].
   void set_past(const NodalVector& force) { past_ = force; }
   void set_memory(const Memory* memory) { memory_ = memory; }
-  /// The load that acts, N.
+  /// The load, N.
   [[nodiscard]] const NodalVector& load() const { return load_; }
 
   double add(const NodalVector& state, NodalVector& force,
@@ -94,22 +93,23 @@ class StepTerm final : public EnergyTerm {
   const Memory* memory_ = nullptr;
 };
 
-/// Short steps have digits too.
+/// Formats a number so that short steps keep their digits.
 std::string text_of(double number) {
   std::ostringstream text;
   text << number;
   return text.str();
 }
 
-/// What is notable of the states of a run, though it goes on.
+/// What is notable about the states of a run that goes on.
 struct Notes {
   int num_states = 0;
-  /// The states with inverted cells, and of the worst of them when and what it is.
+  /// The number of states with inverted cells; and time, least det F and cell of the worst of them.
   int num_inverted = 0;
   double worst_time = 0;
   double worst_det_f = 0;
   Index worst_cell = -1;
-  /// The steps that are less accurate than was asked for, and when the first of them ends, s.
+  /// The number of steps that are less accurate than was asked for, and the end of the first of
+  /// them, s.
   int num_inaccurate = 0;
   double first_inaccurate = 0;
 };
@@ -204,7 +204,7 @@ class DynamicSolver::Impl {
   }
 
   [[nodiscard]] const Work& work() const { return system_.work(); }
-  /// Of a body without a factor; else null.
+  /// The threads of a body without a factor; else null.
   [[nodiscard]] Team* team() const { return team_.get(); }
 
   DynamicState run(const ToolPath& path, double until, const TakeState& take,
@@ -227,8 +227,8 @@ class DynamicSolver::Impl {
     const double longest = std::min(options_.time_step, until);
     double next = longest;
     int good_steps = 0;
-    // What is so near is at the same time: no step is left over by rounding, or for a tool that is
-    // let go right after another, or right before the end.
+    // Events within this time are simultaneous: no step is left over from rounding, or between two
+    // tools that are let go one shortly after the other, or shortly before the end.
     const double instant = kInstant * longest;
     const double shortest =
         std::max(std::ldexp(longest, -options_.max_halvings), kLeastShare * until);
@@ -237,7 +237,7 @@ class DynamicSolver::Impl {
       const double release = path.next_release(state.motion.time + instant);
       const double event = until - release > instant ? release : until;
       const double left = event - state.motion.time;
-      // The last two steps before an event are of one length.
+      // The last two steps before an event have the same length.
       const double num_steps = std::max(1.0, std::ceil(left / next - kInstant));
       double length = num_steps <= 2 ? left / num_steps : next;
       DynamicState to;
@@ -246,7 +246,7 @@ class DynamicSolver::Impl {
         to =
             moves_too_far(path, state, length) ? untried(state, length) : step(path, state, length);
         if (ends_run(to.outcome)) break;
-        // Shorter steps would only come ever nearer to the time at which the tool goes through.
+        // Shorter steps would only approach the time at which the tool passes through.
         if (to.outcome == Outcome::tool_inside && length <= kShortestThrough * options_.time_step) {
           break;
         }
@@ -281,8 +281,9 @@ class DynamicSolver::Impl {
   }
 
  private:
-  /// Each piece is held where the motion begins: by what is fixed alone where it settles first,
-  /// else by bonded tools too. Later inertia keeps what they let go from being singular.
+  /// Requires that each piece of the body is held where the motion begins: by what is fixed alone
+  /// if it comes to rest first, else by bonded tools too. Later, inertia keeps pieces that were let
+  /// go from being singular.
   void require_held() const {
     const bool has_load = scene_.has_load() || !options_.gravity.isZero(0);
     const bool settles = options_.settled && has_load;
@@ -306,7 +307,7 @@ class DynamicSolver::Impl {
     return to;
   }
 
-  /// Of a motion that ends because no step may be shorter.
+  /// Advice for a motion that ends because no step may be shorter.
   [[nodiscard]] std::string advice(const DynamicState& last, double shortest) const {
     return " No step may be shorter than " + text_of(shortest) +
            " s (TimeStep, halved MaximumHalvings times). The least det F before it is " +
@@ -338,7 +339,7 @@ class DynamicSolver::Impl {
     return message;
   }
 
-  /// Lets those tools go whose time has come.
+  /// Lets go of the tools whose time has come.
   void let_go(const ToolPath& path, DynamicState& state, double instant) {
     bool any = false;
     for (Index tool = 0; tool < tools_.num_tools(); ++tool) {
@@ -351,14 +352,14 @@ class DynamicSolver::Impl {
     system_.set_interaction(tools_);
     last_inertia_ = 0;
     factor_of_.reset();
-    // The acceleration jumps: what was before says nothing of what comes.
+    // The acceleration jumps, so that earlier states say nothing about the next one.
     state.motion.acceleration = acceleration_when_let_go(state.motion.acceleration);
     state.motion.step = 0;
     history_.clear();
     remember(state.motion);
   }
 
-  /// Puts tools that were let go to where the points are that they held.
+  /// Moves tools that were let go to the points that they held.
   void place_released(DynamicState& state) const {
     for (Index tool = 0; tool < tools_.num_tools(); ++tool) {
       const std::vector<PrescribedPoint> points = all_tools_.tool(tool).prescribed_points();
@@ -383,7 +384,7 @@ class DynamicSolver::Impl {
     if (external_) external_->set_share(share);
   }
 
-  /// Follows the way to where the motion begins.
+  /// Follows a ramp to where the motion begins.
   void follow(const Ramp& ramp, const char* failure, const char* advice, NodalVector& x,
               DynamicState& state) {
     const RampEnd end = follow_ramp(
@@ -396,8 +397,8 @@ class DynamicSolver::Impl {
                     advise_finer_quadrature(system_.assembly()) + '.';
   }
 
-  /// Rest under gravity, with the tools at q, to where they come from where they are clear of the
-  /// body.
+  /// Finds the rest under the loads, with the tools brought to q from coordinates where they do not
+  /// touch the body.
   DynamicState begin(const Eigen::VectorXd& q, const Eigen::VectorXd& clear) {
     system_.begin_solve();
     unscale();
@@ -407,7 +408,7 @@ class DynamicSolver::Impl {
     set_terms();
     NodalVector x = NodalVector::Zero(system_.assembly().state_size());
     DynamicState state;
-    // The body settles, and then the tools come to it.
+    // First the body comes to rest, and then the tools come to it.
     Ramp load;
     load.at = [this](double share) {
       set_load_share(options_.settled ? share : 0);
@@ -423,7 +424,7 @@ class DynamicSolver::Impl {
     system_.set_interaction(tools_);
     const Eigen::VectorXd way = q - clear;
     Ramp approach;
-    // Of the last one rounding shall change nothing.
+    // At the end, rounding must not change q.
     approach.at = [&](double share) {
       return share < 1 ? Eigen::VectorXd(clear + share * way) : q;
     };
@@ -464,8 +465,8 @@ class DynamicSolver::Impl {
     return state;
   }
 
-  /// Of a body on which the forces act that were measured, m/s².
-  /// @param before That of the points that tools prescribe, which stays.
+  /// The acceleration of the body under the forces that were measured, m/s².
+  /// @param before The acceleration; that of the points that tools prescribe is kept.
   [[nodiscard]] NodalVector acceleration_when_let_go(const NodalVector& before) const {
     std::vector<char> free(scene_.fixed.size());
     const std::vector<Index>& unknown = system_.assembly().unknown_of_point();
@@ -479,7 +480,7 @@ class DynamicSolver::Impl {
     return mass_.acceleration(force, free, scene_.held_directions) + of_tools.head(before.size());
   }
 
-  /// Tries a step; nothing is changed by it but factors that are kept.
+  /// Tries a step. It changes nothing but the factors that are kept.
   DynamicState step(const ToolPath& path, const DynamicState& from, double length) {
     system_.begin_solve();
     const TimeStep time(options_.integrator, options_.spectral_radius, from.motion, length);
@@ -548,7 +549,7 @@ class DynamicSolver::Impl {
     return to;
   }
 
-  /// Completes a step that was taken.
+  /// Completes a step that is accepted.
   void end_step(const DynamicState& from, DynamicState& to) {
     const double length = to.motion.step;
     const TimeStep time(options_.integrator, options_.spectral_radius, from.motion, length);
@@ -561,7 +562,7 @@ class DynamicSolver::Impl {
     remember(to.motion);
   }
 
-  /// Energies of a state, and the force of the tools, which is what their points take.
+  /// Computes the energies of a state and the force on the tools, which is that on their points.
   void measure(const NodalVector& x, const NodalVector& acceleration, DynamicState& state) {
     NodalVector force;
     Eigen::VectorXd of_tools = Eigen::VectorXd::Zero(state.tools.size());
@@ -635,13 +636,14 @@ class DynamicSolver::Impl {
     return x.tail(system_.assembly().num_pressures()).cwiseProduct(system_.pressure_scale());
   }
 
-  /// The energies of the materials are those of their laws from now on.
+  /// Removes the viscous factors: the energies of the materials are those of their laws from now
+  /// on.
   void unscale() {
     if (!viscosity_) return;
     system_.assembly().scale_energy(scene_, std::vector<double>(rheologies_.size(), 1.0));
   }
 
-  /// m.
+  /// The allowed error of a step, m.
   [[nodiscard]] double allowed_error(const ToolPath& path, const DynamicState& to) const {
     largest_way_ = std::max(largest_way_, (to.tools - path.at(0)).lpNorm<Eigen::Infinity>());
     const double scale = system_.num_coordinates() == 0
@@ -662,7 +664,7 @@ class DynamicSolver::Impl {
     }
     const double ratio =
         kSafety * std::cbrt(allowed_error(path, state) / std::max(state.local_error, 1e-300));
-    // A small change is not worth a factor.
+    // A small change is not worth a factorisation.
     const double factor = std::clamp(ratio, kShortestRatio, kLongestRatio);
     return std::min(factor < 1 || factor > 1.2 ? factor * length : length, options_.time_step);
   }
@@ -672,7 +674,7 @@ class DynamicSolver::Impl {
     if (history_.size() > 3) history_.erase(history_.begin());
   }
 
-  /// The polynomial through the last states, at a time.
+  /// The polynomial through the last states, evaluated at a time.
   [[nodiscard]] NodalVector extrapolated(double time) const {
     NodalVector sum = NodalVector::Zero(history_.back().u.size());
     for (std::size_t i = 0; i < history_.size(); ++i) {
@@ -694,7 +696,7 @@ class DynamicSolver::Impl {
   Scene scene_;
   std::vector<Rheology> rheologies_;
   DynamicsOptions options_;
-  /// Those of the beginning, and of now.
+  /// All tools, and those that hold the body now.
   InteractionList all_tools_;
   InteractionList tools_;
   /// Whether each tool was let go.
@@ -703,22 +705,22 @@ class DynamicSolver::Impl {
   CondensedSystem system_;
   MassMatrix mass_;
   StepTerm term_;
-  /// Supports, and loads besides gravity; none: there are none.
+  /// Supports, and loads other than gravity; empty: there are none.
   std::optional<ExternalEnergy> external_;
   std::optional<Viscosity> viscosity_;
-  /// In which the motion begins [state_size].
+  /// The state of rest in which the motion begins [state_size].
   NodalVector rest_;
   double last_inertia_ = 0;
   std::vector<Past> history_;
-  /// The forces at the end of the last step but for inertia, N [state_size].
+  /// The forces at the end of the last step without inertia, N [state_size].
   NodalVector unbalanced_;
   /// The state at the end of the last step, and the solution of the last one that was tried.
   NodalVector last_x_;
   NodalVector solution_;
-  /// Where the last factor was made.
+  /// The tool and the state of the last factor.
   std::optional<LinearisedState> factor_of_;
   mutable double largest_way_ = 0;
-  /// Of the run.
+  /// Start of the run.
   SteadyClock::time_point start_{};
 };
 

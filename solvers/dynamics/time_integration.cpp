@@ -4,8 +4,8 @@
 namespace palpate {
 namespace {
 
-/// The weights of a derivative at the last of three times that are `last` and `before` apart, and
-/// at the last of two where `before` is 0.
+/// The weights of a derivative at the last of three times with the distances `before` and `last`;
+/// if `before` is 0, at the last of two times.
 Vec3 derivative_weights(double last, double before) {
   if (before == 0) return Vec3(1, -1, 0) / last;
   const double w = last / before;

@@ -4,13 +4,13 @@
 //
 //   c M (u − û) + f(u) + w (f_n − load) = load,   ∂E/∂t ≈ w₀ E(u) + w₁ E(u_n) + w₂ E(u_{n−1})
 //
-// where f has the forces of the material, viscous ones too, and f_n those at the beginning.
+// where f are the forces of the material, viscous ones too, and f_n those at the beginning.
 //
-// BDF2, with the step before of another length: w = 0. It damps what it cannot resolve, and is the
-// more robust of the two. A first step is one of the backward Euler method.
+// BDF2, for steps of varying length: w = 0. It damps what it cannot resolve, and is the more robust
+// of the two. Its first step is a step of the backward Euler method.
 //
-// Generalised α [CH], with the mean of forces: w = α_f / (1 − α_f). Its damping is chosen by the
-// spectral radius ρ_∞ of the shortest periods: 1 damps nothing, 0 all of them in a step.
+// Generalised α [CH], with a mean of the forces: w = α_f / (1 − α_f). Its damping is set by the
+// spectral radius ρ_∞ for the shortest periods: 1 damps nothing, 0 removes them in one step.
 //
 // [CH] Chung & Hulbert, A time integration algorithm for structural dynamics with improved
 // numerical dissipation: the generalized-α method, J. Appl. Mech. 60, 1993.
@@ -25,14 +25,15 @@ enum class TimeIntegrator : int {
   generalised_alpha = 1,
 };
 
-/// What of the past a step needs.
+/// The part of the past that a step needs.
 struct BodyMotion {
   double time = 0;
   NodalVector u;
   NodalVector velocity;
-  /// Of the generalised α method, whose error is of first order; see TimeStep::acceleration_of().
+  /// The acceleration of the generalised α method, whose error is of first order; see
+  /// TimeStep::acceleration_of().
   NodalVector acceleration;
-  /// Of the step that led here, s; 0: there was none.
+  /// Length of the last step, s; 0: there was none.
   double step = 0;
   NodalVector u_before;
   NodalVector velocity_before;
@@ -53,9 +54,10 @@ class TimeStep {
   [[nodiscard]] const NodalVector& centre() const { return centre_; }
   /// w₀, w₁, w₂, 1/s.
   [[nodiscard]] const Vec3& rate() const { return rate_; }
-  /// The motion after the step. @param x The solution, and maybe more of the state behind it.
+  /// The motion after the step.
+  /// @param x The solution; the rest of the state may follow behind the displacements.
   [[nodiscard]] BodyMotion end(const NodalVector& x) const;
-  /// The acceleration after the step, of second order.
+  /// The acceleration after the step, with an error of second order.
   [[nodiscard]] NodalVector acceleration_of(const BodyMotion& end) const;
 
  private:
@@ -66,7 +68,7 @@ class TimeStep {
   double inertia_ = 0;
   NodalVector centre_;
   Vec3 rate_;
-  // Of the generalised α method.
+  // Constants of the generalised α method.
   double beta_ = 0;
   double gamma_ = 0;
 };

@@ -43,7 +43,7 @@ ToolPath::ToolPath(std::vector<double> times, Eigen::MatrixXd coordinates)
     for (Eigen::Index d = 0; d < coordinates_.rows(); ++d) {
       const double a = (coordinates_(d, i) - coordinates_(d, i - 1)) / before;
       const double b = (coordinates_(d, i + 1) - coordinates_(d, i)) / after;
-      // Between rows that are nearly at the same time one of them may be infinite.
+      // If two rows have nearly the same time, a slope may be infinite.
       if (!(a * b > 0)) continue;
       const double w = (before + 2 * after) / (3 * (before + after));
       slopes_(d, i) = 1 / (w / a + (1 - w) / b);

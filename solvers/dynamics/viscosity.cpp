@@ -70,7 +70,7 @@ Viscosity::Viscosity(const Scene& scene, const std::vector<Rheology>& rheologies
 }
 
 void Viscosity::law_stress(const NodalVector& state, PointTensors& stress) {
-  // The assembly has what is stored times the factors.
+  // The assembly gives the stress of the law times the factors.
   assembly_.stress_at_points(state, stress);
   for_each_point([&](std::size_t g, std::size_t at, const OfMaterial& of, double) {
     const double factor = factors_[static_cast<std::size_t>(&of - materials_.data())];

@@ -48,7 +48,7 @@ Index BodyPoints::material_of(Index point) const {
 BodyPoints::Reduced BodyPoints::reduce(const Eigen::MatrixXd& basis,
                                        const std::vector<Index>& chosen,
                                        const Eigen::VectorXd& weights) const {
-  // The places in `chosen` of the points of each law.
+  // The indices in `chosen` of the points of each law.
   std::map<Law, std::vector<Index>> of_law;
   for (Index i = 0; i < static_cast<Index>(chosen.size()); ++i) {
     const Material& material = scene_.materials[material_of(chosen[i])];

@@ -25,32 +25,35 @@
 namespace palpate {
 namespace {
 
-/// The share of the modes of equilibria with one tool moved, and of those with all moved.
+/// The shares of the modes for equilibria with one tool moved, and for those with all tools moved.
 constexpr double kOneToolShare = 0.2;
 constexpr double kAllToolsShare = 0.07;
-/// Equilibria that are found together, in a part of the training: as many as make its start, the
-/// equilibrium at rest, a small share.
+/// The number of equilibria in a part of the training, so large that the start of each part, the
+/// equilibrium at rest, takes a small share of its time.
 constexpr Eigen::Index kPlacesOfPart = 26;
-/// Of so many steps of the whole body, and of the reduced one, a state is taken.
+/// The numbers of steps from one state to the next, in motion of the whole body and of the reduced
+/// one.
 constexpr int kStepsOfState = 4;
 constexpr int kStepsOfReducedState = 10;
-/// That of DynamicsOptions::equilibrium in training: no mode is that accurate.
+/// DynamicsOptions::equilibrium.tolerance in training: no mode is more accurate.
 constexpr double kMotionTolerance = 1e-6;
-/// Places of the reduced model for each of the whole body.
+/// The number of places for the reduced model, per place for the whole body.
 constexpr int kReducedPlaces = 10;
-/// The least range of a coordinate, over the largest one: what moves less has no part in the force.
+/// The least range of a coordinate, as a share of the largest: one that moves less has no part in
+/// the force.
 constexpr double kLeastRange = 0.03;
 
-/// Steps of the whole body on paths, rows of their tables, and taps on one, at the most: more would
-/// not come to their end, or fill the memory.
+/// The largest numbers of steps of the whole body, of rows of the paths' tables, and of taps on a
+/// path: more would not end in a useful time, or fill the memory.
 constexpr double kMostSteps = 1e7;
 constexpr double kMostRows = 1e7;
 constexpr double kMostTaps = 1e5;
-/// How far a tool may go in training, and how far from where it is at rest a point of the body may
-/// then be, in sizes of the body.
+/// The largest displacement of a tool in training, and of a point of the body from its place at
+/// rest, in sizes of the body.
 constexpr double kMostReach = 10;
 constexpr double kMostDisplacement = 100;
-/// A path that is shorter, in periods of the bandwidth, does not leave the ramp at its beginning.
+/// The shortest duration of a path, in periods of the bandwidth: a shorter one stays within the
+/// ramp at its beginning.
 constexpr double kLeastPeriods = 0.01;
 
 void require(bool good, const char* name, double value, const char* what) {
@@ -60,7 +63,8 @@ void require(bool good, const char* name, double value, const char* what) {
   throw InputError(text.str());
 }
 
-/// @param names Of the options that it is made of. @param what Of that so many there would be.
+/// @param names The options that determine the number.
+/// @param what What is counted.
 void require_at_most(double most, double number, const char* names, const char* what) {
   if (number <= most) return;
   std::ostringstream text;
@@ -84,7 +88,7 @@ void check_materials(const Scene& scene, const std::vector<Rheology>& rheologies
   for (const Rheology& rheology : rheologies) validate(rheology);
 }
 
-/// What follows the surface would be one more energy that is not quadratic.
+/// A pressure that follows the surface would add an energy that is not quadratic.
 void check_loads(const Scene& scene) {
   if (scene.applied_pressure.empty()) return;
   throw InputError(
@@ -93,7 +97,8 @@ void check_loads(const Scene& scene) {
       "AppliedTraction instead, whose direction stays the same.");
 }
 
-/// Bᵀ A B of a basis. @param times A x.
+/// Bᵀ A B for a basis B.
+/// @param times The function A x.
 template <class Times>
 Eigen::MatrixXd in_basis(const Eigen::MatrixXd& basis, const Times& times) {
   Eigen::MatrixXd of_basis(basis.rows(), basis.cols());
@@ -103,7 +108,7 @@ Eigen::MatrixXd in_basis(const Eigen::MatrixXd& basis, const Times& times) {
   return basis.transpose() * of_basis;
 }
 
-/// What the body is solved for in training, with the tools at each of some places.
+/// The solves for the whole body in training, with the tools at each of some places.
 class Training {
  public:
   Training(const Scene& scene, const std::vector<Rheology>& rheologies,
@@ -114,11 +119,13 @@ class Training {
       add_parts(place, static_cast<int>(places[place].size()));
     }
   }
-  // Its parts know where it is.
+  // The parts have pointers to this object.
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// @returns False where it was aborted. @param groups On rank 0, of each place. @note Collective
+  /// @param groups On rank 0 the states of each place.
+  /// @returns False: the training was aborted.
+  /// @note Collective
   [[nodiscard]] bool run(const TrainingRun& run, std::vector<TrainingGroups>& groups) const {
     std::vector<TrainingStates> states;
     if (!train(parts_, run, options_.equilibrium.abort_requested, states)) return false;
@@ -190,7 +197,7 @@ class Training {
   const Scene& scene_;
   const std::vector<Rheology>& rheologies_;
   const ReductionOptions& options_;
-  /// The tools at each.
+  /// The tools at each place.
   std::vector<InteractionList> places_;
   std::vector<TrainingPart> parts_;
   std::vector<std::size_t> place_of_part_;
@@ -240,7 +247,7 @@ class Builder {
     if (options_.report) options_.report(what);
   }
 
-  /// u_r.
+  /// Finds u_r.
   [[nodiscard]] NodalVector find_rest() {
     const Equilibrium& rest = solver_.settled();
     if (rest.outcome != Outcome::converged) throw InputError(rest.message);
@@ -256,7 +263,7 @@ class Builder {
 
   void make_modes(const TrainingGroups& groups) {
     report("Modes");
-    // Without one of the groups the others share its modes.
+    // If a group is missing, the others share its modes.
     const double one_share = kOneToolShare;
     const double all_share = num_tools_ > 1 ? kAllToolsShare : 0;
     const double motion_share =
@@ -281,7 +288,7 @@ class Builder {
     choose_model_points(scene_, rheologies_, points_, tool_stiffness_, states, options_, result_);
   }
 
-  /// States of the reduced model of now: equilibria, and on the training paths.
+  /// States of the present reduced model: equilibria, and motion on the training paths.
   [[nodiscard]] Eigen::MatrixXd reduced_states() const {
     report("States of the reduced model");
     std::vector<Eigen::VectorXd> states;
@@ -400,7 +407,8 @@ ReducedModel make_reduced_model(const Scene& scene, const std::vector<Rheology>&
         in_basis(basis, [&](const auto& field) { return springs->times(field); });
   }
   const Eigen::VectorXd ranges = states.cwiseAbs().rowwise().maxCoeff();
-  // A body of the linear law has no modes, and Eigen no largest coefficient of an empty vector.
+  // A body of the linear law has no modes, and Eigen cannot take the largest coefficient of an
+  // empty vector.
   const auto at_least = [](const Eigen::VectorXd& range) -> Eigen::VectorXd {
     if (range.size() == 0) return range;
     return range.cwiseMax(kLeastRange * range.maxCoeff());
@@ -506,7 +514,7 @@ BuiltModel build_reduced_model(const Scene& scene, const std::vector<Rheology>& 
     try {
       built = Builder(checked, rheologies, tools, options).build(groups.front());
     } catch (const InputError&) {
-      // A body that was not solved for at rest has no model.
+      // If the solve at rest was aborted, there is no model.
       const auto& abort_requested = options.equilibrium.abort_requested;
       if (!abort_requested || !abort_requested()) throw;
       built.aborted = true;

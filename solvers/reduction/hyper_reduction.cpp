@@ -17,23 +17,24 @@
 namespace palpate {
 namespace {
 
-/// Points that are worked on at a time.
+/// The number of points that are processed at a time.
 constexpr std::size_t kChunk = 64 * kPacketSize;
-/// Entries of each column of the random map.
+/// The number of entries in each column of the random map.
 constexpr int kEntries = 8;
-/// The residual of the rows that are left is to be this share of the tolerance: the random map
-/// keeps norms of a fit less well than of what was not fitted to it, and on a liver makes them two
-/// thirds.
+/// The residual of the combined rows must be at most this share of the tolerance: the random map
+/// keeps the norm of a residual that was fitted in it less well than other norms. On a liver it
+/// makes it two thirds.
 constexpr double kMargin = 0.55;
-/// A state counts as if its force were at least this share of the largest. With 0.2 the largest
-/// error of an equilibrium is up to three times that with 0.5: it is where the force is large.
+/// A state counts as if its force were at least this share of the largest. With 0.2, the largest
+/// error of an equilibrium, which occurs where the force is large, is up to three times that with
+/// 0.5.
 constexpr double kLeastForce = 0.5;
-/// The forces of the tools count so many times: they are felt, while an error of a mode's force
-/// reaches the tools by the coupling alone that comes with large deformation.
+/// The weight of the tools' forces: they are felt, while an error of a mode's force reaches the
+/// tools only through the coupling of large deformations.
 constexpr double kWeightOfTools = 3;
 
-/// Calls f(place of the first of them, points of the chunk, their energy) for chunks of the points
-/// that were chosen.
+/// Calls f(index of the first point, points of the chunk, their energy) for chunks of the chosen
+/// points.
 template <class F>
 void for_each_chunk(const BodyPoints& points, const std::vector<Material>& materials,
                     const Eigen::MatrixXd& basis, const std::vector<Index>& chosen, F&& f) {
@@ -48,8 +49,8 @@ void for_each_chunk(const BodyPoints& points, const std::vector<Material>& mater
   }
 }
 
-/// So many points, ascending: half of them those with the largest forces, as there may be few that
-/// the tools' forces depend on, and the others anywhere.
+/// Draws a number of points, ascending: half of them are those with the largest forces, since the
+/// tools' forces may depend on few points, and the others are random.
 std::vector<Index> draw(const Eigen::VectorXd& sizes, Index most, std::uint64_t seed) {
   const auto count = static_cast<Index>(sizes.size());
   std::vector<Index> numbers(count);
@@ -66,7 +67,7 @@ std::vector<Index> draw(const Eigen::VectorXd& sizes, Index most, std::uint64_t 
   return numbers;
 }
 
-/// A random map of rows onto fewer.
+/// A random sparse map of rows onto fewer rows.
 class RowMap {
  public:
   struct Entry {
@@ -126,7 +127,7 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   std::vector<Index> all(points.count());
   std::iota(all.begin(), all.end(), 0);
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(n, states.cols());
-  // Of each state, whether the laws are defined at all points.
+  // Whether the laws are defined at all points, for each state.
   std::vector<char> is_defined(static_cast<std::size_t>(states.cols()), 1);
   for_each_chunk(points, materials, scaled_basis, all,
                  [&](std::size_t, const BodyPoints::Reduced&, ReducedEnergy& energy) {
@@ -140,7 +141,7 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   std::vector<Eigen::Index> used;
   double largest = 0;
   for (Eigen::Index s = 0; s < states.cols(); ++s) {
-    // What overflows says nothing, and would be the largest of all.
+    // A force that overflows says nothing, and would be the largest of all.
     if (is_defined[s] == 0 || !std::isfinite(sums.col(s).squaredNorm())) continue;
     used.push_back(s);
     largest = std::max(largest, sums.col(s).norm());
@@ -204,7 +205,7 @@ HyperReduction hyper_reduce(const BodyPoints& points, const std::vector<Material
   result.weights.resize(num_kept);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const double factor = solution.x[static_cast<Eigen::Index>(i)];
-    // As they were counted: what is no number is left out too.
+    // This must agree with num_kept: what is not a number is left out too.
     if (!(factor > 0)) continue;
     result.weights[static_cast<Eigen::Index>(result.points.size())] =
         factor * points.weights()[candidates[i]];

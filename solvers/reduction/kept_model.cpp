@@ -16,7 +16,8 @@
 namespace palpate {
 namespace {
 
-/// Those of measure_model(), then the same of tools that were trained at places.
+/// The kinds of errors of measure_model(), then the same kinds for tools that were trained at
+/// places.
 constexpr std::array<const char*, 6> kErrorKinds = {"One tool at rest",
                                                     "All tools at rest",
                                                     "Motion",
@@ -83,7 +84,7 @@ StateSpaceFile::Arrays arrays_of(const KeptModel& kept, const ReductionTools& to
   return arrays;
 }
 
-/// @throws InputError an array that is missing or of another size: somebody else made it.
+/// @throws InputError an array is missing or has another size, since another program wrote it.
 KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene) {
   KeptModel kept;
   kept.model = model_of(arrays);
@@ -94,7 +95,7 @@ KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene
       throw InputError("The reduced model is damaged: its array " + name +
                        " is missing or of another size. Build it again, with another file.");
     }
-    // Where nothing could be compared, an error is no number.
+    // Errors are not numbers if nothing could be compared.
     if (name != kErrors && !found->second.allFinite()) {
       throw InputError("The reduced model is damaged: its array " + name +
                        " has a number that is not finite. Build it again, with another file.");
@@ -112,7 +113,7 @@ KeptModel kept_model_of(const StateSpaceFile::Arrays& arrays, const Scene& scene
   return kept;
 }
 
-/// Whether they were measured on so many paths.
+/// Whether the errors were measured on the number of paths that is asked for.
 bool are_of(const MeasureOptions& measure, const KeptModel& kept) {
   const auto num_paths =
       std::count_if(kept.errors.begin(), kept.errors.end(), [](const MeasuredError& error) {
@@ -132,7 +133,7 @@ StateSpaceFile::Arrays arrays_of(const TrainedPlaces& trained) {
   return arrays;
 }
 
-/// @throws InputError an array that is missing or of another size: somebody else made it.
+/// @throws InputError an array is missing or has another size, since another program wrote it.
 TrainedPlaces trained_of(const StateSpaceFile::Arrays& arrays) {
   TrainedPlaces trained;
   const auto find = [&](const char* name) {
@@ -157,9 +158,9 @@ TrainedPlaces trained_of(const StateSpaceFile::Arrays& arrays) {
   return trained;
 }
 
-/// Of the rheology of each cell, so that it does not count how the materials are listed. The hash
-/// of a scene without a body force does not tell materials apart that differ in their rheology
-/// alone.
+/// A hash of the rheology of each cell, so that the order in which materials are listed does not
+/// matter. The hash of a scene without a body force does not distinguish materials that differ in
+/// their rheology alone.
 std::string rheology_of_cells(const Scene& scene, const std::vector<Rheology>& rheologies) {
   ContentHash hash;
   for (const Index material : scene.material_of_cell) {
@@ -168,7 +169,7 @@ std::string rheology_of_cells(const Scene& scene, const std::vector<Rheology>& r
   return hash.text();
 }
 
-/// All that a model, or a training, follows from.
+/// A text of everything on which a model, or a training, depends.
 std::string text_of(const Scene& scene, const std::vector<Rheology>& rheologies,
                     const ReductionTools& tools, const ReductionOptions& options) {
   std::ostringstream text;
@@ -205,10 +206,10 @@ std::string checksum(const std::string& text) {
   return key.str();
 }
 
-/// The scene with its rest under loads of its surface, which a file of it has.
+/// The scene with its rest under loads of its surface, as a file of it needs it.
 Scene with_rest(Scene scene, EquilibriumOptions options) {
   if (!scene.has_load()) return scene;
-  // It is a few factorisations: nobody needs to end it half-way.
+  // This takes a few factorisations, so nobody needs to abort it.
   options.abort_requested = nullptr;
   const EquilibriumSolver solver(scene, options);
   require_rest(solver);
@@ -216,7 +217,7 @@ Scene with_rest(Scene scene, EquilibriumOptions options) {
   return scene;
 }
 
-/// Whether the file has all that is trained at the places.
+/// Whether the file has the result of the training at the places.
 bool has_places(const std::filesystem::path& path, const Scene& scene,
                 const std::vector<Rheology>& rheologies, const ReductionTools& tools,
                 const ReductionOptions& options) {
@@ -225,7 +226,7 @@ bool has_places(const std::filesystem::path& path, const Scene& scene,
   return StateSpaceFile::open_read_only(path).read_reduced_model(key).has_value();
 }
 
-/// The tools of a model where they are, with what is trained at places.
+/// Builds a model of tools at their own places, from a training at other places.
 /// @note Collective
 BuiltModel build_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                            const ReductionTools& tools, const ReductionOptions& options,
@@ -263,7 +264,7 @@ std::string key_of_model(const Scene& scene, const std::vector<Rheology>& rheolo
 std::string key_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                           const std::vector<std::vector<BondedPatch>>& places,
                           const ReductionOptions& options) {
-  // Those of attaching do not count.
+  // Options of attaching tools do not count.
   ReductionOptions of_training = options;
   const ReductionOptions defaults;
   of_training.modes = defaults.modes;
@@ -367,7 +368,7 @@ KeptModel build_kept_model(const Scene& scene, const std::vector<Rheology>& rheo
           for (MeasuredError& row : kept.errors) row.kind += kBetweenPlaces;
         }
       } catch (const BackendError&) {
-        // The body does not come to the end of a path where that is not asked for any more.
+        // If an abort was asked for, the body may not reach the end of a path.
         if (!ends()) throw;
       }
       kept.aborted = ends();

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reduced model with its errors, kept in a state-space file (state_space/state_space_file.h): one
-// that is complete there is read, the training of one that is not goes on from what it has found.
+// A reduced model with its errors, kept in a state-space file (state_space/state_space_file.h). A
+// complete model in the file is read; an unfinished training is resumed.
 //
-// Beside the arrays of reduced/model_arrays.h a model has in the file
+// Besides the arrays of reduced/model_arrays.h, a model has in the file
 //
 //   Basis        (Φ, L) [3 num_points × coordinates]
 //   Rest         u_r [3 num_points × 1], m; only under gravity
 //   ActiveNodes  [tools × 1]
-//   Fit          [1 × 2]   BuiltModel::residual, and 1 where it is within the tolerance
+//   Fit          [1 × 2]   BuiltModel::residual, and 1 if it is within the tolerance
 //   Errors       [cases × 11]   MeasuredError: the number of its kind among kErrorKinds, then
 //                mean, rms, max, largest force (N), largest trust, compared, failed, median,
 //                longest and whole step (s)
 //
-// Where the tools attach anywhere (tool_places.h), what was trained at the places is in the file
-// for itself, and serves all models whose tools are placed anew:
+// If the tools attach anywhere (tool_places.h), the result of the training at the places is an
+// entry of its own in the file, which serves all models whose tools are attached later:
 //
 //   PlaceModes   [3 num_points × modes]   TrainedPlaces::modes
-//   PlaceStates  [modes × states]         and the others of TrainedPlaces
+//   PlaceStates  [modes × states]         TrainedPlaces::states
 //   PlaceTools   [tool coordinates × states]
 //   PlaceRest    u_r [3 num_points × 1], m; only under gravity
 //   PlaceReach   [1 × 2]   m, and the number of states that were left out
@@ -32,18 +32,18 @@
 
 namespace palpate {
 
-/// What a model is built from.
+/// The tools that a model is built for.
 struct ReductionTools {
   std::vector<BondedPatch> patches;
-  /// Of each, the node that it is around.
+  /// The node that each patch is around.
   std::vector<Index> nodes;
-  /// The tools at each place of training; empty: they are trained where they are.
+  /// The tools at each place of training; empty: they are trained at their own places.
   std::vector<std::vector<BondedPatch>> places;
 };
 
-/// What was trained at places.
+/// The result of a training at places.
 struct KeptPlaces {
-  /// See key_of_places(); empty: there is nothing.
+  /// See key_of_places(); empty: there is no result.
   std::string key;
   TrainedPlaces trained;
 };
@@ -56,17 +56,17 @@ struct KeptModel {
   double residual = 0;
   bool within_tolerance = false;
   std::vector<MeasuredError> errors;
-  /// It was complete in the file: the whole body was not solved for.
+  /// The file had the complete model, so that the whole body was not solved for.
   bool was_there = false;
-  /// What it is made from was trained before, at ReductionTools::places: the tools were attached
-  /// and measured.
+  /// The file had the result of the training at ReductionTools::places: the tools were only
+  /// attached and measured.
   bool were_places_there = false;
-  /// There is no model, or not all errors. What was found in training is kept.
+  /// There is no model, or not all of its errors. What was found in training is kept.
   bool aborted = false;
-  /// Why the model, or its errors, are not kept in the file, where nothing had to be trained: it
-  /// cannot be written. Empty: they are.
+  /// Why the file does not keep the model or its errors, if nothing had to be trained: it cannot be
+  /// written. Empty: it keeps them.
   std::string not_kept;
-  /// What was damaged in the file, as StateSpaceFile::left_out(), and was computed again.
+  /// Damaged parts of the file, see StateSpaceFile::left_out(), which were computed again.
   std::vector<std::string> damaged;
 };
 
@@ -75,16 +75,16 @@ struct KeptModel {
                                        const ReductionTools& tools,
                                        const ReductionOptions& options);
 
-/// The same of what is trained at the places: of the scene, rheologies, places and the options that
-/// training follows from.
+/// The key of a training at places in a file: a checksum of the scene, rheologies, places and those
+/// options on which the training depends.
 [[nodiscard]] std::string key_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                                         const std::vector<std::vector<BondedPatch>>& places,
                                         const ReductionOptions& options);
 
-/// Takes what was trained at places from the file, or trains and keeps it there.
-/// @param file Only rank 0 has it; null: it is taken from `kept` where that is of the same key.
-/// @param kept On rank 0 what was trained; on the others only whether it was aborted.
-/// @returns Whether it was there, on every rank.
+/// Reads the result of a training at places from the file, or trains and stores it there.
+/// @param file Only rank 0 has it; null: `kept` is taken if it has the same key.
+/// @param kept On rank 0 the result; on the others only whether it was aborted.
+/// @returns Whether the result was there already, on every rank.
 /// @throws InputError as train_places(); an array in the file that is missing.
 /// @throws BackendError the file cannot be written.
 /// @note Collective
@@ -93,13 +93,13 @@ bool keep_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                  const ReductionOptions& options, StateSpaceFile* file, Communicator& communicator,
                  KeptPlaces& kept);
 
-/// Reads the model, or builds and measures it.
-/// @param file Is made where it is not there; empty: nothing is kept. It is written only where
-///   something is to be added, and has to be only where something is to be trained. The solver
-///   tolerance of its scene is that of `options.equilibrium`. Errors that were measured on another
-///   number of paths are measured again.
-/// @param places On rank 0, without a file: what was trained at places is taken from here, and left
-///   here; may be null.
+/// Reads the model, or builds and measures it. Errors that were measured on another number of paths
+/// are measured again.
+/// @param file It is created if it does not exist; empty: nothing is kept. It is written only if
+///   something is added, and needs to be writable only if something is to be trained. The solver
+///   tolerance of its scene is that of `options.equilibrium`.
+/// @param places On rank 0, without a file: a result of a training at places is taken from here,
+///   and left here; may be null.
 /// @returns On rank 0 all of it, on the others only whether it was aborted.
 /// @throws InputError as build_reduced_model(), or as train_places() and PlacedTools::attach(); a
 ///   file of another scene or tolerance.

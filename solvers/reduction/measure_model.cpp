@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-/// Seeds of training are below.
+/// An offset to the seed; those of training are below it.
 constexpr std::uint64_t kUnseen = 100'000;
-/// Of the whole body: no reduced model is that accurate.
+/// Tolerance of the solves for the whole body: no reduced model is more accurate.
 constexpr double kTolerance = 1e-6;
 
 void time_steps(const ReducedModel& model, const ToolPath& path, const ReducedBodyOptions& options,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The errors of a reduced model beside the whole body, at places and on paths that it was not made
-// from, and what its steps take.
+// The errors of a reduced model compared with the whole body, at places and on paths that it was
+// not made from, and the times of its steps.
 #pragma once
 
 #include <string>
@@ -12,11 +12,12 @@
 namespace palpate {
 
 struct MeasureOptions {
-  /// Equilibria of each kind.
+  /// The number of equilibria of each kind.
   int equilibria = 20;
-  /// Random paths in motion, of the kind that training has; without inertia there are none.
+  /// The number of random paths in motion, of the same kind as in training; without inertia there
+  /// are none.
   int paths = 1;
-  /// Is asked between two of them; true ends the measurement with what there is. May be empty.
+  /// Called between two of them; true ends the measurement with the results so far. May be empty.
   std::function<bool()> abort_requested;
 };
 
@@ -25,8 +26,8 @@ struct MeasuredError {
   /// "One tool at rest", "All tools at rest", "Motion".
   std::string kind;
   PathError error;
-  /// What a step of the reduced body took of a processor, median and longest, s; that of a whole
-  /// body, mean, s.
+  /// The processor time of a step of the reduced body, median and longest, and of the whole body,
+  /// mean, s.
   double median_step = 0;
   double longest_step = 0;
   double whole_step = 0;

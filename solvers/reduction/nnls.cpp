@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// A column that keeps less than this share of its length beside the others is in their span.
+/// A column of which less than this share of its length is orthogonal to the others is in their
+/// span.
 constexpr double kIndependent = 1e-8;
 
 /// The columns in use, A_P = Q R.
@@ -21,13 +22,14 @@ class PassiveSet {
   [[nodiscard]] const std::vector<Eigen::Index>& columns() const { return columns_; }
   [[nodiscard]] bool is_full() const { return size() == r_.cols(); }
 
-  /// @returns Whether the column is independent of those that are there; else nothing is done.
+  /// Adds a column, if it is independent of the others.
+  /// @returns Whether it was added.
   bool add(Eigen::Index column) {
     const Eigen::Index n = size();
     Eigen::VectorXd rest = a_.col(column);
     const double length = rest.norm();
     Eigen::VectorXd of_q = Eigen::VectorXd::Zero(n);
-    // Twice is enough to be orthogonal (Giraud et al., Numer. Math. 101, 2005).
+    // Two passes are enough for orthogonality (Giraud et al., Numer. Math. 101, 2005).
     for (int pass = 0; pass < 2; ++pass) {
       const Eigen::VectorXd part = q_.leftCols(n).transpose() * rest;
       rest -= q_.leftCols(n) * part;
@@ -42,7 +44,7 @@ class PassiveSet {
     return true;
   }
 
-  /// Takes the column at a place out.
+  /// Removes the column with an index in the set.
   void remove(Eigen::Index place) {
     const Eigen::Index n = size();
     for (Eigen::Index c = place; c + 1 < n; ++c) r_.col(c).head(c + 2) = r_.col(c + 1).head(c + 2);
@@ -84,8 +86,8 @@ NnlsResult solve_nnls(const Eigen::Ref<const Eigen::MatrixXd>& a,
   PassiveSet passive(a, most);
   std::vector<char> may_enter(static_cast<std::size_t>(a.cols()), 1);
   Eigen::VectorXd rest = b;
-  // Each iteration lessens the residual, so that no passive set comes twice; the bound is for
-  // rounding.
+  // Each iteration decreases the residual, so that no passive set comes twice; the bound only
+  // guards against rounding.
   const int most_iterations = static_cast<int>(3 * a.cols());
   for (; result.iterations < most_iterations; ++result.iterations) {
     result.residual = size > 0 ? rest.norm() / size : 0;
@@ -120,12 +122,12 @@ NnlsResult solve_nnls(const Eigen::Ref<const Eigen::MatrixXd>& a,
       const Eigen::Index column = passive.columns()[leaving];
       result.x[column] = 0;
       passive.remove(leaving);
-      // A column that has just entered and leaves at once would do so for ever.
+      // A column that leaves at once after it has entered would do so for ever.
       if (column != entering) may_enter[column] = 1;
     }
     const double before = rest.norm();
     rest = b - a * result.x;
-    // Those that were of no use may be after a step that was.
+    // After a step that decreased the residual, columns that were of no use before may be of use.
     if (rest.norm() < before) {
       std::fill(may_enter.begin(), may_enter.end(), 1);
       for (const Eigen::Index column : passive.columns()) may_enter[column] = 0;

@@ -9,11 +9,11 @@ namespace palpate {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-/// Sinusoids of a coordinate.
+/// The number of sinusoids of each coordinate.
 constexpr int kNumSinusoids = 6;
-/// Of these the way is a table with so many rows in the time of the shortest tap.
+/// The number of rows of the path's table in the time of the shortest tap.
 constexpr double kRowsOfTap = 16;
-/// Until the sinusoids are there in full, in periods of the bandwidth.
+/// The time until the sinusoids have their full size, in periods of the bandwidth.
 constexpr double kRampPeriods = 1;
 
 double smooth_step(double x) {

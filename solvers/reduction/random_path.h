@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Random ways of tools, as hands move: of limited bandwidth, with taps.
+// Random paths of tools that resemble the motion of hands: they have a limited bandwidth, and taps.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace palpate {
 
-/// Numbers that are the same on every machine for a seed.
+/// Random numbers that are the same on every machine for a seed.
 class RandomNumbers {
  public:
   explicit RandomNumbers(std::uint64_t seed) : engine_(seed) {}
   double uniform(double from, double to);
-  /// From 0 to below `count`.
+  /// A number from 0 to below `count`.
   Index below(Index count);
 
  private:
@@ -23,24 +23,25 @@ class RandomNumbers {
 
 struct RandomPathOptions {
   int num_tools = 1;
-  /// s.
+  /// Duration of the path, s.
   double duration = 1;
-  /// No coordinate of a tool goes beyond it, m.
+  /// The largest displacement of each coordinate of a tool, m.
   double reach = 0.01;
-  /// The largest frequency of the sinusoids that add up to a way, Hz.
+  /// The largest frequency of the sinusoids of a path, Hz.
   double bandwidth = 3;
-  /// Taps of each tool in a second; half of them are of all tools together.
+  /// Taps of each tool per second; in half of them all tools tap together.
   double taps = 2;
-  /// The time that the shortest tap takes, s.
+  /// The duration of the shortest tap, s.
   double shortest_tap = 0.03;
 };
 
-/// The number of rows of the table that a way is; not checked, and so it may be any.
+/// The number of rows of the table of a path. The options are not checked, so the result may be any
+/// number.
 [[nodiscard]] double num_rows(const RandomPathOptions& options);
 
-/// A way that begins at rest with 0, of sinusoids with frequencies from a tenth of the bandwidth
-/// on, and taps: of up to 40 % of the reach, in any direction, each a sin² that takes up to three
-/// times the shortest.
+/// A path that begins at rest with 0. It is a sum of sinusoids, whose frequencies are at least a
+/// tenth of the bandwidth, and of taps: each is a sin² of up to 40 % of the reach in a random
+/// direction, and takes one to three times the duration of the shortest.
 [[nodiscard]] ToolPath random_path(const RandomPathOptions& options, std::uint64_t seed);
 
 }  // namespace palpate

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-/// A direction with less than this share of the energy of the largest is rounding.
+/// A direction with less than this share of the energy of the fields is rounding.
 constexpr double kIndependent = 1e-13;
 
 }  // namespace
@@ -57,13 +57,13 @@ void ModeBuilder::add(Eigen::MatrixXd fields, Eigen::Index most) {
   fields -= modes_ * (of_modes_.transpose() * fields);
   const Eigen::MatrixXd gram = fields.transpose() * stiffness_.times(fields);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (gram + gram.transpose()));
-  // They ascend.
+  // Eigenvalues are in ascending order.
   const Eigen::VectorXd energies = solver.eigenvalues().reverse();
   const Eigen::Index count =
       std::min<Eigen::Index>(most, (energies.array() > kIndependent * energy_before).count());
   Eigen::MatrixXd added = fields * solver.eigenvectors().rightCols(count).rowwise().reverse();
   for (Eigen::Index c = 0; c < count; ++c) added.col(c) /= std::sqrt(energies[c]);
-  // What rounding has left of the others, and of each other.
+  // Remove what rounding has left along the other modes, and along each other.
   added -= modes_ * (of_modes_.transpose() * added);
   const Eigen::LLT<Eigen::MatrixXd> factor(added.transpose() * stiffness_.times(added));
   factor.matrixU().solveInPlace<Eigen::OnTheRight>(added);

@@ -11,15 +11,16 @@
 
 namespace palpate {
 
-/// K₀ of the displacement of all points.
+/// K₀ for the displacements of all points.
 class RestStiffness {
  public:
   /// @param rest u_r [3 num_points], m; empty: the body at rest is not deformed.
-  /// @param springs That support the body; null: there are none.
+  /// @param springs Springs that support the body; null: there are none.
   explicit RestStiffness(const Assembly& assembly, const NodalVector& rest = {},
                          const PointMatrix* springs = nullptr);
 
-  /// K₀ x; zero at fixed points. @param x [3 num_points × any], m.
+  /// K₀ x; zero at fixed points.
+  /// @param x [3 num_points × any], m.
   [[nodiscard]] Eigen::MatrixXd times(const Eigen::MatrixXd& x) const;
 
  private:
@@ -28,20 +29,21 @@ class RestStiffness {
   Eigen::SparseMatrix<double> matrix_;
 };
 
-/// Takes out of a basis what rounding has left along directions in which points are held: a mode
-/// of little energy is scaled up, and so is its rounding.
+/// Removes rounding from a basis along directions in which points are held: a mode of little energy
+/// is scaled up, and its rounding with it.
 /// @param basis [3 num_points × any].
 void hold_directions(const Scene& scene, Eigen::MatrixXd& basis);
 
-/// Modes that are made group by group.
+/// Makes modes group by group.
 class ModeBuilder {
  public:
   /// @param stiffness It must outlive this object.
   ModeBuilder(const RestStiffness& stiffness, Eigen::Index num_rows);
 
-  /// Adds the first POD modes of what is in the fields beside the modes that are there.
+  /// Adds the first POD modes of the part of the fields that is orthogonal to the present modes.
   /// @param fields [num_rows × any], m.
-  /// @param most Of these modes. There are fewer where the fields have no more directions.
+  /// @param most The largest number of new modes. There are fewer if the fields have fewer
+  ///   directions.
   void add(Eigen::MatrixXd fields, Eigen::Index most);
 
   /// Φ [num_rows × n], m/√J.

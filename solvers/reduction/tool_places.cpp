@@ -30,26 +30,27 @@
 namespace palpate {
 namespace {
 
-/// The share of the modes that is of equilibria in training, where there is motion too.
+/// The share of the training modes for equilibria, if there is motion too.
 constexpr double kStillShare = 0.3;
-/// The shares of the modes of a model that are of the terms of higher order at rest, without motion
-/// and beside it, of the linear response to motion, and of the terms of higher order in motion, at
-/// the most. What is left is of training.
+/// The largest shares of a model's modes: for the terms of higher order at rest without motion, and
+/// with motion; for the linear response to motion; and for the terms of higher order in motion. The
+/// remaining modes come from training.
 constexpr double kTermsShare = 0.4;
 constexpr double kTermsShareInMotion = 0.12;
 constexpr double kLinearShare = 0.2;
 constexpr double kMotionShare = 0.25;
-/// Displacements in motion whose terms of higher order are computed.
+/// The number of displacements in motion for which terms of higher order are computed.
 constexpr Eigen::Index kMovingTerms = 300;
-/// ε of higher_terms(): what is left out is ε² of a term, and rounding a part in ten thousand.
+/// ε of expand(): what is left out is a share ε² of a term, and rounding a share of 1e-4.
 constexpr double kExpansion = 0.02;
-/// Terms of the response to motion, for each coordinate of a tool.
+/// The number of terms of the response to motion, for each coordinate of a tool.
 constexpr int kInertialOrders = 6;
-/// Modes that stand for the states of one place and group.
+/// The largest number of modes for the states of one place and group.
 constexpr Eigen::Index kModesOfPlace = 150;
-/// Of a displacement of a tool, and of the square of all modes: less is rounding.
+/// Relative bounds below which the displacement of a tool, and the square of all modes, are
+/// rounding.
 constexpr double kMoves = 1e-12;
-/// States of training that choose the points of a model.
+/// The number of training states by which the points of a model are chosen.
 constexpr Eigen::Index kMostStates = 150;
 
 InteractionList as_list(const std::vector<BondedPatch>& tools) {
@@ -58,16 +59,16 @@ InteractionList as_list(const std::vector<BondedPatch>& tools) {
   return list;
 }
 
-/// The root of the sum of c cᵀ over the columns c of a matrix: its columns have the same sum.
+/// The root of the sum of c cᵀ over the columns c of a matrix. Its own columns have the same sum.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& columns) {
-  // At rest a body of the linear law has no modes, and Eigen no eigenvalues of nothing.
+  // A body of the linear law has no modes at rest, and Eigen has no eigenvalues of an empty matrix.
   if (columns.rows() == 0) return columns.leftCols(0);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> energies(columns * columns.transpose());
   return energies.eigenvectors() * energies.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
          energies.eigenvectors().transpose();
 }
 
-/// @throws InputError the training is of a body that rests elsewhere.
+/// @throws InputError the training is of a body with another rest.
 void require_same_rest(const Scene& scene, const TrainedPlaces& trained,
                        const ReductionOptions& options) {
   const bool has_load = scene.has_load() || !options.gravity.isZero(0);
@@ -79,11 +80,13 @@ void require_same_rest(const Scene& scene, const TrainedPlaces& trained,
                    " it. Train at the places with the BodyForce of the model.");
 }
 
-/// The states of one group, of all places: of each place by modes of its own, so that not all
-/// states have to be in memory, and the eigenvalue problem does not grow with them.
+/// The states of one group at all places. The states of each place are stored in modes of their
+/// own, so that not all states are in memory, and the eigenvalue problem does not grow with their
+/// number.
 class GroupOfPlaces {
  public:
-  /// @param rest u_r; empty: there is no gravity. @param states They are lost.
+  /// @param rest u_r; empty: there is no gravity.
+  /// @param states They are empty afterwards.
   /// @param responses L of the place.
   void add(const RestStiffness& stiffness, const NodalVector& rest, TrainingStates& states,
            const Eigen::MatrixXd& responses) {
@@ -100,7 +103,7 @@ class GroupOfPlaces {
   [[nodiscard]] bool empty() const { return parts_.empty(); }
   [[nodiscard]] int num_left_out() const { return num_left_out_; }
 
-  /// Fields whose modes are those of the states.
+  /// Fields whose POD modes are those of the states.
   [[nodiscard]] Eigen::MatrixXd fields() const {
     Eigen::MatrixXd all(parts_.front().modes.rows(), 0);
     for (const Part& part : parts_) {
@@ -108,7 +111,7 @@ class GroupOfPlaces {
     }
     return all;
   }
-  /// Appends the coordinates of the states in the modes of a builder, and the tools.
+  /// Appends the coordinates of the states in the modes of a builder, and those of the tools.
   void append_to(TrainedPlaces& trained, const ModeBuilder& builder) const {
     for (const Part& part : parts_) {
       trained.states =
@@ -141,12 +144,12 @@ void check_places(const std::vector<std::vector<BondedPatch>>& places) {
   }
 }
 
-/// Ψ of the states of all places, and these in it.
+/// Makes Ψ from the states of all places, and expresses the states in it.
 TrainedPlaces modes_of_places(const Scene& scene, const std::vector<Rheology>& rheologies,
                               const std::vector<std::vector<BondedPatch>>& places,
                               const ReductionOptions& options,
                               std::vector<TrainingGroups>& groups) {
-  // This is one factorisation, and a few under gravity: nobody needs to end it half-way.
+  // This takes one factorisation, and a few under gravity, so nobody needs to abort it.
   EquilibriumOptions of_rest = options.equilibrium;
   of_rest.abort_requested = nullptr;
   EquilibriumSolver solver(with_gravity(scene, rheologies, options.gravity), of_rest);
@@ -190,7 +193,7 @@ TrainedPlaces modes_of_places(const Scene& scene, const std::vector<Rheology>& r
   return trained;
 }
 
-/// @throws InputError the sizes of what training has left do not belong to the scene.
+/// @throws InputError the sizes in the training do not fit the scene.
 const TrainedPlaces& of_scene(const TrainedPlaces& trained, const Scene& scene) {
   const Eigen::Index rows = 3 * Eigen::Index{scene.mesh.num_points()};
   if (trained.modes.rows() != rows || trained.states.rows() != trained.modes.cols() ||
@@ -302,12 +305,12 @@ class PlacedTools::Impl {
     placed.basis << builder.modes(), held.responses;
     hold_directions(scene_, placed.basis);
     placed.rest = trained_.rest;
-    // What rounding has left at the tools.
+    // Remove rounding at the points of the tools.
     for (Eigen::Index i = 0; i < held.rigid.rows(); ++i) {
       placed.basis.row(held.rows[i]) << Eigen::RowVectorXd::Zero(n), held.rigid.row(i);
     }
-    // Equilibria by the expansion, at reach and at half of it, motion by it, and the states of
-    // training.
+    // The states are equilibria by the expansion, at the reach and at half of it, motion by the
+    // expansion, and states of training.
     const Eigen::Index stride = std::max<Eigen::Index>(1, trained_.states.cols() / kMostStates);
     const Eigen::Index of_training = (trained_.states.cols() + stride - 1) / stride;
     const Eigen::MatrixXd to_modes = builder.coordinates(left);
@@ -326,9 +329,9 @@ class PlacedTools::Impl {
   }
 
  private:
-  /// The body with tools, see the head of the header.
+  /// The body with tools held; for the notation see the header.
   struct Held {
-    /// Those that C takes, and R.
+    /// The rows that C selects, and R.
     std::vector<Eigen::Index> rows;
     Eigen::MatrixXd rigid;
     Eigen::MatrixXd z;
@@ -381,10 +384,10 @@ class PlacedTools::Impl {
     return held;
   }
 
-  /// A tool on a part of the body that hangs together with no place: all that training knows of
-  /// there is rest.
+  /// Refuses a tool on a part of the body that is connected to no place of training: the training
+  /// knows nothing but rest there.
   void check_trained_around(const Held& held, const std::vector<BondedPatch>& tools) const {
-    // What tools do to a body of the linear law without inertia needs no training.
+    // A body of the linear law without inertia needs no training.
     if (trained_.modes.cols() == 0) return;
     for (std::size_t tool = 0; tool < tools.size(); ++tool) {
       const Eigen::MatrixXd response =
@@ -400,17 +403,17 @@ class PlacedTools::Impl {
     }
   }
 
-  /// The terms of a displacement of the body in powers of that of its tools, each at its size.
+  /// The terms of displacements of the body in powers of those of its tools, at full size.
   struct Expansion {
-    /// [3 num_points × states], m: of first, second and third order.
+    /// Terms of first, second and third order [3 num_points × states], m.
     Eigen::MatrixXd first;
     Eigen::MatrixXd second;
     Eigen::MatrixXd third;
-    /// [d × states], m.
+    /// Tool displacements [d × states], m.
     Eigen::MatrixXd tools;
 
     [[nodiscard]] Eigen::MatrixXd higher() const { return side_by_side(second, third); }
-    /// y of the displacements where the tools move by a share of theirs.
+    /// y of the displacements when the tools move by a share of theirs.
     [[nodiscard]] Eigen::MatrixXd coordinates(const ModeBuilder& builder, double size) const {
       Eigen::MatrixXd y(builder.modes().cols() + tools.rows(), tools.cols());
       y << builder.coordinates(size * first + std::pow(size, 2) * second +
@@ -420,14 +423,14 @@ class PlacedTools::Impl {
     }
   };
 
-  /// The terms of second and third order of u(ε) = ε u₁ + ε² u₂ + ε³ u₃ + …, whose first one is
-  /// given, and whose inertia is that of the first one. From the internal forces f beside those at
-  /// rest:
+  /// Computes the terms of second and third order of u(ε) = ε u₁ + ε² u₂ + ε³ u₃ + …, with the
+  /// inertia of u₁ alone, from the internal forces f minus those at rest:
   ///
   ///   K₀ u₂ = −½ (f(ε u₁) + f(−ε u₁))/ε²
   ///   K₀ u₃ = −½ (f(ε² u₂ + ε u₁) − f(ε² u₂ − ε u₁))/ε³ + K₀ u₁/ε²   u₂ = u₃ = 0 at the tools
   ///
-  /// @param first u₁ of each state. @param tools Of each state.
+  /// @param first u₁ of each state.
+  /// @param tools The tool displacements of each state.
   [[nodiscard]] Expansion expand(const Held& held, const Eigen::MatrixXd& first,
                                  const Eigen::MatrixXd& tools) const {
     const Eigen::MatrixXd small = kExpansion * first;
@@ -444,8 +447,8 @@ class PlacedTools::Impl {
     return {first, second / std::pow(kExpansion, 2), third / std::pow(kExpansion, 3), tools};
   }
 
-  /// What the linear body does along the paths of training, and its terms of higher order. In the
-  /// coordinates of L and of the terms of inertial_terms() it is
+  /// The motion of the linear body along the paths of training, with its terms of higher order. In
+  /// the coordinates of L and of inertial_terms() its equation is
   ///
   ///   M q̈ + τ q̇ + q = −M_L d̈
   ///
@@ -482,7 +485,8 @@ class PlacedTools::Impl {
       for (int step = 1; step * h <= path.end(); ++step) {
         Eigen::VectorXd next = Eigen::VectorXd::Zero(n + d);
         next.tail(d) = path.at(step * h);
-        // v = rate y + what follows from the past, and so a.
+        // The velocity is rate y plus a part that follows from the past, and so is the
+        // acceleration.
         const Eigen::VectorXd v_of_past = (-4 * y + y_before) / (2 * h);
         const Eigen::VectorXd a_of_past = rate * v_of_past + (-4 * v + v_before) / (2 * h);
         const Eigen::VectorXd known = rate * rate * next + a_of_past;
@@ -501,8 +505,8 @@ class PlacedTools::Impl {
     return expand(held, basis * chosen, chosen.bottomRows(d));
   }
 
-  /// The terms of the linear body's response to motion of the tools in powers of the frequency:
-  /// K₀ v₁ = M L, K₀ v₂ = M v₁, …, 0 at the tools.
+  /// The terms of the linear body's response to motion of the tools, in powers of the frequency: K₀
+  /// v₁ = M L, K₀ v₂ = M v₁, …, with v = 0 at the tools.
   [[nodiscard]] Eigen::MatrixXd inertial_terms(const Held& held) const {
     const Eigen::Index d = held.responses.cols();
     Eigen::MatrixXd terms(held.responses.rows(), kInertialOrders * d);
@@ -519,13 +523,13 @@ class PlacedTools::Impl {
     return terms;
   }
 
-  /// Random displacements of the tools: as many as there are terms of third order, and some.
+  /// Random displacements of the tools, somewhat more than there are terms of third order.
   [[nodiscard]] Eigen::MatrixXd directions(int num_tools) const {
     const int d = 3 * num_tools;
     return random_places(num_tools, trained_.reach, d * (d + 1) * (d + 2) / 6 + d, /*seed=*/1);
   }
 
-  /// f of each column, with the springs', beside that at rest.
+  /// f of each column, including that of the springs, minus that at rest.
   [[nodiscard]] Eigen::MatrixXd forces_at(const Eigen::MatrixXd& u) const {
     Eigen::MatrixXd forces(u.rows(), u.cols());
     NodalVector force;
@@ -556,12 +560,12 @@ class PlacedTools::Impl {
   const TrainedPlaces& trained_;
   Assembly assembly_;
   DirectionConstraints constraints_;
-  /// That support the body; none: there are none.
+  /// Springs that support the body; empty: there are none.
   std::optional<PointMatrix> springs_;
   BodyPoints points_;
   RestStiffness stiffness_;
   std::unique_ptr<LinearSolver> solver_;
-  /// At rest, and f there.
+  /// The state at rest, and f there.
   NodalVector rest_state_;
   NodalVector rest_force_;
   std::optional<MassMatrix> mass_;

@@ -10,10 +10,11 @@
 namespace palpate {
 namespace {
 
-/// The states as columns of u and the place of the tools; one that was left out is a column of NaN.
+/// The states as columns of u and of the tools' coordinates; a state that was left out is a column
+/// of NaN.
 Eigen::MatrixXd matrix_of(const TrainingStates& states) {
   const Eigen::Index count = states.u.cols();
-  // One row where there is no state at all.
+  // A matrix without any state has one row.
   const Eigen::Index rows = std::max<Eigen::Index>(1, states.u.rows() + states.tools.rows());
   Eigen::MatrixXd matrix(rows, count + states.num_left_out);
   matrix.topLeftCorner(states.u.rows(), count) = states.u;
@@ -22,16 +23,15 @@ Eigen::MatrixXd matrix_of(const TrainingStates& states) {
   return matrix;
 }
 
-/// Of the columns of a part's matrix, those that are a state: the others, which follow, were left
-/// out.
+/// The number of columns that are states; the columns behind them were left out.
 Eigen::Index count_states(const Eigen::MatrixXd& matrix) {
   Eigen::Index count = matrix.cols();
   while (count > 0 && matrix.col(count - 1).array().isNaN().all()) --count;
   return count;
 }
 
-/// Whether a matrix of a file is what such a part may find: u and d of each state, none of them
-/// further away than a body can be displaced.
+/// Whether a stored matrix can be the result of a part: it has u and d of each state, within the
+/// bound of the displacements.
 bool fits(const Eigen::MatrixXd& matrix, const TrainingPart& part) {
   if (matrix.rows() == 0) return false;
   const Eigen::Index count = count_states(matrix);
@@ -50,7 +50,8 @@ TrainingStates states_of(const Eigen::MatrixXd& matrix, const TrainingPart& part
   return states;
 }
 
-/// What rank 0 has, on every rank. @note Collective
+/// The flags of rank 0, on every rank.
+/// @note Collective
 std::vector<char> share(std::vector<char> flags, Communicator& communicator) {
   Packer mine;
   if (communicator.rank() == 0) mine.put(flags);
@@ -67,7 +68,7 @@ bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
   agree(communicator, [&] {
     std::map<std::string, Eigen::MatrixXd> found;
     if (run.file != nullptr) found = run.file->read_training(run.key);
-    // What is not that of this training is computed again, and stored in its place.
+    // A stored part that does not fit this training is computed again, and replaced.
     std::vector<char> is_found;
     for (const TrainingPart& part : parts) {
       const auto stored = found.find(part.name);
@@ -78,7 +79,7 @@ bool train(const std::vector<TrainingPart>& parts, const TrainingRun& run,
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (is_found[p] == 0) missing.push_back(p);
     }
-    // In each round a rank computes a part, and rank 0 keeps them all.
+    // In each round each rank computes a part, and rank 0 stores them all.
     const auto num_ranks = static_cast<std::size_t>(communicator.size());
     const auto rank = static_cast<std::size_t>(communicator.rank());
     for (std::size_t first = 0; first < missing.size() && !aborted; first += num_ranks) {

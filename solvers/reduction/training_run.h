@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The training of a reduced model on ranks, in parts that each start for themselves: what a part
-// finds does not depend on the rank that computes it, or on what was computed before it. A part
-// that was found is kept in a file, so that a run that was killed goes on from there.
+// Trains a reduced model on all ranks, in independent parts: the result of a part depends neither
+// on the rank that computes it, nor on the parts before it. Each result is stored in a file, so
+// that a run that was killed can be resumed.
 #pragma once
 
 #include <functional>
@@ -15,31 +15,32 @@
 namespace palpate {
 
 struct TrainingPart {
-  /// No other part of the training has it.
+  /// A name that no other part of the training has.
   std::string name;
   /// The length of d.
   Index num_tool_coordinates = 0;
   /// The length of u, 3 num_points.
   Eigen::Index num_body_coordinates = 0;
-  /// No point and no tool is displaced further in any direction, m.
+  /// Bound of the displacement of any point or tool in any direction, m; a stored part that exceeds
+  /// it is computed again.
   double farthest = 0;
   std::function<TrainingStates()> compute;
 };
 
-/// The ranks that train, and where they keep what they find.
+/// The ranks that train, and where they keep the results.
 struct TrainingRun {
   Communicator& communicator;
-  /// Only rank 0 has it; null: nothing is kept.
+  /// The file of rank 0, null on the others; null: nothing is kept.
   StateSpaceFile* file = nullptr;
-  /// That of the model in the file.
+  /// The key of the model in the file.
   std::string key;
 };
 
-/// Computes the parts that the file has not, each on one rank, and keeps them.
+/// Computes the parts that the file does not have, each on one rank, and stores them.
 /// @param parts The same on every rank.
-/// @param abort_requested Is asked after each part; true ends the run. May be empty.
-/// @param states On rank 0 those of each part, in the order of the parts.
-/// @returns False on every rank where one has asked for an end. Parts that were found before are
+/// @param abort_requested Called after each part; true ends the run. May be empty.
+/// @param states On rank 0 the states of each part, in the order of the parts.
+/// @returns False on every rank: an abort was asked for on one. Parts that were found before are
 ///   kept.
 /// @throws The error of the lowest rank that has one, on every rank.
 /// @note Collective
