@@ -6,15 +6,15 @@
 
 namespace
 {
-/// Below that of the tool space's settings and of the user's.
+/// The priority is below that of ParaView's site settings and of the user's.
 constexpr double Priority = -1;
 
-// Arrays whose values have names are called as no array of other data is likely to be: a colour map
-// goes by the name alone.
+// Arrays whose values have names have names of their own that no array of other data is likely to
+// have, because a colour map is found by the name alone.
 //
-// The front of the body that a state space is drawn in is culled (402): nothing is in the way of
-// the check-points within, to the eye and to a selection, and a touched body at the same place
-// hides it. Lines wider than 1 would be culled too.
+// The front of the body in which a state space is drawn is culled (402). So nothing hides the
+// check-points within from the eye and from a selection, and a touched body at the same place hides
+// this one. Lines wider than 1 would be culled too.
 constexpr const char* Looks = R"json({
   "representations": {
     "PalpateStateSpaceRepresentation": {
@@ -81,7 +81,7 @@ constexpr const char* Looks = R"json({
   }
 })json";
 
-/// Before 6 ParaView shows of a chart all but what is named with 0.
+/// Before 6, ParaView shows all series of a chart except those that are named with 0.
 constexpr const char* HiddenSeries = R"json({
   "representations": {
     "PalpateErrorChartRepresentation": {
@@ -101,7 +101,7 @@ constexpr const char* HiddenSeries = R"json({
   }
 })json";
 
-/// From 6 on it shows what is named with 1, and nothing else.
+/// From 6 on, ParaView shows only the series that are named with 1.
 constexpr const char* ShownSeries = R"json({
   "representations": {
     "PalpateErrorChartRepresentation": {

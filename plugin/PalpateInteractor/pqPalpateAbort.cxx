@@ -18,7 +18,8 @@
 
 namespace
 {
-/// Filters that tell their progress while they work, and hear there that they shall end.
+/// The filters that report their progress while they work, and learn from that call that they are
+/// to abort.
 const QStringList Aborts = { "AccuracyReport", "BuildReducedModel", "PrecomputeStateSpace",
   "SimulateTouch", "SolveDynamics", "SolveEquilibrium", "TetrahedralizeLabelMap",
   "TetrahedralizeSurface" };
@@ -59,7 +60,7 @@ pqPalpateAbort::pqPalpateAbort(QObject* parent)
   {
     this->watch(source);
   }
-  // ParaView 6 no longer tells others of it by its manager of progress.
+  // In ParaView 6 the progress manager no longer signals the button.
   if (auto* bar = pqCoreUtilities::mainWidget()->findChild<pqProgressWidget*>())
   {
     QObject::connect(bar, &pqProgressWidget::abortPressed, this,
@@ -90,7 +91,8 @@ void pqPalpateAbort::beginWork(vtkObject* filter, unsigned long, void*)
   {
     this->Working = vtkAlgorithm::SafeDownCast(filter);
     Progress()->setEnableAbort(true);
-    // Not only while events are handled here: ParaView 6 handles some too.
+    // The filter of events stays installed all the time, because ParaView 6 handles some events too
+    // while filters work.
     QApplication::instance()->installEventFilter(this);
   }
 }
@@ -102,7 +104,8 @@ void pqPalpateAbort::handleEvents(vtkObject*, unsigned long, void*)
     return;
   }
   const QScopedValueRollback<bool> handling(this->IsHandling, true);
-  // ParaView's own filter would also keep from the window what is meant for the button.
+  // ParaView's own event filter would also keep from the window the events that are meant for the
+  // button.
   const bool unblocked = Progress()->unblockEvents(true);
   QApplication::processEvents();
   Progress()->unblockEvents(unblocked);
@@ -118,8 +121,8 @@ void pqPalpateAbort::endWork(vtkObject*, unsigned long, void*)
   }
 }
 
-// Of what the person does, only the button is heard, and what passes through the window to filters
-// that were installed before: anything else might take away what works.
+// Of the person's input, only that of the button is let through, and what the window passes on to
+// event filters that were installed before. Any other input might delete what is working.
 bool pqPalpateAbort::eventFilter(QObject* object, QEvent* event)
 {
   if (event->type() == QEvent::Close)
@@ -127,7 +130,7 @@ bool pqPalpateAbort::eventFilter(QObject* object, QEvent* event)
     event->ignore();
     return true;
   }
-  // A window passes on to its widgets what it gets.
+  // A window passes the events that it gets on to its widgets.
   return IsInput(event) && !object->inherits("QWidgetWindow") &&
     !Progress()->nonBlockableObjects().contains(object);
 }

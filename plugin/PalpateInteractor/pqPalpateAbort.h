@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Lets the button of ParaView's bar of progress abort the long work of our filters. ParaView shows
-/// how far they are, but before 6 it handles no event meanwhile, and nobody listens to the button.
+/// Lets the button of ParaView's progress bar abort the long work of our filters. ParaView shows
+/// their progress, but before version 6 it handles no event meanwhile, so that the button is not
+/// heard.
 ///
-/// For filters of this process alone: a server elsewhere hears nothing while it works.
+/// This works only for filters of this process: a server elsewhere hears nothing while it works.
 #pragma once
 
 #include <QObject>

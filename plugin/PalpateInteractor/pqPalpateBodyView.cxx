@@ -28,32 +28,34 @@
 
 namespace
 {
-/// A frame that comes later than this after the one before is late: 25 Hz.
+/// A frame is late when it comes later than this after the one before (25 Hz).
 constexpr qint64 LatestFrame = 40; // ms
-/// A filter that the dock has made has this annotation: which colours it was last given. A person
-/// may have changed them since.
+/// The name of an annotation of a filter that the dock has made. It says which colours the filter
+/// was last given; a person may have changed them since.
 constexpr const char* OwnColours = "PalpateColours";
 constexpr const char* Tissue = "tissue";
 constexpr const char* Map = "map";
-/// From none to most, as in the pictures of the pages: the first is that of tissue.
+/// The colours from the least to the largest value, as in the pictures of the pages. The first one
+/// is that of tissue.
 constexpr std::array<std::array<double, 3>, 3> OverTissue = { { { 0.88, 0.70, 0.62 },
   { 0.93, 0.50, 0.27 }, { 0.60, 0.05, 0.20 } } };
-/// Of "ColorSpace": between two of them it is neither grey nor dark.
+/// The value of "ColorSpace" with which the colours in between are neither grey nor dark.
 constexpr int Lab = 2;
 /// The part of a colour that does not depend on the light.
 constexpr double Brightness = 0.3;
-/// As of what is told beside the tool: legible on each background and before the body.
+/// The colours of the legend, those of the numbers beside the tool: legible on each background and
+/// in front of the body.
 constexpr std::array<double, 3> LegendInk = { 0.1, 0.1, 0.1 };
 constexpr std::array<double, 4> LegendPaper = { 1, 1, 0.85, 0.9 };
 constexpr const char* TouchSpace = "TouchStateSpace";
 constexpr const char* TouchReduced = "TouchReducedModel";
-/// So many more late than punctual ones, and the picture becomes plainer.
+/// When this many more frames were late than punctual, the picture becomes plainer.
 constexpr int Patience = 8;
-/// Of a render view.
+/// The property of a render view that smooths edges.
 constexpr const char* SmoothEdges = "UseFXAA";
-/// Of a representation, and two values of it.
+/// A property of a representation, and two of its values.
 constexpr const char* Backface = "BackfaceRepresentation";
-/// The rigid tool of a space that has one, else its first active node.
+/// This number stands for the rigid tool of a space that has one, else for its first active node.
 constexpr int FirstOfSpace = -1;
 constexpr int LikeTheFront = 400;
 constexpr int Culled = 401;
@@ -113,7 +115,7 @@ pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, co
   {
     this->Filter = MakeFilter(space, filter);
   }
-  // It may be a person's own, and show another place, or nothing here.
+  // The filter may be a person's own, and show another place, or nothing in this view.
   this->SetRest();
   vtkNew<vtkSMParaViewPipelineControllerWithRendering> controller;
   if (!controller->GetVisibility(this->Filter->getSourceProxy(), 0, view->getViewProxy()))
@@ -128,7 +130,7 @@ pqPalpateBodyView::pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, co
     }
     this->SetLegend();
   }
-  // What is seen of the space itself would hide the touched body.
+  // The picture of the space itself would hide the touched body.
   controller->Hide(space->getSourceProxy(), space->getPortNumber(), view->getViewProxy());
   this->Time.start();
 }
@@ -141,7 +143,7 @@ void pqPalpateBodyView::SetColours(bool inTissue)
     return;
   }
   vtkSMProxy* colours = vtkSMPropertyHelper(shown, "LookupTable").GetAsProxy();
-  // They shall not change their meaning from frame to frame.
+  // The colours must not change their meaning from frame to frame.
   vtkSMPropertyHelper(colours, "AutomaticRescaleRangeMode")
     .Set(vtkSMTransferFunctionManager::NEVER);
   if (inTissue)
@@ -163,7 +165,8 @@ void pqPalpateBodyView::SetColours(bool inTissue)
   }
   colours->UpdateVTKObjects();
   vtkSMTransferFunctionProxy::RescaleTransferFunction(colours, 0, this->Most);
-  // What looks away from the light, and deep folds, are seen too.
+  // With this share of ambient light, deep folds and what faces away from the light are visible
+  // too.
   vtkSMPropertyHelper(shown, "Ambient", true).Set(inTissue ? Brightness : 0);
   vtkSMPropertyHelper(shown, "Diffuse", true).Set(inTissue ? 1 - Brightness : 1);
   shown->UpdateVTKObjects();
@@ -192,7 +195,7 @@ void pqPalpateBodyView::SetLegend()
   {
     return;
   }
-  // The body may lie behind it.
+  // The letters need a colour of their own, because the body may lie behind the legend.
   for (const char* letters : { "TitleColor", "LabelColor" })
   {
     vtkSMPropertyHelper(legend, letters).Set(LegendInk.data(), 3);
@@ -241,7 +244,7 @@ void pqPalpateBodyView::Show(int node, int branch, const double* displacement)
   vtkSMProxy* filter = this->Filter->getProxy();
   const bool isKnown = this->IsKnown();
   vtkSMPropertyHelper(filter, "ActiveNode").Set(static_cast<vtkIdType>(node));
-  // The loop has followed the node here.
+  // The loop has already followed the node to this place.
   vtkSMPropertyHelper(filter, "StartDisplacement").Set(displacement, 3);
   vtkSMPropertyHelper(filter, "StartBranch").Set(branch);
   vtkSMPropertyHelper(filter, "Branch").Set(-1);
@@ -294,7 +297,7 @@ void pqPalpateBodyView::KeepDomains()
       continue;
     }
     representation->PostUpdateData(usesCache);
-    // Who asks for ranges is told those of now.
+    // Whoever asks for ranges now gets the present ones.
     if (vtkSMOutputPort* port =
           vtkSMPropertyHelper(representation, "Input", true).GetAsOutputPort())
     {
@@ -308,7 +311,7 @@ void pqPalpateBodyView::ShowRest()
   if (this->Filter && this->View)
   {
     this->SetRest();
-    // Now ParaView asks for everything.
+    // From here on ParaView asks for everything again.
     vtkSMProxy* filter = this->Filter->getProxy();
     filter->MarkDirty(filter);
     this->View->render();
@@ -334,7 +337,7 @@ void pqPalpateBodyView::Draw()
   {
     return;
   }
-  // The bar of progress would be drawn anew for each frame.
+  // The progress bar would be drawn anew for each frame.
   pqProgressManager* progress = pqApplicationCore::instance()->getProgressManager();
   progress->lockProgress(progress);
   const auto unlock = qScopeGuard([progress] { progress->unlockProgress(progress); });

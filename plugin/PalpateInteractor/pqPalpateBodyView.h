@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The touched body in ParaView's view: a filter TouchStateSpace, on the server wherever that is,
-/// which shows where a node is, or TouchReducedModel, which shows where a reduced body is. Other
-/// filters can hang on it.
+/// The touched body in ParaView's view. A filter on the server, wherever that is, shows it:
+/// TouchStateSpace with the node or the rigid tool at a place, or TouchReducedModel with a reduced
+/// body. Other filters can take its output.
 ///
-/// On a machine that does not draw fast enough edges are not smoothed as long as it touches
-/// (without graphics hardware that takes more than half of the time of a frame), and the inner side
-/// of an opaque body, which nobody sees, is not drawn.
+/// Where the machine does not draw fast enough, two things are left out while one touches: edges
+/// are not smoothed (without graphics hardware that takes more than half of the time of a frame),
+/// and the inner side of an opaque body, which nobody sees, is not drawn.
 #pragma once
 
 #include <QElapsedTimer>
@@ -25,13 +25,11 @@ class vtkSMPVRepresentationProxy;
 class pqPalpateBodyView
 {
 public:
-  /// Shows the body at rest in the place of its state space. The filter is made where there is
-  /// none.
+  /// Shows the body at rest in the place of its state space. Makes the filter where there is none.
   /// @param colouredBy A point array of the filter, and the largest value that is coloured.
-  /// @param inTissue See SetColours(). It counts for a filter that was made here, unless a person
-  /// has
-  ///   coloured it since.
-  /// @param free Where a rigid tool touches nothing [3], m.
+  /// @param inTissue As for SetColours(). It has an effect on a filter that was made here, unless a
+  ///   person has coloured it since.
+  /// @param free A place where a rigid tool touches nothing [3], m.
   /// @throws std::runtime_error the server does not have the filter.
   pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* colouredBy, double most,
     bool inTissue, const double* free);
@@ -41,56 +39,58 @@ public:
   /// @param most The largest displacement that is coloured, m.
   pqPalpateBodyView(pqOutputPort* model, pqRenderView* view, double most, bool inTissue);
 
-  /// @param inTissue At rest the body has the colour of tissue; else the map is that of ParaView.
+  /// @param inTissue Whether the body at rest has the colour of tissue; otherwise the colour map is
+  ///   ParaView's own.
   void SetColours(bool inTissue);
 
   pqPipelineSource* GetFilter() const { return this->Filter; }
 
-  /// @param node -1: the first of the space.
-  /// @param branch That the body is on there.
-  /// @param displacement Of the node [3], m.
+  /// @param node The active node; -1: the first of the space.
+  /// @param branch The branch that the body is on there.
+  /// @param displacement The displacement of the node [3], m.
   void Show(int node, int branch, const double* displacement);
-  /// @param place Of a rigid tool [3], m.
+  /// @param place The place of the rigid tool [3], m.
   void ShowPressed(const double* place);
-  /// @param coordinates Of a reduced body, all of them; none: it is at rest.
-  /// @param number Of them.
+  /// @param coordinates All coordinates of the reduced body; none: the body is at rest.
+  /// @param number The number of coordinates.
   void ShowReduced(const double* coordinates, unsigned int number);
-  /// At the end: the whole picture of the view, and the body at rest, as far as they are there.
+  /// Call this at the end. It restores the picture of the view and shows the body at rest, as far
+  /// as these are still there.
   void Leave(pqPalpateRunWatch::Left left);
   void ShowRest();
   /// Draws the view.
   void Draw();
-  /// There is nothing to draw now: the next frame is not late.
+  /// Says that there is nothing to draw now, so that the next frame does not count as late.
   void Rest() { this->LastFrame = -1; }
   quint64 GetNumberOfFrames() const { return this->NumberOfFrames; }
-  /// Frames in the last second.
+  /// The number of frames in the last second.
   double GetFrameRate();
 
 private:
-  /// Nothing is left out any more.
+  /// Draws again what was left out.
   void RestorePicture();
   void SetRest();
-  /// All that is shown is up to date.
+  /// Whether all that is shown is up to date.
   bool IsKnown() const;
-  /// The filter's properties have become others.
-  /// @param isKnown All was up to date before.
+  /// Sends the changed properties of the filter.
+  /// @param isKnown Whether all was up to date before.
   void Take(vtkSMProxy* filter, bool isKnown);
-  /// What has changed are the body's places alone: ParaView need not ask again, for each property
-  /// of each representation, which arrays there are. That takes it longer than to draw them.
+  /// Keeps ParaView from asking again, for each property of each representation, which arrays there
+  /// are: only the points of the body have moved. The questions would take longer than drawing.
   void KeepDomains();
-  /// Leaves out what costs most and is seen least when frames come too late.
+  /// Leaves out, when frames come too late, what costs most and is seen least.
   void KeepPace();
   void LeaveOut(vtkSMProxy* proxy, const char* property, int value);
 
-  /// @param filter The name of the one that shows the body.
+  /// @param filter The name of the filter that shows the body.
   pqPalpateBodyView(pqOutputPort* space, pqRenderView* view, const char* filter,
     const char* colouredBy, double most, bool inTissue, const double* free);
-  /// The legend says what is coloured, in letters that are seen whatever is behind it.
+  /// Makes the legend of the colours, in letters that are legible whatever is behind it.
   void SetLegend();
-  /// How the filter is shown in the view; null: it is not.
+  /// The representation of the filter in the view; null: the filter is not shown.
   vtkSMPVRepresentationProxy* FindShown() const;
 
-  /// Not of a reduced body.
+  /// A place where a rigid tool touches nothing, m. A reduced body has none.
   double Free[3] = { 0, 0, 0 };
   bool IsReduced;
   std::string ColouredBy;
@@ -105,7 +105,7 @@ private:
   };
   std::vector<Omission> Omissions;
   QElapsedTimer Time;
-  /// When the last frames were, ms.
+  /// The times of the last frames, ms.
   std::vector<qint64> Frames;
   quint64 NumberOfFrames = 0;
   qint64 LastFrame = -1;

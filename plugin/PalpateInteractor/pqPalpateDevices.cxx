@@ -43,7 +43,7 @@ pqPalpateDevice pqPalpateSimulatedDevice(
   const std::shared_ptr<palpate::Clock>& clock, std::shared_ptr<palpate::Motion> motion)
 {
   palpate::BoardOptions options;
-  // The mouse places the tool on the surface to a small part of what is seen.
+  // With a unit this small, the mouse places the tool exactly on the surface that is seen.
   options.feature.position_unit_nm = 100;
   options.feature.num_buttons = 2;
   auto board = std::make_unique<palpate::SimulatedBoard>(clock, std::move(motion), options);
@@ -51,7 +51,8 @@ pqPalpateDevice pqPalpateSimulatedDevice(
   device.Setup.device = "simulated";
   device.Setup.profile = palpate::ProfileKind::palpate_report;
   device.Setup.feature = board->feature();
-  // No motor moves a hand: however late the loop is, the tool does not let go.
+  // The device has no motor that could move a hand. So the tool does not let go however late the
+  // loop is.
   device.Setup.options.release_after = std::chrono::hours(1);
   device.Profile = palpate::make_profile(device.Setup.profile, device.Setup.feature);
   device.Transport = std::move(board);

@@ -9,9 +9,10 @@
 
 namespace
 {
-/// A key that somebody presses and lets go of is down for longer.
+/// The time between two looks at the keys. A key that somebody presses is down for longer.
 constexpr std::chrono::milliseconds Interval(20);
-/// Frames are handled more often while ParaView does nothing else.
+/// The windows count as silent after this time. While ParaView does nothing else it handles frames
+/// more often.
 constexpr std::chrono::milliseconds Silence(250);
 }
 
@@ -30,7 +31,7 @@ pqPalpateEscape::~pqPalpateEscape()
 
 void pqPalpateEscape::Listen()
 {
-  // A connection of its own: that of the windows is not this thread's to use.
+  // This thread needs a connection of its own and must not use that of the windows.
   Display* display = XOpenDisplay(nullptr);
   if (display == nullptr)
   {

@@ -14,14 +14,14 @@
 class pqPalpateEscape
 {
 public:
-  /// @param act Called on another thread, as long as the key is pressed while the windows are
-  ///   silent.
+  /// @param act It is called on another thread, again and again as long as the key is pressed while
+  ///   the windows are silent.
   explicit pqPalpateEscape(std::function<void()> act);
   ~pqPalpateEscape();
   pqPalpateEscape(const pqPalpateEscape&) = delete;
   pqPalpateEscape& operator=(const pqPalpateEscape&) = delete;
 
-  /// Says that the windows handle events now.
+  /// Says that the windows are handling events now.
   void HearsItself() { this->LastHeard = std::chrono::steady_clock::now(); }
   /// Whether the key was pressed while the windows were silent.
   bool WasPressed() const { return this->Pressed; }

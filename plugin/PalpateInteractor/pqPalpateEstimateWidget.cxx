@@ -23,10 +23,10 @@
 
 namespace
 {
-/// Nobody reads faster than that, ms.
+/// The pause after a change before the estimate is made, ms. Nobody reads faster than that.
 constexpr int PauseTime = 300;
 
-/// The proxies that a property chooses among; none where it does not.
+/// The proxies that a property chooses among; empty: the property chooses no proxy.
 std::vector<vtkSMProxy*> ChoicesOf(vtkSMProperty* property)
 {
   std::vector<vtkSMProxy*> choices;
@@ -40,7 +40,7 @@ std::vector<vtkSMProxy*> ChoicesOf(vtkSMProperty* property)
   return choices;
 }
 
-/// Takes what the panel shows, where both properties are of this type.
+/// Copies the value that the panel shows, where both properties are of this type.
 template <class Property>
 void TakeShown(vtkSMProperty* from, vtkSMProperty* to)
 {
@@ -57,7 +57,7 @@ void TakeShown(vtkSMProperty* from, vtkSMProperty* to)
   }
 }
 
-/// Gives a proxy of the same kind what the panel shows of another one.
+/// Copies the values that the panel shows to another proxy of the same kind.
 void TakeAllShown(vtkSMProxy* from, vtkSMProxy* to)
 {
   auto iterator = vtkSmartPointer<vtkSMPropertyIterator>::Take(from->NewPropertyIterator());
@@ -116,7 +116,7 @@ pqPalpateEstimateWidget::pqPalpateEstimateWidget(
   this->Pause.setInterval(PauseTime);
   QObject::connect(&this->Pause, &QTimer::timeout, this, &pqPalpateEstimateWidget::estimate);
   this->follow(proxy);
-  // What stands before the filter may be applied meanwhile.
+  // A filter upstream may be applied meanwhile.
   QObject::connect(pqApplicationCore::instance()->getServerManagerModel(),
     &pqServerManagerModel::dataUpdated, this,
     [this](pqPipelineSource* source)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What Apply will take, in the panel of a long filter: it follows what the panel shows, also what
-/// is not applied yet, as a copy of the filter has that and is asked for its estimate.
+/// Shows in the panel of a long filter what Apply will take. The estimate follows the values in the
+/// panel, also those that are not applied yet: a copy of the filter gets them and is asked for its
+/// estimate.
 ///
 /// In the XML of the property UpdateEstimate: panel_widget="palpate_estimate".
 #pragma once
@@ -29,12 +30,12 @@ private Q_SLOTS:
   void changed();
 
 private:
-  /// Hears of all that a proxy has to choose, also within the proxies that it chooses among.
+  /// Observes all properties of a proxy, also those of the proxies that it chooses among.
   void follow(vtkSMProxy* proxy);
   void estimate();
 
   QLabel* Text = nullptr;
-  /// Runs while what was changed last may be changed on.
+  /// Runs for a while after each change, in which the person may go on changing.
   QTimer Pause;
   vtkSmartPointer<vtkSMSourceProxy> Copy;
 };

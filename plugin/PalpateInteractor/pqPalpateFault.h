@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The border between exceptions and Qt: one that crosses a loop of events ends ParaView.
+/// The border between exceptions and Qt. An exception that crosses an event loop ends ParaView.
 #pragma once
 
 #include <QString>
@@ -8,7 +8,7 @@
 #include <utility>
 
 /// Calls `body()`.
-/// @return What it throws, in words; empty: nothing.
+/// @return The exception that it throws, in words; empty: it throws none.
 template <class Body>
 QString pqPalpateFault(Body&& body) noexcept
 {

@@ -22,7 +22,7 @@
 
 namespace
 {
-/// Of a collection; nullptr: it has no such array.
+/// A field array of a collection; nullptr: there is no such array.
 vtkPVArrayInformation* FindField(pqOutputPort* port, const char* name)
 {
   vtkPVDataInformation* data = port->getDataInformation();
@@ -37,8 +37,8 @@ vtkDataObject* ClientSideData(vtkSMSourceProxy* proxy, int port)
   return algorithm ? algorithm->GetOutputDataObject(port) : nullptr;
 }
 
-/// Of this process where the server is built in; else what the server's first rank has, which is
-/// the whole of a state space and of a body.
+/// Takes the data from this process where the server is built in. Otherwise it takes those of the
+/// server's first rank, which has the whole of a state space and of a body.
 vtkSmartPointer<vtkDataObject> Fetch(pqOutputPort* port, int type)
 {
   vtkSMSourceProxy* source = port->getSourceProxy();
@@ -109,7 +109,7 @@ bool pqPalpateHasRigidTool(pqOutputPort* port)
 
 bool pqPalpateHasActiveNodes(pqOutputPort* port)
 {
-  // A rigid tool stands among them as -1.
+  // The rigid tool is in this list as -1.
   vtkPVArrayInformation* nodes = FindField(port, "ActiveNodes");
   return nodes && nodes->GetComponentRange(0)[1] >= 0;
 }

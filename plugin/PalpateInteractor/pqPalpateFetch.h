@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The client's own copy of what is in the pipeline.
+/// Makes the client's own copy of data in the pipeline.
 #pragma once
 
 #include <memory>
@@ -13,41 +13,42 @@
 class pqOutputPort;
 class vtkUnstructuredGrid;
 
-/// Whether the port gives a state space, as far as is known of its data.
+/// Whether the port gives a state space, as far as its data are known.
 bool pqPalpateGivesStateSpace(pqOutputPort* port);
 
-/// Whether the port gives a body with a reduced model, as far as is known of its data.
+/// Whether the port gives a body with a reduced model, as far as its data are known.
 bool pqPalpateGivesReducedModel(pqOutputPort* port);
 
-/// The number of tools of such a model.
+/// The number of tools of a reduced model.
 int pqPalpateCountTools(pqOutputPort* port);
 
-/// Whether a state space is of a rigid tool, and whether it is of active nodes.
+/// Whether a state space has a rigid tool, and whether it has active nodes.
 bool pqPalpateHasRigidTool(pqOutputPort* port);
 bool pqPalpateHasActiveNodes(pqOutputPort* port);
 
-/// Figures of such a model, by which it is told from another one.
+/// Figures of a reduced model that tell it from another one.
 std::vector<double> pqPalpateMarkReduced(pqOutputPort* port);
 
-/// From this process where the server is built in, else over the connection. Brings the pipeline up
-/// to date.
-/// @throws palpate::InputError, std::runtime_error it is no state space, or cannot be fetched.
+/// Brings the pipeline up to date and copies the state space: from this process where the server is
+/// built in, else over the connection.
+/// @throws palpate::InputError, std::runtime_error the data are no state space, or cannot be
+///   fetched.
 palpate::TouchSpace pqPalpateFetchSpace(pqOutputPort* port);
 
-/// The same of a body with its reduced model.
+/// A body with its reduced model.
 struct pqPalpateReducedSpace
 {
   std::shared_ptr<const palpate::ReducedModel> Model;
   palpate::Surface Surface;
-  /// The active node of each tool, and where it is at rest, m.
+  /// The active node of each tool, and its place at rest, m.
   std::vector<vtkIdType> ActiveNodes;
   std::vector<palpate::Vec3> Places;
 };
 pqPalpateReducedSpace pqPalpateFetchReduced(pqOutputPort* port);
 
-/// The same of a body on its way to a state space; nullptr: it is no unstructured grid.
+/// Fetches a body of which no state space was made yet; nullptr: the data are no unstructured grid.
 vtkSmartPointer<vtkUnstructuredGrid> pqPalpateFetchBody(pqOutputPort* port);
 
-/// Changes when the data of a built-in server change; 0: the server is another process, of
-/// which nothing is known.
+/// A time that changes when the data of a built-in server change; 0: the server is another process,
+/// of which that is not known.
 vtkMTimeType pqPalpateDataTime(pqOutputPort* port);

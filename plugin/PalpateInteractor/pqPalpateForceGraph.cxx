@@ -18,7 +18,8 @@
 namespace
 {
 constexpr double Seconds = 10;
-/// A redraw costs as much as a few figures of text, and the eye needs no more of them.
+/// The time between two redraws. A redraw costs as much as a few lines of text, and the eye needs
+/// no more of them.
 constexpr double RedrawInterval = 0.2; // s
 constexpr vtkIdType MostSamples = 1024;
 constexpr int FontSize = 10;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A chart of the last seconds: the force at the device and that of the body, N, over time, s.
+/// A chart of the force at the device and that of the body, N, over the last seconds, s.
 #pragma once
 
 #include "QVTKOpenGLNativeWidget.h"
@@ -25,7 +25,7 @@ public:
 
   /// Empty.
   void clear();
-  /// @param time Since the start, s; not before that of the sample before.
+  /// @param time The time since the start, s. It never decreases.
   void addSample(double time, double atDevice, double ofBody);
 
 private:

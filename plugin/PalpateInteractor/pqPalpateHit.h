@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Where a surface is seen at a pixel.
+/// Finds the place of a surface that is seen at a pixel.
 #pragma once
 
 class vtkRenderer;
 class vtkStaticCellLocator;
 
-/// @param pixel From the lower left corner of the view [2].
+/// @param pixel The pixel, from the lower left corner of the view [2].
 /// @param hit The place that is nearest to the viewer [3], m.
 /// @return Whether the surface is seen there.
 bool pqPalpateHit(

@@ -45,11 +45,11 @@
 namespace
 {
 constexpr int FiguresInterval = 200; // ms
-/// Of a device in the list.
+/// The role of an entry in the list of devices that says whether the device has a button.
 constexpr int HasButtonRole = Qt::UserRole + 1;
 constexpr const char* FaultStyle = "color: #a00000";
 
-/// Of the table of tools.
+/// The columns of the table of tools.
 enum ToolColumns
 {
   ToolColumn,
@@ -79,7 +79,7 @@ QDoubleSpinBox* NumberBox(double value, double most, double step, const char* su
   return box;
 }
 
-/// Its names may be long.
+/// Keeps a list from growing with its names, which may be long.
 void KeepNarrow(QComboBox* choice)
 {
   constexpr int letters = 7;
@@ -87,7 +87,7 @@ void KeepNarrow(QComboBox* choice)
   choice->setMinimumContentsLength(letters);
 }
 
-/// By the proxy: names are the user's, and may be the same.
+/// Identifies a port by its proxy. Names are chosen by the user, and two may be the same.
 QString IdOf(pqOutputPort* port)
 {
   return QString("%1:%2").arg(port->getSourceProxy()->GetGlobalID()).arg(port->getPortNumber());
@@ -112,7 +112,7 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
     column->addWidget(group);
     return makeForm(group);
   };
-  // What is not needed while one touches is folded.
+  // Settings that one does not need while touching are folded.
   QVector<QWidget*> folded;
   const auto addFold = [&](const char* title, const char* name)
   {
@@ -143,13 +143,15 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   this->makeRecorder(addFold("Recording", "recording"));
   this->makePace(addFold("Pace of the loop", "pace"));
   column->addStretch();
-  // What is said in the dock shall not change the size of the view.
+  // Texts in the dock must not change the size of the view, so that its content is in a scroll
+  // area.
   auto* area = Named(new QScrollArea(this), "area");
   area->setWidgetResizable(true);
   area->setFrameShape(QFrame::NoFrame);
   area->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   area->setWidget(content);
-  // Nothing is cut off at the right, whatever is unfolded, with the bar that scrolls or without.
+  // With this width nothing is cut off at the right, whatever is unfolded, with the scroll bar or
+  // without.
   area->setMinimumWidth(
     content->minimumSizeHint().width() + area->verticalScrollBar()->sizeHint().width());
   for (QWidget* holder : folded)
@@ -174,7 +176,7 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
   pqServerManagerModel* model = pqApplicationCore::instance()->getServerManagerModel();
   const auto list = [this] { this->guard([this] { this->listSpaces(); }); };
   QObject::connect(model, &pqServerManagerModel::sourceRemoved, this, list);
-  // While it runs the touched body is updated each frame.
+  // While one touches, the touched body is updated each frame, which needs no new list.
   QObject::connect(model, &pqServerManagerModel::dataUpdated, this,
     [this, list]
     {
@@ -183,7 +185,8 @@ pqPalpateInteractorDock::pqPalpateInteractorDock(QWidget* parent)
         list();
       }
     });
-  // Later: where it ended because the server is gone, that has first to be dealt with.
+  // The connection is queued: where touching ended because the server is gone, ParaView first has
+  // to deal with that.
   QObject::connect(&this->Touch, &pqPalpateTouch::stopped, this, list, Qt::QueuedConnection);
   QObject::connect(
     &this->ReducedTouch, &pqPalpateReducedTouch::stopped, this, list, Qt::QueuedConnection);
@@ -231,7 +234,7 @@ void pqPalpateInteractorDock::makeTools(QVBoxLayout* column)
   this->Tools->setHorizontalHeaderLabels({ "Tool", "Device", "Force, N", "State" });
   this->Tools->verticalHeader()->hide();
   this->Tools->horizontalHeader()->setSectionResizeMode(QHeaderView::ResizeToContents);
-  // What it says in full is in its tip.
+  // The tool tip has the full text of the state.
   this->Tools->horizontalHeader()->setSectionResizeMode(StateColumn, QHeaderView::Stretch);
   this->Tools->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   this->Tools->setSelectionMode(QAbstractItemView::NoSelection);
@@ -263,7 +266,8 @@ void pqPalpateInteractorDock::listTools()
   {
     chosen.push_back(pqPalpateMouseDevice);
   }
-  // At once: the table would keep them until the next turn of the events.
+  // They are deleted at once, because the table would keep them until the next turn of the event
+  // loop.
   qDeleteAll(this->DeviceOfTool);
   this->DeviceOfTool.clear();
   this->Tools->setRowCount(0);
@@ -369,7 +373,7 @@ void pqPalpateInteractorDock::makeRecorder(QFormLayout* form)
     "palpate-servo replays.");
   this->RecordingFile = Named(new pqFileChooserWidget(), "recordingFile",
     "A new file is made at each start: run.csv, run-2.csv, …");
-  // The loop is here, and so is its recording.
+  // The loop runs on the client, and its recording is written there.
   this->RecordingFile->setServer(nullptr);
   this->RecordingFile->setForceSingleFile(true);
   this->RecordingFile->setAcceptAnyFile(true);
@@ -475,7 +479,7 @@ void pqPalpateInteractorDock::enableSettings()
       : isRealIn(this->Device));
   if (isReduced)
   {
-    // The tool is bonded, and its coupling is made for these scales.
+    // The tool of a reduced body is bonded, and its coupling was made for these scales.
     this->Bonded->setEnabled(false);
     this->ReleaseForce->setEnabled(false);
     this->Friction->setEnabled(false);
@@ -551,7 +555,7 @@ void pqPalpateInteractorDock::listSpaces()
   }
   const int index = this->Space->findData(chosen);
   this->Space->setCurrentIndex(index >= 0 ? index : this->Space->count() - 1);
-  // Signals are blocked.
+  // The lists' signals are blocked here, so these are called directly.
   this->listTools();
   this->enableSettings();
   this->showState();
@@ -665,7 +669,7 @@ void pqPalpateInteractorDock::sendSettings()
   settings.ReleaseForce = this->ReleaseForce->value();
   settings.Friction = this->Friction->value();
   settings.GraspsWithButton = this->Grasps->isEnabled() && this->Grasps->isChecked();
-  // Grey or not: what is ticked is not given up because another device is chosen.
+  // The tick counts also while it is disabled: it is not given up because another device is chosen.
   settings.NeedsButton = this->NeedsButton->isChecked();
   settings.InTissue = this->InTissue->isChecked();
   this->Touch.setSettings(settings);
@@ -682,7 +686,7 @@ void pqPalpateInteractorDock::showState()
   this->StartAction->setToolTip((runs ? "Stop touching, with zero force"
                                       : "Touch the state space that the dock Palpate names") +
     QString(" (%1)").arg(this->StartAction->shortcut().toString(QKeySequence::NativeText)));
-  // To list devices is to open them.
+  // Listing devices opens them, which must not happen while one touches.
   this->Refresh->setEnabled(!runs);
   this->Records->setEnabled(!runs);
   this->RecordingFile->setEnabled(!runs && this->Records->isChecked());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The dock of ParaView's window from where a state space or a reduced body is touched: what, with
-/// which device, or with which devices each of the tools, how, and what the loops find.
+/// The dock in ParaView's window from which one touches a state space or a reduced body. It chooses
+/// what is touched, the device of each tool and the settings, and shows the figures of the loops.
 #pragma once
 
 #include <QDockWidget>
@@ -40,46 +40,49 @@ private:
   void makeTools(QVBoxLayout* column);
   void makeSettings(QFormLayout* form);
   QLabel* addFigure(QFormLayout* form, const char* title, const char* name, const char* tip);
-  /// What one looks at while touching.
+  /// Makes the figures that one looks at while touching.
   void makeFigures(QFormLayout* form);
   void makePace(QFormLayout* form);
   void makeRecorder(QFormLayout* form);
-  /// In a toolbar of ParaView's window, with keys.
+  /// Makes the actions in a toolbar of ParaView's window, with their keys.
   void makeActions();
 
   void listSpaces();
   void listDevices();
-  /// A row for each tool of the reduced model that is chosen, with its list of devices; no table
-  /// where none is.
+  /// Makes a row for each tool of the chosen reduced model, with its list of devices. Without a
+  /// reduced model there is no table.
   void listTools();
-  /// A device that is chosen for a tool while it is touched has it from now on.
+  /// Gives a tool the device that was chosen for it, also while the body is touched.
   void chooseDevice(int tool);
   bool isTouching() const { return this->Touch.isRunning() || this->ReducedTouch.isRunning(); }
   void stopTouching();
-  /// Why the tool's device cannot have it: another tool has that device; empty: it can.
+  /// Why the chosen device cannot move the tool, which is that another tool has the device; empty:
+  /// it can.
   QString whyTaken(int tool) const;
-  /// Of the figures.
+  /// Shows or hides a row of the figures.
   void showRow(QWidget* field, bool shown);
   void showRecorded(quint64 ticks, quint64 missing);
-  /// Shows what a Touch or a ReducedTouch tells.
+  /// Connects the signals of a pqPalpateTouch or a pqPalpateReducedTouch.
   template <class AnyTouch>
   void follow(AnyTouch& touch);
-  /// Settings that have no meaning with what is chosen are grey.
+  /// Disables the settings that have no meaning for the present choice.
   void enableSettings();
   void startOrStop();
   void showState();
   void showFigures();
   void showReducedFigures();
-  /// Made when it is first wanted: a scene that does not need it does without its window of OpenGL.
+  /// Shows or hides the chart of the force. The chart is made when it is first shown, so that
+  /// nobody else pays for its OpenGL window.
   void showGraph(bool shown);
   void sendSettings();
   pqOutputPort* chosenSpace() const;
-  /// Calls `body()`, and says what it throws.
+  /// Calls `body()`, and shows the exception that it throws.
   void guard(const std::function<void()>& body);
-  /// What goes well is black.
+  /// Shows a message: a fault in red, any other in black.
   void say(const QString& text, bool isFault);
 
-  // Told by what touches when that ends: the last of them to go.
+  // Touch and ReducedTouch signal their end when they are destroyed. So the members that their
+  // slots use come before them, and are destroyed after them.
   QTimer FiguresTimer;
   QString Problem;
   pqPalpateTouch Touch;

@@ -34,7 +34,7 @@ enum Column
   NumberOfColumns
 };
 
-/// An array with more values is not one of regions.
+/// An array with more different values is not taken for one of regions.
 constexpr std::size_t MostValues = 200;
 constexpr int VisibleRows = 4;
 constexpr const char* FirstLaw = "Neo-Hookean";
@@ -137,7 +137,7 @@ void pqPalpateMaterialsWidget::addRow(
   }
   if (laws->findText(law) < 0)
   {
-    // The filter says that there is no such law.
+    // An unknown law is shown as it is; the filter says that there is none.
     laws->addItem(law);
   }
   laws->setCurrentText(law);
@@ -188,7 +188,7 @@ void pqPalpateMaterialsWidget::addValues()
     this->Message->setVisible(!text.isEmpty());
   };
   say("");
-  // The panel's own choice, which need not be applied yet.
+  // This is the choice in the panel, which need not be applied yet.
   const QString name = vtkSMUncheckedPropertyHelper(this->proxy(), "RegionArray").GetAsString(0);
   vtkSMOutputPort* input = vtkSMPropertyHelper(this->proxy(), "Input", true).GetAsOutputPort();
   auto* port = input

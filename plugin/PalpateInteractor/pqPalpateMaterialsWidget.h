@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The editor of the property Regions of Assign Material: a table with a row for each value of the
-/// region array, the law that is chosen for it and the law's parameters, and a button that makes
-/// the rows of the values that the body has.
+/// The editor of the property Regions of Assign Material. A table has a row for each value of the
+/// region array, with its law and the law's parameters; a button makes the rows for the values that
+/// the body has.
 ///
 /// In the XML of a property: panel_widget="palpate_materials".
 #pragma once

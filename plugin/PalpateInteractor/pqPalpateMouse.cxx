@@ -22,9 +22,10 @@ using palpate::Vec3;
 
 namespace
 {
-/// Before ParaView's own, which are at 0.
+/// The observers come before ParaView's own, which have the priority 0.
 constexpr float Priority = 10;
-/// Of the body's diagonal: what is less far behind the surface is on it.
+/// A place that is less far behind the surface than this share of the body's diagonal counts as on
+/// it.
 constexpr double OnSurface = 1e-3;
 constexpr const char* Ctrl = "Control_";
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The mouse as a hand: what it does with active nodes is in pqPalpateNodeMouse.h, what with a
-/// rigid tool in pqPalpateToolMouse.h, and what with a tool of a reduced body in
-/// pqPalpateReducedMouse.h.
+/// The mouse as a hand. pqPalpateNodeMouse.h says how it holds active nodes, pqPalpateToolMouse.h
+/// how it moves a rigid tool, and pqPalpateReducedMouse.h how it holds a tool of a reduced body.
 ///
-/// What it moves is the point of a simulated board, so that it touches by the servo loop as a
-/// device does. Where it touches nothing the workspace is moved, so that the tool is elsewhere
-/// without having been in between.
+/// The mouse moves the point of a simulated board, so that it touches through the servo loop as a
+/// device does. While it touches nothing, the workspace is moved instead, which puts the tool
+/// elsewhere without passing the places in between.
 #pragma once
 
 #include <memory>
@@ -31,56 +30,56 @@ public:
   pqPalpateMouse(const pqPalpateMouse&) = delete;
   void operator=(const pqPalpateMouse&) = delete;
 
-  /// Goes on with what another one of the same kind did: the space has grown.
+  /// Goes on with what another mouse of the same kind was doing, after the space has grown.
   virtual void GoOnFrom(const pqPalpateMouse& /*other*/) {}
 
-  /// Moves the board's point on, once a frame.
+  /// Moves the point of the board on. Call this once a frame.
   virtual void Advance(const palpate::Tick& tick) = 0;
 
-  /// The tool is to be bonded to what it touches.
+  /// Whether the tool is to be bonded to what it touches.
   virtual bool IsHolding() const { return false; }
-  /// The tool is somewhere, though it may touch nothing.
+  /// Whether the tool is to be drawn, though it may touch nothing.
   virtual bool ShowsTool() const { return false; }
 
-  /// Place in the scene of the board's centre, m.
+  /// The place of the board's centre in the scene, m.
   const palpate::Vec3& GetWorkspaceCentre() const { return this->Centre; }
-  /// What the person is told, a sentence a line; empty: all is well.
+  /// A hint for the person, one sentence a line; empty: there is none.
   const std::string& GetHint() const { return this->Hint; }
 
 protected:
-  /// Of the body's diagonal: a notch of the wheel.
+  /// The way of a notch of the wheel, as a share of the body's diagonal.
   static constexpr double Notch = 0.01;
 
-  /// @param surface Of the body at rest.
-  /// @param motion Of the board, the axes of which are those of the scene.
+  /// @param surface The surface of the body at rest.
+  /// @param motion The motion of the board, whose axes are those of the scene.
   pqPalpateMouse(vtkSMRenderViewProxy* view, const palpate::Surface& surface,
     std::shared_ptr<palpate::MouseMotion> motion);
 
-  /// The left button is pressed.
-  /// @return Whether the event is the mouse's and not the camera's.
+  /// Called when the left button is pressed.
+  /// @return Whether the press is taken; otherwise it is the camera's.
   virtual bool Press() = 0;
-  /// It is held, and the mouse has moved.
+  /// Called when the mouse has moved while the button is held.
   virtual void Drag() = 0;
-  /// It is not held, and the mouse has moved.
+  /// Called when the mouse has moved while the button is not held.
   virtual void Hover() {}
-  /// It is held, and the wheel was turned.
-  /// @param notches Away from the person.
+  /// Called when the wheel was turned while the button is held.
+  /// @param notches The number of notches, positive away from the person.
   virtual void Turn(int notches) = 0;
-  /// Ctrl is held, or is not any more.
+  /// Called when Ctrl is pressed or let go.
   virtual void HoldCtrl(bool /*held*/) {}
 
-  /// Takes what another one has of all this.
+  /// Takes over the state of another mouse.
   void TakeOver(const pqPalpateMouse& other);
 
-  /// Where the body at rest is under the pointer.
-  /// @return Whether it is.
+  /// Finds the place of the body at rest under the pointer.
+  /// @return Whether there is one.
   bool Find(palpate::Vec3& place) const;
-  /// Something of the body is in front of a place.
+  /// Whether a part of the body is in front of a place.
   bool IsHidden(const palpate::Vec3& place) const;
-  /// Of the pixel under the pointer, in the depth of a place.
+  /// The point under the pointer that is as deep in the view as a place, m.
   palpate::Vec3 PointUnderCursor(const palpate::Vec3& depthOf) const;
-  /// Where to press instead, in words.
-  /// @param what The beginning of that.
+  /// Says where to press instead.
+  /// @param what The beginning of the sentence.
   std::string WayTo(
     const char* what, const palpate::Vec3& node, const palpate::Vec3& pressed) const;
   /// The direction in which the person looks.
@@ -88,27 +87,27 @@ protected:
   bool CtrlIsHeld() const;
 
   void SetTarget(const palpate::Vec3& place, bool grasps = false);
-  /// The point stands still, and the workspace is moved so that it is there.
+  /// Puts the point to a place by moving the workspace: in the board's axes the point stands still.
   void PutTo(const palpate::Vec3& place) { this->Centre = place - this->Target; }
 
   vtkWeakPointer<vtkRenderWindowInteractor> Interactor;
   vtkWeakPointer<vtkRenderer> Renderer;
   /// The body's diagonal, m.
   double Size = 0;
-  /// The left button is held, and was pressed on what can be touched.
+  /// Whether the left button is held and was pressed on a place that can be touched.
   bool Pressed = false;
   std::string Hint;
 
 private:
   bool HandleEvent(vtkObject* sender, unsigned long event, void* data);
-  /// @return Whether nobody else shall hear of it.
+  /// @return Whether the event is used up, so that nobody else gets it.
   bool Handle(unsigned long event);
 
   std::shared_ptr<palpate::MouseMotion> Motion;
   vtkNew<vtkStaticCellLocator> Surface;
   std::vector<unsigned long> Observers;
   palpate::Vec3 Centre = palpate::Vec3::Zero();
-  /// Of the board's point, in its own axes, m.
+  /// Where the board's point goes, in the board's axes, m.
   palpate::Vec3 Target = palpate::Vec3::Zero();
 };
 

@@ -14,7 +14,8 @@ namespace
 constexpr double Clearance = 0.02;
 constexpr double Overshoot = 0.002;
 constexpr double Reach = 0.1;
-/// Of the half-width of the space: the drag ends within it, however the board rounds.
+/// A drag ends at this share of the half-width, so that it stays within the space however the board
+/// rounds.
 constexpr double Within = 0.999;
 }
 
@@ -85,7 +86,7 @@ void pqPalpateNodeMouse::Turn(int notches)
 void pqPalpateNodeMouse::Drag()
 {
   const Vec3 moved = this->PointUnderCursor(this->Grip) - this->Grip + this->Depth;
-  // No further than the space goes.
+  // The displacement is cut to the tool space.
   const double most = Within * this->HalfWidths[this->Wanted];
   const double least = moved.cwiseAbs().maxCoeff();
   this->Displacement = least > most ? Vec3(most / least * moved) : moved;

@@ -40,7 +40,7 @@
 
 namespace
 {
-/// Before ParaView's own, which are at 0.
+/// The observers come before ParaView's own, which have the priority 0.
 constexpr float NodesPriority = 5;
 /// A press and a release that are farther apart are a drag, pixels.
 constexpr int Still = 3;
@@ -76,13 +76,14 @@ pqPalpateNodesWidget::pqPalpateNodesWidget(
     this->Defaults = this->List->scalars();
   }
   QObject::connect(this->Button, &QPushButton::toggled, this, &pqPalpateNodesWidget::startOrEnd);
-  // Another filter is chosen: the panel shows that one.
+  // When another filter is chosen, the panel shows that one.
   QObject::connect(&pqActiveObjects::instance(), &pqActiveObjects::sourceChanged, this,
     [this](pqPipelineSource* source)
     {
       if (this->Grid && this->Body && source == this->Body->getSource())
       {
-        // That is what is clicked. Later: ParaView is still at it.
+        // This source was clicked. The filter is made active again only later, because ParaView is
+        // still handling the click.
         QTimer::singleShot(0, this, &pqPalpateNodesWidget::activate);
       }
       else if (!source || source->getProxy() != this->proxy())
@@ -113,7 +114,7 @@ void pqPalpateNodesWidget::startOrEnd(bool starts)
   else
   {
     this->end();
-    // To take a selection away makes its source active, too; the button is in this filter's panel.
+    // Clearing a selection makes its source active too, but the button is in this filter's panel.
     this->activate();
   }
   this->Message->setVisible(starts);
@@ -296,7 +297,7 @@ void pqPalpateNodesWidget::toggle(vtkIdType node)
     nodes.removeAt(found);
   }
   this->List->setScalars(nodes);
-  // The list says so by itself only where it is edited by hand.
+  // The list signals a change by itself only where it is edited by hand.
   Q_EMIT this->List->scalarsChanged();
   this->Message->setText(
     QString(isNew ? "Point %1 is chosen." : "Point %1 is not chosen any more.").arg(node));

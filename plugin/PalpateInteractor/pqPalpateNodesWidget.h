@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The editor of a property that lists points of the filter's input by their ids: ParaView's table
-/// of values, and a button with which points are clicked in the view. A click on a point of the
-/// body adds its id, another one on the same point takes it away; a drag turns the camera as ever.
-/// Meanwhile the body is shown in place of the filter's result, with the chosen points as
+/// The editor of a property that lists points of the filter's input by their ids. It has ParaView's
+/// table of values, and a button after which one clicks points in the view. A click on a point of
+/// the body adds its id, and another click on the same point removes it; a drag turns the camera as
+/// usual. Meanwhile the body is shown in place of the filter's result, with the chosen points as
 /// ParaView's selection.
 ///
 /// In the XML of a property: panel_widget="palpate_nodes".
@@ -38,7 +38,8 @@ public:
 
 private:
   void startOrEnd(bool starts);
-  /// Takes back that ParaView makes active what is clicked or selected in the view.
+  /// Makes this filter active again, after ParaView has made active what was clicked or selected in
+  /// the view.
   void activate();
   void start();
   void end();
@@ -56,7 +57,7 @@ private:
   pqScalarValueListPropertyWidget* List = nullptr;
   QPushButton* Button = nullptr;
   QLabel* Message = nullptr;
-  /// Of a property that nobody has set: the first click is in place of them.
+  /// The default values of the property. The first click replaces them.
   QVariantList Defaults;
 
   QPointer<pqRenderView> PickingView;
@@ -68,7 +69,7 @@ private:
   vtkNew<vtkStaticCellLocator> Surface;
   std::vector<unsigned long> Observers;
   int Pressed[2] = { 0, 0 };
-  /// What was seen before.
+  /// Whether body and result were visible before.
   bool BodyWasSeen = false;
   bool ResultWasSeen = false;
 };

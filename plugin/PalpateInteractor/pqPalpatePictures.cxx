@@ -50,7 +50,7 @@ pqPalpatePictures::pqPalpatePictures(QObject* parent)
 
 void pqPalpatePictures::startup()
 {
-  // A plugin of PV_PLUGIN_PATH is loaded before the window has all its parts.
+  // This waits, because a plugin of PV_PLUGIN_PATH is loaded before the window has all its parts.
   QTimer::singleShot(0, this, &pqPalpatePictures::watch);
 }
 
@@ -85,7 +85,7 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
   }
   selected->UpdatePipeline();
   vtkPVDataInformation* data = selected->GetDataInformation(0);
-  // A point of the body's surface has none of a configuration's arrays.
+  // A point of the body's surface has no array of a configuration.
   vtkPVArrayInformation* node = data->GetArrayInformation("ActiveNode", vtkDataObject::POINT);
   vtkPVArrayInformation* place = data->GetArrayInformation("Displacement", vtkDataObject::POINT);
   if (!node || !place || data->GetNumberOfPoints() != 1)
@@ -103,7 +103,7 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
       vtkSMPropertyHelper(touch, "ActiveNode").Set(activeNode);
       if (activeNode < 0)
       {
-        // Of a rigid tool, whose coordinates are where it is.
+        // The coordinates of a rigid tool are its place.
         vtkSMPropertyHelper(touch, "ToolPosition").Set(displacement, 3);
       }
       else
@@ -115,7 +115,7 @@ void pqPalpatePictures::touchSelected(pqOutputPort* space)
       }
       touch->UpdateVTKObjects();
       consumer->updatePipeline();
-      // As after Apply.
+      // The colours are rescaled as after Apply.
       vtkNew<vtkSMTransferFunctionManager> colours;
       colours->ResetAllTransferFunctionRangesUsingCurrentData(consumer->proxyManager(), false);
       consumer->renderAllViews();
@@ -127,7 +127,7 @@ void pqPalpatePictures::makeAxes(pqView* view, pqRepresentation* shown)
 {
   vtkSMProxy* chart = shown->getProxy();
   vtkSMProxy* axes = view->getProxy();
-  // A state has axes of its own.
+  // A chart of a state that is being loaded has its own axes.
   if (!Is(chart, Chart) || !axes->GetProperty("LeftAxisLogScale") ||
     pqApplicationCore::instance()->isLoadingState())
   {
@@ -136,7 +136,7 @@ void pqPalpatePictures::makeAxes(pqView* view, pqRepresentation* shown)
   vtkSMPropertyHelper(axes, "LeftAxisLogScale").Set(1);
   vtkSMPropertyHelper(axes, "BottomAxisLogScale").Set(1);
   vtkSMPropertyHelper(axes, "LeftAxisTitle").Set("Mean error of the force (%)");
-  // A third of the window is not much.
+  // The chart has only a third of the window, so that its letters are smaller.
   for (const char* size : { "LeftAxisTitleFontSize", "BottomAxisTitleFontSize", "LegendFontSize" })
   {
     vtkSMPropertyHelper(axes, size).Set(FontSize);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What ParaView's XML cannot say of pictures: a selected check-point of a state space is where the
-/// filters Touch State Space on it show the body; the chart of an Accuracy Report has logarithmic
-/// axes with titles.
+/// Behaviour of pictures that ParaView's XML cannot express. When a check-point of a state space is
+/// selected, the filters Touch State Space on that space show the body there. The chart of an
+/// Accuracy Report has logarithmic axes with titles.
 #pragma once
 
 #include <QObject>
@@ -22,11 +22,11 @@ public:
 
 private:
   void watch();
-  /// Nothing happens where something else than one configuration is selected.
+  /// Shows the body at the selected configuration, if exactly one is selected.
   void touchSelected(pqOutputPort* space);
   void makeAxes(pqView* view, pqRepresentation* shown);
 
 private Q_SLOTS:
-  /// Of all charts, after what they have for it.
+  /// Names the x axes of all charts after the column that they show there.
   void nameXAxes();
 };

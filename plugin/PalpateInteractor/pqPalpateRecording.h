@@ -14,14 +14,14 @@ class Servo;
 class pqPalpateRecording
 {
 public:
-  /// @param name Of the file, or of one that is named after it where it is there already:
+  /// @param name The name of the file. Where there is such a file already, the name gets a number:
   ///   run-2.csv, run-3.csv, …
-  /// @throws palpate::InputError it cannot be made.
+  /// @throws palpate::InputError the file cannot be made.
   explicit pqPalpateRecording(const QString& name);
 
-  /// Every tick from now on is in it.
+  /// Records every tick from now on.
   void Start(const palpate::RecordedSetup& setup, palpate::Servo& servo);
-  /// @return Why it is not whole; empty: it is.
+  /// @return Why the recording is not complete; empty: it is.
   QString Close();
 
   const QString& GetFile() const { return this->File; }

@@ -7,8 +7,8 @@ using palpate::Vec3;
 
 namespace
 {
-/// Shares of the body's diagonal: how far from the tool a press still takes hold of it; a notch of
-/// the wheel.
+/// The largest distance from the tool at which a press takes hold of it, as a share of the body's
+/// diagonal.
 constexpr double Reach = 0.1;
 }
 

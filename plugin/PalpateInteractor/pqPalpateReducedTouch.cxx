@@ -37,8 +37,8 @@ using palpate::Vec3;
 
 namespace
 {
-/// The simulated hand begins so far away, of the reach of the tool, and moves it so far, of what
-/// the model was trained for.
+/// The distance from the tool at which the simulated hand begins, in reaches of the tool, and how
+/// far it moves the tool, as a share of what the model was trained for.
 constexpr double HeldHeight = 1.2;
 constexpr double HeldDepth = 0.6;
 
@@ -64,54 +64,54 @@ QString Words(std::string_view text)
   return QString::fromUtf8(text.data(), static_cast<int>(text.size()));
 }
 
-/// The largest distance of a coordinate of the tool in training, m.
+/// The largest value of a coordinate of the tool in training, m.
 double Trained(const palpate::ReducedModel& model, int tool)
 {
   return model.trained_tools.segment<3>(3 * tool).maxCoeff();
 }
 }
 
-/// What a device does with a tool.
+/// A device, its loop, and the tool that it moves.
 struct pqPalpateReducedTouch::Hand
 {
   QString Device;
   std::unique_ptr<palpate::Servo> Servo;
-  /// As last set.
+  /// The settings as they were last set.
   palpate::ServoSettings Settings;
   std::shared_ptr<palpate::MouseMotion> Motion;
   std::unique_ptr<pqPalpateReducedMouse> Mouse;
-  /// Where the simulated hand is.
+  /// The place and the axes of the simulated hand's workspace.
   Vec3 Centre = Vec3::Zero();
   Mat3 Rotation = Mat3::Identity();
   std::unique_ptr<pqPalpateRecording> Recording;
   palpate::Tick Tick;
 };
 
-/// All that there is while it runs.
+/// The objects that exist while it runs.
 struct pqPalpateReducedTouch::Session
 {
   QPointer<pqOutputPort> Port;
   QPointer<pqPipelineSource> Source;
   QPointer<pqRenderView> View;
   pqPalpateReducedSpace Space;
-  /// Of the model that is touched, see pqPalpateMarkReduced().
+  /// The figures of the model that is touched, see pqPalpateMarkReduced().
   std::vector<double> Mark;
   pqPalpateTouch::Settings Settings;
   QString Recording;
-  /// Around the body, m.
+  /// A sphere around the body, m.
   Vec3 Centre = Vec3::Zero();
   double Radius = 0;
 
   std::shared_ptr<palpate::Clock> Clock = std::make_shared<palpate::MonotonicClock>();
   std::vector<palpate::SimulatedToolOptions> Options;
   std::unique_ptr<palpate::ReducedBodyThread> Body;
-  /// Of each tool; null: no device has it.
+  /// The hand of each tool; null: no device moves the tool.
   std::vector<std::unique_ptr<Hand>> Hands;
-  /// Guards which hands there are: Escape lets go of all of them on a thread of its own.
+  /// Guards the list of hands, because Escape lets go of all of them on a thread of its own.
   std::mutex Mutex;
   std::unique_ptr<pqPalpateBodyView> BodyView;
   std::vector<std::unique_ptr<pqPalpateToolView>> Tools;
-  /// What was last shown.
+  /// The coordinates that were last shown.
   Eigen::VectorXd Coordinates;
   QElapsedTimer Time;
 
@@ -191,7 +191,7 @@ std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
     const Vec3 across = normal.unitOrthogonal();
     hand->Centre = place + height * normal;
     hand->Rotation << across, normal.cross(across), normal;
-    // It takes hold where it comes within reach.
+    // The hand takes hold where it comes within reach.
     opened = pqPalpateSimulatedDevice(session.Clock,
       pqPalpateHandMotion(
         height - options.reach + HeldDepth * Trained(*session.Space.Model, tool)));
@@ -209,7 +209,8 @@ std::unique_ptr<pqPalpateReducedTouch::Hand> pqPalpateReducedTouch::makeHand(
       ? session.Settings.WorkspaceScale
       : session.Radius / hand->Servo->specification().workspace_radius;
   }
-  // Before anything is started: a device may lack what they ask for.
+  // The settings are applied before anything is started, because the device may lack what they ask
+  // for.
   this->applySettings(session, *hand);
   if (!session.Recording.isEmpty())
   {
@@ -251,7 +252,7 @@ void pqPalpateReducedTouch::applySettings(Session& session, Hand& hand) const
     {
       servo.grasp_button = buttons - 1;
     }
-    // What is held shall not be torn through the body when the camera turns.
+    // A tool that holds the body must not be torn through it when the camera turns.
     if (!palpate::touches(hand.Tick.contact.status))
     {
       servo.workspace_centre = session.Centre;
@@ -425,7 +426,7 @@ void pqPalpateReducedTouch::end(const QString& why, pqPalpateRunWatch::Left left
   }
   this->FrameTimer.stop();
   const std::shared_ptr<Session> session = std::move(this->Running);
-  // All at once, and then one after the other has its end.
+  // All loops are asked to end at once, and are then waited for one after the other.
   session->LetGo();
   bool ended = true;
   for (int tool = 0; tool < static_cast<int>(session->Hands.size()); ++tool)
@@ -445,12 +446,13 @@ void pqPalpateReducedTouch::end(const QString& why, pqPalpateRunWatch::Left left
     static_cast<unsigned long long>(frames),
     1e3 * static_cast<double>(frames) / std::max<qint64>(1, session->Time.elapsed()));
   session->Tools.clear();
-  // What has ended it may come again.
+  // The fault that has ended it may come again here.
   const QString fault = pqPalpateFault([&] { session->BodyView->Leave(left); });
   Q_EMIT this->stopped(ended
       ? (why.isEmpty() ? fault : why)
       : "A device's driver hangs: the device itself has to switch its motors off.");
-  // Last: what is still asked of a server that is lost makes ParaView end, and that is told before.
+  // This comes last: any question to a server that is lost ends ParaView, and the message has to
+  // come before that.
   this->Watch.end();
 }
 
@@ -476,7 +478,7 @@ void pqPalpateReducedTouch::advance()
       hand->Servo->host_lives();
     }
   }
-  // Rendering may handle events, a timer's too.
+  // Rendering may handle events, also those of the timer.
   if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
   {
     return;
@@ -492,7 +494,7 @@ void pqPalpateReducedTouch::advance()
       continue;
     }
     hand->Tick = hand->Servo->latest();
-    // Before its first tick it is closed.
+    // Before its first tick a loop is `closed` too.
     const bool hasEnded = hand->Tick.state == palpate::ServoState::closed && hand->Tick.number > 0;
     if (hand->Tick.state == palpate::ServoState::gone || hasEnded)
     {
@@ -506,7 +508,7 @@ void pqPalpateReducedTouch::advance()
     {
       hand->Mouse->Advance(hand->Tick);
     }
-    // What a device lacks is no reason to end the others.
+    // A device that lacks something is no reason to end the others.
     const QString fault = pqPalpateFault([&] { this->applySettings(*session, *hand); });
     if (!fault.isEmpty())
     {
@@ -541,7 +543,7 @@ void pqPalpateReducedTouch::show(Session& session)
       contact = hand->Tick.contact;
     }
     contact.anchor = session.Space.Places[tool];
-    // As the body is drawn, and not a step later.
+    // The tool is drawn at the step at which the body is drawn.
     contact.displacement =
       y.segment<3>(session.Space.Model->num_modes + 3 * static_cast<Eigen::Index>(tool));
     session.Tools[tool]->ShowTool(contact, hand != nullptr);
@@ -566,7 +568,8 @@ void pqPalpateReducedTouch::show(Session& session)
   {
     session.Coordinates = y;
     session.BodyView->ShowReduced(y.data(), static_cast<unsigned int>(y.size()));
-    // A server that is gone is noticed when it is told something.
+    // That a server is gone is noticed only when something is sent to it, so that the session may
+    // have ended here.
     if (this->Running.get() != &session)
     {
       return;

@@ -60,11 +60,12 @@ void pqPalpateRunWatch::begin(
   this->Source = touched->getSource();
   this->View = view;
   this->Filter = filter;
-  // ParaView opens a dialog when it hears of that, and the device would be left alone with it.
+  // ParaView opens a dialog when the connection is lost, and the device would be left alone
+  // meanwhile.
   this->Connection = touched->getServer()->session();
   this->ConnectionObserver = this->Connection->AddObserver(
     vtkPVSessionBase::ConnectionLost, this, &pqPalpateRunWatch::loseConnection, ConnectionPriority);
-  // The last one that is installed is asked first.
+  // The event filter that was installed last is asked first.
   QCoreApplication::instance()->installEventFilter(this);
   this->Escape = std::make_unique<pqPalpateEscape>(std::move(letGo));
   this->IsWatching = true;
@@ -94,9 +95,9 @@ bool pqPalpateRunWatch::hearsEscape()
   return this->Escape->WasPressed();
 }
 
-// Before anybody else gets the key: as a shortcut it would be ambiguous while one of ParaView's
-// modes of selection has the same one, and a dialog would keep it. The first event of a pressed key
-// is the one that asks whether somebody wants it in place of a shortcut.
+// Takes the key Escape before anybody else gets it. As a shortcut it would be ambiguous while one
+// of ParaView's modes of selection has the same shortcut, and a dialog would keep it. The first
+// event of a pressed key asks whether somebody wants it in place of a shortcut.
 bool pqPalpateRunWatch::eventFilter(QObject* object, QEvent* event)
 {
   if ((event->type() == QEvent::ShortcutOverride || event->type() == QEvent::KeyPress) &&
@@ -118,6 +119,6 @@ void pqPalpateRunWatch::loseServer(pqServer* server)
 void pqPalpateRunWatch::loseConnection()
 {
   Q_EMIT this->mustEnd("The connection to the server was lost.", Left::Nothing);
-  // ParaView 5.13 goes at once, and its window with it.
+  // This is logged, because ParaView 5.13 ends at once, and its window with it.
   vtkLog(WARNING, "The connection to the server was lost: the tool is without force.");
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Sees why touching has to end: the space, the view or the server goes, ParaView quits, or a
-/// person presses Escape, wherever in ParaView's windows that is, whatever else it does there, and
-/// while they handle no event.
+/// Notices that touching has to end: the space, the view or the server goes away, ParaView quits,
+/// or a person presses Escape. Escape counts in all of ParaView's windows, whatever else it does
+/// there, and also while they handle no event.
 #pragma once
 
 #include <QObject>
@@ -26,7 +26,7 @@ public:
   explicit pqPalpateRunWatch(QObject* parent = nullptr);
   ~pqPalpateRunWatch() override;
 
-  /// What of the pipeline is still there when it ends.
+  /// The parts of the pipeline that are still there at the end.
   enum class Left
   {
     Nothing,
@@ -34,8 +34,9 @@ public:
     All
   };
 
-  /// @param filter It shows what is touched.
-  /// @param letGo Zero force: called on another thread, while the windows handle no event.
+  /// @param filter The filter that shows what is touched.
+  /// @param letGo It asks for zero force, and is called on another thread while the windows handle
+  ///   no event.
   void begin(pqOutputPort* touched, pqRenderView* view, pqPipelineSource* filter,
     std::function<void()> letGo);
   void end();
@@ -45,7 +46,7 @@ public:
   bool hearsEscape();
 
 Q_SIGNALS:
-  /// @param why Empty where it was asked for.
+  /// @param why The reason; empty: a person asked for it.
   void mustEnd(const QString& why, Left left);
 
 protected:

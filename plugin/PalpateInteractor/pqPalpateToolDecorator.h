@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Shows a property of a filter of state spaces where it has a meaning for the tool of its input:
-/// with the attribute tool="rigid" of a rigid one, with tool="node" of active nodes.
+/// Shows a property of a filter of state spaces only where it has a meaning for the tool of its
+/// input: with the attribute tool="rigid" for a rigid tool, with tool="node" for active nodes.
 #pragma once
 
 #include "pqPropertyWidgetDecorator.h"

@@ -13,17 +13,21 @@ using palpate::Vec3;
 
 namespace
 {
-/// Of the side of the coarsest cells: no cell that the tool may touch in reaches farther out.
+/// No cell in which the tool may touch reaches farther out than this, in sides of the coarsest
+/// cells.
 constexpr double RoomOfCell = 2;
-/// Of the greatest depth: where a first press goes, and a notch of the wheel.
+/// The depth of the first press and the way of a notch of the wheel, as shares of the largest
+/// depth.
 constexpr double FirstDepth = 0.5;
 constexpr double DepthNotch = 0.05;
-/// Of the body's diagonal: how near the tool has to come to where it leaves to.
+/// The tool has left when it is this near to the place to which it leaves, as a share of the body's
+/// diagonal.
 constexpr double Near = 0.002;
-/// The place that is pointed at has jumped, to another part of the body, where it is so many times
-/// as far away as the pointer has moved in the plane of the view.
+/// The place that is pointed at has jumped to another part of the body when it has moved this many
+/// times as far as the pointer has in the plane of the view.
 constexpr double Jump = 4;
-/// On the way to where the tool touches, of its half-width.
+/// The search for the place where the tool touches ends at this distance, in half-widths of the
+/// tool.
 constexpr double CloseEnough = 1e-4;
 constexpr int MostSteps = 60;
 constexpr const char* NoNodeNear = "No black dot is near: there is nothing to hold.";
@@ -111,7 +115,8 @@ void pqPalpateToolMouse::PointAt(const Vec3& place)
     this->Normal += at.weights[k] * this->Normals[static_cast<std::size_t>(points[k])];
   }
   this->Normal.normalize();
-  // Inward as far as it is surely free: another part of the body may be touched first.
+  // The tool moves inward as far as it is surely free, because it may touch another part of the
+  // body first.
   this->Touching = palpate::touching_place(this->Shape, place, this->Normal) +
     (this->Room + palpate::half_width(this->Shape)) * this->Normal;
   for (int step = 0; step < MostSteps; ++step)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The mouse as a hand with a rigid tool. The tool hovers over the body where the pointer is; a
+/// The mouse as a hand with a rigid tool. The tool hovers over the body where the pointer is. A
 /// press of the left button pushes it in along the normal, a drag lets it glide at that depth, and
-/// the wheel changes the depth. While Ctrl is held too it holds the active node that is near, if
-/// there is one, and a drag moves that in the plane of the view, the wheel away and back. A press
-/// where the space does not reach says so. That one, a press beside the body, and one with Ctrl
-/// move the camera as ever.
+/// the wheel changes the depth. While Ctrl is held too, the tool holds the active node that is
+/// near, if there is one; then a drag moves the node in the plane of the view, and the wheel away
+/// and back. A press where the space does not reach says so. Such a press, a press beside the body,
+/// and one with Ctrl move the camera as usual.
 #pragma once
 
 #include "haptic/touching/touchable.h"
@@ -33,20 +33,20 @@ protected:
 private:
   enum class Phases
   {
-    /// Over the body, or nowhere.
+    /// The tool is over the body, or nowhere.
     Hovering,
-    /// In the body, or on its way in.
+    /// The tool is in the body, or on its way in.
     Pressing,
-    /// On its way out.
+    /// The tool is on its way out.
     Leaving
   };
 
-  /// Takes the place of the surface under the pointer.
+  /// Points at the place of the surface under the pointer.
   /// @return Whether there is one, and the tool can press there.
   bool Point();
   void PointAt(const palpate::Vec3& place);
-  /// Where the tool is over the place that is pointed at, surely touching nothing, and where it
-  /// presses.
+  /// The tool's place above the surface, where it surely touches nothing, and its place where it
+  /// presses, m.
   palpate::Vec3 Above() const;
   palpate::Vec3 In() const;
   void ShowCursor(bool presses);
@@ -56,24 +56,26 @@ private:
   palpate::Clearance Clearance;
   std::vector<palpate::Vec3> Normals;
   std::vector<char> Pressable;
-  /// How far away the tool touches nothing in any cell of the space, and how deep it goes, m.
+  /// The distance at which the tool touches nothing in any cell of the space, and the largest
+  /// depth, m.
   double Room = 0;
   double Deepest = 0;
   std::string Welcome;
 
   Phases Phase = Phases::Hovering;
   bool IsOverBody = false;
-  /// The place of the surface that is pointed at, the normal there, and where the tool touches the
-  /// body at rest on its way along that.
+  /// The place of the surface that is pointed at, the normal there, and the tool's place where it
+  /// touches the body at rest when it comes along that normal.
   palpate::Vec3 Pointed = palpate::Vec3::Zero();
   palpate::Vec3 Normal = palpate::Vec3::UnitZ();
   palpate::Vec3 Touching = palpate::Vec3::Zero();
-  /// How deep it presses, m.
+  /// The depth at which the tool presses, m.
   double Depth = 0;
-  /// Where it leaves to.
+  /// The place to which the tool leaves.
   palpate::Vec3 Exit = palpate::Vec3::Zero();
   bool Grasps = false;
-  /// Where tool and pointer were when it took hold, and what the wheel has added, m.
+  /// The places of tool and pointer when the tool took hold, and the displacement that the wheel
+  /// has added, m.
   palpate::Vec3 GraspedAt = palpate::Vec3::Zero();
   palpate::Vec3 Grip = palpate::Vec3::Zero();
   palpate::Vec3 Pulled = palpate::Vec3::Zero();

@@ -29,34 +29,36 @@
 
 namespace
 {
-/// Of the diagonal of the body.
+/// Sizes as shares of the body's diagonal.
 constexpr double ToolRadius = 0.012;
 constexpr double LongestArrow = 0.4;
-/// So that the direction of a small force is seen, too.
+/// The arrow is at least so long, so that the direction of a small force is visible too.
 constexpr double ShortestArrow = 0.08;
 constexpr double NodeRadius = 0.008;
 constexpr double RimRadius = 0.012;
 
 constexpr int TextSize = 14;
-/// Of the height of the view.
+/// The place of the text at the top, as a share of the height of the view.
 constexpr double TextPlace = 0.98;
-/// Of the numbers beside the tool, and how far they are from its middle: pixels.
+/// The size of the numbers beside the tool, and their distance from its middle, pixels.
 constexpr int NumbersSize = 18;
 constexpr double NumbersAside = 45;
-/// Below this force it has one more digit, N.
+/// A force below this is shown with one more digit, N.
 constexpr double SmallForce = 0.1;
-/// An arrow is seen from its end, where the cosine of its angle to the sight is more than this.
+/// The arrow points at the person or away where the cosine of its angle to the line of sight is
+/// above this.
 constexpr double EndOn = 0.94;
 
-/// Units of depth that bring anything to the front: a force that points into the body is seen too.
+/// An offset of depth that brings an actor to the front, so that a force that points into the body
+/// is visible too.
 constexpr double ToFront = -66000;
-/// A dot in front of its rim, and behind what is in front of both.
+/// An offset of depth that puts a dot in front of its rim, but behind whatever is in front of both.
 constexpr double ToRim = -20000;
-/// The veil in front of what it lies on.
+/// An offset of depth that puts the veil in front of the surface on which it lies.
 constexpr double BeforeBody = -30;
 
 double ToolColour[3] = { 0.95, 0.75, 0.1 };
-/// As in the pictures of the pages: neither tissue nor pressure has it.
+/// The colour of the force, as in the pictures of the pages. Neither tissue nor pressure has it.
 double ForceColour[3] = { 0.05, 0.55, 0.25 };
 double MouseColour[3] = { 0.1, 0.35, 0.9 };
 constexpr double ToolOpacity = 0.35;
@@ -65,7 +67,7 @@ constexpr double VeilOpacity = 0.75;
 /// The part of a colour that does not depend on the light.
 constexpr double Brightness = 0.3;
 
-/// Dark on a light box with an edge: legible on each background.
+/// Sets dark letters on a light box with an edge, which are legible on each background.
 void SetStyle(vtkTextActor* text, int size)
 {
   vtkTextProperty* style = text->GetTextProperty();
@@ -93,7 +95,7 @@ std::string InNumbers(const palpate::Contact& contact, double force, double dept
   return text;
 }
 
-// Real spheres: points that a driver shall draw as spheres are not drawn at all by Mesa's llvmpipe.
+// Draws real spheres, because Mesa's llvmpipe does not draw points as spheres at all.
 void ShowSpheres(
   vtkActor* actor, vtkPolyData* places, double radius, double brightness, double offset)
 {
@@ -117,7 +119,7 @@ void SetMapper(vtkActor* actor, vtkAlgorithmOutput* output, double offset)
   mapper->SetInputConnection(output);
   mapper->SetRelativeCoincidentTopologyPolygonOffsetParameters(0, offset);
   actor->SetMapper(mapper);
-  // At the front all depths are the same, and what is seen through has no inner side.
+  // With the offset all depths are the same, so that the inner side must not be drawn.
   actor->GetProperty()->BackfaceCullingOn();
 }
 
@@ -231,7 +233,7 @@ void pqPalpateToolView::MakeActors(vtkSMRenderViewProxy* view)
   style->SetVerticalJustificationToTop();
   this->Text->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
   this->Text->SetPosition(0.5, TextPlace);
-  // A camera that moves takes them along.
+  // The numbers follow when the camera moves.
   SetStyle(this->Numbers, NumbersSize);
   this->Numbers->GetTextProperty()->BoldOn();
   this->Numbers->GetTextProperty()->SetVerticalJustificationToCentered();
@@ -360,8 +362,9 @@ void pqPalpateToolView::PlaceNumbers(const palpate::Vec3& place)
   const int* view = this->Renderer->GetSize();
   double size[2];
   this->Numbers->GetSize(this->Renderer, size);
-  // Beside the tool, towards the middle of the view. Where that side is too narrow they are whole
-  // all the same, above the tool, or below it where it is in the upper half.
+  // The numbers are beside the tool, towards the middle of the view. Where that side is too narrow
+  // they are moved until they are whole, and stand above the tool, or below it where the tool is in
+  // the upper half.
   const bool isRight = 2 * at[0] > view[0];
   const double beside = isRight ? at[0] - NumbersAside - size[0] : at[0] + NumbersAside;
   const double left = std::max(0.0, std::min(beside, view[0] - size[0]));
@@ -391,7 +394,7 @@ void pqPalpateToolView::ShowForce(
   {
     return;
   }
-  // From the arrow's own axis, x, to the force, at the tool.
+  // This matrix turns the arrow's own axis, x, to the force, and moves the arrow to the tool.
   const palpate::Vec3 along = contact.force / force;
   const palpate::Vec3 across = along.unitOrthogonal();
   const palpate::Vec3 third = along.cross(across);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What is drawn over the body: the active nodes, the tool, the force on it as an arrow and in
-/// numbers beside the tool, a line of text, and a grey veil where a rigid tool cannot press. Plain
-/// actors of the client's own, beside ParaView's representations: they follow without a pipeline.
-/// The arrow, and the tip of a bonded tool, are seen through the body; a rigid tool has its size,
-/// and is seen through.
+/// Draws over the body: the active nodes, the tool, the force on it as an arrow and in numbers
+/// beside the tool, a line of text, and a grey veil where a rigid tool cannot press. These are
+/// plain actors of the client, beside ParaView's representations, so that they follow without a
+/// pipeline. The arrow and the tip of a bonded tool are visible through the body. A rigid tool is
+/// drawn in its true size, and is transparent.
 #pragma once
 
 #include <array>
@@ -28,56 +28,56 @@ class pqPalpateToolView
 public:
   pqPalpateToolView(
     vtkSMRenderViewProxy* view, const palpate::TouchSpace& space, const palpate::Touchable& body);
-  /// Of one tool of a reduced body.
-  /// @param place At rest [3], m.
+  /// Draws one tool of a reduced body.
+  /// @param place The tool's place at rest [3], m.
   /// @param size The body's diagonal, m.
-  /// @param largestForce That is usual, N.
+  /// @param largestForce The usual largest force, N, which sets the length of the arrow.
   pqPalpateToolView(
     vtkSMRenderViewProxy* view, const palpate::Vec3& place, double size, double largestForce);
   ~pqPalpateToolView();
   pqPalpateToolView(const pqPalpateToolView&) = delete;
   void operator=(const pqPalpateToolView&) = delete;
 
-  /// @param free The tool is drawn where it touches nothing, too.
-  /// @param depth How deep it is, or how far it has moved a node, m.
+  /// @param free Whether the tool is drawn also where it touches nothing.
+  /// @param depth How deep the tool is, or how far it has moved a node, m.
   void Show(const palpate::Tick& tick, bool free, double depth);
-  /// Of a tool of a reduced body, which takes its dot with it.
-  /// @param has The tip of a tool that a device has is seen also while it does not hold.
+  /// Shows a tool of a reduced body, whose dot moves with it.
+  /// @param has Whether a device moves the tool. Its tip is then drawn also while it does not hold.
   void ShowTool(const palpate::Contact& contact, bool has);
-  /// Blue, as the tip of the mouse among others.
+  /// Draws the tool in blue, so that the mouse's is told from the others.
   void MarkMouse();
 
-  /// Writes it at the top of the view; empty: nothing.
-  /// @return Whether that is something else than before.
+  /// Writes a text at the top of the view; empty: none.
+  /// @return Whether the text has changed.
   bool Say(const std::string& text);
 
 private:
-  /// In the order in which they are drawn.
+  /// The actors in the order in which they are drawn.
   std::array<vtkActor*, 5> GetActors() { return { Rims, Nodes, Veil, Tool, Arrow }; }
   void MakeNodes(vtkPoints* places, double size);
-  /// The rest, and adds all to the view.
+  /// Makes the other actors, and adds all of them to the view.
   void MakeActors(vtkSMRenderViewProxy* view);
-  /// The arrow, and the numbers beside the tool.
+  /// Shows the arrow, and the numbers beside the tool.
   void ShowForce(const palpate::Contact& contact, const palpate::Vec3& place, double depth);
-  /// Beside a place, on that side of it where there is room.
+  /// Puts the numbers beside a place, on the side where there is room.
   void PlaceNumbers(const palpate::Vec3& place);
   void MakeTip(double radius);
   void MakeRigidTool(const palpate::RigidTool& tool);
   void MakeVeil(const palpate::Surface& surface, const std::vector<char>& pressable);
 
   vtkWeakPointer<vtkRenderer> Renderer;
-  /// Dots with rims: seen on every colour.
+  /// The dots have rims, so that they are visible on every colour.
   vtkNew<vtkActor> Nodes;
   vtkNew<vtkActor> Rims;
   vtkNew<vtkActor> Veil;
   vtkNew<vtkActor> Tool;
   vtkNew<vtkActor> Arrow;
   vtkNew<vtkTextActor> Text;
-  /// Force and depth, and the place of the tool that they stand beside.
+  /// Force and depth in numbers, and the place of the tool beside which they stand.
   vtkNew<vtkTextActor> Numbers;
   vtkNew<vtkCoordinate> NumbersPlace;
   /// Length of the arrow for a newton of the body, m.
   double ArrowScale = 0;
-  /// m.
+  /// The least length of the arrow, m.
   double ShortestArrow = 0;
 };

@@ -34,14 +34,14 @@ using palpate::Vec3;
 
 namespace
 {
-/// The simulated hand begins so far above where it touches, and goes so far into the body, of how
-/// far the space goes.
+/// The height above the body at which the simulated hand begins, and the depth to which it goes, as
+/// shares of the depth of the space.
 constexpr double HandHeight = 0.25;
 constexpr double HandDepth = 0.6;
-/// A rigid tool begins so much farther away, in sides of the coarsest cells, where it surely
-/// touches nothing.
+/// The height at which a rigid tool begins, in sides of the coarsest cells: there it surely touches
+/// nothing.
 constexpr double HandRoom = 2;
-/// Of the pressure in the middle of a contact, after Hertz, to the mean one.
+/// The ratio of the pressure in the middle of a contact to the mean pressure, after Hertz.
 constexpr double MiddleOfMean = 1.5;
 constexpr double Pi = 3.14159265358979323846;
 
@@ -85,8 +85,8 @@ const palpate::TouchToolSpace* RigidToolSpace(const palpate::TouchSpace& space)
   return space.find(palpate::kContactToolSpace);
 }
 
-/// Of a rigid tool in the middle of what it presses, Pa: by its mean force, on the area that Hertz
-/// has at the greatest depth, so that a deep press is in the last colour.
+/// The pressure under the middle of a rigid tool, Pa. It follows from the mean force and from
+/// Hertz's area at the largest depth, so that a deep press is in the last colour.
 double UsualPressure(const palpate::TouchToolSpace& rigid)
 {
   double sum = 0;
@@ -105,7 +105,7 @@ double UsualPressure(const palpate::TouchToolSpace& rigid)
 }
 }
 
-/// All that there is while it runs.
+/// The objects that exist while it runs.
 struct pqPalpateTouch::Session
 {
   QPointer<pqOutputPort> Space;
@@ -114,18 +114,18 @@ struct pqPalpateTouch::Session
   QString Device;
   vtkMTimeType DataTime = 0;
   std::shared_ptr<const palpate::Touchable> Body;
-  /// Of what can be touched: around it, m.
+  /// A sphere around all that can be touched, m.
   Vec3 Centre = Vec3::Zero();
   double Radius = 0;
-  /// How deep a rigid tool presses, m; 0: there is none.
+  /// How deep the rigid tool presses, m; 0: there is none.
   double Deepest = 0;
   palpate::RigidTool RigidTool;
-  /// Where the simulated hand is.
+  /// The place and the axes of the simulated hand's workspace.
   Vec3 HandCentre = Vec3::Zero();
   Mat3 HandRotation = Mat3::Identity();
 
   std::unique_ptr<palpate::Servo> Servo;
-  /// The servo's, as last set.
+  /// The settings of the servo as they were last set.
   palpate::ServoSettings ServoSettings;
   palpate::TouchSettings TouchSettings;
   std::shared_ptr<palpate::MouseMotion> Motion;
@@ -134,7 +134,7 @@ struct pqPalpateTouch::Session
   std::unique_ptr<pqPalpateBodyView> BodyView;
   std::unique_ptr<pqPalpateRecording> Recording;
 
-  /// What is shown.
+  /// The node and the branch that are shown.
   int Node = -1;
   int Branch = 0;
   Vec3 Displacement = Vec3::Zero();
@@ -172,7 +172,7 @@ struct pqPalpateTouch::Session
   }
 
   /// How deep a rigid tool is in the body at rest, or how far the tool has moved its node, m; below
-  /// 0: it touches nothing.
+  /// 0: the tool touches nothing.
   double Depth(const palpate::Contact& contact) const
   {
     if (contact.status == palpate::ContactStatus::pressing)
@@ -183,10 +183,10 @@ struct pqPalpateTouch::Session
     return palpate::touches(contact.status) ? contact.displacement.norm() : -1;
   }
 
-  /// Where a rigid tool touches nothing.
+  /// A place where a rigid tool touches nothing, m.
   Vec3 Away() const { return this->Centre + this->Radius * Vec3::Ones(); }
 
-  /// What of the space is drawn beside the body, and where the mouse finds it.
+  /// Makes what is drawn over the body, and the mouse that finds it.
   void ShowSpace(const palpate::TouchSpace& space)
   {
     vtkSMRenderViewProxy* view = this->View->getRenderViewProxy();
@@ -209,7 +209,7 @@ struct pqPalpateTouch::Session
       this->Mouse = std::move(mouse);
       this->Tool->Say(this->Mouse->GetHint());
     }
-    // As long as nothing is touched no frame is drawn.
+    // This draws the view, because no frame is drawn as long as nothing is touched.
     this->View->render();
   }
 
@@ -279,7 +279,7 @@ QString pqPalpateTouch::start(
   try
   {
     auto session = std::make_shared<Session>();
-    // First of all: without a place for it there is no reason to open a device.
+    // The recording is made first, because without it there is no reason to open a device.
     if (!recording.isEmpty())
     {
       session->Recording = std::make_unique<pqPalpateRecording>(recording);
@@ -350,12 +350,13 @@ void pqPalpateTouch::end(const QString& why, pqPalpateRunWatch::Left left)
   this->closeRecording(*session, {});
   session->Mouse.reset();
   session->Tool.reset();
-  // What has ended it may come again.
+  // The fault that has ended it may come again here.
   const QString fault = pqPalpateFault([&] { session->BodyView->Leave(left); });
   Q_EMIT this->stopped(ended
       ? (why.isEmpty() ? fault : why)
       : "The device's driver hangs: the device itself has to switch its motors off.");
-  // Last: what is still asked of a server that is lost makes ParaView end, and that is told before.
+  // This comes last: any question to a server that is lost ends ParaView, and the message has to
+  // come before that.
   this->Watch.end();
 }
 
@@ -397,7 +398,7 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
     servo.workspace_centre = session.Mouse->GetWorkspaceCentre();
     servo.grasp_button = pqPalpateGraspButton;
     session.TouchSettings.bonded = session.Mouse->IsHolding();
-    // No hand is pulled.
+    // The mouse pulls no hand, so that it never has to let go.
     session.TouchSettings.release_force = 0;
   }
   else if (session.IsSimulatedHand())
@@ -405,7 +406,8 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
     servo.workspace_centre = session.HandCentre;
     servo.workspace_rotation = session.HandRotation;
   }
-  // The tool shall not be torn through the body when the camera turns.
+  // The workspace follows the camera only while the tool touches nothing, so that the tool is not
+  // torn through the body.
   else if (!palpate::touches(tick.contact.status))
   {
     const palpate::Specification& device = session.Servo->specification();
@@ -429,7 +431,7 @@ void pqPalpateTouch::applySettings(const palpate::Tick& tick)
 
 void pqPalpateTouch::takeNewData()
 {
-  // It may end while the data are on their way.
+  // The session may end while the data are on their way.
   const std::shared_ptr<Session> kept = this->Running;
   Session& session = *kept;
   const QString fault = pqPalpateFault(
@@ -486,7 +488,7 @@ void pqPalpateTouch::advance()
   {
     this->Running->Servo->host_lives();
   }
-  // Rendering may handle events, a timer's too.
+  // Rendering may handle events, also those of the timer.
   if (!this->Running || this->IsShowing || this->Running->Source->getServer()->isProgressPending())
   {
     return;
@@ -507,8 +509,8 @@ void pqPalpateTouch::advance()
   }
   this->applySettings(tick);
 
-  // A space that grows does so here: not within the frame, where no progress would be seen and no
-  // button heard.
+  // A space that grows is computed on here and not within the frame, where progress would not be
+  // shown and the button not heard.
   vtkSMPropertyHelper growth(session.Source->getProxy(), "UpdateInterval", true);
   if (growth.GetAsDouble() > 0)
   {
@@ -556,7 +558,8 @@ void pqPalpateTouch::show(const palpate::Tick& tick)
     {
       session.BodyView->ShowPressed(pressed.data());
     }
-    // A server that is gone is noticed when it is told something.
+    // That a server is gone is noticed only when something is sent to it, so that the session may
+    // have ended here.
     if (this->Running.get() != &session)
     {
       return;
