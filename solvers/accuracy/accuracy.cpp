@@ -19,7 +19,8 @@ namespace palpate {
 namespace {
 
 /// The tool spaces of rank 0, on every rank.
-/// @param holds Is set, on rank 0, to whether a place of a rigid tool is in a cell of its space.
+/// @param holds On rank 0, set to a function that tells whether a place of a rigid tool is in a
+///   cell of its space.
 std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& space,
                                          const std::vector<Method>& methods,
                                          std::function<bool(const Vec3&)>& holds,
@@ -39,7 +40,7 @@ std::vector<ToolSpaceSetup> share_setups(const Scene& scene, const TouchSpace& s
     }
     bool is_served = false;
     for (const TouchToolSpace& tool_space : space.tool_spaces) {
-      // Says what is wrong with it before anything is solved for.
+      // The grid checks the tool space before anything is solved for.
       const auto grid = std::make_shared<const CheckPointGrid>(tool_space);
       setups.push_back(tool_space.setup);
       is_served = is_served || !variants(tool_space, methods).empty();
@@ -115,9 +116,9 @@ bool is_plain(const Variant& variant) {
   return variant.factor == 1 && o.linear_polynomial && o.intermediate_states && o.third_derivatives;
 }
 
-/// Runs the body on rank 0 while the others sleep: ranks that wait by asking again and again would
-/// take from the time that is measured.
-/// @note Collective. What the body throws is thrown on all ranks.
+/// Runs the body on rank 0 while the other ranks sleep: ranks that poll would disturb the times
+/// that are measured.
+/// @note Collective. An exception of the body is thrown on all ranks.
 void run_on_first_rank(Communicator& communicator, const std::function<void()>& body) {
   constexpr int kTag = 0;
   Network& network = communicator.network();
@@ -139,13 +140,14 @@ void run_on_first_rank(Communicator& communicator, const std::function<void()>& 
   });
 }
 
-/// Of all tool spaces, on rank 0.
-/// @param done Told the tool spaces that are done, with their share; false ends it.
-/// @returns false when it was ended.
+/// Measures all tool spaces, on rank 0.
+/// @param done Called with the number of tool spaces that are done, as a fraction; false ends the
+///   measurement.
+/// @returns false: it was ended.
 bool measure_tool_spaces(const TouchSpace& space, const std::vector<Method>& methods,
                          std::vector<std::vector<TestPoint>>&& points,
                          const std::function<bool(double)>& done, AccuracyResult& result) {
-  // In the order in which they first come.
+  // Rows are in the order in which methods and grids first occur.
   std::vector<std::pair<std::string, std::int32_t>> order;
   std::map<std::pair<std::string, std::int32_t>, Measurement> together;
   std::map<std::string, std::size_t> columns;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Error against run time: of every method to interpolate a state space, at test points where the
-// equilibrium is solved for exactly, what it costs and how wrong it is. The state space is that of
-// active nodes or of a rigid tool that presses the body anywhere.
+// Error against run time: measures for every method of interpolation what it costs, and how large
+// its errors are at test points where the equilibrium is solved for exactly. The state space is
+// that of active nodes, or of a rigid tool that presses the body anywhere.
 #pragma once
 
 #include <string>
@@ -18,43 +18,43 @@ struct AccuracyOptions {
   std::vector<Method> methods;
 };
 
-/// Figures of one method on one grid; NaN where nothing was measured. Errors are shares, not per
-/// cent, and are of those test points that count: inside the space, not marked, and regular.
+/// Figures of one method on one grid; NaN: nothing was measured. Errors are shares, not per cent,
+/// and are taken at the test points that count: inside the space, not marked, and regular.
 struct AccuracyRow {
   std::string method;
-  /// What the row is of: ToolSpaceSetup::name(), or "all".
+  /// The tool of the row: ToolSpaceSetup::name(), or "all".
   std::string tool;
   /// −1: the row is of all active nodes together, or of a rigid tool.
   Index active_node = -1;
-  /// Check-points along an axis, and their distance, m; where cells have several sizes, of the
-  /// smallest ones.
+  /// Check-points along an axis, and their distance, m; those of the smallest cells if there are
+  /// several sizes.
   std::int32_t resolution = 0;
   double spacing = 0;
-  /// Of one tool space in the mean: configurations and intermediate states; the time to compute
-  /// them, s on one core; the memory of the method, bytes; the time to set it up, s.
+  /// Means over the tool spaces: the number of configurations and intermediate states; the time to
+  /// compute them, s on one core; the memory of the method, bytes; and its setup time, s.
   double samples = 0;
   double precompute_seconds = 0;
   double bytes = 0;
   double setup_seconds = 0;
-  /// The number of test points, and how many of them are of each class, see PointClass.
+  /// The number of test points, and of those in each class, see PointClass.
   int test_points = 0;
   int counted = 0;
   int marked = 0;
   int extrapolated = 0;
   int irregular = 0;
   int failed = 0;
-  /// Error of the force, relative, see measure.h, and absolute, N. The relative ones, also of the
-  /// stiffness, are without the points where a rigid tool begins to touch.
+  /// Errors of the force, relative (see measure.h) and absolute, N. Relative errors, also of the
+  /// stiffness, leave out points where a rigid tool begins to touch.
   double mean_error = 0;
   double p99_error = 0;
   double largest_error = 0;
   double mean_absolute_error = 0;
   double p99_absolute_error = 0;
   double largest_absolute_error = 0;
-  /// The largest exact force at the test points that count, N: over it, the absolute errors are
+  /// The largest exact force at the test points that count, N. Divide absolute errors by it for
   /// shares of the largest force.
   double largest_force = 0;
-  /// Share of the points whose relative error a hand notices: it is above kNoticeable.
+  /// The share of points whose relative error a hand can notice: it exceeds kNoticeable.
   double noticeable = 0;
   /// Largest relative error within kNearRest half-widths from rest, or where a rigid tool begins
   /// to touch.
@@ -68,9 +68,10 @@ struct AccuracyRow {
   /// see Measurement; NaN where a rigid tool's space has no file.
   double mean_displacement_error = 0;
   double largest_displacement_error = 0;
-  /// The largest work along a random closed path, over the largest energy on the path.
+  /// The largest ratio of the work along a random closed path to the largest energy on the path.
   double loop_work = 0;
-  /// Largest jump at random points of faces between cells, over the largest force and stiffness.
+  /// The largest jumps at random points of faces between cells, as shares of the largest force and
+  /// stiffness.
   double force_jump = 0;
   double stiffness_jump = 0;
   /// Time of one evaluation of force, stiffness and energy, ns.
@@ -80,13 +81,13 @@ struct AccuracyRow {
 
 /// A test point, and the errors there of the methods on the whole grid.
 struct AccuracyPoint {
-  /// −1: of a rigid tool.
+  /// −1: a rigid tool.
   Index active_node = 0;
   TestPoint exact;
   Support support = Support::none;
   PointClass point_class = PointClass::failed;
-  /// Relative errors of the force, in the order of AccuracyResult::methods; NaN where the point
-  /// failed or the method does not serve the tool space.
+  /// Relative errors of the force, in the order of AccuracyResult::methods; NaN: the point failed,
+  /// or the method does not serve the tool space.
   std::vector<double> errors;
 };
 
@@ -95,8 +96,8 @@ struct AccuracyResult {
   std::vector<AccuracyRow> rows;
   /// The same for each tool space.
   std::vector<AccuracyRow> rows_of_tool_spaces;
-  /// The methods that use all that the space has, on the whole grid: variants that are only there
-  /// to be compared with are left out.
+  /// The methods with all data of the space, on the whole grid; variants that are only measured for
+  /// comparison are left out.
   std::vector<std::string> methods;
   std::vector<AccuracyPoint> points;
   std::int64_t num_solved = 0;
@@ -110,14 +111,14 @@ struct AccuracyResult {
   bool complete = false;
 };
 
-/// Measures the accuracy of a space by solving exactly at test points.
+/// Measures the accuracy of a space by exact solves at test points.
 /// @param scene The same on every rank.
-/// @param space Whole on rank 0; on other ranks it is not looked at.
-/// @returns The result, whole on rank 0, empty elsewhere.
+/// @param space The space on rank 0; it is ignored on other ranks.
+/// @returns The result on rank 0; elsewhere it has no rows and no points.
 /// @note Collective
-/// @throws InputError the space is not of this scene, or has no tool space, or none that one of the
-/// methods serves; or as solve_test_points(); also as FieldCache::add_up, which may throw
-/// BackendError.
+/// @throws InputError the space is not of this scene, has no tool space, or none that a chosen
+///   method serves; or as solve_test_points() and FieldCache::add_up.
+/// @throws BackendError as FieldCache::add_up.
 [[nodiscard]] AccuracyResult measure_accuracy(const Scene& scene, const TouchSpace& space,
                                               const AccuracyOptions& options,
                                               Communicator& communicator, const Progress& progress);

@@ -20,7 +20,7 @@ std::int32_t smallest_side(const TouchToolSpace& tool_space) {
 
 std::vector<std::int32_t> coarsening_factors(const Grid& grid, std::int32_t smallest) {
   std::vector<std::int32_t> factors{1};
-  // The coarsest cells of a sparse grid do not make larger ones.
+  // The coarsest cells of a sparse grid cannot be joined to larger ones.
   const std::int32_t most = grid.coarsest > 1 || grid.sparse ? grid.coarsest : grid.reach();
   for (std::int32_t factor = 2; factor <= most; ++factor) {
     if (most % factor == 0 && factor > smallest) factors.push_back(factor);
@@ -39,7 +39,7 @@ TouchToolSpace coarsened(const TouchToolSpace& tool_space, std::int32_t factor) 
   }
   TouchToolSpace coarse = restricted(tool_space, kept);
   for (std::size_t i = 0; i < kept.size(); ++i) {
-    // A jump on the way is a matter of the state, not of the grid.
+    // The flag of a jump belongs to the state, whatever the grid.
     coarse.configurations[i].flags =
         tool_space.configurations[static_cast<std::size_t>(kept[i])].flags;
   }

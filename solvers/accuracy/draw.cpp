@@ -12,14 +12,14 @@
 namespace palpate {
 namespace {
 
-/// The deepest that a rigid tool is pressed, m: the depth of the space, which may be any that the
-/// force limit ends, but no more than the whole space is wide.
+/// The largest depth of a rigid tool, m: the depth of the space, but no more than the width of the
+/// space, since any depth may be given where the force limit ends it.
 double deepest(const ToolSpaceSetup& setup) {
   return setup.policy.depth > 0 ? std::min(setup.policy.depth, 2 * setup.grid.half_width)
                                 : half_width(setup.interaction.tool);
 }
 
-/// Stands for a rigid tool: below zero, unlike the number of any active node.
+/// A number for a rigid tool: it is below zero, unlike that of any active node.
 ToolSpaceId number_of(const RigidTool& tool) {
   Packer packer;
   packer.put(tool);
@@ -36,7 +36,8 @@ void add_walk(const TestSet& set, int walk, int length, std::vector<TestPoint>& 
   Vec3 at = Vec3::Zero();
   Vec3 goal = random.in_cube(set.half_width);
   for (int i = 0; i < length; ++i) {
-    // The squares of lengths far below those of bodies are 0, and would never be large enough.
+    // stableNorm(): the squares of lengths far below those of bodies underflow, and the loop would
+    // not end.
     while ((goal - at).stableNorm() < step) goal = random.in_cube(set.half_width);
     at += step * (goal - at).normalized();
     TestPoint& point = points.emplace_back();
@@ -78,9 +79,9 @@ class ContactDraw {
   std::vector<TestPoint> points;
 
  private:
-  /// So many places of a kind are tried at the most.
+  /// The largest number of places of a kind that are tried.
   static constexpr int kMostTries = 1'000'000;
-  /// Where none of the first ones is in the space, none will be: each takes some microseconds.
+  /// If none of this many first places is in the space, none will be. Each takes some microseconds.
   static constexpr int kMostInVain = 20'000;
 
   void check(int tried) const {
@@ -91,7 +92,7 @@ class ContactDraw {
                      setup_.name() + ". Ask for fewer test points, or press a larger region.");
   }
 
-  /// Adds a point unless it is outside of the space, or no way leads there.
+  /// Adds a point, unless it is outside of the space or cannot be reached.
   bool add(TestKind kind, int number, const SurfacePlaces::Place& place, double depth) {
     const Vec3 q = clearance_.pressed(place.point, place.normal, depth);
     if (!holds_(q) || !clearance_.find_start(q)) return false;
@@ -102,7 +103,8 @@ class ContactDraw {
     return true;
   }
 
-  /// Adds points on the normals of the surface. @param depth_of Of a share in [0, 1).
+  /// Adds points on the normals of the surface.
+  /// @param depth_of The depth for a share in [0, 1), m.
   template <class DepthOf>
   void add_straight(TestKind kind, std::size_t num, DepthOf&& depth_of) {
     const std::size_t wanted = points.size() + num;

@@ -24,17 +24,18 @@
 namespace palpate {
 namespace {
 
-/// Points of one anchor that make a task, at the most.
+/// The largest number of points with one anchor that make a task.
 constexpr std::size_t kTaskSize = 16;
 
-/// Where the press and the slide lead to forces that differ by more than this share, they lead to
-/// different branches: on one, what is left of the solver's tolerance is a thousand times less.
+/// If a press and a slide lead to forces that differ by more than this share, they lead to
+/// different branches. On one branch the solver's tolerance leaves a difference a thousand times
+/// smaller.
 constexpr double kSameBranch = 1e-3;
 
-/// Points that one rank solves one after the other: a walk, or some that have an anchor in common.
+/// Points that one rank solves one after the other: a walk, or some points with the same anchor.
 struct Task {
   std::int32_t tool_space = 0;
-  /// Places in the list of the tool space's points.
+  /// Indices into the list of the tool space's points.
   std::vector<std::int32_t> points;
 };
 
@@ -47,8 +48,8 @@ Task take_task(Unpacker& content) {
   return {content.take<std::int32_t>(), content.take_list<std::vector<std::int32_t>>()};
 }
 
-/// The tasks of a tool space: of points that are not known; a walk is made whole.
-/// @param known In their order.
+/// The tasks of a tool space, for points that are not known; a walk is always solved as a whole.
+/// @param known The known points in their order.
 std::vector<Task> make_tasks(std::int32_t tool_space, const std::vector<TestPoint>& points,
                              const std::vector<TestPoint>& known, const ToolSpaceSetup& setup) {
   using Key = std::array<double, 3>;
@@ -63,7 +64,7 @@ std::vector<Task> make_tasks(std::int32_t tool_space, const std::vector<TestPoin
       of_walk[point.number / kWalkLength].push_back(place);
       if (!is_known) incomplete.insert(point.number / kWalkLength);
     } else if (!is_known) {
-      // A rigid tool needs none.
+      // Points of a rigid tool have no anchor.
       const Vec3 anchor = setup.interaction.is_contact()
                               ? Vec3::Zero().eval()
                               : anchor_of(point.t, setup.grid.half_width);
@@ -87,7 +88,8 @@ class Solver final : public Worker {
  public:
   using Keep = std::function<void(std::int32_t tool_space, const TestPoint& point)>;
 
-  /// @param points Of all tool spaces. @param num_known Of all points.
+  /// @param points The points of all tool spaces.
+  /// @param num_known The number of all points that are known.
   Solver(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
          const std::vector<std::vector<TestPoint>>& points, std::int64_t num_known,
          StateSolver& states, Monitor& monitor, Keep keep)
@@ -107,7 +109,7 @@ class Solver final : public Worker {
       num_all_ += static_cast<std::int64_t>(of_tool_space.size());
   }
 
-  /// Of this rank.
+  /// The tasks of this rank.
   std::deque<Task> tasks;
   std::int64_t num_solved = 0;
 
@@ -152,7 +154,8 @@ class Solver final : public Worker {
     return points_[static_cast<std::size_t>(task.tool_space)][static_cast<std::size_t>(place)];
   }
 
-  /// Solves a task of an active node. @returns false where that was aborted.
+  /// Solves a task of an active node.
+  /// @returns false: it was aborted.
   bool move(const Task& task, Mail& mail) {
     const ToolSpaceSetup& setup = setup_of(task);
     if (held_ != task.tool_space) {
@@ -168,7 +171,7 @@ class Solver final : public Worker {
       if (start.outcome == Outcome::aborted) return false;
       if (!is_regular(start)) start = rest_;
     }
-    // What led a walk across a fold once is marked from there on.
+    // Once a walk has crossed a fold, all its later points are marked.
     Flags on_the_way = 0;
     for (const std::int32_t i : task.points) {
       TestPoint point = point_of(task, i);
@@ -190,7 +193,8 @@ class Solver final : public Worker {
     return true;
   }
 
-  /// Solves a task of a rigid tool. @returns false where that was aborted.
+  /// Solves a task of a rigid tool.
+  /// @returns false: it was aborted.
   bool press(const Task& task, Mail& mail) {
     const ToolSpaceSetup& setup = setup_of(task);
     std::optional<Equilibrium> before;
@@ -285,7 +289,7 @@ std::vector<std::vector<TestPoint>> draw(const Scene& scene,
   return points;
 }
 
-/// In the file of this rank, or in memory.
+/// Keeps test points in the file of this rank, or in memory.
 class TestRecord {
  public:
   TestRecord(const Scene& scene, const std::vector<ToolSpaceSetup>& setups,
@@ -296,7 +300,7 @@ class TestRecord {
     files_->open([](StateSpaceFile&) {});
   }
 
-  /// Of earlier runs, by tool space; on rank 0, empty elsewhere.
+  /// The points of earlier runs, by tool space, on rank 0; empty elsewhere.
   [[nodiscard]] std::vector<std::vector<TestPoint>> known() {
     std::vector<std::vector<TestPoint>> all(setups_.size());
     agree(communicator_, [&] {
@@ -316,7 +320,7 @@ class TestRecord {
     }
   }
 
-  /// All of them, by tool space, in order; on rank 0, empty elsewhere.
+  /// All points, by tool space and in order, on rank 0; empty elsewhere.
   /// @note Collective
   [[nodiscard]] std::vector<std::vector<TestPoint>> finish() {
     if (files_) {
@@ -341,7 +345,7 @@ class TestRecord {
   std::int64_t seed_;
   Communicator& communicator_;
   std::optional<RankFiles> files_;
-  /// With the place of the tool space; empty where there are files.
+  /// Points with the index of their tool space; empty if there are files.
   std::vector<std::pair<std::int32_t, TestPoint>> found_;
 };
 
@@ -361,7 +365,7 @@ ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSet
   Monitor monitor(progress, communicator.network());
   std::unique_ptr<EquilibriumSolver> solver;
   const int threads = num_threads(communicator, options.equilibrium.threads);
-  // All that can be wrong, before a file is touched.
+  // Check everything that can be wrong before a file is touched.
   agree(communicator, [&] {
     validate(options);
     EquilibriumOptions of_solver = options.equilibrium;
@@ -415,7 +419,7 @@ ExactResult solve_test_points(const Scene& asked, const std::vector<ToolSpaceSet
   gather(solved, communicator);
   result.num_solved = std::accumulate(solved.begin(), solved.end(), std::int64_t{0});
   result.points = record.finish();
-  // A file may hold more than was asked for.
+  // A file may have more points than were asked for.
   for (std::size_t s = 0; s < result.points.size(); ++s) {
     auto& of_tool_space = result.points[s];
     of_tool_space.erase(std::remove_if(of_tool_space.begin(), of_tool_space.end(),

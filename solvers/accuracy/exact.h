@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Exact equilibria at test points, found on all ranks. A point is reached from rest by way of its
-// anchor (draw.h), which the points around it share, with its factor. Where the anchor, or what is
-// found from there, is not regular, the point is reached straight from rest. A point on a walk is
-// reached from the one before it.
+// anchor (draw.h); points with the same anchor share it and its factor. If the anchor, or the state
+// that is reached from it, is not regular, the point is reached straight from rest. A point on a
+// walk is reached from the one before it.
 //
 // A rigid tool is pressed in along the normal from where it touches nothing, as configurations are
-// reached. On a slide it comes from the point before. At ridges it may be on another branch then
-// than after a press: to tell, each point of a slide is pressed too. Where the two forces differ,
-// the way decides on which branch the body is, and the slide has flags::near_fold there: it is no
-// measure of the space, which has one branch.
+// reached. On a slide it comes from the point before. At ridges, a slide may lead to another branch
+// than a press, so each point of a slide is pressed too. If the two forces differ, the branch
+// depends on the path of the tool, and the point has flags::near_fold: it does not measure the
+// space, which has one branch.
 #pragma once
 
 #include <filesystem>
@@ -24,11 +24,11 @@ struct ExactOptions {
   /// The number of test points of each active node, or of the rigid tool.
   int test_points = 500;
   std::int64_t seed = 1;
-  /// The file in which the points are kept, and from which known ones are taken: a state-space file
-  /// of the scene, such as that of the space itself; empty: in memory alone.
+  /// The file in which the points are kept, and from which known ones are read: a state-space file
+  /// of the scene, such as that of the space itself; empty: they are in memory only.
   std::filesystem::path file;
-  /// Of a rigid tool, on rank 0: whether a place of the tool is in the space; test points are there
-  /// alone. Empty: every place is.
+  /// For a rigid tool, on rank 0: whether a place of the tool is in the space; test points are
+  /// drawn only there. Empty: every place is.
   std::function<bool(const Vec3& q)> holds;
   EquilibriumOptions equilibrium;
 };
@@ -37,10 +37,10 @@ struct ExactOptions {
 void validate(const ExactOptions& options);
 
 struct ExactResult {
-  /// The points of each tool space, in the order of operator<; whole on rank 0, empty elsewhere.
+  /// The points of each tool space, in the order of operator<, on rank 0; empty elsewhere.
   std::vector<std::vector<TestPoint>> points;
-  /// Points that were solved in this run, on all ranks, and that were taken from the file; 0 on
-  /// other ranks than 0.
+  /// On rank 0, the numbers of points that all ranks have solved in this run, and that the file
+  /// had; 0 elsewhere.
   std::int64_t num_solved = 0;
   std::int64_t num_reused = 0;
   /// The run was not aborted; the same on every rank.
@@ -49,9 +49,9 @@ struct ExactResult {
 
 /// Solves at the test points of each tool space.
 /// @param scene The same on every rank.
-/// @param tool spaces The same on every rank.
-/// @param progress It is called now and then; false ends the run, and what was found until then is
-///   in the file.
+/// @param tool_spaces The same on every rank.
+/// @param progress Called now and then; false ends the run, and what was found until then is in the
+///   file.
 /// @note Collective
 /// @throws InputError the file is of another scene or tolerance, or as draw_contact_points().
 [[nodiscard]] ExactResult solve_test_points(const Scene& scene,

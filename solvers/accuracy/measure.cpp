@@ -24,7 +24,7 @@ namespace {
 
 constexpr int kLoops = 20;
 constexpr int kFacePoints = 1000;
-/// At least: so many that a thousandth of them is a few.
+/// The number of timed calls, so large that a thousandth of them is a few.
 constexpr std::size_t kTimedCalls = 8192;
 
 /// A tool space with its branches, and one interpolator for each that is needed.
@@ -46,14 +46,14 @@ class Subject {
     if (!here.field) here.field = std::make_unique<DisplayField>(space_on(branch));
     return *here.field;
   }
-  /// Of a rigid tool, which has one branch.
+  /// The fields of a rigid tool, which has one branch.
   [[nodiscard]] const BodyField& body_field() {
     if (!body_field_) body_field_ = std::make_unique<BodyField>(tool_space_);
     return *body_field_;
   }
 
  private:
-  /// What is made of a branch.
+  /// The objects that belong to a branch.
   struct Part {
     std::unique_ptr<Interpolator> interpolator;
     std::unique_ptr<DisplayField> field;
@@ -67,7 +67,7 @@ class Subject {
     parts_.resize(static_cast<std::size_t>(branches_.size()));
     Part& here = parts_[static_cast<std::size_t>(branch)];
     if (!here.interpolator) {
-      // The stiffness at rest is that of the branch that rest is on.
+      // The linear method takes the stiffness at rest, which is on branch 0.
       const int of = variant_.method == Method::linear ? 0 : branch;
       here.interpolator = make_interpolator(variant_.method, space_on(of), variant_.options);
     }
@@ -99,10 +99,10 @@ PointClass class_of(const TestPoint& point, Support support) {
   }
 }
 
-/// What is shown of the body, beside what it does.
+/// Evaluates the displayed displacement of the body.
 class Shown {
  public:
-  /// @param points The test points; of a rigid tool their displacements tell how large one is.
+  /// @param points The test points. For a rigid tool, their displacements give the largest one.
   Shown(const TouchSpace& space, const TouchToolSpace& tool_space, FieldCache* fields,
         const std::vector<TestPoint>& points)
       : space_(space),
@@ -119,7 +119,7 @@ class Shown {
     }
   }
 
-  /// Adds the largest error of the displacement at the sample points, where there is one.
+  /// Adds the largest error of the displacement at the sample points, if it can be evaluated.
   void add_error(Subject& subject, int branch, const TestPoint& point,
                  std::vector<double>& errors) {
     const auto size = 3 * static_cast<Eigen::Index>(samples_.size());
@@ -133,7 +133,7 @@ class Shown {
   }
 
  private:
-  /// @returns whether there is something to show it by.
+  /// @returns Whether the displacement can be evaluated.
   bool evaluate(Subject& subject, int branch, const Vec3& t) {
     u_.resize(3 * static_cast<Eigen::Index>(samples_.size()));
     if (!is_contact_) {
@@ -159,13 +159,13 @@ class Shown {
   }
 
   const TouchSpace& space_;
-  /// The tool space with its modes, of which the one that is measured is a part.
+  /// The tool space with its modes; the measured one is a part of it.
   const TouchToolSpace* of_space_;
   bool is_contact_;
   FieldCache* fields_;
   std::vector<Index> samples_;
   double largest_;
-  /// What is shown at the sample points.
+  /// The displayed displacement at the sample points.
   Eigen::VectorXf u_;
 };
 
@@ -217,8 +217,8 @@ void measure_errors(const TouchSpace& space, const TouchToolSpace& tool_space, S
   }
 }
 
-/// Gauss-Legendre quadrature on [0, 1], exact up to degree 15: that of the derivative of a
-/// triquintic along a straight line is 14.
+/// Gauss-Legendre quadrature on [0, 1], exact up to degree 15; the derivative of a triquintic along
+/// a straight line has degree 14.
 struct Gauss {
   static constexpr int kPoints = 8;
   std::array<double, kPoints> x{};
@@ -241,9 +241,9 @@ bool is_beyond(const TouchResult& touch) {
   return touch.support == Support::extrapolated || touch.support == Support::none;
 }
 
-/// ∫ h·dt along a straight way, cell by cell.
-/// @param peak The largest energy on it, J, is kept. @returns NaN where a part of it is
-/// extrapolated.
+/// ∫ h·dt along a straight line, cell by cell.
+/// @param peak Raised to the largest energy on the line, J.
+/// @returns NaN: a part of the line is extrapolated.
 double work_along(const Interpolator& interpolator, const Grid& grid, const Vec3& from,
                   const Vec3& to, double& peak) {
   static const Gauss gauss;
@@ -274,7 +274,7 @@ double work_along(const Interpolator& interpolator, const Grid& grid, const Vec3
   return work;
 }
 
-/// Evenly in the box, or in the cells of a sparse grid; the same for every method.
+/// Random places in the box, or in the cells of a sparse grid; the same for every method.
 class Places {
  public:
   explicit Places(const TouchToolSpace& tool_space)
@@ -291,7 +291,7 @@ class Places {
     return {x, y, uniform_(random_)};
   }
 
-  /// A point of a side between cells.
+  /// A random point on a side between cells.
   Vec3 on_side(int axis) {
     const std::int32_t reach = grid_.reach();
     if (grid_.sparse) {
@@ -322,7 +322,7 @@ class Places {
   Grid grid_;
   std::mt19937_64 random_{2008};
   std::uniform_real_distribution<double> uniform_;
-  /// Of a sparse grid.
+  /// The cells of a sparse grid.
   std::vector<Cell> cells_;
 };
 
@@ -336,7 +336,7 @@ std::vector<Loop> loops_in_box(Places place) {
   return loops;
 }
 
-/// Each slide of a rigid tool, and back with the tool lifted off by the side of a coarsest cell.
+/// Each slide of a rigid tool, returning with the tool lifted off by the side of a coarsest cell.
 std::vector<Loop> loops_over_surface(const Grid& grid, const std::vector<TestPoint>& points) {
   const double lift = grid.coarsest * grid.spacing();
   std::map<std::int32_t, std::pair<Loop, Loop>> slides;
@@ -388,7 +388,7 @@ void measure_jumps(const Interpolator& interpolator, const TouchToolSpace& tool_
   }
 }
 
-/// Calls that jump about, each timed by itself; what reading the clock takes is taken off.
+/// Times single calls at random places, without the time of reading the clock.
 void measure_time(const Interpolator& interpolator, Places place, Measurement& result) {
   std::vector<Vec3> places(kTimedCalls);
   for (Vec3& t : places) t = place();
@@ -410,7 +410,7 @@ void measure_time(const Interpolator& interpolator, Places place, Measurement& r
     sum += touch.energy;
     result.nanoseconds.push_back(std::max(nanoseconds(a, b) - overhead, 0.0));
   }
-  // The sum is used, or the calls could be left out.
+  // The sum is used, or the compiler could leave the calls out.
   volatile double used = sum;
   (void)used;
 }
@@ -474,7 +474,7 @@ std::vector<Variant> variants(const TouchToolSpace& tool_space,
       if (method == Method::linear && (factor != 1 || !has_rest)) continue;
       const bool is_rbf = method == Method::rbf_linear || method == Method::rbf_cubic;
       Variant variant{method, {}, factor};
-      // A coarser grid has none.
+      // A coarser grid has no intermediate states.
       if (is_rbf && factor != 1) {
         variant.options.intermediate_states = tool_space.intermediate_states.empty();
       }

@@ -6,12 +6,11 @@
 
 namespace palpate {
 
-/// The mean and the largest of the values; NaN where there are none.
+/// The mean and the largest of the values; NaN: there are none.
 [[nodiscard]] double mean(const std::vector<double>& values);
 [[nodiscard]] double largest(const std::vector<double>& values);
-/// The value that the given share of all values does not exceed, by nearest rank; NaN where there
-/// are none.
-/// @param share It is in (0, 1].
+/// The value that a share of all values does not exceed, by nearest rank; NaN: there are no values.
+/// @param share In (0, 1].
 [[nodiscard]] double quantile(std::vector<double> values, double share);
 
 }  // namespace palpate

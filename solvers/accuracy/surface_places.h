@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Places of the touchable surface of a body at rest, at random and beside each other: where a rigid
-// tool is tested.
+// Places on the touchable surface of a body at rest, chosen at random or next to each other, at
+// which a rigid tool is tested.
 #pragma once
 
 #include <array>
@@ -12,25 +12,25 @@
 
 namespace palpate {
 
-/// Holds all it needs: the scene may go.
+/// It copies all that it needs, so that the scene need not outlive it.
 class SurfacePlaces {
  public:
   /// @throws InputError no face of the surface is touchable.
   explicit SurfacePlaces(const Scene& scene);
 
   struct Place {
-    /// Of the surface, m.
+    /// A point of the surface, m.
     Vec3 point = Vec3::Zero();
-    /// There, outward, of unit length.
+    /// The outward unit normal there.
     Vec3 normal = Vec3::UnitZ();
   };
 
-  /// One of the places of the touchable faces, all alike by area.
+  /// A random place on the touchable faces, uniform by area.
   [[nodiscard]] Place any(TestRandom& random) const;
 
-  /// The place of the surface, touchable or not, that is nearest to where a way along the tangent
-  /// plane of another one leads.
-  /// @param way m; what it has along the normal is left out.
+  /// The place of the surface, touchable or not, that is nearest to a point in the tangent plane of
+  /// another place.
+  /// @param way Vector to that point, m; its component along the normal is ignored.
   [[nodiscard]] Place beside(const Place& from, const Vec3& way) const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The random numbers of one test point or one walk: they depend on its set, kind and number alone,
+// The random numbers of one test point or one walk. They depend on its set, kind and number alone,
 // and are the same with every standard library.
 #pragma once
 
@@ -19,16 +19,16 @@ class TestRandom {
                         static_cast<std::uint64_t>(kind)) +
                     static_cast<std::uint64_t>(number))) {}
 
-  /// In [0, 1).
+  /// A number in [0, 1).
   double unit() { return 0x1p-53 * static_cast<double>(engine_() >> 11); }
 
-  /// In the cube of that half-width.
+  /// A point in the cube with this half-width.
   Vec3 in_cube(double half_width) {
     Vec3 t;
     for (double& x : t) x = half_width * (2 * unit() - 1);
     return t;
   }
-  /// In the ball of that radius.
+  /// A point in the ball with this radius.
   Vec3 in_ball(double radius) {
     Vec3 t;
     do t = in_cube(radius);
@@ -36,7 +36,7 @@ class TestRandom {
     return t;
   }
 
-  /// Of unit length, all directions alike.
+  /// A unit vector, uniform over all directions.
   Vec3 direction() { return in_ball(1).normalized(); }
 
  private:

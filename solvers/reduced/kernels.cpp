@@ -16,9 +16,9 @@ namespace {
 constexpr std::int64_t kRows = 9 * kPacketSize;
 constexpr int kTangentSize = 45;
 
-/// Those of the tangent, which serves an iteration alone, are of single precision.
+/// The type for the tangent, which only leads the iteration and so is in single precision.
 using SixteenFloats = float __attribute__((vector_size(64)));
-/// Columns that are worked on at a time: as many products as there is room for in registers.
+/// The number of columns that are processed at a time: as many products as fit the registers.
 #ifdef __AVX512F__
 constexpr int kTile = 4;
 #else
@@ -28,7 +28,7 @@ constexpr int kTile = 2;
 template <Law L, bool WithTangent>
 void add_memory(const Kinematics<Packet>& k, const Packet (&strain)[6],
                 const ReducedPointsView& points, std::int64_t packet, Response<Packet>& r) {
-  // As a law it is that of a quadratic energy, with H besides.
+  // The memory is evaluated as a law with a quadratic energy, and H is added.
   constexpr Law quadratic = L == Law::linear ? Law::linear : Law::st_venant_kirchhoff;
   Packet moduli[2];
   for (int i = 0; i < 2; ++i) {
@@ -119,7 +119,7 @@ ReducedSums evaluate(const ReducedPointsView& points, const ReducedPointFields& 
     k.update();
     if constexpr (L != Law::linear) least = min(least, 1.0 + k.j);
     if constexpr (has_inversion_barrier(L)) {
-      // Where the law is not defined the energy is infinite (below); no point may make a NaN.
+      // If the law is not defined, the energy is infinite (below); no point may produce a NaN.
       k.j = max(k.j, Packet(std::numeric_limits<double>::epsilon() - 1.0));
     }
     Response<Packet> r;
@@ -160,7 +160,7 @@ ReducedSums evaluate(const ReducedPointsView& points, const ReducedPointFields& 
   return sums;
 }
 
-/// Calls the instance of the law with this number.
+/// Calls the instance of the template for the law with this number.
 template <int... Laws>
 ReducedSums evaluate_law(int law, const ReducedPointsView& points, const ReducedPointFields& fields,
                          std::integer_sequence<int, Laws...> /*laws*/) {
@@ -219,7 +219,7 @@ void force(const double* g, std::int64_t num_packets, std::int64_t num_coordinat
   }
 }
 
-/// b = A g of one packet and one coordinate.
+/// b = A g for one packet and one coordinate.
 void times_tangent(const float* tangent, const float* g, float* b) {
   EightFloats of_g[9];
   for (int i = 0; i < 9; ++i) load(g + i * kPacketSize, of_g[i]);
@@ -241,9 +241,9 @@ template <class V>
   return sum;
 }
 
-/// Adds the scalar products of Rows columns of a and Columns columns of b to a block of k. The
-/// loops over these are unrolled, so that the sums stay in registers.
-/// @param length A multiple of the numbers in a V.
+/// Adds the scalar products of Rows columns of a with Columns columns of b to a block of k. The
+/// loops over the columns are unrolled, so that the sums stay in registers.
+/// @param length A multiple of the number of values in a V.
 template <class V, int Rows, int Columns>
 void add_products(const float* a, std::int64_t a_rows, const float* b, std::int64_t b_rows,
                   std::int64_t length, double* k, std::int64_t leading) {
@@ -268,7 +268,7 @@ void add_products(const float* a, std::int64_t a_rows, const float* b, std::int6
   }
 }
 
-/// The same for all columns from those of b on: the lower triangle.
+/// Adds these products for each column of b with the columns from it on: the lower triangle.
 template <class V>
 void add_lower_triangle(const float* g, std::int64_t num_rows, const float* b, std::int64_t b_rows,
                         std::int64_t length, std::int64_t n, double* k) {
@@ -307,7 +307,7 @@ void tangent(const float* g, std::int64_t num_packets, std::int64_t num_coordina
                       g + c * num_rows + (first + p) * kRows, room + c * length + p * kRows);
       }
     }
-    // The rows of two packets fill whole vectors.
+    // The rows of an even number of packets fill whole vectors.
     const std::int64_t even = count / 2 * 2 * kRows;
     const float* of_g = g + first * kRows;
     add_lower_triangle<SixteenFloats>(of_g, num_rows, room, length, even, n, k);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The innermost loops of a reduced body, eight quadrature points at a time.
+// The innermost loops of a reduced body, for eight quadrature points at a time.
 //
-// One source (kernels.cpp) is compiled for each instruction set; best_reduced_kernels() picks by
-// the processor at run time. Plain pointers and no Eigen here, so that no template of a library is
-// instantiated with instructions that the machine may lack. Nothing here allocates.
+// One source (kernels.cpp) is compiled for each instruction set, and best_reduced_kernels() chooses
+// by the processor at run time. The interface has plain pointers and no Eigen types, so that no
+// template of a library is instantiated with instructions that the machine may lack. Nothing here
+// allocates memory.
 //
-// Arrays of points go packet by packet, with the eight points of a packet innermost. G is that of
+// Arrays over points go packet by packet, with the eight points of a packet innermost. G is that of
 // ReducedPoints, by columns.
 #pragma once
 
@@ -17,22 +18,23 @@ namespace palpate {
 struct ReducedPointsView {
   std::int32_t first_packet;
   std::int32_t last_packet;
-  /// Those of the law of each point [n × 8 a packet of the group]; see law_constants().
+  /// The constants of the law at each point [n × 8 for each packet of the group]; see
+  /// law_constants().
   const double* constants;
-  // These are of all packets.
-  /// m³ [8 a packet].
+  // The following arrays are those of all packets.
+  /// Weights, m³ [8 a packet].
   const double* weights;
   /// ∇u [9 × 8].
   const double* gradients;
-  /// The energy of the law is multiplied by this [8]; null: by 1.
+  /// Factors of the energy of the law [8]; null: 1.
   const double* factors;
-  /// What is remembered, as a potential H : E + λ/2 (tr E)² + μ E:E, with ε in place of E in a
-  /// linear material: H [6 × 8], λ and μ [2 × 8], Pa; null: nothing is.
+  /// The memory of viscosity as a potential H : E + λ/2 (tr E)² + μ E:E, with ε in place of E in a
+  /// linear material: H [6 × 8], λ and μ [2 × 8], Pa; null: there is none.
   const double* memory;
   const double* moduli;
 };
 
-/// What is computed of each packet.
+/// The results for each packet.
 struct ReducedPointFields {
   /// w P [9 × 8], N m.
   double* stress;
@@ -40,16 +42,16 @@ struct ReducedPointFields {
   double* law_stress;
   /// E, or ε of a linear material [6 × 8].
   double* strain;
-  /// w ∂P_iJ/∂F_kL, the lower triangle of 9 × 9 [45 × 8], N m; null: it is not asked for.
+  /// w ∂P_iJ/∂F_kL, the lower triangle of 9 × 9 [45 × 8], N m; null: it is not needed.
   float* tangent;
 };
 
 struct ReducedSums {
-  /// With factors and what is remembered, J; infinite where a law is not defined (det F ≤ 0).
+  /// The energy with factors and memory, J; infinite if a law is not defined (det F ≤ 0).
   double potential;
-  /// Of the laws alone, J.
+  /// The energy of the laws alone, J.
   double elastic;
-  /// Least det F; 1 for the linear law, which has no use for it.
+  /// Least det F; 1 for the linear law, which is defined for any.
   double minimum_det_f;
 };
 
@@ -57,33 +59,35 @@ struct ReducedKernels {
   /// h = G y [72 num_packets].
   void (*gradients)(const double* g, std::int64_t num_packets, std::int64_t num_coordinates,
                     const double* y, double* h);
-  /// Evaluates the points of a law, given by its number (law_of_energy), with the tangent where
-  /// there is room for it.
+  /// Evaluates the points of a law, given by its number (law_of_energy); with the tangent if
+  /// `fields` has an array for it.
   ReducedSums (*evaluate)(int law, const ReducedPointsView& points,
                           const ReducedPointFields& fields);
   /// f = Gᵀ stress [num_coordinates].
   void (*force)(const double* g, std::int64_t num_packets, std::int64_t num_coordinates,
                 const double* stress, double* f);
-  /// k = Gᵀ tangent G, its lower triangle by columns [num_coordinates × num_coordinates], to single
-  /// precision: it leads to where the force vanishes, and has no part in where that is.
-  /// @param room [reduced_room(num_coordinates)]
+  /// k = Gᵀ tangent G, its lower triangle by columns [num_coordinates × num_coordinates], in single
+  /// precision: the tangent only leads the iteration, and does not influence where the force
+  /// vanishes.
+  /// @param room Work space [reduced_room(num_coordinates)].
   void (*tangent)(const float* g, std::int64_t num_packets, std::int64_t num_coordinates,
                   const float* tangent, float* room, double* k);
-  /// Replaces the lower triangle of a symmetric matrix, by columns with a leading dimension, by its
-  /// Cholesky factor. @returns Whether it is positive definite.
+  /// Replaces the lower triangle of a symmetric matrix, stored by columns with a leading dimension,
+  /// by its Cholesky factor.
+  /// @returns Whether the matrix is positive definite.
   bool (*factorise)(std::int64_t size, std::int64_t leading, double* matrix);
 };
 
-/// Packets whose tangent is worked on at a time: what is needed of them stays in a cache of half a
+/// The number of packets whose tangent is processed at a time: their data fit a cache of half a
 /// megabyte.
 inline constexpr std::int64_t kTangentPackets = 8;
 
-/// The numbers of room that the tangent needs.
+/// The number of values of work space that the tangent needs.
 constexpr std::int64_t reduced_room(std::int64_t num_coordinates) {
   return num_coordinates * kTangentPackets * 72;
 }
 
-/// Those for this processor.
+/// The kernels for this processor.
 [[nodiscard]] const ReducedKernels& best_reduced_kernels();
 
 }  // namespace palpate

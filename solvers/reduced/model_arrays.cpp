@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// An array, which must have so many columns.
+/// The array with a name, which must have this number of columns.
 const Eigen::MatrixXd& find(const NamedArrays& arrays, const std::string& name,
                             Eigen::Index columns = -1) {
   const auto found = arrays.find(name);
@@ -24,7 +24,7 @@ const Eigen::MatrixXd& find(const NamedArrays& arrays, const std::string& name,
   return found->second;
 }
 
-/// A whole number that may be anything else in a file that is damaged.
+/// A number as an integer; −1 if it cannot be one, as in a damaged file.
 Index whole(double number) {
   constexpr double kMost = 1 << 30;
   return std::abs(number) <= kMost ? static_cast<Index>(number) : -1;

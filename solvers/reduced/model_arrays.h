@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reduced model as named arrays of numbers: what a file or the data of a pipeline can hold.
+// A reduced model as named arrays of numbers, as a file or the data of a pipeline can hold it.
 #pragma once
 
 #include <map>
@@ -26,7 +26,7 @@ using NamedArrays = std::map<std::string, Eigen::MatrixXd>;
 ///   TrainedTools    [tool coordinates × 1]         m
 [[nodiscard]] NamedArrays arrays_of(const ReducedModel& model);
 
-/// @throws InputError an array that is missing, or as validate().
+/// @throws InputError an array is missing, or as validate().
 [[nodiscard]] ReducedModel model_of(const NamedArrays& arrays);
 
 }  // namespace palpate

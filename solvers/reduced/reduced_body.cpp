@@ -12,16 +12,16 @@
 namespace palpate {
 namespace {
 
-/// Beyond this ratio of two residuals the tangent is computed anew.
+/// Above this ratio of two residuals, the tangent is computed anew.
 constexpr double kSlowContraction = 0.3;
-/// Of the decrease that the slope promises, this share must be there.
+/// Sufficient decrease, as a share of what the slope promises.
 constexpr double kDecrease = 1e-4;
 constexpr int kMaxBacktracks = 8;
-/// The least part of a step of Newton's method that a backtrack goes to at once.
+/// The smallest factor by which one backtrack shortens a Newton step.
 constexpr double kLeastBacktrack = 0.1;
 /// The rounding of a potential, as a share of it.
 constexpr double kRounding = 1e-13;
-/// The displacement that counts at the least, as a share of the largest in training.
+/// The least displacement in the norm of the residual, as a share of the largest in training.
 constexpr double kLeastScale = 1e-3;
 
 void require(bool good, const char* name, double value, const char* what) {
@@ -120,7 +120,7 @@ void ReducedBody::hold(Index tool, double stiffness) noexcept {
   holding_[tool] = stiffness;
   const Eigen::Index n = model_.num_modes;
   const Eigen::Index first = 3 * static_cast<Eigen::Index>(tool);
-  // It is led on from where it is, and what held it until now does no more.
+  // The tool is led on from its present place, and its former holding has no more effect.
   tools_from_.segment<3>(first) = now_.y.segment<3>(n + first);
   body_force_.segment<3>(first).setZero();
   for (Eigen::Index i = first; i < first + 3; ++i) {
@@ -164,7 +164,7 @@ const ReducedState& ReducedBody::step(const double* d, double length) noexcept {
       if (done == 1) break;
       continue;
     }
-    // A shorter step on the way there is not asked for.
+    // Shorter steps towards such a place are not tried.
     if (state_.outcome == ReducedOutcome::beyond_training) break;
     if (state_.halvings == options_.max_halvings || !may_linearise()) break;
     ++state_.halvings;
@@ -184,7 +184,7 @@ const ReducedState& ReducedBody::step(const double* d, double length) noexcept {
 }
 
 void ReducedBody::tell_force(const double* d) noexcept {
-  // How far those that are prescribed have gone on without the body.
+  // The distances by which prescribed tools have gone on without the body.
   auto way = way_.tail(3 * holding_.size());
   way.setZero();
   force_ = body_force_;
@@ -315,7 +315,7 @@ void ReducedBody::prepare_factor() noexcept {
       factor_.diagonal().segment<3>(first).array() += holding_[tool];
       continue;
     }
-    // No unknown: it is coupled with none.
+    // A prescribed coordinate is no unknown, so it is decoupled.
     factor_.middleRows<3>(first).setZero();
     factor_.middleCols<3>(first).setZero();
     factor_.diagonal().segment<3>(first).setOnes();
@@ -328,7 +328,7 @@ void ReducedBody::factorise() noexcept {
   factor_ = energy_.tangent();
   prepare_factor();
   if (kernels.factorise(n, factor_.rows(), factor_.data())) return;
-  // Where the material is not stable: the stiffness at rest.
+  // If the material is not stable here, take the stiffness at rest.
   factor_.setIdentity();
   const Eigen::Index d = model_.num_tool_coordinates;
   factor_.bottomRightCorner(d, d) = model_.tool_stiffness;
@@ -381,7 +381,7 @@ ReducedOutcome ReducedBody::attempt(double length) noexcept {
       potential = evaluate(false);
       norm = residual_norm();
       if (potential <= potential_from + kDecrease * way * slope) break;
-      // Where rounding hides the decrease, the residual tells.
+      // If rounding hides the decrease, the residual decides.
       if (std::abs(way * slope) < kRounding * std::abs(potential_from) && norm < norm_from) break;
       if (backtrack == kMaxBacktracks) return ReducedOutcome::not_converged;
       const double best = -slope * way / (2 * (potential - potential_from - slope * way));
@@ -413,7 +413,7 @@ void ReducedBody::take_step(double length) noexcept {
     state_.viscous_stored = memory_.stored();
     state_.dissipated = memory_.work() - memory_.stored();
   }
-  // What the last force did, and the new one; a spring's is what its stretch says.
+  // The work of the last force and of the new one; the force of a spring follows from its stretch.
   const auto moved = y_.tail(d) - before_.y.tail(d);
   state_.work += 0.5 * body_force_.dot(moved);
   for (Eigen::Index tool = 0; tool < holding_.size(); ++tool) {

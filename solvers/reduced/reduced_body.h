@@ -1,27 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A reduced body that tools move, step by step while it is touched.
+// A reduced body that tools move step by step.
 //
 //   M ÿ + ∂Π/∂y + viscous forces = (0, h)
 //
-// where h are the forces that hold the tools. A tool is where it is told to be; or a spring of
-// stiffness k leads it there, h = k (p − d) from the place p that it is told; or, with k = 0, it is
-// let go, and moves with the body. Each step of BDF2 is the search for a minimum, in q and in the d
-// of those tools that are not where they are told to be, of
+// where h are the forces that hold the tools. A tool can be held in three ways: it is at the place
+// that it is told; or a spring of stiffness k leads it there, with h = k (p − d) and the place p;
+// or, with k = 0, it is let go and moves with the body. Each step of BDF2 searches for a minimum,
+// over q and over the d of tools that are not prescribed, of
 //
 //   c/2 (y − ŷ)ᵀM(y − ŷ) + Π(y) + memory (point_memory.h) + Σ k/2 |p − d|²,   y = (q, d)
 //
-// from an extrapolation of the last three states, by Newton's method with a line search: one
-// tangent serves the iterations of a step as long as it contracts. A step that does not converge is
-// halved. Where that fails too, or the tools are led too far beyond training, the body stays as it
-// was, and the tools go on without it. As long as they are elsewhere, their force is that of the
-// body and of a spring between them, which has the stiffness at rest: h + LᵀK₀L (d − d of the
-// body); that of a tool with a spring is the spring's. Each step after that tries again, and the
-// body comes after them at a bounded speed.
+// It starts from an extrapolation of the last three states, and uses Newton's method with a line
+// search; one tangent serves the iterations of a step as long as it contracts. A step that does not
+// converge is halved. If that fails too, or if the tools are led too far beyond training, the body
+// stays as it is, and the tools go on without it. Until the body has caught up with a prescribed
+// tool, the force is that of the body plus that of a spring between them with the stiffness at
+// rest: h + LᵀK₀L (d − d of the body). The force of a tool with a spring is that of the spring.
+// Each later step tries again, and the body follows at a bounded speed.
 //
-// A model without inertia goes through equilibria, by the same steps with c = 0.
+// A model without inertia passes through equilibria, by the same steps with c = 0.
 //
-// After the constructor nothing is allocated, and no call throws or waits. The work of a step is
-// bounded by the numbers in ReducedBodyOptions.
+// After the constructor no memory is allocated, and no call throws or waits. ReducedBodyOptions
+// bound the work of a step.
 #pragma once
 
 #include <string>
@@ -34,25 +34,24 @@
 namespace palpate {
 
 struct ReducedBodyOptions {
-  /// The length of a step, s. Where there are neither inertia nor viscosity it is without effect.
+  /// The length of a step, s. It has no effect if there is neither inertia nor viscosity.
   double time_step = 2e-3;
-  /// A step has converged when the residual of q is at most this share of the forces: its norm, √J,
-  /// beside that of the linear force at the tools' displacement, or at a thousandth of the largest
-  /// in training.
+  /// A step has converged when the norm of the residual of q, √J, is at most this share of the norm
+  /// of the linear force at the tools' displacement, or at a thousandth of the largest in training.
   double tolerance = 1e-4;
-  /// Iterations of one attempt at a step.
+  /// The largest number of iterations in one attempt at a step.
   int max_iterations = 12;
-  /// Evaluations of the force, and those with a tangent, that one step may take with all its
-  /// attempts. A usual step takes two and one.
+  /// The largest numbers of evaluations of the force, and of those with a tangent, in all attempts
+  /// at a step. A usual step takes two and one.
   int max_evaluations = 60;
   int max_tangents = 12;
-  /// A step may be halved this often.
+  /// The number of times that a step may be halved.
   int max_halvings = 4;
-  /// The body does not follow its tools to where a coordinate of theirs, or of the place that a
-  /// spring leads them to, is more than so many times its largest in training.
+  /// The body does not follow its tools to where one of their coordinates, or of the place to which
+  /// a spring leads them, exceeds this multiple of its largest value in training.
   double largest_trust = 8;
-  /// A body with inertia follows its tools no faster than this, m/s. So it does not catch up in a
-  /// jump with tools that have gone on without it.
+  /// The largest speed at which a body with inertia follows its tools, m/s. So it does not jump
+  /// when it catches up with tools that went on without it.
   double largest_speed = 1;
 };
 
@@ -66,27 +65,28 @@ enum class ReducedOutcome : int {
   not_converged = 1,
   /// The tools are beyond ReducedBodyOptions::largest_trust, and no step was tried.
   beyond_training = 2,
-  /// The tools' displacement has a number that is not finite. It is passed over.
+  /// A coordinate of a tool is not finite. The step is not done.
   invalid_input = 3,
-  /// The step has converged, but the tools are ahead: see ReducedBodyOptions::largest_speed.
+  /// The step has converged, but the tools are ahead of the body: see
+  /// ReducedBodyOptions::largest_speed.
   tools_ahead = 4,
 };
 
 /// "converged", "not converged", …
 [[nodiscard]] std::string to_string(ReducedOutcome outcome);
 
-/// What a step tells besides the forces.
+/// What a step reports besides the forces.
 struct ReducedState {
   ReducedOutcome outcome = ReducedOutcome::converged;
-  /// The largest |q_i| over its largest in training, and |d_i| over its, where the step has led; of
-  /// a step that was not tried, |d_i| alone. Up to about 1 the errors are those of training; above
-  /// 2 do not trust the force.
+  /// The largest ratio of a |q_i| or |d_i| to its largest value in training, at the end of the
+  /// step; if the step was not tried, of the |d_i| alone. Up to about 1, errors are those of
+  /// training; above 2, do not trust the force.
   double trust = 0;
   /// Least det F of the points.
   double minimum_det_f = 1;
-  /// Residual as a share, see ReducedBodyOptions::tolerance.
+  /// Relative residual, see ReducedBodyOptions::tolerance.
   double residual = 0;
-  /// In all attempts.
+  /// Numbers for all attempts at the step.
   int iterations = 0;
   int evaluations = 0;
   int tangents = 0;
@@ -95,52 +95,57 @@ struct ReducedState {
   //
   //   work = kinetic + elastic + viscous_stored + dissipated + what the method dissipates
   double kinetic = 0;
-  /// Of the materials; under gravity with that of the weight.
+  /// The energy of the materials, with gravity also that of the weight.
   double elastic = 0;
   double viscous_stored = 0;
   double dissipated = 0;
-  /// Of the tools on the body.
+  /// The work that the tools have done on the body.
   double work = 0;
 };
 
 class ReducedBody {
  public:
-  /// The body is at rest.
+  /// The body begins at rest.
   /// @param model It must outlive this object.
   /// @throws InputError an invalid model or option.
   ReducedBody(const ReducedModel& model, const ReducedBodyOptions& options);
 
-  /// Puts the body to rest. @note Realtime-safe.
+  /// Puts the body to rest.
+  /// @note Realtime-safe.
   void rest() noexcept;
-  /// How a tool is held from the next step on.
-  /// @param tool Its number. @param stiffness Of a spring that leads it to where step() says, N/m,
-  ///   0 or more; 0: it is let go; infinite, as in the beginning: it is where step() says.
+  /// Chooses how a tool is held from the next step on.
+  /// @param tool The number of the tool.
+  /// @param stiffness Stiffness of the spring that leads it to the place that step() is given, N/m,
+  ///   at least 0; 0: it is let go; infinite, as at the beginning: it is at that place.
   /// @note Realtime-safe.
   void hold(Index tool, double stiffness) noexcept;
-  /// One step, at whose end the tools are to be at d [num_tool_coordinates], m. Of a tool that is
-  /// let go it does not count. @note Realtime-safe.
+  /// Does one step, at whose end the tools are to be at d [num_tool_coordinates], m; the d of a
+  /// tool that was let go is ignored.
+  /// @note Realtime-safe.
   const ReducedState& step(const double* d) noexcept;
-  /// One step of another length than that of the options, s, above 0. @note Realtime-safe.
+  /// Does one step with a length of its own, s, above 0.
+  /// @note Realtime-safe.
   const ReducedState& step(const double* d, double length) noexcept;
 
   [[nodiscard]] const ReducedState& state() const noexcept { return state_; }
-  /// h: the force that holds each tool, N [num_tool_coordinates]; 0 for one that is let go.
+  /// h: the force that holds each tool, N [num_tool_coordinates]; 0 for a tool that was let go.
   [[nodiscard]] const Eigen::VectorXd& force() const noexcept { return force_; }
-  /// y = (q, d) of the body: d is that of the tools but where they have a spring, are let go, or
-  /// go on without it.
+  /// y = (q, d) of the body. d is that of the tools, except for tools with a spring, tools that
+  /// were let go, and tools that went on without the body.
   [[nodiscard]] const Eigen::VectorXd& coordinates() const noexcept { return now_.y; }
 
-  /// Adds what a step reads and writes, with the model.
+  /// Adds the memory that a step reads and writes, with the model.
   void add_memory(MemoryRanges& ranges) const;
 
  private:
-  /// y, ẏ and the length of the step that led there; 0: there was none.
+  /// y, ẏ and the length of the step that led there, s; 0: there was none.
   struct Past {
     Eigen::VectorXd y;
     Eigen::VectorXd velocity;
     double step = 0;
   };
-  /// Tries a step to y_, from now_; nothing but y_ and what was evaluated is changed by it.
+  /// Tries a step from now_ to y_. It changes nothing but y_ and what belongs to the last
+  /// evaluation.
   [[nodiscard]] ReducedOutcome attempt(double length) noexcept;
   /// Whether this step may take another evaluation, or another tangent.
   [[nodiscard]] bool may_evaluate() const noexcept {
@@ -149,30 +154,31 @@ class ReducedBody {
   [[nodiscard]] bool may_linearise() const noexcept {
     return may_evaluate() && state_.tangents < options_.max_tangents;
   }
-  /// Evaluates at y_; without inertia the residual is that of an equilibrium.
+  /// Evaluates at y_. Without inertia the residual is that of an equilibrium.
   /// @returns The potential.
   double evaluate(bool with_tangent) noexcept;
-  /// Makes the factor of the last tangent.
+  /// Factorises the last tangent.
   void factorise() noexcept;
-  /// Adds inertia and springs to the stiffness in factor_, and takes out what is prescribed.
+  /// Adds inertia and springs to the stiffness in factor_, and decouples prescribed coordinates.
   void prepare_factor() noexcept;
-  /// The extrapolation of the last states in the unknowns.
+  /// Extrapolates the unknowns from the last states.
   void predict(double length) noexcept;
-  /// Puts the tools that are prescribed into y_.
+  /// Sets the prescribed tools in y_.
   void put_prescribed() noexcept;
   [[nodiscard]] bool is_prescribed(Eigen::Index tool) const noexcept;
-  /// What a residual is measured by, √J.
+  /// The norm of the residual, √J.
   [[nodiscard]] double residual_norm() const noexcept;
   void set_step(double length) noexcept;
   void take_step(double length) noexcept;
-  /// Makes force_, for tools that are at d.
+  /// Computes force_ for tools at d.
   void tell_force(const double* d) noexcept;
-  /// Of y_.
+  /// The trust of y_, and of its tools alone.
   [[nodiscard]] double trust() const noexcept;
   [[nodiscard]] double trust_of_tools() const noexcept;
-  /// Of where the tools are led to.
+  /// The trust of the places to which the tools are led.
   [[nodiscard]] double trust_of_places() const noexcept;
-  /// Shortens tools_change_ to what the body may follow in a time, s. @returns Whether it did.
+  /// Shortens tools_change_ to what the body may follow in a time, s.
+  /// @returns Whether it was shortened.
   [[nodiscard]] bool limit_speed(double length) noexcept;
 
   const ReducedModel& model_;
@@ -183,29 +189,30 @@ class ReducedBody {
 
   Past now_;
   Past before_;
-  /// y of the state before `before_`.
+  /// y of the state before before_.
   Eigen::VectorXd y_before_that_;
 
-  /// k of each tool, N/m.
+  /// The stiffness k of each tool's holding, N/m.
   Eigen::VectorXd holding_;
-  /// Of each coordinate [coordinates]: 0 where it is prescribed; of q 1, of d what makes √J of N.
+  /// Weight of each coordinate of the residual [coordinates]: 0 if it is prescribed, 1 for q, and
+  /// for d the factor that converts N to √J.
   Eigen::VectorXd residual_weight_;
-  /// So many coordinates from the first on hold all unknowns: q, or y.
+  /// The number of leading coordinates that hold all unknowns: those of q, or all of y.
   Eigen::Index num_unknowns_ = 0;
 
-  /// Where the tools are led to: at the beginning of a step, its change in all of it, and at the
-  /// end of an attempt.
+  /// Places to which the tools are led: at the beginning of a step, their change over the whole
+  /// step, and at the end of an attempt.
   Eigen::VectorXd tools_from_;
   Eigen::VectorXd tools_change_;
   Eigen::VectorXd place_;
 
-  // Of an attempt.
+  // The following belong to one attempt.
   Vec3 rate_ = Vec3::Zero();
   double inertia_ = 0;
   Eigen::VectorXd centre_;
   Eigen::VectorXd y_;
   Eigen::VectorXd trial_from_;
-  /// y − ŷ, M times it, and the force ∂/∂y without that of the springs and with it.
+  /// y − ŷ, M (y − ŷ), and ∂/∂y of the potential without the springs and with them.
   Eigen::VectorXd way_;
   Eigen::VectorXd of_mass_;
   Eigen::VectorXd whole_force_;
@@ -217,7 +224,7 @@ class ReducedBody {
   double rest_det_f_ = 1;
 
   Eigen::VectorXd force_;
-  /// That of the body, which force_ is where it is with its tools.
+  /// The force on the tools from the body; force_ equals it while the tools are with the body.
   Eigen::VectorXd body_force_;
   ReducedState state_;
 };

@@ -3,15 +3,15 @@
 // states of the whole body:
 //
 //   1. L and LᵀK₀L: the sensitivity and the stiffness of the equilibrium at rest; with gravity, of
-//   that under the weight of the body.
+//      that under the weight of the body.
 //   2. States: equilibria with one tool moved and with all of them moved; with inertia, also motion
-//   along random paths with taps. (A basis of equilibria alone is of no use in motion. A basis of
-//   the motion of the linear body would take one factorisation and half the time, but has ten times
-//   the error.)
+//      along random paths with taps. (A basis of equilibria alone is of no use in motion. A basis
+//      of the motion of the linear body would take one factorisation and half the time, but has ten
+//      times the error.)
 //   3. Φ: POD modes of each of these groups in turn, of what the earlier groups leave.
 //   4. Points and weights (hyper_reduction.h) for these states. The model with them is then moved
-//   along the training paths itself, which is quick, and the points are chosen again for the states
-//   of this motion too: the forces of all points are exact at any state.
+//      along the training paths itself, which is quick, and the points are chosen again for the
+//      states of this motion too: the forces of all points are exact at any state.
 //
 // The result depends on the scene, the tools and the options, which include the seed, alone.
 #pragma once

@@ -16,9 +16,9 @@
 //
 //   1. The terms of second and third order of the expansion of the equilibrium in d.
 //   2. The motion of the linear body with the tools along the paths of training, and its terms of
-//   second and third order, without inertia of their own.
+//      second and third order, without inertia of their own.
 //   3. The modes of training with the most energy in its states, changed by the least amount in K₀
-//   such that they vanish at the patches: PΨ, P = 1 − Z S⁻¹C.
+//      such that they vanish at the patches: PΨ, P = 1 − Z S⁻¹C.
 //
 // The first two groups are computed for the tools' own places, by some hundred solves with one
 // factor, which is kept; only the third comes from other places. (On a liver, 90 modes of the
