@@ -9,12 +9,12 @@
 namespace palpate {
 namespace {
 
-/// Of a motion, what is left of it when the others are taken out of it: less is rounding.
+/// A motion of which orthogonalisation leaves less than this share is linearly dependent.
 constexpr double kDependentMotion = 1e-8;
-/// The least rows of a part.
+/// The least number of rows of a part.
 constexpr Index kRowsOfPart = 128;
 
-/// Sums of blocks by column while a row is made.
+/// Sums of blocks, by column, while a row is made.
 template <class Block>
 class RowSums {
  public:
@@ -29,7 +29,7 @@ class RowSums {
     return sums_[place_[column]];
   }
 
-  /// Appends the row to a matrix and begins anew.
+  /// Appends the row to a matrix and starts the next row.
   template <class Rows>
   void finish(Rows& rows) {
     std::sort(columns_.begin(), columns_.end());
@@ -49,9 +49,9 @@ class RowSums {
   std::vector<Block> sums_;
 };
 
-/// Makes the rows of a matrix, parts of them side by side.
-/// @param make_row Called as make_row(row, sums, rows): puts blocks into the sums, which are
-///   appended to the rows by finish().
+/// Makes the rows of a matrix, in parts that run in parallel.
+/// @param make_row Called as make_row(row, sums, rows). It adds blocks to the sums, which finish()
+///   appends to the rows.
 template <class Rows, class MakeRow>
 Rows make_rows(Index num_rows, Index num_columns, MakeRow&& make_row) {
   const Ranges ranges(num_rows, kRowsOfPart);
@@ -88,8 +88,8 @@ Rows make_rows(Index num_rows, Index num_columns, MakeRow&& make_row) {
 ByColumn by_column(Index num_columns, const std::vector<Index>& start,
                    const std::vector<Index>& column) {
   ByColumn result;
-  // Counted one place further on, so that the places of a column are at start[column + 1] while
-  // they are filled, and at start[column] after that.
+  // Counts are stored one index further on, so that the entries of a column begin at start[column +
+  // 1] while they are filled in, and at start[column] afterwards.
   result.start.assign(num_columns + 2, 0);
   for (const Index c : column) ++result.start[c + 2];
   for (Index c = 0; c < num_columns; ++c) result.start[c + 2] += result.start[c + 1];
@@ -170,7 +170,7 @@ Aggregates aggregate(const BlockRows<B, B>& matrix, double threshold) {
       if (is_strong[k] != 0) f(matrix.column[k], k);
     }
   };
-  // Whole neighbourhoods that are still free.
+  // First pass: neighbourhoods none of whose nodes is in an aggregate.
   for (Index node = 0; node < num_nodes; ++node) {
     bool is_free = of_node[node] < 0;
     for_strong(node, [&](Index other, Index) { is_free = is_free && of_node[other] < 0; });
@@ -179,8 +179,8 @@ Aggregates aggregate(const BlockRows<B, B>& matrix, double threshold) {
     for_strong(node, [&](Index other, Index) { of_node[other] = result.count; });
     ++result.count;
   }
-  // A node that is left has a neighbour in one of them: it joins the one to which it is coupled
-  // most.
+  // Second pass: each remaining node has a neighbour in an aggregate, and joins the one to which it
+  // is coupled most.
   std::vector<Index> joined = of_node;
   for (Index node = 0; node < num_nodes; ++node) {
     if (of_node[node] >= 0) continue;
@@ -233,7 +233,7 @@ BlockRows<B, 6> tentative_prolongation(const Aggregates& aggregates, const Motio
     for (Index i = 0; i < count; ++i) {
       local.template middleRows<B>(B * i) = motions[member[start[a] + i]];
     }
-    // Gram and Schmidt's method, twice, which is stable.
+    // The Gram-Schmidt method, done twice, is stable.
     Block<6, 6>& r = coarse_motions[a];
     r.setZero();
     for (int c = 0; c < 6; ++c) {

@@ -23,7 +23,7 @@ namespace {
 bool all_finite(const std::vector<double>& values) {
   std::atomic<bool> are_finite{true};
   for_each_range({static_cast<Index>(values.size()), kNumbersOfPart}, [&](Index first, Index last) {
-    // The product is zero, and NaN for what is infinite or NaN.
+    // The product is zero for a finite value, and NaN otherwise.
     const Eigen::Map<const Eigen::ArrayXd> part(values.data() + first, last - first);
     if ((part * 0.0).sum() != 0) are_finite = false;
   });
@@ -43,7 +43,8 @@ BlockPattern make_block_pattern(const SymmetricPattern& pattern) {
     if (length < 3 || length % 3 != 0) refuse();
     const Index num_neighbours = length / 3 - 1;
     for (int c = 0; c < 3; ++c) {
-      // The rows of the node itself from the diagonal on, then those of its neighbours.
+      // The column has the rows of the node itself from the diagonal on, then those of its
+      // neighbours.
       if (first[c + 1] - first[c] != length - c) refuse();
       const Index* row = pattern.row.data() + first[c];
       for (int r = c; r < 3; ++r) {
@@ -85,8 +86,8 @@ SymmetricPattern expanded(const BlockPattern& pattern) {
 Neighbourhoods find_neighbourhoods(const BlockPattern& pattern) {
   Neighbourhoods result;
   result.start.assign(pattern.num_nodes + 2, 0);
-  // Counted one place further on, so that the places of a node are at start[node + 1] while they
-  // are filled, and at start[node] after that.
+  // Counts are stored one index further on, so that the entries of a node begin at start[node + 1]
+  // while they are filled in, and at start[node] afterwards.
   for (Index node = 0; node < pattern.num_nodes; ++node) {
     result.start[node + 2] += pattern.num_neighbours(node);
     for (Index k = pattern.start[node]; k < pattern.start[node + 1]; ++k) {

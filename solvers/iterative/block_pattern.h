@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pattern of a tangent whose unknowns are the three components of each node, seen in blocks of
-// 3 × 3.
+// The pattern of a tangent whose unknowns are the three components of each node, in blocks of 3 ×
+// 3.
 //
-// The values stay where SymmetricPattern has them, so that nothing is copied: the lower triangle by
-// columns, and three columns for a node. With m neighbours of higher number, the values of a node
-// are
+// The values are those of SymmetricPattern, so that nothing is copied: the lower triangle by
+// columns, three columns for each node. If a node has m neighbours of higher number, its values are
 //
 //   column 0:  d₀₀ d₁₀ d₂₀ | three of each neighbour
 //   column 1:      d₁₁ d₂₁ | three of each neighbour
@@ -24,10 +23,10 @@ struct BlockPattern {
   std::vector<Index> start;
   /// The neighbours of higher number of each node, ascending.
   std::vector<Index> neighbour;
-  /// Set by find_parts().
+  /// The parts of the pattern for parallel passes; set by find_parts().
   TriangleParts parts;
 
-  /// Call this when all of the above is there.
+  /// Call this when all members above are set.
   void find_parts() { parts = make_triangle_parts(start, neighbour); }
 
   [[nodiscard]] Index num_blocks() const { return static_cast<Index>(neighbour.size()); }
@@ -35,19 +34,20 @@ struct BlockPattern {
   [[nodiscard]] Index num_values() const { return 9 * num_blocks() + 6 * num_nodes; }
   /// The position of the first value of a node.
   [[nodiscard]] Index first_value(Index node) const { return 9 * start[node] + 6 * node; }
-  /// The nodes for which vectors of sums need room (passes.h): there is more than one sum for some.
+  /// The number of nodes of a vector for sums (passes.h): some nodes have more than one sum.
   [[nodiscard]] Index num_sums() const { return num_nodes + parts.num_rooms(); }
   [[nodiscard]] std::size_t bytes() const {
     return (start.capacity() + neighbour.capacity()) * sizeof(Index) + parts.bytes();
   }
 };
 
-/// Positions of the columns of a block that are stored; three values each.
+/// Positions of the columns of a stored block; each has three values.
 struct BlockColumns {
   Index of[3];
 };
 
-/// Of the block of a node (its columns) and its neighbour with this place in `neighbour`.
+/// The columns of the block of a node (column) and of a neighbour, given by its index in
+/// `neighbour` (row).
 [[nodiscard]] inline BlockColumns block_columns(const BlockPattern& pattern, Index node,
                                                 Index place) {
   const Index m = pattern.num_neighbours(node);
@@ -55,7 +55,7 @@ struct BlockColumns {
   return {{first, first + 3 * m + 2, first + 6 * m + 3}};
 }
 
-/// The block of a node (its columns) and its neighbour with this place in `neighbour`.
+/// The block of a node (column) and of a neighbour, given by its index in `neighbour` (row).
 [[nodiscard]] inline Mat3 block_at(const BlockPattern& pattern, const std::vector<double>& values,
                                    Index node, Index place) {
   const BlockColumns columns = block_columns(pattern, node, place);
@@ -64,7 +64,7 @@ struct BlockColumns {
   return block;
 }
 
-/// The block of a node with itself.
+/// The diagonal block of a node.
 [[nodiscard]] inline Mat3 diagonal_block(const BlockPattern& pattern,
                                          const std::vector<double>& values, Index node) {
   const Index m = pattern.num_neighbours(node);
@@ -79,18 +79,18 @@ struct BlockColumns {
 /// Whether no value is infinite or NaN.
 [[nodiscard]] bool all_finite(const std::vector<double>& values);
 
-/// @throws InputError the unknowns do not come in threes that have the same neighbours, as with
-///   pressures among them.
+/// @throws InputError the unknowns do not come in threes with the same neighbours, for example
+///   because there are pressures.
 [[nodiscard]] BlockPattern make_block_pattern(const SymmetricPattern& pattern);
 
-/// The same pattern, value by value.
+/// The same pattern in single values.
 [[nodiscard]] SymmetricPattern expanded(const BlockPattern& pattern);
 
 /// All neighbours of a node, lower and higher.
 struct Neighbourhoods {
   struct Neighbour {
     Index node;
-    /// The place in BlockPattern::neighbour of the block of both.
+    /// The index in BlockPattern::neighbour of the block of both.
     Index place;
   };
   /// Where each node begins in `all` [num_nodes + 1].

@@ -13,8 +13,8 @@ Children find_children(const NodeLevels& levels) {
       if (b >= 0 && b != a) f(b, node);
     }
   };
-  // Counted one place further on, so that the places of a corner are at start[corner + 1] while
-  // they are filled, and at start[corner] after that.
+  // Counts are stored one index further on, so that the entries of a corner begin at start[corner +
+  // 1] while they are filled in, and at start[corner] afterwards.
   children.start.assign(levels.num_corners() + 2, 0);
   for_parents([&](Index corner, Index) { ++children.start[corner + 2]; });
   for (Index corner = 0; corner < levels.num_corners(); ++corner) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which nodes each corner moves (assembly/node_levels.h), so that what they have can be gathered.
+// The nodes that each corner moves (assembly/node_levels.h), in the order in which a restriction
+// gathers their values.
 #pragma once
 
 #include <vector>
@@ -11,8 +12,8 @@ namespace palpate {
 struct Children {
   /// Where each corner begins in `node` [num_corners + 1].
   std::vector<Index> start;
-  /// The nodes of which a corner is a parent, ascending: itself, with weight 1, and those halfway
-  /// to another one, with ½.
+  /// The nodes of which a corner is a parent, ascending: itself, with the weight 1, and those
+  /// halfway to another corner, with ½.
   std::vector<Index> node;
   /// The node that each corner is [num_corners].
   std::vector<Index> node_of_corner;

@@ -10,15 +10,15 @@
 namespace palpate {
 namespace {
 
-/// A curvature below this share of the largest one is rounding of its sum.
+/// A curvature below this share of the largest possible one is rounding.
 constexpr double kCurvatureRounding = 1e-15;
-/// Between two true residuals of one solve the later one is at most this share of the earlier one,
-/// or the solve stagnates.
+/// Each true residual must be at most this share of the one before it in the same solve; else the
+/// solve stagnates.
 constexpr double kLeastProgress = 0.5;
-/// So many iterations without a smaller residual, by the recurrence, and the true one is asked,
-/// unless the energy xᵀKx/2 − bᵀx has fallen meanwhile by more than this share of what it fell in
-/// all. What the iteration makes smaller at each step is the energy: in a plate or a shell, of
-/// which bending is a thousand times softer than stretch, the residual first grows for hundreds of
+/// After this many iterations without a smaller residual in the recurrence, the true residual is
+/// computed, unless the energy xᵀKx/2 − bᵀx has fallen meanwhile by more than this share of its
+/// whole decrease. The energy is what each iteration decreases: in a plate or a shell, whose
+/// bending is a thousand times softer than its stretching, the residual first grows for hundreds of
 /// iterations.
 constexpr int kPatience = 60;
 constexpr double kLeastFall = 1e-6;
@@ -87,7 +87,7 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
   };
   Numbers b_norm = dots(b_, b_);
   for (double& norm : b_norm) norm = std::sqrt(norm);
-  // A column that has converged rests: its steps are zero from then on.
+  // A column that has converged is not changed any more: its steps are zero.
   std::array<bool, kMaxColumns> is_active{};
   for (int c = 0; c < m; ++c) is_active[c] = b_norm[c] > 0;
   // The residual of each column over its right-hand side, by the recurrence or true.
@@ -117,12 +117,12 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
 
   Numbers rz{};
   Numbers alpha{};
-  // The next direction of a column is the preconditioned residual alone.
+  // Whether the next direction of a column is the preconditioned residual alone.
   std::array<bool, kMaxColumns> begins{true, true, true};
   Numbers last_true{1, 1, 1};
   Numbers least{1, 1, 1};
   std::array<int, kMaxColumns> since_least{};
-  // Of the energy, N m: all of it, and before the last one of these iterations.
+  // The decrease of the energy, N m: in all, and when since_least was last set to 0.
   Numbers fall{};
   Numbers last_fall{};
   while (is_active[0] || is_active[1] || is_active[2]) {
@@ -144,7 +144,7 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
     rz = next;
     scale_and_add(n, m, beta.data(), z_.data(), p_.data());
 
-    // The step along it.
+    // The step along the direction.
     k.apply(p_, sums_, q_);
     const Numbers curvature = dots(p_, q_);
     const Numbers length = dots(p_, p_);
@@ -168,7 +168,7 @@ SolveSummary KrylovSolver::solve_together(const Operator& k, Preconditioner& pre
     add(n, m, minus_alpha.data(), q_.data(), r_.data());
     measure();
 
-    // Whether a column has come to its end, or to none: then the truth decides.
+    // If a column seems to have converged or to stagnate, its true residual decides.
     std::array<bool, kMaxColumns> asks{};
     for (int c = 0; c < m; ++c) {
       if (!is_active[c]) continue;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Conjugate gradients for K x = b with a preconditioner (Saad, Iterative Methods for Sparse Linear
-// Systems, 2nd ed., algorithm 9.1), in the flexible form (Notay, Flexible conjugate gradients,
-// SIAM J. Sci. Comput. 22, 2000, with one direction kept), which bears a preconditioner that is
-// symmetric but for the rounding of single precision.
+// Systems, 2nd ed., algorithm 9.1). The flexible form (Notay, Flexible conjugate gradients, SIAM J.
+// Sci. Comput. 22, 2000, with one direction kept) tolerates a preconditioner that is symmetric only
+// up to rounding in single precision.
 //
-// The recurrence of the residual is only a guess: what is reported is b − K x, computed anew, and
-// where the two disagree the iteration begins again from there.
+// The residual of the recurrence is only an estimate. The reported residual is b − K x, computed
+// anew; if the two disagree, the iteration restarts from there.
 #pragma once
 
 #include <string>
@@ -18,20 +18,20 @@ namespace palpate {
 
 enum class SolveStatus {
   converged,
-  /// As many iterations as were allowed.
+  /// The largest number of iterations was done.
   iteration_limit,
   /// pᵀKp < 0 for a direction p, which is reported: K has a negative eigenvalue.
   negative_curvature,
-  /// pᵀKp is rounding: K is singular as far as can be told.
+  /// pᵀKp is no larger than rounding: K is numerically singular.
   singular,
-  /// rᵀz ≤ 0: the preconditioner is of no use for this matrix.
+  /// rᵀz ≤ 0: the preconditioner cannot be used for this matrix.
   indefinite_preconditioner,
-  /// The residual does not become smaller any more: the right-hand side is not in the range of K,
-  /// or the tolerance is below rounding.
+  /// The residual does not decrease any more: the right-hand side is not in the range of K, or the
+  /// tolerance is below rounding.
   stagnated,
-  /// A right-hand side or a value of K is no number.
+  /// A right-hand side or a value of K is not finite.
   not_finite,
-  /// The preconditioner was never refreshed with success.
+  /// No refresh of the preconditioner has succeeded yet.
   no_preconditioner,
 };
 
@@ -39,7 +39,7 @@ enum class SolveStatus {
 [[nodiscard]] std::string to_string(SolveStatus status);
 
 struct SolveOptions {
-  /// |b − K x| ≤ tolerance |b|.
+  /// The iteration ends when |b − K x| ≤ tolerance |b|.
   double tolerance = 1e-8;
   int max_iterations = 300;
 };
@@ -47,23 +47,23 @@ struct SolveOptions {
 struct SolveSummary {
   SolveStatus status = SolveStatus::converged;
   int iterations = 0;
-  /// |b − K x| / |b| at the end, of the worst column; 0 for b = 0.
+  /// |b − K x| / |b| at the end, for the worst column; 0 for b = 0.
   double residual = 0;
-  /// Where there is negative curvature: the direction p [size], and pᵀKp / pᵀp.
+  /// With negative curvature: the direction p [size], and pᵀKp / pᵀp.
   Eigen::VectorXd direction;
   double curvature = 0;
 };
 
-/// Holds the vectors of an iteration, so that solves that follow one another allocate nothing.
+/// A solver that keeps its vectors, so that further solves allocate no memory.
 class KrylovSolver {
  public:
   explicit KrylovSolver(SolveOptions options) : options_(options) {}
   void set_options(SolveOptions options) { options_ = options; }
 
-  /// Overwrites each column with the solution for it, from 0: three columns at a time, each with
-  /// its own directions, which share the passes over K. Where a column ends otherwise than by
-  /// convergence, all of its three do, and no other begins; columns that were not begun are 0. A
-  /// column that has ended is the last iterate, and never holds what is no number.
+  /// Overwrites each column with the solution for it, starting from 0. Three columns are solved for
+  /// at a time, each with its own directions, and share the passes over K. If a column ends without
+  /// convergence, the other columns of its three end too, and later columns are not solved for but
+  /// set to 0. A column that has ended holds the last iterate, which is always finite.
   [[nodiscard]] SolveSummary solve(const Operator& k, Preconditioner& preconditioner,
                                    Eigen::Ref<Eigen::MatrixXd> columns);
 

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// The corners that move a node, and how much.
+/// The corners that move a node, with the weight of each.
 struct Parents {
   int count = 0;
   Index corner[2] = {-1, -1};
@@ -25,7 +25,7 @@ Parents parents_of(const NodeLevels& levels, Index node) {
   return parents;
 }
 
-/// Adds factor times a block to that of a column and a place in the pattern.
+/// Adds a block to that of a node (column) and an index in the pattern.
 void add_block(const BlockPattern& pattern, Index node, Index place, const Mat3& block,
                std::vector<double>& values) {
   const BlockColumns columns = block_columns(pattern, node, place);
@@ -53,8 +53,8 @@ BlockPattern coarse_pattern(const BlockPattern& pattern, const NodeLevels& level
   for (Index corner = 0; corner < levels.num_corners(); ++corner) {
     corner_of_node[levels.node_of_corner[corner]] = corner;
   }
-  // Corners keep the order of their nodes, so that the neighbours of a corner that have a higher
-  // number are among those of its node.
+  // Corners are ordered as their nodes are, so that the neighbours of a corner with a higher number
+  // are among those of its node.
   BlockPattern coarse;
   coarse.num_nodes = levels.num_corners();
   coarse.start.push_back(0);
@@ -134,7 +134,7 @@ GalerkinParts find_galerkin_parts(const BlockPattern& pattern, const NodeLevels&
 
 namespace {
 
-/// Adds what there is for the columns of a range of corners.
+/// Adds the contributions to the columns of a range of corners.
 class GalerkinSum {
  public:
   GalerkinSum(const BlockPattern& coarse, const Neighbourhoods& neighbours, Index first, Index last,
@@ -143,8 +143,8 @@ class GalerkinSum {
     for (auto& list : place_) list.assign(coarse.num_nodes, -1);
   }
 
-  /// Adds what a node has.
-  /// @param unit As below.
+  /// Adds the contributions of a node.
+  /// @param unit As in galerkin_product().
   void add(const BlockPattern& pattern, const NodeLevels& levels, const std::vector<double>& values,
            double unit, Index node) {
     const Parents own = parents_of(levels, node);
@@ -157,7 +157,7 @@ class GalerkinSum {
     for (Index k = pattern.start[node]; k < pattern.start[node + 1]; ++k) {
       const Parents theirs = parents_of(levels, pattern.neighbour[k]);
       if (theirs.count == 0) continue;
-      // Rows of the neighbour, columns of the node.
+      // The block has the rows of the neighbour and the columns of the node.
       const Mat3 block = unit * own.weight * theirs.weight * block_at(pattern, values, node, k);
       for (int i = 0; i < own.count; ++i) {
         for (int j = 0; j < theirs.count; ++j) {
@@ -181,7 +181,7 @@ class GalerkinSum {
   void add_to_diagonal(Index corner, const Mat3& block) {
     if (has(corner)) add_diagonal(coarse_, corner, block, values_);
   }
-  /// Of a column and the corner `other` beside the marked one of number i.
+  /// Adds to the block of a column with the corner `other`, a neighbour of the marked corner i.
   void add_to_block(Index column, int i, Index other, const Mat3& block) {
     if (has(column)) add_block(coarse_, column, find(i, other), block, values_);
   }
@@ -203,7 +203,7 @@ class GalerkinSum {
   Index first_;
   Index last_;
   std::vector<double>& values_;
-  /// The place of the block of each corner with the one that is looked at, −1: they are no
+  /// For each of the two marked corners, the index of its block with each corner; −1: they are no
   /// neighbours.
   std::vector<Index> place_[2];
 };

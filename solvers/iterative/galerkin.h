@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The stiffness of the corners, PᵀKP (node_levels.h), exactly: sums of the values of K.
+// The stiffness of the corners, PᵀKP (node_levels.h), computed exactly from the values of K.
 #pragma once
 
 #include <memory>
@@ -11,20 +11,20 @@
 
 namespace palpate {
 
-/// @throws InputError the levels are not of this pattern: a parent that does not exist, or two that
-///   are no neighbours although children of theirs are.
+/// @throws InputError the levels do not belong to this pattern: a parent does not exist, or two
+///   parents are no neighbours although children of theirs are.
 void check(const NodeLevels& levels, const BlockPattern& pattern);
 
-/// The pattern of PᵀKP: corners are neighbours where they are it among all nodes.
+/// The pattern of PᵀKP: corners are neighbours if they are neighbours among all nodes.
 [[nodiscard]] BlockPattern coarse_pattern(const BlockPattern& pattern, const NodeLevels& levels);
 
-/// The nodes of which each range of corners gets something, so that ranges can be made side by
-/// side.
+/// For each range of corners the nodes that contribute to it, so that ranges can be computed in
+/// parallel.
 struct GalerkinParts {
   Ranges corners{0, 1};
   /// Where the nodes of each range begin in `node` [num_parts + 1].
   std::vector<Index> start;
-  /// Ascending; one between two ranges is there for both.
+  /// Ascending within a range; a node that contributes to two ranges is listed in both.
   std::vector<Index> node;
 
   [[nodiscard]] std::size_t bytes() const {
@@ -32,14 +32,14 @@ struct GalerkinParts {
   }
 };
 
-/// The least corners of a range: with fewer, many nodes are looked at for several of them.
+/// The least number of corners of a range: with fewer, many nodes are processed for several ranges.
 inline constexpr Index kCornersOfPart = 2048;
 
 [[nodiscard]] GalerkinParts find_galerkin_parts(const BlockPattern& pattern,
                                                 const NodeLevels& levels,
                                                 Index least_corners = kCornersOfPart);
 
-/// The values of unit PᵀKP on that pattern.
+/// Computes the values of unit PᵀKP on the coarse pattern.
 void galerkin_product(const BlockPattern& pattern, const NodeLevels& levels,
                       const GalerkinParts& parts, const std::vector<double>& values, double unit,
                       const BlockPattern& coarse, const Neighbourhoods& coarse_neighbours,

@@ -18,12 +18,11 @@ namespace palpate {
 namespace {
 
 constexpr int kVectors = 3;
-/// A direction of the basis of which less than this is left when the others are taken out of it is
-/// rounding.
+/// A direction of the basis of which orthogonalisation leaves less than this share is rounding.
 constexpr double kDependent = 1e-10;
-/// A value below minus this share of the largest stiffness is negative, and no rounding.
+/// A value below minus this share of the largest stiffness is negative, and not rounding.
 constexpr double kEigenvalueRounding = 1e-14;
-/// The chance that a negative mode is missed, about.
+/// The probability that a negative mode is missed, about.
 constexpr double kChance = 1e-3;
 
 /// Aᵀ B.
@@ -33,13 +32,13 @@ Eigen::Matrix3d products_of(const NodeVectors<double>& a, const NodeVectors<doub
   return products;
 }
 
-/// Vectors, and the share of each of them in each of three others.
+/// Vectors, and the weight of each of them in each of three combinations.
 struct Term {
   const NodeVectors<double>* vectors;
   Eigen::Matrix3d shares;
 };
 
-/// The sum of vectors times shares.
+/// Computes the sum of the terms.
 void combine(std::initializer_list<Term> terms, NodeVectors<double>& result) {
   using Node = Eigen::Matrix<double, 4, kVectors>;
   for_each_range({result.num_nodes(), kNodesOfPart}, [&](Index first, Index last) {
@@ -57,13 +56,13 @@ void combine(std::initializer_list<Term> terms, NodeVectors<double>& result) {
 /// The lowest values of xᵀKx / xᵀx among the combinations of some vectors.
 struct Ritz {
   Eigen::Vector3d values = Eigen::Vector3d::Zero();
-  /// Of each vector in the three combinations [number of vectors × 3].
+  /// The weight of each vector in the three combinations [number of vectors × 3].
   Eigen::MatrixXd shares;
 };
 
-/// Rayleigh and Ritz's method on an orthonormal basis of what the vectors span. Nothing where one
-/// of them is no number.
-/// @param products Those of K with the vectors.
+/// The Rayleigh-Ritz method on an orthonormal basis of the span of the vectors. It returns nothing
+/// if a vector is not finite.
+/// @param products The products of K with the vectors.
 std::optional<Ritz> rayleigh_ritz(const std::vector<const NodeVectors<double>*>& vectors,
                                   const std::vector<const NodeVectors<double>*>& products) {
   const Eigen::Index size = kVectors * static_cast<Eigen::Index>(vectors.size());
@@ -106,7 +105,8 @@ Eigen::MatrixXd noise(Index num_nodes) {
   return columns;
 }
 
-/// What conjugate gradients make of noise: K⁻¹ of it, or a direction of negative curvature.
+/// The result of conjugate gradients for noise: K⁻¹ times the noise, or a direction of negative
+/// curvature.
 struct Search {
   Eigen::VectorXd vector;
   /// There is no negative mode.
@@ -157,7 +157,7 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
   }
   sums.set_zero(k.num_sums(), kVectors);
   preconditioner.reserve(kVectors);
-  // What the preconditioner makes of noise has much of the lowest modes, and the solution more.
+  // Noise after preconditioning has large parts in the lowest modes; the solution has larger ones.
   r.assign(noise(n));
   preconditioner.apply(r, x);
   x.column(0) = found.vector.reshaped(3, n);
@@ -182,7 +182,7 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
     const Eigen::Vector3d& values = ritz->values;
     result.value = values[0];
 
-    // What the step adds to x is the next p, and the same for their products with K.
+    // The step that is added to x is the next p; the same holds for their products with K.
     const auto move = [&](NodeVectors<double>& of_x, const NodeVectors<double>& of_z,
                           NodeVectors<double>& of_p) {
       const auto share = [&](Eigen::Index i) -> Eigen::Matrix3d {
@@ -203,7 +203,7 @@ LowestEigenvalue find_lowest_eigenvalue(const Operator& k, Preconditioner& preco
 
     const bool is_negative = result.value < -kEigenvalueRounding * k.largest_diagonal();
     if (is_negative && options.stop_when_negative) return end(EigenStatus::negative);
-    // r = K x − x λ, and what the preconditioner makes of it.
+    // r = K x − x λ, and its preconditioned z.
     combine({{&kx, Eigen::Matrix3d::Identity()}, {&x, Eigen::Matrix3d((-values).asDiagonal())}}, r);
     preconditioner.apply(r, z);
     double products_rz[kVectors];

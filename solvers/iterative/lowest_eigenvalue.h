@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The lowest eigenvalue of a tangent, without a factor: its sign says whether an equilibrium is
+// The lowest eigenvalue of a tangent without a factor; its sign tells whether an equilibrium is
 // stable. Three vectors are improved together by the locally optimal block preconditioned conjugate
 // gradient method (Knyazev, Toward the optimal preconditioned eigensolver, SIAM J. Sci. Comput. 23,
-// 2001); the basis of each step is orthonormalised, as in Hetmaniuk & Lehoucq, J. Comput. Phys. 218
+// 2001). The basis of each step is orthonormalised, as in Hetmaniuk & Lehoucq, J. Comput. Phys. 218
 // (2006).
 //
-// The value xᵀKx / xᵀx of any x is at least the lowest eigenvalue: one that is negative proves that
-// K is not positive definite. With a preconditioner M near K⁻¹ the error of the value is about
-// rᵀMr / xᵀx with r = Kx − λx; with one that is far from it, as in thin bodies, that says little.
+// The value xᵀKx / xᵀx of any x is an upper bound of the lowest eigenvalue, so a negative value
+// proves that K is not positive definite. With a preconditioner M near K⁻¹, the error of the value
+// is about rᵀMr / xᵀx with r = Kx − λx. If M is far from K⁻¹, as in thin bodies, this estimate says
+// little.
 //
-// So that none is negative is found out before, by conjugate gradients for noise b of ±1. What they
-// leave of b along a mode z of Kz = θM⁻¹z is p(θ) times what b has of it, and if all of their
-// directions have had a positive curvature, p(θ) = Π(1 − θ/θ_i) with θ_i > 0, which is 1 or more
-// for θ < 0. So a residual of t|b| without negative curvature leaves no negative mode, but for
-// those of which b had less than t|b|: in n unknowns that is a chance of about 0.8 t √n (Kuczyński
-// & Woźniakowski, Estimating the largest eigenvalue by the power and Lanczos algorithms with a
-// random start, SIAM J. Matrix Anal. Appl. 13, 1992, have the like). Their solution K⁻¹b, or the
-// direction of negative curvature, is one of the three vectors at the start.
+// So conjugate gradients for a noise b of ±1 are run first, to find out that no eigenvalue is
+// negative. Along a mode z of Kz = θM⁻¹z they leave p(θ) times the share of b. If all their
+// directions had positive curvature, p(θ) = Π(1 − θ/θ_i) with θ_i > 0, which is at least 1 for θ <
+// 0. So if the residual falls to t|b| without negative curvature, no mode is negative, except for
+// modes of which b had less than t|b|: for n unknowns the probability of that is about 0.8 t √n (a
+// similar result: Kuczyński & Woźniakowski, Estimating the largest eigenvalue by the power and
+// Lanczos algorithms with a random start, SIAM J. Matrix Anal. Appl. 13, 1992). Their solution
+// K⁻¹b, or the direction of negative curvature, is one of the three initial vectors.
 #pragma once
 
 #include <limits>
@@ -28,12 +29,12 @@
 namespace palpate {
 
 struct EigenOptions {
-  /// The value may have this relative error, as estimated.
+  /// Tolerance of the estimated relative error of the value.
   double tolerance = 0.01;
   int max_iterations = 100;
-  /// Those of the solve for noise.
+  /// The largest number of iterations of the solve for noise.
   int max_solve_iterations = 300;
-  /// It ends as soon as the value is surely negative.
+  /// Whether the search ends as soon as the value is surely negative.
   bool stop_when_negative = true;
 };
 
@@ -42,12 +43,12 @@ enum class EigenStatus {
   /// The value is negative, and was not improved further.
   negative,
   iteration_limit,
-  /// The value is not negative beyond rounding, and that no other is was not found out: the value
-  /// is rounding itself, or the solve for noise did not come to its end.
+  /// The value is not negative beyond rounding, but a lower one is not excluded: the value itself
+  /// is rounding, or the solve for noise did not converge.
   sign_unknown,
-  /// A value of K, or what the preconditioner makes of it, is no number.
+  /// A value of K, or a result of the preconditioner, is not finite.
   not_finite,
-  /// The preconditioner was never refreshed with success.
+  /// No refresh of the preconditioner has succeeded yet.
   no_preconditioner,
 };
 
@@ -55,9 +56,9 @@ enum class EigenStatus {
 
 struct LowestEigenvalue {
   EigenStatus status = EigenStatus::converged;
-  /// xᵀKx for |x| = 1, N/m; infinite for a matrix without rows, NaN where none was found.
+  /// xᵀKx for |x| = 1, N/m; infinite for a matrix without rows, NaN if none was found.
   double value = 0;
-  /// The relative error of the value, roughly.
+  /// An estimate of the relative error of the value.
   double error = 0;
   /// x [size].
   Eigen::VectorXd vector;
@@ -73,18 +74,18 @@ struct Inertia {
   enum class Knowledge {
     /// From a factor.
     exact,
-    /// There are so many or more; none were found beyond these.
+    /// There are at least this many; no more were found.
     at_least,
     unknown,
   };
   Knowledge knowledge = Knowledge::unknown;
   int num_negative = 0;
-  /// Where it was looked for, else NaN, N/m.
+  /// The lowest eigenvalue if it was searched for, N/m; else NaN.
   double lowest_eigenvalue = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// What can be said without a factor.
-/// @param setup Of a preconditioner for this matrix, if one was tried.
+/// What is known of the inertia without a factor.
+/// @param setup The report of a preconditioner for this matrix, if one was tried.
 [[nodiscard]] Inertia inertia_of(const LowestEigenvalue& lowest, const SetupReport& setup = {});
 
 }  // namespace palpate

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One vector, or three that are computed with together, of three components for each node. In
-// memory a node's components are followed by a zero, four numbers in all, and the vectors of a node
-// by one another:
+// One vector, or three that are processed together, with three components for each node. In memory,
+// the components of a node are followed by a zero, four numbers in all, and the vectors of a node
+// follow each other:
 //
 //   x₀ y₀ z₀ 0 | x₀' y₀' z₀' 0 | x₀" y₀" z₀" 0 | x₁ y₁ z₁ 0 | …
 //
-// so that a node is one operand of vector instructions, and a pass over a matrix serves all three.
+// so that a node is one operand of a vector instruction, and one pass over a matrix serves all
+// three.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +20,8 @@ class NodeVectors {
  public:
   NodeVectors() = default;
 
-  /// Zero. It allocates where it becomes larger than it ever was.
+  /// Sets the size, and all numbers to zero. It allocates memory only when the size exceeds all
+  /// earlier ones.
   /// @param num_columns 1 or 3.
   void set_zero(Index num_nodes, int num_columns) {
     num_nodes_ = num_nodes;

@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-// Each pass is an object with one inlined operator(), which is compiled for each instruction set.
+// Each pass is an object with an inlined operator(), which is compiled for each instruction set.
 
 template <class Pass>
 void run_baseline(const Pass& pass) {
@@ -49,7 +49,7 @@ template <>
 struct LanesOf<double> {
   using type = Four;
 };
-/// A node.
+/// A vector of the numbers of a node.
 template <class T>
 using Lanes = typename LanesOf<T>::type;
 
@@ -60,7 +60,7 @@ template <class V, class T>
   return v;
 }
 
-/// What a row of the product becomes. fetch() asks for what that takes, ahead of time.
+/// What is done with a row of the product. fetch() prefetches the data that this needs.
 template <class T>
 struct Store {
   T* y;
@@ -113,16 +113,16 @@ struct StepAlong {
   }
 };
 
-/// A node of aggregates has thirty blocks of 36 values: the least of a part.
+/// The least number of aggregates in a part: each has thirty blocks of 36 values.
 constexpr Index kAggregatesOfPart = 128;
 
-/// Values between those that are used and those that are fetched meanwhile, some six nodes: without
-/// that, a pass takes twice the time.
+/// The distance between the values that are used and those that are prefetched, some six nodes.
+/// Without prefetching a pass takes twice the time.
 constexpr int kAhead = 800;
 
 /// A pass over a part of the lower triangle (triangle_parts.h), or over all of it. A load takes the
-/// three values of a column of a block and the one behind them, which is another value of the
-/// matrix: the last node has no blocks. That lane meets the zero of a vector, or is thrown away.
+/// three values of a column of a block and the next value of the matrix, which exists, since the
+/// last node has no blocks. The fourth lane is multiplied by the zero of a vector, or is discarded.
 template <class T, int N, bool IsWhole, class Finish>
 struct TrianglePass {
   const BlockPattern& pattern;
@@ -142,7 +142,7 @@ struct TrianglePass {
     const Index first_node = pattern.parts.nodes.first(part);
     const Index last_node = pattern.parts.nodes.first(part + 1);
     const T* value = values + pattern.first_value(first_node);
-    // What is stored may not be these, as far as the compiler knows.
+    // Local copies: the compiler cannot know that stores do not change the members.
     const T* const from_x = x;
     T* const to_sums = sums;
     for (Index node = first_node; node < last_node; ++node) {
@@ -191,7 +191,8 @@ struct TrianglePass {
           }
         }
       };
-      // Twice, so that most nodes have one place for both.
+      // The loop is written for two cases, so that for most nodes neighbours and sums have the same
+      // index.
       if (!IsWhole && m > 0 && other[m - 1] >= last_node) {
         pass_blocks(sum_of_crossing);
         sum_of_crossing += m;
@@ -214,7 +215,7 @@ struct TrianglePass {
   }
 };
 
-/// Late nodes between those that are completed and those of which the numbers are fetched.
+/// The distance between the late nodes that are completed and those that are prefetched.
 constexpr Index kLateAhead = 12;
 
 /// Completes the rows of the late nodes of a part.
@@ -290,7 +291,7 @@ struct StartPass {
   }
 };
 
-/// Calls f(node, parent, weight) for each parent of some nodes.
+/// Calls f(node, parent, weight) for each parent of the nodes of a range.
 template <class F>
 [[gnu::always_inline]] inline void for_parents(const std::vector<std::array<Index, 2>>& parents,
                                                Index first, Index last, F&& f) {
@@ -305,7 +306,7 @@ template <class F>
   }
 }
 
-/// y ← x, y or both, one node after the other.
+/// y ← f(factor, x, y), one node after the other.
 template <int N, class X, class Y, class F>
 struct VectorPass {
   Index first;
@@ -397,7 +398,7 @@ struct GramPass {
   }
 };
 
-/// Sums what `find(first, last, numbers)` gives for the ranges of a sequence, in their order.
+/// Sums the results of `find(first, last, numbers)` over the ranges of a sequence, in their order.
 template <std::size_t Size, class Find>
 std::array<double, Size> sum_over_ranges(Index count, Find&& find) {
   const Ranges ranges(count, kNodesOfPart);
@@ -412,7 +413,7 @@ std::array<double, Size> sum_over_ranges(Index count, Find&& find) {
   return sums;
 }
 
-/// Of 6 × 6 blocks. Loads take two numbers too many, which are thrown away.
+/// A pass over 6 × 6 blocks. Loads take two numbers too many, which are discarded.
 template <int N>
 struct SixBlockPass {
   SixBlockView a;
@@ -474,10 +475,10 @@ struct SixUpdatePass {
   }
 };
 
-/// R components of a node in a vector.
+/// A vector type for the R components of a node.
 template <int R>
 using Components = std::conditional_t<R == 3, FourFloats, EightFloats>;
-/// They and their zeros.
+/// The number of values of a node in a vector, zeros included.
 template <int R>
 constexpr int kRoom = R == 3 ? 4 : 8;
 
@@ -542,7 +543,7 @@ struct AggregationRestrictPass {
   }
 };
 
-/// Calls f with the numbers of columns and of rows as constants.
+/// Calls f with the numbers of columns and rows as constants.
 template <class F>
 void with_sizes(const AggregationView& p, int columns, F&& f) {
   with_columns(columns, [&](auto n) {

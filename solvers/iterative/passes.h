@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The innermost loops: passes over a matrix of blocks, and over vectors (node_vectors.h). They are
-// compiled for AVX2 too, and the processor picks at run time. None of them allocates.
+// compiled for AVX2 too, and the processor decides at run time. None of them allocates memory.
 //
-// A pass over the lower triangle reads each block once and uses it twice. When it has come to a
-// node, all that the nodes before contribute is there, so that the row of that node is complete,
-// and nothing after it reads the vector there: what is done with the row, such as a step of a
-// smoother, is done in the same pass and in place. A large matrix is passed over in parts
-// (triangle_parts.h), and vectors are too, several at once (base/parallel.h).
+// A pass over the lower triangle reads each block once and uses it twice. When it reaches a node,
+// the contributions of all earlier nodes have been added, so that the row of this node is complete,
+// and no later node reads the vector there. So what follows for the row, such as a step of a
+// smoother, is done in the same pass and in place. Passes over a large matrix are divided into
+// parts (triangle_parts.h), as passes over vectors are, and the parts run in parallel
+// (base/parallel.h).
 #pragma once
 
 #include <cstddef>
@@ -23,7 +24,7 @@ struct BlockMatrixView {
   const T* values;
 };
 
-// In what follows vectors are of `columns` = 1 or 3 columns, and `sums` is room for one of
+// In the following, vectors have `columns` = 1 or 3 columns, and `sums` is work space of
 // pattern->num_sums() nodes that is zero before and after.
 
 /// y = A x.
@@ -43,11 +44,11 @@ struct ChebyshevStep {
 void chebyshev_step(const BlockMatrixView<float>& a, const float* inverse_diagonal, int columns,
                     ChebyshevStep coefficients, const float* b, float* sums, float* x, float* d);
 
-/// x = d = step D⁻¹ b: the first step from x = 0.
+/// x = d = step D⁻¹ b: the first step, from x = 0.
 void chebyshev_start(Index num_nodes, const float* inverse_diagonal, int columns, float step,
                      const float* b, float* x, float* d);
 
-/// fine += P coarse, with ½ or 1 of each parent [num_nodes].
+/// fine += P coarse, with the weight ½ or 1 for each parent [num_nodes].
 void prolong(const std::vector<std::array<Index, 2>>& parents, int columns, const float* coarse,
              float* fine);
 /// coarse = Pᵀ fine.
@@ -55,19 +56,21 @@ void restrict_to(const Children& children, int columns, const float* fine, float
 
 /// The scalar product of each column [columns].
 void dot(Index num_nodes, int columns, const double* a, const double* b, double* products);
-/// Of vectors of three columns the scalar products of each of a with each of b [3 × 3], row by row.
+/// For vectors of three columns, the scalar products of each column of a with each of b [3 × 3],
+/// row by row.
 void gram(Index num_nodes, const double* a, const double* b, double* products);
 /// y ← y + factor x, column by column.
 void add(Index num_nodes, int columns, const double* factors, const double* x, double* y);
 /// y ← x + factor y, column by column.
 void scale_and_add(Index num_nodes, int columns, const double* factors, const double* x, double* y);
-/// y = factor x, column by column, from one precision to the other.
+/// y = factor x, column by column, with a conversion of the precision.
 void convert(Index num_nodes, int columns, const double* factors, const double* x, float* y);
 void convert(Index num_nodes, int columns, const double* factors, const float* x, double* y);
 
-// Matrices of 6 × 6 blocks, with vectors of 6 components and two zeros for each node and column.
+// The following is for matrices of 6 × 6 blocks; their vectors have 6 components and two zeros for
+// each node and column.
 
-/// All blocks, row by row. The columns of a block follow one another; two numbers more at the end.
+/// All blocks, row by row, each by columns. Two more numbers follow at the end.
 struct SixBlockView {
   Index num_nodes;
   const Index* start;
@@ -77,21 +80,22 @@ struct SixBlockView {
 
 /// y = b − A x.
 void residual(const SixBlockView& a, int columns, const float* b, const float* x, float* y);
-/// d ← momentum d + step D⁻¹ r, x ← x + d. @param inverse_diagonal [num_nodes × 36], and two more.
+/// d ← momentum d + step D⁻¹ r, x ← x + d.
+/// @param inverse_diagonal [num_nodes × 36], and two more numbers.
 void chebyshev_update(Index num_nodes, const float* inverse_diagonal, int columns,
                       ChebyshevStep coefficients, const float* r, float* x, float* d);
 
 /// The prolongation of an aggregation, row by row. Its blocks have as many rows as a node of the
-/// finer level has components, 3 or 6, and 6 columns, which follow one another; two numbers more at
-/// the end.
+/// finer level has components, 3 or 6, and 6 columns; they are stored by columns. Two more numbers
+/// follow at the end.
 struct AggregationView {
   int rows;
   Index num_nodes;
   const Index* start;
   const Index* column;
   const float* values;
-  /// Pᵀ, by the columns of P: where each begins, the rows ascending, and the blocks transposed,
-  /// their columns of 6 following one another; two numbers more at the end.
+  /// Pᵀ, by the columns of P: where each column begins, its rows ascending, and the transposed
+  /// blocks, which are stored by columns of 6. Two more numbers follow at the end.
   Index num_columns;
   const Index* column_start;
   const Index* row;

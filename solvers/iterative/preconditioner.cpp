@@ -66,7 +66,7 @@ class CyclePreconditioner final : public Preconditioner {
  private:
   std::shared_ptr<const BlockPattern> pattern_;
   std::unique_ptr<Cycle> cycle_;
-  /// The values of the matrix are multiplied by it, a power of two.
+  /// Factor of the values of the matrix, a power of two.
   double unit_ = 1;
   NodeVectors<float> b_;
   NodeVectors<float> x_;
@@ -87,7 +87,7 @@ std::unique_ptr<Preconditioner> make_preconditioner(std::shared_ptr<const BlockP
                ? make_factor_cycle(std::move(corners), make_linear_solver())
                : make_aggregation_cycle(std::move(corners), levels.corners);
   };
-  // Where all nodes are corners there is no second level.
+  // If all nodes are corners, there is no second level.
   const bool is_linear = levels.num_corners() == levels.num_nodes();
   auto cycle =
       is_linear ? make_coarse(pattern) : make_two_level_cycle(pattern, levels, make_coarse);

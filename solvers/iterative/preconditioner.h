@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Approximate inverses of a tangent, for conjugate gradients and for eigenvalues.
+// Approximate inverses of a tangent, for conjugate gradients and eigenvalue searches.
 //
-// For a body of Tet10 there are two levels: all nodes, and the corners, with the stiffness PᵀKP of
-// linear elements (assembly/node_levels.h). The fine one is smoothed (smoother.h), the coarse one
-// is solved for by a factor, or by a cycle of smoothed aggregation (smoothed_aggregation.h), whose
-// memory and time are in proportion to the size of the body. A body of Tet4 has the latter alone.
-// All of that is in single precision; the residual is brought to norm one before, so that the end
-// of an iteration is as good as its beginning.
+// A body of Tet10 has two levels: all nodes, and the corners, with the stiffness PᵀKP of linear
+// elements (assembly/node_levels.h). The fine level is smoothed (smoother.h). The coarse level is
+// solved by a factor, or by a cycle of smoothed aggregation (smoothed_aggregation.h), whose memory
+// and time are proportional to the size of the body. A body of Tet4 has only the latter. All of
+// this is in single precision; the residual is scaled to norm one before, so that the last
+// iterations are as accurate as the first ones.
 #pragma once
 
 #include <memory>
@@ -26,19 +26,19 @@ class Preconditioner {
   Preconditioner(const Preconditioner&) = delete;
   Preconditioner& operator=(const Preconditioner&) = delete;
 
-  /// Prepares for a matrix with these values on the pattern that it was made for. Where it fails,
-  /// the preconditioner of the matrix before stays: a tangent that is indefinite is solved for with
-  /// that of another state, such as that at rest.
+  /// Prepares for a matrix with these values on the pattern of the constructor. If this fails, the
+  /// preconditioner of the matrix before is kept: an indefinite tangent is solved for with that of
+  /// another state, such as that at rest.
   [[nodiscard]] SetupReport refresh(const std::vector<double>& values) {
     const SetupReport report = prepare(values);
     is_ready_ = is_ready_ || report.status == SetupStatus::ok;
     return report;
   }
-  /// A refresh has succeeded. Nothing else may be called before.
+  /// Whether a refresh has succeeded. Before, no other function may be called.
   [[nodiscard]] bool is_ready() const { return is_ready_; }
-  /// Makes room for so many columns, 1 or 3.
+  /// Allocates vectors for this number of columns, 1 or 3.
   virtual void reserve(int columns) = 0;
-  /// z ≈ K⁻¹ r, symmetric and positive definite but for rounding. It does not allocate.
+  /// z ≈ K⁻¹ r, symmetric and positive definite up to rounding. It allocates no memory.
   virtual void apply(const NodeVectors<double>& r, NodeVectors<double>& z) = 0;
   [[nodiscard]] virtual std::size_t bytes() const = 0;
 
@@ -57,9 +57,9 @@ enum class CoarseSolver {
   factor,
 };
 
-/// For the tangents of a body.
-/// @param levels Of the nodes of the pattern.
-/// @throws InputError the levels are not of this pattern.
+/// A preconditioner for the tangents of a body.
+/// @param levels The levels of the nodes of the pattern.
+/// @throws InputError the levels do not belong to this pattern.
 [[nodiscard]] std::unique_ptr<Preconditioner> make_preconditioner(
     std::shared_ptr<const BlockPattern> pattern, const NodeLevels& levels,
     CoarseSolver coarse = CoarseSolver::aggregation);

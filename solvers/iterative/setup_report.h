@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a matrix could be prepared for.
+// Whether a preconditioner could be made for a matrix.
 #pragma once
 
 #include <string>
@@ -10,13 +10,12 @@ namespace palpate {
 
 enum class SetupStatus {
   ok,
-  /// A value is no number.
+  /// A value is not finite.
   not_finite,
-  /// The 3 × 3 blocks of some nodes are not positive definite: there the body has a negative
-  /// stiffness by itself, the matrix is indefinite, and a smoother that divides by these blocks
-  /// would diverge.
+  /// The 3 × 3 blocks of some nodes are not positive definite: the body has a negative stiffness
+  /// there, the matrix is indefinite, and a smoother that divides by these blocks would diverge.
   indefinite_block,
-  /// The matrix is indefinite on fields that a coarser level knows, and so it is itself.
+  /// The matrix is indefinite on the fields of a coarser level, and so it is indefinite itself.
   indefinite,
   /// A part of the body can move freely.
   singular,
@@ -24,11 +23,12 @@ enum class SetupStatus {
 
 struct SetupReport {
   SetupStatus status = SetupStatus::ok;
-  /// The first node whose block is not positive definite, −1: there is none; and their number.
+  /// The first node whose block is not positive definite, −1: there is none; and the number of such
+  /// nodes.
   Index node = -1;
   Index num_indefinite_blocks = 0;
-  /// The matrix has at least so many negative eigenvalues: those that were counted on a coarser
-  /// level (Cauchy's interlacing, up to rounding), or 1 where a block is indefinite.
+  /// A lower bound for the number of negative eigenvalues: the number on a coarser level (Cauchy's
+  /// interlacing, up to rounding), or 1 if a block is indefinite.
   int negative_at_least = 0;
 };
 

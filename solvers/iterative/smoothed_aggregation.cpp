@@ -14,17 +14,17 @@
 namespace palpate {
 namespace {
 
-/// Couplings below this are weak.
+/// Couplings below this threshold are weak.
 constexpr double kThreshold = 0.02;
-/// So many aggregates are solved for exactly, by their inverse.
+/// A level with at most this many aggregates is solved exactly, by its inverse.
 constexpr Index kFewAggregates = 100;
-/// Where a level has hardly fewer nodes than the one before, as of many bodies side by side, the
-/// smoother alone must do.
+/// If the next level had more than this share of the nodes, as with many separate bodies, the
+/// smoother alone has to do.
 constexpr double kLeastReduction = 0.8;
-/// A stiffness below this share of the greatest is rounding: the body can move freely.
+/// A stiffness below this share of the largest is rounding: the body can move freely.
 constexpr double kSingular = 1e-12;
 
-/// The least rows of a part, of a dense matrix or one of blocks.
+/// The least number of rows of a part, for a dense matrix, and of blocks, for a sparse one.
 constexpr Index kRowsOfPart = 128;
 constexpr Index kBlocksOfPart = 4096;
 
@@ -41,7 +41,7 @@ std::vector<float> as_floats(const std::vector<Block<R, C>>& blocks) {
   return floats;
 }
 
-/// D⁻¹; nothing where a block is not positive definite.
+/// D⁻¹; nothing: a block is not positive definite.
 template <int B>
 std::optional<std::vector<Block<B, B>>> invert_diagonal(const BlockRows<B, B>& matrix) {
   std::vector<Block<B, B>> inverse(matrix.num_rows());
@@ -116,8 +116,8 @@ Prolongation as_prolongation(BlockRows<B, 6> rows) {
   return result;
 }
 
-/// From one level to the next: its prolongation, and the matrix and the motions there. Nothing
-/// where that would have hardly fewer nodes.
+/// Makes the next level: its prolongation, matrix and motions. It returns nothing if the level
+/// would have hardly fewer nodes.
 template <int B>
 std::optional<BlockRows<6, 6>> coarsen(const BlockRows<B, B>& matrix,
                                        const std::vector<Block<B, B>>& inverse, double largest,
@@ -134,7 +134,7 @@ std::optional<BlockRows<6, 6>> coarsen(const BlockRows<B, B>& matrix,
   return coarse;
 }
 
-/// The inverse of a small matrix; where it has none that is positive definite, the report says so.
+/// Inverts a small matrix. The report says if it is not positive definite.
 SetupReport invert(const BlockRows<6, 6>& matrix, Eigen::MatrixXf& inverse) {
   const Eigen::Index size = 6 * Eigen::Index{matrix.num_rows()};
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(size, size);
@@ -143,7 +143,7 @@ SetupReport invert(const BlockRows<6, 6>& matrix, Eigen::MatrixXf& inverse) {
       dense.block<6, 6>(6 * row, 6 * matrix.column[k]) = matrix.block[k];
     }
   }
-  // With a diagonal of one, parts that differ in stiffness are alike.
+  // Scaled to a unit diagonal, parts of different stiffness are treated alike.
   if (!(dense.diagonal().array() > 0).all()) return indefinite(1);
   const Eigen::VectorXd scale = dense.diagonal().cwiseSqrt().cwiseInverse();
   dense = scale.asDiagonal() * dense * scale.asDiagonal();
@@ -256,7 +256,7 @@ void AggregationCycle::solve(std::size_t at, int columns, const Eigen::VectorXf&
           vector.data() + 8 * column, 6, level.num_nodes, Eigen::OuterStride<>(8 * columns));
     };
     for (int column = 0; column < columns; ++column) {
-      // r and d are room for the vector without its zeros.
+      // r and d are work space for vectors without the zeros.
       auto from = level.r.head(6 * Eigen::Index{level.num_nodes});
       auto to = level.d.head(6 * Eigen::Index{level.num_nodes});
       from.reshaped(6, level.num_nodes) = parts(b, column);
@@ -294,7 +294,7 @@ void AggregationCycle::solve(std::size_t at, int columns, const Eigen::VectorXf&
 void AggregationCycle::visit(std::size_t at, int columns) {
   AggregateLevel& level = below_.levels[at];
   solve(at, columns, level.b, level.x);
-  if (level.inverse.size() > 0) return;  // that was exact
+  if (level.inverse.size() > 0) return;  // the solution was exact
   residual(level.view(), columns, level.b.data(), level.x.data(), level.second_b.data());
   solve(at, columns, level.second_b, level.second_x);
   level.x += level.second_x;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A cycle of smoothed aggregation (aggregation.h) for a matrix of 3 × 3 blocks: a hierarchy of
-// aggregates of aggregates, down to a few that are solved for exactly. Every level of aggregates
-// above these is visited twice (a W-cycle): with one visit, iterations grow with the size of the
-// body.
+// aggregates of aggregates, down to a few that are solved for exactly. Each level of aggregates
+// above the last one is visited twice (a W-cycle): with one visit, iterations grow with the size of
+// the body.
 //
-// The matrices are made in double precision, and the cycle works in single precision.
+// The matrices are computed in double precision, and the cycle works in single precision.
 #pragma once
 
 #include <memory>
@@ -16,13 +16,13 @@
 
 namespace palpate {
 
-/// Of a level, what leads to the next one: the prolongation in single precision.
+/// The prolongation from a level to the next coarser one, in single precision.
 struct Prolongation {
   int rows = 3;
   std::vector<Index> start;
   std::vector<Index> column;
   std::vector<float> values;
-  /// The same by columns, and the blocks in that order, transposed.
+  /// The prolongation by columns, with transposed blocks.
   std::vector<Index> column_start;
   std::vector<Index> row;
   std::vector<float> transposed;
@@ -52,9 +52,9 @@ struct AggregateLevel {
   std::vector<float> values;
   std::vector<float> inverse_diagonal;
   Chebyshev polynomial{1};
-  /// To the next level; empty: this is the last one.
+  /// The prolongation to the next level; empty: this is the last level.
   Prolongation prolongation;
-  /// On the last level, if it is small: A⁻¹. Else it is smoothed.
+  /// A⁻¹ on the last level if it is small; empty: the level is smoothed.
   Eigen::MatrixXf inverse;
   /// Vectors [8 × columns × num_nodes].
   Eigen::VectorXf b, x, r, d, second_b, second_x;
@@ -78,14 +78,14 @@ class AggregationCycle final : public Cycle {
   [[nodiscard]] std::vector<Index> level_sizes() const;
 
  private:
-  /// What is below the finest level.
+  /// The levels below the finest one.
   struct Hierarchy {
     Prolongation first;
     std::vector<AggregateLevel> levels;
   };
-  /// x = one cycle's answer to A x = b on a level of aggregates.
+  /// x = the result of one cycle for A x = b on a level of aggregates.
   void solve(std::size_t level, int columns, const Eigen::VectorXf& b, Eigen::VectorXf& x);
-  /// The same with its vectors b and x, and twice, unless it is exact.
+  /// Solves for the level's own vectors b and x, and twice unless the level is solved exactly.
   void visit(std::size_t level, int columns);
 
   std::shared_ptr<const BlockPattern> pattern_;

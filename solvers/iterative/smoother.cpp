@@ -14,17 +14,18 @@
 namespace palpate {
 namespace {
 
-/// The smoother answers for the eigenvalues from this share of the largest on; the coarse level
-/// has the others.
+/// The smoother reduces errors with eigenvalues above this share of the largest; the coarse level
+/// reduces the others.
 constexpr double kSmoothedShare = 1.0 / 8;
 constexpr int kLanczosSteps = 10;
-/// A block whose least eigenvalue is below this share of the greatest may be singular: its values
+/// A block whose least eigenvalue is below this share of the largest may be singular: its values
 /// are sums of stiffnesses with errors of 1e-16.
 constexpr double kSingularShare = 1e-13;
-/// What the steps may miss; the polynomial bears another eighth before it amplifies.
+/// The factor for what the Lanczos steps may miss; the polynomial tolerates another eighth before
+/// it amplifies.
 constexpr double kMargin = 1.05;
 
-/// By Sylvester's criterion.
+/// Whether a block is positive definite, by Sylvester's criterion.
 bool is_definite(const Mat3& block) {
   const double least = kSingularShare * block.cwiseAbs().maxCoeff();
   return block(0, 0) > least &&

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A copy of a matrix in single precision, with a smoother: Chebyshev's polynomial of degree two for
-// the eigenvalues of D⁻¹A in [ρ/8, ρ], where D are its 3 × 3 diagonal blocks and ρ is the largest
-// (Adams, Brezina, Hu & Tuminaro, Parallel multigrid smoothing, J. Comput. Phys. 188, 2003). It is
-// a polynomial in D⁻¹A, so that a cycle with it before and after the coarse correction is
-// symmetric.
+// the eigenvalues of D⁻¹A in [ρ/8, ρ], where D are the 3 × 3 diagonal blocks and ρ is the largest
+// eigenvalue (Adams, Brezina, Hu & Tuminaro, Parallel multigrid smoothing, J. Comput. Phys. 188,
+// 2003). It is a polynomial in D⁻¹A, so that a cycle with it before and after the coarse correction
+// is symmetric.
 #pragma once
 
 #include <functional>
@@ -20,20 +20,20 @@ namespace palpate {
 /// The steps of the polynomial for [ρ/8, ρ].
 struct Chebyshev {
   explicit Chebyshev(double largest);
-  /// The first step is along D⁻¹r.
+  /// The factor of the first step, which is along D⁻¹r.
   float first;
   ChebyshevStep second;
 };
 
-/// The largest eigenvalue of D⁻¹A, from above but for what ten steps of Lanczos's method miss of it
-/// beyond a twentieth.
-/// @param multiply Gives A x.
-/// @param divide Gives D⁻¹ x.
+/// An estimate of the largest eigenvalue of D⁻¹A by ten steps of Lanczos's method, increased by a
+/// twentieth, so that it is seldom too small.
+/// @param multiply Computes A x.
+/// @param divide Computes D⁻¹ x.
 using ApplyFloat = std::function<void(const Eigen::VectorXf& x, Eigen::VectorXf& result)>;
 [[nodiscard]] double largest_eigenvalue(Eigen::Index size, const ApplyFloat& multiply,
                                         const ApplyFloat& divide);
 
-/// What is wrong with the diagonal blocks of a matrix.
+/// Reports what is wrong with the diagonal blocks of a matrix.
 [[nodiscard]] SetupReport check_diagonal(const BlockPattern& pattern,
                                          const std::vector<double>& values);
 
@@ -43,17 +43,17 @@ class SmoothedMatrix {
 
   /// Takes the matrix `unit` times these values, which passed check_diagonal().
   void refresh(const std::vector<double>& values, double unit);
-  /// Makes room for so many columns.
+  /// Allocates vectors for this number of columns.
   void reserve(int columns);
 
   [[nodiscard]] const BlockPattern& pattern() const { return *pattern_; }
   [[nodiscard]] double largest_eigenvalue() const { return largest_; }
 
-  // None of these allocates.
+  // The following functions allocate no memory.
 
-  /// x = the smoother's answer to A x = b from x = 0.
+  /// x = the smoothed solution of A x = b, from x = 0.
   void start(int columns, const float* b, float* x);
-  /// x ← what it makes of x.
+  /// x ← the smoothed solution of A x = b, from x.
   void smooth(int columns, const float* b, float* x);
   /// r = b − A x.
   void residual(int columns, const float* b, const float* x, float* r);

@@ -16,7 +16,8 @@ TriangleParts make_triangle_parts(const std::vector<Index>& start,
   parts.nodes = Ranges(num_nodes, kNodesOfPart);
   const Index num_parts = parts.nodes.num_parts();
   if (num_parts == 1) return parts;
-  // How many parts add to each node; then, where the rooms of a late node begin.
+  // First the number of parts that contribute to each node; later, where the entries of a late node
+  // begin.
   std::vector<Index> count(num_nodes, 0);
   std::vector<Index> last_part(num_nodes, -1);
   const auto for_crossing = [&](Index part, auto&& f) {
@@ -45,7 +46,7 @@ TriangleParts make_triangle_parts(const std::vector<Index>& start,
     }
   }
   parts.first_late.push_back(static_cast<Index>(parts.late.size()));
-  // The rooms of a part follow one another, in the order in which it comes to them.
+  // The entries of a part are consecutive, in the order in which its pass reaches them.
   parts.arriving.resize(parts.first_arriving.back());
   parts.first_sum.push_back(0);
   last_part.assign(num_nodes, -1);

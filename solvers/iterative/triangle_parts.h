@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parts of a lower triangle that are passed over side by side, each a range of nodes that follow
-// one another.
+// Parts of a lower triangle over which passes run in parallel. Each part is a range of consecutive
+// nodes.
 //
-// A pass over a part adds to the rows of nodes behind its range too. What it has for these goes to
-// rooms of its own behind the sums of the nodes. A node that gets something from another part is
-// late: its row is completed when all parts have been passed over, and so the vector is the same
-// there until then for the parts that read it. All other rows are completed where the pass comes to
-// them, as in a matrix that is one part.
+// A pass over a part also contributes to rows of nodes behind its range. It adds these
+// contributions to entries of its own, which are stored behind the sums of the nodes. A node that
+// receives contributions from another part is late: its row is completed when all parts have been
+// passed over, so that until then the vector there is unchanged for the parts that read it. All
+// other rows are completed when the pass reaches them, as in a matrix of one part.
 #pragma once
 
 #include <vector>
@@ -19,8 +19,9 @@ struct TriangleParts {
   Ranges nodes{0, kNodesOfPart};
   /// 1 for a late node, else 0 [num_nodes]; empty: there is one part.
   std::vector<char> is_late;
-  /// Of each node that is coupled to one behind its part, in the order of a pass: for each of its
-  /// blocks, the sum that it adds to, that of the neighbour or a room.
+  /// For each node that is coupled to one behind its part, in the order of a pass, and for each of
+  /// its blocks: the index of the sum to which it adds, that of the neighbour or an entry of the
+  /// part.
   std::vector<Index> sum;
   /// Where the nodes of each part begin in `sum` [num_parts + 1].
   std::vector<Index> first_sum;
@@ -28,16 +29,17 @@ struct TriangleParts {
   std::vector<Index> late;
   /// Where the late nodes of each part begin [num_parts + 1].
   std::vector<Index> first_late;
-  /// The rooms of what late nodes get, of each one by the part that it is from.
+  /// The entries that late nodes receive; those of one node are ordered by the part that they come
+  /// from.
   std::vector<Index> arriving;
-  /// Where those of each late node begin [late.size() + 1].
+  /// Where the entries of each late node begin [late.size() + 1].
   std::vector<Index> first_arriving;
 
   [[nodiscard]] Index num_rooms() const { return static_cast<Index>(arriving.size()); }
   [[nodiscard]] std::size_t bytes() const;
 };
 
-/// @param start @param neighbour Those of a BlockPattern.
+/// @param start, neighbour Those of a BlockPattern.
 [[nodiscard]] TriangleParts make_triangle_parts(const std::vector<Index>& start,
                                                 const std::vector<Index>& neighbour);
 

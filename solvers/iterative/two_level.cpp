@@ -49,7 +49,7 @@ class FactorCycle final : public Cycle {
       last_good_ = std::move(scaled);
       return report;
     }
-    // The factor before, once more.
+    // Factorise the last definite matrix again.
     if (!last_good_.empty()) (void)solver_->factorise(last_good_, Precision::single_if_safe);
     return report;
   }
@@ -81,7 +81,7 @@ class FactorCycle final : public Cycle {
  private:
   std::shared_ptr<const BlockPattern> pattern_;
   std::unique_ptr<LinearSolver> solver_;
-  /// The values of the last matrix that was definite, to go back to.
+  /// The values of the last definite matrix, to which refresh() returns after a failure.
   std::vector<double> last_good_;
   Eigen::MatrixXd columns_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a library of direct solution does for DirectSolver: it factorises a matrix whose rows are
-// all of order one, and does not judge it.
+// What a library of direct solvers does for DirectSolver: it factorises a matrix whose rows are all
+// of order one, and does not judge whether it is singular.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,17 +21,17 @@ class Backend {
   [[nodiscard]] virtual const char* name() const = 0;
   [[nodiscard]] virtual bool pivots() const = 0;
 
-  /// The pattern is kept by whoever calls.
+  /// Analyses a pattern, which the caller shares.
   virtual void analyse(std::shared_ptr<const SymmetricPattern> pattern) = 0;
-  /// Analysed for the same pattern, in the same order.
+  /// A second backend for the same pattern, in the same order of elimination.
   [[nodiscard]] virtual std::unique_ptr<Backend> another() const = 0;
 
-  /// The same in single precision: its factors take half the memory and two thirds of the time, and
-  /// its solutions have six digits less the condition. Null: there is none.
+  /// A backend in single precision: its factors take half the memory and two thirds of the time,
+  /// and its solutions have six digits fewer. Null: there is none.
   [[nodiscard]] virtual std::unique_ptr<Backend> in_single_precision() const { return nullptr; }
 
   struct Pivots {
-    /// In magnitude, the least one and the greatest. A least one of zero: there is no factor.
+    /// The least and the greatest magnitude of a pivot. A least one of zero: there is no factor.
     double least = 0;
     double greatest = 0;
     int negative = 0;

@@ -10,21 +10,21 @@
 namespace palpate {
 namespace {
 
-/// The ranks are the parallelism: threads of the BLAS under each would fight for the cores.
+/// Ranks work in parallel already; threads of the BLAS under each rank would compete for the cores.
 void keep_to_one_thread() {
   if (void* set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) {
     reinterpret_cast<void (*)(int)>(set_threads)(1);
   }
 }
 
-/// OpenBLAS takes a buffer at the first product of matrices and keeps it. Where there is no memory
-/// for it, it asks for it again and again, for ever: so it gets it here, where it is known that
-/// there is some.
+/// OpenBLAS allocates a buffer at the first product of matrices and keeps it. If memory is short
+/// then, it tries again for ever. So it allocates the buffer here, after a check that there is
+/// memory.
 void take_buffer() {
   void* const allocate = dlsym(RTLD_DEFAULT, "blas_memory_alloc");
   void* const free = dlsym(RTLD_DEFAULT, "blas_memory_free");
   if (allocate == nullptr || free == nullptr) return;
-  // 128 MiB at the most, of address space alone, and what it takes to align it.
+  // At most 128 MiB, of address space only, and some bytes to align it.
   constexpr std::size_t kMostBytes = (std::size_t{128} << 20) + (1 << 16);
   require_memory(kMostBytes, "for the buffer of OpenBLAS, of 134 MB");
   constexpr int kForProduct = 0;

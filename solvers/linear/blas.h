@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// Call this before MUMPS, on each rank: keeps OpenBLAS to one thread, and has it take the memory
-/// that it needs.
-/// @throws MemoryError there is not enough for it.
+/// Call this before MUMPS, on each rank. It limits OpenBLAS to one thread, and lets it allocate the
+/// memory that it needs.
+/// @throws MemoryError there is not enough memory.
 void prepare_blas();
 
 }  // namespace palpate

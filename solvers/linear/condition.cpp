@@ -23,8 +23,8 @@ double one_norm(const SymmetricPattern& pattern, const std::vector<double>& valu
   return sums.maxCoeff();
 }
 
-/// ‖K⁻¹‖₁ as the maximum of ‖K⁻¹x‖₁ over ‖x‖₁ = 1, which is convex: at a corner, that is a unit
-/// vector. Walks from corner to corner as the gradient says.
+/// ‖K⁻¹‖₁ as the maximum of ‖K⁻¹x‖₁ over ‖x‖₁ = 1. Since the norm is convex, the maximum is at a
+/// corner, a unit vector. The search goes from corner to corner by the gradient.
 double inverse_one_norm(Index size, const SolveColumns& solve_columns) {
   const auto solve = [&](Eigen::VectorXd column) {
     solve_columns(column);
@@ -44,7 +44,7 @@ double inverse_one_norm(Index size, const SolveColumns& solve_columns) {
     if (better <= estimate) break;
     estimate = better;
   }
-  // A column that no walk of signs was made for: it keeps the method from being fooled.
+  // A further column, chosen without regard to signs, keeps the method from being fooled.
   Eigen::VectorXd alternating(size);
   for (Index i = 0; i < size; ++i) {
     alternating[i] = (i % 2 == 0 ? 1 : -1) * (1 + static_cast<double>(i) / std::max(size - 1, 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How many digits a solution may lose.
+// The condition number: how many digits a solution may lose.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@ namespace palpate {
 
 /// An estimate of ‖K‖₁ ‖K⁻¹‖₁ from below, rarely by more than a factor of three: Higham's form of
 /// Hager's method (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., algorithm
-/// 15.4), at most eleven solves. The norms are those of K as it is: where the units of its rows
-/// differ, or their stiffness, that counts too.
-/// @param solve With the factor of these values.
+/// 15.4), with at most eleven solves. K is not scaled, so that different units or stiffnesses of
+/// its rows count too.
+/// @param solve Solves with the factor of these values.
 [[nodiscard]] double condition_estimate(const SymmetricPattern& pattern,
                                         const std::vector<double>& values,
                                         const SolveColumns& solve);

@@ -6,11 +6,11 @@
 namespace palpate {
 namespace {
 
-/// With all pivots above this share of the greatest, the lowest mode is beyond doubt. Bodies of
-/// one material have 0.01 and more; with a smaller one it takes a solve or two to know.
+/// If all pivots are above this share of the greatest, the lowest mode is beyond doubt. Bodies of
+/// one material have 0.01 and more. With a smaller share, one or two solves decide.
 constexpr double kDoubt = 1e-3;
 
-/// A mode whose stiffness is not known to this share has none.
+/// A mode whose stiffness has a larger relative error than this counts as having none.
 constexpr double kLostDigits = 0.15;
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all solvers have in common: scaling, and the verdict on a matrix.
+// What all direct solvers have in common: the scaling, and the decision whether a matrix is
+// singular.
 #pragma once
 
 #include <memory>
@@ -34,7 +35,7 @@ class DirectSolver final : public LinearSolver {
   [[nodiscard]] Backend& used() const { return is_single_ ? *single_ : *backend_; }
 
   std::unique_ptr<Backend> backend_;
-  /// Made when it is asked for; null: there is none.
+  /// Created on demand; null: there is none.
   std::unique_ptr<Backend> single_;
   bool is_single_ = false;
   std::shared_ptr<const SymmetricPattern> pattern_;

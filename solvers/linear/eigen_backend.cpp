@@ -21,7 +21,8 @@ class EigenBackend final : public Backend {
     ldlt_->analyzePattern(lower_triangle(*pattern_, ones));
   }
 
-  /// Eigen cannot take an order, nor copy its solver; the order is a matter of the pattern alone.
+  /// Eigen can neither be given an order nor copy its solver; the order depends on the pattern
+  /// alone.
   [[nodiscard]] std::unique_ptr<Backend> another() const override {
     auto other = std::make_unique<EigenBackend>();
     if (pattern_ != nullptr) other->analyse(pattern_);
@@ -49,7 +50,7 @@ class EigenBackend final : public Backend {
  private:
   struct Ldlt final
       : Eigen::SimplicialLDLT<Eigen::SparseMatrix<double, Eigen::ColMajor, Index>, Eigen::Lower> {
-    /// Of L, below its diagonal; known from the analysis on.
+    /// The number of entries of L below its diagonal; known after the analysis.
     [[nodiscard]] std::int64_t num_entries() const { return m_matrix.nonZeros(); }
   };
 

@@ -19,12 +19,12 @@
 namespace palpate {
 namespace {
 
-/// MUMPS errors (INFOG(1)) that we meet with sense.
+/// The errors of MUMPS (INFOG(1)) that are handled.
 constexpr int kSingular = -10;
 constexpr int kWorkArrayTooSmall = -9;
 constexpr int kIntegerArrayTooSmall = -8;
 
-/// Share of additional workspace that is given up on, in percent of the estimate.
+/// Additional work space beyond which a factorisation is given up, in percent of the estimate.
 constexpr int kMostWorkspacePercent = 2000;
 
 void start_mpi_if_needed() {
@@ -42,13 +42,13 @@ void start_mpi_if_needed() {
   });
 }
 
-/// What the factors of one pattern share.
+/// The data that the factors of one pattern share.
 struct Plan {
   MUMPS_INT size = 0;
-  /// Of each value, counted from 1.
+  /// Row and column of each value, counted from 1.
   std::vector<MUMPS_INT> rows;
   std::vector<MUMPS_INT> columns;
-  /// Place of each unknown in the order of elimination, counted from 1.
+  /// The position of each unknown in the order of elimination, counted from 1.
   std::vector<MUMPS_INT> order;
 };
 
@@ -67,7 +67,8 @@ Plan make_plan(const SymmetricPattern& pattern) {
   return plan;
 }
 
-/// @tparam Mumps DMUMPS_STRUC_C or SMUMPS_STRUC_C. @tparam Real Its numbers.
+/// @tparam Mumps DMUMPS_STRUC_C or SMUMPS_STRUC_C.
+/// @tparam Real The type of its numbers.
 template <class Mumps, class Real>
 class MumpsBackend final : public Backend {
  public:
@@ -117,7 +118,7 @@ class MumpsBackend final : public Backend {
     plan_ = std::move(plan);
     mumps_.n = plan_->size;
     mumps_.nnz = static_cast<MUMPS_INT8>(plan_->rows.size());
-    // Read only, but the interface is C.
+    // MUMPS only reads these arrays, but its C interface is not const.
     mumps_.irn = const_cast<MUMPS_INT*>(plan_->rows.data());       // NOLINT
     mumps_.jcn = const_cast<MUMPS_INT*>(plan_->columns.data());    // NOLINT
     mumps_.perm_in = const_cast<MUMPS_INT*>(plan_->order.data());  // NOLINT
@@ -151,7 +152,8 @@ class MumpsBackend final : public Backend {
       mumps_.lrhs = static_cast<MUMPS_INT>(columns.outerStride());
       run(kSolve, "solve with");
     } else {
-      // Each column by a power of two: residuals may be too small for single precision.
+      // Each column is scaled by a power of two, since residuals may be too small for single
+      // precision.
       Eigen::RowVectorXd scale(columns.cols());
       for (Eigen::Index c = 0; c < columns.cols(); ++c) {
         scale[c] = std::ldexp(1.0, std::ilogb(columns.col(c).template lpNorm<Eigen::Infinity>()));
@@ -166,7 +168,8 @@ class MumpsBackend final : public Backend {
   }
 
   [[nodiscard]] std::int64_t factor_bytes() const override {
-    // INFOG(20), as the analysis expects, and INFOG(29); below zero they count millions.
+    // INFOG(20) is the expected number and INFOG(29) the actual one; below zero they count
+    // millions.
     const std::int64_t entries = mumps_.infog[28] != 0 ? mumps_.infog[28] : mumps_.infog[19];
     return (entries < 0 ? -1'000'000 * entries : entries) * static_cast<std::int64_t>(sizeof(Real));
   }
@@ -197,7 +200,7 @@ class MumpsBackend final : public Backend {
   int instance_;
   Mumps mumps_{};
   std::shared_ptr<const Plan> plan_;
-  /// In single precision: what MUMPS reads and writes.
+  /// Arrays for MUMPS in single precision.
   std::vector<Real> values_;
   Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> columns_;
 };

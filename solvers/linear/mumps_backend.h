@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-/// MUMPS (SYM=2: LDLᵀ with 1×1 and 2×2 pivots) on MPI_COMM_SELF. Starts MPI if nobody has.
+/// MUMPS (SYM=2: LDLᵀ with 1×1 and 2×2 pivots) on MPI_COMM_SELF. It starts MPI if it is not
+/// started.
 [[nodiscard]] std::unique_ptr<Backend> make_mumps_backend();
 
 }  // namespace palpate

@@ -11,8 +11,9 @@
 namespace palpate {
 namespace {
 
-/// How long a rank sleeps before it looks for an order again: little beside a job of a body that is
-/// worth a group, and its core is free meanwhile (MPI waits at full speed).
+/// The time that a rank sleeps between two looks for an order. It is short compared with a job of a
+/// body that is worth a group, and leaves the core free meanwhile (MPI itself polls without
+/// sleeping).
 constexpr std::chrono::microseconds kNap(50);
 
 bool mpi_has_ended() {
@@ -50,7 +51,7 @@ MumpsTeam::~MumpsTeam() {
 
 template <class Mumps>
 void MumpsTeam::run_any(MumpsJob job, int instance, Mumps& mumps) {
-  if (mpi_has_ended()) return;  // an object that outlived main()
+  if (mpi_has_ended()) return;  // the object has outlived main()
   Order order;
   order.job = job;
   order.instance = instance;
@@ -87,7 +88,7 @@ void MumpsTeam::serve() {
       std::copy(std::begin(order.cntl), std::end(order.cntl), mumps.cntl);
     }
     mumps.job = order.job;
-    call_mumps(mumps);  // rank 0 learns of what fails
+    call_mumps(mumps);  // rank 0 hears of an error
     if (order.job == kTerminate) instances.erase(order.instance);
   };
   for (Order order = receive(); !order.release; order = receive()) {

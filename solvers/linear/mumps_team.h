@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ranks that run the jobs of MUMPS together. Rank 0 decides; the others wait for its word.
+// Ranks that run the jobs of MUMPS together. Rank 0 decides, and the others wait for its orders.
 #pragma once
 
 #include <dmumps_c.h>
@@ -20,21 +20,21 @@ inline void call_mumps(SMUMPS_STRUC_C& mumps) { smumps_c(&mumps); }
 
 class MumpsTeam {
  public:
-  /// @note Collective; the communicator is duplicated, unless it is MPI_COMM_SELF.
+  /// @note Collective. The communicator is duplicated, unless it is MPI_COMM_SELF.
   explicit MumpsTeam(MPI_Comm comm);
-  /// Rank 0 releases the others.
+  /// On rank 0, the destructor releases the other ranks.
   ~MumpsTeam();
   MumpsTeam(const MumpsTeam&) = delete;
   MumpsTeam& operator=(const MumpsTeam&) = delete;
 
-  /// Call this on rank 0: it gives a number for one more instance of MUMPS.
+  /// Call this on rank 0. It returns the number of a new instance of MUMPS.
   [[nodiscard]] int new_instance() { return num_instances_++; }
-  /// Call this on rank 0: it runs a job of an instance on all ranks, with its control parameters.
+  /// Call this on rank 0. It runs a job of an instance on all ranks, with its control parameters.
   void run(MumpsJob job, int instance, DMUMPS_STRUC_C& mumps);
-  /// Does the same in single precision.
+  /// Runs a job of an instance in single precision.
   void run(MumpsJob job, int instance, SMUMPS_STRUC_C& mumps);
 
-  /// Call this on the other ranks: they do what rank 0 says until it releases them.
+  /// Call this on the other ranks. They execute the orders of rank 0 until it releases them.
   void serve();
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::is_same_v<idx_t, Index>, "METIS counts otherwise than we do.");
 
-/// Unknowns that stay together, in the order of their numbers.
+/// Groups of unknowns that stay together, in the order of their numbers.
 struct Groups {
   /// [number of unknowns]
   std::vector<Index> of_unknown;
@@ -22,8 +22,9 @@ struct Groups {
   std::vector<Index> size;
 };
 
-/// Unknowns c and c + 1 are in one group when the neighbours of c beyond are c + 1 and those of
-/// c + 1. Their neighbours before may differ: that makes the order a little worse and not wrong.
+/// Unknowns c and c + 1 are in one group if the neighbours of c with higher numbers are c + 1 and
+/// those of c + 1. Neighbours with lower numbers may differ: the order then is a little worse, but
+/// not wrong.
 Groups group(const SymmetricPattern& pattern) {
   Groups groups;
   groups.of_unknown.reserve(pattern.size);
@@ -37,7 +38,7 @@ Groups group(const SymmetricPattern& pattern) {
   return groups;
 }
 
-/// Neighbours of each group, as METIS wants them.
+/// The neighbours of each group, in the format of METIS.
 struct Graph {
   std::vector<Index> start;
   std::vector<Index> neighbour;
@@ -45,7 +46,8 @@ struct Graph {
 
 Graph graph_of(const SymmetricPattern& pattern, const Groups& groups) {
   const auto num_groups = static_cast<Index>(groups.size.size());
-  // Every pair of neighbours once: from the first unknown of a group to the first row of another.
+  // Visits each pair of neighbours once: from the first unknown of a group to the first row of
+  // another.
   const auto each_edge = [&](const auto& visit) {
     Index first = 0;
     for (Index g = 0; g < num_groups; first += groups.size[g], ++g) {
@@ -79,7 +81,7 @@ std::vector<Index> nested_dissection(const SymmetricPattern& pattern) {
   std::vector<Index> group_at(num_groups);
   std::vector<Index> place(num_groups);
   if (graph.neighbour.empty()) {
-    // METIS does not like a graph without edges.
+    // METIS does not accept a graph without edges.
     for (Index g = 0; g < num_groups; ++g) group_at[g] = g;
   } else {
     idx_t options[METIS_NOPTIONS];

@@ -7,12 +7,12 @@
 
 namespace palpate {
 
-/// The place of each unknown in an order of elimination that keeps the factor small, counted from
-/// 0: nested dissection by METIS of the graph whose nodes are unknowns that follow one another and
-/// have the same neighbours, such as the components of a point.
+/// The position of each unknown in an order of elimination that keeps the factor small, counted
+/// from 0: nested dissection by METIS. The nodes of its graph are consecutive unknowns with the
+/// same neighbours, such as the components of a point.
 ///
-/// The MUMPS of Debian comes without METIS, and takes another ordering in silence when asked for
-/// it.
+/// METIS is called here because Debian's MUMPS is built without it, and uses another ordering
+/// without notice if it is asked for METIS.
 /// @throws BackendError METIS is out of memory.
 [[nodiscard]] std::vector<Index> nested_dissection(const SymmetricPattern& pattern);
 

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// The matrix of which `values` are the lower triangle, without a copy.
+/// The matrix whose lower triangle has these values, without a copy.
 [[nodiscard]] inline auto lower_triangle(const SymmetricPattern& pattern,
                                          const std::vector<double>& values) {
   return Eigen::Map<const Eigen::SparseMatrix<double, Eigen::ColMajor, Index>>(

@@ -7,9 +7,9 @@
 namespace palpate {
 namespace {
 
-/// No value of S reaches this: those of a definite matrix cannot, as the diagonal is below it.
+/// A bound of the values of S. Those of a definite matrix are below it, since its diagonal is.
 constexpr double kBound = 2;
-/// More than any matrix of numbers needs; each round takes the root of what is too large.
+/// More rounds than any matrix needs; each takes the root of what is too large.
 constexpr int kMaxRounds = 12;
 
 /// The power of two d with ½ ≤ d² value < 2.
@@ -43,7 +43,8 @@ void Scaling::choose(const SymmetricPattern& pattern, const std::vector<double>&
     d_[c] = diagonal > 0 ? inverse_root(diagonal) : 0;
   }
   if (is_positive) return;
-  // Rows without a positive diagonal: the squares of what couples them, each over its diagonal.
+  // For rows without a positive diagonal: the sum of the squares of the coupling values, each
+  // divided by the diagonal of its other row.
   Eigen::VectorXd left = Eigen::VectorXd::Zero(pattern.size);
   for (Index c = 0; c < pattern.size; ++c) {
     for (Index i = pattern.column_start[c]; i < pattern.column_start[c + 1]; ++i) {

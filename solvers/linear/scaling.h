@@ -3,11 +3,11 @@
 //
 //   S = 2⁻ᵍ D K D,   K x = b  ⇔  x = 2⁻ᵍ D S⁻¹ D b
 //
-// D brings the diagonal of S near one, which for a definite matrix is within a factor n of the best
-// that any D can do for its condition (van der Sluis, 1969). A row without a positive diagonal, a
-// pressure in [A B; Bᵀ −C], is brought to what the elimination of the others will leave there,
-// C + Bᵀ diag(A)⁻¹ B. g is the exponent of the largest value, so that S does not change at all when
-// K is multiplied by a power of two.
+// D scales the diagonal of S to about one. For a definite matrix this D is within a factor n of the
+// best one for the condition number (van der Sluis, 1969). A row without a positive diagonal, such
+// as a pressure in [A B; Bᵀ −C], is scaled by what the elimination of the other rows leaves there,
+// C + Bᵀ diag(A)⁻¹ B. g is the exponent of the largest value, so that S does not change when K is
+// multiplied by a power of two.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,10 +19,10 @@ namespace palpate {
 
 class Scaling {
  public:
-  /// D and S for these values. False when a value is no number.
+  /// Computes D and S for these values; false: a value is not finite.
   [[nodiscard]] bool scale(const SymmetricPattern& pattern, const std::vector<double>& values);
 
-  /// S, on the pattern.
+  /// The values of S on the pattern.
   [[nodiscard]] const std::vector<double>& values() const { return scaled_; }
 
   /// b → D b.

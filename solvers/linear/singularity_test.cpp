@@ -11,10 +11,10 @@
 namespace palpate {
 namespace {
 
-/// ε |y|ᵀ|K||y| adds up all rounding as if it had one sign; this share of it is usual.
+/// ε |y|ᵀ|K||y| adds up all rounding as if it had one sign; this is the usual share of it.
 constexpr double kUsualShare = 0.1;
 
-/// Below this there is no doubt.
+/// Below this error there is no doubt.
 constexpr double kCertain = 1e-3;
 
 /// ε |K||y|.
