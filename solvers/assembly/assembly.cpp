@@ -24,10 +24,10 @@
 namespace palpate {
 namespace {
 
-/// Pairs of corners of a tetrahedron, each with itself too.
+/// Pairs of corners of a tetrahedron, those of a corner with itself included.
 constexpr int kCornerPairs = 10;
 
-/// Where the nodes of a Tet10 are: its points, and the change of their places.
+/// The positions of the nodes of a displaced Tet10.
 std::array<Vec3, 10> nodes_of(const std::vector<Vec3>& points, const Index* cell,
                               const NodalVector& displacement) {
   std::array<Vec3, 10> nodes;
@@ -37,14 +37,15 @@ std::array<Vec3, 10> nodes_of(const std::vector<Vec3>& points, const Index* cell
   return nodes;
 }
 
-/// The items in an order of their places in `places`.
+/// The items in an order that is given by their indices.
 std::vector<Index> reordered(const std::vector<Index>& items, std::vector<Index> order) {
   for (Index& i : order) i = items[i];
   return order;
 }
 
-/// The free nodes in an order in which parts of the body are compact. In a part the corners come
-/// first: they have most neighbours, and long rows take less time than short ones.
+/// The free nodes in an order in which parts of the body are compact. Within a part the corners
+/// come first: they have the most neighbours, and long rows take less time per value than short
+/// ones.
 std::vector<Index> order_nodes(const TetMesh& mesh, const std::vector<Index>& nodes) {
   std::vector<char> is_corner(mesh.points.size(), 0);
   for (Index c = 0; c < mesh.num_cells(); ++c) {
@@ -72,7 +73,7 @@ std::vector<Index> order_cells(const TetMesh& mesh, const std::vector<Index>& ce
   return reordered(cells, order_by_bisection(places, kCellsOfSet));
 }
 
-/// @throws InputError
+/// @throws InputError the mapping of a Tet10 is not one to one.
 void check_one_to_one(const TetMesh& mesh) {
   const NodalVector none = NodalVector::Zero(3 * Eigen::Index{mesh.num_points()});
   for (Index c = 0; c < mesh.num_cells(); ++c) {
@@ -88,10 +89,10 @@ void check_one_to_one(const TetMesh& mesh) {
 struct ElementGroup {
   const Kernels* kernels = nullptr;
   const MemoryKernels* memory_kernels = nullptr;
-  /// Of the rule of quadrature, and the barycentric coordinates of each point [points × 4].
+  /// The number of quadrature points, and the barycentric coordinates of each [points × 4].
   int num_points = 0;
   std::vector<double> corner_shares;
-  /// Cell of each place [num_packets × 8]; the filling repeats the last cell.
+  /// The cell at each position [num_packets × 8]; the last packet is filled up with the last cell.
   std::vector<Index> cells;
   Index num_cells = 0;
   std::vector<Index> nodes;
@@ -100,7 +101,7 @@ struct ElementGroup {
   std::vector<double> parameters;
   bool homogeneous = true;
   std::vector<BlockTarget> targets;
-  // Of mixed elements, else empty.
+  // The following are for mixed elements; else they are empty.
   std::vector<Index> pressures;
   std::vector<BlockTarget> coupling_targets;
   std::vector<Index> pressure_targets;
@@ -146,13 +147,13 @@ Index place_in(const std::vector<Index>& list, Index value) {
   return static_cast<Index>(std::lower_bound(list.begin(), list.end(), value) - list.begin());
 }
 
-/// Who is coupled with whom in the lower triangle, by number of node and of pressure unknown.
+/// The couplings in the lower triangle, by numbers of nodes and of pressure unknowns.
 struct Couplings {
-  /// Of each node the nodes ≥ itself, ascending.
+  /// For each node the nodes with numbers ≥ its own, ascending.
   std::vector<std::vector<Index>> nodes;
-  /// Of each node the pressures, ascending.
+  /// For each node the pressures, ascending.
   std::vector<std::vector<Index>> pressures_of_node;
-  /// Of each pressure the pressures ≥ itself, ascending.
+  /// For each pressure the pressures with numbers ≥ its own, ascending.
   std::vector<std::vector<Index>> pressures;
 
   [[nodiscard]] Index column_length(Index node) const {
@@ -202,7 +203,7 @@ SymmetricPattern make_pattern(const Couplings& couplings) {
 struct Assembly::Data {
   Index num_points = 0;
   Index num_cells = 0;
-  /// Of each pressure, Pa/m.
+  /// The scale of each pressure, Pa/m.
   std::vector<double> pressure_scale;
   bool linear = true;
   bool stabilised = false;
@@ -213,34 +214,35 @@ struct Assembly::Data {
   std::vector<Index> multipliers;
   SymmetricPattern pattern;
   std::vector<ElementGroup> groups;
-  /// Of a Tet10 mesh; empty for Tet4, in whose cells det F is constant.
+  /// Points and cells of a Tet10 mesh; empty for Tet4, in whose cells det F is constant.
   std::vector<Vec3> points;
   std::vector<Index> quadratic_cells;
 
-  // While it is made:
+  // The following are used only during construction.
 
   Index num_nodes = 0;
-  /// Pressure of each corner of each mixed cell, −1 for the others [num_cells × 4]; empty without.
+  /// The pressure of each corner of each mixed cell, −1 for other cells [num_cells × 4]; empty if
+  /// there is no mixed cell.
   std::vector<Index> pressure_of_corner;
-  /// Number of a pressure among the unknown ones, −1: it is none [num_pressures].
+  /// The index of each pressure among the unknown ones, −1: it is none [num_pressures].
   std::vector<Index> unknown_of_pressure;
   /// Least shear modulus of the mixed materials, Pa.
   double softest = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] Index num_pressures() const { return static_cast<Index>(pressure_scale.size()); }
-  /// In which decade above the softest a mixed material lies.
+  /// The decade above the softest mixed material in which a material lies.
   [[nodiscard]] int decade_of(const Material& material) const {
     return decade_above(softest, material);
   }
   [[nodiscard]] double pressure_scale_of(const Material& material) const;
   [[nodiscard]] std::vector<double> kernel_parameters(const Material& material,
                                                       ElementOrder order) const;
-  /// The same where the energy is multiplied by a factor.
+  /// Parameters of a material whose energy is multiplied by a factor.
   [[nodiscard]] std::vector<double> scaled_parameters(const Material& material, ElementOrder order,
                                                       double factor) const;
 
-  /// Whether nodes and cells are put in an order in which parts of the body are compact, for
-  /// threads. A body that is one part keeps its own.
+  /// Whether nodes and cells are ordered such that parts of the body are compact, for threads. A
+  /// body that is a single part keeps its order.
   [[nodiscard]] bool is_large() const { return Ranges(num_nodes, kNodesOfPart).num_parts() > 1; }
   void number_nodes(const Scene& scene);
   void number_pressures(const Scene& scene);
@@ -295,7 +297,7 @@ std::vector<double> Assembly::Data::scaled_parameters(const Material& material, 
 }
 
 double Assembly::Data::pressure_scale_of(const Material& material) const {
-  // A power of two: a pressure that is scaled and scaled back is the same to the bit.
+  // The scale is a power of two, so that scaling a pressure and back changes no bit.
   return std::ldexp(1.0, std::ilogb(softest * std::pow(10, decade_of(material)) / mean_edge));
 }
 
@@ -378,7 +380,7 @@ BlockTarget Assembly::Data::target_of(Index point_a, Index point_b,
   const Index a = node_of(point_a);
   const Index b = node_of(point_b);
   if (a < 0 || b < 0) return {};
-  // The kernel's block has a's rows and b's columns; what is stored has row ≥ column.
+  // The kernel's block has the rows of a and the columns of b; the stored one has row ≥ column.
   const Index row = std::max(a, b);
   const Index column = std::min(a, b);
   const Index length = couplings.column_length(column);
@@ -478,7 +480,7 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
     for (int a = 0; a < 4 && mixed; ++a) {
       group.pressures[(packet * 4 + a) * kPacketSize + lane] = 3 * num_points + pressures[a];
     }
-    if (place >= cells.size()) continue;  // the targets of the filling stay "not stored"
+    if (place >= cells.size()) continue;  // targets of the filling stay "not stored"
     int pair = 0;
     for (int a = 0; a < npc; ++a) {
       for (int b = a; b < npc; ++b, ++pair) {
@@ -506,7 +508,7 @@ void Assembly::Data::make_group(const Scene& scene, const std::vector<Index>& ce
                           : make_one_set(num_packets);
 }
 
-/// Sums what `kernel` gives for each set of packets, in their order.
+/// Sums the results of `kernel` over the sets of packets, in their order.
 template <class Kernel>
 Assembly::Result Assembly::Data::sum_over_sets(Kernel&& kernel) const {
   Result total{0, std::numeric_limits<double>::infinity()};

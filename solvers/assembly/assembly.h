@@ -5,14 +5,14 @@
 //
 //   Π(x) = Σ_q w_q W(∇u, p),   f(x) = ∂Π/∂x,   K(x) = ∂²Π/∂x²
 //
-// A pressure is kept as a length, p = s p̂, so that all unknowns, and all their residuals, are of
-// one kind. Cells share the pressure at a corner when they are of one law and their shear moduli
-// lie in one decade, counted from the softest: at an interface of very different materials the
+// A pressure is stored as a length p̂, with p = s p̂, so that all unknowns, and all residuals, have
+// the same units. Cells share the pressure at a corner if they have one law and their shear moduli
+// lie in one decade, counted from the softest: at an interface between very different materials the
 // pressure jumps. s is the least modulus of the decade over the mean edge.
 //
-// Unknowns are the components of the points that belong to a cell and are not fixed, three
-// together, then the pressures. K is symmetric: its lower triangle is kept, compressed by columns,
-// on a pattern that never changes.
+// Unknowns are the components of the points that belong to a cell and are not fixed, three for each
+// point, followed by the pressures. K is symmetric: its lower triangle is stored, compressed by
+// columns, on a pattern that never changes.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@
 namespace palpate {
 
 /// The lower triangle of a symmetric matrix, compressed by columns. Rows ascend in each column, and
-/// the diagonal is there.
+/// the diagonal is always stored.
 struct SymmetricPattern {
   Index size = 0;
   /// Where each column begins in `row` [size + 1].
@@ -34,11 +34,12 @@ struct SymmetricPattern {
   [[nodiscard]] Index num_values() const { return column_start.empty() ? 0 : column_start.back(); }
 };
 
-/// Symmetric tensors at the quadrature points of all cells, as the kernels lay them out: a list for
-/// each group of elements [packets × points × 6 × 8], see ElementGroupView in assembly/kernels.h.
+/// Symmetric tensors at the quadrature points of all cells, in the layout of the kernels: a list
+/// for each group of elements [packets × points × 6 × 8], see ElementGroupView in
+/// assembly/kernels.h.
 using PointTensors = std::vector<std::vector<double>>;
 
-/// What the material at each quadrature point remembers, as a potential; see MemoryView in
+/// The memory of viscous materials at the quadrature points, as a potential; see MemoryView in
 /// assembly/kernels.h.
 struct Memory {
   /// H, Pa.
@@ -49,7 +50,7 @@ struct Memory {
 
 class Assembly {
  public:
-  /// Copies what it needs: the scene need not outlive this object.
+  /// The scene is copied as far as it is needed, and need not outlive this object.
   /// @throws InputError a cell whose mapping is not one to one (a Tet10 with bad midside nodes).
   explicit Assembly(const Scene& scene);
   ~Assembly();
@@ -69,75 +70,77 @@ class Assembly {
   /// The number of the first of the three unknowns of each point, −1 for a fixed or unused one
   /// [num_points].
   [[nodiscard]] const std::vector<Index>& unknown_of_point() const;
-  /// The place of each unknown in the state [pattern().size]; pressures come last. A pressure that
-  /// no free point feels is not an unknown: it stays 0.
+  /// The index of each unknown in the state [pattern().size]; pressures come last. A pressure that
+  /// no free point is coupled with is not an unknown: it stays 0.
   [[nodiscard]] const std::vector<Index>& state_of_unknown() const;
   [[nodiscard]] Index num_unknown_pressures() const;
   /// The unknown pressures of incompressible materials.
   [[nodiscard]] const std::vector<Index>& multipliers() const;
-  /// Whether the pressures are those of Tet4, whose differences are resisted. Otherwise the tangent
-  /// has zeros on the diagonal at multipliers().
+  /// Whether the pressures are those of Tet4, whose differences are stabilised. Otherwise the
+  /// tangent has zeros on the diagonal at multipliers().
   [[nodiscard]] bool has_stabilised_pressures() const;
-  /// Whether there are cells that Formulation::mixed_fine would give more quadrature points.
+  /// Whether Formulation::mixed_fine would give more quadrature points to some cells.
   [[nodiscard]] bool takes_finer_quadrature() const;
   [[nodiscard]] const SymmetricPattern& pattern() const;
   /// Mean length of the edges between corners, m.
   [[nodiscard]] double mean_edge() const;
 
   struct Result {
-    /// J; infinite where a law is not defined (det F ≤ 0).
+    /// J; infinite if a law is not defined (det F ≤ 0).
     double energy = 0;
-    /// Least det F over the quadrature points; 1 for cells of the linear law, which has no use for
-    /// it.
+    /// Least det F over the quadrature points; 1 for cells of the linear law, which is defined for
+    /// any.
     double minimum_det_f = 1;
   };
 
-  /// Computes the energy and f(x) [state_size], N: the internal force of every point, then for each
-  /// pressure how far its volume is from what it should be.
+  /// Computes the energy and f(x) [state_size], N: the internal force of every point, followed by
+  /// the residual of the volume for each pressure.
   Result residual(const NodalVector& state, NodalVector& force) const;
 
-  /// Computes what residual() does, and the values of K(x) on pattern(), N/m.
+  /// Computes residual(), and the values of K(x) on pattern(), N/m.
   Result tangent(const NodalVector& state, NodalVector& force, std::vector<double>& values) const;
 
   struct Determinant {
     double value = 1;
-    /// The cell where that is.
+    /// The cell with the least det F.
     Index cell = -1;
     /// The number of cells with det F ≤ 0 somewhere.
     Index num_inverted_cells = 0;
   };
 
-  /// The least det F over quadrature points and corners of all cells. Where det F is positive at
-  /// these but not everywhere between them, a value that is not positive is taken instead. So the
-  /// result is positive only if det F is positive everywhere.
-  /// @param state Its first 3 num_points components, the displacement, are enough.
+  /// The least det F over quadrature points and corners of all cells. If det F is positive at these
+  /// but not everywhere between them, a non-positive value from there is taken. So the result is
+  /// positive only if det F is positive everywhere.
+  /// @param state The first 3 num_points components, the displacement, suffice.
   [[nodiscard]] Determinant minimum_det_f(const NodalVector& state) const;
-  /// The same cell by cell [num_cells].
+  /// The least det F of each cell [num_cells].
   [[nodiscard]] std::vector<double> minimum_det_f_of_cells(const NodalVector& state) const;
-  /// The sums from which the stress of each cell is made [StressSum::count × num_cells], see
+  /// Sums from which the stress of each cell is computed [StressSum::count × num_cells], see
   /// StressSum in assembly/kernels.h and assembly/stress.h.
   [[nodiscard]] Eigen::MatrixXd stress_sums(const NodalVector& state) const;
 
-  // What follows serves materials with a memory.
+  // The following functions serve viscous materials.
 
-  /// The cell of each place of each group of elements [packets × 8]; the last packet of a group is
-  /// filled up with a cell that is there already.
+  /// The cell at each position of each group of elements [packets × 8]. The last packet of a group
+  /// is filled up with repeated cells.
   [[nodiscard]] std::vector<std::vector<Index>> cells_of_groups() const;
-  /// Room for a tensor at each quadrature point, 0.
+  /// Tensors for all quadrature points, set to 0.
   [[nodiscard]] PointTensors make_point_tensors() const;
-  /// S of the law, Pa, and E at each quadrature point. That of a mixed material is without its
+  /// S of the law, Pa, and E at each quadrature point. S of a mixed material is without its
   /// pressure.
   void stress_at_points(const NodalVector& state, PointTensors& stress) const;
   void strain_at_points(const NodalVector& state, PointTensors& strain) const;
   /// The weight of each quadrature point, m³: a list for each group [packets × points × 8].
   [[nodiscard]] std::vector<const std::vector<double>*> weights_of_groups() const;
-  /// Adds the potential's derivative by the state to `force`, and where there are `values` its
-  /// tangent to these. @returns The potential, J.
+  /// Adds the derivative of the potential with respect to the state to `force` and, unless it is
+  /// null, its tangent to `values`.
+  /// @returns The potential, J.
   double add_memory(const Memory& memory, const NodalVector& state, NodalVector& force,
                     std::vector<double>* values = nullptr) const;
-  /// From now on the energy of each material is that of the law times a factor, above 0; of a mixed
-  /// one W_rest alone, see materials/material.h.
-  /// @param scene That which the assembly was made of. @param factors One for each material.
+  /// Multiplies the energy of each material by a factor above 0 from now on; for a mixed material
+  /// W_rest alone, see materials/material.h.
+  /// @param scene The scene of which the assembly was made.
+  /// @param factors One for each material.
   void scale_energy(const Scene& scene, const std::vector<double>& factors);
 
  private:

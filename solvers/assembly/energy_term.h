@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A part of the energy of a body besides that of its materials, such as inertia within a step in
-// time.
+// A part of the energy of a body besides that of its materials, such as inertia in a time step.
 #pragma once
 
 #include <vector>
@@ -13,8 +12,9 @@ class EnergyTerm {
  public:
   virtual ~EnergyTerm() = default;
 
-  /// Adds the derivative by the state to `force`, N, and where there are `values` the second one to
-  /// these, on Assembly::pattern(), N/m. @returns The energy, J.
+  /// Adds the derivative with respect to the state to `force`, N, and, unless it is null, the
+  /// second derivative to `values`, on Assembly::pattern(), N/m.
+  /// @returns The energy, J.
   virtual double add(const NodalVector& state, NodalVector& force,
                      std::vector<double>* values) const = 0;
 

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// v ↦ a × v.
+/// The matrix of v ↦ a × v.
 Mat3 cross_matrix(const Vec3& a) {
   Mat3 matrix;
   matrix << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
@@ -132,7 +132,7 @@ Eigen::Matrix3Xd ExternalEnergy::nodes_of(const PressedFace& face, double share,
 }
 
 double ExternalEnergy::of_pressures(const NodalVector& state) const {
-  // The points of Gauss.
+  // The two Gauss points.
   const double half_way = 0.5 / std::sqrt(3.0);
   double energy = 0;
   for (const PressedFace& face : pressed_) {
@@ -171,7 +171,7 @@ void ExternalEnergy::add_tangent_of_pressure(const NodalVector& state,
   for (std::size_t f = 0; f < pressed_.size(); ++f) {
     const PressedFace& face = pressed_[f];
     const Eigen::Matrix3Xd x = nodes_of(face, 1, state);
-    // ∫ N_a ∂n/∂x_b of each pair.
+    // ∫ N_a ∂n/∂x_b for each pair of nodes.
     std::array<std::array<Mat3, 6>, 6> blocks;
     for (auto& row : blocks) row.fill(Mat3::Zero());
     for (const FacePoint& point : rule_) {
@@ -185,7 +185,7 @@ void ExternalEnergy::add_tangent_of_pressure(const NodalVector& state,
     }
     for (std::size_t i = first_target_[f]; i < first_target_[f + 1]; ++i) {
       const auto& [a, b, is_diagonal, positions] = targets_[i];
-      // What is not symmetric of a face cancels with its neighbours'.
+      // The asymmetric part of a face cancels with those of its neighbours.
       const Mat3 block = 0.5 * (blocks[a][b] + blocks[b][a].transpose());
       for_each_in_block(positions, is_diagonal, [&](int row, int column, Index position) {
         values[position] += block(row, column);

@@ -23,7 +23,7 @@ struct Element<1> {
 template <>
 struct Element<2> {
   static constexpr int nodes = 10;
-  /// Of the usual rule.
+  /// The number of points of the usual rule.
   static constexpr int points = 4;
 };
 
@@ -34,10 +34,10 @@ constexpr Rule rule_of(int order, Formulation form) {
   return order == 2 && is_mixed(form) ? Rule::any : Rule::usual;
 }
 
-/// Mixed elements have a continuous, linear pressure. That of Tet10 is stable (Taylor & Hood 1973).
-/// That of Tet4 is not by itself: what is left of p beside its mean over the element is resisted as
-/// by a compliance 1/(2μ) (Dohrmann & Bochev 2004), which keeps the energy a function with
-/// a stationary point and the tangent symmetric:
+/// Mixed elements have a continuous, linear pressure. For Tet10 this is stable (Taylor & Hood
+/// 1973). For Tet4 it is not by itself: the difference of p from its mean over the element gets an
+/// additional compliance 1/(2μ) (Dohrmann & Bochev 2004), which keeps the energy a function with a
+/// stationary point and the tangent symmetric:
 ///
 ///   Π = ∫ W_rest + p g − p²/(2κ̂) dV − ∫ (p − p̄)²/(4μ) dV  (the last one for Tet4 alone)
 template <int Order, Law L, Formulation Form, Rule R = rule_of(Order, Form)>
@@ -186,7 +186,7 @@ class Group {
         k.update();
         if constexpr (L != Law::linear) least = min(least, 1.0 + k.j);
         if constexpr (has_inversion_barrier(L)) {
-          // Where the law is not defined the energy is infinite (below); no lane may make a NaN.
+          // If the law is not defined, the energy is infinite (below); no lane may produce a NaN.
           k.j = max(k.j, Packet(std::numeric_limits<double>::epsilon() - 1.0));
         }
         Response<Packet> r;
@@ -232,8 +232,7 @@ class Group {
   }
 
  protected:
-  /// Puts a symmetric tensor of a quadrature point to its place in `out` [packets × points × 6 ×
-  /// 8].
+  /// Stores a symmetric tensor of a quadrature point in `out` [packets × points × 6 × 8].
   static void store_symmetric(const ElementGroupView& group, std::int32_t p, int q,
                               const Packet (&tensor)[6], double* out) {
     double* at = out + (static_cast<std::int64_t>(p) * num_points(group) + q) * 6 * kPacketSize;
@@ -274,7 +273,7 @@ class Group {
     return i == j ? 1.0 + k.h[i][j] : k.h[i][j];
   }
 
-  /// What the elements of a packet have to do with their pressures p̂ at the corners.
+  /// The pressures p̂ at the corners of the elements of a packet, with the derivatives of Π.
   template <bool Mixed, bool WithTangent>
   struct Pressures {};
 
@@ -305,7 +304,7 @@ class Group {
     }
   }
 
-  /// The term p g at a quadrature point with these barycentric coordinates: adds its part to the
+  /// The term p g at a quadrature point with these barycentric coordinates. It contributes to the
   /// response, to the force on the pressures and to the coupling.
   template <bool WithTangent>
   static void add_volume(Packet scale, const double* shares, const Kinematics<Packet>& k,
@@ -343,8 +342,8 @@ class Group {
     }
   }
 
-  /// The terms of second order in p, which are the same for every u. The linear pressures of an
-  /// element have the mass V (1 + δ_ab)/20, their means V/16.
+  /// The terms of second order in p, which do not depend on u. The linear pressures of an element
+  /// have the mass V (1 + δ_ab)/20, and their means V/16.
   template <bool WithTangent>
   static Packet add_compliance(const ElementGroupView& group, std::int32_t p,
                                const Packet (&parameters)[kParameters],
@@ -489,7 +488,7 @@ class Group {
     }
   }
 
-  /// Place of the pair a ≤ b in the order 00 01 … 0n 11 ….
+  /// Index of the pair a ≤ b in the order 00 01 … 0n 11 ….
   static constexpr int pair(int a, int b) { return a * kNodes - a * (a - 1) / 2 + b - a; }
 
   static void scatter_force(const ElementGroupView& group, std::int32_t p,
@@ -527,8 +526,8 @@ class Group {
             column[2 * length - 1] += block[8][lane];
             continue;
           }
-          // Element (r, c) of the stored block; its column c begins where the one before ends,
-          // less the diagonal values that are above it.
+          // Element (r, c) of the stored block. Its column c begins where the one before ends,
+          // without the diagonal values above it.
           for (int c = 0; c < 3; ++c) {
             for (int row = 0; row < 3; ++row) {
               column[row] += block[transposed ? 3 * c + row : 3 * row + c][lane];
@@ -541,8 +540,8 @@ class Group {
   }
 };
 
-/// The potential of what is remembered, by elements of any formulation. As a law it is that of a
-/// quadratic energy, with H besides.
+/// The potential of the memory, for elements of any formulation. It is evaluated as a law with a
+/// quadratic energy, and H is added.
 template <int Order, Law L>
 using MemoryGroup = Group<Order, L, Formulation::displacement, rule_of(Order, Formulation::mixed)>;
 
@@ -648,7 +647,7 @@ constexpr Kernels make(const char* name) {
           &G::stress, &G::point_stress};
 }
 
-/// [mixed or not][law]; those of a law whose formulas another one serves are empty.
+/// [mixed or not][law]; entries of laws that use the formulas of another law are empty.
 struct Table {
   Kernels entries[2][num_laws];
 };

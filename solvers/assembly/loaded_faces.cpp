@@ -137,7 +137,8 @@ std::vector<char> points_of_cavities(const TetMesh& mesh) {
   for (std::size_t first = 0; first < faces.size(); first += nodes) {
     for (int a = 1; a < nodes; ++a) parent[root(faces[first + a])] = root(faces[first]);
   }
-  // Faces look out of the body, and so into a cavity: the volume that they close in is negative.
+  // Faces point out of the body, and so into a cavity: the volume that the faces of a cavity
+  // enclose is negative.
   std::vector<double> volume(mesh.points.size(), 0);
   for (std::size_t first = 0; first < faces.size(); first += nodes) {
     const Index part = root(faces[first]);

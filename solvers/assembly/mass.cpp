@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-/// Of accelerations.
+/// Relative residual of the accelerations.
 constexpr double kTolerance = 1e-14;
 
 /// The consistent mass of each pair of points, kg.
@@ -49,7 +49,8 @@ std::vector<Eigen::Triplet<double>> masses(const Scene& scene, const std::vector
   return triplets;
 }
 
-/// The condition number of a consistent mass matrix, scaled, is below a hundred (Wathen 1987).
+/// Solves with a consistent mass matrix, whose scaled condition number is below a hundred (Wathen
+/// 1987).
 Eigen::MatrixXd solve(const Eigen::SparseMatrix<double, Eigen::RowMajor>& mass,
                       const Eigen::MatrixXd& right) {
   Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
@@ -73,7 +74,7 @@ NodalVector MassMatrix::acceleration(const NodalVector& force, const std::vector
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& of_points = matrix_.of_points();
   const Eigen::Index n = of_points.rows();
   const double unit = mean_mass();
-  // Points that do not move have a row of the unit matrix, and so does what has no mass.
+  // Points that do not move, and points without mass, have a row of the unit matrix.
   const auto moves = [&](Eigen::Index p) {
     return free[static_cast<std::size_t>(p)] != 0 && of_points.coeff(p, p) > 0;
   };

@@ -17,20 +17,23 @@ namespace palpate {
 
 class MassMatrix {
  public:
-  /// @param density Of each material of the scene, kg/m³.
+  /// @param density Density of each material of the scene, kg/m³.
   MassMatrix(const Scene& scene, const std::vector<double>& density, const Assembly& assembly);
 
-  /// M x for a change of the state: zero for pressures.
-  /// @param x [at least 3 num_points] @returns [state_size]
+  /// M x for a change of the state; zero for pressures.
+  /// @param x [at least 3 num_points]
+  /// @returns [state_size]
   [[nodiscard]] NodalVector times(const NodalVector& x) const { return matrix_.times(x); }
-  /// M⁻¹ f at the points that are free, and zero elsewhere [3 num_points].
-  /// @param force [at least 3 num_points]. @param free [num_points].
+  /// M⁻¹ f at the free points, and zero elsewhere [3 num_points].
+  /// @param force [at least 3 num_points]
+  /// @param free 1 for each point that may move, else 0 [num_points].
   /// @param held Directions along which points do not move, see Scene; empty: there are none.
   [[nodiscard]] NodalVector acceleration(const NodalVector& force, const std::vector<char>& free,
                                          const std::vector<HeldDirections>& held = {}) const;
   /// values += factor M, on the pattern of the assembly.
   void add_to(double factor, std::vector<double>& values) const { matrix_.add_to(factor, values); }
-  /// The load of a field of gravity, N [state_size]. @param gravity m/s²
+  /// The load of a field of gravity, N [state_size].
+  /// @param gravity m/s²
   [[nodiscard]] NodalVector weight(const Vec3& gravity) const;
   /// The mass of the body, kg.
   [[nodiscard]] double total() const { return lumped_.sum(); }
@@ -39,7 +42,7 @@ class MassMatrix {
   [[nodiscard]] NodalVector held_acceleration(const NodalVector& force,
                                               const std::vector<char>& free,
                                               const std::vector<HeldDirections>& held) const;
-  /// Of a point, kg: what stands for the mass of points that do not move.
+  /// Mean mass of a point, kg; it stands for the mass of points that do not move.
   [[nodiscard]] double mean_mass() const {
     return lumped_.sum() / static_cast<double>(lumped_.size());
   }

@@ -21,7 +21,7 @@ PacketSets make_coloured_sets(Index num_packets, const std::vector<Index>& nodes
   const std::size_t nodes_per_packet = nodes.size() / static_cast<std::size_t>(num_packets);
   std::vector<Index> left(static_cast<std::size_t>(sets.num_sets()));
   std::iota(left.begin(), left.end(), 0);
-  // The last colour of which a set has each point.
+  // The last colour that has a set with each point.
   std::vector<Index> taken(static_cast<std::size_t>(num_points), -1);
   while (!left.empty()) {
     const auto colour = static_cast<Index>(sets.colours.size());

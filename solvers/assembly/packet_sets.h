@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sets of packets that threads may assemble side by side: those of one colour share no node, so
-// that none adds to what another one adds to. Colours follow one another.
+// Sets of packets that threads may assemble in parallel: sets of one colour share no node, so that
+// they do not add to the same values. The colours are processed one after the other.
 #pragma once
 
 #include <vector>
@@ -18,14 +18,14 @@ struct PacketSets {
   [[nodiscard]] Index num_sets() const { return static_cast<Index>(start.size()) - 1; }
 };
 
-/// The cells of a set. One of Tet10 takes half a millisecond to assemble, which is a thousand times
-/// what a thread takes to begin with it.
+/// The number of cells in a set. A set of Tet10 takes half a millisecond to assemble, a thousand
+/// times as long as a thread takes to start with it.
 inline constexpr Index kCellsOfSet = 256;
 
-/// All packets in one set: nothing is done side by side.
+/// All packets in one set, so that nothing runs in parallel.
 [[nodiscard]] PacketSets make_one_set(Index num_packets);
 
-/// Sets of packets that follow one another.
+/// Sets of consecutive packets.
 /// @param nodes The points of each packet [num_packets × nodes_per_packet], below num_points.
 [[nodiscard]] PacketSets make_coloured_sets(Index num_packets, const std::vector<Index>& nodes,
                                             Index num_points);

@@ -13,10 +13,10 @@ namespace {
 
 /// Points whose spread across their line is below this share of that along it lie on a line.
 constexpr double kLine = 1e-6;
-/// So many of the pieces that nothing holds are described, the largest.
+/// The number of loose pieces that are described, the largest first.
 constexpr std::size_t kMostDescribed = 3;
 
-/// Dimension of what the points span: −1 none, 0 a point, 1 a line, 2 more.
+/// The dimension of the span of points: −1 none, 0 a point, 1 a line, 2 more.
 int dimension(const std::vector<Vec3>& points) {
   if (points.empty()) return -1;
   Mat3 squares = Mat3::Zero();
@@ -115,7 +115,7 @@ std::optional<std::string> PieceSupport::find_mobile_piece(
 std::optional<std::string> find_mobile_part(const TetMesh& mesh, const std::vector<char>& held) {
   const Pieces parts = find_rigid_parts(mesh);
   if (parts.size() == 1) return std::nullopt;
-  // A point that is of several parts holds each of them to the rest.
+  // A point that belongs to several parts holds each of them to the rest.
   constexpr Index kNone = -1;
   constexpr Index kSeveral = -2;
   std::vector<Index> part_of_point(mesh.points.size(), kNone);

@@ -28,7 +28,7 @@ PointMatrix::PointMatrix(const std::vector<Eigen::Triplet<double>>& triplets,
       if (column < 0 || column > unknown[a]) continue;
       Target target{block_positions(assembly.pattern(), unknown[a], column), of.value()};
       if (column != unknown[a]) {
-        // The diagonal of a block beside that of the matrix is one row further in each column.
+        // In an off-diagonal block, the diagonal is one row further down in each column.
         for (Index c = 0; c < 3; ++c) target.positions[c] += c;
       }
       targets_.push_back(target);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A symmetric matrix that couples points, the same for the three components, such as that of mass
-// or of springs. Points that it couples are of one cell, so that it is added to a tangent on the
+// or of springs. It couples only points of one cell, so that it can be added to a tangent on the
 // pattern of the assembly.
 #pragma once
 
@@ -12,14 +12,14 @@
 
 namespace palpate {
 
-/// Where the values of the 3 × 3 block of two points are in those of a tangent: of the block's
-/// three columns, that of its first row, and on the diagonal that of the diagonal itself.
+/// Positions in the values of a tangent of the 3 × 3 block of two points: for each of its three
+/// columns that of the first row, or in a diagonal block that of the diagonal.
 /// @param row, column The first unknown of each point; row ≥ column.
 [[nodiscard]] std::array<Index, 3> block_positions(const SymmetricPattern& pattern, Index row,
                                                    Index column);
 
-/// Calls visit(row, column, position) for what is stored of a 3 × 3 block, where its values are:
-/// all of it, or on the diagonal its lower half.
+/// Calls visit(row, column, position) for each stored value of a 3 × 3 block: for all of them, or
+/// in a diagonal block for the lower half.
 /// @param positions As block_positions() gives them.
 template <class Visit>
 void for_each_in_block(const std::array<Index, 3>& positions, bool is_diagonal,
@@ -32,11 +32,12 @@ void for_each_in_block(const std::array<Index, 3>& positions, bool is_diagonal,
 
 class PointMatrix {
  public:
-  /// @param triplets Of points; those of a pair add up.
+  /// @param triplets Entries of points; those of the same pair are added.
   PointMatrix(const std::vector<Eigen::Triplet<double>>& triplets, const Assembly& assembly);
 
-  /// A x for a change of the state: zero for pressures.
-  /// @param x [at least 3 num_points] @returns [state_size]
+  /// A x for a change of the state; zero for pressures.
+  /// @param x [at least 3 num_points]
+  /// @returns [state_size]
   [[nodiscard]] NodalVector times(const NodalVector& x) const;
   /// values += factor A, on the pattern of the assembly.
   void add_to(double factor, std::vector<double>& values) const;
@@ -46,7 +47,7 @@ class PointMatrix {
   }
 
  private:
-  /// The place in the values of a tangent of each component of a pair of points.
+  /// Positions of each component of a pair of points in the values of a tangent.
   struct Target {
     std::array<Index, 3> positions;
     double value;

@@ -25,7 +25,7 @@ int decade_above(double softest, const Material& material) {
 Index count_pressures(const Scene& scene) {
   const double softest = softest_mixed(scene.materials);
   if (std::isinf(softest)) return 0;
-  // Of each law and decade: 1 where a corner of a cell has its pressure [num_points].
+  // For each law and decade: 1 if a corner of a cell has its pressure [num_points].
   std::map<std::pair<Law, int>, std::vector<char>> corners;
   std::vector<std::vector<char>*> corners_of_material;
   for (const Material& material : scene.materials) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pressures of mixed cells. Such a cell has one at each of its corners, and shares it with the
-// cells there whose law is the same and whose stiffness is of the same decade.
+// The pressures of mixed cells. A mixed cell has one at each of its corners, and shares it with the
+// other cells there that have the same law and a stiffness of the same decade.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,14 @@
 
 namespace palpate {
 
-/// The least shear modulus of the mixed materials, Pa; infinite where none is mixed.
+/// The least shear modulus of the mixed materials, Pa; infinite if none is mixed.
 [[nodiscard]] double softest_mixed(const std::vector<Material>& materials);
 
-/// In which decade above the softest a mixed material lies.
+/// The decade above the softest mixed material in which a material lies.
 [[nodiscard]] int decade_above(double softest, const Material& material);
 
-/// num_pressures of the body.
-/// @param scene Its cells name points and materials that are there.
+/// The num_pressures of the body.
+/// @param scene Its cells name existing points and materials.
 [[nodiscard]] Index count_pressures(const Scene& scene);
 
 }  // namespace palpate

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Places of xx yy zz xy yz xz among the components xx yy zz yz xz xy of the kernels.
+/// The indices of xx yy zz xy yz xz in the components xx yy zz yz xz xy of the kernels.
 constexpr int kKernelComponent[6] = {0, 1, 2, 5, 3, 4};
 
 StressField make_field(Index count) {
@@ -28,7 +28,7 @@ double von_mises(const Eigen::Matrix<double, 6, 1>& s) {
   return std::sqrt(0.5 * differences.squaredNorm() + 3 * s.tail<3>().squaredNorm());
 }
 
-/// From E, so that small strains keep their digits.
+/// Principal stretches, computed from E, so that small strains keep their digits.
 Vec3 principal_stretches(const Mat3& displacement_gradient) {
   const Mat3& h = displacement_gradient;
   const Mat3 strain = 0.5 * (h + h.transpose() + h.transpose() * h);
@@ -78,7 +78,7 @@ StressField at_points(const StressField& cells, const TetMesh& mesh, const Eigen
       field.von_mises[point] += weight * cells.von_mises[c];
     }
   }
-  // 0/0 is the NaN that is meant.
+  // 0/0 gives the intended NaN.
   field.cauchy.array().rowwise() /= volume_with_stress.transpose().array();
   field.von_mises.array() /= volume_with_stress.array();
   field.principal_stretches.array().rowwise() /= volume.transpose().array();

@@ -8,9 +8,9 @@
 //   von Mises stress     √(3/2 s : s), s the deviator of σ̄
 //   principal stretches  the singular values of the cell's mean F, whatever its law
 //
-// At a point each of them is the mean over the cells around it, by volume at rest. Where det F ≤ 0
-// at a quadrature point there is no Cauchy stress: NaN, which such means leave out. A point without
-// a cell has NaN throughout.
+// At a point, each of them is the mean over the cells around it, weighted by volume at rest. If det
+// F ≤ 0 at a quadrature point, there is no Cauchy stress: it is NaN, and these means leave it out.
+// A point without a cell has NaN throughout.
 #pragma once
 
 #include <Eigen/Core>

@@ -17,21 +17,21 @@
 namespace palpate {
 namespace {
 
-/// Directions that were made orthonormal before stay what they are to the last bit.
+/// Directions that are orthonormal to this tolerance are not changed by a bit.
 constexpr double kOrthonormal = 1e-14;
-/// A second direction that is this near to the first, as a sine, is the same.
+/// A second direction that differs from the first by less than this sine is the same.
 constexpr double kSameDirection = 1e-6;
-/// A rigid motion that the supports resist with less than this share of what they resist most is
-/// free; squares of lengths, so that held points may lie 1e-5 of the body's size off a line.
+/// A rigid motion whose resistance is below this share of the largest one is free. Resistances are
+/// squares of lengths, so held points must lie 1e-5 of the body's size off a line.
 constexpr double kFreeMotion = 1e-10;
-/// A rim leaves its plane by less than this share of the length of its edges.
+/// A rim lies in a plane if it leaves it by less than this share of the length of its edges.
 constexpr double kInPlane = 1e-6;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 std::string text_of(const Vec3& v) {
-  // −0 and what rounding leaves are 0.
+  // −0 and components that are only rounding become 0.
   const auto rounded = [&](double x) { return std::abs(x) < 1e-9 * v.norm() ? 0.0 : x; };
   return quantity(Vec3(v.unaryExpr(rounded)));
 }
@@ -51,7 +51,7 @@ bool is_finite(const Eigen::MatrixBase<Derived>& values) {
   return values.allFinite();
 }
 
-/// @throws InputError another size, or what is no number.
+/// @throws InputError the array has another size, or an entry that is not finite.
 template <class T>
 void check_array(const Scene& scene, const char* name, std::vector<T>& array) {
   if (array.empty()) return;
@@ -91,7 +91,7 @@ void make_orthonormal(HeldDirections& held) {
                    "of whole faces.");
 }
 
-/// 1 for each point that a spring holds [num_points].
+/// 1 for each point on springs [num_points].
 std::vector<char> points_on_springs(const Scene& scene) {
   std::vector<char> on_springs(scene.mesh.points.size(), 0);
   for (const Index p : faces_with(scene.mesh, scene.support_stiffness)) on_springs[p] = 1;
@@ -102,14 +102,14 @@ bool has_directions(const Scene& scene, Index point) {
   return !scene.held_directions.empty() && !scene.held_directions[point].isZero(0);
 }
 
-/// What the supports resist of the rigid motions of a piece: translations, and turns about its
-/// middle that move points at `radius` by a unit.
+/// The resistance of supports against the rigid motions of a piece: translations, and rotations
+/// about its centre that move points at `radius` by a unit.
 struct Resistance {
   Vec3 middle = Vec3::Zero();
   Index num_points = 0;
   double radius = 0;
   Mat6 gram = Mat6::Zero();
-  /// It has more than fixed points.
+  /// The piece has more than fixed points.
   bool has_supports = false;
 
   void hold(const Vec3& at, const Vec3& along) {
@@ -119,10 +119,10 @@ struct Resistance {
   }
 };
 
-/// Says what is free of motions that are.
+/// Describes a free motion, given a basis of the free ones.
 std::string describe_free(const Resistance& of,
                           const Eigen::Matrix<double, 6, Eigen::Dynamic>& free) {
-  // Of these, those that turn nothing.
+  // Combinations of the motions without rotation.
   const Eigen::JacobiSVD<Eigen::MatrixXd> turns(free.bottomRows<3>(), Eigen::ComputeFullV);
   Eigen::Index rank = 0;
   while (rank < turns.singularValues().size() && turns.singularValues()[rank] > 1e-4) ++rank;
@@ -136,7 +136,7 @@ std::string describe_free(const Resistance& of,
   return "turns freely about " + text_of(turn.normalized()) + " through " + text_of(centre) + " m";
 }
 
-/// @throws InputError a piece with directions or springs that a rigid motion moves freely.
+/// @throws InputError a piece with directions or springs can move rigidly.
 void check_held(const Scene& scene) {
   const TetMesh& mesh = scene.mesh;
   const Pieces pieces = find_pieces(mesh);
@@ -179,7 +179,7 @@ void check_held(const Scene& scene) {
   }
 }
 
-/// The edges of faces that no other of them shares: their nodes, in the order of boundary_faces().
+/// The edges that belong to one of the faces only: their nodes, in the order of boundary_faces().
 std::vector<std::vector<Index>> rim_of(const std::vector<Index>& faces, ElementOrder order) {
   const int nodes = nodes_per_face(order);
   std::map<std::pair<Index, Index>, std::pair<int, std::vector<Index>>> edges;
@@ -200,7 +200,7 @@ std::vector<std::vector<Index>> rim_of(const std::vector<Index>& faces, ElementO
   return rim;
 }
 
-/// Whether an edge cannot move, slides in its plane, or along one line.
+/// Whether an edge cannot move, slides in its plane, or moves along one line.
 bool is_led(const Scene& scene, const std::vector<Index>& edge) {
   Mat3 free = Mat3::Zero();
   for (const Index p : edge) {

@@ -1,36 +1,38 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What holds a body besides fixed points, and what acts on its surface: whether they make sense.
+// Supports of a body besides fixed points, and loads on its surface: checks whether they make
+// sense.
 #pragma once
 
 #include "assembly/scene.h"
 
 namespace palpate {
 
-/// I − Σ n nᵀ: what is left of a displacement of a point that is held along these directions.
+/// I − Σ n nᵀ: projects a displacement to that of a point that is held along these directions.
 [[nodiscard]] inline Mat3 projector(const HeldDirections& held) {
   return Mat3::Identity() - held * held.transpose();
 }
 
-/// Holds a point along one more direction; three that are independent fix it.
-/// @param fixed Of the point, as in Scene. @param direction Of any length but 0.
+/// Holds a point along one more direction; three independent directions fix it.
+/// @param direction Of any length but 0.
+/// @param fixed The entry of the point in Scene::fixed.
 void hold_along(const Vec3& direction, HeldDirections& held, char& fixed);
 
-/// The points that hold their pieces, as PieceSupport takes them [num_points]: those that are
-/// fixed, and all of the pieces with other supports, which check() has found to be held.
-/// @param scene It was checked.
+/// The points that hold their pieces, for PieceSupport [num_points]: the fixed ones, and all points
+/// of pieces with other supports, which check() has found to be held.
+/// @param scene A scene that check() accepts.
 [[nodiscard]] std::vector<char> holding_points(const Scene& scene);
 
-/// Checks the supports, and of each connected piece with supports besides fixed points, that they
-/// hold it against every rigid motion. Directions become orthonormal, those of fixed points none,
-/// and arrays of zeros empty.
-/// @param scene The sizes of `fixed` and of what comes before it were checked.
+/// Checks the supports, and that each connected piece with supports besides fixed points is held
+/// against every rigid motion. Directions become orthonormal, those of fixed points are removed,
+/// and arrays of zeros become empty.
+/// @param scene The sizes of `fixed` and of the members before it are valid.
 /// @throws InputError says what is wrong, where, and what to do.
 void check_supports(Scene& scene);
 
-/// Checks pressures and tractions. The rim of a surface under pressure may not move, or slides in a
-/// plane: there alone has the pressure an energy, so that its tangent is symmetric. Arrays of zeros
-/// become empty.
-/// @param scene Its supports were checked.
+/// Checks pressures and tractions. The rim of a surface under pressure must not move, or must slide
+/// in a plane: only then has the pressure an energy and a symmetric tangent. Arrays of zeros become
+/// empty.
+/// @param scene Its supports are valid.
 /// @throws InputError says what is wrong, where, and what to do.
 void check_surface_loads(Scene& scene);
 
