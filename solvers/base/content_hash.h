@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A hash of all that a result depends on, by which one that was kept is known to be still right.
+// A hash of everything that a result depends on, by which a stored result is known to be valid.
 //
-// Numbers count by their bits, and what is of no fixed length counts with it, so that two lists
-// cannot be taken for two others. Everything is added in full: a sum of an array, or what it is at
-// some places, is the same for another array.
+// Numbers are hashed by their bits, and a list or a text together with its length, so that two
+// lists are not mistaken for two others. Arrays are hashed in full: their sum, or a sample of them,
+// could be equal for different arrays.
 #pragma once
 
 #include <array>
@@ -53,7 +53,7 @@ class ContentHash {
     return *this;
   }
 
-  /// Of all that was added so far: 128 bits (XXH3), hexadecimal.
+  /// The hash of all that was added so far: 128 bits (XXH3), hexadecimal.
   [[nodiscard]] std::string text() const;
 
  private:

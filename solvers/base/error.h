@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Errors that are thrown. Non-convergence is not one of them: it is a result, see base/outcome.h.
+// Exceptions. Non-convergence is not one of them: it is a result, see base/outcome.h.
 #pragma once
 
 #include <stdexcept>

@@ -21,7 +21,7 @@ bool runs(const fs::path& path) {
   return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
 }
 
-/// Of the library that this is linked into, and of the program.
+/// The folders of the library that this is linked into, and of the running program.
 std::vector<fs::path> own_folders() {
   std::vector<fs::path> folders;
   const auto add = [&](const fs::path& file) {
@@ -30,7 +30,7 @@ std::vector<fs::path> own_folders() {
     if (!error) folders.push_back(whole.parent_path());
   };
   Dl_info info;
-  // Of a program it gives what the program was called by, which need not be a path.
+  // For a program dladdr() gives the name it was called by, which need not be a path.
   const bool known = ::dladdr(reinterpret_cast<void*>(&find_program), &info) != 0;
   if (known && info.dli_fname != nullptr) add(info.dli_fname);
   add("/proc/self/exe");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names on the disk. That a file was made, renamed or removed outlives a loss of power only when
-// the folder of the file was synced afterwards.
+// Names on the disk. The creation, renaming or removal of a file survives a loss of power only once
+// the folder of the file has been synced.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@ namespace palpate {
 /// @throws BackendError the disk failed.
 void sync_folder_of(const std::filesystem::path& file);
 
-/// The names of what is in the folder that holds a file, in no order; none where it cannot be
-/// listed. (std::filesystem::directory_iterator ends the process where memory is short.)
+/// The names in the folder that holds a file, unsorted; empty where it cannot be listed.
+/// (std::filesystem::directory_iterator ends the process when memory runs out.)
 [[nodiscard]] std::vector<std::string> names_beside(const std::filesystem::path& file);
 
 }  // namespace palpate

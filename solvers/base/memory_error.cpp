@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kMegabyte = 1e6;
 
-/// The most address space that this process has had, MB: its limit counts that. 0: it is not known.
+/// The largest address space that this process has had, MB, which is what its limit bounds; 0 where
+/// it is not known.
 double peak_mb() noexcept {
   const int file = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
   if (file < 0) return 0;

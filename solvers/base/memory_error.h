@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said where there is not enough memory. std::bad_alloc says neither what the memory was
-// for nor how much there is, so whoever knows what it was for catches it and throws a MemoryError.
+// The error that there is not enough memory. std::bad_alloc says neither what the memory was for
+// nor how much there is, so the caller that knows the purpose catches it and throws a MemoryError.
 #pragma once
 
 #include <cstddef>
@@ -25,17 +25,17 @@ inline constexpr std::size_t kMemoryTextBytes = 600;
 /// this process has had and may have, and what to do. Allocates nothing.
 void describe_memory(const char* purpose, char (&text)[kMemoryTextBytes]) noexcept;
 
-/// The same as a string.
+/// The text of describe_memory() as a string.
 [[nodiscard]] std::string not_enough_memory(const char* purpose);
 
-/// Finds out whether so much memory can be had, before a library asks for it that ends the process
-/// where it cannot, or never ends. Takes none.
-/// @throws MemoryError it cannot.
+/// Checks that this much memory can be had, before a call of a library that would end the process,
+/// or never return, without it. Allocates nothing lasting.
+/// @throws MemoryError it cannot be had.
 void require_memory(std::size_t bytes, const char* purpose);
 
 /// Calls `body()`.
-/// @param purpose What the body does, after "There is not enough memory": "to solve for a body";
-/// null: it is not known.
+/// @param purpose What the body does, to follow "There is not enough memory": "to solve for a
+///   body". Null where it is not known.
 /// @throws MemoryError the body has thrown std::bad_alloc.
 template <class Body>
 decltype(auto) with_memory(const char* purpose, Body&& body) {

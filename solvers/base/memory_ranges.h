@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where in memory an object keeps what it holds: to add it up, or to lock it.
+// The memory that an object holds, as ranges: to sum up its size, or to lock it.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,13 +15,13 @@ struct MemoryRange {
 
 using MemoryRanges = std::vector<MemoryRange>;
 
-/// What a vector holds, but for what its elements point to.
+/// Adds the memory of a vector, without what its elements point to.
 template <class T, class Allocator>
 void add_memory(const std::vector<T, Allocator>& values, MemoryRanges& ranges) {
   if (!values.empty()) ranges.push_back({values.data(), values.size() * sizeof(T)});
 }
 
-/// What a matrix or vector of dynamic size holds.
+/// Adds the memory of a matrix or vector of dynamic size.
 template <class Derived>
 void add_memory(const Eigen::PlainObjectBase<Derived>& values, MemoryRanges& ranges) {
   if (values.size() == 0) return;
@@ -29,7 +29,7 @@ void add_memory(const Eigen::PlainObjectBase<Derived>& values, MemoryRanges& ran
       {values.data(), static_cast<std::size_t>(values.size()) * sizeof(*values.data())});
 }
 
-/// Of all of them.
+/// The size of all ranges together.
 [[nodiscard]] inline std::size_t total_bytes(const MemoryRanges& ranges) {
   std::size_t bytes = 0;
   for (const MemoryRange& range : ranges) bytes += range.bytes;

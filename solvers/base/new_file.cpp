@@ -20,21 +20,21 @@ namespace palpate {
 namespace fs = std::filesystem;
 namespace {
 
-/// As many as Linux follows.
+/// Linux follows as many links.
 constexpr int kMostLinks = 40;
 constexpr int kMostTries = 100;
-/// Of the name of the file, so many bytes are in that of the one beside it.
+/// The temporary name begins with at most so many bytes of the file's name.
 constexpr std::size_t kBytesOfName = 200;
 
 constexpr std::size_t kDigits = 8;
 constexpr char kEnding[] = ".part";
 
-/// What the names of all new files begin with that are to become this one.
+/// The common prefix of the names of all temporary files for this target.
 std::string beginning(const fs::path& target) {
   return target.filename().native().substr(0, kBytesOfName) + '.';
 }
 
-/// Another name at each call.
+/// A temporary name, another one at each call.
 fs::path name_beside(const fs::path& target) {
   std::random_device random;
   char digits[kDigits + 1];
@@ -42,7 +42,7 @@ fs::path name_beside(const fs::path& target) {
   return target.parent_path() / (beginning(target) + digits + kEnding);
 }
 
-/// The file system has no hard links.
+/// Whether the error means that the file system cannot make the hard link.
 bool has_no_links(int error) {
   return error == EPERM || error == ENOSYS || error == EOPNOTSUPP || error == ENOTSUP ||
          error == EMLINK || error == EACCES;
@@ -119,12 +119,12 @@ bool NewFile::put_where_none_is() {
   if (::link(path_.c_str(), target_.c_str()) == 0) {
     ::unlink(path_.c_str());
   } else {
-    // Whoever made the file may have removed this one since.
+    // The file that was there may have been removed since.
     const int reason = errno;
     if (reason == EEXIST || ::access(target_.c_str(), F_OK) == 0) return false;
     errno = reason;
     if (!has_no_links(errno)) fail("renamed", errno);
-    // Whoever makes the empty file owns the name.
+    // The process that creates the empty file owns the name.
     const int own = ::open(target_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (own < 0 && errno == EEXIST) return false;
     if (own < 0) fail("renamed", errno);

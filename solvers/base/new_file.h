@@ -1,48 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A file that appears under its name when it is whole, or not at all.
+// A file that appears under its name complete, or not at all.
 //
-// It is filled beside its place, under a name that no other file has and that no other program can
-// be writing to, is on the disk before it gets its own name, and a link in its place stays: the
-// file that the link leads to is the one that is written.
+// It is written beside its place, under a temporary name that no other file has and no other
+// program writes to, and is synced to the disk before it is renamed. If the place is a link, the
+// link stays, and the file that it leads to is replaced.
 #pragma once
 
 #include <filesystem>
 
 namespace palpate {
 
-/// Where a path leads if the file is a link, or a link to one; the file need not be there.
-/// @throws InputError the links lead round in a circle.
+/// The path after following it if it is a link, and further links; the file itself need not exist.
+/// @throws InputError the links form a circle.
 [[nodiscard]] std::filesystem::path without_links(const std::filesystem::path& path);
 
-/// The longest name of a file, bytes: what SQLite writes beside one has a longer name.
+/// The longest permitted file name, bytes. It leaves room for the longer names of the files that
+/// SQLite writes beside a database.
 inline constexpr std::size_t kLongestFileName = 247;
 
-/// @throws InputError the file has a longer name.
+/// @throws InputError the file's name is longer than kLongestFileName.
 void require_short_name(const std::filesystem::path& path);
 
-/// Removes what was left beside a file of new ones that did not become it, because the program or
-/// the computer that made them came to an end. Call it when nobody can be making one any more.
+/// Removes unfinished new files beside `target`, which are left where a program or the computer
+/// stopped while writing one. Call it only when no other process can be writing one.
 void remove_unfinished(const std::filesystem::path& target);
 
 class NewFile {
  public:
-  /// Makes an empty file beside the place of the new one.
-  /// @param target Without links.
-  /// @throws BackendError it cannot be made there.
+  /// Creates an empty temporary file beside the place of the new file.
+  /// @param target The place of the new file, a path without links.
+  /// @throws BackendError it cannot be created there.
   explicit NewFile(std::filesystem::path target);
-  /// Removes it, unless it was put in place.
+  /// Removes the temporary file, unless it was renamed to its place.
   ~NewFile();
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
 
-  /// Where it is to be written.
+  /// The path of the temporary file, for writing to it.
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Gives it its name, in place of a file that has it.
+  /// Renames it to its place, and replaces a file that is there.
   /// @throws BackendError the disk failed, or it cannot be renamed.
   void replace();
-  /// Gives it its name where no file has it.
-  /// @returns False: there is one by now, and it stays as it is. @throws BackendError as replace().
+  /// Renames it to its place if no file is there.
+  /// @returns False if a file is there by now; that file does not change.
+  /// @throws BackendError as replace().
   [[nodiscard]] bool put_where_none_is();
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a solve ended. Every solve ends with an Outcome and Flags; nothing downstream uses a bad
-// configuration unknowingly. The numbers are stored in files and shown in data arrays: keep them.
+// How a solve ended. Every solve ends with an Outcome and Flags, so that nothing downstream uses a
+// bad configuration unknowingly. The numbers are stored in files and shown in data arrays: do not
+// change them.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +16,10 @@ enum class Outcome : std::int32_t {
   budget_used_up = 3,
   aborted = 4,
   invalid_scene = 5,
-  /// Conjugate gradients did not solve for the tangent, where there was no factor.
+  /// Conjugate gradients did not converge for the tangent, which had no factor.
   tangent_not_solved = 6,
-  /// A rigid tool has gone through the surface and is in the body: what presses it there is no
-  /// contact any more, or nothing at all.
+  /// A rigid tool has passed through the surface into the body: the pressure on it there is no
+  /// longer that of a contact, or is absent.
   tool_inside = 7,
 };
 
@@ -29,13 +30,13 @@ using Flags = std::int32_t;
 inline constexpr Flags inverted = 1;
 /// The tangent at the solution has negative pivots.
 inline constexpr Flags unstable = 2;
-/// |h| exceeds the force limit: kept, not expanded.
+/// |h| exceeds the force limit; the configuration is stored, but not expanded.
 inline constexpr Flags beyond_force_limit = 4;
 inline constexpr Flags near_fold = 8;
 /// The number of negative pivots is not known (a neighbour's factor was used).
 inline constexpr Flags inertia_not_computed = 16;
-/// An equilibrium to rounding, of which the displacement is less accurate than was asked for, or a
-/// step in time that may not be so short as its tolerance asks for.
+/// An equilibrium to rounding whose displacement is less accurate than was asked for, or a time
+/// step that would have to be shorter than permitted to meet its tolerance.
 inline constexpr Flags inaccurate = 32;
 /// The tool touches nothing: the body is at rest, and force, stiffness and energy are exactly zero.
 inline constexpr Flags touches_nothing = 64;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a piece of work takes of a processor.
+// The processor time that a piece of work takes.
 #pragma once
 
 #include <ctime>
 
 namespace palpate {
 
-/// Time that this thread alone has worked, whatever else the machine does, s.
+/// The processor time of the calling thread alone, s; other load on the machine does not count.
 inline double own_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Loops over the parts of a body, of which several may run at once.
+// Loops over the parts of a body, several of which may run in parallel.
 //
-// What a loop gives does not depend on how many threads run it, to the bit: parts follow from the
-// size of the body alone, a part writes nothing that another one reads or writes, and what the
-// parts have found is summed in their order. A body that is small is one part, and its loops are
-// as if they were not there.
+// The result of a loop is the same to the bit for any number of threads: the parts depend on the
+// size of the body alone, no part writes what another one reads or writes, and the results of the
+// parts are summed in their order. A small body is one part, and a loop over it costs nothing
+// extra.
 //
-// Threads come from a team (threads/thread_team.h): whoever solves does it in with_team(). Outside
-// of that, parts run one after the other.
+// Threads come from a team (threads/thread_team.h), which a solver sets for its work with
+// with_team(). Without a team the parts run one after the other.
 #pragma once
 
 #include <cstdint>
@@ -20,33 +20,34 @@
 
 namespace palpate {
 
-/// Threads that run the parts of loops.
+/// Threads that execute the parts of loops.
 class Team {
  public:
-  /// Runs a part of a loop.
+  /// A function that executes a part of a loop.
   using RunPart = void (*)(void* loop, Index part);
-  /// Does the work.
+  /// A function that executes the work.
   using DoWork = void (*)(void* work);
 
   virtual ~Team() = default;
   Team(const Team&) = delete;
   Team& operator=(const Team&) = delete;
 
-  /// Runs the work in this thread, of whose loops the others take parts.
+  /// Executes the work in this thread; the other threads execute parts of its loops.
   virtual void serve(DoWork do_work, void* work) = 0;
-  /// Within serve(): runs each part once, in any order, and comes back when all have ended. An
-  /// exception of a part is thrown on, one of them where there are several; parts that have not
-  /// begun are left out.
+  /// Within serve(): executes each part once, in any order, and returns when all have ended. If
+  /// parts throw, one of the exceptions is rethrown, and parts that have not started are skipped.
   virtual void run(Index num_parts, RunPart run_part, void* loop) = 0;
 
  protected:
   Team() = default;
 };
 
-/// Runs the work with a team, or with none. @param team Null: parts run one after the other.
+/// Executes the work with a team.
+/// @param team Null means that parts run one after the other.
 void run_with(Team* team, Team::DoWork do_work, void* work);
 
-/// Calls f() with a team for the loops in it. @returns What f returns.
+/// Calls f() with a team for the loops in it.
+/// @returns The result of f.
 template <class F>
 auto with_team(Team* team, F&& f) {
   if constexpr (std::is_void_v<decltype(f())>) {
@@ -61,7 +62,7 @@ auto with_team(Team* team, F&& f) {
   }
 }
 
-/// With the team of this thread.
+/// Executes the parts with the team of this thread.
 void run_parts(Index num_parts, Team::RunPart run_part, void* loop);
 
 /// Calls f(part) for each part, 0 … num_parts − 1.
@@ -74,15 +75,15 @@ void for_each_part(Index num_parts, F&& f) {
       const_cast<void*>(static_cast<const void*>(std::addressof(f))));
 }
 
-/// The parts of a sequence: ranges of nearly the same length, as many as a power of two, so that
-/// they are the halves of halves of a sequence that is ordered so (mesh/bisection_order.h).
+/// The parts of a sequence: ranges of nearly the same length. Their number is a power of two, so
+/// that they coincide with the recursive halves of a sequence ordered by mesh/bisection_order.h.
 class Ranges {
  public:
-  /// Four for each of 64 threads, so that they end at about the same time.
+  /// Four for each of 64 threads, so that the threads end at about the same time.
   static constexpr Index kMostParts = 256;
 
-  /// @param least Items of a part, but for a sequence that has not as many: less than that is not
-  ///   worth a thread.
+  /// @param least The smallest number of items in a part, unless the sequence is shorter; fewer are
+  ///   not worth a thread.
   Ranges(Index count, Index least) : count_(count) {
     while (num_parts_ < kMostParts && count / (2 * num_parts_) >= least) num_parts_ *= 2;
   }
@@ -105,11 +106,11 @@ void for_each_range(const Ranges& ranges, F&& f) {
                 [&](Index part) { f(ranges.first(part), ranges.first(part + 1)); });
 }
 
-/// The least nodes of a part: with fewer, what parts have to do with one another takes more than a
-/// tenth of a pass. A body of up to ten thousand unknowns, for which there is a factor, is one
+/// The smallest number of nodes in a part: with fewer, the exchange between parts takes more than a
+/// tenth of a pass. A body of up to ten thousand unknowns, which is solved with a factor, is one
 /// part.
 inline constexpr Index kNodesOfPart = 4096;
-/// The least numbers of a part where little is done with each.
+/// The smallest number of values in a part if little is computed with each.
 inline constexpr Index kNumbersOfPart = 1 << 16;
 
 }  // namespace palpate

@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-/// A character of UTF-8; 0 bytes: what is there is none.
+/// A character of UTF-8; `bytes` is 0 where the text has no valid one.
 struct Character {
   char32_t code = 0;
   std::size_t bytes = 0;
@@ -29,13 +29,15 @@ Character first_of(std::string_view text) {
   return {code, bytes};
 }
 
-/// It prints nothing, but does something: C0, C1, line and paragraph separators, directions.
+/// Whether the character is not printed but has an effect: C0, C1, line and paragraph separators,
+/// directions.
 bool is_control(char32_t c) {
   return c < 0x20 || (c >= 0x7f && c <= 0x9f) || c == 0x061c || c == 0x200e || c == 0x200f ||
          (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069) || c == 0xfeff;
 }
 
-/// Where a text of UTF-8 may be cut, at this place or up to three bytes before.
+/// The place at which to cut UTF-8 text without cutting a character: `at`, or up to three bytes
+/// before.
 std::size_t cut_before(std::string_view text, std::size_t at) {
   for (std::size_t i = at; i > 0 && at - i < 4; --i) {
     if ((static_cast<unsigned char>(text[i]) >> 6) != 0x2) return i;

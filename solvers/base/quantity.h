@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// @param unit Empty: the value has none.
+/// @param unit Empty for a value without unit.
 [[nodiscard]] inline std::string quantity(double value, const std::string& unit = {}) {
   char text[32];
   std::snprintf(text, sizeof text, "%g", value);

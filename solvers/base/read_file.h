@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A file that is opened to be read.
+// Opens a file for reading.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,9 @@
 
 namespace palpate {
 
-/// Opens a file of a disk, and nothing else: a pipe keeps a program waiting until somebody writes
+/// Opens a regular file, and nothing else: a pipe would block the program until another one writes
 /// to it, and a device may never end.
-/// @throws InputError there is none, it may not be read, or it is no ordinary file.
+/// @throws InputError the file does not exist, may not be read, or is not a regular file.
 [[nodiscard]] std::ifstream open_to_read(const std::filesystem::path& path);
 
 }  // namespace palpate

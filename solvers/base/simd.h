@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several numbers that are computed with as one, and the instruction sets that compute with them.
+// Several numbers that are computed with as one, and the instruction sets for this.
 //
 // This is written with the vector extension of GCC and Clang, so that one source serves SSE2, AVX2
 // and AVX-512. Code is compiled for more than the baseline in one of two ways.
@@ -11,7 +11,7 @@
 //   of its own. That name becomes part of every symbol, so that the linker cannot merge, say, an
 //   AVX-512 instance into the code of a machine that lacks it.
 //
-// The processor picks at run time: see best_instruction_set().
+// The instruction set is chosen at run time: see best_instruction_set().
 #pragma once
 
 #include <cmath>
@@ -28,7 +28,7 @@ namespace palpate {
 
 enum class InstructionSet { baseline, avx2, avx512 };
 
-/// The best one that the processor has.
+/// The best instruction set that the processor supports.
 [[nodiscard]] InstructionSet best_instruction_set();
 
 using Two = double __attribute__((vector_size(16)));
@@ -50,12 +50,12 @@ template <class T, class V>
   __builtin_memcpy(to, &v, sizeof v);
 }
 
-/// Numbers in a packet.
+/// The number of values in a packet.
 inline constexpr int kPacketSize = kSizeOf<Eight>;
 
 namespace PALPATE_INSTRUCTION_SET {
 
-/// Eight numbers with which scalars mix freely.
+/// Eight numbers in one value, which can be combined with scalars in any expression.
 struct Packet {
   Eight values;
 
@@ -93,7 +93,7 @@ struct Packet {
 inline Packet min(Packet a, Packet b) { return a.values < b.values ? a.values : b.values; }
 inline Packet max(Packet a, Packet b) { return a.values > b.values ? a.values : b.values; }
 
-/// f of every number.
+/// Applies f to each number.
 template <class F>
 Packet map(Packet a, F&& f) {
   Packet result;

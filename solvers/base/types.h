@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The few types that every part shares.
+// The few types that all parts share.
 #pragma once
 
 #include <Eigen/Core>

@@ -11,12 +11,12 @@ namespace palpate {
 namespace {
 
 constexpr int kMaxIterations = 20;
-/// In the reference element.
+/// Newton's method has converged below this step, in reference coordinates.
 constexpr double kLastStep = 1e-9;
-/// Farther out than this Newton's method does not come back.
+/// Newton's method has diverged beyond this norm of the reference coordinates.
 constexpr double kFarOut = 10;
 
-/// Around a cell wherever its nodes are: around the control points of its Bézier form.
+/// A box that contains the cell: the box of the control points of its Bézier form.
 Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& nodes) {
   Eigen::AlignedBox3d box;
   for (int a = 0; a < 4; ++a) box.extend(nodes.col(a));
@@ -29,7 +29,7 @@ Eigen::AlignedBox3d box_of(const Eigen::Matrix3Xd& nodes) {
 
 bool is_in_reference(const Vec3& xi) { return xi.minCoeff() >= 0 && xi.sum() <= 1; }
 
-/// Whether a cell has the place, as Newton's method finds it from a place of the reference element.
+/// Whether the cell contains the place, as found by Newton's method started at xi.
 bool finds(ElementOrder order, const Eigen::Matrix3Xd& nodes, const Vec3& place, Vec3 xi) {
   for (int i = 0; i < kMaxIterations; ++i) {
     const Mat3 jacobian = nodes * shape_gradients(order, xi);
@@ -44,7 +44,7 @@ bool finds(ElementOrder order, const Eigen::Matrix3Xd& nodes, const Vec3& place,
 bool cell_contains(ElementOrder order, const Eigen::Matrix3Xd& nodes, const Vec3& place) {
   if (finds(order, nodes, place, Vec3::Constant(0.25))) return true;
   if (order == ElementOrder::linear) return false;
-  // In a cell that is much curved it depends on the start.
+  // In a strongly curved cell convergence depends on the start.
   return std::any_of(quadrature(order).begin(), quadrature(order).end(),
                      [&](const auto& start) { return finds(order, nodes, place, start.xi); });
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a place is in a deformed body: in one of its cells, whose map from the reference element
-// is turned round by Newton's method.
+// Whether a place is in a deformed body, that is in one of its cells. Newton's method inverts the
+// map of each cell from the reference element.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// @param u The displacement of every point, and maybe more, m.
-/// @param places m. Those in no cell are outside, in a cavity too.
+/// @param u Starts with the displacement of every point, m; what follows is ignored.
+/// @param places m. A place in no cell is outside the body, also where it is in a cavity.
 [[nodiscard]] bool body_contains_any(const TetMesh& mesh, const NodalVector& u,
                                      const std::vector<Vec3>& places);
 

@@ -8,10 +8,10 @@
 namespace palpate {
 namespace {
 
-/// A part of a cell that was halved this often is a point.
+/// After this many bisections a part of a cell is as small as a point.
 constexpr int kMaxHalvings = 60;
 
-/// Node in the middle of the edge between two corners.
+/// The node in the middle of the edge between two corners.
 constexpr int kMiddle[4][4] = {{-1, 4, 6, 7}, {4, -1, 5, 8}, {6, 5, -1, 9}, {7, 8, 9, -1}};
 
 Mat3 cross(const Mat3& a, const Mat3& b) {
@@ -29,7 +29,7 @@ Mat3 cross(const Mat3& a, const Mat3& b) {
   return product;
 }
 
-/// Times six.
+/// The least Bézier coefficient of the determinant, times six.
 double least_bezier_coefficient(const CornerJacobians& j) {
   double least = cross(j[0], j[0]).cwiseProduct(j[0]).sum();
   for (int a = 0; a < 4; ++a) {
@@ -41,7 +41,7 @@ double least_bezier_coefficient(const CornerJacobians& j) {
   return least;
 }
 
-/// A part of a cell: ∂x/∂ξ and the place of its corners.
+/// A part of a cell: ∂x/∂ξ at its corners, and their barycentric coordinates.
 struct Part {
   CornerJacobians jacobians;
   std::array<Eigen::Vector4d, 4> places;
@@ -73,7 +73,7 @@ std::optional<Eigen::Vector4d> find_inversion(const Part& part, int halvings) {
   return std::nullopt;
 }
 
-/// Whether all J_a are so near to J_0 that no mean of them is singular, which is quick to see.
+/// Whether all J_a are so near to J_0 that no mean of them is singular: a cheap sufficient test.
 bool are_alike(const CornerJacobians& j) {
   const Mat3 inverse = j[0].inverse();
   return j[0].determinant() > 0 && std::all_of(j.begin() + 1, j.end(), [&](const Mat3& of_corner) {

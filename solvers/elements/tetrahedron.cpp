@@ -7,7 +7,8 @@
 namespace palpate {
 namespace {
 
-/// Barycentric coordinate of the four points of degree 2: near one corner, and the other three.
+/// Barycentric coordinates of the four points of degree 2: with respect to the nearest corner, and
+/// to the other three.
 const double kNear = (5 + 3 * std::sqrt(5.0)) / 20;
 const double kFar = (5 - std::sqrt(5.0)) / 20;
 
@@ -33,7 +34,8 @@ const std::vector<QuadraturePoint>& quadrature(ElementOrder order) {
 const std::vector<QuadraturePoint>& fine_quadrature() {
   static const std::vector<QuadraturePoint> points = [] {
     std::vector<QuadraturePoint> all{{Vec3::Constant(0.25), 0.030283678097089181}};
-    // Four points each, the one that is other first among the barycentric coordinates, and so on.
+    // Adds the four points that have `one` as one barycentric coordinate and `three` as the others,
+    // beginning with the coordinate of corner 0.
     const auto add_four = [&](double three, double one, double weight) {
       all.push_back({Vec3::Constant(three), weight});
       for (int i = 0; i < 3; ++i) {

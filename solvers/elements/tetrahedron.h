@@ -11,15 +11,15 @@
 namespace palpate {
 
 struct QuadraturePoint {
-  /// Place in the reference element.
+  /// The point in reference coordinates.
   Vec3 xi;
-  /// Its weight; the weights of an element add up to the reference volume 1/6.
+  /// The weight of the point; the weights of an element add up to the reference volume 1/6.
   double weight;
 };
 
 /// The quadrature points of an element: one point for Tet4, which is exact for its constant strain,
-/// and the 4-point rule of degree 2 for Tet10 (Keast 1986), in the order of the corners that the
-/// points lie near.
+/// and the 4-point rule of degree 2 for Tet10 (Keast 1986), ordered by the corner that each point
+/// is nearest to.
 [[nodiscard]] const std::vector<QuadraturePoint>& quadrature(ElementOrder order);
 
 /// A rule of degree 5 (15 points, Walkington 2000), with positive weights: exact for the product of

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Strain at a point from H = ∇u, the response of a law to it, and symmetric tensors, for a scalar
-// type T that is double or a Packet of them.
+// Strain at a point from H = ∇u, the response of a law to it, and operations on symmetric tensors.
+// The scalar type T is double or a Packet of them.
 //
 //   F = I + H,  J = det F,  E = ½(H + Hᵀ + HᵀH),  C = I + 2E
 //
@@ -48,9 +48,9 @@ struct Kinematics {
     j = h[0][0] + h[1][1] + h[2][2] + minor_xy + minor_xz + minor_yz + third;
   }
 
-  /// tr E − (J − 1), which is of second order in the strain, from terms that are: with the
-  /// invariants of E, (1 + j)² = det(I + 2E) = 1 + 2 I + 4 II + 8 III. A rotation has no part in
-  /// it.
+  /// tr E − (J − 1), which is of second order in the strain, computed from terms of that order:
+  /// with the invariants of E, (1 + j)² = det(I + 2E) = 1 + 2 I + 4 II + 8 III. A rotation
+  /// contributes nothing to it.
   [[nodiscard]] T trace_without_volume() const {
     const T minors =
         e[0] * e[1] - e[5] * e[5] + e[0] * e[2] - e[4] * e[4] + e[1] * e[2] - e[3] * e[3];
@@ -85,12 +85,12 @@ void inverse_c(const Kinematics<T>& k, T (&ci)[6]) {
   ci[5] = scale * (c[3] * c[4] - c[2] * c[5]);
 }
 
-/// Eigenvalues and orthonormal eigenvectors of a symmetric tensor, in no order, by rotations of
-/// Jacobi: x = Σ values[a] vectors[a] ⊗ vectors[a] to the rounding of its largest component.
+/// Eigenvalues and orthonormal eigenvectors of a symmetric tensor, unsorted, by Jacobi's rotations:
+/// x = Σ values[a] vectors[a] ⊗ vectors[a] to the rounding of its largest component.
 template <class T>
 struct Eigen3 {
   T values[3];
-  /// The components of each.
+  /// The components of each eigenvector.
   T vectors[3][3];
 
   explicit Eigen3(const T (&x)[6]) {
@@ -99,7 +99,7 @@ struct Eigen3 {
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) vectors[i][j] = i == j ? 1.0 : 0.0;
     }
-    // Off the diagonal each sweep squares what is left, from the second on.
+    // From the second sweep on the off-diagonal components converge quadratically.
     constexpr int num_sweeps = 5;
     for (int sweep = 0; sweep < num_sweeps; ++sweep) {
       rotate(0, 1, a);
@@ -110,13 +110,13 @@ struct Eigen3 {
   }
 
  private:
-  /// Turns the axes p and q so that a_pq becomes 0.
+  /// Rotates in the plane of the axes p and q so that a_pq becomes 0.
   void rotate(int p, int q, T (&a)[6]) {
     T& off = a[kSymmetric[p][q]];
     const T half = 0.5 * (a[q] - a[p]);
     const T sign = map(half, [](double y) { return std::copysign(1.0, y); });
     const T root = map(T(half * half + off * off), [](double y) { return std::sqrt(y); });
-    // Where both are 0 there is nothing to turn.
+    // It avoids 0/0 where both terms are 0 and no rotation is needed.
     constexpr double least = 1e-300;
     const T tangent = off * sign / (half * sign + root + least);
     const T cosine = map(tangent, [](double t) { return 1 / std::sqrt(1 + t * t); });

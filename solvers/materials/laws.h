@@ -35,15 +35,15 @@ inline constexpr int kNumConstants = L == Law::mooney_rivlin_polynomial ? 1 + nu
                                      : L == Law::mooney_rivlin || L == Law::fung ? 3
                                                                                  : 2;
 
-/// Beyond this exponent, which no equilibrium reaches, the exponentials of Fung and Ogden go on as
-/// their parabola: a trial state far out has an energy that is large and finite, and so have its
-/// derivatives.
+/// Beyond this exponent, which no equilibrium reaches, the exponentials of Fung and Ogden continue
+/// as their osculating parabola, so that the energy and its derivatives stay finite in a trial
+/// state that is far from equilibrium.
 inline constexpr double largest_exponent = 200;
 
 template <Law L>
 struct LawOf;
 
-/// As St. Venant–Kirchhoff, but of ε = sym H in place of E; s is σ = P, d is ∂σ/∂ε.
+/// St. Venant–Kirchhoff's law with ε = sym H in place of E; s is σ = P, d is ∂σ/∂ε.
 template <>
 struct LawOf<Law::linear> {
   template <bool WithTangent, class T>
@@ -107,7 +107,7 @@ struct LawOf<Law::neo_hookean> {
   }
 };
 
-/// Ī₁ − 3 and Ī₂ − 3, and what they share with their derivatives.
+/// Ī₁ − 3 and Ī₂ − 3, and the terms that their derivatives share with them.
 template <class T>
 struct IsochoricInvariants {
   /// J^(−2/3) and its square.
@@ -132,8 +132,8 @@ struct IsochoricInvariants {
     tr = trace(k.e);
     product(k.e, k.e, e2);
     inverse_c(k, ci);
-    // The terms of first order in the strain cancel in Ī₁ − 3 and Ī₂ − 3. With
-    // q = tr E − j and x³ = J they are gone before they are computed:
+    // With q = tr E − j and x³ = J the terms of first order in the strain, which cancel in Ī₁ − 3
+    // and Ī₂ − 3, are eliminated by hand:
     //   2aj + 3(a − 1) = (x − 1)² (2x + 1)/x²,  4bj + 3(b − 1) = −(x − 1)² (3x² + 2x + 1)/x⁴.
     const T q = k.trace_without_volume();
     const T x_1_squared = x_1 * x_1;
@@ -213,8 +213,8 @@ struct LawOf<Law::mooney_rivlin> {
   }
 };
 
-/// With x = Ī₁ − 3, y = Ī₂ − 3 and f(x, y) the sum: S as that of f_x Ī₁ + f_y Ī₂, and D with
-/// f_xx ∂x⊗∂x + f_xy (∂x⊗∂y + ∂y⊗∂x) + f_yy ∂y⊗∂y besides.
+/// With x = Ī₁ − 3, y = Ī₂ − 3 and the sum f(x, y): S is that of f_x Ī₁ + f_y Ī₂, and D has in
+/// addition f_xx ∂x⊗∂x + f_xy (∂x⊗∂y + ∂y⊗∂x) + f_yy ∂y⊗∂y.
 template <>
 struct LawOf<Law::mooney_rivlin_polynomial> {
   template <bool WithTangent, class T>
@@ -274,7 +274,7 @@ struct LawOf<Law::fung> {
   }
 };
 
-/// (exp(x) − 1 − x)/x², to full relative precision; beyond largest_exponent with the parabola.
+/// (exp(x) − 1 − x)/x², to full relative precision; beyond largest_exponent that of the parabola.
 inline double exp_remainder(double x) {
   if (x > largest_exponent) {
     const double beyond = x - largest_exponent;
@@ -286,15 +286,15 @@ inline double exp_remainder(double x) {
   return sum;
 }
 
-/// The derivative of x² exp_remainder(x), over x.
+/// The derivative of x² exp_remainder(x), divided by x.
 inline double mean_exp(double x) {
   if (x == 0) return 1;
   const double within = x < largest_exponent ? x : largest_exponent;
   return (std::expm1(within) + std::exp(within) * (x - within)) / x;
 }
 
-/// The mean of the second derivative of x² exp_remainder(x) between two places, however close they
-/// are.
+/// The mean of the second derivative of x² exp_remainder(x) between two arguments, which may
+/// coincide.
 inline double mean_exp_between(double x, double y) {
   const double high = x > y ? x : y;
   const double low = x > y ? y : x;
@@ -314,8 +314,8 @@ inline double mean_exp_between(double x, double y) {
 ///   ∂S_a/∂E_b = ((P γ P)_ab − 2 δ_ab τ_a)/(λ_a² λ_b²), γ_a = ∂β_a/∂ℓ̄_a, P = dev,
 ///   (S_a − S_b)/(E_a − E_b) = (s Δ coth Δ − τ_a − τ_b)/(λ_a² λ_b²) of the shear,
 ///   Δ = ℓ_a − ℓ_b, s = (β_a − β_b)/Δ,
-/// where s and Δ coth Δ have forms that have a value for equal stretches, too. As Σ ℓ̄_a = 0, the
-/// terms of first order in W are gone before they are computed.
+/// where the forms used for s and Δ coth Δ are defined for equal stretches, too. As Σ ℓ̄_a = 0, the
+/// terms of first order in W are eliminated by hand.
 template <>
 struct LawOf<Law::ogden> {
   template <bool WithTangent, class T>
@@ -390,7 +390,8 @@ struct LawOf<Law::ogden> {
   }
 
  private:
-  /// ln λ_a. The sum is ln J: where a cell is flat, the least stretch has no other digits.
+  /// ln λ_a. The least of them is corrected so that their sum is ln J: where a cell is nearly flat,
+  /// rounding of the eigenvalue leaves it no digits.
   template <class T>
   static void logarithms(const Kinematics<T>& k, const Eigen3<T>& axes, T (&l)[3]) {
     for (int a = 0; a < 3; ++a) {

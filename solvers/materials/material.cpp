@@ -12,14 +12,14 @@ namespace {
 
 using Parameters = std::array<double, max_parameters>;
 
-/// Above this Poisson's ratio the displacement formulation locks. The margin is for one that is
-/// computed from moduli.
+/// Above this Poisson's ratio the displacement formulation locks. The margin covers the rounding of
+/// a ratio that is computed from moduli.
 constexpr double kLargestFreeOfLocking = 0.45 * (1 + 1e-9);
 
-/// With a larger one a strain of 1 % would multiply the stiffness by e¹⁰.
+/// With a larger exponent a strain of 1 % would multiply the stiffness by e¹⁰.
 constexpr double kLargestOgdenExponent = 1000;
 
-/// Throws unless condition holds, with "<name> is <value>; …".
+/// Throws an InputError "<name> is <value>; …" unless the condition holds.
 void require(bool condition, const std::string& name, double value, const char* what_to_do) {
   if (condition) return;
   std::ostringstream text;

@@ -27,7 +27,7 @@
 
 namespace palpate {
 
-/// The law of a material. The numbers are stored in files and data arrays: keep them.
+/// The law of a material. The numbers are stored in files and data arrays: do not change them.
 enum class Law : int {
   linear = 0,
   st_venant_kirchhoff = 1,
@@ -42,14 +42,14 @@ enum class Law : int {
 
 inline constexpr int num_laws = 9;
 
-/// How a change of volume is resisted. The numbers are stored as those of `Law` are.
+/// How the material resists a change of volume. The numbers are stored, as those of `Law` are.
 enum class Formulation : int {
   /// By the displacement alone.
   displacement = 0,
   /// Through a pressure unknown: free of volumetric locking.
   mixed = 1,
-  /// The same with a finer rule of quadrature: a Tet10 has 15 points, at which a law is kept from
-  /// being inverted, in place of 4. A Tet4, whose strain is constant, has one as ever.
+  /// Mixed, with a finer quadrature rule: a Tet10 has 15 points instead of 4, so that the inversion
+  /// barrier acts at more places. A Tet4, whose strain is constant, has one point in either rule.
   mixed_fine = 2,
 };
 
@@ -73,7 +73,7 @@ inline constexpr int num_formulations = 3;
   return is_incompressible(law) ? Law::mooney_rivlin : law;
 }
 
-/// True where W is not defined for det F ≤ 0 and its energy counts as infinite there, so that no
+/// Whether W is undefined for det F ≤ 0, where its energy counts as infinite, so that no
 /// equilibrium is inverted at a quadrature point.
 [[nodiscard]] constexpr bool has_inversion_barrier(Law law) {
   return law != Law::linear && law != Law::st_venant_kirchhoff;
@@ -84,28 +84,26 @@ inline constexpr int num_polynomial_terms = 9;
 inline constexpr std::array<std::array<int, 2>, num_polynomial_terms> polynomial_powers{
     {{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}, {3, 0}, {2, 1}, {1, 2}, {0, 3}}};
 
-/// Terms of Ogden's energy at the most.
+/// The largest number of terms of Ogden's energy.
 inline constexpr int max_ogden_terms = 3;
 
 inline constexpr int max_parameters = 1 + num_polynomial_terms;
 
-/// The names of the parameters of a law, and so their number, in the order of Material::parameters:
+/// The names of the parameters of a law in the order of Material::parameters, as many as it has:
 /// 'YoungsModulus', 'PoissonsRatio', 'Exponent', 'C10', 'C01', 'C20', …, 'C03', 'BulkModulus',
 /// 'OgdenModulus1', 'OgdenExponent1', …, 'OgdenExponent3'.
 [[nodiscard]] const std::vector<std::string>& parameter_names(Law law);
 
 struct Material {
   Law law = Law::st_venant_kirchhoff;
-  /// The parameters as the user gave them, Pa or without unit; those behind the law's last are 0:
+  /// The parameters as the user gave them, Pa or without unit, followed by zeros:
   ///   linear, St. Venant–Kirchhoff, neo-Hookean   Young's modulus, Poisson's ratio
   ///   Mooney–Rivlin                               C₁₀, C₀₁, κ
   ///   polynomial                                  κ, C₁₀, C₀₁, C₂₀, C₁₁, C₀₂, C₃₀, C₂₁, C₁₂, C₀₃
   ///   Fung                                        Young's modulus, Poisson's ratio, exponent b
   ///   neo-Hookean incompressible                  Young's modulus
   ///   Mooney–Rivlin incompressible                C₁₀, C₀₁
-  ///   Ogden                                       κ, μ₁, α₁, μ₂, α₂, μ₃, α₃; a term with μ_i = 0
-  ///   is
-  ///                                               not there, and its α_i is 0
+  ///   Ogden                                       κ, μ₁, α₁, μ₂, α₂, μ₃, α₃; α_i is 0 where μ_i is
   std::array<double, max_parameters> parameters{};
   Formulation formulation = Formulation::displacement;
 
@@ -116,13 +114,13 @@ struct Material {
 
 /// A material with the formulation that suits it: mixed where it is incompressible or Poisson's
 /// ratio at rest is above 0.45.
-/// @param parameters They are as Material::parameters.
-/// @throws InputError a parameter out of its range, by name.
+/// @param parameters In the order of Material::parameters.
+/// @throws InputError a parameter is out of its range; the message names it.
 [[nodiscard]] Material make_material(Law law, const std::array<double, max_parameters>& parameters);
 
 /// The material in another formulation than the one that suits it.
-/// @throws InputError the formulation is displacement and the law incompressible, or it is a mixed
-///   one and κ̂ not positive.
+/// @throws InputError the formulation is displacement and the law incompressible, or the
+///   formulation is mixed and κ̂ is not positive.
 [[nodiscard]] Material with_formulation(Material material, Formulation formulation);
 
 /// A linear, St. Venant–Kirchhoff or neo-Hookean material from Young's modulus (Pa) and Poisson's

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the recursions of a viscous material (materials/rheology.h) at a point are made of.
+// Tensor operations for the recursions of a viscous material (materials/rheology.h) at one point.
 //
 // Symmetric tensors are six components in the order xx yy zz yz xz xy; in an array they are
 // kPacketSize apart, see base/simd.h.

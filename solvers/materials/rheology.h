@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a material is besides elastic: its inertia, and a viscosity of two kinds that add up.
+// The properties of a material besides its elasticity: inertia, and two kinds of viscosity, added
+// up.
 //
 //   S(t) = S_∞(E(t)) + Σ_j g_j ∫₀ᵗ exp(−(t − s)/τ_j) d/ds S_∞(E(s)) ds + τ C₀ : Ė(t)
 //
 // S_∞ is the stress of the hyperelastic law, to which the material relaxes, and C₀ = ∂S_∞/∂E at
 // rest. The sum is quasi-linear viscoelasticity with a Prony series [Fung], in the reference
-// configuration: right after a sudden strain the material is 1 + Σ g_j times as stiff as in the
-// end. The last term is that of Kelvin and Voigt.
+// configuration: right after a sudden strain the material is 1 + Σ g_j times as stiff as after it
+// has relaxed. The last term is Kelvin–Voigt viscosity.
 //
 // [Fung] Y. C. Fung, Biomechanics: Mechanical Properties of Living Tissues, 2nd ed., 7.6.
 #pragma once
@@ -22,11 +23,11 @@ namespace palpate {
 inline constexpr int max_prony_terms = 4;
 
 struct Rheology {
-  /// ρ at rest, kg/m³; 0: there is no inertia.
+  /// ρ at rest, kg/m³; 0 means no inertia.
   double density = 0;
   /// τ, s.
   double viscous_time = 0;
-  /// g_j, without unit, and τ_j, s; a term with g_j = 0 is not there, and its τ_j is 0.
+  /// g_j, without unit, and τ_j, s. A term with g_j = 0 is absent, and its τ_j is 0.
   std::array<double, max_prony_terms> prony_moduli{};
   std::array<double, max_prony_terms> prony_times{};
 
@@ -37,11 +38,11 @@ struct Rheology {
   }
 };
 
-/// @throws InputError a number that is not finite or negative, a term whose time is not positive,
-///   or times that do not ascend from term to term, by name.
+/// @throws InputError a number is negative or not finite, a term's time is not positive, or the
+///   times do not ascend from term to term; the message names the number.
 void validate(const Rheology& rheology);
 
-/// Whether any of them has inertia.
+/// Whether any of the materials has inertia.
 [[nodiscard]] bool has_density(const std::vector<Rheology>& rheologies);
 
 /// The numbers of a Rheology one by one, as they are stored.
@@ -54,7 +55,7 @@ using RheologyValues = std::array<double, num_rheology_values>;
 [[nodiscard]] Rheology make_rheology(const RheologyValues& values);
 [[nodiscard]] RheologyValues values_of(const Rheology& rheology);
 
-/// The material of which the energy is that of another one times a factor.
+/// The material whose energy is the given material's energy times a factor.
 [[nodiscard]] Material scaled(Material material, double factor);
 
 }  // namespace palpate

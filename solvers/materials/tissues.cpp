@@ -4,15 +4,15 @@
 namespace palpate {
 namespace {
 
-/// From Young's modulus, Pa.
+/// @param youngs_modulus Pa.
 Material neo_hookean(double youngs_modulus) {
   return make_material(Law::neo_hookean_incompressible, {youngs_modulus});
 }
 
-/// From the shear modulus, Pa.
+/// @param modulus The shear modulus, Pa.
 Material sheared(double modulus) { return neo_hookean(3 * modulus); }
 
-/// One term, with Poisson's ratio 0.495.
+/// Ogden's law with one term and Poisson's ratio 0.495.
 Material ogden(double modulus, double exponent) {
   constexpr double ratio = 0.495;
   const double bulk_modulus = 2 * modulus * (1 + ratio) / (3 * (1 - 2 * ratio));

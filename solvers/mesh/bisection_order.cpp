@@ -35,8 +35,8 @@ class Bisection {
   }
 
  private:
-  /// Puts places in lines along x, these in sheets: as far apart as places are if they fill the
-  /// box.
+  /// Sorts places into lines along x, and the lines into sheets. Their spacing is the mean spacing
+  /// of places that fill the box.
   void sort_in_lines(Index* first, Index* last) const {
     const Eigen::AlignedBox3d box = box_of(places_, first, last);
     const double apart = std::cbrt(box.volume() / static_cast<double>(last - first));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A balanced tree of boxes, which finds what is near a place and what overlaps a box; and the point
-// of a triangle that is nearest to a place.
+// A balanced tree of boxes, which finds the items near a place and those that overlap a box; and
+// the point of a triangle that is nearest to a place.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// A tree that does not change once it is made. The items are split at the median of the middles of
-/// their boxes, along the axis on which these are furthest apart.
+/// A tree that does not change once it is made. The items are split at the median of the centres of
+/// their boxes, along the axis on which the centres spread farthest.
 class BoxTree {
  public:
   using Box = Eigen::AlignedBox3d;
@@ -20,8 +20,8 @@ class BoxTree {
   /// @param boxes The boxes of the items; they must be finite.
   explicit BoxTree(const std::vector<Box>& boxes);
 
-  /// The items in the order of the leaves, so that neighbours are close together. Queries give
-  /// places in this list.
+  /// The items in the order of the leaves, so that neighbours are close together. Queries call
+  /// visit() with places in this list.
   [[nodiscard]] const std::vector<Index>& order() const { return order_; }
   /// The box around all items; empty where there is none.
   [[nodiscard]] Box bounds() const { return nodes_.empty() ? Box() : nodes_[0].box; }
@@ -33,7 +33,7 @@ class BoxTree {
   void for_overlapping(const Box& box, Visit&& visit) const;
 
   /// Calls visit(place) for each item of the leaves that are nearer to a point than a distance,
-  /// which visit() may lessen meanwhile. Leaves that are near come early.
+  /// which visit() may reduce during the traversal. Nearer leaves tend to be visited first.
   /// @param squared_distance The square of the distance, m².
   /// @note Realtime-safe if visit is.
   template <class Visit>
@@ -148,7 +148,7 @@ void BoxTree::for_near(const Vec3& point, const double& squared_distance,
     const Index right = node.last;
     const double to_left = nodes_[left].box.squaredExteriorDistance(point);
     const double to_right = nodes_[right].box.squaredExteriorDistance(point);
-    // The nearer one is popped first.
+    // The nearer child is pushed last, so that it is popped first.
     if (to_left < to_right) {
       push(right, to_right);
       push(left, to_left);

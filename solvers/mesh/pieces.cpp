@@ -12,7 +12,7 @@
 namespace palpate {
 namespace {
 
-/// Sets of numbers that are joined, each known by its lowest number.
+/// Disjoint sets of numbers. The lowest number of each set represents it.
 class DisjointSets {
  public:
   explicit DisjointSets(Index count) : parent_(count) {
@@ -33,8 +33,7 @@ class DisjointSets {
   std::vector<Index> parent_;
 };
 
-/// @param set_of_cell Any number that all cells of a piece, and no others, have. It is below
-/// `num_sets`.
+/// @param set_of_cell The same number below `num_sets` for all cells of a piece, and for no others.
 template <class SetOfCell>
 Pieces collect(const TetMesh& mesh, Index num_sets, SetOfCell&& set_of_cell) {
   Pieces pieces;
@@ -63,7 +62,7 @@ Pieces collect(const TetMesh& mesh, Index num_sets, SetOfCell&& set_of_cell) {
 }
 
 struct Face {
-  /// Ascending.
+  /// The corners, ascending.
   std::array<Index, 3> corners;
   Index cell;
   bool operator<(const Face& other) const {
@@ -89,7 +88,7 @@ std::vector<Face> sorted_faces(const TetMesh& mesh) {
   return faces;
 }
 
-/// Whether the cell is on the side of its face to which the normal of the corners points.
+/// Whether the cell is on that side of its face to which the normal of the sorted corners points.
 bool looks_up(const TetMesh& mesh, const Face& face) {
   const Index* cell = mesh.cell(face.cell);
   const Index opposite = *std::find_if(cell, cell + 4, [&](Index p) {

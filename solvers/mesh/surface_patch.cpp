@@ -12,8 +12,8 @@
 namespace palpate {
 namespace {
 
-/// A point whose distance is the radius counts as within it whatever rounding does, so that a body
-/// in mm and the same in m have the same patches.
+/// Relative tolerance of the radius, so that a point at exactly that distance is included whatever
+/// the rounding. A body in mm and the same body in m then have the same patches.
 constexpr double kSlack = 1e-12;
 
 }  // namespace

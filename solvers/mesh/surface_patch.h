@@ -26,7 +26,7 @@ class SurfacePatches {
   std::vector<Vec3> points_;
   int nodes_per_face_;
   std::vector<Index> faces_;
-  /// The numbers of the faces at each point, point by point, and where those of each point begin.
+  /// The faces at each point, concatenated, and where those of each point begin.
   std::vector<Index> face_of_point_;
   std::vector<Index> first_face_;
 };

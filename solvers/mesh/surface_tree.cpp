@@ -13,7 +13,7 @@
 namespace palpate {
 namespace {
 
-/// Zero where v is: a triangle without an area has no say.
+/// v / |v|, or zero where v is zero: a triangle without an area then does not contribute.
 Vec3 unit(const Vec3& v) {
   const double length = v.norm();
   return length > 0 ? Vec3(v / length) : Vec3::Zero();
@@ -105,7 +105,7 @@ SurfaceTree::Nearest SurfaceTree::nearest(const Vec3& place, Index hint) const n
       result.triangle = triangle;
     }
   };
-  // Something near to begin with rules out most of the tree.
+  // A near triangle to begin with excludes most of the tree.
   visit(hint >= 0 && hint < num_triangles() ? hint : 0);
   tree_.for_near(place, best.squared_distance, visit);
   if (result.triangle < 0) return result;  // so far away that its square overflows

@@ -21,17 +21,18 @@ namespace palpate {
 class SurfaceTree {
  public:
   /// @param points Positions [num_points], m.
-  /// @param triangles Places in `points`, such that triangles look outward.
+  /// @param triangles The corners as places in `points`, ordered such that the normals point
+  ///   outward.
   /// @throws InputError the surface has no triangle, or a point of it is not finite.
   SurfaceTree(const std::vector<Vec3>& points, const std::vector<std::array<Index, 3>>& triangles);
 
   struct Nearest {
-    /// The triangle that is nearest; −1: the place is not finite.
+    /// The nearest triangle; −1 where the place is not finite.
     Index triangle = -1;
     /// The weights of the triangle's points, which add up to 1.
     Vec3 weights = Vec3::Zero();
     Vec3 point = Vec3::Zero();
-    /// The normal there, outward, of unit length.
+    /// The outward unit normal at the nearest point.
     Vec3 normal = Vec3::Zero();
     /// The distance, m; negative inside.
     double distance = 0;
@@ -42,7 +43,7 @@ class SurfaceTree {
   /// @note Realtime-safe.
   [[nodiscard]] Nearest nearest(const Vec3& place, Index hint = -1) const noexcept;
 
-  /// The number of triangles. They are numbered anew, neighbours close together.
+  /// The number of triangles. They are renumbered, so that neighbours are close together.
   [[nodiscard]] Index num_triangles() const { return static_cast<Index>(triangles_.size()); }
   /// The points of a triangle, by their places among those of the surface.
   [[nodiscard]] const std::array<Index, 3>& points_of(Index triangle) const {
@@ -63,7 +64,7 @@ class SurfaceTree {
 
   BoxTree tree_;
   std::vector<std::array<Index, 3>> triangles_;
-  /// These are in the order of triangles_, so that what a leaf needs lies together.
+  /// The arrays below are in the order of triangles_, so that the data of a leaf is contiguous.
   std::vector<Corners> corners_;
   std::vector<Vec3> face_normals_;
   /// The normals of the sides opposite to each of a triangle's points.

@@ -13,8 +13,9 @@
 namespace palpate {
 namespace {
 
-/// Below this share of the cube of its longest edge a cell has no volume: the figure of a regular
-/// tetrahedron is 0.12, of a bad but usable one 1e-4; rounding of coordinates gives 1e-15.
+/// A cell counts as having no volume below this multiple of the cube of its longest edge. The value
+/// of a regular tetrahedron is 0.12, that of a bad but usable one 1e-4; rounding of coordinates
+/// gives 1e-15.
 constexpr double kLeastRelativeVolume = 1e-12;
 
 /// The nodes of each face, outward in VTK's node order: corners a b c, midsides ab, bc, ca.

@@ -40,7 +40,7 @@ struct TetMesh {
   }
 };
 
-/// Checks indices and coordinates, and turns cells whose corners are in left-handed order round.
+/// Checks indices and coordinates, and reorders the nodes of cells that are left-handed.
 /// @throws InputError there are no cells, an index is out of range, a coordinate is not finite, or
 ///   a cell has no volume (less than 1e-12 of the cube of its longest edge). The message names the
 ///   first such point or cell, and how many there are.

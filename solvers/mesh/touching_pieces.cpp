@@ -14,12 +14,12 @@
 namespace palpate {
 namespace {
 
-/// Of the shortest edge: what lies nearer than that coincides.
+/// Distance below which points coincide, relative to the shortest edge.
 constexpr double kCoincident = 1e-3;
-/// Faces that lie on each other look against each other by at least this cosine.
+/// Two faces lie on each other only if their normals are opposite with at least this cosine.
 constexpr double kAgainst = 0.5;
 
-/// Of each point, the shortest edge of the cells that it is a node of, m [num_points].
+/// The length of the shortest edge of the cells at each point, m [num_points].
 std::vector<double> shortest_edges(const TetMesh& mesh) {
   std::vector<double> shortest(mesh.points.size(), std::numeric_limits<double>::infinity());
   for (Index c = 0; c < mesh.num_cells(); ++c) {
@@ -37,7 +37,7 @@ std::vector<double> shortest_edges(const TetMesh& mesh) {
   return shortest;
 }
 
-/// Points that coincide, of which each is of another piece.
+/// Groups of coincident points, at most one point of each piece in a group.
 class Groups {
  public:
   explicit Groups(std::vector<Index> piece_of_point)
@@ -73,14 +73,14 @@ class Groups {
   }
 
   std::vector<Index> piece_;
-  /// The first of the group of each point.
+  /// The first point of the group of each point [num_points].
   std::vector<Index> first_;
-  /// Of the first of each group, the others.
+  /// For the first point of each group, the other points of it.
   std::vector<std::vector<Index>> members_;
 };
 
 struct SurfaceFace {
-  /// Corners, then midside nodes.
+  /// The corners, then the midside nodes.
   std::vector<Index> nodes;
   Index piece;
   Vec3 normal;
@@ -190,7 +190,7 @@ class Search {
 
   const TetMesh& mesh_;
   std::vector<Index> piece_of_point_;
-  /// Of each piece 1: it touches another one.
+  /// Whether each piece touches another one: 1 or 0.
   std::vector<char> touches_;
   std::vector<SurfaceFace> faces_;
 };

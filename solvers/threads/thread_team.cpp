@@ -15,9 +15,9 @@
 namespace palpate {
 namespace {
 
-/// Other threads wait at the end of a parallel region while its first one works, and take tasks
-/// there. A loop waits only for threads that have begun with a part of it: on a machine that is
-/// busy, one that does not get a core keeps nobody.
+/// The other threads wait at the end of a parallel region while its first thread works, and execute
+/// tasks there. A loop waits only for threads that have started a part of it, so that on a busy
+/// machine a thread without a core delays nothing.
 class ThreadTeam final : public Team {
  public:
   explicit ThreadTeam(int threads) : threads_(threads) {}
@@ -61,8 +61,8 @@ class ThreadTeam final : public Team {
   int threads_;
 };
 
-/// Whether so many threads can be had beside this one, each with memory of its own. OpenMP ends the
-/// process where it cannot have one.
+/// Whether that many threads can be started beside this one, each with memory of its own. OpenMP
+/// ends the process if it cannot start one.
 bool can_start(int wanted) {
   std::mutex mutex;
   std::condition_variable end;
@@ -102,7 +102,7 @@ std::unique_ptr<Team> make_thread_team(int threads) {
   threads = std::min(threads, omp_get_thread_limit());
   if (threads <= 1 || !can_start(threads - 1)) return nullptr;
   auto team = std::make_unique<ThreadTeam>(threads);
-  // OpenMP starts its threads now, and keeps them.
+  // OpenMP starts its threads now, and reuses them.
   with_team(team.get(), [] {});
   return team;
 }

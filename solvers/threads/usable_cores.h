@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The cores that a process may run on, and those of them that are left to it by others.
+// The cores that a process may run on, and its share of them beside other processes.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@ namespace palpate {
 [[nodiscard]] std::vector<char> usable_cores();
 [[nodiscard]] int num_usable_cores();
 
-/// How many cores fall to a process where several share theirs evenly, at least 1.
+/// The number of cores for each process if several share their cores evenly, at least 1.
 /// @param all The usable cores of each process on the machine.
-/// @param own Of which of them.
+/// @param own The place in `all` of the process in question.
 [[nodiscard]] int share_of_cores(const std::vector<std::vector<char>>& all, std::size_t own);
 
 }  // namespace palpate
