@@ -94,7 +94,7 @@ struct AccuracyPoint {
 struct AccuracyResult {
   /// A row for each method and grid, of all tool spaces together.
   std::vector<AccuracyRow> rows;
-  /// The same for each tool space.
+  /// The same rows for each tool space separately.
   std::vector<AccuracyRow> rows_of_tool_spaces;
   /// The methods with all data of the space, on the whole grid; variants that are only measured for
   /// comparison are left out.

@@ -101,9 +101,9 @@ class Engine final : public Worker {
     bool has_recalled = false;
     /// Questions that came before has_recalled.
     std::vector<Question> postponed;
-    /// Of a spread tool space: its check-points that were found or given up; starts that lead
-    /// nowhere, with true for those beyond the force limit; and by start the targets that wait for
-    /// it.
+    /// The following three are for a spread tool space: its check-points that were solved or given
+    /// up; starts that lead nowhere, with true for those beyond the force limit; and the targets
+    /// that wait for each start.
     std::vector<ConfigurationSummary> known;
     std::map<CheckPoint, bool> ended;
     std::map<CheckPoint, std::vector<Target>> waiting;

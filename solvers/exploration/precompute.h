@@ -65,7 +65,7 @@ struct PrecomputeResult {
   TouchSpace space;
   /// The equilibrium of the body under its load, see Scene::settled.
   SettledBody settled;
-  /// The same on every rank.
+  /// The report is equal on every rank.
   PrecomputeReport report;
   /// On rank 0: damaged parts of the file, which were removed when the run went on from it, see
   /// StateSpaceFile::left_out().

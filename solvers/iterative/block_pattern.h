@@ -83,7 +83,7 @@ struct BlockColumns {
 ///   because there are pressures.
 [[nodiscard]] BlockPattern make_block_pattern(const SymmetricPattern& pattern);
 
-/// The same pattern in single values.
+/// The pattern of the single entries of the blocks.
 [[nodiscard]] SymmetricPattern expanded(const BlockPattern& pattern);
 
 /// All neighbours of a node, lower and higher.
