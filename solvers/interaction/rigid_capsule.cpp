@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "interaction/shape_kind.h"
 
 namespace palpate {
 namespace {
@@ -181,5 +182,45 @@ RigidShapePtr make_capsule(const Capsule& capsule) {
   }
   return std::make_shared<RoundedSegment>(capsule);
 }
+
+namespace {
+
+class SphereKind final : public ShapeKind {
+ public:
+  SphereKind() = default;
+  [[nodiscard]] ToolShape number() const override { return ToolShape::sphere; }
+  [[nodiscard]] double half_width(const RigidTool& tool) const override { return tool.radius; }
+  [[nodiscard]] double reach(const RigidTool& tool, const Vec3& /*direction*/) const override {
+    return tool.radius;
+  }
+  [[nodiscard]] std::string name(const RigidTool& tool) const override {
+    return "the sphere of radius " + quantity(tool.radius, "m");
+  }
+  [[nodiscard]] RigidShapePtr make(const RigidTool& tool) const override {
+    return make_sphere(tool.radius);
+  }
+};
+
+class CapsuleKind final : public ShapeKind {
+ public:
+  CapsuleKind() = default;
+  [[nodiscard]] ToolShape number() const override { return ToolShape::capsule; }
+  [[nodiscard]] double half_width(const RigidTool& tool) const override { return tool.radius; }
+  [[nodiscard]] double reach(const RigidTool& tool, const Vec3& direction) const override {
+    return tool.radius + 0.5 * tool.length * std::abs(tool.axis.normalized().dot(direction));
+  }
+  [[nodiscard]] std::string name(const RigidTool& tool) const override {
+    return "the capsule of radius " + quantity(tool.radius, "m") + " and length " +
+           quantity(tool.length, "m");
+  }
+  [[nodiscard]] RigidShapePtr make(const RigidTool& tool) const override {
+    return make_capsule({tool.radius, tool.length, tool.axis});
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<const ShapeKind> sphere_kind() { return std::make_unique<SphereKind>(); }
+std::unique_ptr<const ShapeKind> capsule_kind() { return std::make_unique<CapsuleKind>(); }
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "interaction/rigid_surface_check.h"
+#include "interaction/shape_kind.h"
 
 namespace palpate {
 namespace {
@@ -221,5 +222,46 @@ std::string RigidSurface::description() const {
 std::shared_ptr<const RigidSurface> make_surface_tool(ToolSurface tool) {
   return std::make_shared<const RigidSurface>(std::move(tool));
 }
+
+namespace {
+
+class SurfaceKind final : public ShapeKind {
+ public:
+  SurfaceKind() = default;
+  [[nodiscard]] ToolShape number() const override { return ToolShape::surface; }
+  [[nodiscard]] double half_width(const RigidTool& tool) const override {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& p : tool.points) box.extend(p);
+    return box.isEmpty() ? 0 : 0.5 * box.sizes().minCoeff();
+  }
+  [[nodiscard]] double reach(const RigidTool& tool, const Vec3& direction) const override {
+    double most = 0;
+    for (const Vec3& p : tool.points) most = std::max(most, p.dot(direction));
+    return most;
+  }
+  [[nodiscard]] double least_thickness(const RigidTool& tool) const override {
+    double area = 0;
+    for (const auto& [a, b, c] : tool.triangles) {
+      const Vec3& corner = tool.points[a];
+      area += 0.5 * (tool.points[b] - corner).cross(tool.points[c] - corner).norm();
+    }
+    return std::sqrt(area / kLargestAreaOfThickness);
+  }
+  [[nodiscard]] bool has_radius() const override { return false; }
+  [[nodiscard]] std::string name(const RigidTool& tool) const override {
+    return "the tool with a surface of " + std::to_string(tool.triangles.size()) + " triangles";
+  }
+  [[nodiscard]] RigidShapePtr make(const RigidTool& tool) const override {
+    ToolSurface surface;
+    surface.points = tool.points;
+    surface.triangles = tool.triangles;
+    surface.thickness = tool.law.thickness;
+    return make_surface_tool(std::move(surface));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<const ShapeKind> surface_kind() { return std::make_unique<SurfaceKind>(); }
 
 }  // namespace palpate

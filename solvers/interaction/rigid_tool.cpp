@@ -4,14 +4,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "interaction/rigid_capsule.h"
-#include "interaction/rigid_surface.h"
+#include "interaction/shape_kind.h"
 #include "mesh/resolved_length.h"
 
 namespace palpate {
@@ -67,22 +65,9 @@ double calibrated_offset(const ContactLaw& law, const Scene& scene) {
   return law.thickness * std::max(1 - share, 0.0);
 }
 
-RigidShapePtr make_shape(const RigidTool& tool) {
-  switch (tool.shape) {
-    case ToolShape::sphere: return make_sphere(tool.radius);
-    case ToolShape::capsule: return make_capsule({tool.radius, tool.length, tool.axis});
-    case ToolShape::surface: break;
-  }
-  ToolSurface surface;
-  surface.points = tool.points;
-  surface.triangles = tool.triangles;
-  surface.thickness = tool.law.thickness;
-  return make_surface_tool(std::move(surface));
-}
-
 /// A body resolves the tool, and its layer of contact is a layer.
 void check_size(const TetMesh& mesh, const RigidTool& tool, const RigidShape& shape) {
-  if (tool.shape != ToolShape::surface) {
+  if (shape_kind(tool.shape).has_radius()) {
     check_resolved(mesh, "The tool's radius (ToolRadius)", tool.radius);
   }
   check_not_too_large(
@@ -99,36 +84,15 @@ void check_size(const TetMesh& mesh, const RigidTool& tool, const RigidShape& sh
 
 }  // namespace
 
-double half_width(const RigidTool& tool) {
-  if (tool.shape != ToolShape::surface) return tool.radius;
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : tool.points) box.extend(p);
-  return box.isEmpty() ? 0 : 0.5 * box.sizes().minCoeff();
-}
+double half_width(const RigidTool& tool) { return shape_kind(tool.shape).half_width(tool); }
 
 double reach(const RigidTool& tool, const Vec3& direction) {
-  switch (tool.shape) {
-    case ToolShape::sphere: break;
-    case ToolShape::capsule:
-      return tool.radius + 0.5 * tool.length * std::abs(tool.axis.normalized().dot(direction));
-    case ToolShape::surface: {
-      double most = 0;
-      for (const Vec3& p : tool.points) most = std::max(most, p.dot(direction));
-      return most;
-    }
-  }
-  return tool.radius;
+  return shape_kind(tool.shape).reach(tool, direction);
 }
 
 double usual_thickness(const RigidTool& tool) {
-  const double of_width = kThicknessOfRadius * half_width(tool);
-  if (tool.shape != ToolShape::surface) return of_width;
-  double area = 0;
-  for (const auto& [a, b, c] : tool.triangles) {
-    const Vec3& corner = tool.points[a];
-    area += 0.5 * (tool.points[b] - corner).cross(tool.points[c] - corner).norm();
-  }
-  return std::max(of_width, std::sqrt(area / kLargestAreaOfThickness));
+  return std::max(kThicknessOfRadius * half_width(tool),
+                  shape_kind(tool.shape).least_thickness(tool));
 }
 
 RigidTool with_defaults(RigidTool tool, const Scene& scene) {
@@ -147,7 +111,7 @@ RigidTool with_defaults(RigidTool tool, const Scene& scene) {
 }
 
 RigidContact make_contact(const Scene& scene, const RigidTool& tool) {
-  RigidShapePtr shape = make_shape(tool);
+  RigidShapePtr shape = shape_kind(tool.shape).make(tool);
   validate(tool.law);
   check_size(scene.mesh, tool, *shape);
   auto surface =
@@ -156,19 +120,9 @@ RigidContact make_contact(const Scene& scene, const RigidTool& tool) {
 }
 
 std::string name_of(const RigidTool& tool) {
-  std::ostringstream text;
-  switch (tool.shape) {
-    case ToolShape::sphere: text << "the sphere of radius " << tool.radius << " m"; break;
-    case ToolShape::capsule:
-      text << "the capsule of radius " << tool.radius << " m and length " << tool.length << " m";
-      break;
-    case ToolShape::surface:
-      text << "the tool with a surface of " << tool.triangles.size() << " triangles";
-      break;
-    // A damaged file may have any number.
-    default: text << "a rigid tool of the unknown shape " << static_cast<int>(tool.shape);
-  }
-  return text.str();
+  // A damaged file may have any number.
+  if (const ShapeKind* kind = find_shape_kind(tool.shape)) return kind->name(tool);
+  return "a rigid tool of the unknown shape " + std::to_string(static_cast<int>(tool.shape));
 }
 
 double mean_youngs_modulus(const Scene& scene) { return mean_of_surface(scene, youngs_modulus); }
